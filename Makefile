@@ -40,7 +40,7 @@ LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
 
 # ---- files -----------------------------------------------------------------
 # The library is what others link with; the rooms that only commands need stand beside it, in an archive of their own.
-command_rooms := atlas bench chart cli options report rivals validate
+command_rooms := atlas bench chart cli options report rivals validate view
 all_c := $(filter-out src/base/mpi/%,$(wildcard src/*.c src/*/*.c src/*/*/*.c exporters/*/*.c))
 commands_c := $(filter $(command_rooms:%=src/%/%),$(all_c))
 lib_c := $(filter-out $(commands_c),$(all_c))
@@ -72,7 +72,7 @@ vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb
 beside := $(mpi_library) $(itk_program) $(arrays_program) $(vdb_program)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
-embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/* \
+embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/* src/*/*.glsl \
 	$(foreach suffix,html js css gp,src/*/*.$(suffix)) exporters/*/*.py exporters/*/*.inc)
 
 .PHONY: all setup demo check test help clean

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes
-#   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart opened, which take longer or time a machine,
+#   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart opened viewer, which take longer or time a machine,
 #                                        addon, in a window of Xvfb, chart-across, of the volume $ENGINE,
 #                                        and first-pictures, of volumes in the folder $VOLUMES, by ImageMagick
 # On two cores all of the first line take about a quarter of an hour. What is made on the way stays in build/figures.
@@ -40,6 +40,10 @@ levels() { # doc/blender.md
         --material physical -q -o "$work/lit.blend"
     blender -b "$work/lit.blend" -P refscenes/lamps.py >/dev/null
     cp "$work/brain_lit.jpg" "$out"
+}
+viewer() { # doc/viewer.md
+    "$isoshade" view $templates/ch2bet.nii.gz --scene refscenes/hero.scene.json -q -o "$work/viewer.html"
+    python3 tests/view_page.py shot "$work/viewer.html" "$out/viewer.jpg"
 }
 opened() { # doc/blender.md: the window of Blender by Xvfb, and ImageMagick's import
     "$isoshade" export $templates/ch2bet.nii.gz --to blender --scene refscenes/hero.scene.json --level 1 --size 400x330 \
@@ -112,7 +116,7 @@ first_pictures() { # doc/results/first-pictures.md, which says where the volumes
 [ $# -gt 0 ] || set -- hero sheet report levels roi adaptive-tf seams failures palettes
 for name in "$@"; do
     case $name in
-        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | chart-across | addon | first-pictures | opened) ;;
+        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | chart-across | addon | first-pictures | opened | viewer) ;;
         *) echo "figures: no \"$name\" among them" >&2; exit 2 ;;
     esac
     echo "figures: $name"

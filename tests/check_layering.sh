@@ -29,6 +29,7 @@ plan:       $shared render compare
 bake:       $shared render vdb
 targets:    $shared render vdb povray blender compare plan bake
 report:     base image compare
+view:       $shared
 library:    $shared render vdb povray blender renderers compare plan bake targets
 validate:   $shared render renderers compare bake targets report
 chart:      $shared render renderers compare plan report
@@ -36,7 +37,7 @@ options:    $shared
 atlas:      $shared render compare report options
 rivals:     $shared render
 bench:      $shared render vdb povray blender renderers compare plan report validate options rivals
-cli:        $shared render vdb povray blender renderers compare plan bake targets report validate chart options atlas rivals bench
+cli:        $shared render vdb povray blender renderers compare plan bake targets report view validate chart options atlas rivals bench
 "
 rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")
 declare -A may # of each room: what it may include, itself too, each between blanks

@@ -15,6 +15,7 @@
     X(palette) \
     X(tf) \
     X(render) \
+    X(view) \
     X(scenes) \
     X(plan) \
     X(export) \

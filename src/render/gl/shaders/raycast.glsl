@@ -19,6 +19,8 @@
 //     EXTINCTION_SCALE           where its bytes are, a name of variants.h
 //     BRICKS, PAGES              a cache of bricks, and how many textures hold it
 //     TRANSITION                 with BRICKS whose samples lie inside them: transition.glsl; else undefined
+//     FILTERED_BY_HAND           floats that the texture unit does not filter (WebGL2 on some telephones); else undefined
+// In WebGL2 es.glsl stands before this file: doubles are floats there, and the rests that they leave are 0.
 #include "variants.h"
 
 uniform dvec2 image_size;
@@ -99,28 +101,28 @@ struct Ray {
 Ray pixel_ray()
 {
     // Row 0 is the top of the image and the first row of the target.
-    dvec2 p = (2.0lf * dvec2(gl_FragCoord.xy) - image_size) / image_size * dvec2(half_image.x, -half_image.y);
+    dvec2 p = (2.0 * dvec2(gl_FragCoord.xy) - image_size) / image_size * dvec2(half_image.x, -half_image.y);
     dvec3 offset = p.x * right + p.y * up;
-    dvec3 world = orthographic ? forward : (forward + offset) / sqrt(1.0lf + dot(p, p));
+    dvec3 world = orthographic ? forward : (forward + offset) / sqrt(1.0 + dot(p, p));
     dvec3 origin = orthographic ? position_index + to_index * offset : position_index;
     dvec3 direction = to_index * world;
 
-    dvec3 safe = mix(direction, dvec3(1e-30lf), lessThan(abs(direction), dvec3(1e-30lf)));
+    dvec3 safe = mix(direction, dvec3(1e-30), lessThan(abs(direction), dvec3(1e-30)));
     dvec3 a = -origin / safe, b = (box_index - origin) / safe, near = min(a, b), far = max(a, b);
-    double t0 = max(max(near.x, near.y), max(near.z, 0.0lf)), t1 = min(min(far.x, far.y), far.z);
+    double t0 = max(max(near.x, near.y), max(near.z, 0.0)), t1 = min(min(far.x, far.y), far.z);
     for (int i = 0; i < clip_count; ++i) {
         double above = dot(clip_planes[i].xyz, origin) - clip_planes[i].w, rate = dot(clip_planes[i].xyz, direction);
-        if (rate > 0.0lf)
+        if (rate > 0.0)
             t0 = max(t0, -above / rate);
-        else if (rate < 0.0lf)
+        else if (rate < 0.0)
             t1 = min(t1, -above / rate);
-        else if (above < 0.0lf)
+        else if (above < 0.0)
             t1 = t0;
     }
     double first = floor(t0 / step_mm);
 
     Ray ray;
-    dvec3 start = (origin + (first + 0.5lf) * step_mm * direction) * index_scale + index_offset;
+    dvec3 start = (origin + (first + 0.5) * step_mm * direction) * index_scale + index_offset;
     dvec3 stride = step_mm * direction * index_scale;
     ray.start = vec3(start);
     ray.stride = vec3(stride);
@@ -157,7 +159,7 @@ Segment segment(Ray ray, float k)
     s.p = point_of(ray, k + 0.5 * (front - back));
     s.part = 1.0 - front - back;
 #if EXACT
-    exact_p = exact_start + (double(k) + 0.5lf * (double(front) - double(back))) * exact_stride;
+    exact_p = exact_start + (double(k) + 0.5 * (double(front) - double(back))) * exact_stride;
     rounded_p = s.p;
 #endif
 #if PREINTEGRATED
@@ -222,11 +224,11 @@ vec4 address(vec3 p)
 dvec4 fetch_exactly(sampler3D texels, vec3 p)
 {
     ivec3 last = textureSize(texels, 0) - 1;
-    dvec3 q = clamp((exact_p + dvec3(p - rounded_p)) * dvec3(last + 1) - 0.5lf, dvec3(0.0lf), dvec3(last)), lo = floor(q);
-    dvec4 sum = dvec4(0.0lf);
+    dvec3 q = clamp((exact_p + dvec3(p - rounded_p)) * dvec3(last + 1) - 0.5, dvec3(0.0), dvec3(last)), lo = floor(q);
+    dvec4 sum = dvec4(0.0);
     for (int c = 0; c < 8; ++c) {
         ivec3 corner = ivec3(c & 1, c >> 1 & 1, c >> 2);
-        dvec3 w = mix(1.0lf - (q - lo), q - lo, dvec3(corner));
+        dvec3 w = mix(1.0 - (q - lo), q - lo, dvec3(corner));
         sum += w.x * w.y * w.z * dvec4(texelFetch(texels, min(ivec3(lo) + corner, last), 0));
     }
     return sum;
@@ -239,6 +241,19 @@ double label_exactly(sampler3D texels, vec3 p)
     ivec3 last = textureSize(texels, 0) - 1;
     dvec3 q = (exact_p + dvec3(p - rounded_p)) * dvec3(last + 1);
     return double(texelFetch(texels, clamp(ivec3(floor(q)), ivec3(0), last), 0).r);
+}
+#elif defined FILTERED_BY_HAND
+vec4 fetch(sampler3D texels, vec3 p)
+{
+    ivec3 last = textureSize(texels, 0) - 1;
+    vec3 q = clamp(p * vec3(last + 1) - 0.5, vec3(0.0), vec3(last)), lo = floor(q);
+    vec4 sum = vec4(0.0);
+    for (int c = 0; c < 8; ++c) {
+        ivec3 corner = ivec3(c & 1, c >> 1 & 1, c >> 2);
+        vec3 w = mix(1.0 - (q - lo), q - lo, vec3(corner));
+        sum += w.x * w.y * w.z * texelFetch(texels, min(ivec3(lo) + corner, last), 0);
+    }
+    return sum;
 }
 #elif !defined TRANSITION
 vec4 fetch(sampler3D texels, vec3 p) { return textureLod(texels, p, 0.0); }
@@ -273,7 +288,7 @@ float scalar_at(vec3 p) { return fetch_scalar(p).r; }
 uniform dvec2 tf_exact; // tf_scale and tf_offset
 vec4 tf_row(double s, int row)
 {
-    double x = clamp(s * tf_exact.x + tf_exact.y, 0.0lf, double(tf_count - 1));
+    double x = clamp(s * tf_exact.x + tf_exact.y, 0.0, double(tf_count - 1));
     int i = min(int(x), tf_count - 2);
     return mix(texelFetch(tf, ivec2(i, row), 0), texelFetch(tf, ivec2(i + 1, row), 0), float(x - double(i)));
 }

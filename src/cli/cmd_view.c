@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT */
+/* cmd_view.c - a volume as one page, to look at and to choose transfer function, camera and level with. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "options/cli.h"
+#include "options/input.h"
+#include "options/look.h"
+#include "options/visible.h"
+#include "scene/viewpoint.h"
+#include "tf/presets.h"
+#include "view/viewer.h"
+
+/* Of level 0 of a page: half a gigabyte of textures, which graphics cards and telephones hold. */
+#define MOST_VOXELS 32e6
+enum { LEVELS = 5, COARSEST = 16 }; /* a level is made while the longest side of it has so many voxels */
+
+typedef struct view_arguments {
+    iso_volume_input input;
+    iso_cli_look look;
+    char *output, *codes;
+    int level, levels, floats, adapted;
+    double most;
+} view_arguments;
+
+static iso_status take_codes(const view_arguments *a, const iso_pyramid_options *build, bool is_pyramid, iso_viewer *v,
+                             iso_error *err)
+{
+    iso_status status = ISO_OK;
+    char *list = strdup(a->codes ? a->codes : iso_code_describe(build->code)->name), *rest = list;
+    if (!list)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    v->code_count = 0;
+    for (char *name; (name = strsep(&rest, ",")) && status == ISO_OK;) {
+        if (strcmp(name, "none") == 0 && !rest && v->code_count == 0)
+            break;
+        if (v->code_count == ISO_VIEWER_CODES)
+            status = iso_fail(err, ISO_E_USAGE, "--code: more than %d codes", ISO_VIEWER_CODES);
+        else if (iso_code_from_name(name, &v->codes[v->code_count], err) != ISO_OK)
+            status = iso_fail_in(err, ISO_E_USAGE, "--code");
+        else if (!iso_code_describe(v->codes[v->code_count])->is_textured)
+            status = iso_fail(err, ISO_E_USAGE, "--code %s: is not filtered by a texture, so no page has it", name);
+        else
+            ++v->code_count;
+    }
+    (void)is_pyramid;
+    free(list);
+    return status;
+}
+
+/* The levels that go in: the finest that is small enough, unless one is asked for, down to a thumbnail. */
+static iso_status choose_levels(const view_arguments *a, const iso_pyramid *p, iso_viewer *v, iso_error *err)
+{
+    if (a->level >= 0 && (size_t)a->level >= p->level_count)
+        return iso_fail(err, ISO_E_RANGE, "--level %d: the pyramid has levels 0 to %zu", a->level, p->level_count - 1);
+    v->first = a->level > 0 ? (size_t)a->level : 0;
+    while (a->level < 0 && v->first + 1 < p->level_count &&
+           (double)iso_geometry_voxel_count(&p->levels[v->first].geometry) > a->most)
+        ++v->first;
+    const double voxels = (double)iso_geometry_voxel_count(&p->levels[v->first].geometry);
+    if (voxels > a->most)
+        return iso_fail(err, ISO_E_RANGE,
+                        "level %zu has %.3g voxels, a page is asked to hold %.3g at most: --most-voxels N or a coarser --level",
+                        v->first, voxels, a->most);
+    v->last = v->first;
+    while (v->last + 1 < p->level_count && v->last + 1 < v->first + (size_t)a->levels) {
+        const size_t *size = p->levels[v->last + 1].geometry.size;
+        if (size[0] < COARSEST && size[1] < COARSEST && size[2] < COARSEST)
+            break;
+        ++v->last;
+    }
+    return ISO_OK;
+}
+
+static void report(const view_arguments *a, const iso_cli *cli, const iso_viewer *v, const iso_viewer_size *size)
+{
+    const size_t *n = v->pyramid->levels[v->first].geometry.size;
+    if (cli->json) {
+        json_t *root = iso_cli_json(cli);
+        json_object_update_new(root, json_pack("{s:s, s:I, s:I, s:I, s:I, s:[I,I,I], s:I, s:f}", "page", a->output,
+                                               "page_bytes", (json_int_t)size->page_bytes, "data_bytes",
+                                               (json_int_t)size->data_bytes, "voxel_bytes",
+                                               (json_int_t)size->voxel_bytes, "level", (json_int_t)v->first,
+                                               "level_size", (json_int_t)n[0], (json_int_t)n[1], (json_int_t)n[2],
+                                               "level_count", (json_int_t)(v->last - v->first + 1), "quantum",
+                                               size->quantum));
+        iso_cli_print_json(root);
+        return;
+    }
+    if (cli->quiet)
+        return;
+    printf("%s: levels %zu to %zu, the finest %zu x %zu x %zu, %.3g MB (%.3g kB of it the page itself)\n", a->output,
+           v->first, v->last, n[0], n[1], n[2], (double)size->page_bytes / 1e6,
+           (double)(size->page_bytes - size->data_bytes) / 1e3);
+    if (a->level < 0 && v->first > 0)
+        printf("level 0 has more than %.3g voxels: it is not in the page (--most-voxels)\n", a->most);
+}
+
+static iso_status check(const view_arguments *a, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    if (!a->output)
+        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the page to write, .html");
+    if (status == ISO_OK)
+        status = iso_words_check_range("--level", a->level, -1, 31, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--levels", a->levels, 1, 16, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--most-voxels", a->most, 1, 1e9, err);
+    return status;
+}
+
+static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    const char *path = cli->arguments[0];
+    const bool is_pyramid = iso_pyramid_is_one(path);
+    const iso_cli_stage stages[] = {{"pyramid", 1}, {"pack", 3}};
+    iso_progress progress = iso_cli_progress(cli);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_pyramid pyramid = {0};
+    iso_scene scene = {0};
+    iso_subject_look look;
+    iso_viewer v = {.pyramid = &pyramid, .scene = &scene, .floats = a->floats, .adapted = a->adapted,
+                    .threads = cli->threads, .title = iso_path_base(path), .folder = is_pyramid ? path : NULL};
+    iso_viewer_size size;
+    iso_status status = check(a, err);
+    iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
+    build.threads = cli->threads;
+    build.level_count = (size_t)(a->level > 0 ? a->level : 0) + (size_t)a->levels;
+    if (status == ISO_OK)
+        status = take_codes(a, &build, is_pyramid, &v, err);
+    build.code = v.code_count > 0 ? v.codes[0] : build.code;
+    build.keep_float = v.code_count > 1;
+    if (status == ISO_OK)
+        status = iso_cli_look_check(&a->look, cli->threads, &look, err);
+    if (status == ISO_OK)
+        status = iso_subject_load_pyramid(path, &a->input, &build, &progress, &pyramid, err);
+    if (status == ISO_OK && is_pyramid && !a->codes)
+        v.codes[0] = pyramid.options.code;
+    if (status == ISO_OK)
+        status = choose_levels(a, &pyramid, &v, err);
+    if (status == ISO_OK)
+        status = iso_subject_make_scene(&look, &pyramid, &scene, err);
+    if (status == ISO_OK)
+        status = iso_viewer_save(&v, a->output, &progress, &size, err);
+    if (status == ISO_OK)
+        report(a, cli, &v, &size);
+    iso_scene_destroy(&scene);
+    iso_pyramid_destroy(&pyramid);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    view_arguments a = {.level = -1, .levels = LEVELS, .most = MOST_VOXELS};
+    iso_volume_input_defaults(&a.input);
+    struct poptOption options[] = {
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the page to write", "VIEW.html"},
+        ISO_CLI_LOOK_OPTIONS(&a.look),
+        {"level", 0, POPT_ARG_INT, &a.level, 0, "the finest level that goes in (the finest that is small enough)", "K"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "levels that go in, with that one", "N"},
+        {"most-voxels", 0, POPT_ARG_DOUBLE, &a.most, 0, "of the finest level (32e6)", "N"},
+        {"code", 0, POPT_ARG_STRING, &a.codes, 0,
+         "direction codes to choose from in the page; none: gradients on the fly alone, and a smaller page", "CODE,.."},
+        {"float", 0, POPT_ARG_NONE, &a.floats, 0,
+         "levels that are stored in floats as they are, not in 16 bits over their range: pages of twice the size", NULL},
+        {"adapt", 0, POPT_ARG_NONE, &a.adapted, 0, "begin with transfer functions adapted to coarse levels", NULL},
+        ISO_CLI_INPUT_OPTIONS(&a.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = view(&a, &cli, err);
+    iso_cli_end(&cli);
+    free(a.output);
+    free(a.codes);
+    return status;
+}
+
+const iso_command iso_command_view = {
+    .name = "view",
+    .summary = "a volume as one page for a browser: look, choose transfer function, camera and level, save the scene",
+    .min_arguments = 1,
+    .max_arguments = 1,
+    .usage = "VOLUME|PYRAMID.iso -o VIEW.html [--scene SCENE.scene.json] [options]",
+    .details =
+        "The page needs no network, no server and no other file. It draws with WebGL2, by the shaders of the ray caster\n"
+        "(render --with gl), and saves scene.json and tf.json, which every other command takes. Levels are drawn as they are read,\n"
+        "the coarsest first. Shading is by the pyramid's direction codes or by gradients on the fly.",
+    .examples = "  isoshade make shells --size 48x44x40 -o shells.nrrd\n"
+                "  isoshade view shells.nrrd -o shells.html\n"
+                "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --code fit,region48 --adapt -o shells.html\n",
+    .lists = (const iso_names *const[]){&iso_code_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    .run = run,
+};

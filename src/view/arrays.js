@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// arrays.js - the page's arrays: from base64 text to numbers, as pack.h wrote them.
+const fromBase64 = text => {
+    if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+    const binary = atob(text), bytes = new Uint8Array(binary.length);
+    for (let i = 0; i < bytes.length; ++i) bytes[i] = binary.charCodeAt(i);
+    return bytes;
+};
+const inflate = async bytes =>
+    new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'))).arrayBuffer());
+
+// The bytes of one weight together become numbers, component after component; then differences are summed up.
+const numbersOf = (packed, d) => {
+    const {count, components, bytes: width} = d;
+    const numbers = new [Uint8Array, Uint16Array, , Uint32Array][width - 1](count * components);
+    for (let c = 0, plane = 0; c < components; ++c) {
+        for (let weight = 0; weight < width; ++weight, plane += count)
+            if (weight === 0) for (let i = 0, at = c; i < count; ++i, at += components) numbers[at] = packed[plane + i];
+            else for (let i = 0, at = c; i < count; ++i, at += components) numbers[at] += packed[plane + i] * 2 ** (8 * weight);
+        if (d.delta) for (let i = 1, at = c + components; i < count; ++i, at += components) numbers[at] += numbers[at - components];
+    }
+    return numbers;
+};
+
+// Of the element that holds it; its text is dropped, since the page would keep it beside the numbers.
+const readArray = async d => {
+    const element = document.getElementById(d.array), packed = await inflate(fromBase64(element.textContent));
+    element.remove();
+    if (packed.length !== d.count * d.components * d.bytes) throw new Error(`${d.array}: ${packed.length} bytes, not as many as it says`);
+    const numbers = numbersOf(packed, d);
+    return d.kind === 'float' ? new Float32Array(numbers.buffer) : numbers;
+};
+const megabytes = bytes => bytes >= 995e4 ? `${Math.round(bytes / 1e6)} MB` : bytes >= 995e2 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.max(1, Math.round(bytes / 1e3))} kB`;

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// caster.js - one picture of one level by raycast.glsl: what raycaster.c and gl_uniforms.c do.
+//
+// A request: {level, code: name or null for differences of the scalar, adapted, tf, camera, lights, shading, background,
+// clips, step, width, height}; the level's textures are made when they are first asked for.
+const onTheFlyEps = 1e-4; // ISO_ON_THE_FLY_EPS
+
+const makeCaster = (context, data) => {
+    const {gl} = context, level0 = data.geometry0, meanSpacing = data.mean_spacing_mm, tables = new Map();
+
+    // A level's table of a transfer function, its texture and which bricks it shows; the last few are kept.
+    const tableOf = (level, tf, adapted) => {
+        const key = `${level.level} ${adapted} ${JSON.stringify(tf)}`;
+        if (tables.has(key)) return tables.get(key);
+        let table = tabulate(tf, data.value_range, meanSpacing);
+        if (adapted && level.adapter) table = adaptTable(level.adapter, table, meanSpacing);
+        const ranges = level.ranges ??= brickRanges(level.numbers, level.size);
+        const occupancy = occupancyOf(ranges, level.scalar, table), made = {...table, skip: occupancy.part <= skipOccupied, part: occupancy.part};
+        made.texture = uploadTable(context, table);
+        if (made.skip) made.occupancy = uploadOccupancy(context, occupancy);
+        tables.set(key, made);
+        if (tables.size > 6) {
+            const [oldest, old] = tables.entries().next().value;
+            gl.deleteTexture(old.texture);
+            if (old.occupancy) gl.deleteTexture(old.occupancy);
+            tables.delete(oldest);
+        }
+        return made;
+    };
+    const scalarOf = level => level.scalarTexture ??= uploadScalar(context, level);
+    const codeOf = (level, name) => {
+        const code = level.codes.find(c => c.name === name);
+        if (code) code.texture ??= uploadCodes(context, level, code);
+        return code;
+    };
+
+    const setCamera = (program, q, g) => {
+        const axes = axesOf(q.camera), {width, height} = q, half = q.camera.half, clips = q.clips.map(c => clipInIndex(c, level0, g));
+        program.mat3('to_index', inverse(g.index_to_world));
+        program.vec2('image_size', [width, height]);
+        program.vec2('half_image', [half * width / height, half]);
+        program.int('orthographic', q.camera.orthographic);
+        for (const name of ['forward', 'right', 'up']) program.vec3(name, axes[name]);
+        program.vec3('position_index', toIndex(g, q.camera.position));
+        program.vec3('box_index', g.box_index);
+        program.float('step_mm', q.step * Math.min(...spacings(g)));
+        program.vec3('index_scale', g.size.map(n => 1 / n));
+        program.vec3('index_offset', [0, 0, 0]);
+        program.int('clip_count', clips.length);
+        if (clips.length) program.vec4('clip_planes[0]', clips.flat());
+        const lights = q.lights.map(l => lightInWorld(l, axes));
+        if (lights.length) program.vec3('light_direction[0]', lights.flat());
+        if (lights.length) program.floats('light_intensity[0]', q.lights.map(l => l.intensity ?? 1));
+        program.vec4('shading', [q.shading.ambient, q.shading.diffuse, q.shading.specular ?? 0, q.shading.power ?? 20]);
+        program.vec3('background', q.background);
+    };
+    const setField = (program, level, scalar, code, table) => {
+        const g = level, entries = (table.count - 1) / (table.hi - table.lo), range = level.max - level.min;
+        program.int('scalar', 0);
+        program.int('tf', 1);
+        program.int('directions', 2);
+        program.int('occupancy', 3);
+        program.float('tf_scale', scalar.perTexel * entries);
+        program.float('tf_offset', (level.scalar.zero - table.lo) * entries);
+        program.int('tf_count', table.count);
+        program.vec3('voxel', g.size.map(n => 1 / n));
+        program.vec3('bricks_per_volume', g.size.map(n => n / brickVoxels));
+        if (code) {
+            program.float('direction_scale', code.texture.scale);
+            program.float('direction_offset', code.texture.offset);
+        }
+        const factor = range > 0 ? 0.5 * scalar.perTexel * Math.min(...spacings(g)) / range : 0;
+        program.mat3('gradient_to_world', transpose(inverse(g.index_to_world)).map(row => scale(row, factor)));
+        program.float('on_the_fly_eps', onTheFlyEps);
+    };
+    const bind = (unit, kind, texture) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(kind, texture); };
+
+    // Draws the rows [from, to) of the target and waits until they are there; the milliseconds that took.
+    const draw = (q, target, from = 0, to = target.height) => {
+        const {level} = q, scalar = scalarOf(level), code = q.code ? codeOf(level, q.code) : null, table = tableOf(level, q.tf, q.adapted);
+        const program = context.program(['code_decode.h', 'raycast.glsl'], {
+            DIRECTION_SOURCE: code ? 'SOURCE_CODES' : 'SOURCE_ON_THE_FLY', DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR',
+            OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length, SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0,
+            SKIP_EMPTY: Number(table.skip), PREINTEGRATED: 0, EXACT: 0, ROI: 0, BRICKS: 0, TF_2D_ROWS: 0, EXTINCTION_SCALE: 'SCALE_NONE',
+            PAGES: 1, FILTERED_BY_HAND: scalar.byHand ? 1 : undefined,
+        });
+        program.use();
+        setCamera(program, {...q, width: target.width, height: target.height}, level);
+        setField(program, level, scalar, code, table);
+        bind(0, gl.TEXTURE_3D, scalar.texture);
+        bind(1, gl.TEXTURE_2D, table.texture);
+        if (code) bind(2, gl.TEXTURE_3D, code.texture.texture);
+        if (table.skip) bind(3, gl.TEXTURE_3D, table.occupancy);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, target.frame);
+        gl.viewport(0, 0, target.width, target.height);
+        gl.enable(gl.SCISSOR_TEST);
+        gl.scissor(0, from, target.width, to - from);
+        const start = performance.now();
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+        gl.disable(gl.SCISSOR_TEST);
+        context.read(target, 0, from, 1, 1);
+        return performance.now() - start;
+    };
+    const bytes = () => data.levels.reduce((sum, l) => sum + (l.scalarTexture?.bytes ?? 0) + (l.codes || []).reduce((s, c) => s + (c.texture?.bytes ?? 0), 0), 0);
+    return {draw, bytes, tableOf};
+};

@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT */
+#include "view/contents.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/version.h"
+#include "tf/histogram.h"
+#include "tf/presets.h"
+
+/* ---- scalars ------------------------------------------------------------------------------------------------------ */
+
+/* value = zero + number * step */
+typedef struct scalar_form {
+    const char *kind; /* "integer", "quantised", "float" */
+    const float *values;
+    double zero, step;
+    size_t width; /* bytes */
+} scalar_form;
+
+static bool is_small_integer(iso_type type)
+{
+    return type == ISO_U8 || type == ISO_I8 || type == ISO_U16 || type == ISO_I16;
+}
+
+static scalar_form form_of(const iso_level *level, bool floats)
+{
+    const double range = level->max - level->min;
+    scalar_form f = {.values = level->scalar, .zero = level->min};
+    if ((is_small_integer(level->stored_type) || level->labels) && range <= 65535) {
+        f.kind = "integer";
+        f.step = 1;
+        f.width = range <= 255 ? 1 : 2;
+    } else if (floats) {
+        f.kind = "float"; /* (value - min) / range, as the ray caster's textures have it */
+        f.step = range > 0 ? range : 1;
+        f.width = 4;
+    } else {
+        f.kind = "quantised";
+        f.step = range > 0 ? range / 65535 : 1;
+        f.width = 2;
+    }
+    return f;
+}
+
+static uint32_t scalar_number(const void *of, size_t i, size_t c)
+{
+    const scalar_form *f = of;
+    const double x = ((double)f->values[i] - f->zero) / f->step;
+    (void)c;
+    if (f->width < 4)
+        return (uint32_t)lrint(x);
+    uint32_t bits;
+    const float part = (float)x;
+    memcpy(&bits, &part, sizeof bits);
+    return bits;
+}
+
+static uint32_t code_byte(const void *of, size_t i, size_t c)
+{
+    return ((const uint8_t *)of)[3 * i + c];
+}
+
+static uint32_t word(const void *of, size_t i, size_t c)
+{
+    (void)c;
+    return ((const uint32_t *)of)[i];
+}
+
+/* Packs an array under a name, and says in `json` how to unpack it. */
+static iso_status add_array(iso_contents *contents, const char *name, const iso_pack_array *array, json_t *json,
+                            iso_error *err)
+{
+    struct iso_contents_array *slot = &contents->arrays[contents->count];
+    snprintf(slot->name, sizeof slot->name, "%s", name);
+    iso_status status = iso_pack(array, &slot->packed, err);
+    if (status != ISO_OK)
+        return status;
+    const size_t bytes = array->count * array->components * array->width;
+    json_object_update_new(json, json_pack("{s:s, s:I, s:I, s:I, s:b, s:I}", "array", name, "count",
+                                           (json_int_t)array->count, "components", (json_int_t)array->components,
+                                           "bytes", (json_int_t)array->width, "delta", slot->packed.delta, "packed",
+                                           (json_int_t)slot->packed.size));
+    contents->size.voxel_bytes += bytes;
+    ++contents->count;
+    return ISO_OK;
+}
+
+static iso_status add_scalar(const iso_viewer *v, size_t k, iso_contents *contents, json_t *json, iso_error *err)
+{
+    const iso_level *level = &v->pyramid->levels[k];
+    const scalar_form f = form_of(level, v->floats);
+    char name[48];
+    snprintf(name, sizeof name, "level-%zu-scalar", k);
+    json_t *scalar = json_pack("{s:s, s:f, s:f}", "kind", f.kind, "zero", f.zero, "step", f.step);
+    json_object_set_new(json, "scalar", scalar);
+    if (strcmp(f.kind, "quantised") == 0)
+        contents->size.quantum = 1.0 / 65535;
+    return add_array(contents, name,
+                     &(iso_pack_array){iso_geometry_voxel_count(&level->geometry), 1, f.width, scalar_number, &f},
+                     scalar, err);
+}
+
+/* ---- directions --------------------------------------------------------------------------------------------------- */
+
+static const char *const decoder_names[] = {
+    "ISO_DECODER_LINEAR", "ISO_DECODER_REGION48", "ISO_DECODER_UNIT", "ISO_DECODER_OCT", "ISO_DECODER_SQUEEZE",
+};
+
+static iso_status add_code(const iso_viewer *v, size_t k, iso_code code, iso_contents *contents, json_t *list,
+                           iso_error *err)
+{
+    const iso_level *level = &v->pyramid->levels[k];
+    const iso_code_info *info = iso_code_describe(code);
+    const size_t count = iso_geometry_voxel_count(&level->geometry);
+    uint8_t *made = NULL;
+    char name[48];
+    if (code != v->pyramid->options.code) {
+        if (!level->directions || !info->is_textured)
+            return iso_fail(err, ISO_E_USAGE,
+                            "--code %s: the pyramid has %s and no floats to encode (isoshade build --keep-float)",
+                            info->name, iso_code_describe(v->pyramid->options.code)->name);
+        made = malloc(3 * count);
+        if (!made)
+            return iso_fail(err, ISO_E_MEMORY, "no memory for %zu codes", count);
+        iso_code_encode(code, level->directions, made, count);
+    }
+    snprintf(name, sizeof name, "level-%zu-%s", k, info->name);
+    json_t *json = json_pack("{s:s, s:b, s:s}", "name", info->name, "signed", info->is_signed, "decoder",
+                             decoder_names[info->decoder]);
+    json_array_append_new(list, json);
+    iso_status status = add_array(contents, name,
+                                  &(iso_pack_array){count, 3, 1, code_byte, made ? made : level->codes}, json, err);
+    free(made);
+    return status;
+}
+
+static iso_status add_codes(const iso_viewer *v, size_t k, iso_contents *contents, json_t *json, iso_error *err)
+{
+    json_t *list = json_array();
+    iso_status status = ISO_OK;
+    json_object_set_new(json, "codes", list);
+    for (size_t i = 0; i < v->code_count && status == ISO_OK; ++i)
+        status = add_code(v, k, v->codes[i], contents, list, err);
+    return status;
+}
+
+/* ---- joint histograms --------------------------------------------------------------------------------------------- */
+
+static json_t *bins_json(const iso_bins *bins)
+{
+    return json_pack("{s:I, s:f, s:f}", "count", (json_int_t)bins->count, "lo", bins->lo, "step", bins->step);
+}
+
+/* Words: the entries of each row, then each entry's bin, then its count. */
+static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *contents, json_t *json, iso_error *err)
+{
+    iso_joint joint = {0};
+    const iso_joint_key key = {k, 8, ISO_SECOND_VALUE_NONE};
+    char name[48];
+    if (k == 0 || v->pyramid->levels[0].labels || !v->pyramid->levels[0].scalar)
+        return ISO_OK;
+    iso_status status = iso_joint_obtain(v->pyramid, v->folder, &key, v->threads, &joint, err);
+    if (status != ISO_OK)
+        return status;
+    const size_t rows = joint.s.count, entries = joint.entry_count;
+    uint32_t *words = malloc((rows + 2 * entries + 1) * sizeof *words);
+    for (size_t i = 0; words && i < rows; ++i)
+        words[i] = (uint32_t)(joint.row_start[i + 1] - joint.row_start[i]);
+    for (size_t i = 0; words && i < entries; ++i) {
+        words[rows + i] = joint.entry_z[i];
+        words[rows + entries + i] = (uint32_t)joint.entry_count_of[i];
+    }
+    json_t *object = json_pack("{s:o, s:o, s:I}", "z", bins_json(&joint.z), "s", bins_json(&joint.s), "entries",
+                               (json_int_t)entries);
+    json_object_set_new(json, "joint", object);
+    snprintf(name, sizeof name, "level-%zu-joint", k);
+    status = words ? add_array(contents, name, &(iso_pack_array){rows + 2 * entries, 1, 4, word, words}, object, err)
+                   : iso_fail(err, ISO_E_MEMORY, "no memory for a joint histogram of %zu entries", entries);
+    free(words);
+    iso_joint_destroy(&joint);
+    return status;
+}
+
+/* ---- levels ------------------------------------------------------------------------------------------------------- */
+
+static json_t *geometry_json(const iso_geometry *g)
+{
+    json_t *rows = json_array();
+    for (int i = 0; i < 3; ++i)
+        json_array_append_new(rows, iso_json_numbers(g->index_to_world.m[i], 3));
+    const double origin[3] = {g->origin_mm.x, g->origin_mm.y, g->origin_mm.z};
+    return json_pack("{s:[I,I,I], s:o, s:o, s:o}", "size", (json_int_t)g->size[0], (json_int_t)g->size[1],
+                     (json_int_t)g->size[2], "index_to_world", rows, "origin_mm", iso_json_numbers(origin, 3),
+                     "box_index", iso_json_numbers(g->box_index, 3));
+}
+
+static iso_status add_level(const iso_viewer *v, size_t k, iso_contents *contents, json_t *list, iso_error *err)
+{
+    const iso_level *level = &v->pyramid->levels[k];
+    json_t *json = geometry_json(&level->geometry);
+    json_object_update_new(json, json_pack("{s:I, s:f, s:f, s:b}", "level", (json_int_t)k, "min", level->min, "max",
+                                           level->max, "labels", level->labels));
+    json_array_append_new(list, json);
+    iso_status status = add_scalar(v, k, contents, json, err);
+    if (status == ISO_OK)
+        status = add_codes(v, k, contents, json, err);
+    if (status == ISO_OK)
+        status = add_joint(v, k, contents, json, err);
+    return status;
+}
+
+/* ---- transfer functions to choose from ---------------------------------------------------------------------------- */
+
+static iso_status add_presets(const iso_viewer *v, json_t *root, iso_error *err)
+{
+    const iso_level *level0 = &v->pyramid->levels[0];
+    iso_survey *survey = NULL;
+    json_t *list = json_array();
+    json_object_set_new(root, "presets", list);
+    if (level0->labels || !level0->scalar)
+        return ISO_OK;
+    iso_status status = iso_survey_make(level0, v->threads, &survey, err);
+    for (size_t row = 0; row < iso_tf_preset_names.count && status == ISO_OK; ++row) {
+        iso_tf tf = {0};
+        const char *name = iso_names_name(&iso_tf_preset_names, row);
+        status = iso_tf_of_level(name, &(iso_tf_request){0}, survey, level0, v->threads, &tf, err);
+        if (status == ISO_OK)
+            json_array_append_new(list, json_pack("{s:s, s:s, s:o}", "name", name, "summary",
+                                                  iso_names_summary(&iso_tf_preset_names, row), "tf",
+                                                  iso_tf_to_json(&tf)));
+        iso_tf_destroy(&tf);
+    }
+    free(survey);
+    return status;
+}
+
+iso_status iso_contents_make(const iso_viewer *v, const iso_progress *progress, iso_contents *contents, iso_error *err)
+{
+    const iso_geometry *level0 = &v->pyramid->levels[0].geometry;
+    memset(contents, 0, sizeof *contents);
+    json_t *levels = json_array(), *codes = json_array();
+    json_t *root = contents->root =
+        json_pack("{s:s, s:s, s:s, s:[f,f], s:f, s:b, s:b, s:o, s:o, s:o}", "schema", "isoshade.view/1", "title",
+                  v->title, "made_by", "isoshade " ISO_VERSION, "value_range", iso_pyramid_lo(v->pyramid),
+                  iso_pyramid_hi(v->pyramid), "mean_spacing_mm", iso_geometry_mean_spacing_mm(level0), "is_patient",
+                  level0->is_patient, "adapted", v->adapted, "scene", iso_scene_to_json(v->scene), "levels", levels,
+                  "codes", codes);
+    json_object_set_new(root, "geometry", geometry_json(level0));
+    for (size_t i = 0; i < v->code_count; ++i)
+        json_array_append_new(codes, json_string(iso_code_describe(v->codes[i])->name));
+    iso_status status = add_presets(v, root, err);
+    for (size_t n = v->last + 1; n-- > v->first && status == ISO_OK;) {
+        iso_progress_report(progress, "pack", (double)(v->last - n) / (double)(v->last + 1));
+        status = add_level(v, n, contents, levels, err);
+        contents->first_count = n == v->last ? contents->count : contents->first_count;
+    }
+    if (status != ISO_OK)
+        iso_contents_destroy(contents);
+    return status;
+}
+
+void iso_contents_destroy(iso_contents *contents)
+{
+    for (size_t i = 0; i < contents->count; ++i)
+        free(contents->arrays[i].packed.bytes);
+    json_decref(contents->root);
+    memset(contents, 0, sizeof *contents);
+}

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// controls.js - the panel: every control says what it is, and changes one thing of the state.
+const element = (name, properties = {}, ...children) => {
+    const e = Object.assign(document.createElement(name), properties);
+    e.append(...children);
+    return e;
+};
+const labeled = (text, control, after = '') => element('label', {}, element('span', {textContent: text}), control, after);
+const choice = (options, value, chosen) => {
+    const e = element('select', {}, ...options.map(([v, text]) => element('option', {value: v, textContent: text, selected: String(v) === String(value)})));
+    e.addEventListener('change', () => chosen(e.value));
+    return e;
+};
+// A slider with its number beside it, which can be typed.
+const slider = (text, {min, max, step, value}, changed) => {
+    const range = element('input', {type: 'range', min, max, step, value}), typed = element('input', {type: 'number', min, max, step, value});
+    const take = (from, to, moving) => { if (from.value === '' || !Number.isFinite(Number(from.value))) return; to.value = from.value; changed(clamp(Number(from.value), min, max), moving); };
+    range.addEventListener('input', () => take(range, typed, true));
+    range.addEventListener('change', () => take(range, typed, false));
+    typed.addEventListener('change', () => take(typed, range, false));
+    range.setAttribute('aria-label', text);
+    typed.setAttribute('aria-label', `${text}, number`);
+    return element('div', {className: 'slider'}, element('span', {textContent: text}), range, typed);
+};
+
+const makeControls = (data, state, frames, editor) => {
+    const $ = id => document.getElementById(id), changed = moving => frames.ask(Boolean(moving));
+    const levels = data.levels.map(l => l.level).sort((a, b) => a - b), sizeOf = n => data.levels.find(l => l.level === n).size.join(' × ');
+    const codes = [...data.codes.map(c => [c, c]), ['', 'differences of the scalar']];
+
+    // What is drawn, for A and for B.
+    const what = (side, of) => {
+        const adapt = element('input', {type: 'checkbox', checked: of.adapted});
+        const row = labeled('adapted transfer function', adapt);
+        row.className = 'check';
+        const able = () => { adapt.disabled = !(data.levels.find(l => l.level === of.level) || {}).joint; row.classList.toggle('off', adapt.disabled); };
+        adapt.addEventListener('change', () => { of.adapted = adapt.checked; changed(); });
+        able();
+        return [
+            labeled(`level${side}`, choice(levels.map(n => [n, `${n}: ${sizeOf(n)}`]), of.level, v => { of.level = Number(v); able(); changed(); })),
+            labeled(`directions${side}`, choice(codes, of.code ?? '', v => { of.code = v || null; changed(); })), row,
+        ];
+    };
+    const drawWhat = () => $('what').replaceChildren(...what('', state));
+
+    const presets = [['scene', 'of the scene'], ...data.presets.map(p => [p.name, p.name]), ['edited', 'edited']];
+    const preset = choice(presets, 'scene', name => {
+        const found = name === 'scene' ? data.scene.tf : (data.presets.find(p => p.name === name) || {}).tf;
+        if (found) editor.take(found, name);
+    });
+    $('preset').append(labeled('preset', preset));
+    const showPreset = () => { preset.value = state.tfName; };
+
+    // Views, and the projection.
+    for (const [name, direction, up] of viewpoints) {
+        const b = element('button', {type: 'button', textContent: name});
+        b.addEventListener('click', () => { state.camera = lookingFrom(state.camera, data.geometry0, direction, up, state.sceneAspect); changed(); });
+        $('views').append(b);
+    }
+    const back = element('button', {type: 'button', textContent: 'scene'});
+    back.addEventListener('click', () => { state.camera = cameraOf(data.scene, data.geometry0); changed(); });
+    $('views').append(back);
+    $('projection').append(labeled('projection', choice([['perspective', 'perspective'], ['orthographic', 'orthographic']], state.camera.orthographic ? 'orthographic' : 'perspective', v => {
+        const c = state.camera, depth = dot(subtract(c.lookAt, c.position), axesOf(c).forward);
+        if ((v === 'orthographic') === c.orthographic) return;
+        // The middle of the volume keeps its size.
+        state.camera = c.orthographic ? {...c, orthographic: false, half: c.half / depth} : {...c, orthographic: true, half: c.half * depth};
+        changed();
+    })));
+
+    const drawLights = () => {
+        const list = state.lights.map((light, i) => {
+            const d = normalize(light.direction), elevation = Math.asin(clamp(d[2], -1, 1)) * 180 / Math.PI, azimuth = Math.atan2(d[1], d[0]) * 180 / Math.PI;
+            let angles = light.space === 'camera' ? [Math.atan2(d[0], d[2]) * 180 / Math.PI, Math.asin(clamp(d[1], -1, 1)) * 180 / Math.PI] : [azimuth, elevation];
+            const turn = () => {
+                const [a, e] = angles.map(x => x * Math.PI / 180);
+                light.direction = light.space === 'camera' ? [Math.cos(e) * Math.sin(a), Math.sin(e), Math.cos(e) * Math.cos(a)] : [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
+            };
+            const remove = element('button', {type: 'button', textContent: 'remove', disabled: state.lights.length < 2});
+            remove.setAttribute('aria-label', `remove light ${i + 1}`);
+            remove.addEventListener('click', () => { state.lights.splice(i, 1); drawLights(); changed(); });
+            return element('fieldset', {}, element('legend', {textContent: `light ${i + 1}`}),
+                labeled('fixed to', choice([['camera', 'the camera'], ['world', 'the volume']], light.space, v => { light.space = v; angles = v === 'camera' ? [20, 30] : [45, 45]; turn(); drawLights(); changed(); })),
+                slider('around', {min: -180, max: 180, step: 1, value: Math.round(angles[0])}, (v, m) => { angles[0] = v; turn(); changed(m); }),
+                slider('above', {min: -90, max: 90, step: 1, value: Math.round(angles[1])}, (v, m) => { angles[1] = v; turn(); changed(m); }),
+                slider('intensity', {min: 0, max: 1, step: 0.01, value: light.intensity}, (v, m) => { light.intensity = v; limit(); changed(m); }), remove);
+        });
+        const more = element('button', {type: 'button', textContent: 'add a light', disabled: state.lights.length >= 8});
+        more.addEventListener('click', () => { state.lights.push({direction: [0.5, 0.5, 0.7], space: 'camera', intensity: 0.3}); limit(); drawLights(); changed(); });
+        $('lights').replaceChildren(...list, more);
+    };
+    // A scene asks for ambient + diffuse * (sum of intensities) of at most 1: the diffuse part gives way.
+    const limit = () => {
+        const sum = state.lights.reduce((s, l) => s + l.intensity, 0), most = sum > 0 ? (1 - state.shading.ambient) / sum : 1;
+        if (state.shading.diffuse > most) { state.shading = {...state.shading, diffuse: Math.floor(most * 1000) / 1000}; drawShading(); }
+    };
+    const drawShading = () => $('shading').replaceChildren(...[['ambient', 0, 1, 0.01], ['diffuse', 0, 1, 0.001], ['specular', 0, 1, 0.01], ['power', 1, 200, 1]].map(([name, min, max, step]) =>
+        slider(name, {min, max, step, value: state.shading[name]}, (v, m) => { state.shading = {...state.shading, [name]: v}; if (!m) limit(); changed(m); })),
+    labeled('background', (() => {
+        const e = element('input', {type: 'color', value: hexOf({r: state.background[0], g: state.background[1], b: state.background[2]})});
+        e.addEventListener('input', () => { const {r, g, b} = linearOfHex(e.value); state.background = [r, g, b]; changed(true); });
+        return e;
+    })()));
+
+    const drawClips = () => {
+        const axes = [['x', [1, 0, 0]], ['-x', [-1, 0, 0]], ['y', [0, 1, 0]], ['-y', [0, -1, 0]], ['z', [0, 0, 1]], ['-z', [0, 0, -1]]];
+        const list = state.clips.map((clip, i) => {
+            const same = axes.find(([, n]) => dot(n, normalize(clip.normal)) > 0.9999), remove = element('button', {type: 'button', textContent: 'remove'});
+            remove.setAttribute('aria-label', `remove clip plane ${i + 1}`);
+            remove.addEventListener('click', () => { state.clips = state.clips.filter((c, j) => j !== i); drawClips(); changed(); });
+            const set = (change, moving) => { state.clips = state.clips.map((c, j) => j === i ? {...c, ...change} : c); changed(moving); };
+            return element('fieldset', {}, element('legend', {textContent: `plane ${i + 1}`}),
+                labeled('stays', choice([...axes.map(([name]) => [name, `towards ${name}`]), ...(same ? [] : [['other', 'as in the scene']])], same ? same[0] : 'other', v => { const found = axes.find(([n]) => n === v); if (found) set({normal: found[1]}); })),
+                ...(clip.point_mm ? [] : [slider('from', {min: 0, max: 1, step: 0.005, value: clip.at}, (v, m) => set({at: v}, m))]), remove);
+        });
+        const more = element('button', {type: 'button', textContent: 'add a plane', disabled: state.clips.length >= 6});
+        more.addEventListener('click', () => { state.clips = [...state.clips, {normal: [1, 0, 0], at: 0.5}]; drawClips(); changed(); });
+        $('clips').replaceChildren(...list, more);
+    };
+
+    const drawCompare = () => {
+        const parts = [labeled('show', choice([['none', 'A alone'], ['split', 'A and B, side by side'], ['difference', 'their difference']], state.compare, v => { state.compare = v; drawCompare(); changed(); }))];
+        if (state.compare !== 'none') parts.push(...what(' of B', state.b));
+        if (state.compare === 'split') parts.push(slider('line', {min: 0, max: 1, step: 0.01, value: state.line}, v => { state.line = v; frames.reshow(); }));
+        if (state.compare === 'difference') parts.push(slider('times', {min: 1, max: 100, step: 1, value: state.amplified}, v => { state.amplified = v; frames.reshow(); }));
+        $('compare').replaceChildren(...parts);
+    };
+    $('step').append(slider('step, voxels', {min: 0.1, max: 4, step: 0.05, value: state.step}, (v, m) => { state.step = v; changed(m); }));
+
+    const pictureSize = () => { const box = document.getElementById('picture').getBoundingClientRect(); return [Math.round(box.width), Math.round(box.height)]; };
+    const sceneNow = () => { const [w, h] = pictureSize(); return sceneJson(data, state, frames.camera(w / h), w, h); };
+    $('save-scene').addEventListener('click', () => saveText('scene.json', textOf(sceneNow())));
+    $('save-tf').addEventListener('click', () => saveText('tf.json', textOf(tfJson(data, state))));
+    const showCommand = () => { $('command').textContent = commandOf(data, state); };
+    $('copy').addEventListener('click', async () => { await navigator.clipboard?.writeText($('command').textContent); $('copy').textContent = 'copied'; setTimeout(() => { $('copy').textContent = 'copy'; }, 1500); });
+
+    for (const draw of [drawWhat, drawLights, drawShading, drawClips, drawCompare, showCommand]) draw();
+    return {sceneNow, tfNow: () => tfJson(data, state), showCommand, showPreset, drawWhat};
+};

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+// editor.js - the transfer function over the histogram of values: points to drag, their opacity and color.
+const bins = 256;
+const histogramOf = (level, [lo, hi]) => {
+    const counts = new Float64Array(bins), {numbers, scalar} = level, factor = bins / ((hi - lo) || 1), stride = Math.max(1, Math.floor(numbers.length / 4e6));
+    for (let i = 0; i < numbers.length; i += stride) ++counts[clamp(Math.floor((scalar.zero + numbers[i] * scalar.step - lo) * factor), 0, bins - 1)];
+    const most = Math.log1p(counts.reduce((m, c) => Math.max(m, c), 0));
+    return counts.map(c => Math.log1p(c) / most);
+};
+
+const makeEditor = (root, data, state, changed) => {
+    const svg = root.querySelector('svg'), fields = Object.fromEntries([...root.querySelectorAll('[data-field]')].map(e => [e.dataset.field, e]));
+    const make = (name, attributes, parent = svg) => {
+        const e = document.createElementNS('http://www.w3.org/2000/svg', name);
+        for (const [k, v] of Object.entries(attributes)) e.setAttribute(k, v);
+        parent.append(e);
+        return e;
+    };
+    const [width, height, base] = [320, 150, 132];
+    let chosen = 0, histogram = null, dragged = null;
+    const domain = () => { const [lo, hi] = tfRange(state.tf, data.value_range), [a, b] = data.value_range; return [Math.min(lo, a), Math.max(hi, b)]; };
+    const x = value => { const [lo, hi] = domain(); return 8 + (width - 16) * (value - lo) / ((hi - lo) || 1); };
+    const valueAt = px => { const [lo, hi] = domain(); return lo + (px - 8) / (width - 16) * (hi - lo); };
+    const y = opacity => base - (base - 10) * opacity;
+    const opacityAt = py => clamp((base - py) / (base - 10), 0, 1);
+    const points = () => state.tf.points;
+    const place = p => [x(valueOf(state.tf, p, data.value_range)), y(p.opacity)];
+    const short = v => Number(v.toPrecision(4)).toString();
+
+    // A new list each time: a table is known by its points.
+    const edit = (change, resting = true) => {
+        const list = points().map(p => ({...p}));
+        change(list);
+        list.forEach((p, i) => { p.index = i; });
+        const kept = list[chosen];
+        list.sort((a, b) => a.value - b.value || a.index - b.index);
+        chosen = Math.max(0, list.indexOf(kept));
+        list.forEach(p => delete p.index);
+        state.tf = fineEnough({...state.tf, points: list}, data.value_range);
+        state.tfName = 'edited';
+        draw();
+        changed(!resting);
+    };
+    const draw = () => {
+        svg.replaceChildren();
+        const gradient = make('linearGradient', {id: 'colors'}, make('defs', {})), [lo, hi] = domain();
+        for (let i = 0; i <= 64; ++i) {
+            const v = lo + i / 64 * (hi - lo), [r, g, b] = samplePoints(points(), pointValue(state.tf, v, data.value_range));
+            make('stop', {offset: i / 64, 'stop-color': hexOf({r, g, b})}, gradient);
+        }
+        if (histogram) {
+            let d = `M8 ${base}`;
+            histogram.forEach((h, i) => { const px = x(data.value_range[0] + (i + 0.5) / bins * (data.value_range[1] - data.value_range[0])); d += `L${px.toFixed(2)} ${(base - h * (base - 10)).toFixed(2)}`; });
+            make('path', {d: `${d}L${width - 8} ${base}Z`, class: 'histogram'});
+        }
+        const line = points().map(p => place(p).map(n => n.toFixed(2)).join(' ')), last = points()[points().length - 1];
+        const curve = `M8 ${place(points()[0])[1].toFixed(2)}L${line.join('L')}L${width - 8} ${y(last.opacity).toFixed(2)}`;
+        make('path', {d: `${curve}L${width - 8} ${base}L8 ${base}Z`, class: 'area', fill: 'url(#colors)'});
+        make('path', {d: curve, class: 'curve'});
+        make('rect', {x: 8, y: base + 4, width: width - 16, height: 8, fill: 'url(#colors)', class: 'bar'});
+        points().forEach((p, i) => {
+            const [cx, cy] = place(p), c = make('circle', {cx, cy, r: 6, fill: hexOf(p), class: 'point', tabindex: 0, role: 'button', 'data-point': i,
+                'aria-label': `point ${i + 1} of ${points().length}: value ${short(valueOf(state.tf, p, data.value_range))}, opacity ${short(p.opacity)}`, 'aria-pressed': i === chosen});
+            c.addEventListener('focus', () => { if (chosen !== i) { chosen = i; tell(); mark(); } });
+        });
+        tell();
+    };
+    const mark = () => svg.querySelectorAll('.point').forEach((c, i) => c.setAttribute('aria-pressed', i === chosen));
+    const tell = () => {
+        const p = points()[chosen], unit = state.tf.unit_distance_mm ? `${short(state.tf.unit_distance_mm)} mm` : state.tf.unit_distance_voxels === 1 ? 'a voxel' : `${short(state.tf.unit_distance_voxels)} voxels`;
+        fields.value.value = short(valueOf(state.tf, p, data.value_range));
+        fields.opacity.value = short(p.opacity);
+        fields.color.value = hexOf(p);
+        fields.remove.disabled = points().length < 2;
+        fields.about.textContent = `point ${chosen + 1} of ${points().length}; opacity is over ${unit}`;
+    };
+    const at = e => { const box = svg.getBoundingClientRect(); return [(e.clientX - box.left) / box.width * width, (e.clientY - box.top) / box.height * height]; };
+    const nearest = (px, py, within) => {
+        let best = -1, least = within;
+        points().forEach((p, i) => { const [cx, cy] = place(p), d = Math.hypot(cx - px, cy - py); if (d < least) [best, least] = [i, d]; });
+        return best;
+    };
+    const put = (list, i, value, opacity) => { list[i].value = pointValue(state.tf, value, data.value_range); list[i].opacity = opacity; };
+
+    svg.addEventListener('pointerdown', e => {
+        const [px, py] = at(e), hit = nearest(px, py, 12);
+        e.preventDefault();
+        svg.setPointerCapture(e.pointerId);
+        if (hit >= 0) { chosen = hit; tell(); mark(); }
+        dragged = hit >= 0 ? hit : null;
+        svg.querySelectorAll('.point')[chosen]?.focus({preventScroll: true});
+    });
+    svg.addEventListener('pointermove', e => {
+        if (dragged === null) return;
+        const [px, py] = at(e), [lo, hi] = domain();
+        edit(list => put(list, chosen, clamp(valueAt(px), lo, hi), opacityAt(py)), false);
+    });
+    for (const end of ['pointerup', 'pointercancel']) svg.addEventListener(end, () => { if (dragged !== null) changed(false); dragged = null; });
+    const insert = value => edit(list => {
+        const [r, g, b, opacity] = samplePoints(list, pointValue(state.tf, value, data.value_range));
+        list.push({value: pointValue(state.tf, value, data.value_range), r, g, b, opacity});
+        chosen = list.length - 1;
+    });
+    svg.addEventListener('dblclick', e => { const [px, py] = at(e); if (nearest(px, py, 12) < 0) insert(clamp(valueAt(px), ...domain())); });
+    svg.addEventListener('keydown', e => {
+        const [lo, hi] = domain(), fine = e.shiftKey ? 0.2 : 1, p = points()[chosen];
+        const [dx, dy] = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[e.key] || [0, 0];
+        if (dx || dy) edit(list => put(list, chosen, clamp(valueOf(state.tf, p, data.value_range) + fine * dx * (hi - lo) / 100, lo, hi), clamp(p.opacity + fine * dy * 0.02, 0, 1)));
+        else if ((e.key === 'Delete' || e.key === 'Backspace') && points().length > 1) edit(list => list.splice(chosen, 1));
+        else if (e.key === 'Insert' || e.key === 'Enter') insert((valueOf(state.tf, p, data.value_range) + hi) / 2);
+        else return;
+        e.preventDefault();
+        svg.querySelectorAll('.point')[chosen]?.focus();
+    });
+    fields.value.addEventListener('change', () => { const v = Number(fields.value.value); if (Number.isFinite(v)) edit(list => put(list, chosen, v, list[chosen].opacity)); });
+    fields.opacity.addEventListener('change', () => { const o = Number(fields.opacity.value); if (Number.isFinite(o)) edit(list => { list[chosen].opacity = clamp(o, 0, 1); }); });
+    fields.color.addEventListener('input', () => edit(list => Object.assign(list[chosen], linearOfHex(fields.color.value)), false));
+    fields.color.addEventListener('change', () => changed(false));
+    fields.add.addEventListener('click', () => {
+        const list = points(), here = valueOf(state.tf, list[chosen], data.value_range), next = list[chosen + 1], [, hi] = domain();
+        insert((here + (next ? valueOf(state.tf, next, data.value_range) : hi)) / 2);
+    });
+    fields.remove.addEventListener('click', () => { if (points().length > 1) edit(list => list.splice(chosen, 1)); });
+    return {
+        draw, count: level => { histogram = histogramOf(level, data.value_range); draw(); },
+        take: (tf, name) => { state.tf = linearTf(tf); state.tfName = name; chosen = Math.min(chosen, points().length - 1); draw(); changed(false); },
+    };
+};

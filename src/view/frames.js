@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// frames.js - when a picture is drawn: few pixels while something moves, all of them in bands once it rests, so that the
+// page answers even where a whole picture takes a second.
+const makeFrames = (context, caster, data, state, canvas, told) => {
+    const {gl} = context, bandMs = 45, movingMs = 60;
+    const display = context.program(['display.glsl']), targets = new Map();
+    let asked = 0, moving = false, perPixel = 1e-4, running = false, shown = {}; // perPixel: milliseconds, of the last bands
+
+    const targetOf = (name, width, height) => {
+        const old = targets.get(name);
+        if (old && old.width === width && old.height === height) return old;
+        if (old) old.free();
+        const made = context.target(width, height);
+        targets.set(name, made);
+        return made;
+    };
+    const camera = aspect => widened(state.camera, state.sceneAspect, aspect);
+    const size = () => {
+        const dots = Math.min(window.devicePixelRatio || 1, 2), box = canvas.getBoundingClientRect();
+        return [Math.max(1, Math.round(box.width * dots)), Math.max(1, Math.round(box.height * dots))];
+    };
+    const show = (a, b) => {
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        const [width, height] = size();
+        if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
+        gl.viewport(0, 0, width, height);
+        display.use();
+        for (const [unit, texture] of [[6, a.texture], [7, (b || a).texture]]) { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, texture); }
+        display.int('picture', 6);
+        display.int('other', 7);
+        display.int('mode', b ? {split: 1, difference: 2}[state.compare] : 0);
+        display.float('line', state.line);
+        display.float('amplified', state.amplified);
+        display.vec2('screen', [width, height]);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+        shown = {a, b};
+    };
+    const pause = () => new Promise(done => setTimeout(done, 0));
+
+    // One side at a size; null where something newer was asked for meanwhile.
+    const drawSide = async (side, kind, width, height, version) => {
+        const target = targetOf(`${kind} ${side}`, width, height), q = {...requestOf(data, state, side), camera: camera(width / height)};
+        let spent = 0;
+        for (let from = 0; from < height;) {
+            const rows = kind === 'quick' ? height : Math.max(8, Math.round(bandMs / Math.max(perPixel * width, 1e-9)));
+            const to = Math.min(height, from + rows), ms = caster.draw(q, target, from, to);
+            spent += ms;
+            if (from === 0 || rows > 32) perPixel = 0.5 * perPixel + 0.5 * ms / ((to - from) * width);
+            from = to;
+            if (from < height) await pause();
+            if (version !== asked) return null;
+        }
+        return {target, ms: spent, q};
+    };
+    const drawAll = async (kind, width, height, version) => {
+        const a = await drawSide('a', kind, width, height, version);
+        const b = a && state.compare !== 'none' ? await drawSide('b', kind, width, height, version) : null;
+        if (!a || (state.compare !== 'none' && !b)) return false;
+        show(a.target, b?.target);
+        told({kind, width, height, ms: a.ms, level: a.q.level.level, b});
+        return true;
+    };
+    const run = async () => {
+        running = true;
+        while (!gl.isContextLost()) {
+            const version = asked, [width, height] = size(), part = clamp(Math.sqrt(movingMs / Math.max(perPixel * width * height, 1e-9)), 0.12, 1);
+            const quick = moving || part > 0.99;
+            if (quick ? await drawAll('quick', Math.max(1, Math.round(width * part)), Math.max(1, Math.round(height * part)), version)
+                : await drawAll('full', width, height, version)) {
+                if (version === asked && (!quick || part > 0.99)) break;
+                if (version === asked) { await new Promise(done => setTimeout(done, 120)); if (version === asked) moving = false; }
+            }
+            await new Promise(requestAnimationFrame);
+        }
+        running = false;
+    };
+    const ask = (moves = false) => {
+        ++asked;
+        moving = moves;
+        if (!running) run().catch(problem => { running = false; told(problem); });
+    };
+    const reshow = () => { if (shown.a && (state.compare === 'none') === !shown.b) show(shown.a, shown.b); else ask(); };
+    const settled = async () => { while (running) await new Promise(done => setTimeout(done, 20)); };
+
+    // A picture as the tests and `validate --with webgl` take it: linear, in floats, row 0 on top; and its time.
+    const measure = (width, height, side = 'a', repeats = 1) => {
+        const target = context.target(width, height), q = {...requestOf(data, state, side), camera: camera(width / height)};
+        let ms = Infinity;
+        for (let i = 0; i < repeats; ++i) ms = Math.min(ms, caster.draw(q, target));
+        const rgba = context.read(target);
+        target.free();
+        return {rgba, ms};
+    };
+    return {ask, reshow, settled, measure, size, camera};
+};

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// start.js - reads the coarsest level, draws it, then reads the finer ones as the browser gets to them.
+const start = async () => {
+    const $ = id => document.getElementById(id), data = JSON.parse($('data').textContent), canvas = $('picture');
+    const say = text => { $('message').textContent = text; $('message').hidden = !text; };
+    // Levels come coarsest first; level 0's geometry stands for the volume even where its voxels are left out.
+    data.geometry0 = data.geometry;
+    const context = makeContext(canvas);
+    if (!context) { say('This browser has no WebGL2, or it is switched off: the volume cannot be drawn here.'); return; }
+    canvas.addEventListener('webglcontextlost', () => say('The graphics card gave up on this page (a picture took too long, or memory ended). Reload it, and choose a coarser level or a larger step.'));
+    const state = makeState(data), caster = makeCaster(context, data);
+    const packed = data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : [])]).reduce((sum, d) => sum + d.packed, 0);
+    const pageBytes = packed * 4 / 3 + 13e4; // base64; the page itself
+    let controls = null;
+    const status = told => {
+        if (told instanceof Error) { say(told.message); document.documentElement.dataset.failed = told.message; throw told; }
+        const wait = data.levels.filter(l => !l.numbers).length;
+        const quick = told.kind === 'quick' && (told.width !== canvas.width);
+        if (!quick) $('status').textContent = `level ${told.level} · ${told.width} × ${told.height} pixels in ${told.ms < 10 ? told.ms.toFixed(1) : Math.round(told.ms)} ms · page ${megabytes(pageBytes)}, textures ${megabytes(caster.bytes())}${wait ? ` · reading ${wait} finer level${wait > 1 ? 's' : ''}` : ''}`;
+        document.documentElement.dataset.shown = told.kind;
+        if (!document.documentElement.dataset.first) document.documentElement.dataset.first = Math.round(performance.now());
+        controls?.showCommand();
+    };
+    const frames = makeFrames(context, caster, data, state, canvas, status);
+    const editor = makeEditor($('editor'), data, state, moving => { controls?.showPreset(); frames.ask(moving); });
+
+    const readLevel = async level => {
+        const numbers = await readArray(level.scalar);
+        for (const code of level.codes) code.numbers = await readArray(code);
+        if (level.joint) level.adapter = makeAdapter(await readArray(level.joint), level.joint);
+        level.numbers = numbers;
+    };
+    await readLevel(data.levels[0]);
+    // The page shows its finest level; what is read so far stands for it until then.
+    state.level = state.b.level = data.levels[data.levels.length - 1].level;
+    if (data.levels.length > 1) state.b.level = data.levels[data.levels.length - 2].level;
+    controls = makeControls(data, state, frames, editor);
+    editor.count(data.levels[0]);
+    makeOrbit(canvas, state, frames);
+    new ResizeObserver(() => frames.ask()).observe(canvas);
+    window.isoshade = {data, state, frames, editor, controls, context, caster}; // for tests and `validate`
+    frames.ask();
+    await frames.settled();
+    if (document.readyState === 'loading') await new Promise(done => document.addEventListener('DOMContentLoaded', done, {once: true}));
+    for (const level of data.levels.slice(1)) {
+        await readLevel(level);
+        frames.ask();
+        await frames.settled();
+    }
+    editor.count(data.levels[data.levels.length - 1]);
+    document.documentElement.dataset.ready = 'yes';
+};
+start().catch(problem => { const m = document.getElementById('message'); m.hidden = false; m.textContent = `This page could not be shown: ${problem.message}`; document.documentElement.dataset.failed = problem.message; throw problem; });

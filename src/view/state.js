@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// state.js - what the page shows, and the files that say it: scene.json and tf.json, as every command takes them.
+const makeState = data => {
+    const scene = data.scene, tf = linearTf(scene.tf);
+    return {
+        camera: cameraOf(scene, data.geometry0), sceneAspect: scene.image.width / scene.image.height, tf, tfName: 'scene',
+        lights: scene.lights.map(l => ({space: 'world', intensity: 1, ...l})), shading: {specular: 0, power: 20, ...scene.shading},
+        background: scene.background || [0, 0, 0], clips: scene.clip_planes || [], step: scene.step_voxels ?? 0.5,
+        level: data.levels[0].level, code: data.codes[0] ?? null, adapted: data.adapted,
+        compare: 'none', line: 0.5, amplified: 10, b: {level: data.levels[0].level, code: data.codes[0] ?? null, adapted: false},
+    };
+};
+
+// What the caster draws, of side A or B. A level that is not read yet is drawn by the finest one that is.
+const requestOf = (data, state, side) => {
+    const wanted = side === 'b' ? state.b : state, ready = data.levels.filter(l => l.numbers);
+    const level = ready.find(l => l.level === wanted.level) || ready.reduce((best, l) => Math.abs(l.level - wanted.level) < Math.abs(best.level - wanted.level) ? l : best);
+    const {tf, lights, shading, background, clips, step} = state;
+    return {level, code: wanted.code, adapted: wanted.adapted && level.level > 0, tf, lights, shading, background, clips, step};
+};
+
+const number = x => Number(x.toPrecision(9));
+const tfJson = (data, state) => {
+    const {comment, ...tf} = state.tf;
+    return {...tf, schema: 'isoshade.tf/1', points: tf.points.map(p => ({value: number(p.value), r: number(p.r), g: number(p.g), b: number(p.b), opacity: number(p.opacity)}))};
+};
+const sceneJson = (data, state, camera, width, height) => ({
+    schema: 'isoshade.scene/1', comment: `Saved from the viewer's page of ${data.title}.`, image: {width, height}, camera: cameraJson(camera),
+    lights: state.lights.map(l => ({direction: l.direction, space: l.space, intensity: l.intensity})), shading: {...state.shading},
+    ...(state.clips.length ? {clip_planes: state.clips} : {}), background: state.background, step_voxels: state.step, tf: tfJson(data, state),
+});
+const quoted = s => /^[\w.,/:=+-]+$/.test(s) ? s : `'${s.replace(/'/g, "'\\''")}'`;
+const commandOf = (data, state) => {
+    const {level, code, adapted} = state, words = ['isoshade render', quoted(data.title), '--scene', 'scene.json', '--with gl'];
+    if (level) words.push(`--level ${level}`);
+    words.push(code === null ? '--shading-from on-the-fly' : `--code ${code}`);
+    if (adapted && level) words.push('--adapt --always');
+    return words.join(' ') + ' -o picture.png';
+};
+
+const saveText = (name, text) => {
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([text], {type: 'application/json'}));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+};
+const textOf = json => JSON.stringify(json, null, 2) + '\n';

@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The viewer's page in a browser: its pictures against those of the ray caster whose shaders it has, a scene that it saves
+# against the reference, and every control as a hand or a keyboard uses it.
+. "$(dirname "$0")/lib.sh"
+suite=$top/refscenes/suite
+
+# page NAME SCENE SIZE STATE OPTIONS -- RENDER OPTIONS: a volume of the suite, its page, and the ray caster's picture. The sizes
+# are no multiples of 8, some are not square.
+mkdir pages
+page() {
+    local name=$1 scene=$2 size=$3 state=$4 view=()
+    shift 4
+    while [ "$1" != -- ]; do view+=("$1"); shift; done
+    shift
+    [ -s "$scene.nrrd" ] || eval "\"$ISOSHADE\" make $(sed -n 's/.*"make": "\([^"]*\)".*/\1/p' "$suite/$scene.scene.json") -q -o $scene.nrrd"
+    "$ISOSHADE" view "$scene.nrrd" --scene "$suite/$scene.scene.json" --size "$size" "${view[@]}" -q -o "pages/$name.html" || failed=1
+    echo "${size%x*} ${size#*x} $state" >"pages/$name.size"
+    "$ISOSHADE" render "$scene.nrrd" --scene "$suite/$scene.scene.json" --size "$size" --with gl "$@" -q -o "pages/$name.gl.exr" >/dev/null || failed=1
+}
+page lights eight-lights 61x61 '{}' -- # eight lights with highlights, a TF narrower than the change in a voxel
+page mirrored left-handed 70x50 '{}' --code region48 -- --code region48 # 16 bits, a reflected grid, oblique samples, a decoder
+page inside inside-noise 51x67 '{}' -- # the camera is in the volume, which is turned
+page signed negative-noise 61x61 '{"code": null}' --code none -- --shading-from on-the-fly # negative values, gradients on the fly
+page float marschner-lobb 61x61 '{}' --float --code squeeze -- --code squeeze
+page entries thousand-entries 61x61 '{}' -- # a table of a thousand entries
+page coarse border 61x61 '{"level": 1}' --float -- --level 1
+page adapted eight-lights 61x61 '{"level": 1, "adapted": true}' --float -- --level 1 --adapt --always
+page rounded ramp-rotated 61x61 '{}' -- # floats in 16 bits
+
+expect the_pages_are_drawn 0 python3 "$top/tests/view_page.py" pictures pages
+check none_is_left_out test "$(grep -c ^drawn out)" = 9
+# A ray is set up in floats, which are 1e-5 voxels off after a few hundred of them; that times the TF's slope is seen.
+near() { check "$1_is_as_the_ray_caster_draws_it" "$ISOSHADE" compare "pages/$1.gl.exr" "pages/$1.page.exr" --max-rmse "$2" --max-abs "$3"; }
+for name in lights mirrored inside signed float entries coarse adapted; do near $name 5e-6 1e-4; done
+near rounded 1e-5 1e-4 # half a step of 1/65535 of the range, times the TF's slope
+[ -z "${VERBOSE-}" ] || for name in pages/*.page.exr; do echo "$name"; "$ISOSHADE" compare "${name%.page.exr}.gl.exr" "$name"; done
+
+# The planted fault: half a pixel, which the limits have to notice.
+"$ISOSHADE" render eight-lights.nrrd --scene "$suite/eight-lights.scene.json" --size 61x61 --zoom 1.016 --with gl -q -o half.exr >/dev/null
+notice half_a_pixel_is_noticed "$ISOSHADE" compare half.exr pages/lights.page.exr --max-rmse 5e-6 --max-abs 1e-4
+
+check the_page_is_below_400_kB test "$("$ISOSHADE" view eight-lights.nrrd --json -o small.html | awk -F'[:,]' '/"page_bytes"/ {p = $2} /"data_bytes"/ {d = $2} END {print p - d}')" -lt 400000
+
+# ---- hands ----
+"$ISOSHADE" make shells --size 34x33x32 -q -o v.nrrd
+"$ISOSHADE" view v.nrrd --scene "$top/refscenes/shells.scene.json" --levels 2 -q -o v.html
+expect the_page_was_used 0 python3 "$top/tests/view_page.py" hands v.html "$dir"
+cp out findings
+found() { grep -qxE "$1" findings; }
+for name in a_drag_orbits the_right_button_pans the_wheel_zooms arrows_orbit a_point_is_dragged points_come_and_go a_color_is_chosen \
+    a_level_differs_and_the_same_does_not; do
+    check "$name" found "$name true"
+done
+check every_control_has_a_name found 'controls_without_a_name 0'
+check nothing_is_fetched found 'fetched 0'
+check it_fits_a_telephone found 'wider_than_a_telephone false'
+check no_script_failed found 'exceptions 0'
+"$ISOSHADE" render v.nrrd --scene scene.json --with reference --quadrature midpoint -q -o saved.exr >/dev/null
+check a_saved_scene_renders_the_same "$ISOSHADE" compare saved.exr saved.page.exr --max-rmse 2e-5 --max-abs 5e-4
+"$ISOSHADE" render v.nrrd --scene scene.json --tf tf.json --with reference --quadrature midpoint -q -o tf.exr >/dev/null
+check a_saved_transfer_function_is_that_of_the_scene "$ISOSHADE" compare saved.exr tf.exr
+"$ISOSHADE" render v.nrrd --scene "$top/refscenes/shells.scene.json" --size "$(python3 -c "import json; i = json.load(open(\"scene.json\"))[\"image\"]; print(i[\"width\"], i[\"height\"], sep=\"x\")")" --with reference --quadrature midpoint -q -o unmoved.exr >/dev/null
+notice and_it_is_not_the_scene_it_began_with "$ISOSHADE" compare unmoved.exr saved.page.exr --max-rmse 1e-3
+
+# ---- what is refused ----
+refuse a_page_needs_a_name 2 "-o is missing" "$ISOSHADE" view v.nrrd
+refuse a_code_for_nearest_fetches_is_refused 2 "not filtered by a texture" "$ISOSHADE" view v.nrrd --code oct24 -o x.html
+refuse a_level_that_is_not_there_is_refused 5 "has levels 0 to" "$ISOSHADE" view v.nrrd --level 9 -o x.html
+refuse a_level_that_is_too_large_is_refused 5 "--most-voxels" "$ISOSHADE" view v.nrrd --level 0 --most-voxels 100 -o x.html
+exit $failed

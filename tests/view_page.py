@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: MIT
+"""Uses the viewer's pages in Chromium as a person does, for tests/check_view.sh: writes pictures as EXR, files that the
+page saves, and a line a finding.
+
+view_page.py pictures FOLDER       FOLDER/NAME.html -> FOLDER/NAME.page.exr, of SIZE pixels as FOLDER/NAME.size says
+view_page.py hands PAGE FOLDER     orbit, drag a point of the transfer function, save, use every control
+view_page.py times PAGE SIZE       milliseconds until the first picture, and of a picture of SIZE pixels
+view_page.py shot PAGE FILE.jpg    a screenshot for the documentation
+view_page.py shots PAGE FOLDER     screenshots: wide and a telephone's, light and dark"""
+import base64
+import glob
+import json
+import os
+import sys
+from array import array
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "src", "view"))
+from chromium import Chromium  # noqa: E402
+from exr import write_exr  # noqa: E402
+
+READY = "document.documentElement.dataset.ready === 'yes' || document.documentElement.dataset.failed"
+# The bytes of a picture as text: a list of numbers would be ten times as long.
+TAKE = """(() => { const {rgba, ms} = isoshade.frames.measure(%d, %d, 'a', %d), bytes = new Uint8Array(rgba.buffer);
+    let text = ''; for (let i = 0; i < bytes.length; i += 4096) text += String.fromCharCode(...bytes.subarray(i, i + 4096));
+    return [btoa(text), ms]; })()"""
+
+
+def say(name, value):
+    print(name, str(value).lower() if isinstance(value, bool) else value, flush=True)
+
+
+def take(page, path, width, height, repeats=1):
+    text, ms = page.evaluate(TAKE % (width, height, repeats))
+    if path:
+        write_exr(path, width, height, array("f", base64.b64decode(text)))
+    return ms
+
+
+def load(page, path):
+    page.open(path, READY)
+    failed = page.evaluate("document.documentElement.dataset.failed || ''")
+    if failed:
+        raise RuntimeError(f"{path}: {failed}")
+    page.evaluate("isoshade.frames.settled()")
+
+
+def middle(page, selector):
+    return page.evaluate(f"(() => {{ const b = document.querySelector({json.dumps(selector)}).getBoundingClientRect();"
+                         " return [b.x + b.width / 2, b.y + b.height / 2]; })()")
+
+
+def pictures(folder):
+    with Chromium(size=(400, 300)) as page:
+        for path in sorted(glob.glob(os.path.join(folder, "*.html"))):
+            name = path[:-len(".html")]
+            with open(name + ".size") as f:
+                width, height, state = f.read().split(maxsplit=2)
+            load(page, path)
+            page.evaluate(f"Object.assign(isoshade.state, {state})")
+            take(page, name + ".page.exr", int(width), int(height))
+            say("drawn", os.path.basename(name))
+
+
+def hands(path, folder):
+    with Chromium(size=(900, 560)) as page:
+        load(page, path)
+        state = "isoshade.state"
+        page.evaluate("window.saved = {}; HTMLAnchorElement.prototype.click = function () {"
+                      " window.saved[this.download] = fetch(this.href).then(r => r.text()); }")
+        before = page.evaluate(f"{state}.camera.position")
+        x, y = middle(page, "#picture")
+        page.drag((x, y), (x + 60, y + 25))
+        after = page.evaluate(f"{state}.camera.position")
+        say("a_drag_orbits", max(abs(a - b) for a, b in zip(before, after)) > 1)
+        target = page.evaluate(f"{state}.camera.lookAt")
+        page.drag((x, y), (x + 10, y + 5), button="right")
+        say("the_right_button_pans", page.evaluate(f"{state}.camera.lookAt") != target)
+        half = page.evaluate(f"{state}.camera.half")
+        page.call("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=-100)
+        page.wait(f"{state}.camera.half < {half}")
+        say("the_wheel_zooms", True)
+        position = page.evaluate(f"{state}.camera.position")
+        page.evaluate("document.getElementById('picture').focus()")
+        page.key("ArrowLeft")
+        say("arrows_orbit", page.evaluate(f"{state}.camera.position") != position)
+
+        point = page.evaluate(f"JSON.stringify({state}.tf.points[2])")
+        px, py = middle(page, "[data-point='2']")
+        page.drag((px, py), (px + 12, py - 20))
+        moved = page.evaluate(f"{state}.tf.points[2]")
+        say("a_point_is_dragged", moved["value"] > json.loads(point)["value"] and moved["opacity"] > json.loads(point)["opacity"])
+        count = page.evaluate(f"{state}.tf.points.length")
+        page.evaluate("document.querySelector('[data-field=add]').click()")
+        added = page.evaluate(f"{state}.tf.points.length")
+        page.evaluate("document.querySelector('[data-field=remove]').click()")
+        say("points_come_and_go", (added, page.evaluate(f"{state}.tf.points.length")) == (count + 1, count))
+        page.evaluate("(e => { e.value = '#ff4000'; e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change')); })"
+                      "(document.querySelector('[data-field=color]'))")
+        say("a_color_is_chosen", page.evaluate(f"{state}.tf.points.some(p => p.r === 1 && p.b === 0)"))
+
+        # What is saved is the picture on the screen.
+        for name in ("scene", "tf"):
+            page.evaluate(f"document.getElementById('save-{name}').click()")
+            with open(os.path.join(folder, f"{name}.json"), "w") as f:
+                f.write(page.evaluate(f"saved['{name}.json']"))
+        with open(os.path.join(folder, "scene.json")) as f:
+            image = json.load(f)["image"]
+        page.evaluate("isoshade.frames.settled()")
+        take(page, os.path.join(folder, "saved.page.exr"), image["width"], image["height"])
+        say("command", page.evaluate("document.getElementById('command').textContent"))
+
+        # A and B.
+        page.evaluate("(e => { e.value = 'difference'; e.dispatchEvent(new Event('change')); })(document.querySelector('#compare select'))")
+        page.evaluate("isoshade.frames.settled()")
+        lit = "(() => { const c = document.getElementById('picture'); isoshade.frames.reshow(); const gl = isoshade.context.gl," \
+              " p = new Uint8Array(4 * c.width * c.height); gl.bindFramebuffer(gl.FRAMEBUFFER, null);" \
+              " gl.readPixels(0, 0, c.width, c.height, gl.RGBA, gl.UNSIGNED_BYTE, p); return p.filter((v, i) => i % 4 === 0 && v > 40).length; })()"
+        other = page.evaluate(lit)
+        page.evaluate(f"Object.assign({state}.b, {{level: {state}.level, code: {state}.code, adapted: {state}.adapted}}); isoshade.frames.ask()")
+        page.evaluate("isoshade.frames.settled()")
+        same = page.evaluate(lit)
+        say("a_level_differs_and_the_same_does_not", other > 0 and same == 0)
+
+        say("controls_without_a_name", page.evaluate(
+            "[...document.querySelectorAll('button, select, input, canvas, svg, [role=button], summary')].filter(e =>"
+            " !(e.getAttribute('aria-label') || e.textContent.trim() || e.closest('label'))).length"))
+        say("fetched", page.evaluate("performance.getEntriesByType('resource').filter(r => !/^(data|blob):/.test(r.name)).length"))
+        page.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+        say("wider_than_a_telephone", page.evaluate("document.documentElement.scrollWidth > 390"))
+        say("exceptions", sum(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+
+
+def times(path, size):
+    with Chromium() as page:
+        load(page, path)
+        say("first_picture_ms", page.evaluate("document.documentElement.dataset.first"))
+        say("frame_ms", f"{take(page, None, size, size, 3):.1f}")
+        say("renderer", page.evaluate("isoshade.context.renderer"))
+
+
+def shots(path, folder):
+    with Chromium(size=(1200, 780)) as page:
+        load(page, path)
+        for scheme in ("light", "dark"):
+            for name, width, height in (("wide", 1200, 780), ("telephone", 390, 844)):
+                page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 500)
+                page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+                page.evaluate("new Promise(done => setTimeout(done, 400)).then(() => isoshade.frames.settled())")
+                page.screenshot(os.path.join(folder, f"{name}-{scheme}.png"))
+
+
+def shot(path, picture):
+    with Chromium(size=(1200, 760)) as page:
+        load(page, path)
+        page.screenshot(picture, "jpeg", 82)
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "times":
+        times(sys.argv[2], int(sys.argv[3]))
+    else:
+        {"pictures": pictures, "hands": hands, "shots": shots, "shot": shot}[sys.argv[1]](*sys.argv[2:])
