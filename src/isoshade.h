@@ -104,7 +104,7 @@ typedef enum iso_choice {
     ISO_CHOICE_DIRECTION_FILTER, /* "moments", "naive" ... */
     ISO_CHOICE_SHADING,          /* where a renderer takes directions from: "codes", "float" ... */
     ISO_CHOICE_RENDERER,         /* "reference", "gl" ...: all that are known, be they installed or not */
-    ISO_CHOICE_EXPORT            /* "vdb", "nanovdb", "blender", "povray" */
+    ISO_CHOICE_EXPORT            /* "vdb", "nanovdb", "blender", "povray", "pbrt", "mitsuba" */
 } iso_choice;
 
 /* The name of that number, from 0 on; NULL after the last. */
@@ -338,7 +338,8 @@ typedef struct iso_export_options {
 iso_export_options iso_export_defaults(void);
 
 /* target "vdb": a file NAME.vdb with the grids "density" and "gradient"; scene may be NULL. "nanovdb":
- * NAME.nvdb, the same grids. "blender": NAME.blend, and its grids beside it; needs Blender. "povray": a folder with scene and densities. ISO_E_USAGE: an unknown target, no
+ * NAME.nvdb, the same grids. "blender": NAME.blend, and its grids beside it; needs Blender. "povray": a folder with scene and densities.
+ * "pbrt", "mitsuba": a folder with a scene whose medium is baked for that scene. ISO_E_USAGE: an unknown target, no
  * scene where one is needed, an option that the target does not have; ISO_E_RANGE; ISO_E_IO; ISO_E_MISSING;
  * ISO_E_PROGRAM. */
 iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,

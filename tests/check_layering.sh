@@ -27,17 +27,18 @@ blender:    $shared vdb
 renderers:  $shared render vdb povray blender
 plan:       $shared render compare
 bake:       $shared render vdb
-targets:    $shared render vdb povray blender compare plan bake
+media:      $shared render vdb bake
+targets:    $shared render vdb povray blender compare plan bake media
 report:     base image compare
 view:       $shared
-library:    $shared render vdb povray blender renderers compare plan bake targets
+library:    $shared render vdb povray blender renderers compare plan bake media targets
 validate:   $shared render renderers compare bake targets report
 chart:      $shared render renderers compare plan report
 options:    $shared
 atlas:      $shared render compare report options
 rivals:     $shared render
 bench:      $shared render vdb povray blender renderers compare plan report validate options rivals
-cli:        $shared render vdb povray blender renderers compare plan bake targets report view validate chart options atlas rivals bench
+cli:        $shared render vdb povray blender renderers compare plan bake media targets report view validate chart options atlas rivals bench
 "
 rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")
 declare -A may # of each room: what it may include, itself too, each between blanks

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "render/reference_ray.h"
 
 enum { PAD = 1, SIDE = ISO_BAKE_BLOCK, CHANNELS = ISO_BAKE_CHANNELS };
 static const float no_color = -1;
@@ -75,6 +76,20 @@ static double place_of(const iso_baked *b, double value)
     return clamp01((value - tf->lo) / (tf->hi - tf->lo));
 }
 
+/* 1, or the shade of a sample in the view. p: in the level. */
+static double shade_of(const iso_baked *b, const iso_sampler *sampler, iso_vec3 p)
+{
+    if (!b->options.shaded)
+        return 1;
+    const iso_camera *camera = &b->view->camera;
+    const iso_vec3 away = camera->orthographic
+                              ? camera->forward
+                              : iso_sub(iso_geometry_to_world(&b->level->geometry, p), camera->position);
+    const double length = sqrt(iso_dot(away, away));
+    const iso_vec3 to_viewer = length > 0 ? iso_scale(away, -1 / length) : iso_scale(camera->forward, -1);
+    return iso_shade(b->view, iso_sample_normal(sampler, p), to_viewer);
+}
+
 /* The mean of a point's samples: of extinction, and of color by extinction. index: in the lattice. */
 static void bake_point(const iso_baked *b, const iso_sampler *sampler, iso_vec3 index, float out[CHANNELS])
 {
@@ -93,9 +108,10 @@ static void bake_point(const iso_baked *b, const iso_sampler *sampler, iso_vec3 
         iso_reference_classify(sampler, b->view, p, rgbs);
         if (!(rgbs[3] > 0))
             continue;
+        const double shade = shade_of(b, sampler, p);
         sum[ISO_BAKE_EXTINCTION] += rgbs[3];
         for (int c = 0; c < 3; ++c)
-            sum[ISO_BAKE_COLOR + c] += rgbs[3] * rgbs[c];
+            sum[ISO_BAKE_COLOR + c] += rgbs[3] * rgbs[c] * shade;
     }
     const double extinction = (double)(float)(part * sum[ISO_BAKE_EXTINCTION] / count); /* 0 where a float has none */
     out[ISO_BAKE_EXTINCTION] = (float)extinction;
@@ -307,7 +323,7 @@ iso_status iso_bake(const iso_level *level, iso_code code, const iso_view *view,
     if (status == ISO_OK && !(b.block = calloc(block_count(&b), sizeof *b.block)))
         status = iso_fail(err, ISO_E_MEMORY, "bake: no memory for %zu blocks", block_count(&b));
     if (status == ISO_OK)
-        status = iso_sampler_create(&sampler, level, code, ISO_FROM_ON_THE_FLY, err); /* directions have no say */
+        status = iso_sampler_create(&sampler, level, code, opt->shaded ? ISO_FROM_CODES : ISO_FROM_ON_THE_FLY, err);
     if (status == ISO_OK && !bake_blocks(&b, &sampler, progress))
         status = iso_fail(err, ISO_E_MEMORY, "bake: out of memory; a coarser --level, or fewer points, need less");
     iso_sampler_destroy(&sampler);

@@ -17,6 +17,8 @@
  * - A transparent point has no color of its own; were it black, or whatever the transfer function holds there, it would
  *   bleed into its neighbors where extinction and color are interpolated each by itself. So transparent points next to
  *   visible ones (26 neighbors) have the neighbors' mean color, weighted by extinction. Others have none.
+ * - Shaded colors are those of each sample times its shade by the level's directions; a program that knows no directions
+ *   shows them as light. They are right for this camera and these lights alone.
  * - Memory: blocks of 8 x 8 x 8 points that show something or are next to it. */
 #ifndef ISO_BAKE_H
 #define ISO_BAKE_H
@@ -35,6 +37,7 @@ typedef struct iso_bake_options {
     size_t points; /* of the lattice along a voxel's side: 1 */
     size_t
         samples; /* along the side of a point's cell, whose mean the point gets: 2, which halves the error of sharp ones */
+    bool shaded; /* colors as they are seen from the view's camera by its lights, in place of the transfer function's */
     int threads;
 } iso_bake_options;
 iso_bake_options iso_bake_defaults(void);

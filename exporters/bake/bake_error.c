@@ -81,23 +81,49 @@ static iso_status render_exact(const iso_baked *b, const iso_view *view, iso_ima
     return iso_reference_render(b->level, b->code, view, &o, image, progress, err);
 }
 
-iso_status iso_bake_measure(const iso_baked *b, bool emission, size_t pixels, iso_bake_error *out,
-                            const iso_progress *progress, iso_error *err)
+/* The view with at most so many pixels along its longer side; 0: as it is. */
+static iso_view measured_view(const iso_baked *b, size_t pixels)
 {
-    iso_image exact = {0};
     iso_view view = *b->view;
     const size_t longer = view.width > view.height ? view.width : view.height;
     if (pixels > 0 && pixels < longer) {
         view.width = (view.width * pixels + longer - 1) / longer;
         view.height = (view.height * pixels + longer - 1) / longer;
     }
+    return view;
+}
+
+static void take_light_away(iso_view *view)
+{
+    view->shading = (iso_shading){.ambient = 1};
+    view->light_count = 0;
+}
+
+iso_status iso_bake_measure_shaded(const iso_baked *b, size_t pixels, iso_bake_error *out, const iso_progress *progress,
+                                   iso_error *err)
+{
+    iso_image exact = {0};
+    iso_view view = measured_view(b, pixels);
+    *out = (iso_bake_error){.width = view.width, .height = view.height};
+    iso_status status = render_exact(b, &view, &exact, progress, err);
+    take_light_away(&view); /* it is in the colors */
+    if (status == ISO_OK)
+        status = compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err);
+    iso_image_destroy(&exact);
+    return status;
+}
+
+iso_status iso_bake_measure(const iso_baked *b, bool emission, size_t pixels, iso_bake_error *out,
+                            const iso_progress *progress, iso_error *err)
+{
+    iso_image exact = {0};
+    iso_view view = measured_view(b, pixels);
     *out = (iso_bake_error){.width = view.width, .height = view.height, .has_emission = emission};
     iso_status status = render_exact(b, &view, &exact, progress, err);
     if (status == ISO_OK)
         status = compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err);
     iso_image_destroy(&exact);
-    view.shading = (iso_shading){.ambient = 1};
-    view.light_count = 0;
+    take_light_away(&view);
     if (status == ISO_OK)
         status = render_exact(b, &view, &exact, progress, err);
     if (status == ISO_OK)

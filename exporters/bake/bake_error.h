@@ -29,6 +29,10 @@ typedef struct iso_bake_error {
 iso_status iso_bake_measure(const iso_baked *b, bool emission, size_t pixels, iso_bake_error *out,
                             const iso_progress *progress, iso_error *err);
 
+/* Of a level that is baked with shaded colors, which are taken for light: out->lit alone. */
+iso_status iso_bake_measure_shaded(const iso_baked *b, size_t pixels, iso_bake_error *out, const iso_progress *progress,
+                                   iso_error *err);
+
 /* Of these pictures the baked one alone; view: its size, camera and shading. voxels: the step in the level's, 0: converged. */
 iso_status iso_baked_render(const iso_baked *b, iso_baked_pair pair, const iso_view *view, double voxels,
                             iso_image *image, const iso_progress *progress, iso_error *err);

@@ -30,6 +30,7 @@ extern const iso_names iso_bake_grid_names;
 typedef struct iso_bake_words {
     char *grids, *unit, *up, *program;
     int points, samples, usd;
+    bool lattice_alone; /* points and samples have a meaning without grids and program */
 } iso_bake_words;
 
 /* clang-format off */
@@ -38,8 +39,8 @@ typedef struct iso_bake_words {
     {"for", 0, POPT_ARG_STRING, &(a)->program, 0, "vdb, nanovdb: the program that the file is for, of the list below: sets --bake, --scene-unit, --up, --half and --usd", "PROGRAM"}, \
     {"scene-unit", 0, POPT_ARG_STRING, &(a)->unit, 0, "vdb, nanovdb, baked: the length of one scene unit (mm)", "m|cm|mm|..."},             \
     {"up", 0, POPT_ARG_STRING, &(a)->up, 0, "vdb, nanovdb, baked: the scene's axis that points up (z)", "z|y"},                             \
-    {"points", 0, POPT_ARG_INT, &(a)->points, 0, "vdb, nanovdb, baked: points of the grid along a voxel's side (1)", "N"},                  \
-    {"supersample", 0, POPT_ARG_INT, &(a)->samples, 0, "vdb, nanovdb, baked: samples along a point's cell, which are averaged (2)", "N"},   \
+    {"points", 0, POPT_ARG_INT, &(a)->points, 0, "vdb, nanovdb, baked; pbrt, mitsuba: points of the grid along a voxel's side (1)", "N"},                  \
+    {"supersample", 0, POPT_ARG_INT, &(a)->samples, 0, "vdb, nanovdb, baked; pbrt, mitsuba: samples along a point's cell, which are averaged (2)", "N"},   \
     {"usd", 0, POPT_ARG_NONE, &(a)->usd, 0, "vdb, baked: a .usda beside the file, which names its grids", NULL}
 /* clang-format on */
 

@@ -88,12 +88,13 @@ static iso_status take_count(const char *option, int given, size_t *count, iso_e
 /* What has no meaning alone. */
 static iso_status check_alone(const iso_bake_words *w, iso_error *err)
 {
-    const char *const alone = w->unit      ? "--scene-unit"
-                              : w->up      ? "--up"
-                              : w->points  ? "--points"
-                              : w->samples ? "--supersample"
-                              : w->usd     ? "--usd"
-                                           : NULL;
+    const char *const alone = w->unit            ? "--scene-unit"
+                              : w->up            ? "--up"
+                              : w->usd           ? "--usd"
+                              : w->lattice_alone ? NULL
+                              : w->points        ? "--points"
+                              : w->samples       ? "--supersample"
+                                                 : NULL;
     if (alone)
         return iso_fail(err, ISO_E_USAGE, "%s needs --bake or --for: the scalar's own grids are in mm with z up",
                         alone);
@@ -104,8 +105,12 @@ iso_status iso_bake_request_make(const iso_bake_words *w, bool half, iso_bake_re
 {
     size_t row = 0;
     *r = (iso_bake_request){.lattice = iso_bake_defaults(), .convention = iso_vdb_own_convention()};
-    if (!w->program && !w->grids)
-        return check_alone(w, err);
+    if (!w->program && !w->grids) {
+        iso_status status = check_alone(w, err);
+        if (status == ISO_OK)
+            status = take_count("--points", w->points, &r->lattice.points, err);
+        return status == ISO_OK ? take_count("--supersample", w->samples, &r->lattice.samples, err) : status;
+    }
     iso_status status = w->program ? iso_names_find(&iso_grid_program_names, w->program, &row, err) : ISO_OK;
     if (status != ISO_OK)
         return status;

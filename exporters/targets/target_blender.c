@@ -169,11 +169,12 @@ const iso_export_target iso_export_target_blender = {
     .stages = {"OpenVDB grids", "Blender"},
     .summary = "a .blend that renders as it opens, and its OpenVDB grids",
     .output = "NAME.blend",
-    .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_STEP) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_ROI) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) | ISO_EXPORT_TAKES(ISO_EXPORT_MATERIAL) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_HALF) | ISO_EXPORT_TAKES(ISO_EXPORT_DENSE),
+    .options = ISO_EXPORT_TAKES(ISO_EXPORT_PLAN) | ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_STEP) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) | ISO_EXPORT_TAKES(ISO_EXPORT_ROI) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_MATERIAL) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_DENSE),
     .write = write_blender,
     .write_frames = write_blender_frames,
     .write_volumes = write_blender_volumes,

@@ -86,7 +86,8 @@ const iso_export_target iso_export_target_povray = {
     .stages = {"povray: writing DF3"},
     .summary = "a folder with .pov, .inc, .ini and DF3 files",
     .output = "a folder",
-    .options = ISO_EXPORT_TAKES(ISO_EXPORT_STEP) | ISO_EXPORT_TAKES(ISO_EXPORT_ISOSURFACE) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |
+    .options = ISO_EXPORT_TAKES(ISO_EXPORT_PLAN) | ISO_EXPORT_TAKES(ISO_EXPORT_STEP) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_ISOSURFACE) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) | ISO_EXPORT_TAKES(ISO_EXPORT_ROI) |
                ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
     .write = write_povray,

@@ -73,10 +73,11 @@ const iso_export_target iso_export_target_vdb = {
     .summary = "an OpenVDB file: float grid density, vec3s grid gradient",
     .baked = "an OpenVDB file of baked grids",
     .output = "NAME.vdb",
-    .options = ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_BAKE) | ISO_EXPORT_TAKES(ISO_EXPORT_DENSE) |
-               ISO_EXPORT_TAKES(ISO_EXPORT_BACKGROUND) | ISO_EXPORT_TAKES(ISO_EXPORT_SHOWN),
+    .options = ISO_EXPORT_TAKES(ISO_EXPORT_PLAN) | ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_HALF) | ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) | ISO_EXPORT_TAKES(ISO_EXPORT_BAKE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_DENSE) | ISO_EXPORT_TAKES(ISO_EXPORT_BACKGROUND) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_SHOWN),
     .write = write_vdb,
     .suffix = ".vdb",
 };

@@ -21,7 +21,9 @@
     X(vdb)                        \
     X(nanovdb)                    \
     X(blender)                    \
-    X(povray)
+    X(povray)                     \
+    X(pbrt)                       \
+    X(mitsuba)
 /* clang-format on */
 
 /* enum, option that only some targets take */
@@ -41,7 +43,9 @@
     X(ISO_EXPORT_MATERIAL, "--material")      \
     X(ISO_EXPORT_DENSE, "--dense")            \
     X(ISO_EXPORT_SHOWN, "--scene and --tf")   \
-    X(ISO_EXPORT_BACKGROUND, "--background")
+    X(ISO_EXPORT_BACKGROUND, "--background") \
+    X(ISO_EXPORT_PLAN, "--plan")              \
+    X(ISO_EXPORT_LATTICE, "--points and --supersample") /* without --bake: what is written is baked always */
 /* clang-format on */
 
 typedef enum iso_export_option {
@@ -62,14 +66,17 @@ typedef struct iso_export_job {
     bool merged;                /* what a plan leaves as one grid, else one a level */
     double step_voxels;         /* 0: the scene's */
     bool half_float;
-    bool float_directions; /* directions are not stored in half floats, whatever is left out */
-    const iso_bake_request *bake; /* of a target that bakes: the grids that are asked for, or NULL; then `view` is the scene's */
-    bool physical;         /* the material that the file opens with (exporters/blender/blender.h) */
-    bool is_shown; /* of a target that takes ISO_EXPORT_SHOWN: the views that view_of_level makes are what the user gave */
-    bool dense;    /* grids hold all voxels */
+    bool float_directions;    /* directions are not stored in half floats, whatever is left out */
+    iso_bake_options lattice; /* of a target that takes ISO_EXPORT_LATTICE; points 0: as is usual */
+    const iso_bake_request
+        *bake;     /* of a target that bakes: the grids that are asked for, or NULL; then `view` is the scene's */
+    bool physical; /* the material that the file opens with (exporters/blender/blender.h) */
+    bool
+        is_shown; /* of a target that takes ISO_EXPORT_SHOWN: the views that view_of_level makes are what the user gave */
+    bool dense;   /* grids hold all voxels */
     const double *background; /* the value that stands for what grids leave out; NULL: chosen, or none is left out */
     const char *command;      /* to be noted in files: without folders */
-    bool extinction_scale; /* the views that view_of_level makes have one (fit/extinction_scale.h) */
+    bool extinction_scale;    /* the views that view_of_level makes have one (fit/extinction_scale.h) */
     bool isosurface;
     double iso;
     int threads;
@@ -109,15 +116,15 @@ typedef struct iso_export_target {
      * and reads the picture that it leaves: colors with the background, in linear light. NULL: nothing to start. */
     iso_status (*open)(const char *output, iso_image *picture, iso_error *err);
     const char *renderer; /* its name among the renderers */
-    bool stamped;         /* people edit the output: it ends in a stamp (base/stamp.h), and is not overwritten when changed */
-    const char *example;  /* what -o may be called */
+    bool stamped; /* people edit the output: it ends in a stamp (base/stamp.h), and is not overwritten when changed */
+    const char *example; /* what -o may be called */
     /* The samples of a ray in what is written with this step: intervals in each piece, and the planes between pieces. NULL:
      * it has steps. */
     void (*samples)(const iso_geometry *level, const iso_view *view, double step_voxels, size_t *intervals,
                     size_t *planes);
-    bool clipped;         /* the picture's file holds 0 to 1 */
-    double limit;         /* RMSE to a picture of the same samples */
-    const char *why;      /* the cause of it */
+    bool clipped;    /* the picture's file holds 0 to 1 */
+    double limit;    /* RMSE to a picture of the same samples */
+    const char *why; /* the cause of it */
 } iso_export_target;
 
 #define ISO_EXPORT_TAKES(option) (1u << (option))

@@ -8,7 +8,8 @@ iso_status iso_nanovdb_from_vdb(const char *vdb_path, const char *path, iso_erro
 {
     if (!iso_nanovdb_version())
         return iso_fail(err, ISO_E_MISSING,
-                        "%s: isoshade was built without NanoVDB (on Debian: libnanovdb-dev, then make clean all)", path);
+                        "%s: isoshade was built without NanoVDB (on Debian: libnanovdb-dev, then make clean all)",
+                        path);
     iso_output out = {0};
     iso_vdb_message message = {""};
     iso_status status = iso_output_begin(&out, path, err);

@@ -108,6 +108,7 @@ static iso_status check_options(const export_arguments *a, const iso_export_targ
                                                  [ISO_EXPORT_GRIDS] = a->grids != NULL,
                                                  [ISO_EXPORT_BAKE] = a->bake.wanted,
                                                  [ISO_EXPORT_MATERIAL] = a->material != NULL,
+                                                 [ISO_EXPORT_PLAN] = a->plan != NULL,
                                                  [ISO_EXPORT_DENSE] = a->dense,
                                                  [ISO_EXPORT_BACKGROUND] = a->has_background};
     const char *const looks[] = {a->look.tf && !alone ? "--tf" : NULL, a->look.view ? "--view" : NULL,
@@ -246,6 +247,7 @@ static iso_status export_it(export_arguments *a, iso_error *err)
                                 .command = command,
                                 .extinction_scale = a->adapted.extinction_scale,
                                 .bake = a->bake.wanted ? &a->bake : NULL,
+                                .lattice = a->bake.lattice,
                                 .isosurface = a->isosurface != NULL,
                                 .iso = iso[0],
                                 .threads = a->cli->threads,
@@ -425,6 +427,14 @@ static iso_status export_volumes(export_arguments *a, iso_error *err)
                                       err);
 }
 
+static iso_status make_bake_request(export_arguments *a, iso_error *err)
+{
+    size_t row = 0;
+    a->bake_words.lattice_alone = a->to && iso_names_find(&iso_export_target_names, a->to, &row, NULL) == ISO_OK &&
+                                  iso_export_takes(iso_export_target_at(row), ISO_EXPORT_LATTICE);
+    return iso_bake_request_make(&a->bake_words, a->half, &a->bake, err);
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     export_arguments a = {.level_count = 1};
@@ -433,12 +443,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
         {"to", 0, POPT_ARG_STRING, &a.to, 0, "export target of the list below", "TARGET"},
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.nvdb, NAME.blend, or a folder for povray", "PATH"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0,
+         "NAME.vdb, NAME.nvdb, NAME.blend, or a folder for povray, pbrt and mitsuba", "PATH"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
-         "vdb, nanovdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend", "N"},
+         "vdb, nanovdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend",
+         "N"},
         {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
          "all frames of a series, with one range and one transfer function: numbered files, which one .blend plays",
          "all"},
@@ -447,7 +459,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "VOLUME[,TF]"},
         {"channels", 0, POPT_ARG_STRING, &a.channels, 0,
          "blender: channels of the file as volumes of one scene, a color each", "all|LIST"},
-        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender, povray: ray step in voxels of the level (the scene's)", "STEP"},
+        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender, povray: ray step in voxels of the level (the scene's)",
+         "STEP"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume",
          "VALUE"},
         {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
@@ -460,7 +473,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "blender: the material that the file opens with; its property physical changes it", "MATERIAL"},
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb, blender: half floats, smaller and less exact", NULL},
         {"dense", 0, POPT_ARG_NONE, &a.dense, 0,
-         "vdb, nanovdb, blender: all voxels, not only what the transfer function shows: for one that will be edited", NULL},
+         "vdb, nanovdb, blender: all voxels, not only what the transfer function shows: for one that will be edited",
+         NULL},
         {"background", 0, POPT_ARG_STRING, &a.background_text, 0,
          "vdb, nanovdb: the value of what is left out; without a scene or --tf, voxels of this value are", "VALUE"},
         ISO_BAKE_OPTIONS(&a.bake_words),
@@ -481,7 +495,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         a.has_background = true;
     }
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_bake_request_make(&a.bake_words, a.half, &a.bake, err);
+        status = make_bake_request(&a, err);
     a.bake.error_pixels = a.look.size ? 0 : a.bake.error_pixels;
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = a.added || a.channels ? export_volumes(&a, err)
@@ -493,7 +507,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_export = {
     .name = "export",
-    .summary = "write a level for OpenVDB, NanoVDB, Blender or POV-Ray",
+    .summary = "write a level for OpenVDB, NanoVDB, Blender, POV-Ray, pbrt or Mitsuba",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --to TARGET -o PATH [options]",
@@ -504,6 +518,8 @@ const iso_command iso_command_export = {
         "vdb with --bake, or --for PROGRAM: extinction and color for other programs, and what that changes in the picture, by\n"
         "the scene, as every --to has it; doc/openvdb.md. (build --for SCENE is another thing: levels made for a scene.)\n"
         "nanovdb: what vdb would write, baked or not, as NanoVDB has it; doc/openvdb.md.\n"
+        "pbrt, mitsuba: a medium of baked grids, its colors shaded for the scene's camera and lights; pbrt-v4 emits and absorbs\n"
+        "(run `pbrt scene.pbrt` in the folder), Mitsuba 3 absorbs alone (`mitsuba scene.xml`); doc/path-tracers.md.\n"
         "povray: run `povray NAME.ini` in the folder. Without --scene it is a first picture, as render\n"
         "makes it. Grids hold what the transfer function shows and what filtering touches beside it; vdb does so with --scene\n"
         "or --tf. A transfer function that is edited later may need the rest: --dense. With --plan only what the scene\n"
@@ -522,6 +538,8 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --bake density,Cd --scene-unit cm -o baked.vdb\n"
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --for karma -o karma.vdb\n"
         "  isoshade export shells.nrrd --to nanovdb -o shells.nvdb\n"
+        "  isoshade export shells.nrrd --to pbrt --scene refscenes/shells.scene.json --level 1 -o shells-pbrt\n"
+        "  isoshade export shells.nrrd --to mitsuba --scene refscenes/shells.scene.json --level 1 -o shells-mitsuba\n"
         "  isoshade make shells --size 16 -o step_1.nrrd\n"
         "  isoshade make noise --size 16 -o step_2.nrrd\n"
         "  isoshade export step_%d.nrrd --frames all --to vdb -o steps.vdb\n"

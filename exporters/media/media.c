@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+#include "media/media.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+
+static bool shows(const float *point)
+{
+    return point && (point[ISO_BAKE_EXTINCTION] > 0 || point[ISO_BAKE_COLOR] >= 0);
+}
+
+/* [lo, hi) of the points that show something; nothing: one point. */
+static void find_box(const iso_baked *b, size_t lo[3], size_t hi[3])
+{
+    const size_t *n = b->geometry.size;
+    for (int a = 0; a < 3; ++a) {
+        lo[a] = n[a];
+        hi[a] = 0;
+    }
+    for (size_t z = 0; z < n[2]; ++z)
+        for (size_t y = 0; y < n[1]; ++y)
+            for (size_t x = 0; x < n[0]; ++x) {
+                const size_t at[3] = {x, y, z};
+                for (int a = 0; a < 3 && shows(iso_baked_point(b, x, y, z)); ++a) {
+                    lo[a] = at[a] < lo[a] ? at[a] : lo[a];
+                    hi[a] = at[a] + 1 > hi[a] ? at[a] + 1 : hi[a];
+                }
+            }
+    for (int a = 0; a < 3; ++a) {
+        lo[a] = lo[a] < hi[a] ? (lo[a] > 0 ? lo[a] - 1 : 0) : 0;
+        hi[a] = hi[a] == 0 ? 1 : hi[a] < n[a] ? hi[a] + 1 : n[a];
+    }
+}
+
+static bool is_inside(const iso_geometry *g, iso_vec3 world)
+{
+    const iso_vec3 p = iso_geometry_to_index(g, world);
+    const double at[3] = {p.x, p.y, p.z};
+    bool inside = true;
+    for (int a = 0; a < 3; ++a)
+        inside = inside && at[a] > 0 && at[a] < (double)g->size[a];
+    return inside;
+}
+
+iso_status iso_medium_create(const iso_baked *b, const char *made_from, iso_medium *out, iso_error *err)
+{
+    size_t hi[3];
+    *out = (iso_medium){.baked = b, .geometry = b->geometry, .made_from = made_from};
+    find_box(b, out->first, hi);
+    iso_geometry *g = &out->geometry;
+    const iso_vec3 first = iso_v3((double)out->first[0], (double)out->first[1], (double)out->first[2]);
+    g->origin_mm = iso_geometry_to_world(&b->geometry, first);
+    for (int a = 0; a < 3; ++a) {
+        g->size[a] = hi[a] - out->first[a];
+        g->box_index[a] = (double)g->size[a];
+        out->background[a] = b->view->background[a];
+    }
+    out->camera_is_inside = is_inside(g, b->view->camera.position);
+    if (iso_geometry_voxel_count(g) > INT_MAX / 3)
+        return iso_fail(err, ISO_E_RANGE,
+                        "the grid has %zu x %zu x %zu points, at most %d can be counted: a coarser --level has fewer",
+                        g->size[0], g->size[1], g->size[2], INT_MAX / 3);
+    return ISO_OK;
+}
+
+void iso_medium_point(const iso_medium *m, size_t x, size_t y, size_t z, float *extinction, float color[3])
+{
+    const float *point = iso_baked_point(m->baked, m->first[0] + x, m->first[1] + y, m->first[2] + z);
+    const bool any = point && point[ISO_BAKE_COLOR] >= 0;
+    *extinction = any ? point[ISO_BAKE_EXTINCTION] : 0;
+    for (int c = 0; c < 3; ++c)
+        color[c] = any ? point[ISO_BAKE_COLOR + c] : 0;
+}
+
+void iso_medium_print_source(const iso_medium *m, FILE *f)
+{
+    for (const char *c = m->made_from ? m->made_from : "volume"; *c; ++c)
+        fputc(isalnum((unsigned char)*c) || strchr("._ ", *c) ? *c : '_', f);
+}
+
+iso_status iso_medium_open(const char *folder, const char *name, char **path, FILE **f, iso_error *err)
+{
+    *f = NULL;
+    *path = iso_path_join(folder, name);
+    if (!*path)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
+    *f = fopen(*path, "wb");
+    return *f ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: %s", *path, strerror(errno));
+}
+
+iso_status iso_medium_close(FILE *f, const char *path, iso_error *err)
+{
+    const bool failed = ferror(f);
+    if (fclose(f) == 0 && !failed)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_IO, "%s: cannot be written (is the disk full?)", path);
+}

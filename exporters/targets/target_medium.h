@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* target_medium.h - what the targets pbrt and mitsuba have alike: a folder with a medium of a baked level. */
+#ifndef ISO_TARGET_MEDIUM_H
+#define ISO_TARGET_MEDIUM_H
+
+#include "media/media.h"
+#include "targets/targets.h"
+
+typedef struct iso_target_medium {
+    const char *name;  /* of the target */
+    const char *scene; /* the file that the program is given */
+    bool emits;        /* else it absorbs alone, and says so */
+    iso_status (*write)(const iso_medium *m, const char *folder, iso_error *err);
+} iso_target_medium;
+
+#define ISO_TARGET_MEDIUM_OPTIONS \
+    (ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) | ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) | \
+     ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) | ISO_EXPORT_TAKES(ISO_EXPORT_LATTICE))
+
+iso_status iso_target_medium_write(const iso_export_job *job, const iso_target_medium *t, iso_error *err);
+
+#endif
