@@ -23,12 +23,13 @@ scene:      base image volume gradient encode palette pyramid tf fit brick
 render:     $shared
 vdb:        $shared
 povray:     $shared
+paraview:   $shared
 blender:    $shared vdb
 renderers:  $shared render vdb povray blender
 plan:       $shared render compare
 bake:       $shared render vdb
 media:      $shared render vdb bake
-targets:    $shared render vdb povray blender compare plan bake media
+targets:    $shared render vdb povray paraview blender compare plan bake media
 report:     base image compare
 view:       $shared
 library:    $shared render vdb povray blender renderers compare plan bake media targets

@@ -23,7 +23,8 @@
     X(blender)                    \
     X(povray)                     \
     X(pbrt)                       \
-    X(mitsuba)
+    X(mitsuba)                    \
+    X(paraview)
 /* clang-format on */
 
 /* enum, option that only some targets take */

@@ -444,7 +444,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"to", 0, POPT_ARG_STRING, &a.to, 0, "export target of the list below", "TARGET"},
         {"output", 'o', POPT_ARG_STRING, &a.output, 0,
-         "NAME.vdb, NAME.nvdb, NAME.blend, or a folder for povray, pbrt and mitsuba", "PATH"},
+         "NAME.vdb, NAME.nvdb, NAME.blend, or a folder for povray, pbrt, mitsuba and paraview", "PATH"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
@@ -507,7 +507,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_export = {
     .name = "export",
-    .summary = "write a level for OpenVDB, NanoVDB, Blender, POV-Ray, pbrt or Mitsuba",
+    .summary = "write a level for OpenVDB, NanoVDB, Blender, POV-Ray, pbrt, Mitsuba or ParaView",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --to TARGET -o PATH [options]",
@@ -520,6 +520,7 @@ const iso_command iso_command_export = {
         "nanovdb: what vdb would write, baked or not, as NanoVDB has it; doc/openvdb.md.\n"
         "pbrt, mitsuba: a medium of baked grids, its colors shaded for the scene's camera and lights; pbrt-v4 emits and absorbs\n"
         "(run `pbrt scene.pbrt` in the folder), Mitsuba 3 absorbs alone (`mitsuba scene.xml`); doc/path-tracers.md.\n"
+        "paraview: a .vti and a state that ParaView loads and `pvbatch NAME.py` renders; doc/vtk.md.\n"
         "povray: run `povray NAME.ini` in the folder. Without --scene it is a first picture, as render\n"
         "makes it. Grids hold what the transfer function shows and what filtering touches beside it; vdb does so with --scene\n"
         "or --tf. A transfer function that is edited later may need the rest: --dense. With --plan only what the scene\n"
@@ -540,6 +541,7 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to nanovdb -o shells.nvdb\n"
         "  isoshade export shells.nrrd --to pbrt --scene refscenes/shells.scene.json --level 1 -o shells-pbrt\n"
         "  isoshade export shells.nrrd --to mitsuba --scene refscenes/shells.scene.json --level 1 -o shells-mitsuba\n"
+        "  isoshade export shells.nrrd --to paraview --scene refscenes/shells.scene.json -o shells-paraview\n"
         "  isoshade make shells --size 16 -o step_1.nrrd\n"
         "  isoshade make noise --size 16 -o step_2.nrrd\n"
         "  isoshade export step_%d.nrrd --frames all --to vdb -o steps.vdb\n"

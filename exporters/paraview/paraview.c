@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "paraview/paraview.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/embed.h"
+#include "base/file.h"
+#include "base/json.h"
+
+ISO_EMBED(iso_paraview_state_py, "exporters/paraview/state.py");
+
+/* Columns are orthogonal to this cosine: what VTK's Direction can say. */
+#define MOST_SHEAR 1e-6
+
+static bool is_sheared(const iso_geometry *g)
+{
+    double spacing[3];
+    iso_geometry_spacing_mm(g, spacing);
+    for (int a = 0; a < 3; ++a) {
+        const int b = (a + 1) % 3;
+        double dot = 0;
+        for (int r = 0; r < 3; ++r)
+            dot += g->index_to_world.m[r][a] * g->index_to_world.m[r][b];
+        if (!(fabs(dot) <= MOST_SHEAR * spacing[a] * spacing[b]))
+            return true;
+    }
+    return false;
+}
+
+static iso_status check(const iso_level *level, const iso_view *view, iso_error *err)
+{
+    const char *what = view->clip_count > 0           ? "clip planes"
+                       : view->tf_2d                  ? "a 2D transfer function"
+                       : view->extinction_scale       ? "extinction scales"
+                       : view->roi                    ? "a region of interest"
+                       : level->labels                ? "a label map"
+                       : is_sheared(&level->geometry) ? "a sheared grid"
+                                                      : NULL;
+    return what ? iso_fail(err, ISO_E_USAGE, "--to paraview has no words for %s", what) : ISO_OK;
+}
+
+/* ---- NAME.vti ---- */
+
+/* Of a coarse level's voxel that overhangs the box all is there. */
+static void put_header(FILE *f, const iso_level *level)
+{
+    const iso_geometry *g = &level->geometry;
+    double h[3];
+    iso_geometry_spacing_mm(g, h);
+    const size_t *n = g->size;
+    fprintf(f,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"%s\" "
+            "header_type=\"UInt64\">\n",
+            __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? "LittleEndian" : "BigEndian");
+    fprintf(f,
+            "  <ImageData WholeExtent=\"0 %zu 0 %zu 0 %zu\" Origin=\"%.17g %.17g %.17g\" Spacing=\"%.17g %.17g %.17g\" "
+            "Direction=\"",
+            n[0], n[1], n[2], g->origin_mm.x, g->origin_mm.y, g->origin_mm.z, h[0], h[1], h[2]);
+    for (int i = 0; i < 9; ++i)
+        fprintf(f, "%.17g%s", g->index_to_world.m[i / 3][i % 3] / h[i % 3], i < 8 ? " " : "\">\n");
+    fprintf(f, "    <Piece Extent=\"0 %zu 0 %zu 0 %zu\">\n      <PointData/>\n      <CellData Scalars=\"value\">\n",
+            n[0], n[1], n[2]);
+    fprintf(
+        f,
+        "        <DataArray type=\"Float32\" Name=\"value\" format=\"appended\" RangeMin=\"%.9g\" RangeMax=\"%.9g\" "
+        "offset=\"0\"/>\n",
+        level->min, level->max);
+    fprintf(f, "      </CellData>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_");
+}
+
+static iso_status write_vti(const iso_level *level, const char *path, iso_error *err)
+{
+    FILE *f = fopen(path, "wb");
+    if (!f)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
+    const size_t count = iso_geometry_voxel_count(&level->geometry);
+    const uint64_t bytes = count * sizeof *level->scalar;
+    put_header(f, level);
+    bool good = fwrite(&bytes, sizeof bytes, 1, f) == 1;
+    good = fwrite(level->scalar, sizeof *level->scalar, count, f) == count && good;
+    good = fprintf(f, "\n  </AppendedData>\n</VTKFile>\n") > 0 && good;
+    good = fclose(f) == 0 && good;
+    return good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written whole", path);
+}
+
+/* ---- NAME.py ---- */
+
+static json_t *vector_json(iso_vec3 v)
+{
+    return iso_json_numbers((double[]){v.x, v.y, v.z}, 3);
+}
+
+/* Opacities for this length. The transfer function's own, or, where it is not known, one at which none is above 0.87. */
+static double unit_of(const iso_tf_table *tf)
+{
+    double most = 0;
+    for (size_t i = 0; i < tf->count; ++i)
+        most = fmax(most, (double)tf->entries[4 * i + 3]);
+    return tf->unit_mm > 0 ? tf->unit_mm : most > 0 ? 2 / most : 1;
+}
+
+/* A straight line between two extinctions is a curve between their opacities: where they are far apart, it needs points of
+ * its own to be followed to a hundredth of a step of 8 bits. */
+static size_t steps_between(double first, double last, double unit_mm)
+{
+    const double bend = fabs(last - first) * unit_mm;
+    return (size_t)fmin(ceil(sqrt(bend * bend * 3200)), 64) + (bend == 0);
+}
+
+/* Without lights every color is as bright as what is ambient. */
+static json_t *tf_json(const iso_tf_table *tf, double bright)
+{
+    const double unit_mm = unit_of(tf), width = (tf->hi - tf->lo) / (double)(tf->count - 1);
+    json_t *colors = json_array(), *opacities = json_array();
+    for (size_t i = 0; i < tf->count; ++i) {
+        const float *e = tf->entries + 4 * i;
+        const double first = (double)e[3], last = i + 1 < tf->count ? (double)e[7] : first;
+        const size_t steps = i + 1 < tf->count ? steps_between(first, last, unit_mm) : 1;
+        const double value = tf->lo + width * (double)i;
+        json_array_append_new(colors, iso_json_numbers((double[]){value, bright * (double)e[0], bright * (double)e[1],
+                                                                  bright * (double)e[2]},
+                                                       4));
+        for (size_t k = 0; k < steps; ++k) {
+            const double part = (double)k / (double)steps;
+            const double extinction = first + (last - first) * part;
+            json_array_append_new(opacities,
+                                  iso_json_numbers((double[]){value + width * part, -expm1(-extinction * unit_mm)}, 2));
+        }
+    }
+    return json_pack("{s:f, s:o, s:o}", "unit_mm", unit_mm, "colors", colors, "opacities", opacities);
+}
+
+static json_t *camera_json(const iso_camera *c)
+{
+    return json_pack("{s:s, s:o, s:o, s:o, s:f}", "projection", c->orthographic ? "orthographic" : "perspective",
+                     "position", vector_json(c->position), "forward", vector_json(c->forward), "up", vector_json(c->up),
+                     "half_height", c->half_height);
+}
+
+static bool is_lit(const iso_view *view)
+{
+    for (size_t i = 0; i < view->light_count; ++i)
+        if (view->lights[i].intensity != 0 && (view->shading.diffuse != 0 || view->shading.specular != 0))
+            return true;
+    return false;
+}
+
+static json_t *lights_json(const iso_view *view)
+{
+    json_t *lights = json_array();
+    for (size_t i = 0; i < view->light_count; ++i)
+        json_array_append_new(lights, json_pack("{s:o, s:f}", "direction", vector_json(view->lights[i].direction),
+                                                "intensity", view->lights[i].intensity));
+    return lights;
+}
+
+static json_t *scene_json(const iso_level *level, const iso_view *view, const char *name)
+{
+    const iso_shading *s = &view->shading;
+    const bool lit = is_lit(view);
+    return json_pack("{s:s, s:i, s:i, s:o, s:o, s:o, s:o, s:i, s:o, s:{s:f, s:f, s:f, s:f}}", "name", name, "width",
+                     (int)view->width, "height", (int)view->height, "center",
+                     vector_json(iso_geometry_box_center_mm(&level->geometry)), "camera", camera_json(&view->camera),
+                     "tf", tf_json(&view->tf, lit ? 1 : s->ambient), "background",
+                     iso_json_numbers(view->background, 3), "shade", lit, "lights", lights_json(view), "shading",
+                     "ambient", s->ambient, "diffuse", s->diffuse, "specular", s->specular, "power", s->power);
+}
+
+/* The state's text, with the scene as a Python literal in its place: numbers and words of ASCII are the same in both. */
+static iso_status write_state(json_t *scene, const char *path, iso_error *err)
+{
+    static const char place[] = "SCENE = {}";
+    const char *at = strstr(iso_paraview_state_py, place);
+    char *literal = scene ? json_dumps(scene, JSON_ENSURE_ASCII | JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    char *text = NULL;
+    const int length = literal && at ? asprintf(&text, "%.*sSCENE = %s%s", (int)(at - iso_paraview_state_py),
+                                                iso_paraview_state_py, literal, at + sizeof place - 1)
+                                     : -1;
+    const iso_status status = length >= 0 ? iso_file_write(path, text, (size_t)length, err)
+                                          : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    free(literal);
+    if (length >= 0)
+        free(text);
+    return status;
+}
+
+/* ---- the folder ---- */
+
+/* Letters, digits, "-" and "_". */
+static char *scene_name(const char *dir)
+{
+    char *copy = strdup(dir);
+    size_t end = copy ? strlen(copy) : 0;
+    while (end > 0 && copy[end - 1] == '/')
+        copy[--end] = '\0';
+    char *name = copy ? strdup(end > 0 ? iso_path_base(copy) : "volume") : NULL;
+    for (char *c = name; c && *c; ++c)
+        if (!isalnum((unsigned char)*c) && *c != '-' && *c != '_')
+            *c = '_';
+    free(copy);
+    return name;
+}
+
+static iso_status write_files(const iso_level *level, const iso_view *view, const char *name, const char *dir,
+                              iso_error *err)
+{
+    char *vti = NULL, *state = NULL;
+    iso_status status = asprintf(&vti, "%s/%s.vti", dir, name) >= 0 && asprintf(&state, "%s/%s.py", dir, name) >= 0
+                            ? write_vti(level, vti, err)
+                            : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    json_t *scene = scene_json(level, view, name);
+    if (status == ISO_OK)
+        status = write_state(scene, state, err);
+    json_decref(scene);
+    free(vti);
+    free(state);
+    return status;
+}
+
+iso_status iso_paraview_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *dir,
+                               iso_error *err)
+{
+    iso_output out = {0};
+    iso_status status = check(&p->levels[level], view, err);
+    if (status != ISO_OK)
+        return status;
+    char *name = scene_name(dir), *marker = NULL;
+    if (!name || asprintf(&marker, "%s.vti", name) < 0) {
+        free(name);
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    }
+    status = iso_output_begin_dir(&out, dir, marker, err);
+    if (status == ISO_OK)
+        status = write_files(&p->levels[level], view, name, out.temp_path, err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    free(marker);
+    free(name);
+    return status;
+}

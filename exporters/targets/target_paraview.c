@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* target_paraview.c - a level and a scene as a folder that ParaView opens. */
+#include "paraview/paraview.h"
+#include "targets/targets.h"
+
+static iso_status write_paraview(const iso_export_job *job, iso_error *err)
+{
+    if (job->planned)
+        return iso_fail(err, ISO_E_USAGE, "--plan has no meaning for --to paraview");
+    iso_view view;
+    iso_status status = job->view_of_level(job, job->level, &view, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_paraview_export(job->pyramid, job->level, &view, job->output, err);
+    iso_view_destroy(&view);
+    return status;
+}
+
+const iso_export_target iso_export_target_paraview = {
+    .name = "paraview",
+    .title = "ParaView",
+    .summary = "a folder with a .vti and a state that pvbatch renders",
+    .output = "a folder",
+    .options = ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) |
+               ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),
+    .write = write_paraview,
+    .suffix = "",
+};
