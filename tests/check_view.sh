@@ -26,13 +26,15 @@ page float marschner-lobb 61x61 '{}' --float --code squeeze -- --code squeeze
 page entries thousand-entries 61x61 '{}' -- # a table of a thousand entries
 page coarse border 61x61 '{"level": 1}' --float -- --level 1
 page adapted eight-lights 61x61 '{"level": 1, "adapted": true}' --float -- --level 1 --adapt --always
+page region eight-lights 61x61 '{"level": 1, "roi": {"level": 0, "box": [[0.25, 0.25, 0.25], [0.75, 0.75, 0.75]], "band": 2}}' --float -- --level 1 \
+    --roi 10.25,9.25,10.75,30.75,27.75,32.25 # a finer level inside a box
 page rounded ramp-rotated 61x61 '{}' -- # floats in 16 bits
 
 expect the_pages_are_drawn 0 python3 "$top/tests/view_page.py" pictures pages
-check none_is_left_out test "$(grep -c ^drawn out)" = 9
+check none_is_left_out test "$(grep -c ^drawn out)" = 10
 # A ray is set up in floats, which are 1e-5 voxels off after a few hundred of them; that times the TF's slope is seen.
 near() { check "$1_is_as_the_ray_caster_draws_it" "$ISOSHADE" compare "pages/$1.gl.exr" "pages/$1.page.exr" --max-rmse "$2" --max-abs "$3"; }
-for name in lights mirrored inside signed float entries coarse adapted; do near $name 5e-6 1e-4; done
+for name in lights mirrored inside signed float entries coarse adapted region; do near $name 5e-6 1e-4; done
 near rounded 1e-5 1e-4 # half a step of 1/65535 of the range, times the TF's slope
 [ -z "${VERBOSE-}" ] || for name in pages/*.page.exr; do echo "$name"; "$ISOSHADE" compare "${name%.page.exr}.gl.exr" "$name"; done
 
@@ -45,11 +47,20 @@ check the_page_is_below_400_kB test "$("$ISOSHADE" view eight-lights.nrrd --json
 # ---- hands ----
 "$ISOSHADE" make shells --size 34x33x32 -q -o v.nrrd
 "$ISOSHADE" view v.nrrd --scene "$top/refscenes/shells.scene.json" --levels 2 -q -o v.html
+"$ISOSHADE" make noise --size 20x24x18 --type int16 --range -300,900 --spacing 1x1.5x2 --rotate 1,2,3,40 --seed 5 -q -o other.nrrd
+python_with nibabel
+"$python" - <<'END'
+import nibabel, numpy
+z, y, x = numpy.mgrid[0:17, 0:21, 0:19]
+values = (1000 * numpy.exp(-((x - 9) ** 2 + (y - 12) ** 2 + (z - 8) ** 2) / 40)).astype("int16").transpose(2, 1, 0)
+turn = numpy.array([[-1.2, 0.3, 0, 10], [0.2, 1.5, 0.1, -20], [0, -0.1, 2, 5], [0, 0, 0, 1]])
+nibabel.save(nibabel.Nifti1Image(values, turn), "other.nii.gz")
+END
 expect the_page_was_used 0 python3 "$top/tests/view_page.py" hands v.html "$dir"
 cp out findings
 found() { grep -qxE "$1" findings; }
 for name in a_drag_orbits the_right_button_pans the_wheel_zooms arrows_orbit a_point_is_dragged points_come_and_go a_color_is_chosen \
-    a_level_differs_and_the_same_does_not; do
+    a_level_differs_and_the_same_does_not the_joint_histogram_is_drawn; do
     check "$name" found "$name true"
 done
 check every_control_has_a_name found 'controls_without_a_name 0'
@@ -62,6 +73,13 @@ check a_saved_scene_renders_the_same "$ISOSHADE" compare saved.exr saved.page.ex
 check a_saved_transfer_function_is_that_of_the_scene "$ISOSHADE" compare saved.exr tf.exr
 "$ISOSHADE" render v.nrrd --scene "$top/refscenes/shells.scene.json" --size "$(python3 -c "import json; i = json.load(open(\"scene.json\"))[\"image\"]; print(i[\"width\"], i[\"height\"], sep=\"x\")")" --with reference --quadrature midpoint -q -o unmoved.exr >/dev/null
 notice and_it_is_not_the_scene_it_began_with "$ISOSHADE" compare unmoved.exr saved.page.exr --max-rmse 1e-3
+
+for file in nrrd nii.gz; do # the camera is in millimeters: the page and the program agree where the volume is
+    kind=${file%.gz}
+    "$ISOSHADE" render "other.$file" --scene "opened-$kind.json" --shading-from on-the-fly --with reference --quadrature midpoint -q \
+        -o "opened-$kind.exr" >/dev/null
+    check "a_${kind}_file_is_opened" "$ISOSHADE" compare "opened-$kind.exr" "opened-$kind.page.exr" --max-rmse 5e-5 --max-abs 1e-3
+done
 
 # ---- what is refused ----
 refuse a_page_needs_a_name 2 "-o is missing" "$ISOSHADE" view v.nrrd

@@ -121,6 +121,24 @@ def hands(path, folder):
         same = page.evaluate(lit)
         say("a_level_differs_and_the_same_does_not", other > 0 and same == 0)
 
+        # Other volumes, as a file that is chosen; dropped ones go the same way.
+        page.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
+        root = page.call("DOM.getDocument")["root"]["nodeId"]
+        node = page.call("DOM.querySelector", nodeId=root, selector="#open")["nodeId"]
+        for name in ("other.nrrd", "other.nii.gz"):
+            page.call("DOM.setFileInputFiles", nodeId=node, files=[os.path.abspath(os.path.join(folder, name))])
+            page.wait(f"isoshade.data.title === '{name}' && document.getElementById('title').textContent === '{name}'")
+            page.evaluate("isoshade.frames.settled()")
+            kind = name.split(".")[1]
+            with open(os.path.join(folder, f"opened-{kind}.json"), "w") as f:
+                f.write(page.evaluate("JSON.stringify({...isoshade.controls.sceneNow(), image: {width: 80, height: 80}})"))
+            # The scene has the camera of the page's own shape: the same one for a square picture.
+            page.evaluate("isoshade.state.camera = isoshade.frames.camera(isoshade.frames.size()[0] / isoshade.frames.size()[1]);"
+                          " isoshade.state.sceneAspect = 1")
+            take(page, os.path.join(folder, f"opened-{kind}.page.exr"), 80, 80)
+        page.evaluate("document.querySelector('[data-field=joint]').click()")
+        say("the_joint_histogram_is_drawn", page.evaluate("document.querySelector('svg image')?.getAttribute('href').length > 1000"))
+
         say("controls_without_a_name", page.evaluate(
             "[...document.querySelectorAll('button, select, input, canvas, svg, [role=button], summary')].filter(e =>"
             " !(e.getAttribute('aria-label') || e.textContent.trim() || e.closest('label'))).length"))

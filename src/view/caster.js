@@ -6,14 +6,14 @@
 const onTheFlyEps = 1e-4; // ISO_ON_THE_FLY_EPS
 
 const makeCaster = (context, data) => {
-    const {gl} = context, level0 = data.geometry0, meanSpacing = data.mean_spacing_mm, tables = new Map();
+    const {gl} = context, tables = new Map();
 
     // A level's table of a transfer function, its texture and which bricks it shows; the last few are kept.
     const tableOf = (level, tf, adapted) => {
         const key = `${level.level} ${adapted} ${JSON.stringify(tf)}`;
         if (tables.has(key)) return tables.get(key);
-        let table = tabulate(tf, data.value_range, meanSpacing);
-        if (adapted && level.adapter) table = adaptTable(level.adapter, table, meanSpacing);
+        let table = tabulate(tf, data.value_range, data.mean_spacing_mm);
+        if (adapted && level.adapter) table = adaptTable(level.adapter, table, data.mean_spacing_mm);
         const ranges = level.ranges ??= brickRanges(level.numbers, level.size);
         const occupancy = occupancyOf(ranges, level.scalar, table), made = {...table, skip: occupancy.part <= skipOccupied, part: occupancy.part};
         made.texture = uploadTable(context, table);
@@ -34,8 +34,25 @@ const makeCaster = (context, data) => {
         return code;
     };
 
+    // A finer level inside a box of the one around it: roi.glsl.
+    const setRoi = (program, q, scalar, table) => {
+        const {level, roi} = q, fine = roi.level, times = 2 ** (level.level - fine.level);
+        const entries = (table.count - 1) / (table.hi - table.lo), index = roi.box.map(corner => corner.map((part, a) => part * level.box_index[a]));
+        program.int('roi_scalar', 4);
+        program.int('roi_directions', 5);
+        program.int('roi_tf', 6);
+        program.float('roi_tf_scale', scalar.perTexel * entries);
+        program.float('roi_tf_offset', (fine.scalar.zero - table.lo) * entries);
+        program.int('roi_tf_count', table.count);
+        program.vec3('roi_place_scale', level.size.map((n, a) => times * n / fine.size[a]));
+        program.vec3('roi_place_offset', [0, 0, 0]);
+        program.vec3('roi_lo', index[0]);
+        program.vec3('roi_hi', index[1]);
+        program.float('roi_band', roi.band);
+        program.vec3('index_per_p', level.size);
+    };
     const setCamera = (program, q, g) => {
-        const axes = axesOf(q.camera), {width, height} = q, half = q.camera.half, clips = q.clips.map(c => clipInIndex(c, level0, g));
+        const axes = axesOf(q.camera), {width, height} = q, half = q.camera.half, clips = q.clips.map(c => clipInIndex(c, data.geometry0, g));
         program.mat3('to_index', inverse(g.index_to_world));
         program.vec2('image_size', [width, height]);
         program.vec2('half_image', [half * width / height, half]);
@@ -43,7 +60,7 @@ const makeCaster = (context, data) => {
         for (const name of ['forward', 'right', 'up']) program.vec3(name, axes[name]);
         program.vec3('position_index', toIndex(g, q.camera.position));
         program.vec3('box_index', g.box_index);
-        program.float('step_mm', q.step * Math.min(...spacings(g)));
+        program.float('step_mm', q.step * Math.min(...spacings(q.roi ? q.roi.level : g)));
         program.vec3('index_scale', g.size.map(n => 1 / n));
         program.vec3('index_offset', [0, 0, 0]);
         program.int('clip_count', clips.length);
@@ -78,10 +95,12 @@ const makeCaster = (context, data) => {
     // Draws the rows [from, to) of the target and waits until they are there; the milliseconds that took.
     const draw = (q, target, from = 0, to = target.height) => {
         const {level} = q, scalar = scalarOf(level), code = q.code ? codeOf(level, q.code) : null, table = tableOf(level, q.tf, q.adapted);
+        const fine = q.roi ? {scalar: scalarOf(q.roi.level), code: codeOf(q.roi.level, q.code), table: tableOf(q.roi.level, q.tf, q.adapted && q.roi.level.level > 0)} : null;
+        const skip = table.skip && !fine; // a brick is empty in one level and not in the other
         const program = context.program(['code_decode.h', 'raycast.glsl'], {
             DIRECTION_SOURCE: code ? 'SOURCE_CODES' : 'SOURCE_ON_THE_FLY', DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR',
             OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length, SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0,
-            SKIP_EMPTY: Number(table.skip), PREINTEGRATED: 0, EXACT: 0, ROI: 0, BRICKS: 0, TF_2D_ROWS: 0, EXTINCTION_SCALE: 'SCALE_NONE',
+            SKIP_EMPTY: Number(skip), PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(fine)), BRICKS: 0, TF_2D_ROWS: 0, EXTINCTION_SCALE: 'SCALE_NONE',
             PAGES: 1, FILTERED_BY_HAND: scalar.byHand ? 1 : undefined,
         });
         program.use();
@@ -90,7 +109,13 @@ const makeCaster = (context, data) => {
         bind(0, gl.TEXTURE_3D, scalar.texture);
         bind(1, gl.TEXTURE_2D, table.texture);
         if (code) bind(2, gl.TEXTURE_3D, code.texture.texture);
-        if (table.skip) bind(3, gl.TEXTURE_3D, table.occupancy);
+        if (skip) bind(3, gl.TEXTURE_3D, table.occupancy);
+        if (fine) {
+            setRoi(program, q, fine.scalar, fine.table);
+            bind(4, gl.TEXTURE_3D, fine.scalar.texture);
+            bind(5, gl.TEXTURE_3D, fine.code.texture.texture);
+            bind(6, gl.TEXTURE_2D, fine.table.texture);
+        }
         gl.bindFramebuffer(gl.FRAMEBUFFER, target.frame);
         gl.viewport(0, 0, target.width, target.height);
         gl.enable(gl.SCISSOR_TEST);
@@ -102,5 +127,11 @@ const makeCaster = (context, data) => {
         return performance.now() - start;
     };
     const bytes = () => data.levels.reduce((sum, l) => sum + (l.scalarTexture?.bytes ?? 0) + (l.codes || []).reduce((s, c) => s + (c.texture?.bytes ?? 0), 0), 0);
-    return {draw, bytes, tableOf};
+    // Another volume: nothing of the old one stays on the graphics card.
+    const forget = levels => {
+        for (const table of tables.values()) { gl.deleteTexture(table.texture); if (table.occupancy) gl.deleteTexture(table.occupancy); }
+        tables.clear();
+        for (const l of levels) for (const t of [l.scalarTexture, ...l.codes.map(c => c.texture)]) if (t) gl.deleteTexture(t.texture);
+    };
+    return {draw, bytes, tableOf, forget};
 };

@@ -48,10 +48,11 @@ const makeControls = (data, state, frames, editor) => {
         const found = name === 'scene' ? data.scene.tf : (data.presets.find(p => p.name === name) || {}).tf;
         if (found) editor.take(found, name);
     });
-    $('preset').append(labeled('preset', preset));
+    $('preset').replaceChildren(labeled('preset', preset));
     const showPreset = () => { preset.value = state.tfName; };
 
     // Views, and the projection.
+    $('views').replaceChildren();
     for (const [name, direction, up] of viewpoints) {
         const b = element('button', {type: 'button', textContent: name});
         b.addEventListener('click', () => { state.camera = lookingFrom(state.camera, data.geometry0, direction, up, state.sceneAspect); changed(); });
@@ -60,7 +61,7 @@ const makeControls = (data, state, frames, editor) => {
     const back = element('button', {type: 'button', textContent: 'scene'});
     back.addEventListener('click', () => { state.camera = cameraOf(data.scene, data.geometry0); changed(); });
     $('views').append(back);
-    $('projection').append(labeled('projection', choice([['perspective', 'perspective'], ['orthographic', 'orthographic']], state.camera.orthographic ? 'orthographic' : 'perspective', v => {
+    $('projection').replaceChildren(labeled('projection', choice([['perspective', 'perspective'], ['orthographic', 'orthographic']], state.camera.orthographic ? 'orthographic' : 'perspective', v => {
         const c = state.camera, depth = dot(subtract(c.lookAt, c.position), axesOf(c).forward);
         if ((v === 'orthographic') === c.orthographic) return;
         // The middle of the volume keeps its size.
@@ -118,6 +119,31 @@ const makeControls = (data, state, frames, editor) => {
         $('clips').replaceChildren(...list, more);
     };
 
+    // Inside the box a finer level is drawn than around it.
+    const drawRoi = () => {
+        const on = element('input', {type: 'checkbox', checked: Boolean(state.roi)}), row = labeled('finer level inside a box', on), parts = [row];
+        row.className = 'check';
+        on.addEventListener('change', () => {
+            state.roi = on.checked ? {level: levels[0], box: [[0.3, 0.3, 0.3], [0.7, 0.7, 0.7]], band: 2} : null;
+            if (state.roi && state.level === levels[0] && levels.length > 1) { state.level = levels[1]; drawWhat(); }
+            drawRoi();
+            changed();
+        });
+        const set = (change, moving) => { state.roi = {...state.roi, ...change}; changed(moving); };
+        if (state.roi) {
+            parts.push(labeled('level inside', choice(levels.slice(0, -1).map(n => [n, `${n}: ${sizeOf(n)}`]), state.roi.level, v => set({level: Number(v)}))));
+            for (const a of [0, 1, 2]) for (const side of [0, 1])
+                parts.push(slider(`${'xyz'[a]} ${side ? 'to' : 'from'}`, {min: 0, max: 1, step: 0.01, value: state.roi.box[side][a]}, (v, m) => {
+                    const box = state.roi.box.map(corner => [...corner]);
+                    box[side][a] = side ? Math.max(v, box[0][a] + 0.01) : Math.min(v, box[1][a] - 0.01);
+                    set({box}, m);
+                }));
+            parts.push(slider('band, voxels', {min: 0, max: 16, step: 0.5, value: state.roi.band}, (v, m) => set({band: v}, m)),
+                element('p', {className: 'hint', textContent: 'Needs a coarser level outside, and directions by a code. A scene file does not hold the box: the command below does.'}));
+        }
+        if (levels.length < 2) on.disabled = true;
+        $('roi').replaceChildren(...parts);
+    };
     const drawCompare = () => {
         const parts = [labeled('show', choice([['none', 'A alone'], ['split', 'A and B, side by side'], ['difference', 'their difference']], state.compare, v => { state.compare = v; drawCompare(); changed(); }))];
         if (state.compare !== 'none') parts.push(...what(' of B', state.b));
@@ -125,15 +151,15 @@ const makeControls = (data, state, frames, editor) => {
         if (state.compare === 'difference') parts.push(slider('times', {min: 1, max: 100, step: 1, value: state.amplified}, v => { state.amplified = v; frames.reshow(); }));
         $('compare').replaceChildren(...parts);
     };
-    $('step').append(slider('step, voxels', {min: 0.1, max: 4, step: 0.05, value: state.step}, (v, m) => { state.step = v; changed(m); }));
+    $('step').replaceChildren(slider('step, voxels', {min: 0.1, max: 4, step: 0.05, value: state.step}, (v, m) => { state.step = v; changed(m); }));
 
     const pictureSize = () => { const box = document.getElementById('picture').getBoundingClientRect(); return [Math.round(box.width), Math.round(box.height)]; };
     const sceneNow = () => { const [w, h] = pictureSize(); return sceneJson(data, state, frames.camera(w / h), w, h); };
-    $('save-scene').addEventListener('click', () => saveText('scene.json', textOf(sceneNow())));
-    $('save-tf').addEventListener('click', () => saveText('tf.json', textOf(tfJson(data, state))));
+    $('save-scene').onclick = () => saveText('scene.json', textOf(sceneNow()));
+    $('save-tf').onclick = () => saveText('tf.json', textOf(tfJson(data, state)));
     const showCommand = () => { $('command').textContent = commandOf(data, state); };
-    $('copy').addEventListener('click', async () => { await navigator.clipboard?.writeText($('command').textContent); $('copy').textContent = 'copied'; setTimeout(() => { $('copy').textContent = 'copy'; }, 1500); });
+    $('copy').onclick = async () => { await navigator.clipboard?.writeText($('command').textContent); $('copy').textContent = 'copied'; setTimeout(() => { $('copy').textContent = 'copy'; }, 1500); };
 
-    for (const draw of [drawWhat, drawLights, drawShading, drawClips, drawCompare, showCommand]) draw();
+    for (const draw of [drawWhat, drawLights, drawShading, drawClips, drawRoi, drawCompare, showCommand]) draw();
     return {sceneNow, tfNow: () => tfJson(data, state), showCommand, showPreset, drawWhat};
 };

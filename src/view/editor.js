@@ -1,11 +1,30 @@
 // SPDX-License-Identifier: MIT
 // editor.js - the transfer function over the histogram of values: points to drag, their opacity and color.
-const bins = 256;
+// Whole numbers of a small range have a bin each.
 const histogramOf = (level, [lo, hi]) => {
+    const whole = level.scalar.kind === 'integer' && hi - lo < 512, bins = whole ? hi - lo + 1 : 256;
+    if (whole) [lo, hi] = [lo - 0.5, hi + 0.5];
     const counts = new Float64Array(bins), {numbers, scalar} = level, factor = bins / ((hi - lo) || 1), stride = Math.max(1, Math.floor(numbers.length / 4e6));
     for (let i = 0; i < numbers.length; i += stride) ++counts[clamp(Math.floor((scalar.zero + numbers[i] * scalar.step - lo) * factor), 0, bins - 1)];
     const most = Math.log1p(counts.reduce((m, c) => Math.max(m, c), 0));
-    return counts.map(c => Math.log1p(c) / most);
+    return {heights: [...counts].map(c => Math.log1p(c) / most), lo, hi};
+};
+// Value to the right, gradient magnitude upwards: homogeneous materials are spots at the bottom, boundaries are arches
+// [kniss-2002]. As a picture that lies under the curve.
+const jointPicture = (level, [lo, hi]) => {
+    const [width, height] = [256, 96], counts = new Float64Array(width * height), {numbers, scalar, size: [nx, ny, nz]} = level;
+    const least = Math.min(...spacings(level)), [sx, sy, sz] = spacings(level).map(s => 0.5 * least / s), range = (hi - lo) / scalar.step || 1;
+    const step = Math.max(1, Math.round(Math.cbrt(nx * ny * nz / 2e6)));
+    for (let z = 1; z < nz - 1; z += step) for (let y = 1; y < ny - 1; y += step) for (let x = 1; x < nx - 1; x += step) {
+        const i = x + nx * (y + ny * z), g = Math.hypot((numbers[i + 1] - numbers[i - 1]) * sx, (numbers[i + nx] - numbers[i - nx]) * sy, (numbers[i + nx * ny] - numbers[i - nx * ny]) * sz);
+        const column = Math.floor((scalar.zero + numbers[i] * scalar.step - lo) / ((hi - lo) || 1) * (width - 1)), row = Math.floor(Math.sqrt(Math.min(2 * g / range, 1)) * (height - 1));
+        ++counts[clamp(column, 0, width - 1) + width * (height - 1 - row)];
+    }
+    const most = Math.log1p(counts.reduce((m, c) => Math.max(m, c), 0)), canvas = Object.assign(document.createElement('canvas'), {width, height});
+    const paint = canvas.getContext('2d'), image = paint.createImageData(width, height);
+    counts.forEach((c, i) => image.data.set([128, 128, 128, 255 * Math.sqrt(Math.log1p(c) / most)], 4 * i));
+    paint.putImageData(image, 0, 0);
+    return canvas.toDataURL();
 };
 
 const makeEditor = (root, data, state, changed) => {
@@ -17,7 +36,7 @@ const makeEditor = (root, data, state, changed) => {
         return e;
     };
     const [width, height, base] = [320, 150, 132];
-    let chosen = 0, histogram = null, dragged = null;
+    let chosen = 0, histogram = null, dragged = null, counted = null, joint = null;
     const domain = () => { const [lo, hi] = tfRange(state.tf, data.value_range), [a, b] = data.value_range; return [Math.min(lo, a), Math.max(hi, b)]; };
     const x = value => { const [lo, hi] = domain(); return 8 + (width - 16) * (value - lo) / ((hi - lo) || 1); };
     const valueAt = px => { const [lo, hi] = domain(); return lo + (px - 8) / (width - 16) * (hi - lo); };
@@ -48,9 +67,13 @@ const makeEditor = (root, data, state, changed) => {
             const v = lo + i / 64 * (hi - lo), [r, g, b] = samplePoints(points(), pointValue(state.tf, v, data.value_range));
             make('stop', {offset: i / 64, 'stop-color': hexOf({r, g, b})}, gradient);
         }
-        if (histogram) {
+        if (joint) {
+            const from = x(data.value_range[0]);
+            make('image', {x: from, y: 10, width: Math.max(0, x(data.value_range[1]) - from), height: base - 10, href: joint, preserveAspectRatio: 'none'});
+        } else if (histogram) {
             let d = `M8 ${base}`;
-            histogram.forEach((h, i) => { const px = x(data.value_range[0] + (i + 0.5) / bins * (data.value_range[1] - data.value_range[0])); d += `L${px.toFixed(2)} ${(base - h * (base - 10)).toFixed(2)}`; });
+            const {heights, lo: first, hi: end} = histogram;
+            heights.forEach((h, i) => { const px = clamp(x(first + (i + 0.5) / heights.length * (end - first)), 8, width - 8); d += `L${px.toFixed(2)} ${(base - h * (base - 10)).toFixed(2)}`; });
             make('path', {d: `${d}L${width - 8} ${base}Z`, class: 'histogram'});
         }
         const line = points().map(p => place(p).map(n => n.toFixed(2)).join(' ')), last = points()[points().length - 1];
@@ -121,8 +144,10 @@ const makeEditor = (root, data, state, changed) => {
         insert((here + (next ? valueOf(state.tf, next, data.value_range) : hi)) / 2);
     });
     fields.remove.addEventListener('click', () => { if (points().length > 1) edit(list => list.splice(chosen, 1)); });
+    const showJoint = () => { joint = fields.joint.checked && counted ? jointPicture(counted, data.value_range) : null; draw(); };
+    fields.joint.addEventListener('change', showJoint);
     return {
-        draw, count: level => { histogram = histogramOf(level, data.value_range); draw(); },
+        draw, count: level => { counted = level; histogram = histogramOf(level, data.value_range); showJoint(); },
         take: (tf, name) => { state.tf = linearTf(tf); state.tfName = name; chosen = Math.min(chosen, points().length - 1); draw(); changed(false); },
     };
 };

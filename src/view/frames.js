@@ -25,9 +25,9 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
         if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
         gl.viewport(0, 0, width, height);
         display.use();
-        for (const [unit, texture] of [[6, a.texture], [7, (b || a).texture]]) { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, texture); }
-        display.int('picture', 6);
-        display.int('other', 7);
+        for (const [unit, texture] of [[9, a.texture], [10, (b || a).texture]]) { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, texture); }
+        display.int('picture', 9);
+        display.int('other', 10);
         display.int('mode', b ? {split: 1, difference: 2}[state.compare] : 0);
         display.float('line', state.line);
         display.float('amplified', state.amplified);

@@ -9,8 +9,8 @@ const start = async () => {
     if (!context) { say('This browser has no WebGL2, or it is switched off: the volume cannot be drawn here.'); return; }
     canvas.addEventListener('webglcontextlost', () => say('The graphics card gave up on this page (a picture took too long, or memory ended). Reload it, and choose a coarser level or a larger step.'));
     const state = makeState(data), caster = makeCaster(context, data);
-    const packed = data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : [])]).reduce((sum, d) => sum + d.packed, 0);
-    const pageBytes = packed * 4 / 3 + 13e4; // base64; the page itself
+    const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : [])]).reduce((sum, d) => sum + d.packed, 0);
+    const pageBytes = packed() * 4 / 3 + 13e4; // base64; the page itself
     let controls = null;
     const status = told => {
         if (told instanceof Error) { say(told.message); document.documentElement.dataset.failed = told.message; throw told; }
@@ -39,11 +39,24 @@ const start = async () => {
     makeOrbit(canvas, state, frames);
     new ResizeObserver(() => frames.ask()).observe(canvas);
     window.isoshade = {data, state, frames, editor, controls, context, caster}; // for tests and `validate`
+    acceptFiles(canvas.parentElement, async file => {
+        const level = await openFile(file, context.most), old = data.levels;
+        await frames.settled();
+        caster.forget(old);
+        replaceVolume(data, state, level, file.name);
+        $('title').textContent = document.title = file.name;
+        controls = makeControls(data, state, frames, editor);
+        editor.count(level);
+        window.isoshade.controls = controls;
+        frames.ask();
+    }, say);
     frames.ask();
     await frames.settled();
     if (document.readyState === 'loading') await new Promise(done => document.addEventListener('DOMContentLoaded', done, {once: true}));
-    for (const level of data.levels.slice(1)) {
+    const all = data.levels;
+    for (const level of all.slice(1)) {
         await readLevel(level);
+        if (data.levels !== all) return; // another volume was opened meanwhile
         frames.ask();
         await frames.settled();
     }

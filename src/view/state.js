@@ -7,7 +7,7 @@ const makeState = data => {
         lights: scene.lights.map(l => ({space: 'world', intensity: 1, ...l})), shading: {specular: 0, power: 20, ...scene.shading},
         background: scene.background || [0, 0, 0], clips: scene.clip_planes || [], step: scene.step_voxels ?? 0.5,
         level: data.levels[0].level, code: data.codes[0] ?? null, adapted: data.adapted,
-        compare: 'none', line: 0.5, amplified: 10, b: {level: data.levels[0].level, code: data.codes[0] ?? null, adapted: false},
+        roi: null, compare: 'none', line: 0.5, amplified: 10, b: {level: data.levels[0].level, code: data.codes[0] ?? null, adapted: false},
     };
 };
 
@@ -15,8 +15,9 @@ const makeState = data => {
 const requestOf = (data, state, side) => {
     const wanted = side === 'b' ? state.b : state, ready = data.levels.filter(l => l.numbers);
     const level = ready.find(l => l.level === wanted.level) || ready.reduce((best, l) => Math.abs(l.level - wanted.level) < Math.abs(best.level - wanted.level) ? l : best);
-    const {tf, lights, shading, background, clips, step} = state;
-    return {level, code: wanted.code, adapted: wanted.adapted && level.level > 0, tf, lights, shading, background, clips, step};
+    const {tf, lights, shading, background, clips, step} = state, inside = state.roi && ready.find(l => l.level === state.roi.level);
+    const roi = inside && inside.level < level.level && wanted.code !== null ? {...state.roi, level: inside} : null;
+    return {level, code: wanted.code, adapted: wanted.adapted && level.level > 0, tf, lights, shading, background, clips, step, roi};
 };
 
 const number = x => Number(x.toPrecision(9));
@@ -35,6 +36,10 @@ const commandOf = (data, state) => {
     if (level) words.push(`--level ${level}`);
     words.push(code === null ? '--shading-from on-the-fly' : `--code ${code}`);
     if (adapted && level) words.push('--adapt --always');
+    if (state.roi && state.roi.level < level && code !== null) {
+        const box = state.roi.box.flatMap(corner => corner.map((part, a) => Number((part * data.geometry0.box_index[a]).toPrecision(6))));
+        words.push(`--roi ${box.join()}`, ...(state.roi.level ? [`--roi-level ${state.roi.level}`] : []), `--roi-band ${state.roi.band}`);
+    }
     return words.join(' ') + ' -o picture.png';
 };
 
