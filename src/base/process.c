@@ -19,6 +19,7 @@
 #include "base/file.h"
 #include "base/keeper.h"
 #include "base/parallel.h"
+#include "base/words.h"
 
 static char *search_path(const char *program)
 {
@@ -74,6 +75,7 @@ static void end_line(line_log *log)
     log->line[log->used] = 0;
     if (log->used > 0) {
         snprintf(log->last, sizeof log->last, "%.*s", (int)sizeof log->last - 1, log->line);
+        iso_words_make_printable(log->last);
         if (strcasestr(log->line, "error") || strcasestr(log->line, "fatal"))
             memcpy(log->error, log->last, sizeof log->error);
         if (log->options->line)
@@ -95,7 +97,7 @@ static void take_output(line_log *log, const char *bytes, size_t count)
 
 /* Ctrl-C and the like, while programs run: they are ended and the calls fail, so that the callers remove what is half
  * made. A handler can speak through nothing but a global; the first of several calls watches, the last restores. */
-static volatile sig_atomic_t stop_signal;
+static volatile sig_atomic_t stop_signal, was_stopped;
 static const int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
 enum { stop_count = sizeof stop_signals / sizeof *stop_signals };
 static struct {
@@ -107,6 +109,12 @@ static struct {
 static void note_signal(int number)
 {
     stop_signal = number;
+    was_stopped = 1;
+}
+
+bool iso_process_was_stopped(void)
+{
+    return was_stopped != 0;
 }
 
 /* Signals that are ignored (nohup) or handled by others stay so. */
@@ -239,6 +247,21 @@ void iso_process_set_limit(double seconds)
     usual_limit_seconds = seconds;
 }
 
+double iso_process_limit(void)
+{
+    return usual_limit_seconds;
+}
+
+static void note_outcome(const iso_process_options *options, drain_end end, int result, double start)
+{
+    const bool exited = end == DRAIN_CLOSED && WIFEXITED(result), signaled = end == DRAIN_CLOSED && WIFSIGNALED(result);
+    if (options->outcome)
+        *options->outcome = (iso_process_outcome){.exit_code = exited ? WEXITSTATUS(result) : -1,
+                                                  .signal = signaled ? WTERMSIG(result) : 0,
+                                                  .timed_out = end == DRAIN_TIMED_OUT,
+                                                  .seconds = iso_clock_seconds() - start};
+}
+
 static iso_status listen_to(iso_process *p, const char *until, const iso_process_options *options, bool *ended,
                             iso_error *err)
 {
@@ -247,13 +270,15 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     log->until = until;
     log->is_there = false;
     log->last[0] = log->error[0] = 0;
-    const double limit = options->timeout_seconds > 0 ? options->timeout_seconds : usual_limit_seconds,
-                 deadline = limit > 0 ? iso_clock_seconds() + limit : INFINITY;
+    const double start = iso_clock_seconds(),
+                 limit = options->timeout_seconds > 0 ? options->timeout_seconds : usual_limit_seconds,
+                 deadline = limit > 0 ? start + limit : INFINITY;
     drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, deadline);
     *ended = end != DRAIN_WAITS;
     if (!*ended)
         return ISO_OK;
     const int result = reap(p, deadline, &end);
+    note_outcome(options, end, result, start);
     if (end == DRAIN_STOPPED)
         return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", p->name, (int)stop_signal);
     if (end == DRAIN_TIMED_OUT)

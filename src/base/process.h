@@ -12,17 +12,27 @@
  * To be freed. ISO_E_MISSING with the Debian package that has it. */
 iso_status iso_process_find(const char *program, const char *debian_package, char **path, iso_error *err);
 
+/* How a program ended. */
+typedef struct iso_process_outcome {
+    int exit_code;  /* -1: it has none, since a signal or the time limit ended it */
+    int signal;     /* 0: none */
+    bool timed_out; /* it was ended at its time limit */
+    double seconds;
+} iso_process_outcome;
+
 typedef struct iso_process_options {
     const char *directory;                      /* working directory; NULL: unchanged */
     void (*line)(void *user, const char *line); /* each line of stdout and stderr; may be NULL */
     void *user;
     double timeout_seconds; /* 0: that of iso_process_set_limit() */
+    iso_process_outcome *outcome; /* filled where the program ended; may be NULL */
 } iso_process_options;
 
 /* How long a program may take where options say nothing, or stay silent after an order: one that hangs would hold its
  * caller for ever. 0: without end. At the start it is: */
 #define ISO_PROCESS_LIMIT_SECONDS 7200
 void iso_process_set_limit(double seconds);
+double iso_process_limit(void);
 
 /* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is
  * captured; on a non-zero exit, a signal or a timeout the status is
@@ -31,6 +41,10 @@ void iso_process_set_limit(double seconds);
  * the program and are such a failure, so that callers clean up. Neither the program nor
  * anything that it started outlives the call, or this process (keeper.h). Threads may each run one; a signal ends all. */
 iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err);
+
+/* Did a signal end programs of this process, such as Ctrl-C? Then a program that failed is not to blame, and nothing more is
+ * to be begun. */
+bool iso_process_was_stopped(void);
 
 /* ---- a program that stays and takes one order after the other ---- */
 

@@ -29,6 +29,13 @@ void iso_words_copy_line(const char *text, char *line, size_t size)
     line[n] = 0;
 }
 
+void iso_words_make_printable(char *text)
+{
+    for (; *text; ++text)
+        if (*text < ' ' || *text > '~')
+            *text = *text == '\t' ? ' ' : '?';
+}
+
 void iso_words_append(char *text, size_t size, const char *format, ...)
 {
     const size_t used = strlen(text);

@@ -18,6 +18,8 @@ void iso_words_put_quoted(FILE *f, const char *word);
 bool iso_words_has_control(const char *text);
 /* A copy without them, spaces in their place, of what fits into size bytes. */
 void iso_words_copy_line(const char *text, char *line, size_t size);
+/* What another program printed may hold anything: bytes that are no printable ASCII become '?', tabs a space, in place. */
+void iso_words_make_printable(char *text);
 
 /* Puts more at the end of a text in a buffer of `size` bytes; what does not fit is left out. */
 void iso_words_append(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));

@@ -138,7 +138,7 @@ static const char *first_word(const char *list, char word[64])
 
 const char *iso_chart_default_renderers(char *text, size_t size)
 {
-    return iso_renderers_with(ISO_HAS_LIMIT, ",", ",", text, size);
+    return iso_renderers_by_default(ISO_HAS_LIMIT, text, size);
 }
 
 iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g, iso_error *err)

@@ -261,6 +261,42 @@ static iso_status load_opened(exr_context_t file, const char *path, iso_image *i
     return status;
 }
 
+static unsigned channels_of(exr_const_context_t file)
+{
+    const exr_attr_chlist_t *list = NULL;
+    unsigned found = 0;
+    if (exr_get_channels(file, 0, &list) != EXR_ERR_SUCCESS)
+        return 0;
+    for (int i = 0; i < list->num_channels; ++i) {
+        const exr_attr_chlist_entry_t *c = &list->entries[i];
+        const int component = component_of(c->name.str);
+        if (component >= 0 && c->x_sampling == 1 && c->y_sampling == 1)
+            found |= 1u << component;
+    }
+    return found;
+}
+
+iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, iso_error *err)
+{
+    exr_log log = {""};
+    exr_context_initializer_t init = initializer(&log);
+    exr_context_t file = NULL;
+    exr_attr_box2i_t window, display;
+    *header = (iso_exr_header){0};
+    if (exr_start_read(&file, path, &init) != EXR_ERR_SUCCESS)
+        return iso_fail(err, ISO_E_FORMAT, "%s: not an OpenEXR image: %s", path, log.text);
+    const bool good = exr_get_data_window(file, 0, &window) == EXR_ERR_SUCCESS &&
+                      exr_get_display_window(file, 0, &display) == EXR_ERR_SUCCESS && window.max.x >= window.min.x &&
+                      window.max.y >= window.min.y;
+    if (good)
+        *header = (iso_exr_header){.width = (size_t)((int64_t)window.max.x - window.min.x + 1),
+                                   .height = (size_t)((int64_t)window.max.y - window.min.y + 1),
+                                   .is_cropped = !is_same_window(window, display),
+                                   .channels = channels_of(file)};
+    exr_finish(&file);
+    return good ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: has no data window or no display window", path);
+}
+
 iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err)
 {
     exr_log log = {""};

@@ -198,6 +198,17 @@ double iso_image_shown_share(const iso_image *image)
     return count ? (double)shown / (double)count : 0;
 }
 
+bool iso_image_clip(iso_image *image, float most)
+{
+    bool some = false;
+    for (size_t i = 0; i < 4 * image->width * image->height; ++i)
+        if (image->rgba[i] > most) {
+            image->rgba[i] = most;
+            some = true;
+        }
+    return some;
+}
+
 bool iso_image_is_finite(const iso_image *image)
 {
     for (size_t i = 0; i < 4 * image->width * image->height; ++i)

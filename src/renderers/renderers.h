@@ -8,6 +8,8 @@
 #ifndef ISO_RENDERERS_H
 #define ISO_RENDERERS_H
 
+#include <jansson.h>
+
 #include "base/progress.h"
 #include "image/image.h"
 #include "pyramid/pyramid.h"
@@ -95,8 +97,13 @@ typedef enum iso_trait {
     ISO_READS_SHADERS = 1 << 17, /* iso_renderers.shader_dir */
     ISO_HAS_EXTINCTION_SCALES = 1 << 18,
     ISO_HAS_LABELS = 1 << 19, /* label maps, looked up without interpolation */
+    ISO_HAS_LIGHTS = 1 << 20,
+    ISO_HAS_ORTHOGRAPHIC = 1 << 21, /* cameras */
+    ISO_IS_NAMED = 1 << 22,         /* takes part where it is named, and never by default */
 } iso_trait;
-#define ISO_HAS_ALL_SCENES (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_ROI)
+#define ISO_HAS_ALL_SCENES                                                                                 \
+    (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_ROI | ISO_HAS_LIGHTS | \
+     ISO_HAS_ORTHOGRAPHIC)
 
 /* How far an image may be from the reference with the same samples; 0: not checked. */
 typedef struct iso_sample_error {
@@ -104,7 +111,9 @@ typedef struct iso_sample_error {
 } iso_sample_error;
 
 /* Lock-step: the places of the renderer's samples are known, and the reference takes its samples there too. What
- * differs then is only how exactly the renderer computes. */
+ * differs then is only how exactly the renderer computes. Where they are not known, and its step cannot be halved to find
+ * its limit (integers of 8 bits), the quadrature is ISO_QUADRATURE_CONVERGED: it is held to the reference itself, within
+ * what it states of itself. */
 typedef struct iso_lock_step {
     iso_quadrature quadrature;      /* of the reference, which has the same samples */
     size_t intervals;               /* that both are asked for; 0: the view's step */
@@ -121,6 +130,7 @@ typedef struct iso_render_output {
     unsigned bits;                        /* a channel */
     double (*peak)(const iso_view *view); /* the color that the largest integers stand for */
     double rounding, rounding_rmse;       /* of that color, in lock-step: of a value, and over the image */
+    double most;                          /* what they end at: brighter colors are clipped to it; 0: at nothing */
 } iso_render_output;
 
 struct iso_renderer_info {
@@ -134,8 +144,10 @@ struct iso_renderer_info {
     double relative_cost;           /* of a frame, in those of the ray caster */
     double first_step_voxels;       /* where the search for its limit begins; 0: where the transfer function says */
     size_t max_intervals;           /* of a ray, or of its piece between two planes; 0: it has steps */
+    size_t seeds;                   /* of a random one: as many as its limit is made of at least */
     const iso_lock_step *lock_step; /* or NULL */
     iso_render_output output;
+    const char *found_in; /* of a program that the user brought: the renderers.json that names it; or NULL */
 
     const void *data; /* of the file that made it: what tells it apart from others that this file made; or NULL */
 
@@ -151,6 +163,8 @@ struct iso_renderer_info {
      * of 1 to 4. NULL: by step_voxels. */
     void (*ask_steps)(const iso_level *level, double finest_voxels, size_t count, double spare,
                       iso_render_options *frames);
+    /* What a report says of how it was run: a new object (doc/formats.md, "programs"). NULL: nothing. */
+    json_t *(*describe)(const iso_renderer_info *self);
     /* Releases what it keeps (iso_renderers_kept()). May be NULL. */
     void (*end)(void *kept);
 };
@@ -174,7 +188,7 @@ static inline bool iso_renderer_has(const iso_renderer_info *r, unsigned traits)
 ISO_RENDERER_LIST(ISO_RENDERER_EXTERN)
 #undef ISO_RENDERER_EXTERN
 
-enum { ISO_MAX_RENDERERS = 16 }; /* for arrays by iso_renderer_index() */
+enum { ISO_MAX_RENDERERS = 32 }; /* for arrays by iso_renderer_index() */
 size_t iso_renderer_count(void);
 const iso_renderer_info *iso_renderer_at(size_t index);
 size_t iso_renderer_index(const iso_renderer_info *r);
@@ -189,12 +203,14 @@ iso_status iso_renderers_register(const iso_renderer_info *r, iso_error *err);
 
 /* ISO_E_USAGE, with the names that there are. */
 iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r, iso_error *err);
-/* "gl,povray"; NULL: all. The reference is always wanted. */
+/* "gl,povray"; NULL: all that need not be named. The reference is always wanted. */
 iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err);
 
 /* The names of those that have all these traits (0: of all), joined: "reference, gl and povray" by ", " and " and ".
  * Returns text, which is cut where it is too long. */
 const char *iso_renderers_with(unsigned traits, const char *join, const char *last_join, char *text, size_t size);
+/* Those of them that take part where none is named: "reference,gl". */
+const char *iso_renderers_by_default(unsigned traits, char *text, size_t size);
 
 /* ---- rendering ---- */
 

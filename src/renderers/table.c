@@ -63,19 +63,34 @@ iso_status iso_renderers_register(const iso_renderer_info *r, iso_error *err)
     return ISO_OK;
 }
 
-const char *iso_renderers_with(unsigned traits, const char *join, const char *last_join, char *text, size_t size)
+/* Those with all traits of `has` and none of `lacks`. */
+static const char *join_names(unsigned has, unsigned lacks, const char *join, const char *last_join, char *text,
+                              size_t size)
 {
     size_t wanted = 0, done = 0, length = 0;
+    bool takes[ISO_MAX_RENDERERS];
     text[0] = 0;
-    for (size_t i = 0; i < iso_renderer_count(); ++i)
-        wanted += iso_renderer_has(table[i], traits);
+    for (size_t i = 0; i < iso_renderer_count(); ++i) {
+        takes[i] = iso_renderer_has(table[i], has) && !(table[i]->traits & lacks);
+        wanted += takes[i];
+    }
     for (size_t i = 0; i < iso_renderer_count() && length < size; ++i)
-        if (iso_renderer_has(table[i], traits)) {
+        if (takes[i]) {
             const char *between = done == 0 ? "" : done + 1 == wanted ? last_join : join;
             length += (size_t)snprintf(text + length, size - length, "%s%s", between, table[i]->name);
             ++done;
         }
     return text;
+}
+
+const char *iso_renderers_with(unsigned traits, const char *join, const char *last_join, char *text, size_t size)
+{
+    return join_names(traits, 0, join, last_join, text, size);
+}
+
+const char *iso_renderers_by_default(unsigned traits, char *text, size_t size)
+{
+    return join_names(traits, ISO_IS_NAMED, ",", ",", text, size);
 }
 
 iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r, iso_error *err)
@@ -91,7 +106,7 @@ iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r,
 iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err)
 {
     for (size_t i = 0; i < ISO_MAX_RENDERERS; ++i)
-        wanted[i] = !list && i < iso_renderer_count();
+        wanted[i] = !list && i < iso_renderer_count() && !iso_renderer_has(table[i], ISO_IS_NAMED);
     wanted[iso_renderer_index(iso_renderers_truth())] = true;
     if (!list)
         return ISO_OK;

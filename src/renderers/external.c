@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: MIT */
+/* external.c - starting such a program and taking its pictures. */
+#define _GNU_SOURCE
+#include "renderers/external.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/process.h"
+#include "base/words.h"
+#include "renderers/request.h"
+
+iso_sample_error iso_external_rounded(iso_sample_error error, unsigned bits)
+{
+    const double half_step = 0.5 / (ldexp(1, (int)bits) - 1) * (1 + 1e-6); /* whoever rounds does so in float */
+    return (iso_sample_error){.rmse = error.rmse + half_step, .max_abs = error.max_abs + half_step};
+}
+
+/* ---- what it did, for the report ---- */
+
+enum { KEPT_LINES = 8, LINE_BYTES = 240 };
+
+/* The last lines of what a program printed, in a ring. */
+typedef struct tail {
+    char line[KEPT_LINES][LINE_BYTES];
+    size_t count; /* of all lines */
+} tail;
+
+static void keep_line(void *user, const char *line)
+{
+    tail *t = user;
+    char *to = t->line[t->count++ % KEPT_LINES];
+    snprintf(to, LINE_BYTES, "%.*s", LINE_BYTES - 1, line);
+    iso_words_make_printable(to);
+}
+
+/* The last one, or "". */
+static const char *last_line(const tail *t)
+{
+    return t->count ? t->line[(t->count - 1) % KEPT_LINES] : "";
+}
+
+/* Of a renderer: how often it was started, and the first start that failed, or else the last one. */
+typedef struct record {
+    size_t starts;
+    double seconds;
+    bool failed;
+    iso_process_outcome outcome;
+    tail said;
+    char why[512];
+} record;
+
+/* Several threads may render by one renderer. */
+static record records[ISO_MAX_RENDERERS];
+static pthread_mutex_t records_lock = PTHREAD_MUTEX_INITIALIZER;
+
+static void note_start(const iso_renderer_info *r, const iso_process_outcome *outcome, const tail *said,
+                       const char *failure)
+{
+    record *to = &records[iso_renderer_index(r)];
+    pthread_mutex_lock(&records_lock);
+    to->starts += 1;
+    to->seconds += outcome->seconds;
+    if (!to->failed) {
+        to->outcome = *outcome;
+        to->said = *said;
+        to->failed = failure != NULL;
+        snprintf(to->why, sizeof to->why, "%.500s", failure ? failure : "");
+    }
+    pthread_mutex_unlock(&records_lock);
+}
+
+static json_t *words_json(const char *const *words)
+{
+    json_t *list = json_array();
+    for (; *words; ++words)
+        json_array_append_new(list, json_string(*words));
+    return list;
+}
+
+static json_t *said_json(const tail *t)
+{
+    json_t *list = json_array();
+    for (size_t i = t->count > KEPT_LINES ? t->count - KEPT_LINES : 0; i < t->count; ++i)
+        json_array_append_new(list, json_string(t->line[i % KEPT_LINES]));
+    return list;
+}
+
+/* What an image that it makes is held to, and why. */
+static json_t *limits_json(const iso_lock_step *lock)
+{
+    return lock ? json_pack("{s:f, s:f, s:f, s:f, s:s}", "rmse", lock->smooth.rmse, "max_abs", lock->smooth.max_abs,
+                            "sharp_rmse", lock->sharp.rmse, "sharp_max_abs", lock->sharp.max_abs, "why",
+                            lock->why ? lock->why : "")
+                : json_null();
+}
+
+json_t *iso_external_describe(const iso_renderer_info *self)
+{
+    const iso_external *e = self->data;
+    pthread_mutex_lock(&records_lock);
+    const record *r = &records[iso_renderer_index(self)];
+    const iso_process_outcome *o = &r->outcome;
+    json_t *out = json_pack("{s:o, s:s, s:o, s:I, s:f, s:o, s:i, s:b, s:o, s:s}", "command", words_json(e->command),
+                            "tier", e->tier, "limits", limits_json(self->lock_step), "starts", (json_int_t)r->starts,
+                            "seconds", r->seconds, "exit_code",
+                            r->starts && o->exit_code >= 0 ? json_integer(o->exit_code) : json_null(), "signal",
+                            o->signal, "timed_out", o->timed_out, "output", said_json(&r->said), "failure", r->why);
+    pthread_mutex_unlock(&records_lock);
+    return out;
+}
+
+/* ---- a start ---- */
+
+/* Where it runs, and what it is given. */
+typedef struct start {
+    const iso_renderer_info *renderer;
+    char *dir;
+    tail said;
+    iso_process_outcome outcome;
+} start;
+
+static iso_status write_files(const iso_external *e, const char *dir, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (const iso_external_file *f = e->files; f && f->name && status == ISO_OK; ++f) {
+        char *path = iso_path_join(dir, f->name);
+        status = path ? iso_file_write(path, f->text, strlen(f->text), err)
+                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        free(path);
+    }
+    return status;
+}
+
+static iso_status begin(start *s, const iso_renderer_info *r, iso_error *err)
+{
+    *s = (start){.renderer = r, .dir = iso_make_temp_dir(), .outcome = {.exit_code = -1}};
+    return s->dir ? write_files(r->data, s->dir, err) : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+}
+
+static void end(start *s)
+{
+    if (s->dir)
+        iso_remove_tree(s->dir);
+    free(s->dir);
+}
+
+/* The less of two limits, 0 being none. */
+static double time_limit(const iso_external *e)
+{
+    const double usual = iso_process_limit();
+    return e->timeout_seconds > 0 && (usual <= 0 || e->timeout_seconds < usual) ? e->timeout_seconds : 0;
+}
+
+static iso_status find_program(const iso_external *e, const char *word, char **path, iso_error *err)
+{
+    if (!strchr(word, '/'))
+        return iso_process_find(word, e->package ? e->package : word, path, err);
+    *path = iso_path_exists(word) && !iso_path_is_dir(word) ? strdup(word) : NULL;
+    return *path ? ISO_OK : iso_fail(err, ISO_E_MISSING, "there is no program %s", word);
+}
+
+/* Runs words, with one more where there is one. */
+static iso_status run(start *s, const char *const *words, const char *last, iso_error *err)
+{
+    const iso_external *e = s->renderer->data;
+    size_t count = 0;
+    char *program = NULL;
+    while (words[count])
+        ++count;
+    const char **argv = calloc(count + 2, sizeof *argv);
+    if (!argv)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = find_program(e, words[0], &program, err);
+    if (status == ISO_OK) {
+        memcpy(argv, words, count * sizeof *argv);
+        argv[0] = program;
+        argv[count] = last;
+        const iso_process_options options = {.directory = s->dir,
+                                             .line = keep_line,
+                                             .user = &s->said,
+                                             .timeout_seconds = time_limit(e),
+                                             .outcome = &s->outcome};
+        status = iso_process_run(argv, &options, err);
+    }
+    free(program);
+    free(argv);
+    return status;
+}
+
+iso_status iso_external_version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size,
+                                iso_error *err)
+{
+    const iso_external *e = self->data;
+    start s;
+    char *program = NULL;
+    (void)r;
+    if (!e->version) {
+        const iso_status found = find_program(e, e->command[0], &program, err);
+        free(program);
+        snprintf(text, size, "%s", found == ISO_OK ? iso_path_base(e->command[0]) : "");
+        return found;
+    }
+    iso_error why = {""};
+    iso_status status = begin(&s, self, &why);
+    if (status == ISO_OK)
+        status = run(&s, e->version, NULL, &why);
+    if (status == ISO_OK)
+        snprintf(text, size, "%.*s", (int)size - 1, s.said.count ? s.said.line[0] : self->title);
+    else if (s.outcome.exit_code > 0) /* it looked for what it needs */
+        status = ISO_E_MISSING;
+    end(&s);
+    return status == ISO_OK ? ISO_OK : iso_fail(err, status, "%s: %s", self->name, why.text);
+}
+
+/* ---- its pictures ---- */
+
+static iso_status refuse(const char *file, iso_error *err, const char *what)
+{
+    return iso_fail(err, ISO_E_PROGRAM, "%s %s", file, what);
+}
+
+static bool is_older(const struct timespec *a, const struct timespec *b)
+{
+    return a->tv_sec != b->tv_sec ? a->tv_sec < b->tv_sec : a->tv_nsec < b->tv_nsec;
+}
+
+/* Is there a file that was written after the request was? A pipe would never end, and a link may lead anywhere. */
+static iso_status check_file(const char *path, const char *file, const char *request, iso_error *err)
+{
+    struct stat picture, asked;
+    if (lstat(path, &picture) != 0)
+        return refuse(file, err, "was not written");
+    if (!S_ISREG(picture.st_mode))
+        return refuse(file, err, "is no file");
+    if (stat(request, &asked) != 0 || is_older(&picture.st_mtim, &asked.st_mtim))
+        return refuse(file, err, "is older than the request for it");
+    return ISO_OK;
+}
+
+static iso_status check_header(const char *path, const char *file, const iso_view *view, iso_error *err)
+{
+    static const char *const names[] = {"R", "G", "B", "A"};
+    iso_exr_header header;
+    iso_error why = {""};
+    if (iso_image_read_exr_header(path, &header, &why) != ISO_OK)
+        return refuse(file, err, "is no OpenEXR picture");
+    if (header.width != view->width || header.height != view->height || header.is_cropped)
+        return iso_fail(err, ISO_E_PROGRAM, "%s has %zu x %zu pixels%s, wanted %zu x %zu", file, header.width,
+                        header.height, header.is_cropped ? " of another window" : "", view->width, view->height);
+    for (unsigned c = 0; c < 4; ++c)
+        if (!(header.channels >> c & 1))
+            return iso_fail(err, ISO_E_PROGRAM, "%s has no channel %s of a value a pixel", file, names[c]);
+    return ISO_OK;
+}
+
+static iso_status check_values(const iso_image *image, const char *file, iso_error *err)
+{
+    size_t bad = 0, first = 0;
+    for (size_t i = 4 * image->width * image->height; i-- > 0;)
+        if (!isfinite(image->rgba[i])) {
+            ++bad;
+            first = i / 4;
+        }
+    return bad ? iso_fail(err, ISO_E_PROGRAM,
+                          "%s has %zu values that are no numbers, the first in column %zu of row %zu", file, bad,
+                          first % image->width, first / image->width)
+               : ISO_OK;
+}
+
+static iso_status take_picture(const start *s, const char *file, const iso_view *view, iso_image *image, iso_error *err)
+{
+    char *path = iso_path_join(s->dir, file), *request = iso_path_join(s->dir, "request.json");
+    iso_error why = {""};
+    iso_status status = path && request ? check_file(path, file, request, err)
+                                        : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = check_header(path, file, view, err);
+    if (status == ISO_OK && iso_image_load_exr(path, image, &why) != ISO_OK)
+        status = refuse(file, err, "is a damaged OpenEXR picture");
+    if (status == ISO_OK)
+        status = check_values(image, file, err);
+    free(path);
+    free(request);
+    return status;
+}
+
+/* Says who it was, and adds what it printed last where nothing else quotes it. */
+static iso_status blame(const start *s, iso_status status, const iso_error *why, iso_error *err)
+{
+    const char *said = s->outcome.exit_code == 0 ? last_line(&s->said) : "";
+    return iso_fail(err, status, "%s: %.700s%s%.200s", s->renderer->name, why->text,
+                    said[0] ? "; it printed last: " : "", said);
+}
+
+enum { FILE_NAME_BYTES = 32 };
+
+static void ask_frames(const iso_render_options *options, size_t count, char (*names)[FILE_NAME_BYTES],
+                       iso_request_frame *frames)
+{
+    for (size_t i = 0; i < count; ++i) {
+        snprintf(names[i], FILE_NAME_BYTES, "frame%zu.exr", i);
+        frames[i] = (iso_request_frame){.step_voxels = options[i].step_voxels,
+                                        .samples = options[i].samples,
+                                        .seed = options[i].seed,
+                                        .file = names[i]};
+    }
+}
+
+/* The request, the run and the pictures, in a folder that is there. */
+static iso_status render_in(start *s, const iso_render_request *q, const iso_request *request, iso_image *images,
+                            iso_error *err)
+{
+    const iso_external *e = s->renderer->data;
+    char *path = iso_path_join(s->dir, "request.json");
+    iso_status status = path ? iso_request_write(request, s->dir, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_progress_report(q->progress, s->renderer->name, 0);
+    if (status == ISO_OK) {
+        iso_error why = {""};
+        status = run(s, e->command, path, &why);
+        for (size_t i = 0; i < request->frame_count && status == ISO_OK; ++i)
+            status = take_picture(s, request->frames[i].file, q->view, &images[i], &why);
+        if (status != ISO_OK)
+            status = blame(s, status, &why, err);
+        note_start(s->renderer, &s->outcome, &s->said, status == ISO_OK ? NULL : why.text);
+    }
+    free(path);
+    return status;
+}
+
+iso_status iso_external_render_several(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
+{
+    iso_request_frame *frames = calloc(count, sizeof *frames);
+    char(*names)[FILE_NAME_BYTES] = calloc(count, sizeof *names);
+    start s = {.dir = NULL};
+    memset(images, 0, count * sizeof *images);
+    iso_status status = frames && names ? begin(&s, q->options->renderer, err)
+                                        : iso_fail(err, ISO_E_MEMORY, "no memory for %zu frames", count);
+    if (status == ISO_OK) {
+        ask_frames(q->options, count, names, frames);
+        const iso_request request = {.pyramid = q->pyramid,
+                                     .level = q->level,
+                                     .view = q->view,
+                                     .frames = frames,
+                                     .frame_count = count,
+                                     .threads = q->options->threads};
+        status = render_in(&s, q, &request, images, err);
+    }
+    for (size_t i = 0; i < count && status != ISO_OK; ++i)
+        iso_image_destroy(&images[i]);
+    end(&s);
+    free(frames);
+    free(names);
+    return status;
+}
+
+iso_status iso_external_render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
+{
+    (void)stats; /* the time of the call, which the start is a part of */
+    return iso_external_render_several(q, 1, image, err);
+}

@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: MIT */
+/* external_json.c - renderers.json: rows of the table of renderers that a user brings. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/words.h"
+#include "renderers/external.h"
+
+/* A row, for as long as the process runs. The texts are those of `json`. */
+typedef struct row {
+    iso_renderer_info info;
+    iso_external external;
+    iso_lock_step lock_step;
+    json_t *json;
+    char *folder; /* of the file, absolute */
+    char *file;
+} row;
+
+typedef enum tier { TIER_SAMPLES, TIER_LIMIT, TIER_BITS } tier;
+static const char *const tier_names[] = {"samples", "limit", "8 bits", NULL};
+
+/* What of a scene a row may say that it can. */
+static const struct {
+    const char *word;
+    unsigned trait;
+} abilities[] = {{"lights", ISO_HAS_LIGHTS},
+                 {"orthographic", ISO_HAS_ORTHOGRAPHIC},
+                 {"clip planes", ISO_HAS_CLIP_PLANES},
+                 {"labels", ISO_HAS_LABELS}};
+
+/* As far as the float arithmetic of the ray caster is, whose samples are the same. */
+static const iso_sample_error usual_smooth = {.rmse = 1e-6, .max_abs = 2e-5},
+                              usual_sharp = {.rmse = 5e-6, .max_abs = 2e-4};
+static const char usual_why[] = "the same samples, in the program's own arithmetic (its row states no limits)";
+static const char bits_why[] = "half a step of its integers (its row states no limits)";
+/* Calibrations of integers are held to them as well, and have to see a fault of 0.1. */
+static const double most_limit = 0.05;
+
+static void fail(iso_json_reader *r, iso_status status, const char *key, const char *what)
+{
+    if (r->status == ISO_OK)
+        r->status = iso_fail(r->err, status, "%s: \"%s\" %s", r->path, key, what);
+}
+
+/* ---- words ---- */
+
+/* The program: a path from the file's folder where it has a slash. Another word: a path where it names a file there. */
+static const char *resolve(const row *to, const char *word, bool is_first)
+{
+    char *path = word[0] == '/' ? strdup(word) : iso_path_join(to->folder, word);
+    const bool is_path = path &&
+                         (is_first ? strchr(word, '/') != NULL : iso_path_exists(path) && !iso_path_is_dir(path));
+    if (is_path)
+        return path;
+    free(path);
+    return strdup(word);
+}
+
+static const char *const *get_words(iso_json_reader *r, const row *to, const char *key, bool required)
+{
+    const json_t *list = iso_json_get_array(r, to->json, key, required);
+    const size_t count = json_array_size(list);
+    if (r->status != ISO_OK || !list)
+        return NULL;
+    const char **words = calloc(count + 1, sizeof *words);
+    for (size_t i = 0; i < count && words; ++i) {
+        const char *word = json_string_value(json_array_get(list, i));
+        if (!word || !word[0] || iso_words_has_control(word))
+            fail(r, ISO_E_FORMAT, key, "is not a list of words");
+        else
+            words[i] = resolve(to, word, i == 0);
+    }
+    if (count == 0)
+        fail(r, ISO_E_FORMAT, key, "is empty, wanted a program and its arguments");
+    if (!words)
+        fail(r, ISO_E_MEMORY, key, "does not fit into memory");
+    return words;
+}
+
+static unsigned get_abilities(iso_json_reader *r, const row *to)
+{
+    enum { count = sizeof abilities / sizeof *abilities };
+    const json_t *list = iso_json_get_array(r, to->json, "can", false);
+    unsigned traits = 0;
+    for (size_t i = 0; i < json_array_size(list); ++i) {
+        const char *word = json_string_value(json_array_get(list, i));
+        size_t k = 0;
+        while (k < count && (!word || strcmp(abilities[k].word, word) != 0))
+            ++k;
+        if (k == count)
+            fail(r, ISO_E_FORMAT, "can", "has a word that is none of lights, orthographic, clip planes, labels");
+        else
+            traits |= abilities[k].trait;
+    }
+    return traits;
+}
+
+/* It is a word of command lines and of file names. */
+static void check_name(iso_json_reader *r, const char *name)
+{
+    static const char good[] = "abcdefghijklmnopqrstuvwxyz0123456789-_.";
+    const size_t length = name ? strlen(name) : 0;
+    if (r->status == ISO_OK &&
+        (length == 0 || length > 24 || strspn(name, good) != length || name[0] == '-' || name[0] == '.'))
+        fail(r, ISO_E_FORMAT, "name",
+             "must have 1 to 24 letters (a-z), digits, - _ or ., and begin with a letter or digit");
+}
+
+static bool is_color(const char *text)
+{
+    return strlen(text) == 7 && text[0] == '#' && strspn(text + 1, "0123456789abcdefABCDEF") == 6;
+}
+
+/* ---- limits ---- */
+
+/* "limits": {"rmse", "max_abs", "sharp_rmse", "sharp_max_abs"}; the last two are those of the first where they are not there. */
+static void get_limits(iso_json_reader *r, row *to)
+{
+    static const char *const keys[] = {"rmse", "max_abs", "sharp_rmse", "sharp_max_abs", NULL};
+    const json_t *limits = iso_json_get_object(r, to->json, "limits", false);
+    iso_lock_step *lock = &to->lock_step;
+    iso_json_get_string(r, to->json, "why", limits != NULL, &lock->why);
+    if (r->status != ISO_OK || !limits)
+        return;
+    iso_json_only_keys(r, limits, "\"limits\"", keys);
+    iso_json_get_number(r, limits, "rmse", true, 0, most_limit, &lock->smooth.rmse);
+    iso_json_get_number(r, limits, "max_abs", true, 0, most_limit, &lock->smooth.max_abs);
+    lock->sharp = lock->smooth;
+    iso_json_get_number(r, limits, "sharp_rmse", false, 0, most_limit, &lock->sharp.rmse);
+    iso_json_get_number(r, limits, "sharp_max_abs", false, 0, most_limit, &lock->sharp.max_abs);
+}
+
+static void take_tier(iso_json_reader *r, row *to, tier asked)
+{
+    const bool has_limits = json_object_get(to->json, "limits") != NULL, in_bits = asked == TIER_BITS;
+    size_t bits = in_bits ? 8 : 0;
+    iso_lock_step *lock = &to->lock_step;
+    *lock = (iso_lock_step){.quadrature = in_bits ? ISO_QUADRATURE_CONVERGED : ISO_QUADRATURE_MIDPOINT,
+                            .why = in_bits ? bits_why : usual_why};
+    if (!in_bits)
+        lock->smooth = usual_smooth, lock->sharp = usual_sharp;
+    get_limits(r, to);
+    iso_json_get_size(r, to->json, "bits", false, 8, 16, &bits);
+    if (asked == TIER_LIMIT && (has_limits || bits))
+        fail(r, ISO_E_FORMAT, has_limits ? "limits" : "bits",
+             "is not for the tier \"limit\", whose limits follow from halved steps of float pictures");
+    if (asked != TIER_LIMIT && to->info.seeds)
+        fail(r, ISO_E_FORMAT, "seeds", "is for the tier \"limit\", which averages over them");
+    if (bits) {
+        lock->smooth = iso_external_rounded(lock->smooth, (unsigned)bits);
+        lock->sharp = iso_external_rounded(lock->sharp, (unsigned)bits);
+        to->info.output = (iso_render_output){.bits = (unsigned)bits, .most = 1};
+    }
+    to->info.traits |= in_bits ? 0 : ISO_HAS_LIMIT;
+    to->info.lock_step = asked == TIER_LIMIT ? NULL : lock;
+    to->external.tier = tier_names[asked];
+}
+
+/* ---- a row ---- */
+
+enum { MOST_SEEDS = 32 }; /* those that an extrapolated limit takes (compare/extrapolation.h) */
+
+static void get_numbers(iso_json_reader *r, row *to)
+{
+    size_t samples = 0;
+    iso_renderer_info *info = &to->info;
+    iso_json_get_size(r, to->json, "seeds", false, 0, MOST_SEEDS, &info->seeds);
+    iso_json_get_size(r, to->json, "samples", false, 0, 1 << 20, &samples);
+    iso_json_get_number(r, to->json, "step_voxels", false, 1.0 / 4096, 64, &info->defaults.step_voxels);
+    iso_json_get_number(r, to->json, "timeout_seconds", false, 0.001, 1e9, &to->external.timeout_seconds);
+    info->defaults.samples = (int)samples;
+    if (info->seeds)
+        info->traits |= ISO_IS_RANDOM | ISO_READS_SEED;
+    if (samples)
+        info->traits |= ISO_READS_SAMPLES;
+}
+
+static iso_status read_row(row *to, size_t number, iso_error *err)
+{
+    static const char *const keys[] = {"name",  "title",       "command",         "version", "package", "tier",
+                                       "can",   "seeds",       "samples",         "bits",    "limits",  "why",
+                                       "color", "step_voxels", "timeout_seconds", NULL};
+    static const char *const colors[] = {"#cc79a7", "#56b4e9", "#e69f00", "#8c6d31", "#7b4173", "#637939"};
+    char where[1100];
+    const char *name = json_string_value(json_object_get(to->json, "name"));
+    snprintf(where, sizeof where, "%.900s: renderer %zu%s%.100s", to->file, number + 1, name ? ", " : "",
+             name ? name : "");
+    iso_json_reader r = {.path = where, .err = err};
+    int asked = TIER_SAMPLES;
+    to->info = (iso_renderer_info){.color = colors[number % (sizeof colors / sizeof *colors)],
+                                   .traits = ISO_EXTERNAL_TRAITS,
+                                   .defaults = {.source = ISO_FROM_CODES},
+                                   .relative_cost = 100,
+                                   .found_in = to->file,
+                                   .data = &to->external,
+                                   ISO_EXTERNAL_CALLBACKS};
+    if (!json_is_object(to->json))
+        return iso_fail(err, ISO_E_FORMAT, "%s: is no object", where);
+    iso_json_only_keys(&r, to->json, "a renderer", keys);
+    iso_json_get_string(&r, to->json, "name", true, &to->info.name);
+    check_name(&r, to->info.name);
+    to->info.title = to->info.stages[0] = to->info.name;
+    iso_json_get_string(&r, to->json, "title", false, &to->info.title);
+    iso_json_get_string(&r, to->json, "color", false, &to->info.color);
+    if (!is_color(to->info.color))
+        fail(&r, ISO_E_FORMAT, "color", "is not like \"#cc79a7\"");
+    iso_json_get_string(&r, to->json, "package", false, &to->external.package);
+    iso_json_get_word(&r, to->json, "tier", true, tier_names, &asked);
+    to->info.traits |= get_abilities(&r, to);
+    get_numbers(&r, to);
+    take_tier(&r, to, (tier)asked);
+    if (r.status == ISO_OK)
+        to->external.command = get_words(&r, to, "command", true);
+    if (r.status == ISO_OK)
+        to->external.version = get_words(&r, to, "version", false);
+    return r.status;
+}
+
+/* Rows stay for as long as the process runs, refused ones too. */
+static row *kept_rows[ISO_MAX_RENDERERS];
+
+static iso_status add_row(json_t *json, size_t number, const char *path, const char *folder, iso_error *err)
+{
+    const size_t place = iso_renderer_count();
+    row *to = calloc(1, sizeof *to);
+    if (!to || place == ISO_MAX_RENDERERS) {
+        free(to);
+        return iso_fail(err, to ? ISO_E_RANGE : ISO_E_MEMORY, "%s: renderer %zu: there is room for %d in all", path,
+                        number + 1, ISO_MAX_RENDERERS);
+    }
+    kept_rows[place] = to;
+    to->json = json_incref(json);
+    to->file = strdup(path);
+    to->folder = strdup(folder);
+    if (!to->file || !to->folder)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    iso_status status = read_row(to, number, err);
+    if (status == ISO_OK && (status = iso_renderers_register(&to->info, err)) != ISO_OK)
+        status = iso_fail_in(err, status, "%s: renderer %zu", path, number + 1);
+    return status;
+}
+
+static iso_status add_rows(const char *path, const char *folder, json_t *root, iso_error *err)
+{
+    static const char *const keys[] = {"schema", "renderers", NULL};
+    iso_json_reader r = {.path = path, .err = err};
+    const char *schema = "";
+    iso_json_only_keys(&r, root, "the file", keys);
+    iso_json_get_string(&r, root, "schema", true, &schema);
+    json_t *rows = iso_json_get_array(&r, root, "renderers", true), *json;
+    if (r.status == ISO_OK && strcmp(schema, "isoshade.renderers/1") != 0)
+        r.status = iso_fail(err, ISO_E_FORMAT, "%s: \"schema\" is \"%s\", must be \"isoshade.renderers/1\"", path,
+                            schema);
+    iso_status status = r.status;
+    for (size_t i = 0; i < json_array_size(rows) && status == ISO_OK; ++i) {
+        json = json_array_get(rows, i);
+        status = add_row(json, i, path, folder, err);
+    }
+    return status;
+}
+
+iso_status iso_renderers_load(const char *given, iso_error *err)
+{
+    const char *path = given ? given : getenv(ISO_RENDERERS_VARIABLE);
+    if (!path || !*path)
+        return ISO_OK;
+    json_t *root = NULL;
+    char *absolute = realpath(path, NULL), *folder = absolute ? iso_path_dir(absolute) : NULL;
+    iso_status status = folder ? iso_json_load(path, &root, err)
+                               : iso_fail(err, ISO_E_IO, "%s: cannot be read: %s", path, strerror(errno));
+    if (status == ISO_OK)
+        status = add_rows(path, folder, root, err);
+    if (status != ISO_OK && !given)
+        status = iso_fail_in(err, status, "$" ISO_RENDERERS_VARIABLE);
+    json_decref(root);
+    free(folder);
+    free(absolute);
+    return status;
+}
