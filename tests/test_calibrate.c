@@ -18,7 +18,8 @@ static int end_renderers(void **state)
 static int count_failures(const iso_renderer_info *which, iso_fault fault, iso_calibration c[ISO_CALIBRATION_COUNT])
 {
     int failures = 0;
-    assert_ok(iso_calibrate(&renderers, which, &(iso_planted){.fault = fault}, c, NULL, &err));
+    size_t made;
+    assert_ok(iso_calibrate(&renderers, which, &(iso_planted){.fault = fault}, c, &made, NULL, &err));
     for (int i = 0; i < ISO_CALIBRATION_COUNT; ++i)
         failures += !c[i].passed;
     return failures;

@@ -140,9 +140,9 @@ static iso_report *example(const char *dir)
     add_agreement(r);
     add_consistency(r);
     const iso_report_calibration checks[] = {
-        {"gl", "texture filter keeps the bits of R16", 0.00001, 0.0001, "of range", "16 bits kept"},
-        {"cycles", "placement of the centroid", 0.003, 0.01, "voxels", NULL},
-        {"cycles", "slab against 1 - exp(-sigma d)", 0.02, 0.001, NULL, "opacity of 0.5 and 2 mm"},
+        {"gl", "texture filter keeps the bits of R16", 0.00001, 0.0001, "of range", "16 bits kept", false},
+        {"cycles", "placement of the centroid", 0.003, 0.01, "voxels", NULL, false},
+        {"cycles", "slab against 1 - exp(-sigma d)", 0.02, 0.001, NULL, "opacity of 0.5 and 2 mm", false},
     };
     for (int i = 0; i < 3; ++i)
         assert_ok(iso_report_add_calibration(r, &checks[i], &err));
@@ -293,7 +293,7 @@ static void the_sentence_tells_each_outcome(void **state)
     iso_report_agreement row = {.scene = "s", .a = "a", .renderer = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
     assert_ok(iso_report_add_agreement(r, &row, &err));
     assert_true(iso_report_summarise(r).good);
-    assert_ok(iso_report_add_calibration(r, &(iso_report_calibration){"gl", "check", NAN, 1, NULL, NULL}, &err));
+    assert_ok(iso_report_add_calibration(r, &(iso_report_calibration){"gl", "check", NAN, 1, NULL, NULL, false}, &err));
     assert_false(iso_report_summarise(r).good); /* NaN fails a calibration */
     row.metrics.nonfinite_count = 1;
     row.uncompared = ISO_UNCOMPARED_FAINT; /* not even a row that shows too little forgives NaN */
@@ -333,7 +333,7 @@ static void junit_counts_failures_and_escapes(void **state)
     char *dir = inside("junit"), *path = inside("junit.xml"), *xml;
     iso_report *r = example(dir);
     assert_ok(
-        iso_report_add_calibration(r, &(iso_report_calibration){"povray", "answers", NAN, 0, NULL, "no such program"},
+        iso_report_add_calibration(r, &(iso_report_calibration){"povray", "answers", NAN, 0, NULL, "no such program", false},
                                    &err));
     assert_ok(iso_report_write_junit(r, path, &err));
     read_text(path, &xml);

@@ -30,6 +30,7 @@
 #include "fit/extinction_scale.h"
 #include "tf/adapt.h"
 #include "volume/synthetic.h"
+#include "renderers/external.h"
 
 enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8, HELD = 1 };
 
@@ -46,6 +47,7 @@ typedef struct bench_run {
     double step_voxels;
     char *held, *figures;
     const char *with, *tf_names;
+    char *renderers_path;
     bool wanted[ISO_BENCH_METHOD_COUNT], wanted_tf[ISO_LEVEL_TF_COUNT];
     bool wanted_renderer[ISO_MAX_RENDERERS];
     const iso_renderer_info *renderer; /* the one at work */
@@ -417,6 +419,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "NAMES"},
         {"level", 0, POPT_ARG_INT, &b.level, 0, "this level alone", "K"},
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.with, 0, with, "LIST"},
+        ISO_CLI_RENDERERS_OPTION(&b.renderers_path),
         {"held", 0, POPT_ARG_STRING, &b.held, 0, "volumes that stand in a block of their own", "FILE,FILE"},
         {"analytic", 0, POPT_ARG_INT, &b.analytic_size, 0,
          "held back too: shells, marschner-lobb and noise of this size, under noise of a twentieth", "N"},
@@ -440,6 +443,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0 && !b.held &&
                            !b.analytic_size;
     b.cli = &cli;
+    if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
+        status = iso_renderers_load(b.renderers_path, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
         status = run_all(&b, methods, err);
     iso_cli_end(&cli);

@@ -21,6 +21,7 @@
 #include "report/gnuplot.h"
 #include "compare/metrics.h"
 #include "compare/extrapolation.h"
+#include "renderers/external.h"
 
 ISO_EMBED(iso_convergence_gp, "src/bench/convergence.gp");
 
@@ -29,7 +30,7 @@ enum { most_steps = 8 };
 typedef struct convergence_options {
     iso_volume_input input;
     iso_cli_look look;
-    char *with, *output, *format;
+    char *with, *renderers, *output, *format;
     int level, steps;
     double finest;
 } convergence_options;
@@ -39,7 +40,7 @@ typedef struct descent {
     const iso_renderer_info *renderer;
     double step[most_steps], rmse[most_steps], max_abs[most_steps], order[most_steps], seconds[most_steps];
     size_t intervals[most_steps], pieces[most_steps]; /* of a ray; 0 intervals: it has steps */
-    double limit_rmse, error_bar; /* of the extrapolated limit */
+    double limit_rmse, error_bar;                     /* of the extrapolated limit */
     bool agrees;
 } descent;
 
@@ -101,11 +102,11 @@ static json_t *to_json(const descent *d, int steps)
 {
     json_t *list = json_array();
     for (int i = 0; i < steps; ++i)
-        json_array_append_new(list, json_pack("{s:f, s:o, s:o, s:o, s:o, s:I, s:I}", "step_voxels", d->step[i],
-                                              "rmse", iso_json_number(d->rmse[i]), "max_abs",
-                                              iso_json_number(d->max_abs[i]), "order", iso_json_number(d->order[i]),
-                                              "seconds", iso_json_number(d->seconds[i]), "intervals",
-                                              (json_int_t)d->intervals[i], "pieces", (json_int_t)d->pieces[i]));
+        json_array_append_new(list,
+                              json_pack("{s:f, s:o, s:o, s:o, s:o, s:I, s:I}", "step_voxels", d->step[i], "rmse",
+                                        iso_json_number(d->rmse[i]), "max_abs", iso_json_number(d->max_abs[i]), "order",
+                                        iso_json_number(d->order[i]), "seconds", iso_json_number(d->seconds[i]),
+                                        "intervals", (json_int_t)d->intervals[i], "pieces", (json_int_t)d->pieces[i]));
     return json_pack("{s:s, s:o, s:{s:o, s:o, s:b}}", "renderer", d->renderer->name, "steps", list, "limit", "rmse",
                      iso_json_number(d->limit_rmse), "error_bar", iso_json_number(d->error_bar), "agrees", d->agrees);
 }
@@ -113,8 +114,8 @@ static json_t *to_json(const descent *d, int steps)
 static void print_table(const descent *d, int steps)
 {
     const bool intervals = d->intervals[0] > 0;
-    printf("%s\n  %12s %12s %12s %8s %8s%s\n", d->renderer->title, "step, voxels", "rmse", "max_abs", "order", "seconds",
-           intervals ? "  intervals" : "");
+    printf("%s\n  %12s %12s %12s %8s %8s%s\n", d->renderer->title, "step, voxels", "rmse", "max_abs", "order",
+           "seconds", intervals ? "  intervals" : "");
     for (int i = 0; i < steps; ++i) {
         char order[16] = "";
         if (i > 0)
@@ -203,6 +204,8 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     size_t count = 0;
     iso_status status = check(o, err);
     if (status == ISO_OK)
+        status = iso_renderers_load(o->renderers, err);
+    if (status == ISO_OK)
         status = parse_renderers(o->with, d, &count, err);
     if (status == ISO_OK)
         status = iso_cli_look_check(&o->look, cli->threads, &look, err);
@@ -244,7 +247,7 @@ static char *default_renderers(char *text, size_t size)
     text[0] = 0;
     for (size_t i = 0; i < iso_renderer_count() && length < size; ++i) {
         const iso_renderer_info *r = iso_renderer_at(i);
-        if (iso_renderer_has(r, ISO_HAS_LIMIT) && !iso_renderer_has(r, ISO_IS_RANDOM))
+        if (iso_renderer_has(r, ISO_HAS_LIMIT) && !(r->traits & (ISO_IS_RANDOM | ISO_IS_NAMED)))
             length += (size_t)snprintf(text + length, size - length, "%s%s", length ? "," : "", r->name);
     }
     return text;
@@ -262,6 +265,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         ISO_CLI_LOOK_OPTIONS(&o.look),
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.with, 0, with, "LIST"},
+        ISO_CLI_RENDERERS_OPTION(&o.renderers),
         {"steps", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.steps, 0,
          "how many steps, each half of the one before", "N"},
         {"finest", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &o.finest, 0,

@@ -12,11 +12,12 @@
 #include "bench/bench.h"
 #include "validate/calibrate.h"
 #include "bench/power.h"
+#include "renderers/external.h"
 
 enum { most_noise_pixels = 32 }; /* a side; for a single test's chance of 1e-3 more are too many together */
 
 typedef struct power_options {
-    char *with, *output, *format;
+    char *with, *renderers, *output, *format;
     int repetitions, planted, size, seed, quick, sensitivity, threads;
     bool wanted[ISO_MAX_RENDERERS];
 } power_options;
@@ -384,6 +385,8 @@ static iso_status check(power_options *o, iso_error *err)
         status = iso_fail(err, ISO_E_USAGE, "-o is for the chart of --sensitivity");
     if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", o->format);
+    if (status == ISO_OK)
+        status = iso_renderers_load(o->renderers, err);
     return status == ISO_OK ? iso_renderers_from_list(o->with, o->wanted, err) : status;
 }
 
@@ -421,6 +424,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"planted", 0, POPT_ARG_INT, &o.planted, 0,
          "in how many of them faults are planted for the limits of other programs (4; 1)", "N"},
         {"with", 0, POPT_ARG_STRING, &o.with, 0, with, "LIST"},
+        ISO_CLI_RENDERERS_OPTION(&o.renderers),
         {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (16; 12 with --quick)",
          "N"},
         {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "of the scenes", "N"},

@@ -17,11 +17,12 @@
 #include "scene/subject.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
+#include "renderers/external.h"
 
 typedef struct chart_arguments {
     iso_volume_input input;
     iso_cli_look look;
-    char *output, *want_text, *style, *metric_text, *bytes_text;
+    char *output, *renderers, *want_text, *style, *metric_text, *bytes_text;
     iso_chart_words words;
     char *designs;
     int level_count, processor_time, across_levels, views;
@@ -290,7 +291,9 @@ static iso_status check(chart_arguments *a, iso_error *err)
 {
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the chart");
-    iso_status status = iso_words_check_range("--levels", a->level_count, 1, ISO_CHART_MAX_LEVELS, err);
+    iso_status status = iso_renderers_load(a->renderers, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--levels", a->level_count, 1, ISO_CHART_MAX_LEVELS, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--budget", a->budget_seconds, 0, 1e6, err);
     if (status == ISO_OK && a->want_text)
@@ -339,6 +342,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
                       "renderers; also reference. Those of the default are left out where missing",
                       iso_chart_default_renderers(renderers, sizeof renderers)),
          "LIST"},
+        ISO_CLI_RENDERERS_OPTION(&a.renderers),
         {"steps", 0, POPT_ARG_STRING, &a.words.steps, 0,
          with_default(help[1], sizeof *help, "ray steps in voxels of the level", usual->steps), "LIST"},
         {"quadratures", 0, POPT_ARG_STRING, &a.words.quadratures, 0,

@@ -8,7 +8,7 @@
 #include "options/cli.h"
 #include "palette/palette.h"
 #include "pyramid/pyramid.h"
-#include "renderers/renderers.h"
+#include "renderers/external.h"
 #include "scene/field.h"
 #include "targets/targets.h"
 #include "scene/viewpoint.h"
@@ -90,13 +90,17 @@ static iso_status list(const iso_cli *cli, bool markdown)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     int markdown = 0;
+    char *renderers = NULL;
     struct poptOption options[] = {
         {"markdown", 0, POPT_ARG_NONE, &markdown, 0, "as a document: doc/names.md", NULL},
+        ISO_CLI_RENDERERS_OPTION(&renderers),
         POPT_TABLEEND,
     };
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_renderers_load(renderers, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = list(&cli, markdown);
     iso_cli_end(&cli);
@@ -106,7 +110,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_list = {
     .name = "list",
     .summary = "list formats, direction codes, estimators and all else that has a name",
-    .usage = "[--markdown]",
+    .usage = "[--markdown] [--renderers FILE.json]",
     .examples = "  isoshade list\n"
                 "  isoshade list --json\n",
     .run = run,

@@ -13,6 +13,7 @@
 #include "options/visible.h"
 #include "validate/limits.h"
 #include "pyramid/palette_level.h"
+#include "renderers/external.h"
 #include "renderers/gl.h"
 #include "scene/subject_frames.h"
 #include "scene/viewpoint.h"
@@ -374,6 +375,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, list_renderers(&help), "RENDERER"},
+        ISO_CLI_RENDERERS_OPTION(&a.renderers),
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
         {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
@@ -435,6 +437,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     a.adapted.cli = &cli;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_renderers_load(a.renderers, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)
         status = iso_words_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)

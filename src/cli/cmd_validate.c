@@ -13,6 +13,7 @@
 #include "options/input.h"
 #include "options/look.h"
 #include "options/visible.h"
+#include "renderers/external.h"
 #include "report/levels.h"
 #include "report/markdown.h"
 #include "scene/views.h"
@@ -24,7 +25,7 @@
 typedef struct validate_arguments {
     iso_volume_input input;
     iso_cli_look look;
-    char *output, *with, *code, *junit, *summary_md, *suite;
+    char *output, *with, *renderers, *code, *junit, *summary_md, *suite;
     int level_count, seeds, quick, level_views, level_size, anyway, extinction_scale;
 } validate_arguments;
 
@@ -122,6 +123,8 @@ static iso_status verdict(const iso_validation *v, const iso_report_summary *sum
     for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (v->refused[i].status != ISO_OK)
             return iso_fail(err, v->refused[i].status, "%s %s", iso_renderer_at(i)->name, v->refused[i].why);
+    if (summary->refused > 0) /* it answered at first */
+        return iso_validate_refused_later(v, err);
     if (!summary->good)
         return iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
     return levels->differed == 0 ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", levels->sentence);
@@ -178,6 +181,7 @@ static void print_result(const validate_arguments *a, const iso_cli *cli, const 
 /* Summary, charts and page; the verdict. */
 static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
+    iso_validate_describe_programs(v);
     const iso_report_summary summary = iso_report_summarise(v->report);
     const iso_levels_summary levels = iso_levels_summarize(json_object_get(iso_report_json(v->report), "levels"));
     iso_progress_line_begin_phase(v->line, "report");
@@ -396,7 +400,9 @@ static iso_status check_folder(const char *option, const char *path, iso_error *
 static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_status status = iso_words_check_range("--levels", a->level_count, 0, 16, err);
+    iso_status status = iso_renderers_load(a->renderers, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--levels", a->level_count, 0, 16, err);
     if (status == ISO_OK && a->seeds)
         status = iso_words_check_range("--seeds", a->seeds, 2, 32, err);
     if (status == ISO_OK && a->level_views)
@@ -444,6 +450,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"quick", 0, POPT_ARG_NONE, &a.quick, 0, "smaller images, three levels, fewer views; the same limits", NULL},
         {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
         {"with", 0, POPT_ARG_STRING, &a.with, 0, with, "LIST"},
+        ISO_CLI_RENDERERS_OPTION(&a.renderers),
         {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
         {"level-views", 0, POPT_ARG_INT, &a.level_views, 0,
          "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},

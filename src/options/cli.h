@@ -35,6 +35,11 @@ typedef struct iso_command {
 /* One line a command, in src/cli/commands.h. */
 extern const iso_command *const iso_commands[]; /* ends with NULL */
 
+/* Of the commands that take renderers: programs of the user's own (renderers/external.h). */
+#define ISO_CLI_RENDERERS_OPTION(variable) \
+    {"renderers", 0, POPT_ARG_STRING, variable, 0, \
+     "programs that render, for --with ($ISOSHADE_RENDERERS): doc/extending.md", "FILE.json"}
+
 /* What every command has. */
 typedef struct iso_cli {
     int json, quiet, threads;

@@ -328,11 +328,13 @@ void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NA
 
 iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibration *row, iso_error *err)
 {
-    bool pass = fabs(row->value) <= row->limit; /* NaN fails */
+    const iso_verdict verdict = row->not_asked                      ? ISO_VERDICT_NOT_COMPARED
+                                : fabs(row->value) <= row->limit ? ISO_VERDICT_PASS
+                                                                 : ISO_VERDICT_FAIL; /* NaN fails */
     json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "renderer", text(row->renderer), "check",
                           text(row->check), "value", iso_json_number(row->value), "limit", iso_json_number(row->limit),
                           "unit", text(row->unit), "verdict",
-                          iso_verdict_word(pass ? ISO_VERDICT_PASS : ISO_VERDICT_FAIL), "detail", text(row->detail));
+                          iso_verdict_word(verdict), "detail", text(row->detail));
     return json_array_append_new(json_object_get(r->root, "calibration"), o) == 0 ? ISO_OK : no_memory(err);
 }
 

@@ -129,11 +129,12 @@ enum { ISO_CONSISTENCY_NAME_BYTES = 128 };
 void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NAME_BYTES]);
 
 /* A renderer's fitness before it is compared. Passes when |value| <= limit; NaN: nothing could be measured, which
- * fails. */
+ * fails, but where it was not asked, since the renderer does not have what the check needs (detail). */
 typedef struct iso_report_calibration {
     const char *renderer, *check;
     double value, limit;
     const char *unit, *detail; /* may be NULL */
+    bool not_asked;
 } iso_report_calibration;
 iso_status iso_report_add_calibration(iso_report *report, const iso_report_calibration *row, iso_error *err);
 

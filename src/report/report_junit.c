@@ -115,6 +115,12 @@ static void put_calibration_case(FILE *f, const json_t *row)
         fputs("\"/>\n", f);
         return;
     }
+    if (has_verdict(row, ISO_VERDICT_NOT_COMPARED)) {
+        fputs("\">\n      <skipped message=\"", f);
+        put_xml(f, iso_row_text(row, "detail"));
+        fputs("\"/>\n    </testcase>\n", f);
+        return;
+    }
     if (measured)
         fprintf(f, "\">\n      <failure type=\"calibration\" message=\"value %.6g %s, limit %.6g\">",
                 iso_row_number(row, "value"), iso_row_text(row, "unit"), iso_row_number(row, "limit"));

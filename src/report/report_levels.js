@@ -90,6 +90,15 @@ function calibration() {
         .map(r => el('tr', {}, cell(r.renderer), cell(r.check), cell(number(r.value), true), cell(number(r.limit), true), cell(r.unit || ''), cell(r.verdict, false, r.verdict), cell(r.detail || '')));
     $('calibration').append(table('Calibration of each renderer.', [['renderer'], ['check'], ['value', 1], ['limit', 1], ['unit'], ['verdict'], ['']], rows));
 }
+// How programs that know nothing but a request were run; what they printed may be anything, and is text.
+function programs() {
+    const entries = Object.entries(data.programs || {});
+    if (entries.length === 0) return;
+    const ended = p => p.timed_out ? 'at its time limit' : p.signal ? `by signal ${p.signal}` : p.exit_code === null ? '' : `exit code ${p.exit_code}`;
+    const rows = entries.map(([name, p]) => el('tr', {}, cell(name), cell(p.command.join(' ')), cell(p.tier), cell(p.limits ? p.limits.why : ''), cell(String(p.starts), true), cell(number(p.seconds), true),
+        cell(ended(p), false, p.failure ? 'fail' : ''), cell(p.failure || ''), cell(p.output.flatMap((line, i) => i ? [el('br'), line] : [line]))));
+    $('calibration').append(table('How programs were run: the first start that failed, or else the last one.', [['renderer'], ['command'], ['tier'], ['cause of its limits'], ['starts', 1], ['seconds', 1], ['ended'], ['failure'], ['printed last']], rows));
+}
 function colophon() {
     const facts = el('div', {class: 'facts'});
     const show = value => typeof value === 'number' ? (Number.isInteger(value) ? String(value) : String(Number(value.toPrecision(4)))) : typeof value === 'string' ? value : Array.isArray(value) ? value.join(' × ') : typeof value === 'boolean' ? (value ? 'yes' : 'no') : JSON.stringify(value);

@@ -29,5 +29,6 @@ if (inlined.charts.agreement) $('chart').append(el('figure', {}, el('img', {src:
 levelVerdicts();
 consistency();
 calibration();
+programs();
 colophon();
 document.documentElement.dataset.ready = 'yes';

@@ -65,7 +65,7 @@ static void tell(iso_report_summary *s, json_t *unanswered)
     else if (s->differed == 0 && s->refused > 0)
         iso_words_append(
             s->sentence, sizeof s->sentence,
-            "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing or failed its calibration",
+            "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing, failed, or did not pass its calibration",
             s->agreed, plural(s->agreed), s->agreed == 1 ? "s" : "", s->refused);
     else if (s->differed == 0 && s->unanswered > 0) {
         iso_words_append(s->sentence, sizeof s->sentence, "%zu comparison%s agree%s, but ", s->agreed,

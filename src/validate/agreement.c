@@ -11,15 +11,6 @@
 #include "validate/limits.h"
 #include "validate/validate.h"
 
-iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const iso_view *view, bool sharp)
-{
-    const iso_sample_error *e = sharp ? &renderer->lock_step->sharp : &renderer->lock_step->smooth;
-    const iso_render_output *output = &renderer->output;
-    const double peak = output->peak ? output->peak(view) : 0;
-    return (iso_tolerances){.rmse = fmax(e->rmse, output->rounding_rmse * peak),
-                            .max_abs = fmax(e->max_abs, output->rounding * peak)};
-}
-
 /* Of the same samples with exact lookups, whatever the transfer function. */
 static iso_tolerances exact_lock_step_tolerances(const iso_renderer_info *renderer)
 {
@@ -175,6 +166,20 @@ static iso_status add_without_images(iso_validation *v, size_t level, iso_report
     return iso_report_add_agreement(v->report, &row, err);
 }
 
+/* A program that failed by itself is refused from here on: one that hangs would take its time limit again. The others go on. */
+static iso_status refuse_failed(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
+                                const iso_renderer_info *renderer, iso_status status, const iso_error *why,
+                                iso_error *err)
+{
+    iso_refusal *refusal = &v->refused[iso_renderer_index(renderer)];
+    if (!iso_validate_is_its_fault(renderer, status))
+        return iso_fail(err, status, "%s", why->text);
+    *refusal = (iso_refusal){.status = status == ISO_E_MISSING ? status : ISO_E_UNTRUSTED};
+    snprintf(refusal->why, sizeof refusal->why, "%.500s", why->text);
+    row.refused = refusal->why;
+    return add_without_images(v, level, row, a, renderer, err);
+}
+
 /* ---- truths ---- */
 
 /* intervals: of a quadrature that has them. */
@@ -285,22 +290,28 @@ static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agre
     return status;
 }
 
+/* What is rounded to 8 bits is compared where the reference shows ten times what that leaves: a hundred times would be more
+ * than most scenes show. */
+enum { STATED_SIGNAL = 10 };
+
 static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_info *renderer, iso_error *err)
 {
     const iso_lock_step *lock = renderer->lock_step;
-    const bool exported = iso_renderer_has(renderer, ISO_IS_PROGRAM);
-    truth same = {.name = "reference, same samples"};
+    const bool exported = iso_renderer_has(renderer, ISO_IS_PROGRAM),
+               stated = lock->quadrature == ISO_QUADRATURE_CONVERGED;
+    truth same = {.name = stated ? "reference" : "reference, same samples"};
     char what[64], reference[80], options[64] = "", why[512];
     iso_image image = {0};
+    iso_error failure = {""};
     iso_render_options opt = iso_render_defaults(renderer);
-    iso_report_agreement row = {.comparison = ISO_COMPARISON_LOCK_STEP,
-                                .tier = "lock-step",
+    iso_report_agreement row = {.comparison = stated ? ISO_COMPARISON_STATED : ISO_COMPARISON_LOCK_STEP,
+                                .tier = stated ? "stated limits" : "lock-step",
                                 .error_bar = NAN,
                                 .why = lock->why,
                                 .tolerances = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
     if (cannot_compare(v, renderer, &row, why))
         return add_without_images(v, level, row, same.name, renderer, err);
-    snprintf(what, sizeof what, "%s-lockstep", renderer->name);
+    snprintf(what, sizeof what, stated ? "%s-stated" : "%s-lockstep", renderer->name);
     begin_row(v, level, what);
     opt.threads = v->threads;
     opt.source = exported ? ISO_FROM_CODES : v->source;
@@ -311,13 +322,21 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     name_image(v, level, reference, same.image_name);
     iso_status status = render_reference(v, level, lock->quadrature, lock->intervals,
                                          exported ? exported_source(v) : v->source, &same.image, err);
+    if (status == ISO_OK && renderer->output.most > 0 && iso_image_clip(&same.image, (float)renderer->output.most))
+        same.name = stated ? "reference, clipped" : "reference, same samples, clipped";
     if (status == ISO_OK)
         status = add_image(v, same.image_name, &same.image, same.name, err);
-    if (status == ISO_OK)
+    const bool begun = status == ISO_OK;
+    if (begun)
         status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
-                                 &image, NULL, err);
-    if (status == ISO_OK)
-        status = add_lock_step(v, level, &row, &same, &(compared){what, &image, renderer, options, 0}, &opt, err);
+                                 &image, NULL, &failure);
+    if (begun && status != ISO_OK)
+        status = refuse_failed(v, level, row, same.name, renderer, status, &failure, err);
+    else if (status == ISO_OK)
+        status = add_lock_step(v, level, &row, &same,
+                               &(compared){what, &image, renderer, options,
+                                           stated ? row.tolerances.rmse * STATED_SIGNAL / ISO_SIGNAL_FACTOR : 0},
+                               &opt, err);
     iso_image_destroy(&same.image);
     iso_image_destroy(&image);
     return status;
@@ -348,21 +367,23 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
     iso_signal signal;
     iso_status status = iso_signal_of(&a->image, v->view->background, 0, ISO_SIGNAL_RMS, &signal, err);
     opt.wanted_held_to = fmin(signal.color, signal.alpha) / ISO_SIGNAL_FACTOR;
-    if (status == ISO_OK)
-        status = iso_limit_find(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, NULL, v->progress},
-                                &a->image, renderer, &opt, &limit, err);
-    if (status == ISO_OK) {
-        if (limit.intervals)
-            snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);
-        else if (limit.seeds > 1)
-            snprintf(options, sizeof options, " --limit --step %g --seeds %zu", limit.step_voxels, limit.seeds);
-        else
-            snprintf(options, sizeof options, " --limit --step %g", limit.step_voxels);
-        iso_validate_limit_row(asked, &limit, &row);
-        row.statistics = iso_validate_limit_to_json(&limit);
-        status = add_row(v, level, &row, a,
-                         &(compared){what, &limit.image, renderer, options, iso_extrapolated_held_to(&limit)}, err);
-    }
+    if (status != ISO_OK)
+        return status;
+    iso_error failure = {""};
+    status = iso_limit_find(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, NULL, v->progress},
+                            &a->image, renderer, &opt, &limit, &failure);
+    if (status != ISO_OK)
+        return refuse_failed(v, level, row, a->name, renderer, status, &failure, err);
+    if (limit.intervals)
+        snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);
+    else if (limit.seeds > 1)
+        snprintf(options, sizeof options, " --limit --step %g --seeds %zu", limit.step_voxels, limit.seeds);
+    else
+        snprintf(options, sizeof options, " --limit --step %g", limit.step_voxels);
+    iso_validate_limit_row(asked, &limit, &row);
+    row.statistics = iso_validate_limit_to_json(&limit);
+    status = add_row(v, level, &row, a,
+                     &(compared){what, &limit.image, renderer, options, iso_extrapolated_held_to(&limit)}, err);
     json_decref(row.statistics);
     iso_extrapolated_destroy(&limit);
     return status;
@@ -403,11 +424,14 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
             status = add_without_images(v, level, row, a.name, renderer, err);
             continue;
         }
+        iso_error failure = {""};
         opt.renderer = renderer;
         begin_row(v, level, renderer->name);
         status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
-                                 &image, NULL, err);
-        if (status == ISO_OK)
+                                 &image, NULL, &failure);
+        if (status != ISO_OK)
+            status = refuse_failed(v, level, row, a.name, renderer, status, &failure, err);
+        else
             status = add_row(v, level, &row, &a, &(compared){renderer->name, &image, renderer, options, 0}, err);
         iso_image_destroy(&image);
     }

@@ -2,6 +2,7 @@
 #include "validate/calibrate.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,9 +114,12 @@ static iso_status render_stage(stage *s, iso_renderers *r, const iso_renderer_in
     return status;
 }
 
-static double largest_difference(const stage *s)
+/* Integers end at a color: so does what they are compared with. */
+static double largest_difference(stage *s, const iso_renderer_info *which)
 {
     double worst = 0;
+    if (which->output.most > 0)
+        iso_image_clip(&s->expected, (float)which->output.most);
     for (size_t i = 0; i < pixels * pixels * 4; ++i)
         worst = iso_larger(worst, fabs((double)s->got.rgba[i] - (double)s->expected.rgba[i]));
     return worst;
@@ -126,7 +130,7 @@ static iso_status render_difference(stage *s, iso_renderers *r, const iso_render
                                     const iso_planted *planted, double *value, iso_error *err)
 {
     const iso_status status = render_stage(s, r, which, planted, err);
-    *value = status == ISO_OK ? largest_difference(s) : NAN;
+    *value = status == ISO_OK ? largest_difference(s, which) : NAN;
     return status;
 }
 
@@ -418,43 +422,51 @@ static iso_status check_interpolation(stage *s, iso_renderers *r, const iso_rend
 
 static const struct {
     iso_calibration blank;
+    unsigned needs; /* iso_trait */
     iso_status (*run)(stage *, iso_renderers *, const iso_renderer_info *, const iso_planted *, double *, iso_error *);
 } checks[ISO_CALIBRATION_COUNT] = {
     {{.check = "placement",
       .unit = "pixel",
       .limit = 0.02,
       .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"},
+     ISO_HAS_ORTHOGRAPHIC,
      check_placement},
     {{.check = "slab",
       .unit = "largest difference",
       .limit = 2e-4,
       .why = "marching adds up to one rounding of the step at the box's faces; 1 % of extinction would be 3e-3"},
+     0,
      check_slab},
     {{.check = "transfer function",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "tables are looked up in float or through 16-bit files; an sRGB table would be off by 0.1"},
+     ISO_HAS_ORTHOGRAPHIC,
      check_transfer_function},
     {{.check = "light",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; a mirrored axis would be off by 0.1"},
+     ISO_HAS_ORTHOGRAPHIC | ISO_HAS_LIGHTS,
      check_light},
     {{.check = "order",
       .unit = "largest difference",
       .limit = 5e-4,
       .why =
           "a color that changes along the ray is summed up in steps of a quarter of a voxel; reversed it is off by 0.1"},
+     0,
      check_order},
     {{.check = "view vector",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; one view vector for all pixels would be off by 0.1"},
+     ISO_HAS_LIGHTS,
      check_view_vector},
     {{.check = "interpolation",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; those not normalised again would be off by 0.1"},
+     ISO_HAS_ORTHOGRAPHIC | ISO_HAS_LIGHTS,
      check_interpolation},
 };
 
@@ -466,11 +478,36 @@ int iso_calibration_number(const char *check)
     return i;
 }
 
+static const char *lacking(const iso_renderer_info *which, int check)
+{
+    const unsigned lacks = checks[check].needs & ~which->traits;
+    return lacks & ISO_HAS_LIGHTS ? "lights" : lacks ? "orthographic views" : NULL;
+}
+
+/* What is rounded to few bits is held to what that leaves, and to what the renderer states of itself. A centroid of such
+ * pixels is known to a tenth of one. */
+static void widen_limit(const iso_renderer_info *which, iso_calibration *c)
+{
+    const double stated = !which->output.most             ? 0
+                          : strcmp(c->unit, "pixel") == 0 ? 0.1
+                                                          : which->lock_step->smooth.max_abs;
+    if (stated <= c->limit)
+        return;
+    c->limit = stated;
+    snprintf(c->why, sizeof c->why, "%u bits a channel: %.400s", which->output.bits, which->lock_step->why);
+}
+
 iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,
                                iso_calibration *out, iso_error *err)
 {
     stage s = {0};
     *out = checks[check].blank;
+    out->lacks = lacking(which, check);
+    widen_limit(which, out);
+    if (out->lacks) {
+        out->value = NAN;
+        return ISO_OK;
+    }
     iso_status status = checks[check].run(&s, r, which, planted, &out->value, err);
     out->passed = out->value <= out->limit; /* NaN does not pass */
     clear_stage(&s);
@@ -478,12 +515,13 @@ iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which,
 }
 
 iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                         iso_calibration out[ISO_CALIBRATION_COUNT], const iso_progress *progress, iso_error *err)
+                         iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, const iso_progress *progress,
+                         iso_error *err)
 {
     iso_status status = ISO_OK;
-    for (int i = 0; i < ISO_CALIBRATION_COUNT && status == ISO_OK; ++i) {
-        iso_progress_report(progress, "calibration", (double)i / ISO_CALIBRATION_COUNT);
-        status = iso_calibrate_check(r, which, planted, i, &out[i], err);
+    for (*made = 0; *made < ISO_CALIBRATION_COUNT && status == ISO_OK; *made += status == ISO_OK) {
+        iso_progress_report(progress, "calibration", (double)*made / ISO_CALIBRATION_COUNT);
+        status = iso_calibrate_check(r, which, planted, (int)*made, &out[*made], err);
     }
     return status;
 }

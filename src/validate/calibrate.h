@@ -30,14 +30,17 @@ typedef struct iso_calibration {
     const char *check;
     const char *unit;
     double value, limit; /* trusted while value <= limit */
-    const char *why;     /* the cause of the limit */
+    char why[512];       /* the cause of the limit */
     bool passed;
+    const char *lacks; /* what the check needs and the renderer does not have: it is not asked; or NULL */
 } iso_calibration;
 
-/* ISO_OK when all checks could be made, whether they passed or not. planted: a fault that is put into the renderer;
+/* ISO_OK when all checks could be made, whether they passed or not. A renderer that fails itself, such as a program that
+ * crashes, ends it: *made is how many were made before, and the next one is that in which it failed. planted: a fault that is put into the renderer;
  * NULL: none. */
 iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                         iso_calibration out[ISO_CALIBRATION_COUNT], const iso_progress *progress, iso_error *err);
+                         iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, const iso_progress *progress,
+                         iso_error *err);
 
 /* The place of a check in the list above. */
 int iso_calibration_number(const char *check);

@@ -64,11 +64,20 @@ void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapol
     }
 }
 
+iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const iso_view *view, bool sharp)
+{
+    const iso_sample_error *e = sharp ? &renderer->lock_step->sharp : &renderer->lock_step->smooth;
+    const iso_render_output *output = &renderer->output;
+    const double peak = output->peak ? output->peak(view) : 0;
+    return (iso_tolerances){.rmse = fmax(e->rmse, output->rounding_rmse * peak),
+                            .max_abs = fmax(e->max_abs, output->rounding * peak)};
+}
+
 iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer,
                                              size_t seeds, int threads)
 {
     iso_limit_options o = iso_limit_defaults();
-    o.seeds = seeds;
+    o.seeds = renderer->seeds > seeds ? renderer->seeds : seeds;
     o.threads = threads;
     o.wanted_left = asked->sharp ? sharp_left : smooth_left;
     o.factor = asked->sharp ? ISO_EXTRAPOLATION_FACTOR_SHARP : ISO_EXTRAPOLATION_FACTOR_SMOOTH;

@@ -40,8 +40,13 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, const iso
         fprintf(f, " --code %s", iso_code_describe(v->pyramid->options.code)->name);
     fprintf(f, "%s%s --scene ", v->build_options[0] ? " " : "", v->build_options);
     iso_provenance_put_word(f, v->scene_path);
-    fprintf(f, " --with %s --level %zu --size %zux%zu%s%s -o %s", renderer->name, level, v->view->width,
-            v->view->height, v->render_options, options, image);
+    fprintf(f, " --with %s", renderer->name);
+    if (renderer->found_in) {
+        fputs(" --renderers ", f);
+        iso_provenance_put_word(f, renderer->found_in);
+    }
+    fprintf(f, " --level %zu --size %zux%zu%s%s -o %s", level, v->view->width, v->view->height, v->render_options,
+            options, image);
 }
 
 char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer,

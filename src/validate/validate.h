@@ -81,6 +81,13 @@ iso_status iso_validate_levels(iso_validation *v, iso_error *err);
  * program is a reason to refuse, not a failure. */
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
 
+/* Did a program fail by itself, so that it is refused and the others go on? */
+bool iso_validate_is_its_fault(const iso_renderer_info *which, iso_status status);
+/* ISO_E_UNTRUSTED, with the first row that was refused of a renderer that had passed its calibration; or ISO_OK. */
+iso_status iso_validate_refused_later(const iso_validation *v, iso_error *err);
+/* Into the report's "programs": how each of them was run. */
+void iso_validate_describe_programs(const iso_validation *v);
+
 iso_status iso_validate_agreement(iso_validation *v, iso_error *err);
 
 /* Parts 0 to count - 1, which do not depend on each other, as many at a time as there are threads: programs that start,
