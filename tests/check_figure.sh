@@ -85,7 +85,7 @@ for width in 85 178; do
             name=${from}_${kind}_$width
             methods=()
             [ $kind = levels ] && methods=(--methods "$(sed -n 's/.*"method": "\([^"]*\)".*/\1/p' $from/report.json | uniq | paste -sd,)")
-            expect "$name" 0 "$ISOSHADE" figure $from --kind $kind --width $width "${methods[@]}" -o $name
+            expect "$name" 0 "$ISOSHADE" figure $from --sources --kind $kind --width $width "${methods[@]}" -o $name
             read -r wide high <<<"$(millimetres $name/figure.pdf)"
             check ${name}_fits test "$wide" -le $width -a "$high" -le 230
             check ${name}_has_its_fonts fonts_are_inside $name/figure.pdf
@@ -112,22 +112,22 @@ check the_bar_has_its_length awk -F, 'NR == 2 {exit !($13 == "5 mm" && ($12 - 5 
 check renderers_stand_in_order test "$(awk -F, 'NR > 1 && $9 != "-" {print $9}' four_renderers_178/figure.csv | paste -sd' ')" = "cycles gl povray"
 check the_caption_names_the_file grep -q 'level 0 of v.nrrd (s.scene.json)' four_renderers_178/caption.txt
 check the_caption_has_the_bar grep -q 'Scale bar: 5 mm' four_renderers_178/caption.txt
-expect renderers_alone 0 "$ISOSHADE" figure methods --kind renderers -o renderers
+expect renderers_alone 0 "$ISOSHADE" figure methods --kind renderers --sources -o renderers
 check methods_stay_away test "$(cut -d, -f9 renderers/figure.csv | grep gl | paste -sd+)" = "gl+gl; limit"
 check a_limit_keeps_its_comma words_are_all_there renderers/figure.pdf "gl gl, limit"
-expect a_variant_can_be_asked_for 0 "$ISOSHADE" figure methods --kind renderers --variant adapted -o variant
+expect a_variant_can_be_asked_for 0 "$ISOSHADE" figure methods --kind renderers --variant adapted --sources -o variant
 check it_stands_alone test "$(cut -d, -f9 variant/figure.csv | grep gl)" = "gl; naive; adapted TF"
 check with_its_comma words_are_all_there variant/figure.pdf "gl, naive, adapted TF"
 # Rows that name their renderer are read by that, whatever they are called.
 mkdir -p named && cp -r methods/images named && sed 's/"b": "gl, naive, adapted TF"/"b": "x", "renderer": "gl", "comparison": "limit", "variant": "naive"/; s/"b": "gl"/"b": "y, z", "renderer": "gl", "comparison": "lock-step", "variant": ""/' methods/report.json >named/report.json
-expect rows_that_name_their_renderer 0 "$ISOSHADE" figure named --kind renderers -o named_renderers
+expect rows_that_name_their_renderer 0 "$ISOSHADE" figure named --kind renderers --sources -o named_renderers
 check are_shown_by_it test "$(cut -d, -f9 named_renderers/figure.csv | grep gl | paste -sd+)" = "gl+gl; limit"
-expect and_a_variant_of_theirs 0 "$ISOSHADE" figure named --kind renderers --variant naive -o named_variant
+expect and_a_variant_of_theirs 0 "$ISOSHADE" figure named --kind renderers --variant naive --sources -o named_variant
 check is_found_by_it test "$(cut -d, -f9 named_variant/figure.csv | grep gl)" = "gl; limit; naive"
 refuse an_unknown_variant_is_named 5 'name like tensor' "$ISOSHADE" figure methods --kind renderers --variant tensor -o f
 sed '0,/"scene": "s", "level"/s//"scene": "other", "level"/' four/report.json >r.json && cp -r four suite && mv r.json suite/report.json
 refuse a_suite_has_many_scenes 5 'has 2 scenes, --scene chooses one: ' "$ISOSHADE" figure suite --kind renderers -o f
-expect one_scene_of_a_suite 0 "$ISOSHADE" figure suite --kind renderers --scene s -o of_suite
+expect one_scene_of_a_suite 0 "$ISOSHADE" figure suite --kind renderers --scene s --sources -o of_suite
 check it_has_the_others_only test "$(cut -d, -f9 of_suite/figure.csv | grep -cE 'gl|povray|cycles')" = 2
 refuse no_scene_of_that_name 5 'no pictures of comparisons' "$ISOSHADE" figure suite --kind renderers --scene t -o f
 refuse methods_are_for_levels 2 'for --kind levels' "$ISOSHADE" figure four --kind renderers --methods naive -o f
@@ -148,5 +148,37 @@ mkdir mine && touch mine/thesis.txt
 refuse a_folder_of_somebody_else_is_kept 3 mine "$ISOSHADE" figure four -o mine
 # /proc takes no files from anybody, root included.
 refuse a_folder_that_takes_no_files 3 /proc/figure "$ISOSHADE" figure four -o /proc/figure
+
+# Of a volume: rendered for its place in print, a pixel a dot, the same as render gives; no picture twice, nothing left over.
+expect a_volume_is_drawn 0 "$ISOSHADE" figure v.nrrd --scene "$top/refscenes/shells.scene.json" --size 48x30 --levels 3 --width 85 -o volume -q
+check only_the_figure_is_there test "$(cd volume && echo *)" = 'caption.txt figure.pdf figure.svg'
+pixels=$(pdfimages -list volume/figure.pdf | awk 'NR > 2 && $4 > 1 {print $4 "x" $5}' | uniq)
+check its_pictures_are_alike test "$(wc -w <<<"$pixels")" = 1
+check they_have_300_dpi dense_enough volume/figure.pdf
+check its_words_are_apart words_are_apart volume/figure.pdf
+check its_fonts_are_inside fonts_are_inside volume/figure.pdf
+check it_keeps_the_aspect test "$(awk -Fx '{d = $2 - $1 * 30 / 48; print (d * d < 1)}' <<<"$pixels")" = 1
+mkdir panels && pdfimages volume/figure.pdf panels/p
+for level in 0 1 2; do
+    "$ISOSHADE" render v.nrrd --scene "$top/refscenes/shells.scene.json" --level $level --size "$pixels" -q -o "print$level.png" >/dev/null
+done
+in_the_figure() { # PNG ...: each stands in the figure once, and no picture of it stands there twice
+    PYTHONPATH=$top/tests python3 - "$@" <<'END'
+import glob, sys
+from sheet_panel import load
+def pixels(path):
+    return b"".join(bytes(p) for row in load(path) for p in row)
+figure = [open(p, "rb").read().split(b"\n", 3)[3] for p in sorted(glob.glob("panels/p-*.ppm"))]
+sys.exit(any(figure.count(pixels(p)) != 1 for p in sys.argv[1:]) or len(set(figure)) < len(figure))
+END
+}
+check its_pictures_are_those_of_render in_the_figure print0.png print1.png print2.png
+"$ISOSHADE" render v.nrrd --scene "$top/refscenes/shells.scene.json" --level 1 --size "$pixels" --step 0.4 -q -o other.png >/dev/null
+notice another_picture_is_noticed in_the_figure other.png
+expect renderers_of_a_volume 0 "$ISOSHADE" figure v.nrrd --scene "$top/refscenes/shells.scene.json" --size 24x15 --kind renderers --with gl --dpi 72 --width 85 -o two -q
+check the_caption_names_what_differs grep -q 'OpenGL ray caster: RMSE 0' two/caption.txt
+refuse methods_are_of_reports 2 'for a figure of a report' "$ISOSHADE" figure v.nrrd --methods naive -o f
+refuse pictures_of_a_report_are_there 2 'which has its pictures' "$ISOSHADE" figure four --size 20 -o f
+refuse levels_that_are_not_there 5 'would show level 9' "$ISOSHADE" figure v.nrrd --levels 10 -o f -q
 refuse a_folder_that_is_not_there 3 nowhere "$ISOSHADE" figure four -o nowhere/figure
 exit $failed

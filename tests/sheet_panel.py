@@ -40,16 +40,21 @@ def load(path):
     return rows
 
 
-sheet = json.load(open(sys.argv[1]))
-panel = sheet["pictures"][int(sys.argv[2]) - 1]
-left, top, size = panel["left"], panel["top"], panel["size"]
-picture = load(sys.argv[3])
-crop = [row[left : left + size] for row in load(sheet["sheet"])[top : top + size]]
-if len(picture) != size or any(len(row) != size for row in picture):
-    sys.exit("the picture is %d pixels high, the panel %d" % (len(picture), size))
-worst = max(abs(a - b) for p, q in zip(picture, crop) for u, v in zip(p, q) for a, b in zip(u, v))
-shown = len({u for row in picture for u in row})
-if worst > 0:
-    sys.exit("differs by up to %d of 255" % worst)
-if shown < 8:
-    sys.exit("shows %d colors only" % shown)
+def main():
+    sheet = json.load(open(sys.argv[1]))
+    panel = sheet["pictures"][int(sys.argv[2]) - 1]
+    left, top, size = panel["left"], panel["top"], panel["size"]
+    picture = load(sys.argv[3])
+    crop = [row[left : left + size] for row in load(sheet["sheet"])[top : top + size]]
+    if len(picture) != size or any(len(row) != size for row in picture):
+        sys.exit("the picture is %d pixels high, the panel %d" % (len(picture), size))
+    worst = max(abs(a - b) for p, q in zip(picture, crop) for u, v in zip(p, q) for a, b in zip(u, v))
+    shown = len({u for row in picture for u in row})
+    if worst > 0:
+        sys.exit("differs by up to %d of 255" % worst)
+    if shown < 8:
+        sys.exit("shows %d colors only" % shown)
+
+
+if __name__ == "__main__":
+    main()

@@ -369,18 +369,6 @@ static void choose_scale(figure *f)
         f->high = 1;
 }
 
-/* What the drawing adds: the scale bar and the colours. */
-static void describe_drawing(const figure *f)
-{
-    for (size_t i = 0; i < f->count; ++i)
-        if (f->panels[i].scale_bar && f->panels[i].mm_per_pixel > 0)
-            fprintf(f->caption, " Scale bar: %g mm, in the plane through the centre of the volume.",
-                    iso_figure_bar_mm(f->panels[i].mm_per_pixel * (double)f->panels[i].a.width));
-    fprintf(f->caption, " Colours of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity%s.\n",
-            f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "", f->high,
-            f->in_logs ? "" : "; at most 1 % of a map's pixels are beyond and drawn as the last colour");
-}
-
 static void notice(const figure *f)
 {
     if (!f->opt->notice)
@@ -404,7 +392,6 @@ static iso_status make(figure *f, const char *dir, iso_error *err)
         status = f->opt->kind == ISO_FIGURE_LEVELS ? plan_levels(f, err) : plan_renderers(f, err);
     if (status == ISO_OK) {
         choose_scale(f);
-        describe_drawing(f);
         const iso_figure_sheet sheet = {.panels = f->panels,
                                         .count = f->count,
                                         .rows = f->rows,
@@ -415,7 +402,9 @@ static iso_status make(figure *f, const char *dir, iso_error *err)
                                         .high = f->high,
                                         .width_mm = f->opt->width_mm,
                                         .height_mm = f->opt->height_mm,
-                                        .dpi = f->opt->dpi};
+                                        .dpi = f->opt->dpi,
+                                        .with_sources = f->opt->with_sources};
+        iso_figure_describe(&sheet, f->caption);
         status = iso_figure_draw(&sheet, dir, err);
     }
     if (f->caption)
@@ -432,7 +421,7 @@ static iso_status make(figure *f, const char *dir, iso_error *err)
     return status;
 }
 
-static iso_status check(const iso_figure_options *opt, iso_error *err)
+iso_status iso_figure_check(const iso_figure_options *opt, iso_error *err)
 {
     if (!(opt->width_mm >= 40 && opt->width_mm <= 1000))
         return iso_fail(err, ISO_E_RANGE, "--width is %g, must be 40 to 1000 mm", opt->width_mm);
@@ -448,14 +437,14 @@ iso_status iso_figure_make(const char *report_dir, const iso_figure_options *opt
     figure f = {.opt = opt, .report_dir = report_dir};
     iso_output out = {0};
     char *path = iso_path_join(report_dir, "report.json");
-    iso_status status = path ? check(opt, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    iso_status status = path ? iso_figure_check(opt, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     if (status == ISO_OK)
         status = iso_json_load(path, &f.report, err);
     if (status == ISO_OK && strcmp(string_of(f.report, "schema"), "isoshade.validate/1") != 0)
         status = iso_fail(err, ISO_E_FORMAT, "%s: schema is \"%s\", wanted isoshade.validate/1", path,
                           string_of(f.report, "schema"));
     if (status == ISO_OK)
-        status = iso_output_begin_dir(&out, out_dir, "figure.gp", err);
+        status = iso_output_begin_dir(&out, out_dir, "figure.pdf", err);
     if (status == ISO_OK)
         status = make(&f, out.temp_path, err);
     if (status == ISO_OK)

@@ -4,8 +4,8 @@
  *     DIR/figure.pdf   vector text, fonts embedded, pictures at 300 dpi or more
  *         figure.svg
  *         caption.txt  what the figure shows, with its numbers
- *         figure.gp    how it is drawn, from figure.csv and the panels' pixels;
- *                      style.gp has fonts and colours
+ *         figure.gp    where sources are wanted: how it is drawn, from figure.csv
+ *                      and the panels' pixels; style.gp has fonts and colours
  *
  *   levels      columns: levels; for each method, under each TF asked for, the
  *               image and, below, its difference from level 0, on one linear scale
@@ -16,6 +16,7 @@
 #ifndef ISO_REPORT_FIGURE_H
 #define ISO_REPORT_FIGURE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/status.h"
@@ -35,12 +36,15 @@ typedef struct iso_figure_options {
     double width_mm;  /* of the whole figure, at most: 85 fits one column of many journals, 178 both */
     double height_mm; /* the same: panels become smaller */
     double dpi;       /* of the pictures, at least */
+    bool with_sources;
     char *notice;     /* NULL, or room for notice_size bytes: what a reader should know of the pictures; or "" */
     size_t notice_size;
 } iso_figure_options;
 iso_figure_options iso_figure_defaults(void);
+/* ISO_E_RANGE: a size that cannot be printed. */
+iso_status iso_figure_check(const iso_figure_options *opt, iso_error *err);
 
-/* report_dir: what validate wrote. An existing out_dir is replaced only if it holds a figure.gp.
+/* report_dir: what validate wrote. An existing out_dir is replaced only if it holds a figure.pdf.
  * ISO_E_FORMAT: no report; ISO_E_RANGE: nothing to show, an unknown method, options outside their limits;
  * ISO_E_MISSING without gnuplot. */
 iso_status iso_figure_make(const char *report_dir, const iso_figure_options *opt, const char *out_dir, iso_error *err);

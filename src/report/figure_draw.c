@@ -351,7 +351,8 @@ static iso_status write_panel(const iso_figure_sheet *f, const layout *l, size_t
 {
     const iso_figure_panel *p = &f->panels[i];
     const double px = 96 / 25.4, x = l->left + (double)p->column * (l->panel_width + gap_mm), y = row_top(f, l, p->row);
-    size_t times = (size_t)ceil(f->dpi * l->panel_width / 25.4 / (double)p->a.width);
+    /* Some dots too few, where the last text moved a margin, are no reason to draw each pixel twice. */
+    const size_t times = (size_t)ceil(f->dpi * l->panel_width / 25.4 / (double)p->a.width - 0.02);
     char file[32], lines[128], bar_text[32] = "";
     snprintf(file, sizeof file, "panel%zu.raw", i);
     char *path = iso_path_join(dir, file);
@@ -405,6 +406,39 @@ static iso_status write_panels(const iso_figure_sheet *f, const char *dir, FILE 
     return status;
 }
 
+void iso_figure_describe(const iso_figure_sheet *f, FILE *caption)
+{
+    for (size_t i = 0; i < f->count; ++i)
+        if (f->panels[i].scale_bar && f->panels[i].mm_per_pixel > 0)
+            fprintf(caption, " Scale bar: %g mm, in the plane through the centre of the volume.",
+                    iso_figure_bar_mm(f->panels[i].mm_per_pixel * (double)f->panels[i].a.width));
+    fprintf(caption, " Colours of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity%s.\n",
+            f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "", f->high,
+            f->in_logs ? "" : "; at most 1 % of a map's pixels are beyond and drawn as the last colour");
+}
+
+iso_status iso_figure_panel_width(const iso_figure_sheet *sheet, double *width_mm, iso_error *err)
+{
+    layout l;
+    const iso_status status = plan_layout(sheet, &l, err);
+    *width_mm = l.panel_width;
+    return status;
+}
+
+/* What the figure was drawn from. */
+static void remove_sources(const char *dir, size_t panels)
+{
+    const char *const names[] = {"figure.csv", "figure.gp", "style.gp"};
+    char name[32];
+    for (size_t i = 0; i < panels + sizeof names / sizeof *names; ++i) {
+        snprintf(name, sizeof name, "panel%zu.raw", i);
+        char *path = iso_path_join(dir, i < panels ? name : names[i - panels]);
+        if (path)
+            remove(path);
+        free(path);
+    }
+}
+
 iso_status iso_figure_draw(const iso_figure_sheet *sheet, const char *dir, iso_error *err)
 {
     char *csv = NULL, *script = NULL;
@@ -420,6 +454,8 @@ iso_status iso_figure_draw(const iso_figure_sheet *sheet, const char *dir, iso_e
         status = iso_gnuplot_draw(dir, "figure", csv, script, "pdf", err);
     if (status == ISO_OK)
         status = iso_gnuplot_draw(dir, "figure", csv, script, "svg", err);
+    if (!sheet->with_sources)
+        remove_sources(dir, sheet->count);
     free(csv);
     free(script);
     return status;

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* figure_draw.h - panels on a page. Private to figure.c, which decides what they show. */
+/* figure_draw.h - panels on a page. Who calls it decides what they show: figure.c from a report, cli/figure_drawn.c by
+ * rendering for the size of the print. */
 #ifndef ISO_REPORT_FIGURE_DRAW_H
 #define ISO_REPORT_FIGURE_DRAW_H
+
+#include <stdio.h>
 
 #include "report/figure.h"
 #include "compare/metrics.h"
@@ -26,11 +29,19 @@ typedef struct iso_figure_sheet {
     double low, high;           /* of the difference maps; log10 when in_logs */
     double width_mm, height_mm; /* at most */
     double dpi;
+    bool with_sources; /* the scripts and the pixels that the figure is drawn from stay beside it */
 } iso_figure_sheet;
 
-/* figure.pdf, figure.svg, figure.csv, figure.gp, style.gp and the panels' pixels. ISO_E_RANGE: the panels do not
- * fit with texts that can be read. */
+/* The width of a panel as it is printed; of the images only the sizes are looked at. ISO_E_RANGE as iso_figure_draw(). */
+iso_status iso_figure_panel_width(const iso_figure_sheet *sheet, double *width_mm, iso_error *err);
+
+/* figure.pdf and figure.svg; with sources figure.csv, figure.gp, style.gp and the panels' pixels, too. A picture that has
+ * fewer pixels than its place has dots is enlarged by whole numbers. ISO_E_RANGE: the panels do not fit with texts that
+ * can be read. */
 iso_status iso_figure_draw(const iso_figure_sheet *sheet, const char *dir, iso_error *err);
+
+/* What a caption says of the scale bar and of the colors of maps. */
+void iso_figure_describe(const iso_figure_sheet *sheet, FILE *caption);
 
 /* 1, 2 or 5 times a power of ten, at most a third of the width. */
 double iso_figure_bar_mm(double width_mm);
