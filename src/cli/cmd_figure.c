@@ -34,7 +34,8 @@ static iso_status check_for_kind(const figure_arguments *a, bool of_report, iso_
 static iso_status check_for_input(const figure_arguments *a, bool of_report, iso_error *err)
 {
     const iso_cli_look *look = &a->drawn.look;
-    if (of_report && (a->with || a->levels || a->drawn.adapted.wanted || look->tf || look->view || look->zoom > 0 || look->size))
+    if (of_report &&
+        (a->with || a->levels || a->drawn.adapted.wanted || look->tf || look->view || look->zoom > 0 || look->size))
         return iso_fail(err, ISO_E_USAGE,
                         "%s is a report, which has its pictures; --with, --levels, --adapt, --tf, --view, --zoom and "
                         "--size are for a figure of a volume",
@@ -127,7 +128,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "of the figure, at most; 85 is one column of many journals, 178 both", "MM"},
         {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &o->height_mm, 0, "of the figure, at most", "MM"},
         {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &o->dpi, 0, "of its pictures, at least", "DPI"},
-        {"sources", 0, POPT_ARG_NONE, &a.sources, 0, "keep the gnuplot scripts and the pixels that it is drawn from", NULL},
+        {"sources", 0, POPT_ARG_NONE, &a.sources, 0, "keep the gnuplot scripts and the pixels that it is drawn from",
+         NULL},
         {"adapt", 0, POPT_ARG_NONE, &a.drawn.adapted.wanted, 0,
          "a volume's levels: each with the transfer function adapted to it", NULL},
         ISO_CLI_LOOK_OPTIONS(&a.drawn.look),

@@ -164,8 +164,8 @@ static iso_status write_caption(const drawn *w, const char *dir, iso_error *err)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     }
     const char *scene = iso_provenance_name(w->d->look.scene);
-    fprintf(f, "%s of %s%s%s%s, ", shows_levels(w) ? "Levels" : "Renderers", iso_provenance_title(w->d->cli->arguments[0]),
-            *scene ? " (" : "", scene, *scene ? ")" : "");
+    fprintf(f, "%s of %s%s%s%s, ", shows_levels(w) ? "Levels" : "Renderers",
+            iso_provenance_title(w->d->cli->arguments[0]), *scene ? " (" : "", scene, *scene ? ")" : "");
     if (shows_levels(w))
         fprintf(f, "drawn by the %s%s", w->with[0]->title,
                 w->d->adapted.wanted ? ", each under the transfer function adapted to it" : "");

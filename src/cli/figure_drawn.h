@@ -16,7 +16,7 @@ typedef struct iso_figure_drawn {
     iso_volume_input input;
     iso_cli_look look;
     iso_cli_adapted adapted; /* levels: each under the transfer function adapted to it */
-    const char *with; /* levels: the renderer; renderers: a list of them; NULL: the usual one, all */
+    const char *with;        /* levels: the renderer; renderers: a list of them; NULL: the usual one, all */
     int levels;              /* how many, with level 0 */
 } iso_figure_drawn;
 

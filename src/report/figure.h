@@ -37,7 +37,7 @@ typedef struct iso_figure_options {
     double height_mm; /* the same: panels become smaller */
     double dpi;       /* of the pictures, at least */
     bool with_sources;
-    char *notice;     /* NULL, or room for notice_size bytes: what a reader should know of the pictures; or "" */
+    char *notice; /* NULL, or room for notice_size bytes: what a reader should know of the pictures; or "" */
     size_t notice_size;
 } iso_figure_options;
 iso_figure_options iso_figure_defaults(void);
