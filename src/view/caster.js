@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // caster.js - one picture of one level by raycast.glsl: what raycaster.c and gl_uniforms.c do.
 //
-// A request: {level, code: name or null for differences of the scalar, adapted, tf, camera, lights, shading, background,
+// A request: {level, code: name or null for differences of the scalar, or vectors: those of the level; adapted, tf or table, camera, lights, shading, background,
 // clips, step, width, height}; the level's textures are made when they are first asked for.
 const onTheFlyEps = 1e-4; // ISO_ON_THE_FLY_EPS
 
@@ -9,10 +9,10 @@ const makeCaster = (context, data) => {
     const {gl} = context, tables = new Map();
 
     // A level's table of a transfer function, its texture and which bricks it shows; the last few are kept.
-    const tableOf = (level, tf, adapted) => {
-        const key = `${level.level} ${adapted} ${JSON.stringify(tf)}`;
+    const tableOf = (level, tf, adapted, given) => {
+        const key = given ? 'given' : `${level.level} ${adapted} ${JSON.stringify(tf)}`;
         if (tables.has(key)) return tables.get(key);
-        let table = tabulate(tf, data.value_range, data.mean_spacing_mm);
+        let table = given || tabulate(tf, data.value_range, data.mean_spacing_mm);
         if (adapted && level.adapter) table = adaptTable(level.adapter, table, data.mean_spacing_mm);
         const ranges = level.ranges ??= brickRanges(level.numbers, level.size);
         const occupancy = occupancyOf(ranges, level.scalar, table), made = {...table, skip: occupancy.part <= skipOccupied, part: occupancy.part};
@@ -94,14 +94,15 @@ const makeCaster = (context, data) => {
 
     // Draws the rows [from, to) of the target and waits until they are there; the milliseconds that took.
     const draw = (q, target, from = 0, to = target.height) => {
-        const {level} = q, scalar = scalarOf(level), code = q.code ? codeOf(level, q.code) : null, table = tableOf(level, q.tf, q.adapted);
+        const {level} = q, scalar = scalarOf(level), code = q.code ? codeOf(level, q.code) : null, table = tableOf(level, q.tf, q.adapted, q.table);
+        const vectors = q.vectors ? level.vectorTexture ??= uploadVectors(context, level) : null;
         const fine = q.roi ? {scalar: scalarOf(q.roi.level), code: codeOf(q.roi.level, q.code), table: tableOf(q.roi.level, q.tf, q.adapted && q.roi.level.level > 0)} : null;
         const skip = table.skip && !fine; // a brick is empty in one level and not in the other
         const program = context.program(['code_decode.h', 'raycast.glsl'], {
-            DIRECTION_SOURCE: code ? 'SOURCE_CODES' : 'SOURCE_ON_THE_FLY', DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR',
+            DIRECTION_SOURCE: code ? 'SOURCE_CODES' : vectors ? 'SOURCE_VECTORS' : 'SOURCE_ON_THE_FLY', DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR',
             OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length, SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0,
             SKIP_EMPTY: Number(skip), PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(fine)), BRICKS: 0, TF_2D_ROWS: 0, EXTINCTION_SCALE: 'SCALE_NONE',
-            PAGES: 1, FILTERED_BY_HAND: scalar.byHand ? 1 : undefined,
+            PAGES: 1, FILTERED_BY_HAND: scalar.byHand || (vectors && !context.floatFilter) ? 1 : undefined,
         });
         program.use();
         setCamera(program, {...q, width: target.width, height: target.height}, level);
@@ -109,6 +110,7 @@ const makeCaster = (context, data) => {
         bind(0, gl.TEXTURE_3D, scalar.texture);
         bind(1, gl.TEXTURE_2D, table.texture);
         if (code) bind(2, gl.TEXTURE_3D, code.texture.texture);
+        if (vectors) bind(2, gl.TEXTURE_3D, vectors);
         if (skip) bind(3, gl.TEXTURE_3D, table.occupancy);
         if (fine) {
             setRoi(program, q, fine.scalar, fine.table);

@@ -55,6 +55,12 @@ const uploadCodes = (context, level, code) => {
     return {texture, scale: signed ? 1 / 127 : 2 / 255, offset: signed ? 0 : -1, bytes: 2 * bytes.length};
 };
 
+const uploadVectors = (context, level) => {
+    const {gl} = context, texture = context.volume(2, gl.RGB32F, level.size);
+    fillSlabs(gl, level.size, 3, gl.RGB, gl.FLOAT, (a, b) => level.vectors.subarray(a, b));
+    if (!context.floatFilter) context.filter(gl.NEAREST);
+    return texture;
+};
 const uploadTable = (context, table, old) => {
     const {gl} = context, texture = old || gl.createTexture();
     gl.activeTexture(gl.TEXTURE1);
