@@ -73,7 +73,7 @@ beside := $(mpi_library) $(itk_program) $(arrays_program) $(vdb_program)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
 embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/* src/*/*.glsl \
-	$(foreach suffix,html js css gp,src/*/*.$(suffix)) exporters/*/*.py exporters/*/*.inc)
+	$(foreach suffix,html js css gp py,src/*/*.$(suffix)) exporters/*/*.py exporters/*/*.inc)
 
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all
