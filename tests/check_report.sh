@@ -37,7 +37,8 @@ expect a_folder_without_report_is_refused 3 "$ISOSHADE" baseline "$dir" "$dir/ba
 
 expect a_report_without_pictures_gives_no_figure 5 "$ISOSHADE" figure "$dir/one" -o "$dir/f"
 check no_figure_is_left test ! -e "$dir/f"
-expect a_figure_needs_a_report 3 "$ISOSHADE" figure "$dir" -o "$dir/f"
+expect a_figure_needs_a_report 4 "$ISOSHADE" figure "$dir" -o "$dir/f"
+check and_says_so grep -q 'is no report, it has no report.json' err
 expect an_unknown_figure_is_refused 2 "$ISOSHADE" figure "$dir/one" --kind photo -o "$dir/f"
 expect a_figure_needs_an_output 2 "$ISOSHADE" figure "$dir/one"
 check nothing_temporary_is_left test -z "$(find "$dir" -name '.*-*' ! -name .isoshade-files)"

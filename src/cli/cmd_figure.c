@@ -84,7 +84,14 @@ static iso_status draw(figure_arguments *a, iso_error *err)
     a->drawn.output = a->output;
     a->drawn.with = a->with;
     a->drawn.levels = a->levels ? a->levels : 4;
-    return of_report ? draw_report(a, err) : iso_figure_draw_volume(&a->drawn, err);
+    if (of_report)
+        return draw_report(a, err);
+    status = iso_figure_draw_volume(&a->drawn, err);
+    const char *input = a->drawn.cli->arguments[0];
+    /* A folder may be slices of a volume as well as a report. */
+    return status != ISO_OK && iso_path_is_dir(input) && !iso_pyramid_is_one(input)
+               ? iso_fail_in(err, status, "%s is no report, it has no report.json; as a volume", input)
+               : status;
 }
 
 static void print_result(const figure_arguments *a)
