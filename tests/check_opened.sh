@@ -15,7 +15,7 @@ while read -r _ name answer; do
     count=$((count + 1))
     check "$name" test "$answer" = yes
 done < <(grep '^opened: ' out)
-check all_was_asked test $count = 13 || tail -5 out
+check all_was_asked test $count = 16 || tail -5 out
 refuse a_file_that_was_saved_since_stays 3 'moved/one.blend: was saved or changed since' export_it moved/one.blend
 refuse at_once_and_not_after_the_work 3 'one.blend: was saved' "$ISOSHADE" export none.nrrd --to blender -q -o moved/one.blend
 cp moved/one.blend saved.blend

@@ -12,9 +12,9 @@
 /* False where the Blender found has no NanoVDB. One that is missing is a failure: the tests need one. */
 static inline bool cycles_shows_volumes(void)
 {
-    char version[64];
+    iso_cycles_about about;
     iso_error err = {""};
-    if (iso_cycles_version(version, sizeof version, &err) != ISO_E_MISSING ||
+    if (iso_cycles_ask(NULL, &about, &err) != ISO_E_MISSING ||
         !strstr(err.text, "built without NanoVDB"))
         return true;
     print_message("%s\n", err.text);

@@ -2,6 +2,7 @@
 """What a person finds who opens an exported .blend, a line "name yes|no" each, for check_opened.sh. Run by Blender on it.
 
 blender -b FILE.blend -P opened.py -- a folder in which nothing is beside the file"""
+import os
 import sys
 
 import bpy
@@ -56,12 +57,51 @@ if modern:
 else:
     group.inputs.new('NodeSocketFloat', "New")
     group.inputs.move(len(group.inputs) - 1, 0)
+group.nodes.new('ShaderNodeMath')
 sun = next(thing for thing in scene.objects if thing.type == 'LIGHT')
 share = node.inputs["Intensity 1"].default_value / sun.data.energy
 sun.data.energy = 0.625
 layer.update()
 evaluated = node.inputs["Intensity 1"].default_value
 tell("drivers_survive_a_new_socket", share > 0 and abs(evaluated - 0.625 * share) < 1e-6)
+
+# What Cycles renders on, of preferences that are imitated: two ways to one GPU, and the processor beside them.
+class Device:
+    def __init__(self, kind, name):
+        self.type, self.name, self.use = kind, name, kind == 'CPU'
+
+
+class Preferences:
+    compute_device_type = 'NONE'
+
+    def __init__(self, *kinds):
+        self.devices = [Device('CPU', "some processor")] + [Device(kind, "some GPU") for kind in kinds]
+
+    def get_device_types(self, context):
+        return [('NONE', "None", "", 0), ('CUDA', "CUDA", "", 1), ('OPTIX', "OptiX", "", 3), ('HIP', "HIP", "", 4)]
+
+    def get_devices_for_type(self, kind):
+        return [device for device in self.devices if device.type in (kind, 'CPU')]
+
+
+def device_for(asked, *kinds):
+    preferences = Preferences(*kinds)
+    try:
+        name = devices["choose_device"](scene.cycles, preferences, asked)
+    except SystemExit as refused:
+        return f"refused with {refused.code}"
+    used = "+".join(device.type for device in preferences.devices if device.use)
+    return f"{name}: {scene.cycles.device} {preferences.compute_device_type} {used}"
+
+
+devices = {}
+with open(os.path.join(os.path.dirname(__file__), "../exporters/blender/scene_device.py"), encoding="utf-8") as script:
+    exec(script.read(), devices)
+tell("it_renders_on_the_processor", scene.cycles.device == 'CPU' and device_for("cpu", 'CUDA') == "CPU: CPU NONE CPU")
+tell("a_gpu_is_taken_and_nothing_beside_it", device_for("gpu", 'CUDA', 'OPTIX') == "OPTIX some GPU: GPU OPTIX OPTIX" and
+     device_for("cuda", 'CUDA', 'OPTIX') == "CUDA some GPU: GPU CUDA CUDA")
+tell("no_other_is_taken_for_it", device_for("hip", 'CUDA') == device_for("gpu") == device_for("metal", 'HIP') == "refused with 8")
+scene.cycles.device = 'CPU'
 
 tell("no_sign_where_the_file_is", sign_vertices() == [0] and len(volumes) == 2)
 for thing in volumes:

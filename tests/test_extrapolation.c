@@ -29,7 +29,7 @@ static iso_extrapolated extrapolate(double e, double n, bool alpha_alone, double
             if (i % 4 == 3 || !alpha_alone)
                 images[k].rgba[i] += (float)(k % 2 ? n : -n);
     }
-    assert_ok(iso_extrapolate(&(iso_extrapolation_input){images, seeds, &reference, factor, NULL}, &limit, &err));
+    assert_ok(iso_extrapolate(&(iso_extrapolation_input){images, seeds, &reference, factor, NULL, false}, &limit, &err));
     for (size_t k = 0; k < 2 * seeds; ++k)
         iso_image_destroy(&images[k]);
     iso_image_destroy(&reference);
@@ -76,12 +76,99 @@ static void what_is_no_number_has_an_infinite_bar(void **state)
     iso_extrapolated_destroy(&l);
 }
 
+/* ---- two limits ---- */
+
+enum { compared_seeds = 4 };
+
+/* Images of 0.5 with the same error of the step and noise of 1e-4, other noise for another `which`; and what is added to the
+ * red of a pixel, and to all values, of a limit. */
+static iso_extrapolated version(unsigned which, double of_pixel, double of_all)
+{
+    iso_image images[2 * compared_seeds], reference = uniform(0.5);
+    iso_extrapolated limit = {.seeds = compared_seeds};
+    uint32_t random = 1 + which;
+    for (size_t k = 0; k < 2 * compared_seeds; ++k) {
+        images[k] = uniform(0.5 + of_all + (k < compared_seeds ? 4e-5 : 1e-5));
+        images[k].rgba[4 * (3 * side + 5)] += (float)of_pixel;
+        for (size_t i = 0; i < 4 * side * side; ++i) {
+            random = random * 1664525 + 1013904223;
+            images[k].rgba[i] += (float)(2e-4 * (ldexp((double)random, -32) - 0.5));
+        }
+    }
+    const iso_extrapolation_input of = {images, compared_seeds, &reference, 2, NULL, true};
+    assert_ok(iso_extrapolate(&of, &limit, &err));
+    for (size_t k = 0; k < 2 * compared_seeds; ++k)
+        iso_image_destroy(&images[k]);
+    iso_image_destroy(&reference);
+    return limit;
+}
+
+static iso_extrapolated_change compare_versions(iso_extrapolated a, iso_extrapolated b)
+{
+    iso_extrapolated_change change;
+    assert_ok(iso_extrapolated_compare(&a, &b, &change, &err));
+    iso_extrapolated_destroy(&a);
+    iso_extrapolated_destroy(&b);
+    return change;
+}
+
+static void a_version_does_not_differ_from_itself(void **state)
+{
+    (void)state;
+    const iso_extrapolated_change c = compare_versions(version(1, 0, 0), version(1, 0, 0));
+    assert_true(c.largest == 0 && c.noise == 0 && c.test.passed);
+}
+
+static void other_noise_is_no_change(void **state)
+{
+    (void)state;
+    const iso_extrapolated_change c = compare_versions(version(1, 0, 0), version(2, 0, 0));
+    assert_true(c.largest > 0 && c.noise > 0 && c.largest < 10 * c.noise);
+    assert_true(c.test.passed && c.test.tests == 4 * side * side);
+}
+
+static void a_pixel_that_changed_is_found(void **state)
+{
+    (void)state;
+    const iso_extrapolated_change c = compare_versions(version(1, 0, 0), version(2, 0.02, 0));
+    assert_int_equal(c.column, 5);
+    assert_int_equal(c.row, 3);
+    assert_int_equal(c.channel, 0);
+    assert_within(c.largest, 0.02, 5e-4);
+    assert_within(c.noise, 8e-5, 8e-5);
+    assert_true(c.test.rejected == 1 && !c.test.passed);
+}
+
+/* Less than the noise of a pixel, but everywhere. */
+static void a_change_of_all_pixels_is_a_bias(void **state)
+{
+    (void)state;
+    const iso_extrapolated_change c = compare_versions(version(1, 0, 0), version(2, 0, 3e-4));
+    assert_true(c.test.biased);
+    assert_within(c.test.bias, 3e-4, 5e-5);
+}
+
+static void limits_that_were_not_kept_are_not_compared(void **state)
+{
+    (void)state;
+    iso_extrapolated a = extrapolate(0.01, 0.01, false, 2), b = version(1, 0, 0);
+    iso_extrapolated_change change;
+    assert_status(iso_extrapolated_compare(&a, &b, &change, &err), ISO_E_RANGE);
+    iso_extrapolated_destroy(&a);
+    iso_extrapolated_destroy(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_bar_is_what_the_step_leaves_times_the_factor),
         cmocka_unit_test(noise_is_part_of_the_bar),
         cmocka_unit_test(what_is_no_number_has_an_infinite_bar),
+        cmocka_unit_test(a_version_does_not_differ_from_itself),
+        cmocka_unit_test(other_noise_is_no_change),
+        cmocka_unit_test(a_pixel_that_changed_is_found),
+        cmocka_unit_test(a_change_of_all_pixels_is_a_bias),
+        cmocka_unit_test(limits_that_were_not_kept_are_not_compared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

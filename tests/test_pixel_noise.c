@@ -59,7 +59,7 @@ static iso_extrapolated extrapolate(frames *f, const iso_image *unsteady)
     f->random = 0x9E3779B97F4A7C15u + f->random;
     for (size_t k = 0; k < 2 * f->seeds; ++k)
         images[k] = frame_of(f, k < f->seeds);
-    assert_ok(iso_extrapolate(&(iso_extrapolation_input){images, f->seeds, &reference, 2, unsteady}, &limit, &err));
+    assert_ok(iso_extrapolate(&(iso_extrapolation_input){images, f->seeds, &reference, 2, unsteady, false}, &limit, &err));
     for (size_t k = 0; k < 2 * f->seeds; ++k)
         iso_image_destroy(&images[k]);
     iso_image_destroy(&reference);

@@ -31,6 +31,7 @@ typedef struct iso_cycles_stats {
     double render_seconds; /* all of it */
     double device_bytes;   /* what Cycles says that it holds then: textures, meshes */
     double peak_rss_bytes; /* of the process */
+    char device[128];      /* what Cycles rendered on: "CPU", "OPTIX NVIDIA H200" */
 } iso_cycles_stats;
 
 /* A Blender that stays for the next scene, which spares its start. Pictures are those of a Blender of their own, and one
@@ -40,6 +41,7 @@ typedef struct iso_blender_session iso_blender_session;
 void iso_blender_session_end(iso_blender_session *session);
 
 typedef struct iso_blender_options {
+    const char *program; /* a path of Blender, or a name that PATH finds; NULL: as iso_process_find() finds blender */
     double step_voxels; /* Cycles' step in the level's smallest spacing */
     int samples;        /* 1 goes exactly through the pixel centres; more are spread by a filter */
     int seed;
@@ -57,12 +59,25 @@ iso_blender_options iso_blender_defaults(void);
 /* The materials of an exported file: its property "physical" is the row. */
 extern const iso_names iso_blender_material_names;
 
-/* Version of the program found, such as "3.4.1". ISO_E_MISSING. */
-iso_status iso_blender_version(char *version, size_t size, iso_error *err);
+/* program: as in iso_blender_options. To be freed. ISO_E_MISSING. */
+iso_status iso_blender_find(const char *program, char **path, iso_error *err);
+/* Version of a Blender (program: as in the options), such as "3.4.1". ISO_E_MISSING: it is not there, or older than any that
+ * was tried. ISO_E_PROGRAM: it is not Blender, or fails. */
+iso_status iso_blender_version(const char *program, char *version, size_t size, iso_error *err);
 
-/* The same, when Cycles of this Blender shows volumes: ISO_E_MISSING with the reason when it does not. Blender 5 needs
- * NanoVDB for it, which a build may lack: there a tiny volume is rendered to see. */
-iso_status iso_cycles_version(char *version, size_t size, iso_error *err);
+/* The same, and what Cycles renders on, when Cycles of this Blender shows volumes and has the device that is asked for:
+ * ISO_E_MISSING with the reason when it does not. Blender 5 needs NanoVDB, which a build may lack: there a tiny volume is
+ * rendered to see. */
+typedef struct iso_cycles_about {
+    char version[32], device[128];
+} iso_cycles_about;
+iso_status iso_cycles_ask(const char *program, iso_cycles_about *about, iso_error *err);
+
+/* What Cycles renders on, in this process: a row of the table. Else the environment variable ISOSHADE_CYCLES_DEVICE says
+ * it, else it is the processor. ISO_E_USAGE: no such row. A device that a Blender lacks is ISO_E_MISSING when it starts. */
+extern const iso_names iso_cycles_device_names;
+iso_status iso_cycles_set_device(const char *name, iso_error *err); /* NULL: as nobody had said it */
+iso_status iso_cycles_device(const char **name, iso_error *err);
 
 /* NAME.blend and NAME.vdb beside it; both or none. The folder can be moved. A
  * Blender unit is a millimetre, or a power of ten of it where the volume is

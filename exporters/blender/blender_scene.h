@@ -7,7 +7,8 @@
  *   several.c        several volumes
  *   describe.c       the description that the scripts read
  *   labels.c         label maps as an image of class numbers
- *   run.c            a run of Blender with the scripts */
+ *   run.c            a run of Blender with the scripts
+ *   device.c         which Blender, and what its Cycles renders on */
 #ifndef ISO_BLENDER_SCENE_H
 #define ISO_BLENDER_SCENE_H
 

@@ -17,6 +17,8 @@ import sys
 
 import bpy
 
+OLDEST = (3, 4, 0)  # device.c has it too
+
 # ---- the scene -------------------------------------------------------------------------------------------------
 
 
@@ -131,7 +133,7 @@ def work(path, shift):
         about = json.load(file)
     print("isoshade: progress 0.1 Blender", flush=True)
     if shift is None:
-        shift = calibrate(about["calibration"])
+        shift = calibrate({**about["calibration"], "device": about["device"]})
     if "probe" in about:
         return shift
     print("isoshade: progress 0.3 Blender", flush=True)
@@ -148,6 +150,10 @@ def work(path, shift):
 
 def main():
     """The description that is named, then those whose paths come as lines, as long as there are any."""
+    if bpy.app.version < OLDEST:
+        print(f"isoshade: is too old: Blender {bpy.app.version_string} is too old: {OLDEST[0]}.{OLDEST[1]} is the oldest that was tried",
+              flush=True)
+        sys.exit(8)
     shift = work(sys.argv[sys.argv.index("--") + 1], None)
     print("isoshade: finished", flush=True)
     for line in sys.stdin:

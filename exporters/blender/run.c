@@ -16,6 +16,7 @@
 #include "vdb/vdb.h"
 
 ISO_EMBED(iso_blender_scene_nodes_py, "exporters/blender/scene_nodes.py");
+ISO_EMBED(iso_blender_scene_device_py, "exporters/blender/scene_device.py");
 ISO_EMBED(iso_blender_scene_transfer_py, "exporters/blender/scene_transfer.py");
 ISO_EMBED(iso_blender_scene_objects_py, "exporters/blender/scene_objects.py");
 ISO_EMBED(iso_blender_scene_handles_py, "exporters/blender/scene_handles.py");
@@ -24,30 +25,6 @@ ISO_EMBED(iso_blender_scene_physical_py, "exporters/blender/scene_physical.py");
 ISO_EMBED(iso_blender_build_scene_py, "exporters/blender/build_scene.py");
 
 #define CALIBRATION_SIZE 4 /* voxels along an axis of the volume that shows where Blender puts grids */
-
-static void keep_version(void *user, const char *line)
-{
-    char *version = user;
-    if (!version[0])
-        sscanf(line, "Blender %31s", version);
-}
-
-iso_status iso_blender_version(char *version, size_t size, iso_error *err)
-{
-    char *blender = NULL, found[32] = "";
-    iso_status status = iso_process_find("blender", "blender", &blender, err);
-    if (status != ISO_OK)
-        return status;
-    const char *argv[] = {blender, "--version", NULL};
-    iso_process_options options = {.line = keep_version, .user = found, .timeout_seconds = 600};
-    status = iso_process_run(argv, &options, err);
-    if (status == ISO_OK && !found[0])
-        status = iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version", blender);
-    if (status == ISO_OK)
-        snprintf(version, size, "%s", found);
-    free(blender);
-    return status;
-}
 
 static iso_status save_calibration_volume(const char *path, iso_error *err)
 {
@@ -72,7 +49,7 @@ static iso_status save_calibration_volume(const char *path, iso_error *err)
 typedef struct listener {
     const iso_progress *progress;
     char refusal[256]; /* why calibration failed */
-    char lack[256];    /* what this Blender is built without */
+    char lack[400];    /* what this Blender does not have */
     char failure[256]; /* why the script did */
     iso_cycles_stats *stats;
 } listener;
@@ -85,6 +62,7 @@ static void take_stats(iso_cycles_stats *stats, const char *line)
     double seconds, megabytes;
     const char *time = strstr(line, "| Time:");
     sscanf(line, "isoshade: peak %lf", &stats->peak_rss_bytes);
+    sscanf(line, "isoshade: device %127[^\n]", stats->device);
     if (strcmp(line, "isoshade: pictures begin") == 0) /* after those of the calibration */
         stats->load_seconds = stats->render_seconds = 0;
     if (!time || stats->render_seconds > 0 ||
@@ -109,16 +87,18 @@ static void take_line(void *user, const char *line)
     if (l->stats)
         take_stats(l->stats, line);
     sscanf(line, "isoshade: calibration failed: %255[^\n]", l->refusal);
-    sscanf(line, "isoshade: shows no volumes: %255[^\n]", l->lack);
+    sscanf(line, "isoshade: shows no volumes: %399[^\n]", l->lack);
+    sscanf(line, "isoshade: has no such device: %399[^\n]", l->lack);
+    sscanf(line, "isoshade: is too old: %399[^\n]", l->lack);
     sscanf(line, "isoshade: failed: %255[^\n]", l->failure);
 }
 
 /* One script of them all: the last one, which runs, needs what the others define. */
 static iso_status write_script(const char *path, iso_error *err)
 {
-    const char *const parts[] = {iso_blender_scene_nodes_py,   iso_blender_scene_transfer_py, iso_blender_scene_objects_py,
-                                 iso_blender_scene_handles_py, iso_blender_scene_window_py,   iso_blender_scene_physical_py,
-                                 iso_blender_build_scene_py};
+    const char *const parts[] = {iso_blender_scene_nodes_py,   iso_blender_scene_device_py,  iso_blender_scene_transfer_py,
+                                 iso_blender_scene_objects_py, iso_blender_scene_handles_py, iso_blender_scene_window_py,
+                                 iso_blender_scene_physical_py, iso_blender_build_scene_py};
     char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
@@ -225,7 +205,11 @@ iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_
     char *calibration = iso_path_join(folder, "calibration.vdb");
     json_object_set_new(about, "calibration",
                         json_pack("{ss ss si}", "vdb", calibration, "folder", folder, "size", CALIBRATION_SIZE));
-    iso_status status = iso_process_find("blender", "blender", &blender, err);
+    const char *device = NULL;
+    iso_status status = iso_cycles_device(&device, err);
+    if (status == ISO_OK)
+        status = iso_blender_find(opt->program, &blender, err);
+    json_object_set_new(about, "device", json_string(device ? device : ""));
     if (status == ISO_OK)
         status = iso_json_save(description, about, err);
     if (status == ISO_OK) {
@@ -241,21 +225,6 @@ iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_
     free(description);
     free(script);
     free(blender);
-    return status;
-}
-
-iso_status iso_cycles_version(char *version, size_t size, iso_error *err)
-{
-    const iso_blender_options options = iso_blender_defaults();
-    iso_status status = iso_blender_version(version, size, err);
-    if (status != ISO_OK || atoi(version) < 5)
-        return status;
-    char *folder = iso_make_temp_dir();
-    if (!folder)
-        return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
-    status = iso_blender_run(json_pack("{sb}", "probe", true), folder, &options, NULL, err);
-    iso_remove_tree(folder);
-    free(folder);
     return status;
 }
 

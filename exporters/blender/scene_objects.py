@@ -67,7 +67,7 @@ def configure(scene, about):
     """Cycles as an integrator of emission and absorption, without any of its noise."""
     scene.render.engine = 'CYCLES'
     cycles = scene.cycles
-    cycles.device = 'CPU'
+    set_device(cycles, about)
     set_samples(cycles, about)
     cycles.use_adaptive_sampling = False
     cycles.use_denoising = False
@@ -169,7 +169,7 @@ def calibrate(about):
 
     A small volume centred at 0 is seen along z and along x; what is measured must be one of the two answers."""
     scene = bpy.data.scenes.new("calibration")
-    configure(scene, {"samples": 1, "seed": 0, "max_steps": 1024, "image": (24, 24), "film_transparent": True,
+    configure(scene, {"device": about["device"], "samples": 1, "seed": 0, "max_steps": 1024, "image": (24, 24), "film_transparent": True,
                       "background": (0, 0, 0)})
     thing = volume_object("calibration", about["vdb"], scene.collection)
     thing.data.render.step_size = 0.125

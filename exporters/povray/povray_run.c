@@ -21,7 +21,7 @@ typedef struct version_search {
     size_t size;
 } version_search;
 
-/* "POV-Ray 3.7.0.10.unofficial" */
+/* "POV-Ray 3.7.0.10.unofficial", "POV-Ray 3.8.0-alpha.unofficial" */
 static void take_version(void *user, const char *line)
 {
     version_search *search = user;
@@ -29,10 +29,11 @@ static void take_version(void *user, const char *line)
     if (search->version[0] || strncmp(line, prefix, sizeof prefix - 1) != 0 ||
         !isdigit((unsigned char)line[sizeof prefix - 1]))
         return;
+    static const char unofficial[] = ".unofficial"; /* all builds but the team's own */
     const char *number = line + sizeof prefix - 1;
-    size_t length = strspn(number, "0123456789.");
-    while (length > 0 && number[length - 1] == '.')
-        --length;
+    size_t length = strcspn(number, " \r");
+    if (length > strlen(unofficial) && strncmp(number + length - strlen(unofficial), unofficial, strlen(unofficial)) == 0)
+        length -= strlen(unofficial);
     snprintf(search->version, search->size, "%.*s", (int)length, number);
 }
 

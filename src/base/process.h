@@ -20,6 +20,10 @@ typedef struct iso_process_outcome {
     double seconds;
 } iso_process_outcome;
 
+/* The same of a program that a person names: a path (a name with a slash), or a name that PATH has. what: what it should
+ * be, for the message. */
+iso_status iso_process_find_named(const char *what, const char *name, char **path, iso_error *err);
+
 typedef struct iso_process_options {
     const char *directory;                      /* working directory; NULL: unchanged */
     void (*line)(void *user, const char *line); /* each line of stdout and stderr; may be NULL */

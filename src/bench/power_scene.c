@@ -382,7 +382,7 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
     }
     for (size_t g = 0; g < groups && status == ISO_OK; ++g) {
         iso_extrapolated limit = {.seeds = n};
-        status = iso_extrapolate(&(iso_extrapolation_input){images + 2 * n * g, n, &c->converged, factor, NULL}, &limit,
+        status = iso_extrapolate(&(iso_extrapolation_input){images + 2 * n * g, n, &c->converged, factor, NULL, false}, &limit,
                                  err);
         out->groups += 1;
         out->flagged += limit.noise.rejected > 0 || limit.noise.biased;
@@ -411,7 +411,7 @@ static iso_status see_block(const iso_extrapolation_input *of, size_t side, doub
     for (size_t i = 0; i < 3 * side * side && status == ISO_OK; ++i)
         dark.rgba[4 * ((from + i / 3 / side) * width + from + i / 3 % side) + i % 3] -= (float)amount;
     if (status == ISO_OK)
-        status = iso_extrapolate(&(iso_extrapolation_input){of->images, of->seeds, &dark, of->factor, NULL}, &limit,
+        status = iso_extrapolate(&(iso_extrapolation_input){of->images, of->seeds, &dark, of->factor, NULL, false}, &limit,
                                  err);
     *seen = status == ISO_OK && limit.noise.rejected > 0;
     iso_extrapolated_destroy(&limit);
@@ -433,7 +433,7 @@ static iso_status measure_blocks(const iso_power_case *c, size_t groups, double 
             joined[k] = images[2 * n * (k / n) + k % n];
             joined[seeds + k] = images[2 * n * (k / n) + n + k % n];
         }
-        const iso_extrapolation_input of = {joined, seeds, &c->converged, factor, NULL};
+        const iso_extrapolation_input of = {joined, seeds, &c->converged, factor, NULL, false};
         for (size_t b = 0; b < ISO_POWER_BLOCKS; ++b) {
             double lo = 1e-5, hi = 1;
             while (hi > 1.05 * lo && status == ISO_OK) {

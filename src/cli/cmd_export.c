@@ -6,6 +6,7 @@
 
 #include "base/stamp.h"
 #include "blender/blender.h"
+#include "cli/cycles_options.h"
 #include "cli/export_several.h"
 #include "options/cli.h"
 #include "options/input.h"
@@ -438,6 +439,7 @@ static iso_status make_bake_request(export_arguments *a, iso_error *err)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     export_arguments a = {.level_count = 1};
+    iso_cli_cycles cycles = {.blender = NULL};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);
@@ -471,6 +473,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "blender: overwrite a file that was changed since isoshade wrote it; it stays as NAME.blend1", NULL},
         {"material", 0, POPT_ARG_STRING, &a.material, 0,
          "blender: the material that the file opens with; its property physical changes it", "MATERIAL"},
+        ISO_CLI_CYCLES_OPTIONS(&cycles, "blender: the Blender that makes the file: a path, or a name that PATH has", "PROGRAM"),
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb, blender: half floats, smaller and less exact", NULL},
         {"dense", 0, POPT_ARG_NONE, &a.dense, 0,
          "vdb, nanovdb, blender: all voxels, not only what the transfer function shows: for one that will be edited",
@@ -488,6 +491,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     a.cli = &cli;
     a.adapted.cli = &cli;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_cli_take_cycles(&cycles, NULL, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && a.background_text) {
         double numbers[3] = {0};
         status = iso_words_parse_numbers(a.background_text, "--background", numbers, err);

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "cli/cycles_options.h"
 #include "cli/render_options.h"
 #include "plan/cached.h"
 #include "options/cli.h"
@@ -366,6 +367,7 @@ static const char *describe_quadratures(help_texts *h)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     help_texts help = {.count = 0};
+    iso_cli_cycles cycles = {.blender = NULL};
     iso_render_arguments a = {
         .with = iso_renderers_usual()->name, .step = ISO_STEP_OF_SCENE, .brick = 16, .brick_levels = 4};
     iso_volume_input_defaults(&a.input);
@@ -376,6 +378,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         ISO_CLI_LOOK_OPTIONS(&a.look),
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, list_renderers(&help), "RENDERER"},
         ISO_CLI_RENDERERS_OPTION(&a.renderers),
+        ISO_CLI_CYCLES_OPTIONS(&cycles, "the Blender of --with cycles: a path, or a name that PATH has", "PROGRAM"),
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
         {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
@@ -441,6 +444,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_renderers_load(a.renderers, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)
         status = iso_words_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_cli_take_cycles(&cycles, a.with, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = a.frames ? render_series(&a, &cli, err) : render(&a, &cli, &(frame_of_series){NULL, 0, NULL}, err);
     iso_cli_end(&cli);

@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/parallel.h"
 #include "base/provenance.h"
+#include "cli/cycles_options.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -26,6 +27,7 @@ typedef struct validate_arguments {
     iso_volume_input input;
     iso_cli_look look;
     char *output, *with, *renderers, *code, *junit, *summary_md, *suite;
+    iso_cli_cycles cycles;
     int level_count, seeds, quick, level_views, level_size, anyway, extinction_scale;
 } validate_arguments;
 
@@ -172,6 +174,7 @@ static void print_result(const validate_arguments *a, const iso_cli *cli, const 
         puts(s->sentence);
         if (levels->sentence[0])
             puts(levels->sentence);
+        iso_cli_print_versions(iso_report_json(v->report));
         print_not_compared(v->report);
         print_assumed(v->report);
         printf("report: %s/index.html\n", a->output);
@@ -428,6 +431,8 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
     if (status == ISO_OK)
         status = check_folder("--summary-md", a->summary_md, err);
     build.threads = cli->threads;
+    if (status == ISO_OK)
+        status = iso_cli_take_cycles(&a->cycles, a->with, err);
     if (status != ISO_OK)
         return status;
     return a->suite ? validate_suite(a, cli, &build, err) : load_and_validate(a, cli, &build, err);
@@ -451,6 +456,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
         {"with", 0, POPT_ARG_STRING, &a.with, 0, with, "LIST"},
         ISO_CLI_RENDERERS_OPTION(&a.renderers),
+        ISO_CLI_CYCLES_OPTIONS(&a.cycles, "Blenders whose Cycles are compared, also with each other: paths, or names that PATH has", "A,B"),
         {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
         {"level-views", 0, POPT_ARG_INT, &a.level_views, 0,
          "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},

@@ -184,7 +184,8 @@ void iso_manual_print_page(FILE *f)
     ISO_STATUS_LIST(ISO_STATUS_ITEM)
 #undef ISO_STATUS_ITEM
     fputs(".SH ENVIRONMENT\n.TP\n.BR ISOSHADE_BLENDER ,\\  ISOSHADE_POVRAY ,\\  ISOSHADE_GNUPLOT\n"
-          "The program to run instead of the one on the PATH.\n.TP\n.B TMPDIR\nWhere temporary files are made.\n"
+          "The program to run instead of the one on the PATH.\n.TP\n.B ISOSHADE_CYCLES_DEVICE\n"
+          "What Cycles renders on, as \\-\\-cycles\\-device says it.\n.TP\n.B TMPDIR\nWhere temporary files are made.\n"
           ".SH EXAMPLES\n.nf\n",
           f);
     for (const iso_command *const *c = iso_commands; *c; ++c)

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "compare/metrics.h"
 
@@ -76,6 +77,9 @@ void iso_extrapolated_destroy(iso_extrapolated *limit)
 {
     iso_image_destroy(&limit->image);
     iso_image_destroy(&limit->fine);
+    for (size_t i = 0; i < limit->kept_count; ++i)
+        iso_image_destroy(&limit->kept[i]);
+    free(limit->kept);
     *limit = (iso_extrapolated){0};
 }
 
@@ -204,6 +208,26 @@ static iso_status test_noise(const iso_extrapolation_input *of, const iso_image 
     return status;
 }
 
+/* Moves the limits. */
+static iso_status keep_limits(const iso_extrapolation_input *of, iso_image *limits, iso_extrapolated *out, iso_error *err)
+{
+    const size_t width = of->reference->width, height = of->reference->height;
+    double *tolerances = malloc(4 * width * height * sizeof *tolerances);
+    out->kept = calloc(of->seeds + 1, sizeof *out->kept);
+    iso_status status = tolerances && out->kept ? iso_image_create(&out->kept[of->seeds], width, height, err)
+                                                : iso_fail(err, ISO_E_MEMORY, "extrapolation: out of memory");
+    if (status == ISO_OK) {
+        measure_tolerances(of, limits, tolerances);
+        for (size_t i = 0; i < 4 * width * height; ++i)
+            out->kept[of->seeds].rgba[i] = (float)tolerances[i];
+        memcpy(out->kept, limits, of->seeds * sizeof *limits);
+        memset(limits, 0, of->seeds * sizeof *limits);
+        out->kept_count = of->seeds + 1;
+    }
+    free(tolerances);
+    return status;
+}
+
 static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, iso_error *err)
 {
     iso_metrics m = {0};
@@ -238,6 +262,8 @@ iso_status iso_extrapolate(const iso_extrapolation_input *of, iso_extrapolated *
         out->coarse_noise = noise_of_mean(images, seeds, &coarse);
         out->fine_noise = noise_of_mean(images + seeds, seeds, &out->fine);
     }
+    if (status == ISO_OK && of->keep && seeds > 1 && isfinite(out->step_bar))
+        status = keep_limits(of, limits, out, err);
     out->order = log2(out->coarse_rmse / out->fine_rmse);
     out->bar = of->factor * hypot(out->step_bar, out->noise_bar);
     out->allowed = out->bar + ISO_EXTRAPOLATION_ROUNDING;
@@ -256,5 +282,74 @@ iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_imag
         status = iso_richardson(&coarse, &fine, 2, ISO_EXTRAPOLATION_ORDER, limit, &unused, err);
     iso_image_destroy(&coarse);
     iso_image_destroy(&fine);
+    return status;
+}
+
+/* ---- two limits ---------------------------------------------------------------- */
+
+/* b - a of a seed. */
+static void subtract(const iso_image *a, const iso_image *b, iso_image *difference)
+{
+    for (size_t i = 0; i < 4 * a->width * a->height; ++i)
+        difference->rgba[i] = b->rgba[i] - a->rgba[i];
+}
+
+static void find_largest(const iso_samples *s, iso_extrapolated_change *out)
+{
+    for (size_t i = 0; i < 4 * s->width * s->height; ++i)
+        if (!(fabs(s->mean[i]) <= out->largest)) {
+            out->largest = fabs(s->mean[i]);
+            out->noise = sqrt(s->squares[i] / (double)(s->count * (s->count - 1)));
+            out->column = i / 4 % s->width, out->row = i / 4 / s->width, out->channel = i % 4;
+        }
+}
+
+static iso_status test_differences(const iso_extrapolated *a, const iso_extrapolated *b, iso_image *difference,
+                                   iso_samples *samples, iso_extrapolated_change *out, iso_error *err)
+{
+    const size_t seeds = a->kept_count - 1, count = 4 * difference->width * difference->height;
+    double *tolerances = malloc(count * sizeof *tolerances);
+    iso_status status = tolerances ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "extrapolation: out of memory");
+    for (size_t k = 0; k < seeds && status == ISO_OK; ++k) {
+        subtract(&a->kept[k], &b->kept[k], difference);
+        status = iso_samples_add(samples, difference, err);
+    }
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        tolerances[i] = (double)a->kept[seeds].rgba[i] + (double)b->kept[seeds].rgba[i];
+    if (status == ISO_OK) {
+        const iso_noise_options o = {.significance = ISO_EXTRAPOLATION_SIGNIFICANCE,
+                                     .tolerance = ISO_EXTRAPOLATION_ROUNDING,
+                                     .tolerances = tolerances,
+                                     .bias_tolerance = a->step_bar + b->step_bar + ISO_EXTRAPOLATION_ROUNDING,
+                                     .neighbors = ISO_NOISE_NEIGHBORS};
+        find_largest(samples, out);
+        status = iso_samples_test(samples, &o, &out->test, err);
+    }
+    free(tolerances);
+    return status;
+}
+
+iso_status iso_extrapolated_compare(const iso_extrapolated *a, const iso_extrapolated *b, iso_extrapolated_change *out,
+                                    iso_error *err)
+{
+    iso_samples samples = {0};
+    iso_image zero = {0}, difference = {0};
+    *out = (iso_extrapolated_change){0};
+    if (a->kept_count < 3 || a->kept_count != b->kept_count || a->image.width != b->image.width ||
+        a->image.height != b->image.height)
+        return iso_fail(err, ISO_E_RANGE, "extrapolation: two limits of %zu and %zu seeds cannot be compared", a->seeds,
+                        b->seeds);
+    iso_status status = iso_image_create(&zero, a->image.width, a->image.height, err);
+    if (status == ISO_OK)
+        status = iso_image_create(&difference, zero.width, zero.height, err);
+    if (status == ISO_OK)
+        memset(zero.rgba, 0, 4 * zero.width * zero.height * sizeof *zero.rgba);
+    if (status == ISO_OK)
+        status = iso_samples_create(&samples, &zero, err);
+    if (status == ISO_OK)
+        status = test_differences(a, b, &difference, &samples, out, err);
+    iso_samples_destroy(&samples);
+    iso_image_destroy(&difference);
+    iso_image_destroy(&zero);
     return status;
 }

@@ -59,6 +59,8 @@ typedef struct iso_extrapolated {
     double allowed;                                  /* RMSE to the reference: the bar, and rounding */
     size_t seeds;                                    /* 1: the renderer is not random, and `noise` is not filled */
     iso_noise_test noise;                            /* tests the seeds' limits against the reference */
+    size_t kept_count;                               /* 0, or with `keep` the seeds and 1 ... */
+    iso_image *kept; /* ... the limit of each seed, and how far the step's error goes at each value */
 } iso_extrapolated;
 
 /* With second order, halving the step leaves a quarter of the error. The bends of a TF fall anywhere between samples, so
@@ -92,6 +94,7 @@ typedef struct iso_extrapolation_input {
     const iso_image *reference;
     double factor;             /* ISO_EXTRAPOLATION_FACTOR_... */
     const iso_image *unsteady; /* how far each value of the reference moves with its eye; or NULL: none is excused */
+    bool keep;                 /* what iso_extrapolated_compare() needs */
 } iso_extrapolation_input;
 
 /* Fills *out but for step_voxels, planes, intervals and seeds, which the caller sets. */
@@ -99,6 +102,16 @@ iso_status iso_extrapolate(const iso_extrapolation_input *of, iso_extrapolated *
 
 /* The image of the limit alone, created: the mean over the seeds. */
 iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_image *limit, iso_error *err);
+
+/* Two limits of several seeds, kept: what differs between them, by the same tests as one and a reference. */
+typedef struct iso_extrapolated_change {
+    double largest, noise;          /* of a value, and the standard error of the difference there */
+    size_t column, row, channel;    /* where */
+    iso_noise_test test;            /* of the differences seed by seed: those of equal images are 0 */
+} iso_extrapolated_change;
+/* ISO_E_RANGE: not kept, or of other sizes or numbers of seeds. */
+iso_status iso_extrapolated_compare(const iso_extrapolated *a, const iso_extrapolated *b, iso_extrapolated_change *out,
+                                    iso_error *err);
 
 /* What of `allowed` holds the image as a whole to the reference: without the part of the error bar that noise explains. A
  * fault of the whole image is seen below the noise of its pixels, for noise is taken off in squares where it is asked how

@@ -1,26 +1,37 @@
 /* SPDX-License-Identifier: MIT */
 /* cycles.c - Blender's Cycles, as a program. It puts its steps at random phases, so that its images have noise; what it
- * needs to start is shared by several images, and Blender itself stays for the next scene. */
+ * needs to start is shared by several images, and Blender itself stays for the next scene. Several Blenders are several
+ * renderers, each with its program as data; "cycles" is the first. */
+#define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/provenance.h"
 #include "blender/blender.h"
+#include "renderers/blenders.h"
 #include "renderers/renderers.h"
+
+/* Its Blender, where there are several; NULL: the one that all of isoshade finds. */
+static const char *program_of(const iso_renderer_info *r)
+{
+    return r->data;
+}
 
 static iso_status version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err)
 {
-    (void)self;
     (void)r;
-    char found[128] = "";
-    const iso_status status = iso_cycles_version(found, sizeof found, err);
+    iso_cycles_about about;
+    const iso_status status = iso_cycles_ask(program_of(self), &about, err);
     if (status == ISO_OK)
-        snprintf(text, size, "Blender %s", found);
+        snprintf(text, size, "Blender %s on %s", about.version, about.device);
     return status;
 }
 
 static iso_blender_options take_options(const iso_render_options *opt)
 {
     iso_blender_options o = iso_blender_defaults();
+    o.program = program_of(opt->renderer);
     if (opt->step_voxels > 0)
         o.step_voxels = opt->step_voxels;
     if (opt->samples)
@@ -44,7 +55,7 @@ static iso_status render_frames(const iso_render_request *q, const iso_blender_f
 static iso_status render_kept(const iso_render_request *q, iso_blender_options *o, size_t count, iso_image *images,
                               iso_error *err)
 {
-    void **kept = iso_renderers_kept(q->renderers, &iso_renderer_cycles);
+    void **kept = iso_renderers_kept(q->renderers, q->options->renderer);
     iso_blender_session *session = *kept;
     for (size_t i = 0; i < count; ++i)
         o[i].session = &session;
@@ -79,6 +90,13 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
     return status;
 }
 
+static char *first_command; /* of "cycles", where its Blender was named */
+
+static const char *first_asked_by(const iso_renderer_info *self)
+{
+    return first_command ? first_command : self->name;
+}
+
 const iso_renderer_info iso_renderer_cycles = {
     .name = "cycles",
     .title = "Blender Cycles",
@@ -88,8 +106,109 @@ const iso_renderer_info iso_renderer_cycles = {
               ISO_READS_SEED,
     .defaults = {.source = ISO_FROM_CODES},
     .relative_cost = 100,
+    .asked_by = first_asked_by,
     .version = version,
     .render = render,
     .render_several = render_several,
     .end = end,
 };
+
+/* ---- several Blenders ---- */
+
+enum { MAX_BLENDERS = 4 };
+static const char *const colors[MAX_BLENDERS - 1] = {"#cc79a7", "#56b4e9", "#8c510a"};
+
+/* A renderer of this file that is one more Blender; what it is called lasts as long as the process. */
+typedef struct more_blender {
+    iso_renderer_info info;
+    char name[48], title[64], *program, *command;
+} more_blender;
+static more_blender more[MAX_BLENDERS - 1];
+static size_t more_count;
+
+static bool is_taken(const char *name)
+{
+    bool found = false;
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        found = found || strcmp(iso_renderer_at(i)->name, name) == 0;
+    return found;
+}
+
+static const char *asked_by(const iso_renderer_info *self)
+{
+    const char *command = "";
+    for (size_t i = 0; i < more_count; ++i)
+        if (&more[i].info == self)
+            command = more[i].command;
+    return command;
+}
+
+/* Of `isoshade render`, behind --with. */
+static char *command_with(const char *program)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return NULL;
+    fputs("cycles --blender ", f);
+    iso_provenance_put_word(f, program);
+    return fclose(f) == 0 ? text : NULL;
+}
+
+static iso_status add_blender(const char *program, const char *found_version, iso_error *err)
+{
+    if (more_count == MAX_BLENDERS - 1)
+        return iso_fail(err, ISO_E_USAGE, "--blender: more than %d", MAX_BLENDERS);
+    more_blender *b = &more[more_count];
+    char which[40];
+    snprintf(which, sizeof which, "%.30s", found_version);
+    snprintf(b->name, sizeof b->name, "cycles-%s", which);
+    for (unsigned n = 2; is_taken(b->name) && n <= MAX_BLENDERS; ++n) {
+        snprintf(which, sizeof which, "%.30s-%u", found_version, n % 10);
+        snprintf(b->name, sizeof b->name, "cycles-%s", which);
+    }
+    snprintf(b->title, sizeof b->title, "Blender Cycles %s", which);
+    iso_status status = iso_blender_find(program, &b->program, err);
+    if (status == ISO_OK && !(b->command = command_with(b->program)))
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status != ISO_OK)
+        return status;
+    b->info = iso_renderer_cycles;
+    b->info.name = b->name;
+    b->info.title = b->title;
+    b->info.color = colors[more_count];
+    b->info.data = b->program;
+    b->info.asked_by = asked_by;
+    b->info.beside = &iso_renderer_cycles;
+    ++more_count;
+    return iso_renderers_register(&b->info, err);
+}
+
+/* Exports and what opens them take it as well. */
+static iso_status take_first(const char *program, iso_error *err)
+{
+    char *path = NULL;
+    iso_status status = iso_blender_find(program, &path, err);
+    if (status == ISO_OK && (!(first_command = command_with(path)) || setenv("ISOSHADE_BLENDER", path, 1) != 0))
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    free(path);
+    return status;
+}
+
+iso_status iso_renderers_take_blenders(const char *list, iso_error *err)
+{
+    if (!list)
+        return ISO_OK;
+    char *copy = strdup(list), *rest = copy;
+    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *program; status == ISO_OK && (program = strsep(&rest, ","));) {
+        char found[32];
+        status = *program ? iso_blender_version(program, found, sizeof found, err)
+                          : iso_fail(err, ISO_E_USAGE, "--blender is \"%s\": a name is empty", list);
+        if (status == ISO_OK)
+            status = first_command ? add_blender(program, found, err) : take_first(program, err);
+    }
+    free(copy);
+    return status;
+}

@@ -150,6 +150,9 @@ struct iso_renderer_info {
     const char *found_in; /* of a program that the user brought: the renderers.json that names it; or NULL */
 
     const void *data; /* of the file that made it: what tells it apart from others that this file made; or NULL */
+    const iso_renderer_info *beside; /* another version of the same program, which it is compared with as well; or NULL */
+    /* What follows --with on the command line of a render by it. NULL: its name. */
+    const char *(*asked_by)(const iso_renderer_info *self);
 
     /* Its version, such as "Blender 3.4.1". ISO_E_MISSING when it is not there, with the reason. */
     iso_status (*version)(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err);
@@ -204,7 +207,7 @@ iso_status iso_renderers_register(const iso_renderer_info *r, iso_error *err);
 
 /* ISO_E_USAGE, with the names that there are. */
 iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r, iso_error *err);
-/* "gl,povray"; NULL: all that need not be named. The reference is always wanted. */
+/* "gl,povray"; NULL: all that need not be named. The reference is always wanted, and what stands beside one that is. */
 iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err);
 
 /* The names of those that have all these traits (0: of all), joined: "reference, gl and povray" by ", " and " and ".

@@ -118,6 +118,9 @@ iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERE
         if (status == ISO_OK)
             wanted[iso_renderer_index(r)] = true;
     }
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        if (table[i]->beside)
+            wanted[i] = wanted[iso_renderer_index(table[i]->beside)];
     free(copy);
     return status;
 }

@@ -70,6 +70,7 @@ json_t *iso_rows_unanswered(const json_t *rows);
     X(ISO_COMPARISON_LIMIT, "limit", "limit")                /* extrapolated to step 0 */  \
     X(ISO_COMPARISON_STATED, "stated limits", "stated limits") /* its own, of few bits */  \
     X(ISO_COMPARISON_FIRST_HIT, "first hit", "")                                           \
+    X(ISO_COMPARISON_VERSIONS, "versions", "beside the first") /* limits of two versions of a program */ \
     X(ISO_COMPARISON_CLOSED_FORM, "closed form", "")         /* the reference itself */    \
     X(ISO_COMPARISON_STAGE, "stage", "stage")                /* its variant did not run */
 /* clang-format on */

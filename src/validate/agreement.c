@@ -344,8 +344,26 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
 
 /* ---- extrapolated limits ---- */
 
+/* A limit that stays until the versions of its program are compared. */
+typedef struct version_limit {
+    iso_version_limit about;
+    iso_extrapolated limit;
+} version_limit;
+
+/* Takes the limit. */
+static void keep_limit(const iso_validation *v, size_t level, const iso_renderer_info *renderer, iso_extrapolated *limit,
+                       const compared *with, version_limit *kept)
+{
+    kept->limit = *limit;
+    *limit = (iso_extrapolated){0};
+    kept->about = (iso_version_limit){.renderer = renderer, .limit = &kept->limit};
+    name_image(v, level, with->what, kept->about.image_name);
+    snprintf(kept->about.options, sizeof kept->about.options, "%s", with->options);
+}
+
+/* kept: takes the limit, if it is compared; or NULL. */
 static iso_status compare_limit(iso_validation *v, size_t level, const iso_renderer_info *renderer,
-                                const level_truths *t, iso_error *err)
+                                const level_truths *t, version_limit *kept, iso_error *err)
 {
     const truth *a = t->differ && iso_renderer_has(renderer, ISO_IS_PROGRAM) ? &t->exported : &t->main;
     const iso_scene_agreement *asked = &v->scene->agreement;
@@ -364,6 +382,7 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
     reference.source = a == &t->exported ? ISO_FROM_DECODED : ISO_FROM_CODES;
     reference.threads = v->threads;
     opt.truth = &reference;
+    opt.keep = kept != NULL;
     iso_signal signal;
     iso_status status = iso_signal_of(&a->image, v->view->background, 0, ISO_SIGNAL_RMS, &signal, err);
     opt.wanted_held_to = fmin(signal.color, signal.alpha) / ISO_SIGNAL_FACTOR;
@@ -385,7 +404,30 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
     status = add_row(v, level, &row, a,
                      &(compared){what, &limit.image, renderer, options, iso_extrapolated_held_to(&limit)}, err);
     json_decref(row.statistics);
+    if (kept && status == ISO_OK)
+        keep_limit(v, level, renderer, &limit, &(compared){.what = what, .options = options}, kept);
     iso_extrapolated_destroy(&limit);
+    return status;
+}
+
+/* Every wanted renderer that has a limit; then what differs between versions of one. */
+static iso_status compare_limits(iso_validation *v, size_t level, const level_truths *t, iso_error *err)
+{
+    version_limit kept[ISO_MAX_RENDERERS] = {{.about.renderer = NULL}};
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
+        const iso_renderer_info *renderer = iso_renderer_at(i);
+        if (v->wanted[i] && iso_renderer_has(renderer, ISO_HAS_LIMIT))
+            status = compare_limit(v, level, renderer, t, iso_validate_has_versions(v, renderer) ? &kept[i] : NULL, err);
+    }
+    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
+        const iso_renderer_info *first = iso_renderer_at(i)->beside;
+        const version_limit *a = first ? &kept[iso_renderer_index(first)] : NULL;
+        if (a && a->limit.kept && kept[i].limit.kept)
+            status = iso_validate_versions(v, level, &a->about, &kept[i].about, err);
+    }
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        iso_extrapolated_destroy(&kept[i].limit);
     return status;
 }
 
@@ -460,9 +502,8 @@ static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_er
     iso_status status = find_truths(v, level, &t, err);
     if (status == ISO_OK)
         status = lock_steps(v, level, true, err);
-    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i)
-        if (v->wanted[i] && iso_renderer_has(iso_renderer_at(i), ISO_HAS_LIMIT))
-            status = compare_limit(v, level, iso_renderer_at(i), &t, err);
+    if (status == ISO_OK)
+        status = compare_limits(v, level, &t, err);
     iso_image_destroy(&t.main.image);
     iso_image_destroy(&t.exported.image);
     return status;
@@ -483,7 +524,7 @@ iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
         if (!t.main.image.rgba)
             status = find_truths(v, level, &t, err);
         if (status == ISO_OK)
-            status = compare_limit(v, level, renderer, &t, err);
+            status = compare_limit(v, level, renderer, &t, NULL, err);
     }
     iso_image_destroy(&t.main.image);
     iso_image_destroy(&t.exported.image);

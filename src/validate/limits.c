@@ -158,8 +158,12 @@ static iso_status extrapolate_pair(const iso_render_request *what, const step_pa
                                    const iso_limit_options *opt, iso_image *unsteady, iso_extrapolated *out,
                                    iso_error *err)
 {
-    iso_extrapolation_input input = {pair->images, pair->seeds, reference, opt->factor,
-                                     unsteady->rgba ? unsteady : NULL};
+    iso_extrapolation_input input = {.images = pair->images,
+                                     .seeds = pair->seeds,
+                                     .reference = reference,
+                                     .factor = opt->factor,
+                                     .unsteady = unsteady->rgba ? unsteady : NULL,
+                                     .keep = opt->keep};
     const iso_extrapolated about = *out;
     iso_status status = iso_extrapolate(&input, out, err);
     if (status != ISO_OK || pair->seeds < 2 || out->noise.rejected == 0 || input.unsteady || !opt->truth ||

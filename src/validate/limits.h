@@ -28,6 +28,7 @@ typedef struct iso_limit_options {
     size_t seeds;                                  /* of random renderers, at least 2 */
     size_t planes,
         intervals; /* of renderers with intervals, at step_voxels; at its double half of them; 0 intervals: chosen by the step */
+    bool keep; /* what iso_extrapolated_compare() needs */
     int first_seed, threads;
     const iso_render_options
         *truth; /* of the reference; with it, pixels are excused where the reference itself moves with

@@ -40,7 +40,7 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, const iso
         fprintf(f, " --code %s", iso_code_describe(v->pyramid->options.code)->name);
     fprintf(f, "%s%s --scene ", v->build_options[0] ? " " : "", v->build_options);
     iso_provenance_put_word(f, v->scene_path);
-    fprintf(f, " --with %s", renderer->name);
+    fprintf(f, " --with %s", renderer->asked_by ? renderer->asked_by(renderer) : renderer->name);
     if (renderer->found_in) {
         fputs(" --renderers ", f);
         iso_provenance_put_word(f, renderer->found_in);

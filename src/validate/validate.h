@@ -138,6 +138,18 @@ iso_status iso_validate_stage_not_run(const iso_validation *v, const char *stage
 /* Rows of agreement so far. */
 size_t iso_validate_row_count(const iso_validation *v);
 
+/* Two versions of a program, by their limits of a level: the row that tells what changed between them. */
+typedef struct iso_version_limit {
+    const iso_renderer_info *renderer;
+    const iso_extrapolated *limit; /* kept (validate/limits.h) */
+    char image_name[96];           /* in the report */
+    char options[64];              /* of the command that makes it again */
+} iso_version_limit;
+iso_status iso_validate_versions(iso_validation *v, size_t level, const iso_version_limit *first,
+                                 const iso_version_limit *other, iso_error *err);
+/* Whether a limit of this renderer is compared with that of another version. */
+bool iso_validate_has_versions(const iso_validation *v, const iso_renderer_info *renderer);
+
 /* A command line that renders image b of a row again and compares it with the report's image a; to be freed. NULL where
  * there is no such command. options: of `isoshade render`, besides v's own. */
 char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer,

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT */
+/* device.c - which Blender, and what its Cycles renders on. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/process.h"
+#include "blender/blender_scene.h"
+
+/* ---- devices ---- */
+
+static const struct {
+    const char *name, *summary;
+} devices[] = {
+    {"cpu", "the processor, which all figures are of"},
+    {"gpu", "the first of the following that is there"},
+    {"optix", "NVIDIA's, by OptiX"},
+    {"cuda", "NVIDIA's, by CUDA"},
+    {"hip", "AMD's"},
+    {"oneapi", "Intel's"},
+    {"metal", "Apple's"},
+};
+const iso_names iso_cycles_device_names = ISO_NAMES_OF_ROWS("device of Cycles", devices);
+
+static const char *chosen_device; /* a row's name; by iso_cycles_set_device() */
+
+static iso_status find_device(const char *name, const char **row, iso_error *err)
+{
+    size_t i;
+    const iso_status status = iso_names_find(&iso_cycles_device_names, name, &i, err);
+    if (status == ISO_OK)
+        *row = devices[i].name;
+    return status;
+}
+
+iso_status iso_cycles_set_device(const char *name, iso_error *err)
+{
+    chosen_device = NULL;
+    return name ? find_device(name, &chosen_device, err) : ISO_OK;
+}
+
+iso_status iso_cycles_device(const char **name, iso_error *err)
+{
+    const char *asked = getenv("ISOSHADE_CYCLES_DEVICE");
+    *name = chosen_device ? chosen_device : devices[0].name;
+    return chosen_device || !asked || !*asked ? ISO_OK : find_device(asked, name, err);
+}
+
+/* ---- which Blender ---- */
+
+/* The oldest that was tried. */
+enum { OLDEST_MAJOR = 3, OLDEST_MINOR = 4 };
+
+iso_status iso_blender_find(const char *program, char **path, iso_error *err)
+{
+    return program ? iso_process_find_named("Blender", program, path, err)
+                   : iso_process_find("blender", "blender", path, err);
+}
+
+static void keep_version(void *user, const char *line)
+{
+    char *version = user;
+    if (!version[0])
+        sscanf(line, "Blender %31[0-9.]", version);
+}
+
+static iso_status check_age(const char *blender, const char *version, iso_error *err)
+{
+    int major = 0, minor = 0;
+    if (sscanf(version, "%d.%d", &major, &minor) != 2)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version of Blender", blender);
+    if (major < OLDEST_MAJOR || (major == OLDEST_MAJOR && minor < OLDEST_MINOR))
+        return iso_fail(err, ISO_E_MISSING, "%s: Blender %s is too old: %d.%d is the oldest that was tried", blender,
+                        version, OLDEST_MAJOR, OLDEST_MINOR);
+    return ISO_OK;
+}
+
+iso_status iso_blender_version(const char *program, char *version, size_t size, iso_error *err)
+{
+    char *blender = NULL, found[32] = "";
+    iso_status status = iso_blender_find(program, &blender, err);
+    if (status != ISO_OK)
+        return status;
+    const char *argv[] = {blender, "--version", NULL};
+    const iso_process_options options = {.line = keep_version, .user = found, .timeout_seconds = 120};
+    status = iso_process_run(argv, &options, err);
+    if (status == ISO_OK)
+        status = check_age(blender, found, err);
+    if (status == ISO_OK)
+        snprintf(version, size, "%s", found);
+    free(blender);
+    return status;
+}
+
+/* Blender 5 shows volumes by NanoVDB alone, which a build may lack; which devices there are Blender alone knows. */
+static iso_status probe(const char *program, char *device, size_t size, iso_error *err)
+{
+    iso_blender_options options = iso_blender_defaults();
+    iso_cycles_stats stats = {0};
+    options.program = program;
+    options.stats = &stats;
+    char *folder = iso_make_temp_dir();
+    if (!folder)
+        return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    const iso_status status = iso_blender_run(json_pack("{sb}", "probe", true), folder, &options, NULL, err);
+    snprintf(device, size, "%s", stats.device);
+    iso_remove_tree(folder);
+    free(folder);
+    return status;
+}
+
+iso_status iso_cycles_ask(const char *program, iso_cycles_about *about, iso_error *err)
+{
+    const char *device;
+    *about = (iso_cycles_about){.device = "CPU"};
+    iso_status status = iso_cycles_device(&device, err);
+    if (status == ISO_OK)
+        status = iso_blender_version(program, about->version, sizeof about->version, err);
+    if (status == ISO_OK && (atoi(about->version) >= 5 || strcmp(device, devices[0].name) != 0))
+        status = probe(program, about->device, sizeof about->device, err);
+    return status;
+}
