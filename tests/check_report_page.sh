@@ -49,6 +49,7 @@ check the_command_is_copied found 'copy true'
 check every_control_has_a_name found 'controls_without_a_name 0'
 check text_stands_out_by_day_and_by_night test "$(grep -cE '^contrast_(light|dark) true$' "$dir/findings")" = 2
 check versions_and_machine_are_there found 'versions_and_machine true'
+check any_two_pictures_of_a_scene_are_compared found 'any_two_pictures true'
 check nothing_is_fetched found 'fetched 0'
 check no_picture_is_broken found 'pictures_broken 0'
 

@@ -135,6 +135,15 @@
         say('contrast_light', leastContrast(rules) >= 4.5);
         say('contrast_dark', leastContrast([...rules].find(r => r.media && r.media.mediaText.includes('dark')).cssRules) >= 4.5);
         say('versions_and_machine', /Versions/.test($('#colophon').textContent) && /Machine/.test($('#colophon').textContent));
+        // Any two pictures of the scene and level: one with itself has no difference, with another it has.
+        const picks = side => $(`#inspector select[data-picture=${side}]`), others = [...picks('a').options].map(o => o.value);
+        button('difference').click();
+        await slide(-9);
+        await choose(picks('b'), picks('a').value, 'change');
+        const none = above();
+        await choose(picks('b'), others.find(name => /gl/.test(name) && name !== picks('a').value && !data.agreement.some(r => [r.image_a, r.image_b].includes(name) && [r.image_a, r.image_b].includes(picks('a').value))), 'change');
+        const rough = shown()[0].parentElement.textContent.includes('8-bit');
+        say('any_two_pictures', others.length > 2 && none === 0 && rough);
         say('fetched', performance.getEntriesByType('resource').filter(r => !r.name.startsWith('data:')).length);
         say('pictures_broken', [...document.images].filter(i => i.complete && i.naturalWidth === 0).length);
     } catch (problem) {

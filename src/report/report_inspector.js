@@ -5,7 +5,7 @@ let cases = [], told = null;
 const view = {at: -1, mode: 'side', flip: 'a', threshold: -5, part: 0.5, zoom: 1, x: 0.5, y: 0.5, timer: 0};
 let parts = null;
 
-// told: name(row) in the list, text(row) below the images, threshold(row), listed() places in the reader's order, mark(at), figure
+// told: pictures(row) that may stand beside each other, as [name, label], or nothing; name(row) in the list, text(row) below the images, threshold(row), listed() places in the reader's order, mark(at), figure
 function buildInspector(itsCases, itsTold) {
     const section = $('inspector');
     cases = itsCases;
@@ -24,6 +24,7 @@ function buildInspector(itsCases, itsTold) {
     const slider = el('input', {type: 'range', min: -9, max: 0, step: 0.05, 'aria-label': 'threshold', oninput: () => { view.threshold = Number(slider.value); show(); }});
     const value = el('output', {});
     const place = el('input', {type: 'range', min: 0, max: 1, step: 0.005, 'aria-label': 'where a ends and b begins', oninput: () => { view.part = Number(place.value); show(); }});
+    const pick = side => el('select', {'aria-label': `picture ${side}`, 'data-picture': side, onchange: () => compareChosen()});
     const zoomTo = factor => { view.zoom = Math.min(Math.max(view.zoom * factor, 1), 64); clampView(); show(); };
     const reset = () => zoomTo(0);
     const panel = name => {
@@ -32,12 +33,12 @@ function buildInspector(itsCases, itsTold) {
         attachPointer(canvas);
         return {box: el('div', {class: 'panel'}, canvas, label), canvas, label};
     };
-    parts = {select, slider, value, place, a: panel('image a'), b: panel('image b'), d: panel('difference'), p: panel('image a, and b to the right'),
+    parts = {select, slider, value, place, picks: {a: pick('a'), b: pick('b')}, a: panel('image a'), b: panel('image b'), d: panel('difference'), p: panel('image a, and b to the right'),
         partGroup: el('label', {}, 'a', place, 'b'),
         flipGroup: el('span', {class: 'group'}, flipButton, auto), thresholdGroup: el('label', {}, 'differences above', slider, value),
         panels: el('div', {class: 'panels'}), readout: el('p', {class: 'readout'}, '\u00a0'), text: el('div', {}), buttons};
     parts.panels.append(parts.a.box, parts.b.box, parts.d.box, parts.p.box);
-    section.append(el('div', {class: 'controls'}, walk, select), el('div', {class: 'controls'}, el('span', {class: 'group'}, buttons), parts.flipGroup, parts.thresholdGroup, parts.partGroup,
+    section.append(el('div', {class: 'controls'}, walk, select), told.pictures ? el('div', {class: 'controls'}, el('label', {}, 'a', parts.picks.a), el('label', {}, 'b', parts.picks.b)) : '', el('div', {class: 'controls'}, el('span', {class: 'group'}, buttons), parts.flipGroup, parts.thresholdGroup, parts.partGroup,
         el('span', {class: 'group'}, el('button', {type: 'button', 'aria-label': 'zoom in', onclick: () => zoomTo(1.5)}, '+'),
             el('button', {type: 'button', 'aria-label': 'zoom out', onclick: () => zoomTo(1 / 1.5)}, '−'), el('button', {type: 'button', onclick: reset}, 'whole'))),
         el('figure', {}, parts.panels, parts.readout, legend(), figcaption(told.figure + ' and the largest difference of their channels at each pixel, on one log scale for all cases; cyan marks pixels that are not finite. ' +
@@ -155,7 +156,7 @@ function show() {
         const threshold = view.threshold <= -9 ? -Infinity : view.threshold;
         if (!loaded.painted || loaded.painted.threshold !== threshold) loaded.painted = {threshold, ...paintDifference(d, a, threshold)};
         const {canvas, above} = loaded.painted;
-        draw(parts.d, canvas, 'difference', `${above} of ${d.logs.length} pixels (${Number((100 * above / d.logs.length).toPrecision(3))} %) above`);
+        draw(parts.d, canvas, loaded.rough ? 'difference of the 8-bit pictures' : 'difference', `${above} of ${d.logs.length} pixels (${Number((100 * above / d.logs.length).toPrecision(3))} %) above`);
     }
 }
 async function inspect(at, scroll) {
@@ -167,6 +168,10 @@ async function inspect(at, scroll) {
     const [a, b, d] = await Promise.all([pixels(inlined.images[row.image_a]), pixels(inlined.images[row.image_b]), differences(row.number)]);
     if (view.at !== at) return; // another case was chosen meanwhile
     loaded = {row, a, b, d};
+    if (told.pictures) for (const side of ['a', 'b']) {
+        parts.picks[side].replaceChildren(...told.pictures(row).map(([name, label]) => el('option', {value: name}, label)));
+        parts.picks[side].value = row[`image_${side}`];
+    }
     parts.select.value = String(at);
     view.threshold = Math.min(Math.max(Math.round(Math.log10(told.threshold(row)) * 20) / 20, -9), 0);
     parts.text.replaceChildren(...told.text(row));
@@ -174,6 +179,18 @@ async function inspect(at, scroll) {
     if (scroll !== null && location.hash !== `#case-${row.number}`) history.replaceState(null, '', `#case-${row.number}`);
     show();
     if (scroll) $('inspector').scrollIntoView({behavior: matchMedia('(prefers-reduced-motion: reduce)').matches ? 'auto' : 'smooth'});
+}
+// Any two pictures of the case's scene and level. Two that a row compares have their difference in float; of others it is taken
+// from what the page shows, in linear light.
+async function compareChosen() {
+    const at = view.at, one = cases.find(c => c.at === at).row, [x, y] = ['a', 'b'].map(side => parts.picks[side].value);
+    const known = cases.find(({row}) => (row.image_a === x && row.image_b === y) || (row.image_a === y && row.image_b === x));
+    const [a, b] = await Promise.all([pixels(inlined.images[x]), pixels(inlined.images[y])]);
+    const d = known ? await differences(known.row.number) : differenceOfPixels(a, b);
+    if (view.at !== at || parts.picks.a.value !== x || parts.picks.b.value !== y) return;
+    const labels = new Map(told.pictures(one));
+    loaded = {row: {...one, a: labels.get(x), b: labels.get(y)}, a, b, d, rough: !known};
+    show();
 }
 // #case-12, or #case-12-flip to begin with; scrolls there.
 function followHash() {

@@ -133,6 +133,13 @@ function agreementTable() {
 // What the closer look says of a case of the table.
 const looked = {
     figure: 'The two images',
+    // All pictures of the scene and level, by what they are of; those that share a caption are told apart by their names.
+    pictures: row => {
+        const same = data.agreement.filter(r => r.scene === row.scene && r.level === row.level && r.image_a && r.image_b), size = name => `${data.images[name].width} ${data.images[name].height}`;
+        const found = [...new Set([row.image_a, row.image_b, ...same.flatMap(r => [r.image_a, r.image_b])])].filter(name => size(name) === size(row.image_a));
+        const caption = name => data.images[name].caption || name, twice = name => found.filter(other => caption(other) === caption(name)).length > 1;
+        return found.map(name => [name, twice(name) ? `${caption(name)} (${name})` : caption(name)]);
+    },
     name: row => `${row.verdict}: ${title(row)}`,
     listed: () => order.rows,
     mark: at => agreement.rows.forEach((tr, i) => { tr.classList.toggle('chosen', i === at); i === at ? tr.setAttribute('aria-current', 'true') : tr.removeAttribute('aria-current'); }),
