@@ -15,15 +15,16 @@ static json_t *report(const char *scene)
     json_t *root = json_pack_ex(
         &error, 0,
         "{s:s, s:s, s:s, s:s, s:s, s:[{s:s, s:i, s:s, s:s, s:s, s:f, s:f, s:{s:f, s:f}, s:[{s:s, s:s, s:f, s:f}]},"
-        " {s:s, s:s, s:s, s:s}, {s:s, s:s, s:s, s:s}], s:[{s:s, s:s, s:s, s:n, s:f}], s:{s:s}}",
+        " {s:s, s:s, s:s, s:s}, {s:s, s:s, s:s, s:s}], s:[{s:s, s:s, s:s, s:n, s:f}, {s:s, s:s, s:s, s:s}], s:{s:s}}",
         "schema", "isoshade.validate/1", "title", scene, "verdict", "differ", "sentence", "They do not agree.",
         "levels_sentence", "The levels hold.", "agreement", "scene", scene, "level", 2, "renderer", "gl", "comparison",
         "lock-step", "verdict", "differ", "rmse", 0.25, "max_abs", 0.75, "limits", "rmse", 0.5, "max_abs", 0.25,
         "gates", "gate", "bias", "name", "bias beyond chance", "value", 0.5, "limit",
         1.0, /* of them max_abs is worst */
-        "scene", "a", "renderer", "povray", "verdict", "refused", "why", "missing: no povray",            /**/
-        "scene", "b", "renderer", "povray", "verdict", "refused", "why", "missing: no povray",            /**/
-        "calibration", "renderer", "gl", "check", "placement", "verdict", "fail", "value", "limit", 0.02, /**/
+        "scene", "a", "renderer", "povray", "verdict", "refused", "why", "missing: no povray", /**/
+        "scene", "b", "renderer", "povray", "verdict", "refused", "why", "missing: no povray", /**/
+        "calibration", "renderer", "gl", "check", "placement", "verdict", "fail", "value", "limit", 0.02, "renderer",
+        "outside", "check", "slab", "verdict", "not compared", "detail", "no picture", /**/
         "versions", "Blender Cycles", "Blender 3.4.1");
     if (!root)
         fail_msg("%s", error.text);
@@ -57,6 +58,7 @@ static void a_summary_says_what_failed_and_why(void **state)
     has(text, "\n| shells | 2 | gl | max&#95;abs | 0.75 | 0.25 |\n");
     has(text, "\n| calibration | | gl | placement | no number | 0.02 |\n");
     has(text, "\n- povray: missing: no povray (2 rows)\n");
+    has(text, "\n- outside, slab: no picture\n");
     has(text, "\n| Blender Cycles | Blender 3.4.1 |\n");
     has(text, "\n[out/index.html](out/index.html)\n");
     free(text);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "options/cli.h"
 #include "report/difference.h"
 #include "report/markdown.h"
@@ -93,10 +94,12 @@ static void describe(const iso_cli *cli, const report_arguments *a, const loaded
 {
     char *line = iso_cli_command_line(cli);
     for (int i = 0; i < 2; ++i)
-        json_object_set_new(json_object_get(d, i ? "b" : "a"), "path", json_string(of[i].path));
+        json_object_set_new(json_object_get(d, i ? "b" : "a"), "path", json_string(iso_provenance_name(of[i].path)));
     json_object_set_new(d, "command", json_string(line ? line : ""));
     json_object_set_new(d, "options", json_pack("{s:b}", "results_only", a->results_only));
-    json_object_set_new(d, "title", json_sprintf("%s and %s", of[0].path, of[1].path));
+    const char *names[2] = {iso_provenance_name(of[0].path), iso_provenance_name(of[1].path)};
+    json_object_set_new(d, "title",
+                        names[0][0] ? json_sprintf("%s and %s", names[0], names[1]) : json_string("two reports"));
     free(line);
 }
 
@@ -104,7 +107,7 @@ static iso_status write_files(const report_arguments *a, const json_t *d, const 
 {
     iso_status status = a->output ? iso_difference_write(a->output, d, inlined, err) : ISO_OK;
     if (status == ISO_OK && a->summary_md) {
-        char *link = a->output ? iso_path_join(a->output, "index.html") : NULL;
+        char *link = a->output ? iso_path_join(iso_markdown_target(a->output), "index.html") : NULL;
         status = iso_markdown_of_difference(a->summary_md, d, link, err);
         free(link);
     }

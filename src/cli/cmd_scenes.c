@@ -11,6 +11,7 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "cli/contact_sheet.h"
+#include "cli/scenes_write.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -21,13 +22,13 @@
 #include "scene/visible.h"
 #include "tf/presets.h"
 
-enum { MOST_CHOICES = 32, LEVELS = 4 };
+enum { MOST_CHOICES = 32, LEVELS = 4, USUAL_PIXELS = 192 };
 
 typedef struct scenes_arguments {
     iso_volume_input input;
-    char *output, *scene, **tfs, **views;
+    char *output, *scene, **tfs, **views, *write, *suite, *tier;
     double zoom;
-    int size;
+    int size, levels, steps;
     const iso_cli *cli;
 } scenes_arguments;
 
@@ -291,9 +292,48 @@ static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
     return status;
 }
 
+/* One transfer function and one view, if any: what is compared is one scene. */
+static iso_status write_requests(const scenes_arguments *a, iso_error *err)
+{
+    char size[16];
+    if (a->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is for a sheet, --write for requests");
+    if ((a->tfs && a->tfs[0] && a->tfs[1]) || (a->views && a->views[0] && a->views[1]))
+        return iso_fail(err, ISO_E_USAGE, "--write takes one --tf and one --view");
+    snprintf(size, sizeof size, "%d", a->size);
+    iso_status status = a->size ? iso_words_check_range("--size", a->size, 1, 16384, err) : ISO_OK;
+    if (status == ISO_OK)
+        status = iso_words_check_range("--levels", a->levels, 0, 16, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--steps", a->steps, -1, 12, err);
+    const iso_scenes_write w = {.cli = a->cli,
+                                .input = &a->input,
+                                .look = {.scene = a->scene,
+                                         .tf = a->tfs ? a->tfs[0] : NULL,
+                                         .view = a->views ? a->views[0] : NULL,
+                                         .zoom = a->zoom,
+                                         .size = a->size ? size : NULL},
+                                .dir = a->write,
+                                .suite = a->suite,
+                                .tier = a->tier,
+                                .levels = a->levels,
+                                .steps = a->steps};
+    return status == ISO_OK ? iso_scenes_write_all(&w, err) : status;
+}
+
+static iso_status check_sheet(scenes_arguments *a, iso_error *err)
+{
+    if (a->suite || a->tier || a->levels || a->steps != -1)
+        return iso_fail(err, ISO_E_USAGE, "--suite, --tier, --levels and --steps are for --write alone");
+    if (a->cli->argument_count != 1)
+        return iso_fail(err, ISO_E_USAGE, "wanted a volume or a pyramid");
+    a->size = a->size ? a->size : USUAL_PIXELS;
+    return ISO_OK;
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    scenes_arguments a = {.size = 192};
+    scenes_arguments a = {.steps = -1};
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the sheet: .png, .svg or .pdf; its commands beside it in .json",
@@ -306,7 +346,18 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "where to look from: a name of isoshade list, or degrees; repeated for several (the scene's; front, left, top, iso)",
          "NAME|AZ,EL"},
         ISO_CLI_ZOOM_OPTION(&a),
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.size, 0, "pixels along a side of each picture", "N"},
+        {"size", 0, POPT_ARG_INT, &a.size, 0, "pixels along a side of each picture (192; of --write the scene's own)",
+         "N"},
+        {"write", 0, POPT_ARG_STRING, &a.write, 0,
+         "instead of a sheet, what somebody elsewhere has to render for validate --images: a request a scene and level, and a list",
+         "DIR"},
+        {"suite", 0, POPT_ARG_STRING, &a.suite, 0, "of --write: the scenes of a folder, each with the volume that it makes",
+         "DIR"},
+        {"levels", 0, POPT_ARG_INT, &a.levels, 0, "of --write: levels, the finest included (4; of a suite 1)", "N"},
+        {"steps", 0, POPT_ARG_INT, &a.steps, 0,
+         "of --write: at how many steps, each half of the one before, besides the scene's own; 0: none (4)", "N"},
+        {"tier", 0, POPT_ARG_STRING, &a.tier, 0,
+         "of --write: what the pictures will be held to, samples, limit or \"8 bits\" (samples)", "TIER"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -315,6 +366,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     a.cli = &cli;
     if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = a.write ? write_requests(&a, err) : check_sheet(&a, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && !a.write)
         status = draw_sheet(&a, err);
     iso_cli_end(&cli);
     return status;
@@ -323,18 +376,21 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_scenes = {
     .name = "scenes",
     .summary = "a contact sheet of a volume: presets and views to choose from, each with the command that makes it",
-    .min_arguments = 1,
     .max_arguments = 1,
-    .usage = "VOLUME|PYRAMID.iso -o SHEET.png [--tf PRESET ...] [--view NAME ...] [options]",
+    .usage = "VOLUME|PYRAMID.iso -o SHEET.png [--tf PRESET ...] [--view NAME ...] [options] | [VOLUME] --write DIR [options]",
     .details =
         "Every picture has a number; the command of that number is printed, and stands with the picture's place in SHEET.json.\n"
         "It makes the same picture; without its --size a larger one. Large volumes are drawn at a coarse level whose voxels are\n"
-        "about a pixel wide: --level in the command. Transfer functions that show next to nothing of the volume, or an opaque box, are left out, which is said with the reason.",
+        "about a pixel wide: --level in the command. Transfer functions that show next to nothing of the volume, or an opaque box, are left out, which is said with the reason.\n"
+        "--write DIR makes requests of one scene, or of a suite, instead: a folder a scene, level and calibration with request.json,\n"
+        "volume.nrrd and directions.nrrd, and DIR/README.txt, which lists the pictures that are wanted, their sizes and steps.\n"
+        "Whoever has a renderer puts them there; isoshade validate --images NAME=DIR compares them.",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
         "  isoshade scenes shells.nrrd --size 96 -o sheet.png\n"
         "  isoshade scenes shells.nrrd --tf auto --tf simulation --view front --view 30,20 --size 64 -o two.png\n"
-        "  isoshade scenes shells.nrrd --scene refscenes/shells.scene.json --view top --zoom 1.5 --size 64 -o lit.png\n",
+        "  isoshade scenes shells.nrrd --scene refscenes/shells.scene.json --view top --zoom 1.5 --size 64 -o lit.png\n"
+        "  isoshade scenes shells.nrrd --scene refscenes/shells.scene.json --size 24 --levels 1 --write elsewhere\n",
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

@@ -10,11 +10,13 @@
 #include "base/parallel.h"
 #include "base/provenance.h"
 #include "cli/cycles_options.h"
+#include "cli/made_volume.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
 #include "options/visible.h"
 #include "renderers/external.h"
+#include "renderers/pictures.h"
 #include "report/levels.h"
 #include "report/markdown.h"
 #include "scene/views.h"
@@ -26,7 +28,7 @@
 typedef struct validate_arguments {
     iso_volume_input input;
     iso_cli_look look;
-    char *output, *with, *renderers, *code, *junit, *summary_md, *suite;
+    char *output, *with, *renderers, *code, *junit, *summary_md, *suite, **images;
     iso_cli_cycles cycles;
     int level_count, seeds, quick, level_views, level_size, anyway, extinction_scale;
 } validate_arguments;
@@ -154,6 +156,17 @@ static void print_not_compared(const iso_report *r)
         printf("not compared: %zu more, which the report lists\n", count - most);
 }
 
+/* Checks that a renderer could not be asked for, with what stays open. */
+static void print_not_calibrated(const iso_report *r)
+{
+    size_t i;
+    json_t *row;
+    json_array_foreach(json_object_get(iso_report_json(r), "calibration"), i, row)
+        if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED)
+            printf("not calibrated: %s: %s: %s\n", iso_row_text(row, "renderer"), iso_row_text(row, "check"),
+                   iso_row_text(row, "detail"));
+}
+
 /* What was asked of scenes that do not say it. */
 static void print_assumed(const iso_report *r)
 {
@@ -175,6 +188,7 @@ static void print_result(const validate_arguments *a, const iso_cli *cli, const 
         if (levels->sentence[0])
             puts(levels->sentence);
         iso_cli_print_versions(iso_report_json(v->report));
+        print_not_calibrated(v->report);
         print_not_compared(v->report);
         print_assumed(v->report);
         printf("report: %s/index.html\n", a->output);
@@ -193,7 +207,7 @@ static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_va
     if (status == ISO_OK && a->junit)
         status = iso_report_write_junit(v->report, a->junit, err);
     if (status == ISO_OK && a->summary_md) {
-        char *page = iso_path_join(a->output, "index.html");
+        char *page = iso_path_join(iso_markdown_target(a->output), "index.html");
         status = iso_markdown_of_report(a->summary_md, iso_report_json(v->report), page, err);
         free(page);
     }
@@ -328,28 +342,6 @@ static iso_status load_and_validate(const validate_arguments *given, const iso_c
     return status;
 }
 
-extern const iso_command iso_command_make;
-
-/* `isoshade make MAKE -o path -q`, by the command itself. */
-static iso_status make_volume(const char *make, const char *path, iso_error *err)
-{
-    int argc;
-    const char **words;
-    if (poptParseArgvString(make, &argc, &words) != 0)
-        return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\", which is no list of words", make);
-    const char **argv = calloc((size_t)argc + 5, sizeof *argv);
-    iso_status status = argv ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK) {
-        argv[0] = "make";
-        memcpy(argv + 1, words, (size_t)argc * sizeof *argv);
-        argv[argc + 1] = "-q", argv[argc + 2] = "-o", argv[argc + 3] = path;
-        status = iso_command_make.run(&iso_command_make, argc + 4, argv, err);
-    }
-    free(argv);
-    free(words);
-    return status;
-}
-
 static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli, const iso_pyramid_options *build,
                                  iso_error *err)
 {
@@ -359,7 +351,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     iso_validation v = {
         .quick = a->quick, .threads = cli->threads, .seeds = seeds_of(a), .line = cli->progress, .progress = &progress};
     iso_suite_options suite = {.folder = a->suite,
-                               .make_volume = make_volume,
+                               .make_volume = iso_cli_make_volume,
                                .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
                                .code = build->code,
                                .width = a->quick ? quick_pixels : 0,
@@ -403,7 +395,10 @@ static iso_status check_folder(const char *option, const char *path, iso_error *
 static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
+    const iso_renderer_info *unused;
     iso_status status = iso_renderers_load(a->renderers, err);
+    for (size_t i = 0; a->images && a->images[i] && status == ISO_OK; ++i)
+        status = iso_pictures_register(a->images[i], &unused, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--levels", a->level_count, 0, 16, err);
     if (status == ISO_OK && a->seeds)
@@ -457,6 +452,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"with", 0, POPT_ARG_STRING, &a.with, 0, with, "LIST"},
         ISO_CLI_RENDERERS_OPTION(&a.renderers),
         ISO_CLI_CYCLES_OPTIONS(&a.cycles, "Blenders whose Cycles are compared, also with each other: paths, or names that PATH has", "A,B"),
+        {"images", 0, POPT_ARG_ARGV, &a.images, 0,
+         "pictures that somebody made elsewhere of what isoshade scenes --write wrote, as a renderer NAME; repeated for several",
+         "NAME=DIR"},
         {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
         {"level-views", 0, POPT_ARG_INT, &a.level_views, 0,
          "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},

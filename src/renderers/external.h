@@ -46,6 +46,18 @@ json_t *iso_external_describe(const iso_renderer_info *self);
 /* What half a step of 1 / (2^bits - 1) adds to limits: to a value, and to the image as a whole where it is flat. */
 iso_sample_error iso_external_rounded(iso_sample_error error, unsigned bits);
 
+/* What stands in a row instead of a program. */
+typedef struct iso_external_stand_in {
+    const void *data;
+    iso_status (*version)(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err);
+    iso_status (*render)(const iso_render_request *request, iso_image *image, iso_render_stats *stats, iso_error *err);
+    size_t steps; /* at how many steps, each half of the one before, there are pictures; below 2 there is no limit */
+} iso_external_stand_in;
+
+/* Registers a row as renderers.json has it, of a file and its folder; *r is the renderer. Statuses as below. */
+iso_status iso_external_register(json_t *row, const char *path, const char *folder, const iso_external_stand_in *instead,
+                                 const iso_renderer_info **r, iso_error *err);
+
 /* Registers the renderers of a renderers.json; path NULL: of the file that the environment variable ISOSHADE_RENDERERS
  * names, or none. ISO_E_IO, ISO_E_FORMAT and ISO_E_RANGE name the file, the row and the key; ISO_E_USAGE: a name that is
  * taken. */

@@ -224,7 +224,27 @@ static iso_status read_row(row *to, size_t number, iso_error *err)
 /* Rows stay for as long as the process runs, refused ones too. */
 static row *kept_rows[ISO_MAX_RENDERERS];
 
-static iso_status add_row(json_t *json, size_t number, const char *path, const char *folder, iso_error *err)
+static iso_status replace_program(row *to, const iso_external_stand_in *instead, iso_error *err)
+{
+    iso_renderer_info *info = &to->info;
+    info->data = instead->data;
+    info->version = instead->version;
+    info->render = instead->render;
+    info->render_several = NULL;
+    info->describe = NULL;
+    info->found_in = NULL;
+    info->traits |= ISO_IS_OF_PICTURES;
+    info->step_count = instead->steps;
+    if (instead->steps < 2)
+        info->traits &= ~(unsigned)ISO_HAS_LIMIT;
+    return info->lock_step || instead->steps >= 2
+               ? ISO_OK
+               : iso_fail(err, ISO_E_FORMAT, "%s: the tier \"limit\" wants pictures at two steps or more, \"steps\" is %zu",
+                          to->file, instead->steps);
+}
+
+static iso_status add_row(json_t *json, size_t number, const char *path, const char *folder,
+                          const iso_external_stand_in *instead, iso_error *err)
 {
     const size_t place = iso_renderer_count();
     row *to = calloc(1, sizeof *to);
@@ -240,6 +260,8 @@ static iso_status add_row(json_t *json, size_t number, const char *path, const c
     if (!to->file || !to->folder)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     iso_status status = read_row(to, number, err);
+    if (status == ISO_OK && instead)
+        status = replace_program(to, instead, err);
     if (status == ISO_OK && (status = iso_renderers_register(&to->info, err)) != ISO_OK)
         status = iso_fail_in(err, status, "%s: renderer %zu", path, number + 1);
     return status;
@@ -259,8 +281,17 @@ static iso_status add_rows(const char *path, const char *folder, json_t *root, i
     iso_status status = r.status;
     for (size_t i = 0; i < json_array_size(rows) && status == ISO_OK; ++i) {
         json = json_array_get(rows, i);
-        status = add_row(json, i, path, folder, err);
+        status = add_row(json, i, path, folder, NULL, err);
     }
+    return status;
+}
+
+iso_status iso_external_register(json_t *json, const char *path, const char *folder,
+                                 const iso_external_stand_in *instead, const iso_renderer_info **r, iso_error *err)
+{
+    const size_t place = iso_renderer_count();
+    const iso_status status = add_row(json, place, path, folder, instead, err);
+    *r = status == ISO_OK ? iso_renderer_at(place) : NULL;
     return status;
 }
 

@@ -100,6 +100,7 @@ typedef enum iso_trait {
     ISO_HAS_LIGHTS = 1 << 20,
     ISO_HAS_ORTHOGRAPHIC = 1 << 21, /* cameras */
     ISO_IS_NAMED = 1 << 22,         /* takes part where it is named, and never by default */
+    ISO_IS_OF_PICTURES = 1 << 23,   /* made elsewhere, of scenes as they are (pictures.h) */
 } iso_trait;
 #define ISO_HAS_ALL_SCENES                                                                                 \
     (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_ROI | ISO_HAS_LIGHTS | \
@@ -144,6 +145,7 @@ struct iso_renderer_info {
     double relative_cost;           /* of a frame, in those of the ray caster */
     double first_step_voxels;       /* where the search for its limit begins; 0: where the transfer function says */
     size_t max_intervals;           /* of a ray, or of its piece between two planes; 0: it has steps */
+    size_t step_count;              /* of its pictures, each step half of the one before; 0: as fine as is asked */
     size_t seeds;                   /* of a random one: as many as its limit is made of at least */
     const iso_lock_step *lock_step; /* or NULL */
     iso_render_output output;
@@ -207,7 +209,8 @@ iso_status iso_renderers_register(const iso_renderer_info *r, iso_error *err);
 
 /* ISO_E_USAGE, with the names that there are. */
 iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r, iso_error *err);
-/* "gl,povray"; NULL: all that need not be named. The reference is always wanted, and what stands beside one that is. */
+/* "gl,povray"; NULL: all that need not be named. The reference is always wanted, pictures that were brought, and what stands
+ * beside one that is. */
 iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err);
 
 /* The names of those that have all these traits (0: of all), joined: "reference, gl and povray" by ", " and " and ".
@@ -237,6 +240,7 @@ struct iso_renderers {
     void
         *kept[ISO_MAX_RENDERERS]; /* what a renderer keeps between images, such as a context; by iso_renderer_index() */
     const char *shader_dir;       /* NULL: the embedded shaders */
+    const char *scene;            /* the name of what is rendered, for those that look for pictures of it; or NULL */
     iso_image_hook after;         /* of each image that is rendered */
     iso_frame_cache *cache; /* of iso_render_several(), while pyramid, level, view and hook stay; borrowed, or NULL */
 };

@@ -106,7 +106,8 @@ iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r,
 iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err)
 {
     for (size_t i = 0; i < ISO_MAX_RENDERERS; ++i)
-        wanted[i] = !list && i < iso_renderer_count() && !iso_renderer_has(table[i], ISO_IS_NAMED);
+        wanted[i] = i < iso_renderer_count() && (iso_renderer_has(table[i], ISO_IS_OF_PICTURES) ||
+                                                 (!list && !iso_renderer_has(table[i], ISO_IS_NAMED)));
     wanted[iso_renderer_index(iso_renderers_truth())] = true;
     if (!list)
         return ISO_OK;

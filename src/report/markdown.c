@@ -8,7 +8,13 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "report/report.h"
+
+const char *iso_markdown_target(const char *dir)
+{
+    return dir[0] == '/' ? iso_provenance_name(dir) : dir;
+}
 
 enum { MOST_ROWS = 40 }; /* of a table: pages of runs end at a megabyte */
 
@@ -185,6 +191,25 @@ static void put_refusals(FILE *f, const json_t *agreement)
     json_decref(reasons);
 }
 
+/* Checks that were not made, by renderer: what they would have found stays open. */
+static void put_not_calibrated(FILE *f, const json_t *calibration)
+{
+    size_t i, count = 0;
+    json_t *row;
+    json_array_foreach((json_t *)calibration, i, row) if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED)
+    {
+        if (count++ == 0)
+            fputs("\n**Not calibrated**\n\n", f);
+        fputs("- ", f);
+        iso_markdown_put_text(f, iso_row_text(row, "renderer"));
+        fputs(", ", f);
+        iso_markdown_put_text(f, iso_row_text(row, "check"));
+        fputs(": ", f);
+        iso_markdown_put_text(f, iso_row_text(row, "detail"));
+        fputs("\n", f);
+    }
+}
+
 static void put_versions(FILE *f, const json_t *versions)
 {
     const char *what;
@@ -220,6 +245,7 @@ static void put_report(FILE *f, const json_t *root)
     }
     put_failures(f, root);
     put_refusals(f, json_object_get(root, "agreement"));
+    put_not_calibrated(f, json_object_get(root, "calibration"));
     put_versions(f, json_object_get(root, "versions"));
 }
 

@@ -15,6 +15,9 @@ iso_status iso_markdown_of_report(const char *path, const json_t *root, const ch
 /* Of a concluded difference (difference.h). */
 iso_status iso_markdown_of_difference(const char *path, const json_t *difference, const char *link, iso_error *err);
 
+/* What a link says of a folder: a relative path as it was given, else what may be told of it (base/provenance.h). */
+const char *iso_markdown_target(const char *dir);
+
 /* Text that Markdown and HTML leave as it is, also in a cell of a table. */
 void iso_markdown_put_text(FILE *f, const char *text);
 

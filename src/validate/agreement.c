@@ -174,6 +174,10 @@ static iso_status refuse_failed(iso_validation *v, size_t level, iso_report_agre
     iso_refusal *refusal = &v->refused[iso_renderer_index(renderer)];
     if (!iso_validate_is_its_fault(renderer, status))
         return iso_fail(err, status, "%s", why->text);
+    if (iso_renderer_has(renderer, ISO_IS_OF_PICTURES)) { /* of which another one may be there */
+        row.refused = why->text;
+        return add_without_images(v, level, row, a, renderer, err);
+    }
     *refusal = (iso_refusal){.status = status == ISO_E_MISSING ? status : ISO_E_UNTRUSTED};
     snprintf(refusal->why, sizeof refusal->why, "%.500s", why->text);
     row.refused = refusal->why;
@@ -481,14 +485,21 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     return status;
 }
 
+/* Is it asked, in this row's directions and transfer function? Pictures that were made elsewhere are of the scene's own. */
+static bool takes_part(const iso_validation *v, size_t i, bool programs)
+{
+    const iso_renderer_info *renderer = iso_renderer_at(i);
+    return v->wanted[i] && (programs || !iso_renderer_has(renderer, ISO_IS_PROGRAM)) &&
+           !(v->variant[0] && iso_renderer_has(renderer, ISO_IS_OF_PICTURES));
+}
+
 /* Every wanted renderer whose samples are known, but for programs where only those of this process are asked. */
 static iso_status lock_steps(iso_validation *v, size_t level, bool programs, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
-        const iso_renderer_info *renderer = iso_renderer_at(i);
-        if (v->wanted[i] && renderer->lock_step && (programs || !iso_renderer_has(renderer, ISO_IS_PROGRAM)))
-            status = lock_step(v, level, renderer, err);
+        if (iso_renderer_at(i)->lock_step && takes_part(v, i, programs))
+            status = lock_step(v, level, iso_renderer_at(i), err);
     }
     return status;
 }
@@ -497,6 +508,7 @@ static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_er
 {
     (void)unused;
     level_truths t = {.differ = false};
+    v->renderers.scene = v->scene_name;
     if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
         return first_hits(v, level, err);
     iso_status status = find_truths(v, level, &t, err);
@@ -518,8 +530,7 @@ iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
     iso_status status = lock_steps(v, level, programs, err);
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         const iso_renderer_info *renderer = iso_renderer_at(i);
-        if (!v->wanted[i] || renderer->lock_step || !iso_renderer_has(renderer, ISO_HAS_LIMIT) ||
-            (!programs && iso_renderer_has(renderer, ISO_IS_PROGRAM)))
+        if (renderer->lock_step || !iso_renderer_has(renderer, ISO_HAS_LIMIT) || !takes_part(v, i, programs))
             continue;
         if (!t.main.image.rgba)
             status = find_truths(v, level, &t, err);

@@ -422,7 +422,8 @@ static iso_status check_interpolation(stage *s, iso_renderers *r, const iso_rend
 
 static const struct {
     iso_calibration blank;
-    unsigned needs; /* iso_trait */
+    unsigned needs;   /* iso_trait */
+    const char *open; /* what it leaves open where it is not made */
     iso_status (*run)(stage *, iso_renderers *, const iso_renderer_info *, const iso_planted *, double *, iso_error *);
 } checks[ISO_CALIBRATION_COUNT] = {
     {{.check = "placement",
@@ -430,24 +431,28 @@ static const struct {
       .limit = 0.02,
       .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"},
      ISO_HAS_ORTHOGRAPHIC,
+     "where the volume stands, by half a voxel",
      check_placement},
     {{.check = "slab",
       .unit = "largest difference",
       .limit = 2e-4,
       .why = "marching adds up to one rounding of the step at the box's faces; 1 % of extinction would be 3e-3"},
      0,
+     "extinction per millimeter, and how long rays are",
      check_slab},
     {{.check = "transfer function",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "tables are looked up in float or through 16-bit files; an sRGB table would be off by 0.1"},
      ISO_HAS_ORTHOGRAPHIC,
+     "how the table is looked up, and that its colors are linear light",
      check_transfer_function},
     {{.check = "light",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; a mirrored axis would be off by 0.1"},
      ISO_HAS_ORTHOGRAPHIC | ISO_HAS_LIGHTS,
+     "how gradients come to the world, and from where the light comes",
      check_light},
     {{.check = "order",
       .unit = "largest difference",
@@ -455,18 +460,21 @@ static const struct {
       .why =
           "a color that changes along the ray is summed up in steps of a quarter of a voxel; reversed it is off by 0.1"},
      0,
+     "whether what is near covers what is far",
      check_order},
     {{.check = "view vector",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; one view vector for all pixels would be off by 0.1"},
      ISO_HAS_LIGHTS,
+     "the direction to the eye, pixel by pixel",
      check_view_vector},
     {{.check = "interpolation",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; those not normalised again would be off by 0.1"},
      ISO_HAS_ORTHOGRAPHIC | ISO_HAS_LIGHTS,
+     "how directions are filtered",
      check_interpolation},
 };
 
@@ -508,7 +516,16 @@ iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which,
         out->value = NAN;
         return ISO_OK;
     }
+    char scene[64];
+    snprintf(scene, sizeof scene, "calibration-%s", out->check);
+    r->scene = scene;
     iso_status status = checks[check].run(&s, r, which, planted, &out->value, err);
+    r->scene = NULL;
+    if (status == ISO_E_MISSING && iso_renderer_has(which, ISO_IS_OF_PICTURES)) {
+        out->no_picture = checks[check].open;
+        out->value = NAN;
+        status = ISO_OK;
+    }
     out->passed = out->value <= out->limit; /* NaN does not pass */
     clear_stage(&s);
     return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "calibration of %s", which->name);

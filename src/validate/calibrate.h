@@ -32,6 +32,7 @@ typedef struct iso_calibration {
     double value, limit; /* trusted while value <= limit */
     char why[512];       /* the cause of the limit */
     bool passed;
+    const char *no_picture; /* of a renderer that is a folder of pictures, which lacks that of the check: what stays open; or NULL */
     const char *lacks; /* what the check needs and the renderer does not have: it is not asked; or NULL */
 } iso_calibration;
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "renderers/pictures.h"
 #include "validate/calibrate.h"
 #include "validate/validate.h"
 
@@ -49,7 +50,7 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
 static iso_status add_check(iso_validation *v, const fitness *f, const iso_calibration *c, iso_refusal *refusal,
                             iso_error *err)
 {
-    char lacks[128];
+    char lacks[320], folder[ISO_PICTURE_NAME_BYTES], scene[64];
     iso_report_calibration row = {.renderer = f->which->name,
                                   .check = c->check,
                                   .value = c->value,
@@ -58,6 +59,13 @@ static iso_status add_check(iso_validation *v, const fitness *f, const iso_calib
                                   .detail = c->why};
     if (c->lacks) {
         snprintf(lacks, sizeof lacks, "%s does not render %s", f->which->name, c->lacks);
+        row.detail = lacks;
+        row.not_asked = true;
+    } else if (c->no_picture) {
+        snprintf(scene, sizeof scene, "calibration-%s", c->check);
+        iso_picture_folder(scene, 0, folder);
+        snprintf(lacks, sizeof lacks, "there is no picture %.100s, so that this stays open: %.160s", folder,
+                 c->no_picture);
         row.detail = lacks;
         row.not_asked = true;
     } else if (!c->passed && refusal->status == ISO_OK) {

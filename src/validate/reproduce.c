@@ -57,6 +57,8 @@ char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_re
         return NULL;
     if (iso_provenance_kept() == ISO_PROVENANCE_NONE)
         return NULL;
+    if (iso_renderer_has(renderer, ISO_IS_OF_PICTURES)) /* that no command makes */
+        return NULL;
     char image[64], *text = NULL, *path = NULL;
     size_t size = 0;
     snprintf(image, sizeof image, "%s-level-%zu.exr", renderer->name, level);

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: MIT */
+/* made_volume.h - the volumes of a suite's scenes, which say how `isoshade make` makes them. */
+#ifndef ISO_CLI_MADE_VOLUME_H
+#define ISO_CLI_MADE_VOLUME_H
+
+#include "base/status.h"
+
+/* `isoshade make WORDS -o path -q`, by the command itself. */
+iso_status iso_cli_make_volume(const char *words, const char *path, iso_error *err);
+
+#endif

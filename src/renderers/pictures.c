@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "renderers/pictures.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/provenance.h"
+#include "renderers/external.h"
+#include "renderers/picture_file.h"
+#include "renderers/request.h"
+
+/* The folder of one renderer, for as long as the process runs. */
+typedef struct pictures {
+    char *dir;
+    size_t hidden;   /* so many of its characters are folders that a report does not tell (base/provenance.h) */
+    json_t *checked; /* folders whose request was found to be what is asked */
+    pthread_mutex_t lock;
+} pictures;
+
+void iso_picture_folder(const char *scene, size_t level, char name[ISO_PICTURE_NAME_BYTES])
+{
+    snprintf(name, ISO_PICTURE_NAME_BYTES, "%.200s-level-%zu", scene, level);
+    for (char *c = name; *c; ++c)
+        *c = *c == ' ' || *c == '/' ? '-' : *c;
+}
+
+void iso_picture_file(double step_voxels, char name[ISO_PICTURE_NAME_BYTES])
+{
+    if (step_voxels > 0)
+        snprintf(name, ISO_PICTURE_NAME_BYTES, "step-%g.exr", step_voxels);
+    else
+        snprintf(name, ISO_PICTURE_NAME_BYTES, "picture.exr");
+}
+
+/* ---- is it a picture of what is asked? ---- */
+
+/* Everything of a request but which frames are wanted, by how many threads, and the scene's name for people. */
+static iso_status load_subject(const char *dir, json_t **root, iso_error *err)
+{
+    char *path = iso_path_join(dir, "request.json");
+    iso_status status = path ? iso_json_load(path, root, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK) {
+        json_object_del(*root, "frames");
+        json_object_del(*root, "threads");
+        json_object_del(*root, "scene");
+    }
+    free(path);
+    return status;
+}
+
+static const char *differing_key(const json_t *asked, const json_t *there)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)asked, key, value) if (!json_equal(value, json_object_get(there, key))) return key;
+    return NULL;
+}
+
+/* A file that is in both folders has to be the same; one that was left out to save room says nothing. */
+static iso_status compare_file(const char *asked, const char *there, const char *file, bool *same, iso_error *err)
+{
+    char *paths[2] = {iso_path_join(asked, file), iso_path_join(there, file)}, *bytes[2] = {NULL, NULL};
+    size_t sizes[2] = {0, 0};
+    iso_status status = paths[0] && paths[1] ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    *same = true;
+    if (status == ISO_OK && iso_path_exists(paths[0]) && iso_path_exists(paths[1])) {
+        for (int i = 0; i < 2 && status == ISO_OK; ++i)
+            status = iso_file_read(paths[i], &bytes[i], &sizes[i], err);
+        *same = status == ISO_OK && sizes[0] == sizes[1] && memcmp(bytes[0], bytes[1], sizes[0]) == 0;
+    }
+    for (int i = 0; i < 2; ++i) {
+        free(paths[i]);
+        free(bytes[i]);
+    }
+    return status;
+}
+
+/* shown: what is said of the folder `there`. */
+static iso_status compare_requests(const char *name, const char *asked, const char *there, const char *shown,
+                                   iso_error *err)
+{
+    static const char *const files[] = {"volume.nrrd", "directions.nrrd"};
+    json_t *now = NULL, *then = NULL;
+    bool same = true;
+    iso_status status = load_subject(asked, &now, err);
+    if (status == ISO_OK)
+        status = load_subject(there, &then, err);
+    const char *key = status == ISO_OK ? differing_key(now, then) : NULL;
+    if (key)
+        status = iso_fail(err, ISO_E_PROGRAM,
+                          "%s: the pictures in %s are of another request: its \"%s\" is another one", name, shown, key);
+    for (size_t i = 0; i < sizeof files / sizeof *files && status == ISO_OK; ++i) {
+        status = compare_file(asked, there, files[i], &same, err);
+        if (status == ISO_OK && !same)
+            status = iso_fail(err, ISO_E_PROGRAM,
+                              "%s: the pictures in %s are of another request: its %s is another one", name, shown,
+                              files[i]);
+    }
+    json_decref(now);
+    json_decref(then);
+    return status;
+}
+
+/* The request that lies beside the pictures, where there is one. */
+static iso_status check_request(const pictures *p, const iso_render_request *q, const char *there, iso_error *err)
+{
+    char *json = iso_path_join(there, "request.json"), *dir = NULL;
+    const iso_request_frame frame = {.file = "picture.exr"};
+    const iso_request request = {.pyramid = q->pyramid,
+                                 .level = q->level,
+                                 .view = q->view,
+                                 .frames = &frame,
+                                 .frame_count = 1,
+                                 .threads = q->options->threads};
+    iso_status status = json ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK && iso_path_exists(json)) {
+        dir = iso_make_temp_dir();
+        status = dir ? iso_request_write(&request, dir, err)
+                     : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+        if (status == ISO_OK)
+            status = compare_requests(q->options->renderer->name, dir, there, there + p->hidden, err);
+    }
+    if (dir)
+        iso_remove_tree(dir);
+    free(dir);
+    free(json);
+    return status;
+}
+
+/* Once for each scene and level. */
+static iso_status check_once(pictures *p, const iso_render_request *q, const char *there, iso_error *err)
+{
+    pthread_mutex_lock(&p->lock);
+    const bool known = json_object_get(p->checked, there) != NULL;
+    pthread_mutex_unlock(&p->lock);
+    iso_status status = known ? ISO_OK : check_request(p, q, there, err);
+    pthread_mutex_lock(&p->lock);
+    if (status == ISO_OK)
+        json_object_set_new(p->checked, there, json_true());
+    pthread_mutex_unlock(&p->lock);
+    return status;
+}
+
+/* ---- a picture ---- */
+
+/* In the folder of its scene and level, or beside it. NULL when memory ends. */
+static char *find_picture(const char *there, double step_voxels)
+{
+    char file[ISO_PICTURE_NAME_BYTES], *path = NULL, *beside = NULL;
+    iso_picture_file(step_voxels, file);
+    if (asprintf(&path, "%s/%s", there, file) < 0)
+        return NULL;
+    if (iso_path_exists(path))
+        return path;
+    if (asprintf(&beside, "%s%s%s", there, step_voxels > 0 ? "-" : "", step_voxels > 0 ? file : ".exr") >= 0 &&
+        iso_path_exists(beside)) {
+        free(path);
+        return beside;
+    }
+    free(beside);
+    return path;
+}
+
+static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
+{
+    const iso_renderer_info *self = q->options->renderer;
+    pictures *p = (pictures *)self->data;
+    char folder[ISO_PICTURE_NAME_BYTES], *there = NULL;
+    iso_error why = {""};
+    (void)stats;
+    if (!q->renderers->scene)
+        return iso_fail(err, ISO_E_USAGE, "%s has pictures of scenes alone", self->name);
+    iso_picture_folder(q->renderers->scene, q->level, folder);
+    there = iso_path_join(p->dir, folder);
+    char *path = there ? find_picture(there, q->options->step_voxels) : NULL;
+    iso_status status = path ? check_once(p, q, there, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK && !iso_path_exists(path))
+        status = iso_fail(err, ISO_E_MISSING, "%s: there is no picture %s", self->name, path + p->hidden);
+    else if (status == ISO_OK && (status = iso_picture_load(path, path + p->hidden, q->view, image, &why)) != ISO_OK)
+        status = iso_fail(err, status, "%s: %s", self->name, why.text);
+    free(there);
+    free(path);
+    return status;
+}
+
+static iso_status version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size, iso_error *err)
+{
+    const pictures *p = self->data;
+    (void)r, (void)err;
+    snprintf(text, size, "pictures in %.200s", p->dir + p->hidden);
+    return ISO_OK;
+}
+
+/* ---- the row ---- */
+
+/* What pictures.json says, as a row of renderers.json: the picture's folder can whatever was asked for. */
+static iso_status make_row(const char *name, const char *index, json_t **row, size_t *steps, iso_error *err)
+{
+    static const char *const keys[] = {"schema", "command", "tier",  "title",    "bits",
+                                       "limits", "why",     "steps", "pictures", NULL},
+                             *const kept[] = {"tier", "title", "bits", "limits", "why"};
+    json_t *root = NULL;
+    const char *schema = "";
+    *row = json_pack("{s:s, s:[s], s:s, s:[s,s,s,s]}", "name", name, "command", "pictures", "tier", "samples", "can",
+                     "lights", "orthographic", "clip planes", "labels");
+    *steps = 0;
+    if (!iso_path_exists(index))
+        return ISO_OK;
+    iso_status status = iso_json_load(index, &root, err);
+    iso_json_reader r = {.path = index, .status = status, .err = err};
+    if (status == ISO_OK) {
+        iso_json_only_keys(&r, root, "the file", keys);
+        iso_json_get_string(&r, root, "schema", true, &schema);
+        iso_json_get_size(&r, root, "steps", false, 0, 12, steps);
+        if (r.status == ISO_OK && strcmp(schema, ISO_PICTURES_SCHEMA) != 0)
+            r.status = iso_fail(err, ISO_E_FORMAT, "%s: \"schema\" is \"%s\", must be \"" ISO_PICTURES_SCHEMA "\"",
+                                index, schema);
+        for (size_t i = 0; i < sizeof kept / sizeof *kept; ++i)
+            if (json_object_get(root, kept[i]))
+                json_object_set(*row, kept[i], json_object_get(root, kept[i]));
+    }
+    json_decref(root);
+    return r.status;
+}
+
+iso_status iso_pictures_register(const char *name_and_dir, const iso_renderer_info **r, iso_error *err)
+{
+    const char *equals = strchr(name_and_dir, '=');
+    if (!equals || equals == name_and_dir || !equals[1])
+        return iso_fail(err, ISO_E_USAGE, "--images \"%s\": wanted NAME=DIR", name_and_dir);
+    pictures *p = calloc(1, sizeof *p);
+    char *name = strndup(name_and_dir, (size_t)(equals - name_and_dir)),
+         *index = iso_path_join(equals + 1, ISO_PICTURES_INDEX);
+    json_t *row = NULL;
+    size_t steps;
+    iso_status status = p && name && index ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK && !iso_path_is_dir(equals + 1))
+        status = iso_fail(err, ISO_E_IO, "--images %s: there is no folder %s", name_and_dir, equals + 1);
+    if (status == ISO_OK)
+        status = make_row(name, index, &row, &steps, err);
+    if (status == ISO_OK) {
+        *p = (pictures){.dir = strdup(equals + 1),
+                        .hidden = strlen(equals + 1) - strlen(iso_provenance_name(equals + 1)),
+                        .checked = json_object()};
+        pthread_mutex_init(&p->lock, NULL);
+        const iso_external_stand_in instead = {.data = p, .version = version, .render = render, .steps = steps};
+        status = iso_external_register(row, index, equals + 1, &instead, r, err);
+        p = NULL; /* a row refers to it from now on */
+    }
+    json_decref(row);
+    free(p);
+    free(name);
+    free(index);
+    return status;
+}

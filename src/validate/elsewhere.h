@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* elsewhere.h - what somebody has to render who has a renderer elsewhere: requests (renderers/request.h), a folder for each
+ * scene and level and for each calibration, an index and a text that says which pictures are wanted (renderers/pictures.h). */
+#ifndef ISO_VALIDATE_ELSEWHERE_H
+#define ISO_VALIDATE_ELSEWHERE_H
+
+#include "base/json.h"
+#include "pyramid/pyramid.h"
+#include "scene/scene.h"
+
+typedef struct iso_elsewhere {
+    const char *dir;  /* that is there */
+    const char *tier; /* "samples", "limit" or "8 bits" */
+    size_t steps;     /* pictures at so many steps, each half of the one before, for the limit; 0: none */
+    json_t *pictures; /* what is wanted, as pictures.json has it; owned by who began it */
+    json_t *left_out; /* scenes for which a request has no words: each "scene", "why" */
+} iso_elsewhere;
+
+/* The levels of a scene. view: the scene resolved for the pyramid. */
+iso_status iso_elsewhere_write_scene(const iso_elsewhere *e, const iso_pyramid *p, const iso_scene *scene,
+                                     const iso_view *view, const char *name, iso_error *err);
+iso_status iso_elsewhere_write_calibrations(const iso_elsewhere *e, iso_error *err);
+/* pictures.json and README.txt. command: that wrote it; validate: the line that compares the pictures. */
+iso_status iso_elsewhere_finish(const iso_elsewhere *e, const char *command, const char *validate, iso_error *err);
+
+#endif
