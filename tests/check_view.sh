@@ -90,6 +90,11 @@ check a_renderer_of_the_same_code_takes_the_same_samples "$ISOSHADE" compare ref
 notice a_clip_plane_that_is_missing_is_noticed "$ISOSHADE" compare whole.exr webgl.exr --max-rmse 4e-6 --max-abs 8e-5
 refuse what_it_lacks_is_refused 2 "webgl" "$ISOSHADE" render left-handed.nrrd --scene clipped.scene.json --size 9 --with webgl --isosurface 30000 -o x.exr
 
+# ---- beside a report: the link of a row leads to the level that the row is of ----
+"$ISOSHADE" validate v.nrrd --scene "$top/refscenes/shells.scene.json" --quick --levels 2 --size 16 --with gl --viewer -q -o report >/dev/null 2>&1
+check the_report_has_a_page test -s report/viewer-shells.html
+check a_row_links_to_it_at_its_level python3 "$top/tests/view_page.py" link report viewer-shells.html
+
 # ---- what is refused ----
 refuse a_page_needs_a_name 2 "-o is missing" "$ISOSHADE" view v.nrrd
 refuse a_code_for_nearest_fetches_is_refused 2 "not filtered by a texture" "$ISOSHADE" view v.nrrd --code oct24 -o x.html

@@ -5,6 +5,7 @@ page saves, and a line a finding.
 view_page.py pictures FOLDER       FOLDER/NAME.html -> FOLDER/NAME.page.exr, of SIZE pixels as FOLDER/NAME.size says
 view_page.py hands PAGE FOLDER     orbit, drag a point of the transfer function, save, use every control
 view_page.py times PAGE SIZE       milliseconds until the first picture, and of a picture of SIZE pixels
+view_page.py link REPORT PAGE       follows the link of a row of level 1
 view_page.py shot PAGE FILE.jpg    a screenshot for the documentation
 view_page.py shots PAGE FOLDER     screenshots: wide and a telephone's, light and dark"""
 import base64
@@ -167,6 +168,23 @@ def shots(path, folder):
                 page.screenshot(os.path.join(folder, f"{name}-{scheme}.png"))
 
 
+def link(report, name):
+    with Chromium(size=(500, 300)) as page:
+        page.open(os.path.join(report, "index.html"), "document.documentElement.dataset.ready === 'yes'")
+        hrefs = page.evaluate("""(async () => { const list = [], select = document.querySelector('#inspector select');
+            for (const option of select.options) { select.value = option.value; select.dispatchEvent(new Event('change'));
+                await new Promise(done => setTimeout(done, 40));
+                list.push([option.textContent, document.querySelector('#inspector a[href^="viewer"]')?.getAttribute('href') || '']); }
+            return list; })()""")
+        if not hrefs or any(not href.startswith(name + "#level=") for _, href in hrefs):
+            sys.exit(f"rows without a link: {hrefs[:3]}")
+        href = next(href for _, href in hrefs if "level=1" in href and "code=none" in href)
+        load(page, "file://" + os.path.abspath(os.path.join(report, href)))
+        shown = page.evaluate("[isoshade.state.level, isoshade.state.code, document.querySelector('#what select').value]")
+        if shown != [1, None, "1"]:
+            sys.exit(f"{href} shows {shown}")
+
+
 def shot(path, picture):
     with Chromium(size=(1200, 760)) as page:
         load(page, path)
@@ -177,4 +195,4 @@ if __name__ == "__main__":
     if sys.argv[1] == "times":
         times(sys.argv[2], int(sys.argv[3]))
     else:
-        {"pictures": pictures, "hands": hands, "shots": shots, "shot": shot}[sys.argv[1]](*sys.argv[2:])
+        {"pictures": pictures, "hands": hands, "shots": shots, "shot": shot, "link": link}[sys.argv[1]](*sys.argv[2:])

@@ -23,6 +23,7 @@
 #include "scene/subject.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
+#include "cli/validate_viewer.h"
 #include "validate/validate.h"
 
 typedef struct validate_arguments {
@@ -30,7 +31,7 @@ typedef struct validate_arguments {
     iso_cli_look look;
     char *output, *with, *renderers, *code, *junit, *summary_md, *suite, **images;
     iso_cli_cycles cycles;
-    int level_count, seeds, quick, level_views, level_size, anyway, extinction_scale;
+    int level_count, seeds, quick, level_views, level_size, anyway, extinction_scale, viewer;
 } validate_arguments;
 
 static char *scene_name_of(const char *path)
@@ -251,6 +252,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
                         .quick = a->quick,
                         .scales = a->extinction_scale ? ISO_SCALES_ADAPTED : iso_validate_scales_of(pyramid),
                         .seeds = seeds_of(a),
+                        .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
                         .threads = cli->threads,
                         .line = cli->progress,
                         .progress = &progress};
@@ -273,6 +275,8 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
         iso_validate_report_asked(&v);
         iso_validate_forecast(&v);
         status = run_stages(&v, err);
+        if (status == ISO_OK && v.save_viewer)
+            status = v.save_viewer(&v, err);
     }
     if (status == ISO_OK)
         status = finish(a, cli, &v, err);
@@ -349,7 +353,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     iso_progress progress = iso_cli_progress(cli);
     char *line = iso_cli_command_line(cli);
     iso_validation v = {
-        .quick = a->quick, .threads = cli->threads, .seeds = seeds_of(a), .line = cli->progress, .progress = &progress};
+        .quick = a->quick, .save_viewer = a->viewer ? iso_validate_save_viewer : NULL, .threads = cli->threads, .seeds = seeds_of(a), .line = cli->progress, .progress = &progress};
     iso_suite_options suite = {.folder = a->suite,
                                .make_volume = iso_cli_make_volume,
                                .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
@@ -464,6 +468,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
         {"anyway", 0, POPT_ARG_NONE, &a.anyway, 0,
          "validate a scene that shows next to nothing of the volume, or a box, too", NULL},
+        {"viewer", 0, POPT_ARG_NONE, &a.viewer, 0,
+         "put the volume beside the report as a page to look at (isoshade view), to which its rows link", NULL},
         {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "the results as JUnit's XML as well", "FILE.xml"},
         {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0,
          "a summary as Markdown, for the page of a run of continuous integration", "FILE.md"},

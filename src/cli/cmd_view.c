@@ -14,8 +14,6 @@
 #include "tf/presets.h"
 #include "view/viewer.h"
 
-/* Of level 0 of a page: half a gigabyte of textures, which graphics cards and telephones hold. */
-#define MOST_VOXELS 32e6
 enum { LEVELS = 5, COARSEST = 16 }; /* a level is made while the longest side of it has so many voxels */
 
 typedef struct view_arguments {
@@ -26,8 +24,7 @@ typedef struct view_arguments {
     double most;
 } view_arguments;
 
-static iso_status take_codes(const view_arguments *a, const iso_pyramid_options *build, bool is_pyramid, iso_viewer *v,
-                             iso_error *err)
+static iso_status take_codes(const view_arguments *a, const iso_pyramid_options *build, iso_viewer *v, iso_error *err)
 {
     iso_status status = ISO_OK;
     char *list = strdup(a->codes ? a->codes : iso_code_describe(build->code)->name), *rest = list;
@@ -46,7 +43,6 @@ static iso_status take_codes(const view_arguments *a, const iso_pyramid_options 
         else
             ++v->code_count;
     }
-    (void)is_pyramid;
     free(list);
     return status;
 }
@@ -56,10 +52,7 @@ static iso_status choose_levels(const view_arguments *a, const iso_pyramid *p, i
 {
     if (a->level >= 0 && (size_t)a->level >= p->level_count)
         return iso_fail(err, ISO_E_RANGE, "--level %d: the pyramid has levels 0 to %zu", a->level, p->level_count - 1);
-    v->first = a->level > 0 ? (size_t)a->level : 0;
-    while (a->level < 0 && v->first + 1 < p->level_count &&
-           (double)iso_geometry_voxel_count(&p->levels[v->first].geometry) > a->most)
-        ++v->first;
+    v->first = a->level >= 0 ? (size_t)a->level : iso_viewer_finest_level(p, a->most);
     const double voxels = (double)iso_geometry_voxel_count(&p->levels[v->first].geometry);
     if (voxels > a->most)
         return iso_fail(err, ISO_E_RANGE,
@@ -131,7 +124,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level : 0) + (size_t)a->levels;
     if (status == ISO_OK)
-        status = take_codes(a, &build, is_pyramid, &v, err);
+        status = take_codes(a, &build, &v, err);
     build.code = v.code_count > 0 ? v.codes[0] : build.code;
     build.keep_float = v.code_count > 1;
     if (status == ISO_OK)
@@ -155,7 +148,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    view_arguments a = {.level = -1, .levels = LEVELS, .most = MOST_VOXELS};
+    view_arguments a = {.level = -1, .levels = LEVELS, .most = ISO_VIEWER_MOST_VOXELS};
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the page to write", "VIEW.html"},

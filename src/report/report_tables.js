@@ -146,8 +146,15 @@ const looked = {
     // Where all is within the limits, all differences show; else those beyond the limit.
     threshold: row => row.verdict !== 'differ' ? 1e-9 : row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5,
     text: row => [el('p', {}, el('span', {class: style(row.verdict)}, row.verdict), row.tier ? `, tier ${row.tier}` : '', row.why ? `: ${row.why}` : '', '. ',
-        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), ...askedTable(row), ...signalText(row), ...statisticsText(row), command(row.command) || ''],
+        `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), ...askedTable(row), ...signalText(row), ...statisticsText(row), command(row.command) || '', ...viewerLink(row)],
 };
+// The volume as it is seen in this row, where the report has it as a page.
+function viewerLink(row) {
+    const page = (data.viewers || {})[row.scene], words = row.variant || '';
+    if (!page) return [];
+    const at = `#level=${row.level}${words.includes('adapted TF') ? '&adapted' : ''}${words.startsWith('on-the-fly') ? '&code=none' : ''}`;
+    return [el('p', {}, el('a', {href: page + at}, 'look at it in the viewer'))];
+}
 
 // ---- panels of failed cases ---------------------------------------------------
 function still(uri, name, note) {

@@ -60,6 +60,8 @@ static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt
         iso_validate_assume(&pyramid.levels[0], &view, &scene->agreement);
         iso_validate_report_asked(v);
         status = iso_validate_agreement(v, err);
+        if (status == ISO_OK && v->save_viewer)
+            status = v->save_viewer(v, err);
     }
     v->pyramid = NULL, v->scene = NULL, v->view = NULL, v->make = v->volume_path = NULL, v->image_prefix = "";
     free(file);

@@ -70,6 +70,7 @@ typedef struct iso_validation {
     int threads;
     iso_renderers renderers;
     iso_report *report;
+    iso_status (*save_viewer)(const struct iso_validation *v, iso_error *err); /* a page of the volume; or NULL */
     iso_progress_line *line;      /* what a person sees of the whole; NULL: nothing */
     const iso_progress *progress; /* of the part that runs */
 } iso_validation;

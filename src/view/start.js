@@ -34,6 +34,18 @@ const start = async () => {
     // The page shows its finest level; what is read so far stands for it until then.
     state.level = state.b.level = data.levels[data.levels.length - 1].level;
     if (data.levels.length > 1) state.b.level = data.levels[data.levels.length - 2].level;
+    // "#level=1&adapted&code=none": where a link of a report leads.
+    const follow = () => {
+        const asked = new URLSearchParams(location.hash.slice(1)), level = Number(asked.get('level') ?? NaN);
+        if (!location.hash) return;
+        if (data.levels.some(l => l.level === level)) state.level = level;
+        state.adapted = asked.has('adapted');
+        state.code = asked.get('code') === 'none' ? null : data.codes.includes(asked.get('code')) ? asked.get('code') : state.code;
+        controls?.drawWhat();
+        if (controls) frames.ask();
+    };
+    follow();
+    addEventListener('hashchange', follow);
     controls = makeControls(data, state, frames, editor);
     editor.count(data.levels[0]);
     makeOrbit(canvas, state, frames);

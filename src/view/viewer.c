@@ -162,6 +162,14 @@ static void put_page(FILE *f, const iso_viewer *v, const iso_contents *contents)
     }
 }
 
+size_t iso_viewer_finest_level(const iso_pyramid *p, double most_voxels)
+{
+    size_t level = 0;
+    while (level + 1 < p->level_count && (double)iso_geometry_voxel_count(&p->levels[level].geometry) > most_voxels)
+        ++level;
+    return level;
+}
+
 iso_status iso_viewer_save(const iso_viewer *v, const char *path, const iso_progress *progress, iso_viewer_size *size,
                            iso_error *err)
 {

@@ -14,6 +14,10 @@
 #include "scene/scene.h"
 
 enum { ISO_VIEWER_CODES = 8 };
+/* Of the finest level of a page: half a gigabyte of textures, which graphics cards and telephones hold. */
+#define ISO_VIEWER_MOST_VOXELS 32e6
+/* The finest level of at most so many voxels, or the coarsest. */
+size_t iso_viewer_finest_level(const iso_pyramid *p, double most_voxels);
 
 typedef struct iso_viewer {
     const iso_pyramid *pyramid;
