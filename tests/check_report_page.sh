@@ -75,7 +75,10 @@ cp refscenes/shells.tf.json "$dir"
 sed 's/"step_voxels"/"levels": {"ssim_dissimilarity": 0.01}, &/' refscenes/shells.scene.json >"$dir/asked.scene.json"
 expect a_level_that_fails_is_exit_1 1 "$ISOSHADE" validate "$dir/v.nrrd" --scene "$dir/asked.scene.json" --quick --with gl \
     --levels 2 --size 24 --quiet -o "$dir/levels"
+# As a row of two versions of a program has it.
+sed -i 's/"comparison":"limit"/"comparison":"versions"/; s/"statistics":{/&"largest_change":0.25,"pixel":[3,4],"channel":"G","noise_there":0.001,"pixels_tested":9,"pixels_beyond_chance":1,/' "$dir/levels/index.html"
 findings "$dir/levels/index.html"
+check versions_stand_beside_each_other_with_the_pixel found 'versions true'
 check consistency_has_a_row_of_each_method_and_tf found 'consistency_rows 8'
 check half_of_them_are_under_the_adapted_tf found 'rows_under_the_adapted_tf 4'
 check the_level_is_told_with_its_figures found 'levels_told true'

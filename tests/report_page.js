@@ -44,6 +44,14 @@
             (i > 0 || lines2[at].cells[1].textContent === r.verdict) && lines2[at].cells[4].classList.contains('differ') === !f.held));
         say('levels_verdict', $('#levels-verdict').textContent);
 
+        // Two versions: the table says the pixel, and a name flips between the two.
+        const beside = $('#versions tbody tr');
+        if (beside) {
+            beside.querySelector('button').click();
+            await settle();
+            say('versions', !$('#versions').hidden && /column 3, row 4, G/.test(beside.textContent) && shown().length === 1 && location.hash === `#case-${beside.dataset.versions}`);
+        }
+
         const failed = $('#failed'), rows = [...document.querySelectorAll('#agreement tbody tr')];
         say('failed_cases_shown', !failed.hidden && failed.querySelectorAll('.failure').length);
         say('failed_cases_on_top', Boolean(failed.compareDocumentPosition($('#agreement')) & Node.DOCUMENT_POSITION_FOLLOWING));

@@ -103,10 +103,11 @@ static void compare_limit(const pair *p, const char *of, double a, double b, dou
     compare_numbers(p, what, a, b, (iso_tolerance){tolerance, tolerance > 0 ? "a tenth of it" : "stated"});
 }
 
-/* Of an extrapolated limit the RMSE is held to the row's own error bar, which is a gate. */
+/* Of extrapolated limits the RMSE is held to the row's own error bar, which is measured. */
 static bool limit_is_stated(const json_t *row, const char *metric)
 {
-    return strcmp(metric, "rmse") != 0 || iso_row_identify(row).comparison != ISO_COMPARISON_LIMIT;
+    const iso_comparison how = iso_row_identify(row).comparison;
+    return strcmp(metric, "rmse") != 0 || (how != ISO_COMPARISON_LIMIT && how != ISO_COMPARISON_VERSIONS);
 }
 
 static void compare_metrics(const pair *p)

@@ -17,6 +17,7 @@ $('verdict').prepend(data.verdict === 'agree' ? '✓ ' : '✗ ');
 // ---- what follows ---------------------------------------------------------------
 failures();
 notCompared();
+versions();
 if (data.charts_missing) $('agreement').append(el('p', {class: 'refused'}, `No charts: ${data.charts_missing}`));
 $('agreement').append(...agreementTable());
 const pictured = data.agreement.map((row, at) => ({row, at})).filter(c => c.row.image_a && c.row.image_b);

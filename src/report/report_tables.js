@@ -156,6 +156,19 @@ function viewerLink(row) {
     return [el('p', {}, el('a', {href: page + at}, 'look at it in the viewer'))];
 }
 
+// What changed most between two versions of a program, at which pixel; a name flips between their pictures.
+function versions() {
+    const rows = data.agreement.map((row, at) => ({row, at})).filter(c => c.row.comparison === 'versions' && c.row.statistics);
+    if (rows.length === 0) return;
+    $('versions').hidden = false;
+    const flip = at => { view.mode = 'flip'; inspect(at, true); };
+    $('versions').append(table('Versions.', [['verdict'], ['level', 1], ['scene'], ['versions'], ['largest change', 1], ['at'], ['scatter there', 1], ['pixels beyond chance', 1], ['RMSE', 1], ['of at most', 1]],
+        rows.map(({row, at}) => el('tr', {'data-versions': row.number}, cell(row.verdict, false, style(row.verdict)), cell(String(row.level), true), cell(row.scene),
+            cell(row.image_a && row.image_b ? el('button', {type: 'button', class: 'open', onclick: () => flip(at)}, `${row.a} and ${row.renderer}`) : `${row.a} and ${row.renderer}`),
+            cell(number(row.statistics.largest_change), true), cell(`column ${row.statistics.pixel[0]}, row ${row.statistics.pixel[1]}, ${row.statistics.channel}`),
+            cell(number(row.statistics.noise_there, 2), true), cell(`${row.statistics.pixels_beyond_chance} of ${row.statistics.pixels_tested}`, true), cell(brief(row.rmse), true), cell(brief(row.limits.rmse), true)))));
+}
+
 // ---- panels of failed cases ---------------------------------------------------
 function still(uri, name, note) {
     return el('div', {class: 'panel'}, el('img', {src: uri, alt: name}), el('span', {}, el('strong', {}, name), note ? ` ${note}` : ''));
