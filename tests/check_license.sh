@@ -4,7 +4,7 @@
 # Python interface (bpy) asks for that. Volumes under tests/formats are what another program wrote, byte for byte.
 . "$(dirname "$0")/lib.sh"
 
-sources() { find "$1"/src "$1"/exporters "$1"/tests "$1"/refscenes "$1"/Makefile "$1"/.ci -type f ! -name '*.json' ! -path '*/__pycache__/*' ! -path '*/tests/formats/phantom.*'; }
+sources() { find "$1"/src "$1"/exporters "$1"/tests "$1"/refscenes "$1"/Makefile "$1"/.ci -type f ! -name '*.json' ! -path '*/__pycache__/*' ! -path '*/node_modules/*' ! -path '*/tests/formats/phantom.*'; }
 
 wrong() { # folder: a line for each file whose licence is not what it should be
     local file wanted

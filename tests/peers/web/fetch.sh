@@ -1,0 +1,16 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Fetches the libraries of the web in their pinned versions and makes a page of each. Needs npm and a network; nothing else
+# of isoshade does.
+set -eu
+cd "$(dirname "$0")"
+npm ci --loglevel=error
+pages=node_modules/.isoshade
+mkdir -p "$pages"
+for library in vtkjs niivue; do
+    [ -f "page_$library.js" ] || continue
+    node_modules/.bin/esbuild "page_$library.js" --bundle --minify --format=iife --log-level=error --outfile="$pages/$library.js"
+    printf '<!doctype html><meta charset="utf-8"><body style="margin:0"><script src="%s.js"></script></body>\n' "$library" \
+        >"$pages/$library.html"
+done
+echo "The pages are in $PWD/$pages"
