@@ -91,7 +91,7 @@ target=check scenes='' keep='' suite=''
 while [ $# -gt 0 ]; do
     case $1 in
     --target) [ $# -ge 2 ] || usage; target=$2; shift 2 ;;
-    --scenes) scenes=yes; target=all; shift ;;
+    --scenes) scenes=yes; target='setup all'; shift ;;
     --keep) [ $# -ge 2 ] || usage; keep=$2; shift 2 ;;
     bookworm | trixie | sid) [ -z "$suite" ] || usage; suite=$1; shift ;;
     *) usage ;;
