@@ -77,8 +77,9 @@ length, as in a transfer function's file. As exported they differ from the exact
 {ramps}
 A millimetre is {units:g} Blender unit(s).{unit} Cycles takes a step of {step:.4g} units; a longer step is faster, a shorter one
 more exact (change both the volume's render step and its property isoshade_step). For pictures with an alpha channel
-turn on Film > Transparent. Made by Blender {blender}, which puts voxels {shift} of a voxel off: the volume objects are
-moved back by that. Other versions of Blender may differ; export again with the one that you use.
+turn on Film > Transparent. Cycles renders on the {device} (Render > Device). Made by Blender {blender}, which puts voxels {shift}
+of a voxel off: the volume objects are moved back by that. Other versions of Blender may differ; export again with the one that you
+use.
 """
 
 
@@ -117,7 +118,8 @@ def explain(about, shift):
     text.write(README.format(name=about["name"], source=" from " + about["source"] if about["source"] else "",
                              far=far, levels=several, units=about["units_per_mm"],
                              unit=f' The data\'s lengths are in {about.get("unit", "")}.' if about.get("unit", "") else "", ramps=tell_ramps(ramps), step=about["levels"][0]["step"],
-                             blender=bpy.app.version_string, shift=shift))
+                             blender=bpy.app.version_string, shift=shift,
+                             device=bpy.context.scene.cycles.device))
     scene = bpy.context.scene
     scene["isoshade_source"] = about["source"]
     scene["isoshade_voxel_shift"] = shift
