@@ -95,6 +95,11 @@ refuse what_it_lacks_is_refused 2 "webgl" "$ISOSHADE" render left-handed.nrrd --
 check the_report_has_a_page test -s report/viewer-shells.html
 check a_row_links_to_it_at_its_level python3 "$top/tests/view_page.py" link report viewer-shells.html
 
+# ---- a volume that is too large goes in by a coarser level, with what that costs ----
+"$ISOSHADE" view v.nrrd --most-voxels 10000 -o coarse.html >coarse.out
+check the_level_that_goes_in_is_said grep -q "levels 1 to" coarse.out
+check the_page_says_what_it_costs grep -qE '"seen":\{"rmse":0\.[0-9]+,"ssim_dissimilarity":0\.[0-9]+,"rmse_adapted":' coarse.html
+
 # ---- what is refused ----
 refuse a_page_needs_a_name 2 "-o is missing" "$ISOSHADE" view v.nrrd
 refuse a_code_for_nearest_fetches_is_refused 2 "not filtered by a texture" "$ISOSHADE" view v.nrrd --code oct24 -o x.html

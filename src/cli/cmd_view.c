@@ -20,7 +20,7 @@ typedef struct view_arguments {
     iso_volume_input input;
     iso_cli_look look;
     char *output, *codes;
-    int level, levels, floats, adapted;
+    int level, levels, floats, adapted, errors;
     double most;
 } view_arguments;
 
@@ -116,7 +116,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_pyramid pyramid = {0};
     iso_scene scene = {0};
     iso_subject_look look;
-    iso_viewer v = {.pyramid = &pyramid, .scene = &scene, .floats = a->floats, .adapted = a->adapted,
+    iso_viewer v = {.pyramid = &pyramid, .scene = &scene, .floats = a->floats, .adapted = a->adapted, .errors = a->errors,
                     .threads = cli->threads, .title = iso_path_base(path), .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
     iso_status status = check(a, err);
@@ -160,6 +160,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "direction codes to choose from in the page; none: gradients on the fly alone, and a smaller page", "CODE,.."},
         {"float", 0, POPT_ARG_NONE, &a.floats, 0,
          "levels that are stored in floats as they are, not in 16 bits over their range: pages of twice the size", NULL},
+        {"errors", 0, POPT_ARG_NONE, &a.errors, 0,
+         "say in the page of each coarse level how far its pictures are from level 0's, not of the finest alone", NULL},
         {"adapt", 0, POPT_ARG_NONE, &a.adapted, 0, "begin with transfer functions adapted to coarse levels", NULL},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,

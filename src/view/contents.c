@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/version.h"
+#include "tf/adapt.h"
 #include "tf/histogram.h"
 #include "tf/presets.h"
 
@@ -184,6 +185,36 @@ static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *content
     return status;
 }
 
+/* ---- what a coarse level costs ------------------------------------------------------------------------------------ */
+
+/* How far pictures of the level are from those of level 0 in small views (tf/small_views.h), through the scene's transfer
+ * function and through the adapted one; and whether that is the better one. */
+static iso_status add_errors(const iso_viewer *v, size_t k, json_t *json, iso_error *err)
+{
+    const iso_level *level0 = &v->pyramid->levels[0];
+    iso_adapt_options opt = iso_adapt_defaults();
+    iso_adapt_judgment judgment = {0};
+    iso_tf_table table = {0}, adapted = {0};
+    if (k == 0 || level0->labels || !level0->scalar || !(v->errors || k == v->first))
+        return ISO_OK;
+    opt.threads = v->threads;
+    opt.folder = v->folder;
+    iso_status status = iso_tf_tabulate(&v->scene->tf, iso_pyramid_lo(v->pyramid), iso_pyramid_hi(v->pyramid),
+                                        &level0->geometry, &table, err);
+    if (status == ISO_OK)
+        status = iso_adapt_level(v->pyramid, k, &table, &opt, &adapted, &judgment, err);
+    if (status == ISO_OK && judgment.seen)
+        json_object_set_new(json, "seen",
+                            json_pack("{s:f, s:f, s:f, s:f, s:b}", "rmse", judgment.seen_original.rmse,
+                                      "ssim_dissimilarity", judgment.seen_original.ssim_dissimilarity, "rmse_adapted",
+                                      judgment.seen_adapted.rmse, "ssim_dissimilarity_adapted",
+                                      judgment.seen_adapted.ssim_dissimilarity, "adapting_helps",
+                                      !judgment.use_original));
+    iso_tf_table_destroy(&adapted);
+    iso_tf_table_destroy(&table);
+    return status;
+}
+
 /* ---- levels ------------------------------------------------------------------------------------------------------- */
 
 static json_t *geometry_json(const iso_geometry *g)
@@ -209,6 +240,8 @@ static iso_status add_level(const iso_viewer *v, size_t k, iso_contents *content
         status = add_codes(v, k, contents, json, err);
     if (status == ISO_OK)
         status = add_joint(v, k, contents, json, err);
+    if (status == ISO_OK)
+        status = add_errors(v, k, json, err);
     return status;
 }
 

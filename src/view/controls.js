@@ -33,12 +33,18 @@ const makeControls = (data, state, frames, editor) => {
         const adapt = element('input', {type: 'checkbox', checked: of.adapted});
         const row = labeled('adapted transfer function', adapt);
         row.className = 'check';
-        const able = () => { adapt.disabled = !(data.levels.find(l => l.level === of.level) || {}).joint; row.classList.toggle('off', adapt.disabled); };
+        const cost = element('p', {className: 'hint'});
+        const able = () => {
+            const seen = (data.levels.find(l => l.level === of.level) || {}).seen, digits = x => Number(x.toPrecision(2));
+            cost.textContent = seen ? `With the scene's transfer function, pictures of this level differ from level 0 by RMSE ${digits(seen.rmse)}, 1 - SSIM ${digits(seen.ssim_dissimilarity)}; adapted by ${digits(seen.rmse_adapted)} and ${digits(seen.ssim_dissimilarity_adapted)}: ${seen.adapting_helps ? 'adapting helps' : 'the original is kept by --adapt'}.` : '';
+            cost.hidden = !seen;
+            adapt.disabled = !(data.levels.find(l => l.level === of.level) || {}).joint; row.classList.toggle('off', adapt.disabled);
+        };
         adapt.addEventListener('change', () => { of.adapted = adapt.checked; changed(); });
         able();
         return [
             labeled(`level${side}`, choice(levels.map(n => [n, `${n}: ${sizeOf(n)}`]), of.level, v => { of.level = Number(v); able(); changed(); })),
-            labeled(`directions${side}`, choice(codes, of.code ?? '', v => { of.code = v || null; changed(); })), row,
+            labeled(`directions${side}`, choice(codes, of.code ?? '', v => { of.code = v || null; changed(); })), row, cost,
         ];
     };
     const drawWhat = () => $('what').replaceChildren(...what('', state));

@@ -4,7 +4,7 @@
 const makeFrames = (context, caster, data, state, canvas, told) => {
     const {gl} = context, bandMs = 45, movingMs = 60;
     const display = context.program(['display.glsl']), targets = new Map();
-    let asked = 0, moving = false, perPixel = 1e-4, running = false, shown = {}; // perPixel: milliseconds, of the last bands
+    let asked = 0, moving = false, perPixel = 2e-3, running = false, shown = {}; // perPixel: milliseconds, of the last bands; at first as for software GL
 
     const targetOf = (name, width, height) => {
         const old = targets.get(name);

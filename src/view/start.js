@@ -62,7 +62,7 @@ const start = async () => {
         window.isoshade.controls = controls;
         frames.ask();
     }, say);
-    frames.ask();
+    frames.ask(true); // few pixels first: a picture at once
     await frames.settled();
     if (document.readyState === 'loading') await new Promise(done => document.addEventListener('DOMContentLoaded', done, {once: true}));
     const all = data.levels;
