@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/process.h"
+#include "base/provenance.h"
 #include "base/words.h"
 #include "renderers/picture_file.h"
 #include "renderers/request.h"
@@ -81,7 +82,7 @@ static json_t *words_json(const char *const *words)
 {
     json_t *list = json_array();
     for (; *words; ++words)
-        json_array_append_new(list, json_string(*words));
+        json_array_append_new(list, json_string(strchr(*words, '/') ? iso_provenance_name(*words) : *words));
     return list;
 }
 

@@ -70,8 +70,11 @@ static iso_status add_check(iso_validation *v, const fitness *f, const iso_calib
         row.not_asked = true;
     } else if (!c->passed && refusal->status == ISO_OK) {
         refusal->status = ISO_E_UNTRUSTED;
-        snprintf(refusal->why, sizeof refusal->why, "failed its calibration: %s is %.3g %s, at most %g", c->check,
-                 c->value, c->unit, c->limit);
+        if (isnan(c->value))
+            snprintf(refusal->why, sizeof refusal->why, "failed its calibration: %s cannot be measured", c->check);
+        else
+            snprintf(refusal->why, sizeof refusal->why, "failed its calibration: %s is %.3g %s, at most %g", c->check,
+                     c->value, c->unit, c->limit);
     }
     return iso_report_add_calibration(v->report, &row, err);
 }

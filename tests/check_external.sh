@@ -1,0 +1,158 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Programs as renderers: the one that doc/extending.md shows agrees; one that fails, hangs or cheats is refused by name within
+# its time limit, and nothing that it began lives on; what a renderers.json says wrong is named.
+. "$(dirname "$0")/lib.sh"
+python_with numpy
+scene=$top/refscenes/shells.scene.json
+export CHECK_EXTERNAL_MARK=$dir # in the environment of whatever is started from here
+"$ISOSHADE" make shells --size 12x11x10 -q -o v.nrrd
+
+# ---- the example, taken out of the page ----
+awk '/^## / {on = ($0 == "## A renderer that is a program")} on && /^```python$/ {out = 1; next} /^```/ {out = 0} out' "$top/doc/extending.md" >numpy_renderer.py
+awk '/^## / {on = ($0 == "## A renderer that is a program")} on && /^```json$/ {out = 1; next} /^```/ {out = 0} out' "$top/doc/extending.md" |
+    sed "s|\"python3\", \"numpy|\"$python\", \"numpy|" >renderers.json
+holds the_example_is_short "$(grep -c . numpy_renderer.py) <= 68"
+flatten() { # report: REPORT.txt has a line "LIST NAME KEY VALUE" for each value of its rows and programs
+    python3 -c '
+import json, sys
+report = json.load(open(sys.argv[1] + "/report.json"))
+for of in "calibration", "agreement":
+    for row in report[of]:
+        for key in row: print(of, row["renderer"], key, row[key])
+for name, program in report["programs"].items():
+    for key in program: print("programs", name, key, program[key])' "$1" >"$1.txt"
+}
+row() { sed -n "s/^$2 $3 $4 //p" "$1.txt"; } # report, list, name, key of it: values of the rows of that renderer
+mkdir suite
+cp "$top"/refscenes/suite/{highlights,ramp-rotated,negative-noise}.scene.json suite/
+python3 - <<'END'
+import json
+cut = json.load(open('suite/highlights.scene.json'))
+cut['clip_planes'] = [{'normal': [0.3, 1, 0.2], 'at': 0.4}, {'normal': [-1, 0, 0], 'at': 0.3}]
+json.dump(cut, open('suite/cut.scene.json', 'w'))
+END
+expect the_example_agrees_on_scenes_of_the_suite 0 "$ISOSHADE" validate --suite suite --with numpy --renderers renderers.json --size 12 -q -o suited
+flatten suited
+check all_seven_calibrations_pass test "$(row suited calibration numpy verdict | sort | uniq -c | tr -s ' ')" = " 7 pass"
+check each_scene_has_rows_that_agree test "$(row suited agreement numpy verdict | sort -u)" = agree
+check rows_name_the_file_of_the_renderer grep -q -- '--with numpy --renderers renderers.json' suited/report.json
+check the_list_has_it bash -c "ISOSHADE_RENDERERS=renderers.json '$ISOSHADE' list | grep -q '^  numpy  *numpy ray caster'"
+check not_by_default bash -c "! '$ISOSHADE' list | grep -q numpy"
+
+# ---- programs that fail ----
+"$python" - <<'END'
+script = open('numpy_renderer.py').read().split('r = json.load')[0]
+exec(script)
+write_exr('right.exr', np.zeros((32, 32, 4)))
+write_exr('wide.exr', np.zeros((32, 33, 4)))
+bad = np.zeros((32, 32, 4))
+bad[3, 5, 1] = np.nan
+write_exr('nan.exr', bad)
+exec(script.replace("b'ABGR'", "b'0BGR'"))
+write_exr('three.exr', np.zeros((32, 32, 4)))
+END
+touch -d '1 hour ago' right.exr
+cat >bad.sh <<'END'
+#!/bin/bash
+here=$(dirname "$0")
+case $1 in
+hang) sleep 1000 ;;
+deaf) trap '' TERM INT HUP; while :; do sleep 1000; done ;;
+crash) kill -SEGV $$ ;;
+code) echo "no such luck" >&2; exit 3 ;;
+nothing) echo "nothing to do" ;;
+garbage) echo garbage >frame0.exr ;;
+empty) : >frame0.exr ;;
+pipe) mkfifo frame0.exr ;;
+link) ln -s "$here/right.exr" frame0.exr ;;
+stale) cp -p "$here/right.exr" frame0.exr ;;
+wide | nan | three) cp "$here/$1.exr" frame0.exr ;;
+black) cp "$here/right.exr" frame0.exr ;;
+flood) exec yes ;;
+closed) exec >&- 2>&-; sleep 1000 ;;
+orphan) setsid sleep 1000 >/dev/null 2>&1 & cp "$here/right.exr" frame0.exr ;;
+odd) printf 'tab\t \001\377\303 end\n' >&2; exit 1 ;;
+esac
+END
+chmod +x bad.sh
+names="hang deaf crash code nothing garbage empty pipe link stale wide nan three black flood closed orphan odd"
+python3 - $names >bad.json <<'END'
+import json, sys
+rows = [{"name": n, "command": ["./bad.sh", n], "tier": "samples", "can": ["lights", "orthographic"], "timeout_seconds": 0.4} for n in sys.argv[1:]]
+json.dump({"schema": "isoshade.renderers/1", "renderers": rows}, sys.stdout)
+END
+start=$(date +%s)
+expect renderers_that_fail_make_a_report 9 "$ISOSHADE" validate v.nrrd --scene "$scene" --quick --levels 1 --size 8 --with "${names// /,}" --renderers bad.json --junit bad.xml -q -o bad
+flatten bad
+holds they_take_no_longer_than_their_limits "$(($(date +%s) - start)) <= 20"
+check the_page_is_there test -s bad/index.html
+check junit_has_their_failures test "$(grep -c "type=.calibration.*nothing was measured" bad.xml)" -ge 16
+while read -r name words; do
+    if row bad calibration "$name" detail | grep -qF -- "$words" && [ "$(row bad agreement "$name" verdict | sort -u)" = refused ]; then ok "${name}_is_refused_by_name"
+    else not_ok "${name}_is_refused_by_name" "$(row bad calibration "$name" detail | tail -n 1)"; fi
+done <<'END'
+hang stopped after 0.4 s, the time limit
+deaf stopped after 0.4 s, the time limit
+crash ended by signal 11
+code exit code 3: no such luck
+nothing frame0.exr was not written; it printed last: nothing to do
+garbage frame0.exr is no OpenEXR picture
+empty frame0.exr is no OpenEXR picture
+pipe frame0.exr is no file
+link frame0.exr is no file
+stale frame0.exr is older than the request for it
+wide frame0.exr has 33 x 32 pixels, wanted 32 x 32
+nan frame0.exr has 1 values that are no numbers, the first in column 5 of row 3
+three frame0.exr has no channel A
+black half a voxel would be
+flood stopped after 0.4 s, the time limit
+closed stopped after 0.4 s, the time limit
+orphan half a voxel would be
+odd exit code 1: tab  ??? end
+END
+left() { grep -laz "^CHECK_EXTERNAL_MARK=$dir\$" /proc/[0-9]*/environ 2>/dev/null | grep -oE '[0-9]+' | while read -r pid; do tr '\0' ' ' <"/proc/$pid/cmdline"; echo; done | grep -aE '[s]leep 1000|^[y]es|[b]ad\.sh'; }
+check nothing_that_they_began_is_alive bash -c "! { $(declare -f left); dir=$dir; left; }"
+sleep 1000 & # planted
+check a_process_that_is_left_is_found left
+kill $!
+wait $! 2>/dev/null
+check the_report_has_the_exit_code test "$(row bad programs code exit_code) $(row bad programs code output)" = "3 ['no such luck']"
+check the_report_has_the_signal test "$(row bad programs crash signal)" = 11
+check the_report_has_the_time_limit test "$(row bad programs flood exit_code) $(row bad programs flood timed_out)" = "None True"
+check the_report_has_the_command test "$(row bad programs code command)" = "['bad.sh', 'code']"
+check the_report_has_the_last_lines_alone test "$(row bad programs flood output | grep -o "'y'" | wc -l)" = 8
+for pair in "hang:time limit" "stale:older than the request" "nan:no numbers"; do
+    refuse "render_refuses_${pair%%:*}" 8 "${pair#*:}" "$ISOSHADE" render v.nrrd --scene "$scene" --size 32 --with "${pair%%:*}" --renderers bad.json -q -o x.exr
+done
+refuse timeout_of_the_command_line_is_less 8 "after 0.2 s" "$ISOSHADE" render v.nrrd --scene "$scene" --size 8 --with hang --renderers bad.json --timeout 0.2 -q -o x.exr
+
+# ---- our own programs that fail in calibration: a report and exit code 9 ----
+mkdir fake
+cat >fake/povray <<'END'
+#!/bin/bash
+case "$*" in *-version*) echo "POV-Ray 3.7.0.10"; exit 0 ;; esac
+[ -z "$FAKE_CRASHES" ] || kill -SEGV $$
+for word; do case $word in Width=*) w=${word#*=} ;; Height=*) h=${word#*=} ;; esac; done
+{ printf 'P6\n%d %d\n65535\n' "$w" "$h"; head -c $((w * h * 6)) /dev/zero; } >pass.ppm
+END
+chmod +x fake/povray
+for crashes in "" 1; do
+    expect "a_renderer_that_${crashes:+crashes}${crashes:-is_black}_alone_is_refused" 9 env FAKE_CRASHES=$crashes ISOSHADE_POVRAY="$dir/fake/povray" "$ISOSHADE" validate v.nrrd --scene "$scene" --quick --levels 1 --size 8 --with povray -q -o "own$crashes"
+    check "its_report_is_there$crashes" test -s "own$crashes/index.html" -a -s "own$crashes/charts/agreement.svg"
+done
+
+# ---- programs that are not there, and what a scene asks for in vain ----
+cat >other.json <<'END'
+{"schema": "isoshade.renderers/1", "renderers": [
+  {"name": "absent", "command": ["no-such-program"], "package": "such-a-package", "tier": "limit"},
+  {"name": "lacking", "command": ["/bin/true"], "version": ["/bin/sh", "-c", "echo no module numpy >&2; exit 1"], "tier": "limit"},
+  {"name": "unlit", "command": ["./bad.sh", "black"], "tier": "8 bits", "can": []}]}
+END
+expect a_program_that_is_missing 7 "$ISOSHADE" validate v.nrrd --scene "$scene" --quick --levels 1 --size 8 --with absent,lacking,unlit --renderers other.json -q -o other
+flatten other
+check its_package_is_named grep -q '^calibration absent detail missing: .*no-such-program.*such-a-package' other.txt
+check what_a_version_lacks_is_named grep -q '^calibration lacking detail missing: .*no module numpy' other.txt
+check checks_that_need_lights_are_not_asked test "$(row other calibration unlit detail | grep -c 'unlit does not render lights')" = 3
+check slab_is_asked_within_8_bits grep -q '^calibration unlit detail 8 bits a channel: half a step' other.txt
+exit $failed
