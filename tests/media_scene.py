@@ -15,7 +15,7 @@ import xml.etree.ElementTree as xml
 
 import numpy
 
-DIRECTIVES = {"Option": 0, "Film": 1, "PixelFilter": 1, "Sampler": 1, "Integrator": 1, "MediumInterface": 2, "Transform": 0,
+DIRECTIVES = {"Film": 1, "PixelFilter": 1, "Sampler": 1, "Integrator": 1, "MediumInterface": 2, "Transform": 0,
               "Camera": 1, "Include": 1, "WorldBegin": 0, "LightSource": 1, "Material": 1, "Shape": 1, "MakeNamedMedium": 1}
 
 

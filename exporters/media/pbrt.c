@@ -80,10 +80,9 @@ static void print_scene(FILE *f, const iso_medium *m)
         f,
         "\n# A medium of baked grids that emits and absorbs; lengths in mm. Its colors are shaded for this camera and these lights.\n"
         "# Rays go through the middles of pixels; a wider filter smooths edges.\n"
-        "Option \"integer seed\" [ 0 ]\n"
         "Film \"rgb\" \"integer xresolution\" [ %zu ] \"integer yresolution\" [ %zu ] \"string filename\" [ \"scene.exr\" ] \"bool savefp16\" [ false ]\n"
         "PixelFilter \"box\" \"float xradius\" [ 0.0005 ] \"float yradius\" [ 0.0005 ]\n"
-        "Sampler \"zsobol\" \"integer pixelsamples\" [ 256 ]\n"
+        "Sampler \"zsobol\" \"integer pixelsamples\" [ 256 ] \"integer seed\" [ 0 ]\n"
         "Integrator \"volpath\" \"integer maxdepth\" [ 1 ]\n",
         view->width, view->height);
     if (m->camera_is_inside)

@@ -9,6 +9,7 @@
 #include "palette/palette.h"
 #include "pyramid/pyramid.h"
 #include "renderers/external.h"
+#include "render/gl/raycaster.h"
 #include "scene/field.h"
 #include "targets/targets.h"
 #include "scene/viewpoint.h"
@@ -87,12 +88,64 @@ static iso_status list(const iso_cli *cli, bool markdown)
     return ISO_OK;
 }
 
+/* ---- devices of OpenGL: what this machine has, so that they are no table ---- */
+
+static json_t *device_json(const char *choice, const iso_gl_info *info, const char *why)
+{
+    if (!info)
+        return json_pack("{ss ss}", "choice", choice, "why", why);
+    return json_pack("{ss ss ss ss ss si si si si}", "choice", choice, "device", info->device, "vendor", info->vendor,
+                     "renderer", info->renderer, "version", info->version, "filter_bits_unorm8",
+                     info->filter_bits_unorm8, "filter_bits_unorm16", info->filter_bits_unorm16, "filter_bits_float",
+                     info->filter_bits_float, "timer_bits", info->timer_bits);
+}
+
+/* One that cannot be opened is listed with the reason. */
+static void list_device(const char *choice, json_t *rows)
+{
+    iso_gl *gl = NULL;
+    iso_error why = {{0}};
+    static const iso_gl_info none;
+    const bool there = iso_gl_create_on(&gl, choice, NULL, &why) == ISO_OK;
+    const iso_gl_info info = there ? iso_gl_describe(gl) : none;
+    if (rows)
+        json_array_append_new(rows, device_json(choice, there ? &info : NULL, why.text));
+    else if (!there)
+        printf("%-12s %s\n", choice, why.text);
+    else
+        printf("%-12s %s: %s, OpenGL %s\n"
+               "             linear filter of %d bits (8-bit textures), %d (16-bit), %d (float); timer of %d bits\n",
+               choice, info.vendor, info.renderer, info.version, info.filter_bits_unorm8, info.filter_bits_unorm16,
+               info.filter_bits_float, info.timer_bits);
+    iso_gl_destroy(gl);
+}
+
+static iso_status list_gl(const iso_cli *cli)
+{
+    json_t *rows = cli->json ? json_array() : NULL;
+    const size_t count = iso_gl_device_count();
+    for (size_t i = 0; i < count; ++i) {
+        char choice[24];
+        snprintf(choice, sizeof choice, "%zu", i);
+        list_device(choice, rows);
+    }
+    list_device("surfaceless", rows);
+    if (rows) {
+        json_t *root = iso_cli_json(cli);
+        json_object_set_new(root, "gl_devices", rows);
+        iso_cli_print_json(root);
+    }
+    return ISO_OK;
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    int markdown = 0;
+    int markdown = 0, gl = 0;
     char *renderers = NULL;
     struct poptOption options[] = {
         {"markdown", 0, POPT_ARG_NONE, &markdown, 0, "as a document: doc/names.md", NULL},
+        {"gl", 0, POPT_ARG_NONE, &gl, 0,
+         "devices for --gl-device: what OpenGL says of them, and the bits of their linear filter", NULL},
         ISO_CLI_RENDERERS_OPTION(&renderers),
         POPT_TABLEEND,
     };
@@ -102,7 +155,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_renderers_load(renderers, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = list(&cli, markdown);
+        status = gl ? list_gl(&cli) : list(&cli, markdown);
     iso_cli_end(&cli);
     return status;
 }
@@ -110,8 +163,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_list = {
     .name = "list",
     .summary = "list formats, direction codes, estimators and all else that has a name",
-    .usage = "[--markdown] [--renderers FILE.json]",
+    .usage = "[--markdown] [--renderers FILE.json] | --gl",
     .examples = "  isoshade list\n"
-                "  isoshade list --json\n",
+                "  isoshade list --json\n"
+                "  isoshade list --gl\n",
     .run = run,
 };

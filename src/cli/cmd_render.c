@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_render.c - one level of a volume as an image, by any of the renderers. */
+#define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -98,9 +99,17 @@ static iso_status save_image(const iso_render_arguments *a, const iso_cli *cli, 
 /* Who rendered, how long, and where the JSON goes. */
 typedef struct iso_rendered {
     const char *version;
-    double seconds;
+    double seconds, device_seconds;
     json_t *frames;
 } iso_rendered;
+
+/* NaN of other renderers, and of a device without a timer. */
+static double device_seconds(const iso_render_options *opt, iso_renderers *renderers)
+{
+    iso_gl *gl;
+    const bool is_gl = strcmp(opt->renderer->name, "gl") == 0;
+    return is_gl && iso_renderers_need_gl(renderers, &gl, NULL) == ISO_OK ? iso_gl_device_seconds(gl) : NAN;
+}
 
 /* Of a series the JSON of each frame is collected in `frames`, else NULL. */
 static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_pyramid *p, const iso_view *view,
@@ -124,6 +133,8 @@ static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_
                                      version, "size", (json_int_t)view->width, (json_int_t)view->height, "level_size",
                                      (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2],
                                      "step_voxels", a->step > 0 ? a->step : view->step_voxels, "seconds", seconds));
+    if (isfinite(done->device_seconds))
+        json_object_set_new(root, "device_seconds", iso_json_number(done->device_seconds));
     json_object_set_new(root, "visible", iso_cli_visible_json(visible));
     if (done->frames)
         json_array_append_new(done->frames, root);
@@ -273,7 +284,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
         iso_visible_take_image(&visible, &image, view.background);
         if (!warned)
             iso_cli_warn_of(cli, &visible);
-        report(a, cli, &pyramid, &view, &visible, &(iso_rendered){version, seconds, of->results});
+        report(a, cli, &pyramid, &view, &visible, &(iso_rendered){version, seconds, device_seconds(&opt, &renderers), of->results});
     }
     iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -379,6 +390,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, list_renderers(&help), "RENDERER"},
         ISO_CLI_RENDERERS_OPTION(&a.renderers),
         ISO_CLI_CYCLES_OPTIONS(&cycles, "the Blender of --with cycles: a path, or a name that PATH has", "PROGRAM"),
+        ISO_CLI_GL_DEVICE_OPTION(&a.gl_device),
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
          "K"},
         {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
@@ -440,6 +452,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     a.adapted.cli = &cli;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (a.gl_device)
+        setenv(ISO_GL_DEVICE_VARIABLE, a.gl_device, 1);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_renderers_load(a.renderers, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)

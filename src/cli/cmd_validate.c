@@ -17,6 +17,7 @@
 #include "options/visible.h"
 #include "renderers/external.h"
 #include "renderers/pictures.h"
+#include "render/gl/raycaster.h"
 #include "report/levels.h"
 #include "report/markdown.h"
 #include "scene/views.h"
@@ -29,7 +30,7 @@
 typedef struct validate_arguments {
     iso_volume_input input;
     iso_cli_look look;
-    char *output, *with, *renderers, *code, *junit, *summary_md, *suite, **images;
+    char *output, *with, *renderers, *gl_device, *code, *junit, *summary_md, *suite, **images;
     iso_cli_cycles cycles;
     int level_count, seeds, quick, level_views, level_size, anyway, extinction_scale, viewer;
 } validate_arguments;
@@ -459,6 +460,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"images", 0, POPT_ARG_ARGV, &a.images, 0,
          "pictures that somebody made elsewhere of what isoshade scenes --write wrote, as a renderer NAME; repeated for several",
          "NAME=DIR"},
+        ISO_CLI_GL_DEVICE_OPTION(&a.gl_device),
         {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
         {"level-views", 0, POPT_ARG_INT, &a.level_views, 0,
          "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},
@@ -479,6 +481,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (a.gl_device)
+        setenv(ISO_GL_DEVICE_VARIABLE, a.gl_device, 1);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = check_and_run(&a, &cli, err);
     iso_cli_end(&cli);

@@ -20,7 +20,7 @@ typedef struct iso_render_arguments {
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     iso_cli_look look;
-    const char *with, *renderers;
+    const char *with, *renderers, *gl_device;
     char *output, *png, *frames, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels,
         page_side;

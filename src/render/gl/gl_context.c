@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 
-#include "render/gl/gl_context.h"
+#include "render/gl/gl_devices.h"
 
 #include <dlfcn.h>
 #include <math.h>
@@ -23,81 +23,6 @@ static iso_status find_libraries(iso_error *err)
         dlclose(handle);
     }
     return ISO_OK;
-}
-
-/* Appends "name: why; " to what was tried. */
-static void note_trial(char *tried, size_t size, const char *name, const char *why)
-{
-    size_t used = strlen(tried);
-    snprintf(tried + used, size - used, "%s%s: %s", used ? "; " : "", name, why);
-}
-
-static const char *egl_error_text(void)
-{
-    switch (eglGetError()) {
-    case EGL_NOT_INITIALIZED: return "not initialized";
-    case EGL_BAD_ACCESS: return "access denied";
-    case EGL_BAD_ALLOC: return "out of memory";
-    case EGL_BAD_MATCH: return "no core profile 4.3";
-    case EGL_BAD_CONFIG: return "no context without a config";
-    default: return "refused";
-    }
-}
-
-/* A current core 4.3 context on this display, or false with the reason noted. */
-static bool open_display(iso_gl *gl, EGLDisplay display, const char *name, char *tried, size_t tried_size)
-{
-    static const EGLint attributes[] = {
-        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
-    if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL) || !eglBindAPI(EGL_OPENGL_API)) {
-        note_trial(tried, tried_size, name, display == EGL_NO_DISPLAY ? "no display" : egl_error_text());
-        return false;
-    }
-    EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-    if (context == EGL_NO_CONTEXT || !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
-        note_trial(tried, tried_size, name, egl_error_text());
-        if (context != EGL_NO_CONTEXT)
-            eglDestroyContext(display, context);
-        return false;
-    }
-    gl->display = display;
-    gl->context = context;
-    return true;
-}
-
-/* A device that Mesa emulates is left to the surfaceless platform. */
-static bool open_devices(iso_gl *gl, char *tried, size_t tried_size)
-{
-    EGLDeviceEXT devices[16];
-    EGLint count = 0;
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") ||
-        !epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device") ||
-        !eglQueryDevicesEXT(16, devices, &count)) {
-        note_trial(tried, tried_size, "EGL devices", "cannot be listed");
-        return false;
-    }
-    for (EGLint i = 0; i < count; ++i) {
-        const char *extensions = eglQueryDeviceStringEXT(devices[i], EGL_EXTENSIONS);
-        if (extensions && strstr(extensions, "EGL_MESA_device_software"))
-            continue;
-        char name[32];
-        snprintf(name, sizeof name, "EGL device %d", (int)i);
-        if (open_display(gl, eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL), name, tried,
-                         tried_size))
-            return true;
-    }
-    return false;
-}
-
-static bool open_surfaceless(iso_gl *gl, char *tried, size_t tried_size)
-{
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
-        note_trial(tried, tried_size, "Mesa without a surface", "no such platform (Debian package libegl-mesa0)");
-        return false;
-    }
-    return open_display(gl, eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL),
-                        "Mesa without a surface", tried, tried_size);
 }
 
 /* ---- filter probe ---------------------------------------------------------- */
@@ -140,6 +65,7 @@ static iso_status describe(iso_gl *gl, iso_error *err)
         const char *text = (const char *)glGetString(texts[i].name);
         snprintf(texts[i].out, sizeof gl->info.vendor, "%s", text ? text : "unknown");
     }
+    glGetQueryiv(GL_TIME_ELAPSED, GL_QUERY_COUNTER_BITS, &gl->info.timer_bits);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);
     glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &gl->max_texture_3d_size);
     iso_status status = probe_filter(gl, GL_R8, &gl->info.filter_bits_unorm8, err);
@@ -159,7 +85,11 @@ static iso_status describe(iso_gl *gl, iso_error *err)
 
 iso_status iso_gl_create(iso_gl **out, const char *shader_dir, iso_error *err)
 {
-    char tried[512] = "";
+    return iso_gl_create_on(out, getenv(ISO_GL_DEVICE_VARIABLE), shader_dir, err);
+}
+
+iso_status iso_gl_create_on(iso_gl **out, const char *device, const char *shader_dir, iso_error *err)
+{
     *out = NULL;
     iso_status status = find_libraries(err);
     if (status != ISO_OK)
@@ -171,8 +101,7 @@ iso_status iso_gl_create(iso_gl **out, const char *shader_dir, iso_error *err)
     }
     /* llvmpipe filters 8-bit textures in 8 bits unless told otherwise before it starts. */
     setenv("GALLIVM_PERF", "no_aos_sampling", 0);
-    if (!open_devices(gl, tried, sizeof tried) && !open_surfaceless(gl, tried, sizeof tried))
-        status = iso_fail(err, ISO_E_MISSING, "gl: no OpenGL 4.3 context by EGL (%s)", tried);
+    status = iso_gl_open(gl, device, err);
     if (status == ISO_OK && epoxy_gl_version() < 43)
         status = iso_fail(err, ISO_E_MISSING, "gl: OpenGL %d.%d, at least 4.3 is needed", epoxy_gl_version() / 10,
                           epoxy_gl_version() % 10);
@@ -214,6 +143,11 @@ iso_gl_info iso_gl_describe(const iso_gl *gl)
     return gl->info;
 }
 
+double iso_gl_device_seconds(const iso_gl *gl)
+{
+    return gl->device_seconds;
+}
+
 void iso_gl_time_processor(iso_gl *gl, bool processor)
 {
     gl->times_processor = processor;
@@ -222,7 +156,8 @@ void iso_gl_time_processor(iso_gl *gl, bool processor)
 iso_status iso_gl_bind(iso_gl *gl, iso_error *err)
 {
     if (!eglBindAPI(EGL_OPENGL_API) || !eglMakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, gl->context))
-        return iso_fail(err, ISO_E_PROGRAM, "gl: the context cannot be made current: %s", egl_error_text());
+        return iso_fail(err, ISO_E_PROGRAM, "gl: the context cannot be made current (EGL error 0x%04x)",
+                        (unsigned)eglGetError());
     return ISO_OK;
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* gl_context.h - a headless OpenGL context (gl_context.c), its programs (gl_program.c) and its textures (gl_draw.c).
  *
- * The context comes from EGL through libepoxy: each EGL device that is no
- * software renderer first, then Mesa without a surface (llvmpipe). Core profile,
+ * The context comes from EGL through libepoxy (gl_devices.h): the device that is asked for, or each EGL device that is no
+ * software renderer, then Mesa without a surface (llvmpipe). Core profile,
  * 4.3 or newer. Nothing here knows about volumes.
  *
  * Private to src/render and src/brick: commands see render/gl/raycaster.h. */
@@ -25,6 +25,7 @@ struct iso_gl {
     GLint max_texture_size, max_texture_3d_size;
     GLuint vertex_array;
     bool times_processor; /* iso_gl_time_processor() */
+    double device_seconds; /* iso_gl_device_seconds() */
     size_t program_count;
     struct iso_gl_program {
         char *key; /* fragment file and defines */

@@ -22,14 +22,26 @@ typedef struct iso_gl_info {
     int filter_bits_unorm8; /* bits that linear filtering of the format keeps, as probed */
     int filter_bits_unorm16;
     int filter_bits_float;
+    char device[64]; /* "EGL device 0", "Mesa without a surface" */
+    int timer_bits;  /* of its counter of nanoseconds (GL_TIME_ELAPSED); 0: it has none */
 } iso_gl_info;
+
+/* The device that iso_gl_create() takes where the user set one: see gl_devices.h. */
+#define ISO_GL_DEVICE_VARIABLE "ISOSHADE_GL_DEVICE"
+/* How many EGL lists; the n-th is called by its number. */
+size_t iso_gl_device_count(void);
 
 /* shader_dir: read the shaders there instead of the embedded ones; or NULL.
  * ISO_E_MISSING when EGL gives no context, with what was tried. The context is
  * current on the calling thread only. */
 iso_status iso_gl_create(iso_gl **gl, const char *shader_dir, iso_error *err);
+/* On the device of that choice; NULL or "": the first that is no software. */
+iso_status iso_gl_create_on(iso_gl **gl, const char *device, const char *shader_dir, iso_error *err);
 void iso_gl_destroy(iso_gl *gl);
 iso_gl_info iso_gl_describe(const iso_gl *gl);
+/* What the last drawing took by the device's own timer, the fastest where it was repeated: without what the driver and
+ * this program do beside it. NaN: it has none. */
+double iso_gl_device_seconds(const iso_gl *gl);
 /* From now on times are processor time summed over all cores instead of wall-clock time: for software GL on a machine
  * that is also used by others. */
 void iso_gl_time_processor(iso_gl *gl, bool processor);

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/* gl_devices.h - the devices that EGL knows, and the choice of one. Private to src/render/gl.
+ *
+ * Without a choice: each device that is no software renderer, then Mesa without a surface. A choice is a device's number, a
+ * part of what its OpenGL is called (vendor or renderer, small and capital letters alike), or "surfaceless"; there is then
+ * nothing to fall back to. */
+#ifndef ISO_GL_DEVICES_H
+#define ISO_GL_DEVICES_H
+
+#include "render/gl/gl_context.h"
+
+/* Makes gl->display and gl->context, current on this thread, and fills gl->info.device. choice: NULL or "": none.
+ * ISO_E_MISSING, with all that was tried and why it was not taken. */
+iso_status iso_gl_open(iso_gl *gl, const char *choice, iso_error *err);
+
+#endif
