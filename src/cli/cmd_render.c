@@ -284,7 +284,8 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
         iso_visible_take_image(&visible, &image, view.background);
         if (!warned)
             iso_cli_warn_of(cli, &visible);
-        report(a, cli, &pyramid, &view, &visible, &(iso_rendered){version, seconds, device_seconds(&opt, &renderers), of->results});
+        report(a, cli, &pyramid, &view, &visible,
+               &(iso_rendered){version, seconds, device_seconds(&opt, &renderers), of->results});
     }
     iso_image_destroy(&image);
     iso_view_destroy(&view);

@@ -38,10 +38,15 @@ extern const iso_command *const iso_commands[]; /* ends with NULL */
 /* Of the commands that take renderers: programs of the user's own (renderers/external.h). */
 /* The device of the ray caster, for the variable of the environment that ISO_GL_DEVICE_VARIABLE names. */
 #define ISO_CLI_GL_DEVICE_OPTION(variable) \
-    {"gl-device", 0, POPT_ARG_STRING, variable, 0, "gl: a number of isoshade list --gl, a part of its name, or surfaceless (the first GPU)", "DEVICE"}
+    { \
+        "gl-device", 0, POPT_ARG_STRING, variable, 0, \
+            "gl: a number of isoshade list --gl, a part of its name, or surfaceless (the first GPU)", "DEVICE" \
+    }
 #define ISO_CLI_RENDERERS_OPTION(variable) \
-    {"renderers", 0, POPT_ARG_STRING, variable, 0, \
-     "programs that render, for --with ($ISOSHADE_RENDERERS): doc/extending.md", "FILE.json"}
+    { \
+        "renderers", 0, POPT_ARG_STRING, variable, 0, \
+            "programs that render, for --with ($ISOSHADE_RENDERERS): doc/extending.md", "FILE.json" \
+    }
 
 /* What every command has. */
 typedef struct iso_cli {

@@ -24,7 +24,7 @@ struct iso_gl {
     char *shader_dir; /* or NULL: the embedded shaders */
     GLint max_texture_size, max_texture_3d_size;
     GLuint vertex_array;
-    bool times_processor; /* iso_gl_time_processor() */
+    bool times_processor;  /* iso_gl_time_processor() */
     double device_seconds; /* iso_gl_device_seconds() */
     size_t program_count;
     struct iso_gl_program {

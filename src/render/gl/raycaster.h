@@ -26,6 +26,9 @@ typedef struct iso_gl_info {
     int timer_bits;  /* of its counter of nanoseconds (GL_TIME_ELAPSED); 0: it has none */
 } iso_gl_info;
 
+/* A device whose filter of floats keeps fewer bits weighs texels more coarsely than floats do: the usual GPU has 8. */
+#define ISO_GL_FINE_FILTER_BITS 20
+
 /* The device that iso_gl_create() takes where the user set one: see gl_devices.h. */
 #define ISO_GL_DEVICE_VARIABLE "ISOSHADE_GL_DEVICE"
 /* How many EGL lists; the n-th is called by its number. */
