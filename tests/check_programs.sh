@@ -15,6 +15,9 @@ with_povray() { env ISOSHADE_POVRAY="$dir/$1" "$ISOSHADE" render s.nrrd --scene 
 
 fake honest <<<"exec $povray \"\$@\""
 check a_picture_of_each_pass with_povray honest
+printf '%s\n' '#!/bin/sh' 'case "$*" in *-version*) echo "POV-Ray 3.8.0-alpha.10013324.unofficial" ;; *)' "exec $povray \"\$@\" ;; esac" >later && chmod +x later
+expect a_later_povray 0 with_povray later
+check is_named_as_it_says grep -q 'POV-Ray 3.8.0-alpha.10013324, ' out
 rm -f o.exr
 fake no_second_pass <<<"case \"\$*\" in *Iso_Pass=1*) exit 0 ;; esac; exec $povray \"\$@\""
 refuse a_pass_that_writes_nothing 8 "left no picture" with_povray no_second_pass
