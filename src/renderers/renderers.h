@@ -124,6 +124,8 @@ typedef struct iso_lock_step {
     const char *exact_why;
     iso_sample_error rounded; /* of the usual lookups where they are farther, but exact ones are within `exact` */
     const char *rounded_why;
+    iso_sample_error lit; /* where a light is seen, if that is farther than smooth or sharp; zeroed: it is not */
+    const char *lit_why;
 } iso_lock_step;
 
 /* The integers that a renderer stores its images in. Zeroed: floats. */
@@ -188,7 +190,9 @@ static inline bool iso_renderer_has(const iso_renderer_info *r, unsigned traits)
     X(iso_renderer_gl)         \
     X(iso_renderer_cycles)     \
     X(iso_renderer_povray)     \
-    X(iso_renderer_webgl)
+    X(iso_renderer_webgl)      \
+    X(iso_renderer_vtk)        \
+    X(iso_renderer_vtk_gpu)
 /* clang-format on */
 #define ISO_RENDERER_EXTERN(renderer) extern const iso_renderer_info renderer;
 ISO_RENDERER_LIST(ISO_RENDERER_EXTERN)
