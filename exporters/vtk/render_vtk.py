@@ -327,7 +327,7 @@ def draw_step(draw, way, shape, thickest, step):
             cuts = np.linspace(s.begin, s.end, count + 1)
             pieces[s.step] = cuts[1] - cuts[0]
             for first, last in zip(cuts[:-1], cuts[1:]):
-                piece = draw(s.near, s.end + 2 * s.step, s.step, way.planes_between(first, last))
+                piece = draw(s.near, s.end + 1e-3 * s.step, s.step, way.planes_between(first, last))
                 total += (1 - total[..., 3:]) * piece
         mean += total / way.phases
     return mean, pieces
