@@ -87,7 +87,7 @@ static iso_status add_to_report(iso_validation *v, const fitness *f, iso_error *
     snprintf(refusal->why, sizeof refusal->why, "%s", f->why);
     for (size_t i = 0; i < f->check_count && status == ISO_OK; ++i)
         status = add_check(v, f, &f->checks[i], refusal, err);
-    const bool answered = f->failure != ISO_E_MISSING && f->version[0];
+    const bool answered = f->failure != ISO_OK && f->failure != ISO_E_MISSING && f->version[0];
     const iso_report_calibration absent = {.renderer = f->which->name,
                                            .check = answered ? f->checks[f->check_count].check : "answers",
                                            .value = NAN,
