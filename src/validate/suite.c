@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* suite.c - a folder of scenes that say how their volumes are made: the scenes that break renderers. */
 #define _GNU_SOURCE
+#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
 #include <math.h>
@@ -41,6 +42,8 @@ static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt
     iso_view view = {0};
     char prefix[64], *file = NULL;
     snprintf(prefix, sizeof prefix, "%.48s-", v->scene_name);
+    for (char *c = prefix; *c; ++c) /* a name of a file may have more characters than that of a picture */
+        *c = isalnum((unsigned char)*c) || strchr("-_.", *c) ? *c : '-';
     build.level_count = opt->level_count;
     build.code = opt->code;
     build.threads = v->threads;
