@@ -403,6 +403,15 @@ def extinction_table(tf, low, high):
     return lookup(tf, low + (high - low) * np.arange(ENTRIES) / (ENTRIES - 1))
 
 
+def longest_run(seen):
+    """The first and the last index of the longest row of true ones."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(int))).reshape(-1, 2)
+    if not len(edges):
+        return 0, len(seen) - 1
+    first, end = edges[np.argmax(edges[:, 1] - edges[:, 0])]
+    return int(first), int(end) - 1
+
+
 class Painter:
     """All that is drawn of a request: one picture of the mapper, or one for each channel where there are lights."""
 
@@ -424,8 +433,12 @@ class Painter:
             lit = Lit(request, folder, scalar, pad, place)
             self.peak = max(float(lit.color.max()), 1e-30)
             scalar_part = to_integers(lit.scalar, low, high)
-            self.grids = [np.stack([to_integers(lit.color[..., c], 0, self.peak), scalar_part], axis=-1) for c in range(3)]
-            self.table = np.repeat(np.arange(ENTRIES)[:, None] / (ENTRIES - 1), 3, axis=1)
+            # VTK leaps over blocks whose first component, taken for the scalar, has no opacity: colors stand where it has some.
+            first, last = longest_run(extinction > 1e-3 * self.most)
+            self.grids = [np.stack([np.rint(first + lit.color[..., c] / self.peak * (last - first)).astype(np.uint16),
+                                    scalar_part], axis=-1) for c in range(3)]
+            ramp = np.clip((np.arange(ENTRIES) - first) / max(last - first, 1), 0, 1)
+            self.table = np.repeat(ramp[:, None], 3, axis=1)
             self.to_world = lit.to_world
         else:
             color = color * request["shading"]["ambient"]
