@@ -221,8 +221,23 @@ static iso_status read_row(row *to, size_t number, iso_error *err)
     return r.status;
 }
 
-/* Rows stay for as long as the process runs, refused ones too. */
-static row *kept_rows[ISO_MAX_RENDERERS];
+static void destroy_words(const char *const *words)
+{
+    for (size_t i = 0; words && words[i]; ++i)
+        free((char *)words[i]);
+    free((void *)words);
+}
+
+/* Of one that was refused: the table has the others for as long as the process runs. */
+static void destroy_row(row *r)
+{
+    destroy_words(r->external.command);
+    destroy_words(r->external.version);
+    json_decref(r->json);
+    free(r->file);
+    free(r->folder);
+    free(r);
+}
 
 static iso_status replace_program(row *to, const iso_external_stand_in *instead, iso_error *err)
 {
@@ -239,8 +254,9 @@ static iso_status replace_program(row *to, const iso_external_stand_in *instead,
         info->traits &= ~(unsigned)ISO_HAS_LIMIT;
     return info->lock_step || instead->steps >= 2
                ? ISO_OK
-               : iso_fail(err, ISO_E_FORMAT, "%s: the tier \"limit\" wants pictures at two steps or more, \"steps\" is %zu",
-                          to->file, instead->steps);
+               : iso_fail(err, ISO_E_FORMAT,
+                          "%s: the tier \"limit\" wants pictures at two steps or more, \"steps\" is %zu", to->file,
+                          instead->steps);
 }
 
 static iso_status add_row(json_t *json, size_t number, const char *path, const char *folder,
@@ -253,17 +269,17 @@ static iso_status add_row(json_t *json, size_t number, const char *path, const c
         return iso_fail(err, to ? ISO_E_RANGE : ISO_E_MEMORY, "%s: renderer %zu: there is room for %d in all", path,
                         number + 1, ISO_MAX_RENDERERS);
     }
-    kept_rows[place] = to;
     to->json = json_incref(json);
     to->file = strdup(path);
     to->folder = strdup(folder);
-    if (!to->file || !to->folder)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    iso_status status = read_row(to, number, err);
+    iso_status status = to->file && to->folder ? read_row(to, number, err)
+                                               : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status == ISO_OK && instead)
         status = replace_program(to, instead, err);
     if (status == ISO_OK && (status = iso_renderers_register(&to->info, err)) != ISO_OK)
         status = iso_fail_in(err, status, "%s: renderer %zu", path, number + 1);
+    if (status != ISO_OK)
+        destroy_row(to);
     return status;
 }
 
