@@ -44,6 +44,7 @@ inside() { # ROOT TARGET SCENES
             apt-get update -qq
             apt-get install -y -qq --no-install-recommends make git >/dev/null
             cd /root/isoshade
+            make setup # by a make of its own: the next one looks for what this one installs
             make $1
             if [ "$2" = yes ]; then bash tests/elsewhere.sh --cycles; fi
             version() { dpkg-query -W -f "\${source:Upstream-Version}" "$1" 2>/dev/null || echo none; }
@@ -91,7 +92,7 @@ target=check scenes='' keep='' suite=''
 while [ $# -gt 0 ]; do
     case $1 in
     --target) [ $# -ge 2 ] || usage; target=$2; shift 2 ;;
-    --scenes) scenes=yes; target='setup all'; shift ;;
+    --scenes) scenes=yes; target=all; shift ;;
     --keep) [ $# -ge 2 ] || usage; keep=$2; shift 2 ;;
     bookworm | trixie | sid) [ -z "$suite" ] || usage; suite=$1; shift ;;
     *) usage ;;
