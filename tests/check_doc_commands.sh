@@ -58,6 +58,8 @@ SMALL = [
 NOT_RUN = [
     (r"bench levels --have .*\.\.\.", "tables of runs of hours; tests/check_bench_levels.sh joins small ones"),
     (r"validate .*--images", "its pictures come from a renderer elsewhere; tests/check_images.sh has some drawn"),
+    (r"validate .*--blender ", "it needs a second Blender; tests/check_blenders.sh compares one with itself"),
+    (r"render .*--gl-device 1", "it needs a second device; tests/check_gl_device.sh asks for those that are there"),
     (r"make shells --size 512", "a volume of 512 voxels a side: minutes beside other work, and a gigabyte"),
     (r"validate --suite", "a minute; tests/check_suite_all.sh runs all scenes of the suite"),
     (r"bench consistency --(shading|filters)", "minutes; tests/check_consistency.sh runs them with few voxels and pixels"),

@@ -12,6 +12,13 @@
 #include "tests/folder.h"
 #include "tests/test.h"
 
+static iso_figure_options with_sources(void)
+{
+    iso_figure_options o = iso_figure_defaults();
+    o.with_sources = true;
+    return o;
+}
+
 enum { width = 40, height = 30 };
 
 static char *inside(const char *name)
@@ -116,7 +123,7 @@ static void panels_lie_inside_and_apart_with_enough_pixels(void **state)
     char *report = make_report("r1", 2), *out = inside("f1");
     row rows[32];
     for (int kind = 0; kind < ISO_FIGURE_COUNT; ++kind) {
-        iso_figure_options opt = iso_figure_defaults();
+        iso_figure_options opt = with_sources();
         opt.kind = (iso_figure_kind)kind;
         opt.level = 1;
         assert_ok(iso_figure_make(report, &opt, out, &err));
@@ -141,7 +148,7 @@ static void the_scale_bar_has_its_length(void **state)
 {
     (void)state;
     char *report = make_report("r2", 2), *unknown = make_report("r3", 0), *out = inside("f2");
-    iso_figure_options opt = iso_figure_defaults();
+    iso_figure_options opt = with_sources();
     row rows[32];
     assert_ok(iso_figure_make(report, &opt, out, &err));
     read_rows(out, rows, 32);
@@ -161,7 +168,7 @@ static void maps_hold_the_differences(void **state)
     (void)state;
     char *report = make_report("r4", 2), *out = inside("f4"), *data;
     size_t size;
-    iso_figure_options opt = iso_figure_defaults();
+    iso_figure_options opt = with_sources();
     opt.methods = "d";
     assert_ok(iso_figure_make(report, &opt, out, &err));
     row rows[32];
@@ -188,7 +195,7 @@ static void the_adapted_tf_can_be_asked_for(void **state)
     (void)state;
     char *report = make_report("r7", 2), *out = inside("f7"), *data;
     size_t size;
-    iso_figure_options opt = iso_figure_defaults();
+    iso_figure_options opt = with_sources();
     row rows[32];
     opt.methods = "d,d+adapted";
     assert_ok(iso_figure_make(report, &opt, out, &err));
@@ -216,7 +223,7 @@ static void text_is_vector_and_fonts_are_embedded(void **state)
     (void)state;
     char *report = make_report("r5", 2), *out = inside("f5"), *data;
     size_t size;
-    iso_figure_options opt = iso_figure_defaults();
+    iso_figure_options opt = with_sources();
     assert_ok(iso_figure_make(report, &opt, out, &err));
     read_text(out, "figure.pdf", &data, &size);
     assert_non_null(memmem(data, size, "FontFile", 8));
@@ -234,7 +241,7 @@ static void bad_requests_are_refused_and_leave_nothing(void **state)
 {
     (void)state;
     char *report = make_report("r6", 2), *out = inside("f6"), *none = inside("none");
-    iso_figure_options opt = iso_figure_defaults();
+    iso_figure_options opt = with_sources();
     assert_status(iso_figure_make(none, &opt, out, &err), ISO_E_IO);
     opt.methods = "a,zz";
     assert_status(iso_figure_make(report, &opt, out, &err), ISO_E_RANGE);

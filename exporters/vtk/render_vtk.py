@@ -16,11 +16,12 @@ What VTK does by its own rules, and what is done about it here; --as-is does not
   a step's direction is rounded to 2^-15 of a voxel, which       such a pixel is the mean of other steps, which are rounded
   ends rays early that are nearly parallel to an axis' planes    down
   every product is rounded up to 15 bits                         steps are as long as the transfer function allows
+  places are multiplied by 32767 and divided by 32768, which    the volume is made that much smaller
+  moves voxel 90 by 0.003 of a voxel
   the first step is left out where the camera is inside          what is near is drawn in short steps
-  its shading takes scalar differences, lit from one side        switched off: the volume is color times shade, evaluated at
-                                                                 the nodes of a finer grid
---gpu is vtkOpenGLGPUVolumeRayCastMapper: values of cells, whose box is that of whole voxels, one picture of 8 bits, no
-lights; it needs a display or xvfb-run."""
+  its shading takes scalar differences, lit from one side        switched off: no lights
+--gpu is vtkOpenGLGPUVolumeRayCastMapper: values of cells, whose box is that of whole voxels, one picture of 8 bits; it
+needs a display or xvfb-run."""
 import argparse
 import collections
 import ctypes
@@ -54,7 +55,6 @@ STEPS = [2 ** (k / 3 - 0.5) for k in range(4)]
 THIN = 0.1        # optical depth of a step: shorter ones add up more of what is rounded, longer ones miss more
 FINE = 0.006      # and of the part of one by which samples lie farther from picture to picture, 8 to 32 of them
 MOST_LOST = 0.2    # steps of a piece that rounding may cut off
-MOST_FINE = 24e6  # nodes of a refined grid
 TYPES = {"float": "f4", "uint8": "u1", "uchar": "u1", "unsigned char": "u1", "int16": "i2", "short": "i2",
          "uint16": "u2", "ushort": "u2", "unsigned short": "u2"}
 
@@ -113,46 +113,10 @@ def affine(request):
     return m
 
 
-def inside(voxels, index):
-    """Trilinear between voxel centers, clamped to the edge: index [3][...] in index coordinates."""
-    size = voxels.shape[2::-1]
-    at, low, part = [], [], []
-    for a in range(3):
-        x = np.clip(index[a] - 0.5, 0, size[a] - 1)
-        i = np.minimum(x.astype(np.int64), max(size[a] - 2, 0))
-        at.append(x), low.append(i), part.append(x - i)
-    total = 0
-    for corner in range(8):
-        step = [corner >> a & 1 for a in range(3)]
-        weight = np.prod(np.broadcast_arrays(*[part[a] if step[a] else 1 - part[a] for a in range(3)]), axis=0)
-        found = voxels[tuple(np.minimum(low[a] + step[a], size[a] - 1) for a in (2, 1, 0))]
-        total = total + (weight[..., None] if voxels.ndim == 4 else weight) * found
-    return total
-
-
-def shade(request, direction, world):
-    """What light a direction field of samples [..., 3] gives at world positions [..., 3]: the equation of the request."""
-    s, camera = request["shading"], request["camera"]
-    n = direction / np.sqrt((direction ** 2).sum(-1, keepdims=True) + request["directions"]["epsilon"] ** 2)
-    if camera["projection"] == "perspective":
-        view = np.asarray(camera["position"]) - world
-        view /= np.maximum(np.sqrt((view ** 2).sum(-1, keepdims=True)), 1e-30)
-    else:
-        view = -np.asarray(camera["forward"], float)
-    light = np.full(n.shape[:-1], float(s["ambient"]))
-    for one in request["lights"]:
-        towards = np.asarray(one["direction"], float)
-        half = towards + view
-        half = half / np.maximum(np.sqrt((half ** 2).sum(-1, keepdims=True)), 1e-30)
-        light += one["intensity"] * (s["diffuse"] * abs((n * towards).sum(-1)) + s["specular"] * abs((n * half).sum(-1)) ** s["power"])
-    return light
-
-
 # ---- the mapper ----
 
 class Picture:
-    """A mapper on one grid: the scalar alone, or a color's channel and the scalar. The grid's samples are points of the fixed-
-    point mapper, cells of another."""
+    """A mapper on a grid, whose samples are points of the fixed-point mapper, cells of another."""
 
     def __init__(self, request, grid, to_world, position, other=None):
         self.request = request
@@ -177,7 +141,6 @@ class Picture:
             self.mapper.IntermixIntersectingGeometryOff()
             self.mapper.SetNumberOfThreads(max(request.get("threads", 0), 0) or os.cpu_count())
         self.property = vtkVolumeProperty()
-        self.property.SetIndependentComponents(grid.shape[3] == 1)
         self.property.ShadeOff()
         self.property.SetInterpolationType(0 if request["volume"]["interpolation"] == "nearest" else 1)
         self.volume = vtkVolume()
@@ -200,7 +163,7 @@ class Picture:
             camera.SetViewAngle(math.degrees(2 * math.atan(c["half_height"])))
 
     def set_tables(self, color, opacity, unit_mm, of=(0, MOST)):
-        """color [32768, 3] of the first component, opacity [32768] of the last one, over these values."""
+        """color [32768, 3] and opacity [32768] over these values."""
         rgb, alpha = vtkColorTransferFunction(), vtkPiecewiseFunction()
         rgb.BuildFunctionFromTable(*of, ENTRIES, np.ascontiguousarray(color, float).ravel())
         alpha.BuildFunctionFromTable(*of, ENTRIES, np.ascontiguousarray(opacity, float))
@@ -357,63 +320,8 @@ def to_integers(values, low, high):
     return np.rint((values - low) * (MOST / (high - low) if high > low else 0)).astype(np.uint16)
 
 
-def finer(a, axis, times):
-    """times - 1 samples between each two, linearly."""
-    if times == 1:
-        return a
-    a = np.moveaxis(a, axis, 0)
-    out = np.empty((times * (len(a) - 1) + 1,) + a.shape[1:], a.dtype)
-    for i in range(times):
-        part = a.dtype.type(i / times)
-        if i == 0:
-            out[::times] = a
-        else:
-            out[i::times] = a[:-1] * (1 - part) + a[1:] * part
-    return np.moveaxis(out, 0, axis)
-
-
-class Lit:
-    """What is emitted, color times shade, at the nodes of a grid some times as fine, where it is exact; the mapper interpolates
-    between them. The scalar beside it is that of the coarse grid, so opacity is as exact as without lights."""
-
-    def __init__(self, request, folder, scalar, pad, place):
-        times = int((MOST_FINE / scalar.size) ** (1 / 3) + 1e-9)
-        self.times = times = min(max(times, 1), 12)
-        direction = padded(read_nrrd(os.path.join(folder, request["directions"]["file"])), pad)
-        self.to_world = place @ np.diag([1 / times] * 3 + [1])
-        size = [times * (n - 1) + 1 for n in scalar.shape[:3]]
-        self.color = np.empty(size + [3], "f4")
-        self.scalar = np.empty(size, "f4")
-        n = scalar.shape[0]
-        for z in range(n - 1):  # two planes of the coarse grid at a time
-            planes = slice(z, z + 2)
-            part = slice(0, times + (z == n - 2))
-            s, d = ([finer(finer(finer(a[planes], 0, times)[part], 1, times), 2, times)
-                     for a in (scalar[..., 0], direction)])
-            where = slice(times * z, times * z + len(s))
-            index = np.meshgrid(*[np.arange(k) for k in (size[2], size[1])], indexing="xy")
-            for i in range(len(s)):
-                node = np.stack([index[0], index[1], np.full_like(index[0], times * z + i)], axis=-1)
-                world = node @ self.to_world[:3, :3].T + self.to_world[:3, 3]
-                self.color[times * z + i] = lookup(request["tf"], s[i])[0] * shade(request, d[i], world)[..., None]
-            self.scalar[where] = s
-
-
-def extinction_table(tf, low, high):
-    return lookup(tf, low + (high - low) * np.arange(ENTRIES) / (ENTRIES - 1))
-
-
-def longest_run(seen):
-    """The first and the last index of the longest row of true ones."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(int))).reshape(-1, 2)
-    if not len(edges):
-        return 0, len(seen) - 1
-    first, end = edges[np.argmax(edges[:, 1] - edges[:, 0])]
-    return int(first), int(end) - 1
-
-
 class Painter:
-    """All that is drawn of a request: one picture of the mapper, or one for each channel where there are lights."""
+    """What is drawn of a request: the mapper's grid and tables."""
 
     def __init__(self, request, folder, as_is):
         volume, tf = request["volume"], request["tf"]
@@ -429,41 +337,22 @@ class Painter:
         self.most = max(extinction.max(), 1e-30)
         self.unit = 2 / self.most  # mm: opacities up to 0.86
         self.opacity = -np.expm1(-extinction * self.unit)
-        if request["directions"]:
-            lit = Lit(request, folder, scalar, pad, place)
-            self.peak = max(float(lit.color.max()), 1e-30)
-            scalar_part = to_integers(lit.scalar, low, high)
-            # VTK leaps over blocks whose first component, taken for the scalar, has no opacity: colors stand where it has some.
-            first, last = longest_run(extinction > 1e-3 * self.most)
-            self.grids = [np.stack([np.rint(first + lit.color[..., c] / self.peak * (last - first)).astype(np.uint16),
-                                    scalar_part], axis=-1) for c in range(3)]
-            ramp = np.clip((np.arange(ENTRIES) - first) / max(last - first, 1), 0, 1)
-            self.table = np.repeat(ramp[:, None], 3, axis=1)
-            self.to_world = lit.to_world
-        else:
-            color = color * request["shading"]["ambient"]
-            self.peak = max(float(color[extinction > 0].max(initial=0)), 1e-30)
-            self.grids = [to_integers(scalar, low, high)]
-            self.table = np.minimum(color / self.peak, 1)
-            self.to_world = place
-        for grid in self.grids:  # corners of the padding, which no sample reaches: the mapper's tables are for this range
-            if not as_is or low == high:
-                grid[0, 0, 0], grid[-1, -1, -1] = 0, MOST
+        color = color * request["shading"]["ambient"]
+        self.peak = max(float(color[extinction > 0].max(initial=0)), 1e-30)
+        self.grid = to_integers(scalar, low, high)
+        self.table = np.minimum(color / self.peak, 1)
+        self.to_world = place if as_is else place @ np.diag([MOST / ENTRIES] * 3 + [1])
+        if not as_is or low == high:  # corners of the padding, which no sample reaches: the mapper's tables are for this range
+            self.grid[0, 0, 0], self.grid[-1, -1, -1] = 0, MOST
 
     def draw(self, step, phases):
         request = self.request
         way = Way(request, affine(request), step, phases, self.as_is)
         shape = (request["image"]["height"], request["image"]["width"], 4)
-        out = np.zeros(shape)
-        for channel, grid in enumerate(self.grids):
-            picture = Picture(request, grid, self.to_world, way.position)
-            picture.set_tables(self.table, self.opacity, self.unit)
-            found = compose(picture.draw, way, shape, math.inf if self.as_is else THICKEST / self.most,
-                            np.linalg.inv(self.to_world), [1] if self.as_is else STEPS)
-            if len(self.grids) == 1:
-                out = found
-            else:
-                out[..., channel], out[..., 3] = found[..., channel], found[..., 3]
+        picture = Picture(request, self.grid, self.to_world, way.position)
+        picture.set_tables(self.table, self.opacity, self.unit)
+        out = compose(picture.draw, way, shape, math.inf if self.as_is else THICKEST / self.most,
+                      np.linalg.inv(self.to_world), [1] if self.as_is else STEPS)
         if self.as_is:
             out = np.rint(out * 255) / 255
         out[..., :3] *= self.peak
@@ -485,8 +374,8 @@ def render_gpu(request, folder, frame):
     from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
     from vtkmodules.vtkRenderingVolume import vtkGPUVolumeRayCastMapper
     volume, tf = request["volume"], request["tf"]
-    if request["directions"] or volume["interpolation"] == "nearest":
-        sys.exit("lights and labels are not for --gpu")
+    if volume["interpolation"] == "nearest":
+        sys.exit("labels are not for --gpu")
     scalar = read_nrrd(os.path.join(folder, volume["file"])).astype("f4")
     picture = Picture(request, scalar[..., None], affine(request), np.asarray(request["camera"]["position"], float),
                       vtkGPUVolumeRayCastMapper())
@@ -550,6 +439,8 @@ def main():
     options = parser.parse_args()
     with open(options.request, encoding="utf-8") as f:
         request = json.load(f)
+    if request["directions"]:
+        sys.exit("a scene with lights: VTK shades by scalar differences, from one side")
     folder = os.path.dirname(os.path.abspath(options.request))
     for frame in request["frames"]:
         picture = render_gpu(request, folder, frame) if options.gpu else render(request, folder, frame, options.as_is)

@@ -124,8 +124,6 @@ typedef struct iso_lock_step {
     const char *exact_why;
     iso_sample_error rounded; /* of the usual lookups where they are farther, but exact ones are within `exact` */
     const char *rounded_why;
-    iso_sample_error lit; /* where a light is seen, if that is farther than smooth or sharp; zeroed: it is not */
-    const char *lit_why;
 } iso_lock_step;
 
 /* The integers that a renderer stores its images in. Zeroed: floats. */

@@ -25,17 +25,13 @@ static const iso_lock_step lock_step = {
     .why =
         "VTK rounds every product up to 15 bits, ends rays at 0.8 % of the light and counts cut steps whole; averaged over "
         "steps that leaves less than 1/255. By itself (--as-is: 8 bits, a box from center to center) it is 0.4 off a slab",
-    .lit = {.rmse = 4e-3, .max_abs = 10.0 / 255},
-    .lit_why =
-        "VTK's own shading knows no direction field, so that it is given color times shade at the nodes of a finer grid, "
-        "which it interpolates; 15 bits besides",
 };
 
 const iso_renderer_info iso_renderer_vtk = {
     .name = "vtk",
     .title = "VTK",
     .color = "#7b4173",
-    .traits = ISO_EXTERNAL_TRAITS | ISO_HAS_LIGHTS | ISO_HAS_ORTHOGRAPHIC | ISO_HAS_CLIP_PLANES | ISO_HAS_LABELS,
+    .traits = ISO_EXTERNAL_TRAITS | ISO_HAS_ORTHOGRAPHIC | ISO_HAS_CLIP_PLANES | ISO_HAS_LABELS,
     .defaults = {.source = ISO_FROM_CODES},
     .relative_cost = 100,
     .lock_step = &lock_step,

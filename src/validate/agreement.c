@@ -312,7 +312,7 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     iso_report_agreement row = {.comparison = stated ? ISO_COMPARISON_STATED : ISO_COMPARISON_LOCK_STEP,
                                 .tier = stated ? "stated limits" : "lock-step",
                                 .error_bar = NAN,
-                                .why = lock->lit_why && iso_request_is_lit(v->view) ? lock->lit_why : lock->why,
+                                .why = lock->why,
                                 .tolerances = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
     if (cannot_compare(v, renderer, &row, why))
         return add_without_images(v, level, row, same.name, renderer, err);

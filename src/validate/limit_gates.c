@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "base/json.h"
-#include "renderers/request.h"
 #include "validate/validate.h"
 
 /* Error bars have to be below a tenth of an 8-bit step where the TF is smooth, and below that step where it is sharp. */
@@ -69,11 +68,10 @@ iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const i
 {
     const iso_lock_step *lock = renderer->lock_step;
     const iso_sample_error *e = sharp ? &lock->sharp : &lock->smooth;
-    const iso_sample_error lit = iso_request_is_lit(view) ? lock->lit : (iso_sample_error){0};
     const iso_render_output *output = &renderer->output;
     const double peak = output->peak ? output->peak(view) : 0;
-    return (iso_tolerances){.rmse = fmax(fmax(e->rmse, lit.rmse), output->rounding_rmse * peak),
-                            .max_abs = fmax(fmax(e->max_abs, lit.max_abs), output->rounding * peak)};
+    return (iso_tolerances){.rmse = fmax(e->rmse, output->rounding_rmse * peak),
+                            .max_abs = fmax(e->max_abs, output->rounding * peak)};
 }
 
 iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer,
