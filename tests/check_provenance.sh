@@ -36,6 +36,8 @@ outputs() {
     run export "$plant/s.nrrd" $S --to vdb --bake density,Cd -o "$dir/made/baked.vdb"
     run export "$plant/s.nrrd" $S --to povray -o "$dir/made/pov"
     run export "$plant/s.nrrd" $S --to blender -o "$dir/made/b.blend"
+    for to in pbrt mitsuba paraview; do run export "$plant/s.nrrd" $S --to $to -o "$dir/made/$to"; done
+    run view "$plant/s.nrrd" $S -o "$dir/made/v.html"
     run plan "$plant/s.nrrd" $S -o "$dir/made/plan.json"
     run chart "$plant/s.nrrd" $S --size 8 --budget 0.5 -o "$dir/made/c"
     run palette "$plant/s.nrrd" --entries 8 -o "$dir/made/p.inc" -o "$dir/made/p.py" -o "$dir/made/palette.exr" -o "$dir/made/p.csv"

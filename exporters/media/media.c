@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 
 static bool shows(const float *point)
 {
@@ -79,7 +80,7 @@ void iso_medium_point(const iso_medium *m, size_t x, size_t y, size_t z, float *
 
 void iso_medium_print_source(const iso_medium *m, FILE *f)
 {
-    for (const char *c = m->made_from ? m->made_from : "volume"; *c; ++c)
+    for (const char *c = iso_provenance_title(m->made_from); *c; ++c)
         fputc(isalnum((unsigned char)*c) || strchr("._ ", *c) ? *c : '_', f);
 }
 

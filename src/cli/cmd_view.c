@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -117,7 +118,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_scene scene = {0};
     iso_subject_look look;
     iso_viewer v = {.pyramid = &pyramid, .scene = &scene, .floats = a->floats, .adapted = a->adapted, .errors = a->errors,
-                    .threads = cli->threads, .title = iso_path_base(path), .folder = is_pyramid ? path : NULL};
+                    .threads = cli->threads, .title = iso_provenance_title(path), .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
     iso_status status = check(a, err);
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "view/viewer.h"
 
 iso_status iso_validate_save_viewer(const iso_validation *v, iso_error *err)
@@ -14,7 +15,7 @@ iso_status iso_validate_save_viewer(const iso_validation *v, iso_error *err)
     iso_viewer_size size;
     iso_viewer page = {.pyramid = v->pyramid,
                        .scene = v->scene,
-                       .title = iso_path_base(v->volume_path),
+                       .title = iso_provenance_title(v->volume_path),
                        .folder = v->loaded ? v->volume_path : NULL,
                        .last = v->pyramid->level_count - 1,
                        .code_count = 1,
