@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/base64.h"
 #include "base/embed.h"
 #include "base/file.h"
 #include "report/rows.h"
@@ -35,21 +36,17 @@ const iso_page iso_page_of_difference = {iso_difference_html,
 
 static char *data_uri(const char *type, const unsigned char *bytes, size_t size)
 {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char *out = malloc(strlen(type) + 32 + (size + 2) / 3 * 4);
-    if (!out)
+    char *text = NULL;
+    size_t length = 0;
+    FILE *f = open_memstream(&text, &length);
+    if (!f)
         return NULL;
-    char *at = out + sprintf(out, "data:%s;base64,", type);
-    for (size_t i = 0; i < size; i += 3) {
-        unsigned n = (unsigned)bytes[i] << 16 | (i + 1 < size ? (unsigned)bytes[i + 1] << 8 : 0) |
-                     (i + 2 < size ? bytes[i + 2] : 0);
-        *at++ = digits[n >> 18];
-        *at++ = digits[n >> 12 & 63];
-        *at++ = i + 1 < size ? digits[n >> 6 & 63] : '=';
-        *at++ = i + 2 < size ? digits[n & 63] : '=';
-    }
-    *at = 0;
-    return out;
+    fprintf(f, "data:%s;base64,", type);
+    iso_base64_put(f, bytes, size);
+    if (fclose(f) == 0)
+        return text;
+    free(text);
+    return NULL;
 }
 
 iso_status iso_page_file_uri(const char *path, const char *type, char **uri, iso_error *err)
