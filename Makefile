@@ -67,6 +67,8 @@ itk_program := $(if $(itk),$(build)/isoshade-itk)
 itk_parts := Common IOImageBase IOGDCM IOPNG IOJPEG IOTIFF
 # Started for HDF5, netCDF, MINC and OME-Zarr.
 array_pkgs := hdf5-serial netcdf blosc libzstd jansson zlib
+# A file of its own describes HDF5's high-level library since HDF5 2; before, it lies beside the other.
+hdf5_hl := $(or $(shell pkg-config --silence-errors --libs hdf5_serial_hl),-lhdf5_hl)
 arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) && echo yes),$(build)/isoshade-arrays)
 vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb)
 beside := $(mpi_library) $(itk_program) $(arrays_program) $(vdb_program)
@@ -202,7 +204,7 @@ $(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) $(chil
 $(build)/isoshade-arrays: $(wildcard src/volume/arrays/*.cc src/volume/arrays/*.h) $(child_h)
 	@mkdir -p $(@D)
 	$(call say,HDF)$(CXX) $(child_flags) $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(array_pkgs))) -o $@ \
-		$(filter %.cc,$^) $(shell pkg-config --libs $(array_pkgs)) -lhdf5_hl
+		$(filter %.cc,$^) $(shell pkg-config --libs $(array_pkgs)) $(hdf5_hl)
 $(build)/isoshade-vdb: src/volume/vdb/vdb_read.cc $(child_h)
 	@mkdir -p $(@D)
 	$(call say,VDB)$(CXX) $(child_flags) $(pkg_cflags) -o $@ $(filter %.cc,$^) -lopenvdb $(shell pkg-config --libs tbb Imath)

@@ -7,24 +7,38 @@
 #include <fstream>
 #include <vector>
 
-#include <nanovdb/util/IO.h>
-#include <nanovdb/util/OpenToNanoVDB.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
+
+#if __has_include(<nanovdb/tools/CreateNanoGrid.h>) /* since OpenVDB 12 */
+#define NANOVDB_USE_OPENVDB
+#include <nanovdb/io/IO.h>
+#include <nanovdb/tools/CreateNanoGrid.h>
+#else
+#include <nanovdb/util/IO.h>
+#include <nanovdb/util/OpenToNanoVDB.h>
+#endif
 
 namespace {
 
 using handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
 
+template <typename Grid> handle to_nanovdb(const Grid &grid)
+{
+#ifdef NANOVDB_USE_OPENVDB
+    return nanovdb::tools::createNanoGrid(grid, nanovdb::tools::StatsMode::All, nanovdb::CheckMode::Full);
+#else
+    return nanovdb::openToNanoVDB(grid, nanovdb::StatsMode::All, nanovdb::ChecksumMode::Full);
+#endif
+}
+
 handle convert(const openvdb::GridBase::Ptr &grid)
 {
-    const auto stats = nanovdb::StatsMode::All;
-    const auto checksum = nanovdb::ChecksumMode::Full;
     if (const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
-        return nanovdb::openToNanoVDB(*scalars, stats, checksum);
+        return to_nanovdb(*scalars);
     if (const auto vectors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid)) {
         vectors->setGridClass(openvdb::GRID_UNKNOWN); /* NanoVDB knows fog volumes of one channel alone */
-        return nanovdb::openToNanoVDB(*vectors, stats, checksum);
+        return to_nanovdb(*vectors);
     }
     throw std::runtime_error("grid \"" + grid->getName() + "\" has values of type " + grid->valueType() +
                              ", wanted float or vec3s");
