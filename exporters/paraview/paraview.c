@@ -142,32 +142,15 @@ static json_t *camera_json(const iso_camera *c)
                      "half_height", c->half_height);
 }
 
-static bool is_lit(const iso_view *view)
-{
-    for (size_t i = 0; i < view->light_count; ++i)
-        if (view->lights[i].intensity != 0 && (view->shading.diffuse != 0 || view->shading.specular != 0))
-            return true;
-    return false;
-}
-
-static json_t *lights_json(const iso_view *view)
-{
-    json_t *lights = json_array();
-    for (size_t i = 0; i < view->light_count; ++i)
-        json_array_append_new(lights, json_pack("{s:o, s:f}", "direction", vector_json(view->lights[i].direction),
-                                                "intensity", view->lights[i].intensity));
-    return lights;
-}
-
 static json_t *scene_json(const iso_level *level, const iso_view *view, const char *name)
 {
     const iso_shading *s = &view->shading;
-    const bool lit = is_lit(view);
+    const bool lit = iso_view_is_lit(view);
     return json_pack("{s:s, s:i, s:i, s:o, s:o, s:o, s:o, s:i, s:o, s:{s:f, s:f, s:f, s:f}}", "name", name, "width",
                      (int)view->width, "height", (int)view->height, "center",
                      vector_json(iso_geometry_box_center_mm(&level->geometry)), "camera", camera_json(&view->camera),
                      "tf", tf_json(&view->tf, lit ? 1 : s->ambient), "background",
-                     iso_json_numbers(view->background, 3), "shade", lit, "lights", lights_json(view), "shading",
+                     iso_json_numbers(view->background, 3), "shade", lit, "lights", iso_view_lights_to_json(view), "shading",
                      "ambient", s->ambient, "diffuse", s->diffuse, "specular", s->specular, "power", s->power);
 }
 

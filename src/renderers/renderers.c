@@ -92,7 +92,7 @@ static asked_trait find_lacking(const iso_renderer_info *r, const iso_pyramid *p
                                  {view->extinction_scale, ISO_HAS_EXTINCTION_SCALES, "extinction scales"},
                                  {view->roi, ISO_HAS_ROI, "regions of interest"},
                                  {p->levels[0].labels, ISO_HAS_LABELS, "label maps"},
-                                 {iso_request_is_lit(view), ISO_HAS_LIGHTS, "lights"},
+                                 {iso_view_is_lit(view), ISO_HAS_LIGHTS, "lights"},
                                  {view->camera.orthographic, ISO_HAS_ORTHOGRAPHIC, "orthographic views"}};
     for (size_t i = 0; i < sizeof asked / sizeof *asked; ++i)
         if (asked[i].asked && !iso_renderer_has(r, asked[i].trait))

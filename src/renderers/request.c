@@ -24,14 +24,6 @@ static json_t *numbers_json(const double *values, size_t count)
     return list;
 }
 
-bool iso_request_is_lit(const iso_view *view)
-{
-    for (size_t i = 0; i < view->light_count; ++i)
-        if (view->lights[i].intensity != 0 && (view->shading.diffuse != 0 || view->shading.specular != 0))
-            return true;
-    return false;
-}
-
 /* ---- the volume ---- */
 
 static json_t *volume_json(const iso_level *level)
@@ -150,15 +142,6 @@ static json_t *camera_json(const iso_view *view, const iso_geometry *g)
                      far);
 }
 
-static json_t *lights_json(const iso_view *view)
-{
-    json_t *lights = json_array();
-    for (size_t i = 0; i < view->light_count; ++i)
-        json_array_append_new(lights, json_pack("{s:o, s:f}", "direction", vector_json(view->lights[i].direction),
-                                                "intensity", view->lights[i].intensity));
-    return lights;
-}
-
 static json_t *clip_planes_json(const iso_view *view)
 {
     json_t *planes = json_array();
@@ -192,7 +175,7 @@ static json_t *request_json(const iso_request *q, bool lit)
         "{s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:{s:I, s:I}, s:o, s:i}", "schema",
         "isoshade.request/1", "scene", q->scene ? json_string(q->scene) : json_null(), "level", (json_int_t)q->level,
         "volume", volume_json(level), "directions", directions, "tf", tf_json(&v->tf), "camera",
-        camera_json(v, &level->geometry), "lights", lights_json(v), "shading", "ambient", v->shading.ambient, "diffuse",
+        camera_json(v, &level->geometry), "lights", iso_view_lights_to_json(v), "shading", "ambient", v->shading.ambient, "diffuse",
         v->shading.diffuse, "specular", v->shading.specular, "power", v->shading.power, "background",
         numbers_json(v->background, 3), "clip_planes", clip_planes_json(v), "image", "width", (json_int_t)v->width,
         "height", (json_int_t)v->height, "frames", frames_json(q), "threads", iso_threads(q->threads));
@@ -222,7 +205,7 @@ static iso_status check(const iso_request *q, iso_error *err)
 iso_status iso_request_write(const iso_request *q, const char *dir, iso_error *err)
 {
     const iso_level *level = &q->pyramid->levels[q->level];
-    const bool lit = level->codes && iso_request_is_lit(q->view);
+    const bool lit = level->codes && iso_view_is_lit(q->view);
     char *volume = iso_path_join(dir, "volume.nrrd"), *directions = iso_path_join(dir, "directions.nrrd"),
          *json = iso_path_join(dir, "request.json");
     iso_status status = volume && directions && json ? check(q, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");

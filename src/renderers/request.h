@@ -33,7 +33,4 @@ typedef struct iso_request {
  * function, extinction scales, a region of interest. ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_request_write(const iso_request *request, const char *dir, iso_error *err);
 
-/* Whether the view's lights change anything: else directions need not be read. */
-bool iso_request_is_lit(const iso_view *view);
-
 #endif

@@ -491,3 +491,11 @@ bool iso_view_keeps(const iso_view *view, const iso_geometry *g, const double lo
     }
     return true;
 }
+
+bool iso_view_is_lit(const iso_view *view)
+{
+    bool shines = false;
+    for (size_t i = 0; i < view->light_count; ++i)
+        shines |= view->lights[i].intensity != 0;
+    return shines && (view->shading.diffuse != 0 || view->shading.specular != 0);
+}

@@ -153,6 +153,10 @@ typedef struct iso_view {
 iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0, double value_min, double value_max,
                              iso_view *view, iso_error *err);
 void iso_view_destroy(iso_view *view);
+/* Does its shading depend on directions? Not where no light can be seen. */
+bool iso_view_is_lit(const iso_view *view);
+/* [{"direction": [x, y, z], "intensity": 1}, ...], towards the lights, in world space. A new array. */
+json_t *iso_view_lights_to_json(const iso_view *view);
 /* Ray steps are counted in the spacing of this geometry: that of the finest level that the view shows. */
 const iso_geometry *iso_view_step_geometry(const iso_view *view, const iso_geometry *level);
 

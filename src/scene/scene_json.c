@@ -66,3 +66,12 @@ json_t *iso_scene_to_json(const iso_scene *s)
                                       s->agreement.sharp ? "sharp" : "smooth", "why", s->agreement.why));
     return root;
 }
+
+json_t *iso_view_lights_to_json(const iso_view *view)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < view->light_count; ++i)
+        json_array_append_new(list, json_pack("{s:o, s:f}", "direction", vector(view->lights[i].direction), "intensity",
+                                              view->lights[i].intensity));
+    return list;
+}
