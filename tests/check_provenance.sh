@@ -71,6 +71,14 @@ check paths_are_kept_in_a_pyramid grep -q "$plant/s\.nrrd" full.iso/pyramid.json
 expect render_with_paths 0 "$ISOSHADE" render "$plant/s.nrrd" $S --with gl --size 8 -o full.exr --full-paths -q
 check paths_are_kept_in_a_picture grep -qa "$plant/s\.nrrd" full.exr
 
+# What a program of somebody else prints, and an error that quotes it.
+printf '%s\n' "open('$plant/none')" >"$plant/bad.py"
+echo '{"schema": "isoshade.renderers/1", "renderers": [{"name": "bad", "command": ["python3", "bad.py"], "tier": "samples"}]}' >"$plant/renderers.json"
+rm -rf made && mkdir made
+expect a_program_that_names_folders 9 "$ISOSHADE" validate "$plant/s.nrrd" $S --with bad --renderers "$plant/renderers.json" --quick --size 12 --levels 1 --anyway -o "$dir/made/bad" -q
+check its_words_are_in_the_report grep -q "No such file or directory: 'none'" made/bad/report.json
+nothing_holds but_not_the_folders PLANTED_NAME
+
 outputs --no-provenance
 all_made all_outputs_without_provenance_are_made
 nothing_holds no_provenance_leaves_the_name_out 's\.nrrd|PLANTED_NAME'

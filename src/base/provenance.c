@@ -112,3 +112,23 @@ char *iso_provenance_line(const char *line)
     free(word);
     return text;
 }
+
+char *iso_provenance_shorten(char *text)
+{
+    static const char ends[] = " \t'\"`,;:()[]<>";
+    char *to = text;
+    for (const char *c = text; kept_now != ISO_PROVENANCE_PATHS && *c;) {
+        const bool begins = *c == '/' && (c == text || strchr(ends, c[-1]) || c[-1] == '=');
+        const size_t n = begins ? strcspn(c, ends) : 1;
+        size_t folders = 0;
+        for (size_t i = 1; begins && i + 1 < n; ++i)
+            if (c[i] == '/')
+                folders = i + 1;
+        memmove(to, c + folders, n - folders);
+        to += n - folders;
+        c += n;
+    }
+    if (kept_now != ISO_PROVENANCE_PATHS)
+        *to = 0;
+    return text;
+}

@@ -89,8 +89,11 @@ static json_t *words_json(const char *const *words)
 static json_t *said_json(const tail *t)
 {
     json_t *list = json_array();
-    for (size_t i = t->count > KEPT_LINES ? t->count - KEPT_LINES : 0; i < t->count; ++i)
-        json_array_append_new(list, json_string(t->line[i % KEPT_LINES]));
+    for (size_t i = t->count > KEPT_LINES ? t->count - KEPT_LINES : 0; i < t->count; ++i) {
+        char line[LINE_BYTES];
+        memcpy(line, t->line[i % KEPT_LINES], sizeof line);
+        json_array_append_new(list, json_string(iso_provenance_shorten(line)));
+    }
     return list;
 }
 
@@ -109,11 +112,13 @@ json_t *iso_external_describe(const iso_renderer_info *self)
     pthread_mutex_lock(&records_lock);
     const record *r = &records[iso_renderer_index(self)];
     const iso_process_outcome *o = &r->outcome;
+    char why[sizeof r->why];
+    memcpy(why, r->why, sizeof why);
     json_t *out = json_pack("{s:o, s:s, s:o, s:I, s:f, s:o, s:i, s:b, s:o, s:s}", "command", words_json(e->command),
                             "tier", e->tier, "limits", limits_json(self->lock_step), "starts", (json_int_t)r->starts,
                             "seconds", r->seconds, "exit_code",
                             r->starts && o->exit_code >= 0 ? json_integer(o->exit_code) : json_null(), "signal",
-                            o->signal, "timed_out", o->timed_out, "output", said_json(&r->said), "failure", r->why);
+                            o->signal, "timed_out", o->timed_out, "output", said_json(&r->said), "failure", iso_provenance_shorten(why));
     pthread_mutex_unlock(&records_lock);
     return out;
 }

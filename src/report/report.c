@@ -27,9 +27,13 @@ struct iso_report {
     bool finished;
 };
 
+/* Reasons may quote what another program said. */
 static json_t *text(const char *value)
 {
-    return value ? json_string(value) : json_null();
+    char *copy = value ? strdup(value) : NULL;
+    json_t *json = copy ? json_string(iso_provenance_shorten(copy)) : json_null();
+    free(copy);
+    return json;
 }
 
 static iso_status no_memory(iso_error *err)
