@@ -134,7 +134,7 @@ cat >fake/povray <<'END'
 case "$*" in *-version*) echo "POV-Ray 3.7.0.10"; exit 0 ;; esac
 [ -z "$FAKE_CRASHES" ] || kill -SEGV $$
 for word; do case $word in Width=*) w=${word#*=} ;; Height=*) h=${word#*=} ;; esac; done
-{ printf 'P6\n%d %d\n65535\n' "$w" "$h"; head -c $((w * h * 6)) /dev/zero; } >pass.ppm
+for pass in 1 2 3 4; do { printf 'P6\n%d %d\n65535\n' "$w" "$h"; head -c $((w * h * 6)) /dev/zero; } >pass$pass.ppm; done
 END
 chmod +x fake/povray
 for crashes in "" 1; do

@@ -86,4 +86,15 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
 iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);
 
+/* Pictures that differ in their intervals alone (opt->intervals is not read, nor is opt->extrapolate), by one export and one
+ * start of POV-Ray; all or none. At most 16. */
+typedef struct iso_povray_pictures {
+    const size_t *intervals;
+    size_t count;
+    iso_image *images;
+} iso_povray_pictures;
+iso_status iso_povray_render_several(const iso_pyramid *p, size_t level, const iso_view *view,
+                                     const iso_povray_options *opt, const iso_povray_pictures *wanted,
+                                     const iso_progress *progress, iso_error *err);
+
 #endif

@@ -91,24 +91,31 @@ typedef struct render_job {
     const iso_povray_scene *scene;
 } render_job;
 
-/* One run of POV-Ray among several, for the progress. */
+/* One start of POV-Ray draws pictures as the frames of an animation: two passes for each number of intervals. */
+enum { PASSES = 2 };
+static const iso_povray_pass passes[PASSES] = {ISO_POVRAY_TRANSMITTANCE, ISO_POVRAY_EMISSION};
+
+/* The progress of a start. */
 typedef struct run_progress {
     const iso_progress *progress;
-    double from, to;
+    const double *parts; /* of the whole that are done when a frame begins; one more at the end */
+    size_t frame, frame_count;
     iso_povray_stats *stats; /* or NULL */
     bool after_trace;        /* the next line says how long all threads took */
 } run_progress;
 
-/* "Rendered 1234 of 2304 pixels (53%)", and "  Trace Time:       0 hours  0 minutes  1 seconds (1.234 seconds)" followed by
- * "              using 2 thread(s) with 2.345 CPU-seconds total" */
+/* "Rendering frame 2 of 4", "Rendered 1234 of 2304 pixels (53%)", and "  Trace Time:       0 hours  0 minutes  1 seconds
+ * (1.234 seconds)" followed by "              using 2 thread(s) with 2.345 CPU-seconds total" */
 static void take_progress(void *user, const char *line)
 {
     run_progress *run = user;
     size_t done, total, threads;
+    if (sscanf(line, "Rendering frame %zu of %zu", &done, &total) == 2 && done >= 1 && done <= run->frame_count)
+        run->frame = done - 1;
     const char *at = strstr(line, "Rendered ");
+    const double from = run->parts[run->frame], to = run->parts[run->frame + 1];
     if (at && sscanf(at, "Rendered %zu of %zu pixels", &done, &total) == 2 && total > 0)
-        iso_progress_report(run->progress, "povray: rendering",
-                            run->from + (run->to - run->from) * (double)done / (double)total);
+        iso_progress_report(run->progress, "povray: rendering", from + (to - from) * (double)done / (double)total);
     double seconds;
     if (!run->stats)
         return;
@@ -120,12 +127,51 @@ static void take_progress(void *user, const char *line)
         run->stats->trace_seconds += seconds;
 }
 
-/* The picture that a run has left. Without one, or with a broken one, it is the program that failed. */
-static iso_status load_pass(const char *path, const iso_view *view, iso_image *image, iso_error *err)
+/* frames.pov: the scene with the pass and the intervals of each frame. */
+static iso_status write_frames(const render_job *job, const size_t *intervals, size_t count, iso_error *err)
 {
+    char *path = iso_path_join(job->dir, "frames.pov"), *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (f) {
+        fprintf(f, "#version 3.7;\n#declare Iso_Frames = array[%zu][2] {\n", PASSES * count);
+        for (size_t i = 0; i < PASSES * count; ++i)
+            fprintf(f, "    { %d, %zu }%s\n", (int)passes[i % PASSES], intervals[i / PASSES],
+                    i + 1 < PASSES * count ? "," : "");
+        fprintf(f, "}\n"
+                   "#declare Iso_Pass = Iso_Frames[frame_number - 1][0];\n"
+                   "#declare Iso_Intervals = Iso_Frames[frame_number - 1][1];\n"
+                   "#include \"scene.pov\"\n");
+    }
+    const bool whole = f && fclose(f) == 0 && path;
+    iso_status status = whole ? iso_file_write(path, text, size, err) : iso_povray_no_memory(err);
+    free(text);
+    free(path);
+    return status;
+}
+
+/* POV-Ray writes as many digits as the last frame's number has. */
+static char *pass_path(const render_job *job, size_t frame, size_t frame_count)
+{
+    char name[64];
+    int digits = 1;
+    for (size_t n = frame_count; n >= 10; n /= 10)
+        ++digits;
+    snprintf(name, sizeof name, "pass%0*zu.ppm", digits, frame + 1);
+    return iso_path_join(job->dir, name);
+}
+
+/* The picture that a frame has left. Without one, or with a broken one, it is the program that failed. */
+static iso_status load_pass(const render_job *job, size_t frame, size_t frame_count, iso_image *image, iso_error *err)
+{
+    const iso_view *view = job->scene->view;
     iso_error why = {""};
+    char *path = pass_path(job, frame, frame_count);
+    if (!path)
+        return iso_povray_no_memory(err);
     const iso_status status = iso_path_exists(path) ? iso_image_load_ppm(path, image, &why)
                                                     : iso_fail(&why, ISO_E_IO, "it left no picture");
+    free(path);
     if (status == ISO_E_MEMORY)
         return iso_fail(err, status, "%s", why.text);
     if (status != ISO_OK)
@@ -138,19 +184,16 @@ static iso_status load_pass(const char *path, const iso_view *view, iso_image *i
     return ISO_E_PROGRAM;
 }
 
-static iso_status run_povray(const render_job *job, iso_povray_pass pass, size_t intervals, run_progress *run,
-                             iso_image *image, iso_error *err)
+static iso_status run_povray(const render_job *job, size_t frame_count, run_progress *run, iso_error *err)
 {
     const iso_view *view = job->scene->view;
-    const iso_povray_options *opt = job->scene->options;
-    char width[32], height[32], threads[48], declare_pass[48], declare_intervals[48];
+    char width[32], height[32], threads[48], last[48];
     snprintf(width, sizeof width, "Width=%zu", view->width);
     snprintf(height, sizeof height, "Height=%zu", view->height);
-    snprintf(threads, sizeof threads, "Work_Threads=%d", iso_threads(opt->threads));
-    snprintf(declare_pass, sizeof declare_pass, "Declare=Iso_Pass=%d", (int)pass);
-    snprintf(declare_intervals, sizeof declare_intervals, "Declare=Iso_Intervals=%zu", intervals);
+    snprintf(threads, sizeof threads, "Work_Threads=%d", iso_threads(job->scene->options->threads));
+    snprintf(last, sizeof last, "Final_Frame=%zu", frame_count);
     const char *argv[] = {job->program,
-                          "Input_File_Name=scene.pov",
+                          "Input_File_Name=frames.pov",
                           "Output_File_Name=pass.ppm",
                           "Output_File_Type=P",
                           "Bits_Per_Color=16",
@@ -163,19 +206,11 @@ static iso_status run_povray(const render_job *job, iso_povray_pass pass, size_t
                           width,
                           height,
                           threads,
-                          declare_pass,
-                          declare_intervals,
+                          "Initial_Frame=1",
+                          last,
                           NULL};
     const iso_process_options options = {.directory = job->dir, .line = take_progress, .user = run};
-    char *path = iso_path_join(job->dir, "pass.ppm");
-    if (!path)
-        return iso_povray_no_memory(err);
-    remove(path); /* that of the pass before: a run that writes none must not be taken for it */
-    iso_status status = iso_povray_run_program(argv, &options, err);
-    if (status == ISO_OK)
-        status = load_pass(path, view, image, err);
-    free(path);
-    return status;
+    return iso_povray_run_program(argv, &options, err);
 }
 
 /* Emission and transmittance to premultiplied colour over the background, and alpha. */
@@ -190,20 +225,46 @@ static void compose(iso_image *emission, const iso_image *transmittance, const i
     }
 }
 
-/* Both passes with n intervals. */
-static iso_status render_once(const render_job *job, size_t intervals, const run_progress *run, iso_image *image,
-                              iso_error *err)
+/* What both passes of a number of intervals have left. */
+static iso_status load_picture(const render_job *job, size_t i, size_t count, iso_image *image, iso_error *err)
 {
     iso_image transmittance = {0};
-    const double split = run->from + 0.3 * (run->to - run->from);
-    run_progress first = {run->progress, run->from, split, run->stats, false},
-                 second = {run->progress, split, run->to, run->stats, false};
-    iso_status status = run_povray(job, ISO_POVRAY_TRANSMITTANCE, intervals, &first, &transmittance, err);
+    iso_status status = load_pass(job, PASSES * i, PASSES * count, &transmittance, err);
     if (status == ISO_OK)
-        status = run_povray(job, ISO_POVRAY_EMISSION, intervals, &second, image, err);
+        status = load_pass(job, PASSES * i + 1, PASSES * count, image, err);
     if (status == ISO_OK)
         compose(image, &transmittance, job->scene->view, job->scene->peak);
     iso_image_destroy(&transmittance);
+    return status;
+}
+
+enum { MOST_PICTURES = 16 }; /* of a start */
+
+/* A picture for each number of intervals, by one start; all or none. */
+static iso_status render_pictures(const render_job *job, const size_t *intervals, size_t count,
+                                  const iso_progress *progress, iso_image *images, iso_error *err)
+{
+    double parts[PASSES * MOST_PICTURES + 1] = {0};
+    const double part_of_pass[PASSES] = {0.3, 0.7};
+    double all = 0;
+    for (size_t i = 0; i < count; ++i)
+        all += (double)intervals[i];
+    for (size_t i = 0; i < PASSES * count; ++i)
+        parts[i + 1] = parts[i] + part_of_pass[i % PASSES] * (double)intervals[i / PASSES] / all;
+    run_progress run = {.progress = progress,
+                        .parts = parts,
+                        .frame_count = PASSES * count,
+                        .stats = job->scene->options->stats};
+    iso_progress_report(progress, "povray: rendering", 0);
+    iso_status status = write_frames(job, intervals, count, err);
+    if (status == ISO_OK)
+        status = run_povray(job, PASSES * count, &run, err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = load_picture(job, i, count, &images[i], err);
+    for (size_t i = 0; i < count && status != ISO_OK; ++i)
+        iso_image_destroy(&images[i]);
+    if (status == ISO_OK)
+        iso_progress_report(progress, "povray: rendering", 1);
     return status;
 }
 
@@ -213,28 +274,6 @@ static void extrapolate(iso_image *image, const iso_image *coarse, size_t n, siz
     const double ratio = (double)n / (double)m, factor = 1 / (ratio * ratio - 1);
     for (size_t i = 0; i < 4 * image->width * image->height; ++i)
         image->rgba[i] += (float)(((double)image->rgba[i] - (double)coarse->rgba[i]) * factor);
-}
-
-static iso_status render_scene(const render_job *job, const iso_progress *progress, iso_image *image, iso_error *err)
-{
-    const iso_povray_options *opt = job->scene->options;
-    const size_t n = opt->intervals;
-    const bool extrapolated = opt->extrapolate && !opt->isosurface;
-    const double split = extrapolated ? 1.0 / 3 : 0;
-    run_progress coarse_run = {progress, 0, split, opt->stats, false},
-                 fine_run = {progress, split, 1, opt->stats, false};
-    iso_image coarse = {0};
-    iso_status status = ISO_OK;
-    iso_progress_report(progress, "povray: rendering", 0);
-    if (extrapolated)
-        status = render_once(job, n / 2, &coarse_run, &coarse, err);
-    if (status == ISO_OK)
-        status = render_once(job, n, &fine_run, image, err);
-    if (status == ISO_OK && extrapolated)
-        extrapolate(image, &coarse, n, n / 2);
-    iso_image_destroy(&coarse);
-    iso_progress_report(progress, "povray: rendering", 1);
-    return status;
 }
 
 double iso_povray_df3_bytes(const char *folder)
@@ -253,12 +292,16 @@ double iso_povray_df3_bytes(const char *folder)
     return sum;
 }
 
-iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
-                             iso_image *image, const iso_progress *progress, iso_error *err)
+iso_status iso_povray_render_several(const iso_pyramid *p, size_t level, const iso_view *view,
+                                     const iso_povray_options *opt, const iso_povray_pictures *wanted,
+                                     const iso_progress *progress, iso_error *err)
 {
-    *image = (iso_image){0};
+    memset(wanted->images, 0, wanted->count * sizeof *wanted->images);
     char *program = NULL, *dir = NULL;
     iso_status status = iso_povray_check(p, level, view, opt, err);
+    if (status == ISO_OK && (wanted->count < 1 || wanted->count > MOST_PICTURES))
+        status = iso_fail(err, ISO_E_RANGE, "povray: %zu pictures of one start, must be 1 to %d", wanted->count,
+                          MOST_PICTURES);
     if (status == ISO_OK)
         status = find_povray(&program, err);
     if (status == ISO_OK && !(dir = iso_make_temp_dir()))
@@ -271,11 +314,27 @@ iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view 
     if (status == ISO_OK && opt->stats)
         *opt->stats = (iso_povray_stats){.df3_bytes = iso_povray_df3_bytes(dir)};
     if (status == ISO_OK)
-        status = render_scene(&(render_job){program, dir, &s.scene}, progress, image, err);
+        status = render_pictures(&(render_job){program, dir, &s.scene}, wanted->intervals, wanted->count, progress,
+                                 wanted->images, err);
     if (dir)
         iso_remove_tree(dir);
     iso_povray_release(&s);
     free(dir);
     free(program);
+    return status;
+}
+
+iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
+                             iso_image *image, const iso_progress *progress, iso_error *err)
+{
+    const size_t n = opt->intervals, both[2] = {n, n / 2}, count = opt->extrapolate && !opt->isosurface ? 2 : 1;
+    iso_image images[2] = {{0}, {0}};
+    *image = (iso_image){0};
+    iso_status status = iso_povray_render_several(p, level, view, opt, &(iso_povray_pictures){both, count, images},
+                                                  progress, err);
+    if (status == ISO_OK && count == 2)
+        extrapolate(&images[0], &images[1], n, n / 2);
+    *image = images[0];
+    iso_image_destroy(&images[1]);
     return status;
 }

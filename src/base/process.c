@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,6 +21,7 @@
 #include "base/keeper.h"
 #include "base/parallel.h"
 #include "base/words.h"
+#include "base/work.h"
 
 static char *search_path(const char *program)
 {
@@ -218,6 +220,7 @@ static iso_status begin(const char *const argv[], const char *directory, bool ta
         close_both(out);
         return iso_fail(err, ISO_E_IO, "%s: cannot be started: %s", p->name, strerror(errno));
     }
+    iso_work_add_start(p->name);
     if (talks)
         close(in[0]);
     close(out[1]);
@@ -244,8 +247,11 @@ static int reap(iso_process *p, double deadline, drain_end *end)
     }
     if (*end != DRAIN_CLOSED)
         iso_keeper_stop(p->pid);
-    while (waitpid(p->pid, &result, 0) < 0 && errno == EINTR) {
+    struct rusage usage = {0}; /* of the keeper, the program, and what it started and waited for */
+    while (wait4(p->pid, &result, 0, &usage) < 0 && errno == EINTR) {
     }
+    iso_work_add_end(p->name, (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+                                  1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec));
     return result;
 }
 

@@ -18,7 +18,7 @@ enum { most_noise_pixels = 32 }; /* a side; for a single test's chance of 1e-3 m
 
 typedef struct power_options {
     char *with, *renderers, *output, *format;
-    int repetitions, planted, size, seed, quick, sensitivity, threads;
+    int repetitions, planted, size, limit_size, seed, quick, sensitivity, threads;
     bool wanted[ISO_MAX_RENDERERS];
 } power_options;
 
@@ -379,6 +379,10 @@ static iso_status check(power_options *o, iso_error *err)
         status = iso_words_check_range("--planted", o->planted, 0, 1000, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--size", o->size, 8, 1024, err);
+    if (status == ISO_OK && o->limit_size)
+        status = iso_words_check_range("--limit-size", o->limit_size, 8, o->size - 1, err);
+    if (status == ISO_OK && o->limit_size && !o->sensitivity)
+        status = iso_fail(err, ISO_E_USAGE, "--limit-size is for --sensitivity");
     if (status == ISO_OK)
         status = iso_words_check_range("--seed", o->seed, 0, 1e6, err);
     if (status == ISO_OK && o->output && !o->sensitivity)
@@ -427,6 +431,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         ISO_CLI_RENDERERS_OPTION(&o.renderers),
         {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (16; 12 with --quick)",
          "N"},
+        {"limit-size", 0, POPT_ARG_INT, &o.limit_size, 0,
+         "of --sensitivity: limits are asked with so many pixels as well, as validate --limit-size does", "N"},
         {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "of the scenes", "N"},
         {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "fewer and smaller scenes, three seeds; the same gates", NULL},
         {"sensitivity", 0, POPT_ARG_NONE, &o.sensitivity, 0,
@@ -443,6 +449,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         o.threads = cli.threads;
         iso_sensitivity_options s = {.scenes = o.repetitions,
                                      .pixels = o.size,
+                                     .limit_pixels = o.limit_size,
+                                     .halvings = o.limit_size ? 3 : 1,
                                      .seed = o.seed,
                                      .threads = o.threads,
                                      .output = o.output,

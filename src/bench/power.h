@@ -85,6 +85,8 @@ iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const
 typedef struct iso_sensitivity_options {
     bool wanted[ISO_MAX_RENDERERS];
     int scenes, pixels, seed, threads;
+    int limit_pixels; /* limits are asked in pictures of this size as well, to see what that costs; 0: not */
+    int halvings;     /* of the octave that a smallest amount is in */
     const char *output, *format; /* a folder for the chart and its data; or NULL */
 } iso_sensitivity_options;
 iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options *opt, const iso_cli *cli,

@@ -2,7 +2,7 @@
 /* power_sensitivity.c - by how little may a renderer be wrong before validation says so?
  *
  * For each deviation (faults.h) and each gate the smallest amount that is rejected, between the halves of octaves: the
- * amount is rejected, and what is 1/sqrt(2) of it passes. Scenes are random ones whose transfer function is not sharp, for
+ * amount is rejected, and what is 1/sqrt(2) of it passes; where pictures of two sizes are compared, between eighths. Scenes are random ones whose transfer function is not sharp, for
  * which the bars are 1/2550; the amounts differ from scene to scene, which the chart shows as a span. */
 #define _GNU_SOURCE
 #include <math.h>
@@ -28,10 +28,11 @@ typedef struct probe {
     const iso_renderer_info *renderer;
     bool is_calibration;
     iso_power_gate gate;
+    bool few; /* with opt->limit_pixels */
     double cost;
 } probe;
 
-enum { most_probes = 1 + ISO_POWER_GATE_COUNT * ISO_MAX_RENDERERS };
+enum { most_probes = 1 + (ISO_POWER_GATE_COUNT + 1) * ISO_MAX_RENDERERS };
 
 /* Smallest amounts, a scene each; a calibration has one. INFINITY: none is rejected; count 0: not asked. */
 typedef struct threshold {
@@ -53,7 +54,7 @@ typedef struct study {
  * amounts are nearly the same for all: the reference is asked. */
 static void list_probes(study *s)
 {
-    s->probes[s->probe_count++] = (probe){"calibration", iso_renderers_truth(), true, 0, 1};
+    s->probes[s->probe_count++] = (probe){.name = "calibration", .renderer = iso_renderers_truth(), .is_calibration = true, .cost = 1};
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
         for (size_t w = 0; w < iso_renderer_count(); ++w) {
             const iso_renderer_info *renderer = iso_renderer_at(w);
@@ -63,6 +64,13 @@ static void list_probes(study *s)
             probe *p = &s->probes[s->probe_count++];
             *p = (probe){.renderer = renderer, .gate = gate, .cost = gate == ISO_POWER_LIMIT ? 12 : 4};
             snprintf(p->name, sizeof p->name, "%.40s %s", renderer->name, iso_power_gate_name(gate));
+            if (gate != ISO_POWER_LIMIT || !s->opt->limit_pixels)
+                continue;
+            probe *few = &s->probes[s->probe_count++];
+            *few = *p;
+            few->few = true;
+            snprintf(few->name, sizeof few->name, "%.30s %s of %d px", renderer->name, iso_power_gate_name(gate),
+                     s->opt->limit_pixels);
         }
 }
 
@@ -136,11 +144,11 @@ static iso_status find_smallest(study *s, const iso_power_case *c, const probe *
             break;
         x = is_rejected ? x / 2 : fmin(2 * x, most);
     }
-    if (status == ISO_OK && passed > 0 && isfinite(rejected)) {
+    for (int i = 0; i < s->opt->halvings && status == ISO_OK && passed > 0 && isfinite(rejected); ++i) {
         bool is_rejected;
         x = sqrt(passed * rejected);
         status = ask(s, c, p, d, x, &is_rejected, err);
-        rejected = is_rejected ? x : rejected;
+        *(is_rejected ? &rejected : &passed) = x;
     }
     *smallest = rejected;
     return status;
@@ -182,6 +190,27 @@ static uint64_t seed_of(const study *s, int i)
             return seed;
 }
 
+/* few: the probes of small pictures alone, else all others. */
+static iso_status run_scene(study *s, int i, bool few, iso_error *err)
+{
+    iso_power_case c = {.seed = seed_of(s, i),
+                        .pixels = (size_t)(few ? s->opt->limit_pixels : s->opt->pixels),
+                        .seeds = 4,
+                        .first_seed = 1000 * i,
+                        .threads = s->opt->threads};
+    iso_frame_cache cache = {0};
+    iso_status status = iso_power_open(s->renderers, &c, err);
+    for (size_t p = 0; p < s->probe_count && status == ISO_OK; ++p) {
+        s->renderers->cache = renders_each_amount(&s->probes[p]) ? NULL : &cache;
+        if (!s->probes[p].is_calibration && s->probes[p].few == few)
+            status = run_probe(s, &c, p, i, err);
+        s->renderers->cache = NULL;
+    }
+    iso_frame_cache_clear(&cache);
+    iso_power_close(&c);
+    return status;
+}
+
 static iso_status run_study(study *s, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -193,21 +222,9 @@ static iso_status run_study(study *s, iso_error *err)
         if (s->probes[p].is_calibration)
             status = run_probe(s, NULL, p, 0, err);
     for (int i = 0; i < s->opt->scenes && status == ISO_OK; ++i) {
-        iso_power_case c = {.seed = seed_of(s, i),
-                            .pixels = (size_t)s->opt->pixels,
-                            .seeds = 4,
-                            .first_seed = 1000 * i,
-                            .threads = s->opt->threads};
-        iso_frame_cache cache = {0};
-        status = iso_power_open(s->renderers, &c, err);
-        for (size_t p = 0; p < s->probe_count && status == ISO_OK; ++p) {
-            s->renderers->cache = renders_each_amount(&s->probes[p]) ? NULL : &cache;
-            if (!s->probes[p].is_calibration)
-                status = run_probe(s, &c, p, i, err);
-            s->renderers->cache = NULL;
-        }
-        iso_frame_cache_clear(&cache);
-        iso_power_close(&c);
+        status = run_scene(s, i, false, err);
+        if (status == ISO_OK && s->opt->limit_pixels)
+            status = run_scene(s, i, true, err);
     }
     return status;
 }
@@ -256,6 +273,39 @@ static void print_table(const study *s)
     }
 }
 
+/* The largest factor by which a smallest amount, the median of the scenes, grows with smaller pictures; 0: nothing was
+ * compared. */
+typedef struct growth {
+    double factor;
+    int deviation;
+    const probe *whole;
+} growth;
+
+static growth largest_growth(const study *s)
+{
+    growth g = {.factor = 0};
+    for (size_t p = 1; p < s->probe_count; ++p)
+        for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT && s->probes[p].few; ++d) {
+            const threshold *whole = &s->found[d][p - 1], *few = &s->found[d][p];
+            if (!whole->count || !few->count || !isfinite(median(whole)))
+                continue;
+            const double factor = median(few) / median(whole);
+            if (factor > g.factor)
+                g = (growth){factor, d, &s->probes[p - 1]};
+        }
+    return g;
+}
+
+static void print_growth(const study *s)
+{
+    const growth g = largest_growth(s);
+    if (g.factor > 0)
+        printf("With %d pixels instead of %d along an edge of the pictures of limits the smallest amount grows by a factor of %.2f at "
+               "most: %s by the %s\n",
+               s->opt->limit_pixels, s->opt->pixels, g.factor, iso_deviation_name((iso_deviation)g.deviation),
+               g.whole->name);
+}
+
 static void print_json(const study *s, const iso_cli *cli)
 {
     json_t *root = iso_cli_json(cli), *list = json_array();
@@ -274,6 +324,8 @@ static void print_json(const study *s, const iso_cli *cli)
                                             "smallest_rejected", iso_json_number(median(t)), "of_each_scene", amounts));
         }
     json_object_set_new(root, "sensitivity", list);
+    if (s->opt->limit_pixels)
+        json_object_set_new(root, "largest_growth", iso_json_number(largest_growth(s).factor));
     iso_cli_print_json(root);
 }
 
@@ -325,8 +377,10 @@ iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options
         status = draw(s, err);
     if (status == ISO_OK && cli->json)
         print_json(s, cli);
-    else if (status == ISO_OK)
+    else if (status == ISO_OK) {
         print_table(s);
+        print_growth(s);
+    }
     free(s);
     return status;
 }

@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/parallel.h"
 #include "base/provenance.h"
+#include "base/work.h"
 #include "cli/cycles_options.h"
 #include "cli/made_volume.h"
 #include "options/cli.h"
@@ -32,7 +33,7 @@ typedef struct validate_arguments {
     iso_cli_look look;
     char *output, *with, *renderers, *gl_device, *code, *junit, *summary_md, *suite, **images;
     iso_cli_cycles cycles;
-    int level_count, seeds, quick, level_views, level_size, anyway, extinction_scale, viewer;
+    int level_count, seeds, quick, limit_size, level_views, level_size, anyway, extinction_scale, viewer;
 } validate_arguments;
 
 static char *scene_name_of(const char *path)
@@ -54,6 +55,7 @@ static size_t seeds_of(const validate_arguments *a)
 static void scale_down(iso_validation *v, iso_scene *scene, const validate_arguments *a)
 {
     v->image_prefix = v->variant = v->build_options = v->render_options = "";
+    v->limit_size = a->limit_size ? (size_t)a->limit_size : ISO_VALIDATE_LIMIT_PIXELS;
     v->consistency_size = a->level_size ? (size_t)a->level_size : v->quick ? 96 : 160;
     v->may_add_views = !a->level_views && !v->quick;
     v->consistency_views = a->level_views ? (size_t)a->level_views : v->quick ? 3 : 6;
@@ -72,6 +74,7 @@ static void describe_options(const validate_arguments *a, const iso_validation *
         iso_report_put(r, "options", "levels", json_integer((json_int_t)v->pyramid->level_count));
         iso_report_put(r, "options", "image",
                        json_pack("[I,I]", (json_int_t)v->view->width, (json_int_t)v->view->height));
+        iso_report_put(r, "options", "limit_size", json_integer((json_int_t)v->limit_size));
         iso_report_put(r, "options", "level_views", json_integer((json_int_t)v->consistency_views));
         iso_report_put(r, "options", "level_size", json_integer((json_int_t)v->consistency_size));
         if (v->scales != ISO_SCALES_NONE)
@@ -92,10 +95,11 @@ static void describe_options(const validate_arguments *a, const iso_validation *
 static iso_status run_stage(iso_validation *v, const char *name, iso_status (*run)(iso_validation *, iso_error *),
                             iso_error *err)
 {
-    double start = iso_clock_seconds();
+    const double start = iso_clock_seconds(), worked = iso_work_sum().processor_seconds;
     iso_progress_line_begin_phase(v->line, name);
     iso_status status = run(v, err);
     iso_report_put(v->report, "seconds", name, json_real(iso_clock_seconds() - start));
+    iso_report_put(v->report, "processor_seconds", name, json_real(iso_work_sum().processor_seconds - worked));
     return status;
 }
 
@@ -197,10 +201,20 @@ static void print_result(const validate_arguments *a, const iso_cli *cli, const 
     }
 }
 
+/* What was started and drawn, and the processor time of all of it. */
+static void report_work(iso_report *r)
+{
+    json_t *work = iso_work_to_json(), *value;
+    const char *key;
+    json_object_foreach(work, key, value) iso_report_put(r, "work", key, json_incref(value));
+    json_decref(work);
+}
+
 /* Summary, charts and page; the verdict. */
 static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
     iso_validate_describe_programs(v);
+    report_work(v->report);
     const iso_report_summary summary = iso_report_summarise(v->report);
     const iso_levels_summary levels = iso_levels_summarize(json_object_get(iso_report_json(v->report), "levels"));
     iso_progress_line_begin_phase(v->line, "report");
@@ -364,6 +378,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
     double start = iso_clock_seconds();
     v.image_prefix = v.variant = v.build_options = v.render_options = v.input_options = "";
+    v.limit_size = a->limit_size ? (size_t)a->limit_size : ISO_VALIDATE_LIMIT_PIXELS;
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK && a->look.size)
         status = iso_subject_parse_image_size(a->look.size, &suite.width, &suite.height, err);
@@ -412,6 +427,8 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
         status = iso_words_check_range("--level-views", a->level_views, 2, ISO_FACE_VIEWS, err);
     if (status == ISO_OK && a->level_size)
         status = iso_words_check_range("--level-size", a->level_size, 16, 1024, err);
+    if (status == ISO_OK && a->limit_size)
+        status = iso_words_check_range("--limit-size", a->limit_size, 8, 65536, err);
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
     if (status == ISO_OK && (a->suite ? 0 : 1) != cli->argument_count)
@@ -462,6 +479,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "NAME=DIR"},
         ISO_CLI_GL_DEVICE_OPTION(&a.gl_device),
         {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
+        {"limit-size", 0, POPT_ARG_INT, &a.limit_size, 0,
+         "pixels along the longer edge of the pictures of limits, at most (64): each is drawn at several steps", "N"},
         {"level-views", 0, POPT_ARG_INT, &a.level_views, 0,
          "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},
         {"level-size", 0, POPT_ARG_INT, &a.level_size, 0, "pixels along an edge of them (160; 96 with --quick)", "N"},

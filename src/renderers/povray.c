@@ -18,12 +18,10 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
     return status;
 }
 
-static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
+static iso_povray_options take_options(const iso_render_request *q)
 {
     const iso_render_options *opt = q->options;
     iso_povray_options o = iso_povray_defaults();
-    iso_povray_stats inside = {0};
-    o.stats = &inside;
     if (opt->intervals) {
         o.intervals = opt->intervals;
         o.planes = opt->planes;
@@ -35,9 +33,51 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     o.isosurface = opt->isosurface;
     o.iso = opt->iso;
     o.threads = opt->threads;
+    return o;
+}
+
+static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
+{
+    const iso_render_options *opt = q->options;
+    iso_povray_options o = take_options(q);
+    iso_povray_stats inside = {0};
+    o.stats = &inside;
     const iso_status status = iso_povray_render(q->pyramid, q->level, q->view, &o, image, q->progress, err);
     iso_render_stats_sum_up(stats, opt->processor_time ? &inside.processor_seconds : &inside.trace_seconds, 1);
     stats->bytes = inside.df3_bytes;
+    return status;
+}
+
+/* Of another export than that of the first frame: other planes, a surface, directions of another source. */
+static bool shares_export(const iso_render_options *a, const iso_render_options *b)
+{
+    return a->intervals > 0 && b->intervals > 0 && a->planes == b->planes && a->source == b->source &&
+           a->isosurface == b->isosurface && a->iso == b->iso && !a->extrapolate && !b->extrapolate;
+}
+
+/* Frames from `first` on that one start draws. */
+static iso_status render_together(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
+{
+    size_t intervals[ISO_RENDER_MAX_FRAMES];
+    const iso_povray_options o = take_options(q);
+    for (size_t i = 0; i < count; ++i)
+        intervals[i] = q->options[i].intervals;
+    return iso_povray_render_several(q->pyramid, q->level, q->view, &o,
+                                     &(iso_povray_pictures){intervals, count, images}, q->progress, err);
+}
+
+static iso_status render_several(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
+{
+    iso_render_request rest = *q;
+    iso_render_stats unused;
+    iso_status status = ISO_OK;
+    for (size_t done = 0, n; done < count && status == ISO_OK; done += n) {
+        rest.options = q->options + done;
+        n = 1;
+        while (n < ISO_RENDER_MAX_FRAMES && done + n < count && shares_export(rest.options, rest.options + n))
+            ++n;
+        status = n > 1 ? render_together(&rest, n, images + done, err) : render(&rest, images + done, &unused, err);
+    }
     return status;
 }
 
@@ -88,5 +128,6 @@ const iso_renderer_info iso_renderer_povray = {
     .output = {.bits = 16, .peak = peak_with_background, .rounding = 1e-5, .rounding_rmse = 8e-6},
     .version = version,
     .render = render,
+    .render_several = render_several,
     .ask_steps = ask_steps,
 };

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/work.h"
 #include "renderers/request.h"
 
 void iso_renderers_end(iso_renderers *r)
@@ -44,6 +45,19 @@ double iso_render_step_voxels(const iso_level *level, const iso_render_options *
 {
     return frame->intervals ? iso_level_chord_voxels(level) / (double)(frame->intervals * (frame->planes + 1))
                             : frame->step_voxels;
+}
+
+/* What was drawn, for the sums of the whole job. */
+static void count_picture(const iso_render_request *q, const iso_render_options *frame)
+{
+    const double pixels = (double)(q->view->width * q->view->height);
+    const double step = frame->step_voxels > 0 || frame->intervals
+                            ? iso_render_step_voxels(&q->pyramid->levels[q->level], frame)
+                        : frame->quadrature == ISO_QUADRATURE_CONVERGED && frame->renderer == iso_renderers_truth()
+                            ? INFINITY
+                            : q->view->step_voxels;
+    iso_work_add_picture(frame->renderer->name, pixels,
+                         pixels * iso_level_chord_voxels(&q->pyramid->levels[q->level]) / step);
 }
 
 /* ---- stats ---- */
@@ -147,6 +161,7 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
         return status;
     const double start = iso_clock_seconds();
     status = opt->renderer->render(frame, image, &stats, err);
+    count_picture(frame, opt);
     const double all = iso_clock_seconds() - start;
     if (stats.count == 0)
         iso_render_stats_sum_up(&stats, &all, 1);
@@ -175,6 +190,7 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
             status = frames[0].renderer->render_several(q, count, images, err);
         for (size_t i = 0; i < count && status == ISO_OK; ++i) {
             one.options = &frames[i];
+            count_picture(q, &frames[i]);
             status = apply_hook(&one, &images[i], err);
         }
         for (size_t i = 0; i < count && status != ISO_OK; ++i)

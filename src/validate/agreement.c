@@ -406,6 +406,8 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
         snprintf(options, sizeof options, " --limit --step %g", limit.step_voxels);
     iso_validate_limit_row(asked, &limit, &row);
     row.statistics = iso_validate_limit_to_json(&limit);
+    json_object_set_new(row.statistics, "pixels",
+                        json_pack("[I,I]", (json_int_t)v->view->width, (json_int_t)v->view->height));
     status = add_row(v, level, &row, a,
                      &(compared){what, &limit.image, renderer, options, iso_extrapolated_held_to(&limit)}, err);
     json_decref(row.statistics);
@@ -505,21 +507,29 @@ static iso_status lock_steps(iso_validation *v, size_t level, bool programs, iso
     return status;
 }
 
-static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_error *err)
+/* Limits take most of the time: so many pixels as they need, at several steps each. */
+static iso_status limits_at(iso_validation *v, size_t level, iso_error *err)
 {
-    (void)unused;
+    const iso_view *whole = v->view, small = iso_validate_small_view(whole, v->limit_size);
     level_truths t = {.differ = false};
-    v->renderers.scene = v->scene_name;
-    if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
-        return first_hits(v, level, err);
+    v->view = &small;
     iso_status status = find_truths(v, level, &t, err);
     if (status == ISO_OK)
-        status = lock_steps(v, level, true, err);
-    if (status == ISO_OK)
         status = compare_limits(v, level, &t, err);
+    v->view = whole;
     iso_image_destroy(&t.main.image);
     iso_image_destroy(&t.exported.image);
     return status;
+}
+
+static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_error *err)
+{
+    (void)unused;
+    v->renderers.scene = v->scene_name;
+    if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
+        return first_hits(v, level, err);
+    const iso_status status = lock_steps(v, level, true, err);
+    return status == ISO_OK ? limits_at(v, level, err) : status;
 }
 
 /* By the same samples where they are known, and only else by the limit, which takes many times as long. */

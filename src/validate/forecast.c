@@ -108,7 +108,8 @@ static void add_calibrations(const iso_validation *v, iso_job *job)
 
 static void add_agreement(const iso_validation *v, iso_job *job)
 {
-    const double pixels = (double)(v->view->width * v->view->height);
+    const iso_view limits = iso_validate_small_view(v->view, v->limit_size);
+    const double pixels = (double)(v->view->width * v->view->height), few = (double)(limits.width * limits.height);
     iso_job_add_phase(job, "agreement", iso_validate_workers(v, v->pyramid->level_count));
     for (size_t level = 0; level < v->pyramid->level_count; ++level) {
         const double across = voxels_across(v, level);
@@ -118,13 +119,13 @@ static void add_agreement(const iso_validation *v, iso_job *job)
             continue;
         }
         const bool formula = v->scene->agreement.tier == ISO_TIER_CLOSED_FORM;
-        add_row(job, "", level, formula ? "closed form" : "reference", "truth", truth_seconds(pixels, across));
         for (size_t i = 0; i < iso_renderer_count(); ++i)
             if (v->wanted[i] && iso_renderer_at(i)->lock_step)
                 add_lock_step(v, job, "", level, iso_renderer_at(i), pixels);
+        add_row(job, "", level, formula ? "closed form" : "reference", "truth", truth_seconds(few, across));
         for (size_t i = 0; i < iso_renderer_count(); ++i)
             if (v->wanted[i] && iso_renderer_has(iso_renderer_at(i), ISO_HAS_LIMIT))
-                add_limit(v, job, "", level, iso_renderer_at(i), pixels);
+                add_limit(v, job, "", level, iso_renderer_at(i), few);
     }
 }
 

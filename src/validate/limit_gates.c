@@ -15,6 +15,17 @@ static const double smooth_left = 0.354, sharp_left = 0.6;
 /* Of lit scenes: below what a person sees when the images alternate. */
 static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
 
+iso_view iso_validate_small_view(const iso_view *view, size_t pixels)
+{
+    const size_t larger = view->width > view->height ? view->width : view->height;
+    iso_view out = *view;
+    if (pixels > 0 && larger > pixels) {
+        out.width = (view->width * pixels + larger - 1) / larger;
+        out.height = (view->height * pixels + larger - 1) / larger;
+    }
+    return out;
+}
+
 double iso_validate_error_bar(const iso_scene_agreement *asked)
 {
     return asked->sharp ? sharp_bar : smooth_bar;

@@ -11,18 +11,6 @@
 #include "fit/extinction_scale.h"
 #include "validate/validate.h"
 
-/* The view with fewer pixels; borrowed, so not to be destroyed. */
-static iso_view small_view(const iso_view *view)
-{
-    size_t larger = view->width > view->height ? view->width : view->height;
-    iso_view out = *view;
-    if (larger > ISO_VALIDATE_METHOD_PIXELS) {
-        out.width = (view->width * ISO_VALIDATE_METHOD_PIXELS + larger - 1) / larger;
-        out.height = (view->height * ISO_VALIDATE_METHOD_PIXELS + larger - 1) / larger;
-    }
-    return out;
-}
-
 iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
@@ -133,7 +121,7 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     const iso_pyramid *p = made->pyramid;
     const iso_method *m = made->method;
     const bool covered = p == v->pyramid && m->source == ISO_FROM_CODES; /* by the agreement itself */
-    iso_view view = small_view(v->view);
+    iso_view view = iso_validate_small_view(v->view, ISO_VALIDATE_METHOD_PIXELS);
     iso_status status = ISO_OK;
     if (!covered)
         status = compare(v, p, m, level, &view, &original_tf, err);

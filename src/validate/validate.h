@@ -63,6 +63,7 @@ typedef struct iso_validation {
     double row_start; /* when what a row compares began */
     bool wanted[ISO_MAX_RENDERERS];
     iso_refusal refused[ISO_MAX_RENDERERS];
+    size_t limit_size; /* pixels along the longer edge of the pictures of limits, at most; 0: as many as the others have */
     size_t consistency_size, consistency_views;
     bool may_add_views;      /* twenty, of a level that these leave open */
     iso_level_tf *level_tfs; /* one a level; by iso_validate_adapt() */
@@ -121,6 +122,12 @@ void iso_validate_forget_tfs(iso_validation *v);
 iso_status iso_validate_scale(iso_validation *v, iso_error *err);
 /* What a pyramid is to be shown by, as `build --auto` noted it. */
 iso_level_scales iso_validate_scales_of(const iso_pyramid *p);
+
+/* The view with at most so many pixels along its longer edge (0: any), of the same scene; borrowed, so not to be
+ * destroyed. A limit is judged by ratios of means over pixels, which a regular part of them shows as well: bench power
+ * --sensitivity has both. */
+iso_view iso_validate_small_view(const iso_view *view, size_t pixels);
+enum { ISO_VALIDATE_LIMIT_PIXELS = 64 };
 
 /* Both need level_tfs. */
 /* Images of other directions and transfer functions are that large at most: there are many, and what they would show is
