@@ -102,6 +102,7 @@ iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, c
         o.step_voxels = 1.0 / 8;
     if (renderer->first_step_voxels > 0)
         o.step_voxels = renderer->first_step_voxels;
+    o.confirm = renderer->step_count == 0;
     if (renderer->step_count >= 2) /* the first pair, and the rest are halvings of it */
         o.finest_voxels = fmax(o.finest_voxels, ldexp(o.step_voxels, 2 - (int)renderer->step_count));
     return o;

@@ -9,6 +9,8 @@
  *   - the error bar is wider than a faint image allows;
  *   - a pixel is beyond chance, and nothing excuses it;
  *   - a person would see the difference (FLIP, SSIM), where the scene asks for that.
+ * Where only the last halving left too much at the finest step, of a renderer without noise, it is halved once more: with
+ * samples of random phases a single halving may, by chance.
  * A renderer that is right passes in the end. The difference of one that is wrong stays, while its bar shrinks. */
 #ifndef ISO_VALIDATE_LIMITS_H
 #define ISO_VALIDATE_LIMITS_H
@@ -28,7 +30,8 @@ typedef struct iso_limit_options {
     size_t seeds;                                  /* of random renderers, at least 2 */
     size_t planes,
         intervals; /* of renderers with intervals, at step_voxels; at its double half of them; 0 intervals: chosen by the step */
-    bool keep; /* what iso_extrapolated_compare() needs */
+    bool confirm; /* halve once more, beyond finest_voxels, where the last halving alone left too much */
+    bool keep;    /* what iso_extrapolated_compare() needs */
     int first_seed, threads;
     const iso_render_options
         *truth; /* of the reference; with it, pixels are excused where the reference itself moves with
