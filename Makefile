@@ -129,6 +129,12 @@ mutants: $(needs_setup) ## are mistakes planted in the verdict's code noticed by
 	@bash tests/mutants.sh $(WORDS)
 .PHONY: mutants
 
+# FAULTS="--only build" for some of the commands alone; each script's head has its options.
+faults: $(needs_setup) ## does each call that fails, and each kill, end well? Takes most of an hour
+	@$(again) all
+	@bash tests/faults.sh $(FAULTS)
+.PHONY: faults
+
 # ---- install ---------------------------------------------------------------
 PREFIX ?= /usr/local
 to := $(DESTDIR)$(PREFIX)

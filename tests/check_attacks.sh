@@ -59,6 +59,28 @@ kill -9 $! && wait $! 2>/dev/null
 rm -f killed.nrrd
 isoshade make sphere --size 4 -o other.nrrd -q
 check what_a_killed_run_left_is_removed test "$(temporaries)" = 0
+# One that is interrupted leaves nothing, also outside of runs of other programs; nothing that it did not make goes with it.
+interrupted() { # signal, exit code
+    mkdir interrupted && touch interrupted/.isoshade-notes
+    (cd interrupted && exec env --default-signal=INT "$ISOSHADE" make noise --size 300 -o volume.nrrd -q) &
+    for _ in $(seq 3000); do ls interrupted/.isoshade-*-volume.nrrd >/dev/null 2>&1 && break; sleep 0.01; done
+    kill -"$1" $! && wait $! 2>/dev/null
+    local code=$? left
+    left=$(ls -A interrupted)
+    rm -r interrupted
+    [ $code = "$2" ] && [ "$left" = .isoshade-notes ]
+}
+check ctrl_c_leaves_nothing interrupted INT 130
+check nor_does_an_order_to_end interrupted TERM 143
+check nor_does_a_terminal_that_closes interrupted HUP 129
+# A build can go on: what it has done stays under the name that --resume looks for.
+isoshade make noise --size 100 -o large.nrrd -q
+"$ISOSHADE" build large.nrrd -o large.iso -q >/dev/null &
+for _ in $(seq 3000); do ls .large.iso.partial/* >/dev/null 2>&1 && break; sleep 0.01; done
+kill -TERM $! && wait $! 2>/dev/null
+check what_can_be_resumed_stays test -d .large.iso.partial -o -d large.iso
+check and_nothing_else_is_left test "$(find . -name '.isoshade-*' -not -name .isoshade-files | grep -c .)" = 0
+check and_is_resumed isoshade build large.nrrd -o large.iso --resume -q
 
 # ---- words and files of strangers ----
 check a_name_with_a_line_feed_is_refused ends 2 'control character' isoshade info $'a\nb.nrrd'
@@ -83,6 +105,8 @@ PY
 check statements_in_a_source_are_refused ends 4 'control character' isoshade export pov.iso --to povray -o pov
 check a_changed_description_is_refused ends 4 'was changed since it was written' isoshade info range.iso
 check memory_is_not_taken_for_what_cannot_be_there ends 4 'bytes of bzip2 cannot hold' isoshade info b.nrrd
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 999999999\nencoding: raw\ndata file: %%d.raw 0 999999998 1\n' >many.nhdr
+check a_thousand_million_names_are_not_made ends 5 'names 999999999 data files' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.nhdr'
 check a_step_of_nothing_is_refused ends 2 'step is 0' isoshade render s.nrrd --scene "$shells" --with reference --step 0 --size 4 -o a.exr
 mkfifo fifo.scene.json
 check a_pipe_is_no_scene ends 3 'not a regular file' isoshade render s.nrrd --scene fifo.scene.json --with reference --size 4 -o a.exr

@@ -91,7 +91,7 @@ iso_status iso_medium_open(const char *folder, const char *name, char **path, FI
     if (!*path)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
     *f = fopen(*path, "wb");
-    return *f ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: %s", *path, strerror(errno));
+    return *f ? ISO_OK : iso_fail(err, iso_errno_status(), "%s: %s", *path, strerror(errno));
 }
 
 iso_status iso_medium_close(FILE *f, const char *path, iso_error *err)

@@ -66,7 +66,7 @@ static iso_status write_samples(FILE *file, const char *path, const density *d, 
         }
     }
     free(out);
-    return good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+    return good ? ISO_OK : iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
 }
 
 static iso_status write_file(const char *path, const density *d, iso_error *err)
@@ -78,10 +78,10 @@ static iso_status write_file(const char *path, const density *d, iso_error *err)
                             path, size[0], size[1], size[2], (size_t)UINT16_MAX - 2 * rim);
     FILE *file = fopen(path, "wb");
     if (!file)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
     iso_status status = write_samples(file, path, d, err);
     if (fclose(file) != 0 && status == ISO_OK)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
     return status;
 }
 

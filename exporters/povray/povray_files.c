@@ -175,9 +175,9 @@ static iso_status write_text(const iso_povray_scene *s, const char *dir, const c
         write(file, s);
         bool failed = ferror(file) != 0;
         if (fclose(file) != 0 || failed)
-            status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+            status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
     } else {
-        status = path ? iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno))
+        status = path ? iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno))
                       : iso_povray_no_memory(err);
     }
     free(path);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* target_nanovdb.c - what the target vdb writes, as a NanoVDB file: by a file of OpenVDB grids beside it, which goes. */
 #include <stdlib.h>
-#include <unistd.h>
 
 #include "base/file.h"
+#include "base/unfinished.h"
 #include "targets/targets.h"
 #include "vdb/nanovdb.h"
 
@@ -36,12 +36,14 @@ static iso_status write_nanovdb(const iso_export_job *job, iso_error *err)
                             : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", job->output);
     iso_progress_report(job->progress, stage, 0);
     if (status == ISO_OK)
+        iso_unfinished_add(vdb, false);
+    if (status == ISO_OK)
         status = iso_nanovdb_from_vdb(vdb, job->output, err);
     iso_progress_report(job->progress, stage, 1);
     if (status == ISO_OK)
         tell(job);
     if (vdb)
-        unlink(vdb);
+        iso_remove_tree(vdb);
     free(vdb);
     free(folder);
     return status;

@@ -23,7 +23,7 @@ struct iso_bigfile {
 
 static iso_status io_error(const iso_bigfile *f, iso_error *err)
 {
-    return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", f->path, strerror(errno));
+    return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", f->path, strerror(errno));
 }
 
 /* The end of what is kept lies inside a block, which is read back. */

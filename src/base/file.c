@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/unfinished.h"
+
 char *iso_path_join(const char *dir, const char *name)
 {
     char *path = NULL;
@@ -58,9 +60,22 @@ static int remove_entry(const char *path, const struct stat *st, int type, struc
     return remove(path);
 }
 
+/* Again where something fails in between, such as an allocation: what is left is not found by anyone later. */
 void iso_remove_tree(const char *path)
 {
-    nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    for (int tries = 0; tries < 3; ++tries)
+        if (nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS) == 0 || errno == ENOENT)
+            break;
+    remove(path); /* a file, or an empty folder, without memory */
+    iso_unfinished_drop(path);
+}
+
+int iso_memory_close(FILE *memory)
+{
+    if (!memory)
+        return 0;
+    const bool failed = ferror(memory) != 0;
+    return fclose(memory) != 0 || failed;
 }
 
 iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error *err)
@@ -70,7 +85,7 @@ iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error 
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe without a writer is told, not waited for */
     FILE *file = fd < 0 ? NULL : fdopen(fd, "rb");
     if (!file) {
-        const iso_status failed = iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+        const iso_status failed = iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
         if (fd >= 0)
             close(fd);
         return failed;
@@ -85,7 +100,7 @@ iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error 
         if (!*data)
             status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes", path, bytes);
         else if (fread(*data, 1, bytes, file) != bytes)
-            status = iso_fail(err, ISO_E_IO, "%s: read error: %s", path, strerror(errno));
+            status = iso_fail(err, iso_errno_status(), "%s: read error: %s", path, strerror(errno));
         else
             (*data)[bytes] = 0, *size = bytes;
     }
@@ -109,7 +124,7 @@ iso_status iso_file_write(const char *path, const void *data, size_t size, iso_e
         good = false;
     if (good)
         return iso_output_commit(&out, err);
-    status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+    status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
     iso_output_abandon(&out);
     return status;
 }

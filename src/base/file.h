@@ -17,6 +17,7 @@
 typedef struct iso_output {
     char *final_path; /* what the user named */
     char *temp_path;  /* where to write */
+    bool is_folder;
     int lock;         /* 1 + the descriptor that locks the temporary; 0: none */
 } iso_output;
 
@@ -52,6 +53,10 @@ void iso_output_abandon(iso_output *out);
 
 /* As abandon, but keeps the temporary, so that the work can be resumed. */
 void iso_output_keep(iso_output *out);
+
+/* Closes what open_memstream() made, which may be NULL; not 0 where something that was written to it found no memory. What
+ * it left then is no text. */
+int iso_memory_close(FILE *memory);
 
 /* Removes a directory and all in it. Missing is fine. */
 void iso_remove_tree(const char *path);

@@ -2,10 +2,12 @@
 #define _GNU_SOURCE
 #include "base/manifest.h"
 
+#include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
-#include <fts.h>
 #include <inttypes.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -16,65 +18,101 @@
 
 enum { CHECKED_BYTES = 1 << 20 };
 
-/* A line of the list; to be freed. NULL: it is no file and no folder, or cannot be read, or memory ended. */
-static char *line_of(const char *path, mode_t mode, size_t bytes, const char *name)
+/* What is met in a folder. */
+typedef struct entry {
+    const char *path, *name; /* name: its path in the folder */
+    struct stat st;
+} entry;
+
+/* Its line of the list, to be freed; NULL where it is neither a file nor a folder. */
+static iso_status line_of(const entry *e, char **line, iso_error *err)
 {
-    char *line = NULL, sum[20] = "-";
-    const bool is_folder = S_ISDIR(mode);
-    if (!is_folder && !S_ISREG(mode))
-        return NULL;
+    char sum[20] = "-";
+    const bool is_folder = S_ISDIR(e->st.st_mode);
+    const size_t bytes = is_folder ? 0 : (size_t)e->st.st_size;
+    *line = NULL;
+    if (!is_folder && !S_ISREG(e->st.st_mode))
+        return ISO_OK;
     if (!is_folder && bytes <= CHECKED_BYTES) {
         char *data;
         size_t size;
-        if (iso_file_read(path, &data, &size, NULL) != ISO_OK)
-            return NULL;
+        const iso_status status = iso_file_read(e->path, &data, &size, err);
+        if (status != ISO_OK)
+            return status;
         snprintf(sum, sizeof sum, "%016" PRIx64, (uint64_t)XXH3_64bits(data, size));
         free(data);
     }
-    return asprintf(&line, "%c %zu %s %s\n", is_folder ? 'd' : 'f', is_folder ? 0 : bytes, sum, name) < 0 ? NULL : line;
+    if (asprintf(line, "%c %zu %s %s\n", is_folder ? 'd' : 'f', bytes, sum, e->name) >= 0)
+        return ISO_OK;
+    *line = NULL;
+    return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", e->path);
 }
 
-static char *line_of_entry(const FTSENT *entry, const char *name)
+/* Calls visit for all that is in folder but the list itself, in the order of names, until it does not return ISO_OK. */
+typedef iso_status visitor(void *user, const entry *e, iso_error *err);
+
+static int is_no_dot(const struct dirent *e)
 {
-    if (entry->fts_info != FTS_D && entry->fts_info != FTS_F)
-        return NULL;
-    return line_of(entry->fts_accpath, entry->fts_statp->st_mode, (size_t)entry->fts_statp->st_size, name);
+    return strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
 }
 
-/* Calls entry for all that is in folder but the list itself, in the order of names, until it does not return ISO_OK. */
-typedef iso_status visit(void *user, const FTSENT *entry, const char *name, iso_error *err);
-
-static int by_name(const FTSENT **a, const FTSENT **b)
+static int by_name(const struct dirent **a, const struct dirent **b)
 {
-    return strcmp((*a)->fts_name, (*b)->fts_name);
+    return strcmp((*a)->d_name, (*b)->d_name);
 }
 
-static iso_status walk(const char *folder, visit *entry, void *user, iso_error *err)
+static iso_status walk_below(const char *folder, const char *below, visitor *visit, void *user, iso_error *err);
+
+static iso_status walk_entry(const char *folder, const char *name, visitor *visit, void *user, iso_error *err)
 {
-    char *const roots[] = {(char *)folder, NULL};
-    FTS *tree = fts_open(roots, FTS_PHYSICAL | FTS_NOCHDIR, by_name);
-    if (!tree)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be listed", folder);
-    iso_status status = ISO_OK;
-    for (FTSENT *e; status == ISO_OK && (e = fts_read(tree));) {
-        if (e->fts_level == 0 || e->fts_info == FTS_DP)
-            continue;
-        const char *name = e->fts_path + strlen(folder) + 1;
-        if (e->fts_level > 1 || strcmp(e->fts_name, ISO_MANIFEST_NAME) != 0)
-            status = entry(user, e, name, err);
-    }
-    fts_close(tree);
+    entry e = {.path = iso_path_join(folder, name), .name = name};
+    iso_status status = e.path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
+    if (status == ISO_OK && lstat(e.path, &e.st) != 0)
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be looked at: %s", e.path, strerror(errno));
+    if (status == ISO_OK)
+        status = visit(user, &e, err);
+    if (status == ISO_OK && S_ISDIR(e.st.st_mode))
+        status = walk_below(folder, name, visit, user, err);
+    free((char *)e.path);
     return status;
 }
 
-static iso_status list_entry(void *user, const FTSENT *entry, const char *name, iso_error *err)
+/* below: a path in folder; "": folder itself. */
+static iso_status walk_below(const char *folder, const char *below, visitor *visit, void *user, iso_error *err)
 {
-    if (strchr(name, '\n'))
-        return iso_fail(err, ISO_E_IO, "%s: a line feed in a name", name);
-    char *line = line_of_entry(entry, name);
-    const bool good = line && fputs(line, user) >= 0;
+    struct dirent **entries = NULL;
+    char *path = iso_path_join(folder, below);
+    const int count = path ? scandir(path, &entries, is_no_dot, by_name) : 0;
+    iso_status status = !path       ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder)
+                        : count < 0 ? iso_fail(err, iso_errno_status(), "%s: cannot be listed: %s", path, strerror(errno))
+                                    : ISO_OK;
+    for (int i = 0; i < count; ++i) {
+        char *name = NULL;
+        if (status == ISO_OK && (*below || strcmp(entries[i]->d_name, ISO_MANIFEST_NAME) != 0)) {
+            name = *below ? iso_path_join(below, entries[i]->d_name) : strdup(entries[i]->d_name);
+            status = name ? walk_entry(folder, name, visit, user, err)
+                          : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
+        }
+        free(name);
+        free(entries[i]);
+    }
+    free(entries);
+    free(path);
+    return status;
+}
+
+static iso_status list_entry(void *user, const entry *e, iso_error *err)
+{
+    char *line;
+    if (strchr(e->name, '\n'))
+        return iso_fail(err, ISO_E_IO, "%s: a line feed in a name", e->name);
+    const iso_status status = line_of(e, &line, err);
+    if (status == ISO_OK && !line)
+        return iso_fail(err, ISO_E_IO, "%s: is neither a file nor a folder", e->name);
+    if (status == ISO_OK)
+        fputs(line, user);
     free(line);
-    return good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be listed", name);
+    return status;
 }
 
 iso_status iso_manifest_write(const char *folder, iso_error *err)
@@ -82,16 +120,17 @@ iso_status iso_manifest_write(const char *folder, iso_error *err)
     char *text = NULL, *path = iso_path_join(folder, ISO_MANIFEST_NAME);
     size_t bytes = 0;
     FILE *memory = path ? open_memstream(&text, &bytes) : NULL;
-    iso_status status = memory ? walk(folder, list_entry, memory, err) : ISO_E_MEMORY;
-    if (memory && fclose(memory) != 0)
-        status = ISO_E_MEMORY;
-    FILE *file = status == ISO_OK ? fopen(path, "we") : NULL;
+    iso_status status = memory ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
+    if (status == ISO_OK)
+        status = walk_below(folder, "", list_entry, memory, err);
+    if (iso_memory_close(memory) != 0 && status == ISO_OK)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
     if (status == ISO_OK) {
+        FILE *file = fopen(path, "we");
         bool good = file && fwrite(text, 1, bytes, file) == bytes;
         good = file && fclose(file) == 0 && good;
-        status = good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
-    } else if (status == ISO_E_MEMORY) {
-        iso_fail(err, status, "%s: no memory for the list of its files", folder);
+        if (!good)
+            status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
     }
     free(text);
     free(path);
@@ -101,10 +140,10 @@ iso_status iso_manifest_write(const char *folder, iso_error *err)
 /* One write at the end of the file, so that no other process's line is lost. */
 void iso_manifest_add(const char *folder, const char *name)
 {
-    struct stat st;
     char *path = iso_path_join(folder, name), *list = iso_path_join(folder, ISO_MANIFEST_NAME), *line = NULL;
-    if (path && list && stat(path, &st) == 0)
-        line = line_of(path, st.st_mode, (size_t)st.st_size, name);
+    entry e = {.path = path, .name = name};
+    if (path && list && stat(path, &e.st) == 0)
+        line_of(&e, &line, NULL);
     const int fd = line ? open(list, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
     /* Without its line the folder is not replaced, and says why: no harm. */
     const ssize_t written = fd >= 0 ? write(fd, line, strlen(line)) : 0;
@@ -122,12 +161,13 @@ typedef struct listed {
     const char *shown, *text; /* text: the list, a line feed before its first line */
 } listed;
 
+/* Of a text that begins with a line feed: is there this line, which ends with one? */
 static bool has_line(const char *text, const char *line)
 {
-    char *whole = NULL;
-    const bool found = asprintf(&whole, "\n%s", line) >= 0 && strstr(text, whole);
-    free(whole);
-    return found;
+    for (const char *at = strstr(text, line); at; at = strstr(at + 1, line))
+        if (at > text && at[-1] == '\n')
+            return true;
+    return false;
 }
 
 static bool has_name(const char *text, const char *name)
@@ -139,14 +179,16 @@ static bool has_name(const char *text, const char *name)
     return false;
 }
 
-static iso_status check_entry(void *user, const FTSENT *entry, const char *name, iso_error *err)
+static iso_status check_entry(void *user, const entry *e, iso_error *err)
 {
     const listed *list = user;
-    char *line = line_of_entry(entry, name);
+    const char *name = e->name;
+    char *line;
+    const iso_status status = line_of(e, &line, err);
     const bool same = line && has_line(list->text, line);
     free(line);
-    if (same)
-        return ISO_OK;
+    if (status != ISO_OK || same)
+        return status;
     if (has_name(list->text, name))
         return iso_fail(err, ISO_E_IO,
                         "%s: %s in it was changed since isoshade wrote it, so the folder is not replaced; move it away, or choose another output",
@@ -160,16 +202,20 @@ iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *
 {
     char *path = iso_path_join(folder, ISO_MANIFEST_NAME), *data = NULL, *text = NULL;
     size_t bytes;
-    iso_status status = path ? iso_file_read(path, &data, &bytes, NULL) : ISO_E_MEMORY;
-    if (status != ISO_OK)
+    iso_status status = path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
+    if (status == ISO_OK && access(path, F_OK) != 0 && errno == ENOENT)
         status = iso_fail(err, ISO_E_IO,
                           "%s: has no list of isoshade's files (" ISO_MANIFEST_NAME
                           "), so it is not replaced; remove it, or choose another output",
                           shown);
-    else if (asprintf(&text, "\n%s", data) < 0)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
     if (status == ISO_OK)
-        status = walk(folder, check_entry, &(listed){shown, text}, err);
+        status = iso_file_read(path, &data, &bytes, err);
+    if (status == ISO_OK && asprintf(&text, "\n%s", data) < 0) {
+        text = NULL;
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
+    }
+    if (status == ISO_OK)
+        status = walk_below(folder, "", check_entry, &(listed){shown, text}, err);
     free(text);
     free(data);
     free(path);

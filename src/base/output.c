@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/manifest.h"
 #include "base/temporary.h"
+#include "base/unfinished.h"
 
 /* path without slashes at its end. A link is followed: the file or folder that it names is replaced, the link stays. */
 static iso_status find_target(const char *path, char **target, iso_error *err)
@@ -29,11 +30,11 @@ static iso_status find_target(const char *path, char **target, iso_error *err)
     if (S_ISLNK(st.st_mode)) {
         char *named = realpath(trimmed, NULL);
         if (!named)
-            return iso_fail(err, ISO_E_IO, "%s: is a link to what cannot be reached: %s", path, strerror(errno));
+            return iso_fail(err, iso_errno_status(), "%s: is a link to what cannot be reached: %s", path, strerror(errno));
         free(trimmed);
         *target = named;
         if (lstat(named, &st) != 0)
-            return iso_fail(err, ISO_E_IO, "%s: cannot be reached: %s", path, strerror(errno));
+            return iso_fail(err, iso_errno_status(), "%s: cannot be reached: %s", path, strerror(errno));
     }
     if (!S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
         return iso_fail(err, ISO_E_IO, "%s: is a device, a pipe or a socket; an output has to be a file or a folder", path);
@@ -52,11 +53,13 @@ static iso_status reserve(iso_output *out, const char *path, iso_error *err)
     if (status == ISO_OK && !iso_path_is_dir(dir))
         status = iso_fail(err, ISO_E_IO, "%s: the folder %s does not exist", path, dir);
     if (status == ISO_OK && access(dir, W_OK) != 0)
-        status = iso_fail(err, ISO_E_IO, "%s: the folder %s is not writable: %s", path, dir, strerror(errno));
+        status = iso_fail(err, iso_errno_status(), "%s: the folder %s is not writable: %s", path, dir, strerror(errno));
     if (status == ISO_OK) {
         iso_temporary_sweep(dir);
         out->temp_path = iso_temporary_path(dir, iso_path_base(out->final_path));
-        if (!out->temp_path)
+        if (out->temp_path)
+            iso_unfinished_add(out->temp_path, false);
+        else
             status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     }
     free(dir);
@@ -78,7 +81,7 @@ iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err)
         return status;
     int fd = open(out->temp_path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (fd < 0) {
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
         iso_output_abandon(out);
         return status;
     }
@@ -104,7 +107,9 @@ static iso_status check_replaceable(const char *final_path, const char *marker, 
     if (!iso_path_exists(final_path))
         return ISO_OK;
     char *mark = iso_path_join(final_path, marker);
-    const bool ours = mark && iso_path_exists(mark);
+    if (!mark)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", final_path);
+    const bool ours = iso_path_exists(mark);
     free(mark);
     if (ours)
         return iso_manifest_check(final_path, final_path, err);
@@ -120,8 +125,9 @@ iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *m
         return status;
     status = check_replaceable(out->final_path, marker, err);
     if (status == ISO_OK) {
+        out->is_folder = true;
         if (mkdir(out->temp_path, 0777) != 0)
-            status = iso_fail(err, ISO_E_IO, "%s: cannot be created: %s", path, strerror(errno));
+            status = iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", path, strerror(errno));
     }
     if (status != ISO_OK)
         iso_output_abandon(out);
@@ -139,6 +145,7 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
     if (!dir || asprintf(&temp, "%s/.%s.partial", dir, iso_path_base(out->final_path)) < 0)
         temp = NULL;
     free(dir);
+    iso_unfinished_drop(out->temp_path);
     free(out->temp_path);
     out->temp_path = temp;
     status = temp ? check_replaceable(out->final_path, marker, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
@@ -148,22 +155,28 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
         *out = (iso_output){0};
         return status;
     }
-    *resumed = resume && iso_path_is_dir(temp);
-    if (mkdir(temp, 0777) != 0 && errno != EEXIST) {
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be created: %s", path, strerror(errno));
+    out->is_folder = true;
+    const bool is_new = mkdir(temp, 0777) == 0;
+    if (!is_new && errno != EEXIST) {
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", path, strerror(errno));
         iso_output_abandon(out);
         return status;
     }
     int fd = open(temp, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0) {
-        status = iso_fail(err, ISO_E_IO, "%s: another process is making it: %s", path, strerror(errno));
+        status = iso_fail(err, iso_errno_status(), "%s: %s: %s", path,
+                          fd < 0 ? "cannot be opened" : "another process is making it", strerror(errno));
         if (fd >= 0)
             close(fd);
+        if (is_new)
+            rmdir(temp);
         free(out->final_path);
         free(out->temp_path);
         *out = (iso_output){0};
         return status;
     }
+    iso_unfinished_add(temp, true);
+    *resumed = resume && !is_new;
     out->lock = fd + 1;
     if (!*resumed)
         iso_output_clear(out);
@@ -246,9 +259,9 @@ static iso_status commit_dir(const iso_output *out, iso_error *err)
     if (status == ISO_OK && iso_path_exists(out->final_path) && rmdir(out->final_path) != 0)
         status = iso_manifest_check(out->final_path, out->final_path, err);
     if (status == ISO_OK && nftw(out->temp_path, flush_entry, 16, FTW_DEPTH | FTW_PHYS) != 0)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", out->final_path, strerror(errno));
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", out->final_path, strerror(errno));
     if (status == ISO_OK && rename_dir(out->temp_path, out->final_path) != 0)
-        status = iso_fail(err, errno == ENOMEM ? ISO_E_MEMORY : ISO_E_IO, "%s: cannot be put in place: %s", out->final_path,
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be put in place: %s", out->final_path,
                           strerror(errno));
     return status;
 }
@@ -256,9 +269,9 @@ static iso_status commit_dir(const iso_output *out, iso_error *err)
 static iso_status commit_file(const iso_output *out, bool is_final, iso_error *err)
 {
     if (is_final && flush_to_disk(out->temp_path) != 0)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", out->final_path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", out->final_path, strerror(errno));
     if (rename(out->temp_path, out->final_path) != 0)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be put in place: %s", out->final_path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be put in place: %s", out->final_path, strerror(errno));
     return ISO_OK;
 }
 
@@ -266,7 +279,7 @@ iso_status iso_output_commit(iso_output *out, iso_error *err)
 {
     /* A file inside of a folder that is not finished itself is flushed with that folder. */
     const bool is_final = !iso_temporary_holds(out->final_path);
-    const iso_status status = iso_path_is_dir(out->temp_path) ? commit_dir(out, err) : commit_file(out, is_final, err);
+    const iso_status status = out->is_folder ? commit_dir(out, err) : commit_file(out, is_final, err);
     if (status == ISO_OK && is_final)
         flush_folder_of(out->final_path);
     iso_output_abandon(out);
@@ -279,6 +292,7 @@ void iso_output_keep(iso_output *out)
         return;
     if (out->lock > 0)
         close(out->lock - 1);
+    iso_unfinished_drop(out->temp_path);
     free(out->temp_path);
     free(out->final_path);
     *out = (iso_output){0};

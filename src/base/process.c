@@ -20,6 +20,7 @@
 #include "base/file.h"
 #include "base/keeper.h"
 #include "base/parallel.h"
+#include "base/unfinished.h"
 #include "base/words.h"
 #include "base/work.h"
 
@@ -136,7 +137,7 @@ static void watch_signals(void)
     if (watched.running++ == 0) {
         stop_signal = 0;
         for (int i = 0; i < stop_count; ++i)
-            if (sigaction(stop_signals[i], NULL, &watched.before[i]) == 0 && watched.before[i].sa_handler == SIG_DFL)
+            if (sigaction(stop_signals[i], NULL, &watched.before[i]) == 0 && iso_unfinished_ends(&watched.before[i]))
                 sigaction(stop_signals[i], &watch, NULL);
     }
     pthread_mutex_unlock(&watched.lock);
@@ -202,6 +203,11 @@ static void close_both(const int fds[2])
             close(fds[i]);
 }
 
+static iso_status failure(void)
+{
+    return errno == ENOMEM ? ISO_E_MEMORY : ISO_E_PROGRAM;
+}
+
 /* talks: it can be told lines. A socket, since writing to a pipe that nobody reads would end this process. */
 static iso_status begin(const char *const argv[], const char *directory, bool talks, iso_process *p, iso_error *err)
 {
@@ -209,16 +215,18 @@ static iso_status begin(const char *const argv[], const char *directory, bool ta
     *p = (iso_process){.in = -1};
     snprintf(p->name, sizeof p->name, "%s", iso_path_base(argv[0]));
     if (pipe2(out, O_CLOEXEC) != 0)
-        return iso_fail(err, ISO_E_IO, "%s: no pipe: %s", p->name, strerror(errno));
+        return iso_fail(err, failure(), "%s: no pipe: %s", p->name, strerror(errno));
     if (talks && socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, in) != 0) {
         close_both(out);
-        return iso_fail(err, ISO_E_IO, "%s: no socket: %s", p->name, strerror(errno));
+        return iso_fail(err, failure(), "%s: no socket: %s", p->name, strerror(errno));
     }
     p->pid = iso_keeper_start(argv, directory, in[0], out[1]);
     if (p->pid < 0) {
+        const int cause = errno;
         close_both(in);
         close_both(out);
-        return iso_fail(err, ISO_E_IO, "%s: cannot be started: %s", p->name, strerror(errno));
+        errno = cause;
+        return iso_fail(err, failure(), "%s: cannot be started: %s", p->name, strerror(errno));
     }
     iso_work_add_start(p->name);
     if (talks)

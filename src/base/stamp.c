@@ -27,7 +27,7 @@ iso_status iso_stamp_append(const char *path, const char *comment, iso_error *er
     const bool written = f && fprintf(f, "\n%s%s%016" PRIx64 "\n", comment, mark, sum) > 0;
     if (f && fclose(f) == 0 && written)
         return ISO_OK;
-    return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+    return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
 }
 
 bool iso_stamp_fits(const char *path)
@@ -53,7 +53,7 @@ static iso_status keep_backup(const char *path, iso_error *err)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_status status = ISO_OK;
     if ((unlink(backup) != 0 && errno != ENOENT) || (link(path, backup) != 0 && rename(path, backup) != 0))
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be kept as %s: %s", path, backup, strerror(errno));
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be kept as %s: %s", path, backup, strerror(errno));
     free(backup);
     return status;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/status.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,6 +15,11 @@ const char *iso_status_text(iso_status status)
 #undef ISO_STATUS_CASE
     }
     return "unknown status";
+}
+
+iso_status iso_errno_status(void)
+{
+    return errno == ENOMEM ? ISO_E_MEMORY : ISO_E_IO;
 }
 
 /* Texts of files and programs may hold anything; a message stays one line. */

@@ -14,6 +14,9 @@
  *     return iso_fail(err, ISO_E_RANGE, "%s: size %zu, at most %zu", path, n, max); */
 iso_status iso_fail(iso_error *err, iso_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/* What a call of the system that failed comes to, by errno: ISO_E_MEMORY where memory ended, else ISO_E_IO. */
+iso_status iso_errno_status(void);
+
 /* Puts "context: " before the message that a callee left. Returns status. */
 iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

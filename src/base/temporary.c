@@ -17,6 +17,7 @@
 #include <xxhash.h>
 
 #include "base/file.h"
+#include "base/unfinished.h"
 
 enum {
     RANDOM_LETTERS = 8,
@@ -139,6 +140,7 @@ char *iso_make_temp_dir(void)
         free(path);
         return NULL;
     }
+    iso_unfinished_add(path, false);
     return path;
 }
 

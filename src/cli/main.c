@@ -10,10 +10,12 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/unfinished.h"
 #include "base/words.h"
 #include "options/cli.h"
 #include "cli/commands.h"
 #include "cli/manual.h"
+#include "cli/memory.h"
 
 #define ISO_COMMAND_EXTERN(name) extern const iso_command iso_command_##name;
 ISO_COMMAND_LIST(ISO_COMMAND_EXTERN)
@@ -121,6 +123,7 @@ static int run(int argc, const char **argv)
     for (const iso_command *const *c = iso_commands; *c; ++c) {
         if (strcmp((*c)->name, argv[1]) != 0)
             continue;
+        iso_memory_is_for(argv[1]);
         status = (*c)->run(*c, argc - 1, argv + 1, &err);
         return say(argv[1], flush_output(status, &err), &err);
     }
@@ -135,12 +138,13 @@ static void end_without_memory(int code, void *unused)
 {
     (void)unused;
     if (code == EXIT_FAILURE && !has_returned)
-        _exit(ISO_E_MEMORY);
+        iso_memory_end(false);
 }
 
 int main(int argc, const char **argv)
 {
     on_exit(end_without_memory, NULL);
+    iso_unfinished_catch_signals();
     const int code = run(argc, argv);
     has_returned = true;
     return code;

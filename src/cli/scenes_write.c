@@ -139,7 +139,7 @@ static iso_status write_suite(const writing *w, iso_error *err)
     struct dirent **entries;
     const int count = scandir(w->asked->suite, &entries, is_scene, alphasort);
     if (count < 0)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be listed: %s", w->asked->suite, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be listed: %s", w->asked->suite, strerror(errno));
     char *scratch = iso_make_temp_dir(), *volume = scratch ? iso_path_join(scratch, "volume.nrrd") : NULL;
     iso_status status = volume ? ISO_OK : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
     if (status == ISO_OK && count == 0)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* exr.c - OpenEXR through OpenEXRCore, the library's C interface. */
+#include <errno.h>
 #include <openexr.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -11,27 +12,32 @@
 /* The pipelines' initializers of OpenEXR name their first fields alone: the others are 0, as C has it. */
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 
-/* The library reports through a callback; the last message is the cause. */
-typedef struct exr_log {
-    char text[512];
-} exr_log;
+/* The library reports through a callback; the last message is the cause. It is kept by the thread, not as the context's
+ * user data: while a file is written, the library holds the context's lock when it reports, and would wait for itself. */
+static _Thread_local char last_message[512];
 
 static void on_exr_error(exr_const_context_t context, exr_result_t code, const char *message)
 {
-    exr_log *log = NULL;
+    (void)context;
     (void)code;
-    if (exr_get_user_data(context, (void **)&log) == EXR_ERR_SUCCESS && log) {
-        strncpy(log->text, message, sizeof log->text - 1);
-        log->text[sizeof log->text - 1] = 0;
-    }
+    strncpy(last_message, message, sizeof last_message - 1);
 }
 
-static exr_context_initializer_t initializer(exr_log *log)
+static exr_context_initializer_t initializer(void)
 {
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = on_exr_error;
-    init.user_data = log;
+    memset(last_message, 0, sizeof last_message);
+    errno = 0;
     return init;
+}
+
+/* Of a file that could not be read: was it the file, or what is in it? A file that is too short leaves errno alone. */
+static iso_status read_failure(void)
+{
+    return errno == EIO || errno == EINTR || errno == EMFILE || errno == ENFILE || errno == EACCES || errno == ENOMEM
+               ? iso_errno_status()
+               : ISO_E_FORMAT;
 }
 
 /* Channels are stored by name, in alphabetical order. */
@@ -87,8 +93,7 @@ static exr_result_t write_pixels(exr_context_t file, const iso_image *image)
 
 iso_status iso_image_save_exr(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err)
 {
-    exr_log log = {""};
-    exr_context_initializer_t init = initializer(&log);
+    exr_context_initializer_t init = initializer();
     exr_context_t file = NULL;
     iso_output out;
     iso_status status = iso_output_begin(&out, path, err);
@@ -102,7 +107,10 @@ iso_status iso_image_save_exr(const iso_image *image, const char *path, const is
     exr_result_t closed = file ? exr_finish(&file) : EXR_ERR_SUCCESS;
     if (result == EXR_ERR_SUCCESS && closed == EXR_ERR_SUCCESS)
         return iso_output_commit(&out, err);
-    status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, log.text);
+    if (result == EXR_ERR_SUCCESS)
+        result = closed;
+    status = iso_fail(err, result == EXR_ERR_OUT_OF_MEMORY ? ISO_E_MEMORY : ISO_E_IO, "%s: cannot be written: %s", path,
+                      last_message[0] ? last_message : exr_get_default_error_message(result));
     iso_output_abandon(&out);
     return status;
 }
@@ -232,8 +240,7 @@ static iso_status place_in_display(exr_attr_box2i_t data, exr_attr_box2i_t displ
     return ISO_OK;
 }
 
-static iso_status load_opened(exr_context_t file, const char *path, iso_image *image, const exr_log *log,
-                              iso_error *err)
+static iso_status load_opened(exr_context_t file, const char *path, iso_image *image, iso_error *err)
 {
     exr_attr_box2i_t window, display;
     unsigned mask = 0;
@@ -245,8 +252,8 @@ static iso_status load_opened(exr_context_t file, const char *path, iso_image *i
         return status;
     exr_result_t result = read_pixels(file, window, image, &mask);
     if (result != EXR_ERR_SUCCESS)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path,
-                          log->text[0] ? log->text : exr_get_default_error_message(result));
+        status = iso_fail(err, read_failure(), "%s: %s", path,
+                          last_message[0] ? last_message : exr_get_default_error_message(result));
     else if ((mask & 7) != 7)
         status = iso_fail(err, ISO_E_FORMAT, "%s: has no channels named R, G and B", path);
     else if (!(mask & 8))
@@ -278,13 +285,12 @@ static unsigned channels_of(exr_const_context_t file)
 
 iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, iso_error *err)
 {
-    exr_log log = {""};
-    exr_context_initializer_t init = initializer(&log);
+    exr_context_initializer_t init = initializer();
     exr_context_t file = NULL;
     exr_attr_box2i_t window, display;
     *header = (iso_exr_header){0};
     if (exr_start_read(&file, path, &init) != EXR_ERR_SUCCESS)
-        return iso_fail(err, ISO_E_FORMAT, "%s: not an OpenEXR image: %s", path, log.text);
+        return iso_fail(err, read_failure(), "%s: not an OpenEXR image: %s", path, last_message);
     const bool good = exr_get_data_window(file, 0, &window) == EXR_ERR_SUCCESS &&
                       exr_get_display_window(file, 0, &display) == EXR_ERR_SUCCESS && window.max.x >= window.min.x &&
                       window.max.y >= window.min.y;
@@ -299,15 +305,14 @@ iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, i
 
 iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err)
 {
-    exr_log log = {""};
-    exr_context_initializer_t init = initializer(&log);
+    exr_context_initializer_t init = initializer();
     exr_context_t file = NULL;
     *image = (iso_image){0};
     if (!iso_path_exists(path) || iso_path_is_dir(path))
         return iso_fail(err, ISO_E_IO, "%s: no such file", path);
     if (exr_start_read(&file, path, &init) != EXR_ERR_SUCCESS)
-        return iso_fail(err, ISO_E_FORMAT, "%s: not an OpenEXR image: %s", path, log.text);
-    iso_status status = load_opened(file, path, image, &log, err);
+        return iso_fail(err, read_failure(), "%s: not an OpenEXR image: %s", path, last_message);
+    iso_status status = load_opened(file, path, image, err);
     exr_finish(&file);
     return status;
 }

@@ -319,7 +319,7 @@ iso_status iso_renderers_load(const char *given, iso_error *err)
     json_t *root = NULL;
     char *absolute = realpath(path, NULL), *folder = absolute ? iso_path_dir(absolute) : NULL;
     iso_status status = folder ? iso_json_load(path, &root, err)
-                               : iso_fail(err, ISO_E_IO, "%s: cannot be read: %s", path, strerror(errno));
+                               : iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", path, strerror(errno));
     if (status == ISO_OK)
         status = add_rows(path, folder, root, err);
     if (status != ISO_OK && !given)

@@ -24,7 +24,7 @@ iso_status iso_report_files_begin(const char *dir, iso_error *err)
         bool good = path && mkdir(path, 0777) == 0;
         free(path);
         if (!good)
-            return iso_fail(err, ISO_E_IO, "%s/%s: cannot be created: %s", dir, names[i], strerror(errno));
+            return iso_fail(err, iso_errno_status(), "%s/%s: cannot be created: %s", dir, names[i], strerror(errno));
     }
     return ISO_OK;
 }

@@ -143,7 +143,7 @@ iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, i
     suite_run run = {.options = opt};
     int count = scandir(opt->folder, &run.entries, is_scene, alphasort);
     if (count < 0)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be listed: %s", opt->folder, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be listed: %s", opt->folder, strerror(errno));
     char *scratch = iso_make_temp_dir();
     iso_status status = ISO_OK;
     run.scratch = scratch;

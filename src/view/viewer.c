@@ -181,14 +181,14 @@ iso_status iso_viewer_save(const iso_viewer *v, const char *path, const iso_prog
     status = iso_output_begin(&out, path, err);
     FILE *f = status == ISO_OK ? fopen(out.temp_path, "wb") : NULL;
     if (status == ISO_OK && !f)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
     if (f) {
         put_page(f, v, &contents);
         const long end = ftell(f);
         contents.size.page_bytes = end > 0 ? (size_t)end : 0;
         const bool bad = ferror(f);
         if (fclose(f) != 0 || bad)
-            status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, strerror(errno));
+            status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
     }
     for (size_t i = 0; i < contents.count; ++i)
         contents.size.data_bytes += (contents.arrays[i].packed.size + 2) / 3 * 4;

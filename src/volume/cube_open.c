@@ -89,7 +89,7 @@ static iso_status open_cube(iso_volume_source *source, iso_error *err)
     cube c = {0};
     FILE *f = fopen(source->path, "rb");
     if (!f)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", source->path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
     iso_status status = ISO_OK;
     if (!read_header(f, &c) || !skip_atoms(f, &c))
         status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the values of a cube file", source->path);

@@ -94,7 +94,7 @@ static iso_status open_gipl(iso_volume_source *source, iso_error *err)
     unsigned char head[HEADER_BYTES];
     source->gz = gzopen(source->path, "rb");
     if (!source->gz)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", source->path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
     if (gzread(source->gz, head, HEADER_BYTES) != HEADER_BYTES)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated: a GIPL header has %d bytes", source->path, HEADER_BYTES);
     iso_status status = take_type((unsigned)big_endian(head + TYPE, 2), source, err);

@@ -104,7 +104,7 @@ static iso_status read_header(const char *path, metaimage *m, iso_error *err)
     *m = (metaimage){.channels = 1, .slope = 1, .is_image = true, .steps = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     FILE *f = fopen(path, "rb");
     if (!f)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     while (!m->file[0] && fgets(line, sizeof line, f)) {
         char *equals = strchr(line, '=');
         if (!equals)

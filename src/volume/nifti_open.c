@@ -261,14 +261,14 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
     if (source->gz)
         gzbuffer(source->gz, 1 << 18); /* before the first look into it */
     if (!source->gz) {
-        status = iso_fail(err, ISO_E_IO, "%s: its samples, %s, cannot be opened: %s", source->path, image,
+        status = iso_fail(err, iso_errno_status(), "%s: its samples, %s, cannot be opened: %s", source->path, image,
                           strerror(errno));
     } else if (gzdirect(source->gz)) {
         gzclose(source->gz);
         source->gz = NULL;
         source->file = fopen(image, "rb");
         if (!source->file || fseeko(source->file, (off_t)offset, SEEK_SET) != 0)
-            status = iso_fail(err, ISO_E_IO, "%s: cannot be read: %s", image, strerror(errno));
+            status = iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", image, strerror(errno));
         else
             status = iso_source_check_bytes(source, (double)st.st_size - (double)offset, err);
     } else if ((double)iso_source_bytes(source) > 1032.0 * (double)st.st_size) {

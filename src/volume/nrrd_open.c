@@ -2,6 +2,7 @@
 /* nrrd_open.c - NRRD headers by teem; raw and gzip samples are then read by
  * source.c, plane by plane, other encodings and lists of files by teem at once. */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,12 +19,17 @@
 /* The innermost of teem's messages says what is wrong. */
 static iso_status teem_failed(const char *path, const Nrrd *nrrd, iso_error *err)
 {
+    const int number = errno; /* of the call on the file that failed, where one did */
+    const bool is_of_file = number == EIO || number == EINTR || number == EMFILE || number == ENFILE ||
+                            number == EACCES || number == ENOMEM;
     char *text = biffGetDone(NRRD);
     char cause[512] = "unknown error";
     for (char *rest = text, *line; text && (line = strsep(&rest, "\n"));)
         if (*line)
             snprintf(cause, sizeof cause, "%s", line);
     free(text);
+    if (is_of_file)
+        return iso_fail(err, number == ENOMEM ? ISO_E_MEMORY : ISO_E_IO, "%s: cannot be read: %s", path, strerror(number));
     /* "[nrrd] function: cause" */
     if (strstr(cause, "too large"))
         return iso_fail(err, ISO_E_RANGE, "%s: sizes %zu x %zu x %zu ... overflow, at most %zu bytes can be addressed",
@@ -241,7 +247,12 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
     if (!source->gz)
         return iso_fail(err, ISO_E_IO, "%s: the samples cannot be read", source->path);
     gzbuffer(source->gz, 1 << 18);
-    if (gzdirect(source->gz))
+    const bool is_plain = gzdirect(source->gz);
+    int code;
+    gzerror(source->gz, &code);
+    if (code == Z_ERRNO)
+        return iso_fail(err, iso_errno_status(), "%s: the samples cannot be read: %s", source->path, strerror(errno));
+    if (is_plain)
         return iso_fail(err, ISO_E_FORMAT, "%s: the samples are not gzip data, as the header says", source->path);
     if (io->byteSkip > 0 && gzseek(source->gz, io->byteSkip, SEEK_SET) < 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: fewer compressed samples than the %ld bytes to skip", source->path,
@@ -271,6 +282,7 @@ static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io,
     iso_status status = ISO_OK;
     if (!nrrd)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory to read it", source->path);
+    errno = 0;
     if (nrrdLoad(nrrd, source->path, NULL) != 0)
         status = teem_failed(source->path, nrrd, err);
     if (status == ISO_OK) {
@@ -281,8 +293,37 @@ static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io,
     return status;
 }
 
+enum { MOST_DATA_FILES = 65536, HEADER_BYTES = 1 << 20 };
+
+/* "data file: slice%04d.raw FIRST LAST STEP": teem makes all names before it looks for the first of the files. */
+static iso_status check_data_files(const char *path, iso_error *err)
+{
+    FILE *file = fopen(path, "re");
+    if (!file)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
+    char *line = NULL;
+    size_t room = 0, bytes = 0;
+    double most = 0;
+    for (ssize_t n; bytes < HEADER_BYTES && (n = getline(&line, &room, file)) > 0 && *line != '\n' && *line != '\r';
+         bytes += (size_t)n) {
+        double first, last, step;
+        const bool names = strncasecmp(line, "data file:", 10) == 0 || strncasecmp(line, "datafile:", 9) == 0;
+        if (names && strchr(line, '%') && sscanf(strchr(line, ':') + 1, "%*s %lf %lf %lf", &first, &last, &step) == 3 &&
+            step != 0)
+            most = fmax(most, fabs(last - first) / fabs(step) + 1);
+    }
+    free(line);
+    fclose(file);
+    return most <= MOST_DATA_FILES ? ISO_OK
+                                   : iso_fail(err, ISO_E_RANGE, "%s: names %.0f data files, at most %d", path, most,
+                                              MOST_DATA_FILES);
+}
+
 static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
 {
+    const iso_status names = check_data_files(source->path, err);
+    if (names != ISO_OK)
+        return names;
     Nrrd *nrrd = nrrdNew();
     NrrdIoState *io = nrrdIoStateNew();
     if (!nrrd || !io) {
@@ -293,6 +334,7 @@ static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
     io->skipData = 1;
     io->keepNrrdDataFileOpen = 1;
     iso_status status = ISO_OK;
+    errno = 0;
     if (nrrdLoad(nrrd, source->path, io) != 0)
         status = teem_failed(source->path, nrrd, err);
     else

@@ -52,7 +52,7 @@ static iso_status open_at(iso_volume_source *source, const char *path, size_t of
 {
     source->file = fopen(path, "rb");
     if (!source->file)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     if (fseeko(source->file, (off_t)offset, SEEK_SET) != 0)
         return iso_fail(err, ISO_E_IO, "%s: cannot be read at byte %zu", path, offset);
     return ISO_OK;
@@ -141,7 +141,7 @@ static iso_status new_source(const char *path, const iso_volume_hints *hints, is
         s->part = strdup(path + bytes + 1);
     if (s && s->path && stat(s->path, &st) != 0) {
         iso_source_close(s);
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     }
     if (s && s->path && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode)) {
         iso_source_close(s);
@@ -165,11 +165,17 @@ static iso_status read_head(const char *path, unsigned char head[ISO_VOLUME_HEAD
 {
     gzFile gz = gzopen(path, "rb");
     if (!gz)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    int n = gzread(gz, head, ISO_VOLUME_HEAD_BYTES);
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
+    int n = gzread(gz, head, ISO_VOLUME_HEAD_BYTES), code = Z_OK;
+    if (n < 0)
+        gzerror(gz, &code);
+    iso_status status = ISO_OK;
+    if (code == Z_ERRNO || code == Z_MEM_ERROR)
+        status = iso_fail(err, code == Z_ERRNO ? iso_errno_status() : ISO_E_MEMORY, "%s: cannot be read: %s", path,
+                          code == Z_ERRNO ? strerror(errno) : "out of memory");
     *size = n > 0 ? (size_t)n : 0;
     gzclose(gz);
-    return ISO_OK;
+    return status;
 }
 
 /* "NRRD (starts), ..." */

@@ -80,6 +80,8 @@ static iso_status read_compressed(iso_volume_source *s, unsigned char *out, size
             done += (size_t)n;
         if (n == (int)chunk)
             continue;
+        if (code == Z_ERRNO || code == Z_MEM_ERROR)
+            return iso_fail(err, code == Z_ERRNO ? iso_errno_status() : ISO_E_MEMORY, "%s: read error: %s", s->path, text);
         if (code != Z_OK && code != Z_BUF_ERROR)
             return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path, text);
         size_t planes = iso_source_planes(s);
@@ -100,6 +102,8 @@ static iso_status check_compressed_end(iso_volume_source *s, iso_error *err)
         return iso_fail(err, ISO_E_FORMAT,
                         "%s: too long: compressed samples go on after the %zu bytes that the sizes need", s->path,
                         iso_source_bytes(s));
+    if (n < 0 && code == Z_ERRNO)
+        return iso_fail(err, iso_errno_status(), "%s: read error: %s", s->path, text);
     const bool end_is_missing = s->gz_end_is_missing || code == Z_BUF_ERROR;
     if (n < 0 || code != Z_OK || end_is_missing)
         return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path,
@@ -151,7 +155,7 @@ iso_status iso_source_skip_stored(iso_volume_source *s, size_t plane_count, iso_
 {
     const size_t plane = iso_source_plane_bytes(s);
     if (s->file && fseeko(s->file, (off_t)(plane * plane_count), SEEK_CUR) != 0)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be read: %s", s->path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", s->path, strerror(errno));
     if (!s->gz && !s->read_planes) {
         s->planes_read += plane_count;
         return ISO_OK;

@@ -61,7 +61,7 @@ static iso_status read_text(const char *path, vti *v, iso_error *err)
     if (f)
         fclose(f);
     if (!v->text)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     if (strstr(v->text, "<AppendedData"))
         return ISO_OK;
     free(v->text);

@@ -113,7 +113,7 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
     vtk_header h;
     FILE *f = fopen(source->path, "rb");
     if (!f)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", source->path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
     iso_status status = read_header(f, source->path, &h, err);
     if (status == ISO_OK && !our_type(h.type, &source->header.type))
         status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer of 8, 16 or 32 bits, float or double",

@@ -68,7 +68,7 @@ static iso_status open_xsf(iso_volume_source *source, iso_error *err)
     double origin[3], span[3][3];
     FILE *f = fopen(source->path, "rb");
     if (!f)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", source->path, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
     iso_status status = ISO_OK;
     if (!find_grid(f) || !read_grid(f, size, origin, span))
         status = iso_fail(err, ISO_E_FORMAT,

@@ -84,6 +84,6 @@ iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, siz
     source->close_reader = close_zlib;
     r->file = fopen(path, "rb");
     if (!r->file || fseeko(r->file, (off_t)offset, SEEK_SET) != 0)
-        return iso_fail(err, ISO_E_IO, "%s: cannot be read at byte %zu: %s", path, offset, strerror(errno));
+        return iso_fail(err, iso_errno_status(), "%s: cannot be read at byte %zu: %s", path, offset, strerror(errno));
     return ISO_OK;
 }

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT */
+/* memory.c - what the program does where memory has ended.
+ *
+ * Small allocations that fail end the program with one line and ISO_E_MEMORY, and what is unfinished is removed: no
+ * program can do much without a few bytes, and the libraries below (popt, jansson, teem, OpenEXR, Mesa) crash, wait for
+ * ever, or lose a part without a word. Large ones, of samples and pictures, fail as everywhere and are told by what wanted
+ * them. So malloc() and its like are put before those of glibc here. The library isoshade is for programs of others, which
+ * decide for themselves: it has none of this. */
+#define _GNU_SOURCE
+#include "cli/memory.h"
+
+#include <errno.h>
+#include <malloc.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/unfinished.h"
+#include "isoshade.h"
+
+static const char *command = "";
+
+void iso_memory_is_for(const char *name)
+{
+    command = name;
+}
+
+void iso_memory_end(bool say)
+{
+    const char *const parts[] = {"isoshade", command[0] ? " " : "", command, ": out of memory\n"};
+    iso_unfinished_remove(true);
+    for (size_t i = 0; say && i < sizeof parts / sizeof *parts; ++i)
+        if (write(STDERR_FILENO, parts[i], strlen(parts[i])) < 0)
+            break;
+    _exit(ISO_E_MEMORY);
+}
+
+/* The sanitizers have allocators of their own. */
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+enum { SMALL_BYTES = 1 << 20 };
+
+void *__libc_malloc(size_t bytes);
+void *__libc_calloc(size_t count, size_t bytes);
+void *__libc_realloc(void *old, size_t bytes);
+void *__libc_memalign(size_t alignment, size_t bytes);
+
+static void *given(void *p, size_t count, size_t bytes)
+{
+    size_t all;
+    if (!p && !__builtin_mul_overflow(count, bytes, &all) && all < SMALL_BYTES)
+        iso_memory_end(true);
+    return p;
+}
+
+void *malloc(size_t bytes)
+{
+    return given(__libc_malloc(bytes), 1, bytes);
+}
+
+void *calloc(size_t count, size_t bytes)
+{
+    return given(__libc_calloc(count, bytes), count, bytes);
+}
+
+void *realloc(void *old, size_t bytes)
+{
+    void *p = __libc_realloc(old, bytes);
+    return bytes == 0 ? p : given(p, 1, bytes); /* of no bytes it frees, and gives nothing */
+}
+
+void *memalign(size_t alignment, size_t bytes)
+{
+    return given(__libc_memalign(alignment, bytes), 1, bytes);
+}
+
+void *aligned_alloc(size_t alignment, size_t bytes)
+{
+    return given(__libc_memalign(alignment, bytes), 1, bytes);
+}
+
+int posix_memalign(void **p, size_t alignment, size_t bytes)
+{
+    if (alignment % sizeof(void *) != 0 || alignment == 0 || (alignment & (alignment - 1)) != 0)
+        return EINVAL;
+    void *got = given(__libc_memalign(alignment, bytes), 1, bytes);
+    if (!got)
+        return ENOMEM;
+    *p = got;
+    return 0;
+}
+
+#endif
