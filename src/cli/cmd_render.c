@@ -100,6 +100,7 @@ static iso_status save_image(const iso_render_arguments *a, const iso_cli *cli, 
 typedef struct iso_rendered {
     const char *version;
     double seconds, device_seconds;
+    const iso_render_stats *stats;
     json_t *frames;
 } iso_rendered;
 
@@ -135,6 +136,10 @@ static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_
                                      "step_voxels", a->step > 0 ? a->step : view->step_voxels, "seconds", seconds));
     if (isfinite(done->device_seconds))
         json_object_set_new(root, "device_seconds", iso_json_number(done->device_seconds));
+    if (done->stats->error > 0) {
+        json_object_set_new(root, "error_bound", iso_json_number(done->stats->error));
+        json_object_set_new(root, "error_bound_is_proved", json_boolean(done->stats->is_proved));
+    }
     json_object_set_new(root, "visible", iso_cli_visible_json(visible));
     if (done->frames)
         json_array_append_new(done->frames, root);
@@ -241,6 +246,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     iso_view view = {0};
     iso_image image = {0};
     iso_visible visible = {0};
+    iso_render_stats stats = {0};
     char version[320] = "";
     double seconds = 0;
     bool warned = false;
@@ -270,6 +276,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
                                     err);
     if (status == ISO_OK)
         status = opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err);
+    opt.stats = &stats;
     if (status == ISO_OK && iso_render_is_in_bricks(a))
         status = render_cached(a, cli, &request, &image, &seconds, err);
     else if (status == ISO_OK && a->limit)
@@ -285,7 +292,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
         if (!warned)
             iso_cli_warn_of(cli, &visible);
         report(a, cli, &pyramid, &view, &visible,
-               &(iso_rendered){version, seconds, device_seconds(&opt, &renderers), of->results});
+               &(iso_rendered){version, seconds, device_seconds(&opt, &renderers), &stats, of->results});
     }
     iso_image_destroy(&image);
     iso_view_destroy(&view);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/parallel.h"
+#include "render/cell_ray.h"
 #include "render/reference_ray.h"
 #include "render/sampler.h"
 #include "scene/roi.h"
@@ -44,29 +45,55 @@ static size_t *bends_create(const iso_tf_table *tf, const iso_tf_2d *tf_2d)
     return bends;
 }
 
-static void render_pixel(const layer l[2], const iso_view *view, const iso_reference_options *opt,
-                         const iso_tf_integral *integral, size_t column, size_t row, float rgba[4])
+/* What all pixels of an image share. */
+typedef struct picture {
+    layer layers[2];
+    const iso_view *view;
+    const iso_reference_options *opt;
+    iso_tf_integral integral;
+    iso_shown shown;
+    iso_empty_space empty;
+    iso_cell_scene cells;
+    bool by_cells;
+    iso_image *image;
+} picture;
+
+/* Returns the error of a converged one. */
+static double render_pixel(const picture *p, size_t column, size_t row)
 {
-    const iso_geometry *g = &l->sampler->level->geometry;
+    const iso_view *view = p->view;
+    const iso_reference_options *opt = p->opt;
+    const iso_geometry *g = &p->layers[0].sampler->level->geometry;
     iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, column, row);
     iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
-    ray_state state = {.layer = &l[0],
-                       .roi = view->roi ? &l[1] : NULL,
+    ray_state state = {.layer = &p->layers[0],
+                       .roi = view->roi ? &p->layers[1] : NULL,
                        .view = view,
                        .emitter = opt->emitter,
-                       .integral = integral,
+                       .integral = &p->integral,
+                       .empty = &p->empty,
                        .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
                        .direction = iso_mul(to_index, ray.direction)};
-    double t0, t1;
+    double t0, t1, error = 0;
     stretch s = {{0}, 0};
-    if (iso_view_ray(view, &ray, g, &t0, &t1))
-        s = iso_reference_integrate(&state, opt, t0, t1);
+    if (iso_view_ray(view, &ray, g, &t0, &t1) && t1 > t0) {
+        const iso_cell_ray r = {state.origin, state.direction, state.to_viewer, t0, t1, opt->tolerance};
+        s = p->by_cells ? iso_cell_ray_integrate(&p->cells, &r, &error)
+                        : iso_reference_integrate(&state, opt, t0, t1, &error);
+    }
     double t_end = exp(-s.depth);
     const bool color = opt->quadrature != ISO_QUADRATURE_FIRST_HIT || opt->output == ISO_SURFACE_COLOR;
+    const size_t pixel = row * view->width + column;
+    double rgba[4];
     for (int c = 0; c < 3; ++c)
-        rgba[c] = (float)(s.color[c] + (color ? t_end * view->background[c] : 0));
-    rgba[3] = (float)(1 - t_end);
+        rgba[c] = s.color[c] + (color ? t_end * view->background[c] : 0);
+    rgba[3] = 1 - t_end;
+    for (size_t c = 0; c < 4; ++c)
+        p->image->rgba[4 * pixel + c] = (float)rgba[c];
+    for (size_t c = 0; c < 4 && opt->result && opt->result->rgba; ++c)
+        opt->result->rgba[4 * pixel + c] = rgba[c];
+    return error;
 }
 
 static iso_status check_options(const iso_view *view, const iso_reference_options *opt, iso_error *err)
@@ -85,6 +112,51 @@ static iso_status check_options(const iso_view *view, const iso_reference_option
     return ISO_OK;
 }
 
+/* Tiles are small beside the image, so that the last ones to end leave no thread waiting for long. */
+enum { TILE = 8 };
+
+static void render_tiles(const picture *p, const iso_progress *progress)
+{
+    const size_t across = (p->view->width + TILE - 1) / TILE, count = across * ((p->view->height + TILE - 1) / TILE);
+    size_t done = 0;
+    double worst = 0;
+#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(p->opt->threads)) reduction(max : worst)
+    for (size_t tile = 0; tile < count; ++tile) {
+        const size_t x = tile % across * TILE, y = tile / across * TILE;
+        for (size_t row = y; row < y + TILE && row < p->view->height; ++row)
+            for (size_t column = x; column < x + TILE && column < p->view->width; ++column)
+                worst = fmax(worst, render_pixel(p, column, row));
+#pragma omp critical(iso_reference_progress)
+        iso_progress_report(progress, "reference", (double)++done / (double)count);
+    }
+    if (p->opt->result) {
+        p->opt->result->error = p->opt->quadrature == ISO_QUADRATURE_CONVERGED ? worst : NAN;
+        p->opt->result->is_proved = p->by_cells;
+    }
+}
+
+/* What is empty, and whether rays go by cells. Not known of bricks and emitters: there nothing is passed over. */
+static iso_status find_empty_space(picture *p, iso_error *err)
+{
+    const iso_sampler *s = p->layers[0].sampler;
+    const iso_roi *roi = p->view->roi;
+    if (s->bricks || s->warp || p->opt->emitter || p->opt->by_halving || p->opt->quadrature == ISO_QUADRATURE_FIRST_HIT ||
+        p->opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
+        return ISO_OK;
+    double lo[3], hi[3];
+    for (int a = 0; a < 3 && roi; ++a) {
+        lo[a] = roi->lo[a] - roi->band;
+        hi[a] = roi->hi[a] + roi->band;
+    }
+    iso_status status = iso_shown_create(&p->shown, p->layers[0].tf, p->view->tf_2d, err);
+    if (status == ISO_OK)
+        status = iso_empty_space_create(&p->empty, s->level, &p->shown, roi ? lo : NULL, hi, p->opt->threads, err);
+    if (status != ISO_OK || p->opt->quadrature != ISO_QUADRATURE_CONVERGED || !iso_cell_scene_is_for(s, p->view))
+        return status;
+    p->by_cells = true;
+    return iso_cell_scene_create(&p->cells, s, p->view, &p->shown, &p->empty, err);
+}
+
 /* roi: of the region of interest, or NULL. */
 static iso_status render_all(const iso_sampler *sampler, const iso_sampler *roi, const iso_view *view,
                              const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
@@ -94,36 +166,32 @@ static iso_status render_all(const iso_sampler *sampler, const iso_sampler *roi,
     /* The rows of a 2D transfer function have one range and count, so the first serves for them where entries are counted. */
     const iso_tf_table *tf = view->tf_2d ? &view->tf_2d->rows[0] : &view->tf;
     size_t *bends = bends_create(tf, view->tf_2d), *roi_bends = f ? bends_create(&f->tf, NULL) : NULL;
-    layer l[2] = {{.sampler = sampler,
-                   .tf = tf,
-                   .tf_2d = view->tf_2d,
-                   .extinction_scale = view->extinction_scale,
-                   .bends = bends,
-                   .scale = 1}};
+    picture p = {.view = view, .opt = opt, .image = image};
+    p.layers[0] = (layer){.sampler = sampler,
+                          .tf = tf,
+                          .tf_2d = view->tf_2d,
+                          .extinction_scale = view->extinction_scale,
+                          .bends = bends,
+                          .scale = 1};
     if (f)
-        l[1] = (layer){.sampler = roi,
-                       .tf = &f->tf,
-                       .bends = roi_bends,
-                       .scale = f->scale,
-                       .offset = {f->offset[0], f->offset[1], f->offset[2]}};
+        p.layers[1] = (layer){.sampler = roi,
+                              .tf = &f->tf,
+                              .bends = roi_bends,
+                              .scale = f->scale,
+                              .offset = {f->offset[0], f->offset[1], f->offset[2]}};
     iso_status status = iso_image_create(image, view->width, view->height, err);
     if (status == ISO_OK && (!bends || (f && !roi_bends)))
         status = iso_fail(err, ISO_E_MEMORY, "reference: out of memory");
-    iso_tf_integral integral = {0};
     if (status == ISO_OK && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
-        status = iso_tf_integral_create(&integral, &view->tf, err);
-    size_t done = 0;
-    int threads = iso_threads(opt->threads);
-    if (status == ISO_OK) {
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-        for (size_t row = 0; row < view->height; ++row) {
-            for (size_t column = 0; column < view->width; ++column)
-                render_pixel(l, view, opt, &integral, column, row, image->rgba + 4 * (row * view->width + column));
-#pragma omp critical(iso_reference_progress)
-            iso_progress_report(progress, "reference", (double)++done / (double)view->height);
-        }
-    }
-    iso_tf_integral_destroy(&integral);
+        status = iso_tf_integral_create(&p.integral, &view->tf, err);
+    if (status == ISO_OK)
+        status = find_empty_space(&p, err);
+    if (status == ISO_OK)
+        render_tiles(&p, progress);
+    iso_cell_scene_destroy(&p.cells);
+    iso_empty_space_destroy(&p.empty);
+    iso_shown_destroy(&p.shown);
+    iso_tf_integral_destroy(&p.integral);
     free(bends);
     free(roi_bends);
     if (status != ISO_OK)

@@ -5,8 +5,9 @@
  * linear ramp of extinction; a sphere. Results do not depend on threads.
  *
  * Quadratures:
- *   converged  rays are cut where the trilinear cell changes, each piece is
- *              integrated by Romberg-extrapolated midpoint sums and halved until
+ *   converged  rays are cut where the trilinear cell changes and where the TF bends; each piece
+ *              is integrated by Gauss and Legendre's rule with a proved bound (cell_ray.h), or,
+ *              for what cell_ray.h is not for, by Romberg-extrapolated midpoint sums, halved until
  *              the change is below tolerance: no step is left in the result.
  *   midpoint   what the GL ray caster does: segments [k ds, (k+1) ds] clipped to
  *              the box, sample in the middle, 1 - exp(-sigma length).
@@ -53,14 +54,24 @@ typedef struct iso_reference_options {
     size_t intervals;   /* povray */
     size_t planes;      /* povray: that cut the box across the view, each piece of a ray with its own intervals */
     double tolerance;   /* converged: of a pixel's value */
+    bool by_halving;    /* converged: every piece by Romberg's sums, and nothing is passed over: what others are held to */
     double iso;         /* first hit: the value of the surface */
     iso_surface_output output; /* first hit: what the image shows of it */
     /* Converged and midpoint: instead of the level's scalar and the view's transfer function; or NULL. Converged: it is smooth
      * within the cells between the level's voxel centers. */
     const iso_emitter *emitter;
     int threads;
+    struct iso_reference_result *result; /* filled where it is not NULL */
 } iso_reference_options;
 iso_reference_options iso_reference_defaults(void);
+
+/* What an image does not say. */
+typedef struct iso_reference_result {
+    double *rgba; /* the caller's, or NULL: the pixels before they are rounded to floats, 4 each */
+    /* Converged: how far a color or the opacity of any pixel is from the equation, at most. NaN: another quadrature. */
+    double error;
+    bool is_proved; /* every piece has its bound (cell_ray.h); else an estimate, the change by halving, is summed up for some */
+} iso_reference_result;
 
 /* Linear color and extinction per mm that the view shows at a point of the sampler's level, in its index coordinates: by its
  * transfer function or 2D transfer function, and its extinction scale. A region of interest has no say. */

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "fit/extinction_scale.h"
+#include "render/cell_ray.h"
 #include "scene/roi.h"
 
 /* shade(d) of scene/scene.h */
@@ -171,24 +172,29 @@ static double cut_at_bend(const ray_state *ray, const layer *l, double a, double
  * well is halved. weight is the transmittance in front of the piece, so that
  * hidden pieces are not refined. Where |n.l| or a slight bend leaves a kink, two
  * sums can agree by chance: their difference has to be well below the tolerance. */
-static stretch integrate_piece(const ray_state *ray, double a, double b, double weight, double tolerance, int depth)
+static stretch integrate_piece(const ray_state *ray, double a, double b, double weight, double tolerance, int depth,
+                               double *error)
 {
     enum { max_depth = 24 };
     static const double caution = 0.01;
     stretch two = sum_intervals(ray, a, b, 2), four = sum_intervals(ray, a, b, 4);
     stretch coarse = extrapolate(two, sum_intervals(ray, a, b, 1)), fine = extrapolate(four, two);
-    if (depth >= max_depth || weight <= tolerance)
+    if (depth >= max_depth || weight <= tolerance) {
+        *error += weight * distance(fine, coarse);
         return fine;
+    }
     double cut = ray->emitter ? a : cut_at_bend(ray, ray->layer, a, b); /* an emitter has no bends */
     if (!(cut > a && cut < b) && ray->roi)
         cut = cut_at_bend(ray, ray->roi, a, b);
     if (!(cut > a && cut < b)) {
-        if (weight * distance(fine, coarse) <= caution * tolerance)
+        if (weight * distance(fine, coarse) <= caution * tolerance) {
+            *error += weight * distance(fine, coarse);
             return fine;
+        }
         cut = 0.5 * (a + b);
     }
-    stretch front = integrate_piece(ray, a, cut, weight, 0.5 * tolerance, depth + 1);
-    stretch back = integrate_piece(ray, cut, b, weight * exp(-front.depth), 0.5 * tolerance, depth + 1);
+    stretch front = integrate_piece(ray, a, cut, weight, 0.5 * tolerance, depth + 1, error);
+    stretch back = integrate_piece(ray, cut, b, weight * exp(-front.depth), 0.5 * tolerance, depth + 1, error);
     return compose(front, back);
 }
 
@@ -244,15 +250,42 @@ static double cell_end(const ray_state *ray, double a, double least, double t1)
 /* Skips slivers of rounding at the planes; far below any tolerance. */
 static const double least_piece = 1e-9;
 
-static stretch integrate_converged(const ray_state *ray, double t0, double t1, double tolerance)
+/* Where the ray leaves the largest block round its place at t that shows nothing; t where there is none. */
+static double leave_empty_block(const ray_state *ray, double t)
+{
+    if (!ray->empty || !ray->empty->seen[0])
+        return t;
+    const double p[3] = {ray->origin.x + t * ray->direction.x, ray->origin.y + t * ray->direction.y,
+                         ray->origin.z + t * ray->direction.z};
+    const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
+    int cell[3], lo[3], hi[3];
+    for (int a = 0; a < 3; ++a)
+        cell[a] = (int)fmin(fmax(floor(p[a] + 0.5), 0), (double)(ray->empty->cells[a] - 1));
+    if (!iso_empty_space_at(ray->empty, cell, lo, hi))
+        return t;
+    double end = INFINITY;
+    for (int a = 0; a < 3; ++a)
+        if (d[a] != 0) /* cells end half an index before their number */
+            end = fmin(end, t + ((d[a] > 0 ? hi[a] : lo[a]) - 0.5 - p[a]) / d[a]);
+    return fmax(end, t);
+}
+
+static stretch integrate_converged(const ray_state *ray, double t0, double t1, double tolerance, double *error)
 {
     stretch whole = {{0}, 0};
     for (double a = t0; a < t1;) {
+        const double empty_until = leave_empty_block(ray, a + least_piece * (t1 - t0));
+        if (empty_until > a + 2 * least_piece * (t1 - t0)) {
+            a = empty_until;
+            continue;
+        }
         double b = cell_end(ray, a, least_piece * (t1 - t0), t1);
         double weight = exp(-whole.depth);
-        if (weight < 1e-12)
+        if (weight < ISO_REFERENCE_LEFT) {
+            *error += weight;
             break;
-        whole = compose(whole, integrate_piece(ray, a, b, weight, tolerance * (b - a) / (t1 - t0), 0));
+        }
+        whole = compose(whole, integrate_piece(ray, a, b, weight, tolerance * (b - a) / (t1 - t0), 0, error));
         a = b > a ? b : t1;
     }
     return whole;
@@ -376,12 +409,13 @@ static stretch integrate_pieces(const ray_state *ray, const iso_reference_option
     return compose(s, sum_intervals(ray, from, t1, opt->intervals));
 }
 
-stretch iso_reference_integrate(const ray_state *ray, const iso_reference_options *opt, double t0, double t1)
+stretch iso_reference_integrate(const ray_state *ray, const iso_reference_options *opt, double t0, double t1,
+                                double *error)
 {
     const iso_geometry *g = &ray->layer->sampler->level->geometry, *finest = iso_view_step_geometry(ray->view, g);
     const double step = opt->step_voxels > 0 ? opt->step_voxels : ray->view->step_voxels;
     if (opt->quadrature == ISO_QUADRATURE_CONVERGED)
-        return integrate_converged(ray, t0, t1, opt->tolerance);
+        return integrate_converged(ray, t0, t1, opt->tolerance, error);
     if (opt->quadrature == ISO_QUADRATURE_MIDPOINT)
         return integrate_midpoint(ray, t0, t1, step * iso_geometry_min_spacing_mm(finest));
     if (opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)

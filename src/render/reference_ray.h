@@ -3,6 +3,7 @@
 #ifndef ISO_REFERENCE_RAY_H
 #define ISO_REFERENCE_RAY_H
 
+#include "render/empty_space.h"
 #include "render/reference.h"
 #include "render/sampler.h"
 #include "tf/integral.h"
@@ -23,6 +24,7 @@ typedef struct ray_state {
     const iso_view *view;
     const iso_emitter *emitter;      /* or NULL */
     const iso_tf_integral *integral; /* preintegrated */
+    const iso_empty_space *empty;    /* of the level that is rendered, or NULL */
     iso_vec3 origin, direction;      /* index per mm of t */
     iso_vec3 to_viewer;              /* world, unit */
 } ray_state;
@@ -35,7 +37,8 @@ typedef struct stretch {
 /* shade(d) of scene/scene.h: n, |n| <= 1, and to_viewer in world axes. */
 double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer);
 
-/* From t0 to t1, by the quadrature of opt. */
-stretch iso_reference_integrate(const ray_state *ray, const iso_reference_options *opt, double t0, double t1);
+/* From t0 to t1, by the quadrature of opt. *error: converged: what halving changed, summed up. */
+stretch iso_reference_integrate(const ray_state *ray, const iso_reference_options *opt, double t0, double t1,
+                                double *error);
 
 #endif

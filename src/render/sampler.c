@@ -6,6 +6,20 @@
 
 #include "encode/decode_double.h"
 
+/* Linear codes of a byte a component need no copy of the level: the same floats, byte by byte. */
+static void read_bytes(iso_sampler *s)
+{
+    s->by_bytes = true;
+    for (int i = 0; i < 256; ++i) {
+        const uint8_t bytes[3] = {(uint8_t)i, (uint8_t)i, (uint8_t)i};
+        float decoded[3];
+        double e[3];
+        iso_code_decode_all(s->code, bytes, decoded, 1);
+        iso_code_lattice(s->code, bytes, e);
+        s->of_byte[i] = s->source == ISO_FROM_CODES ? (float)e[0] : decoded[0];
+    }
+}
+
 iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code code, iso_direction_source source,
                               iso_error *err)
 {
@@ -27,6 +41,10 @@ iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code c
         return iso_fail(err, ISO_E_RANGE, "the level holds no palette, and directions from one are asked for");
     if (source == ISO_FROM_FLOAT || source == ISO_FROM_ON_THE_FLY)
         return ISO_OK;
+    if (iso_code_describe(code)->is_linear && !iso_code_describe(code)->lattice && !from_palette) {
+        read_bytes(s);
+        return ISO_OK;
+    }
     s->owned = malloc(count * 3 * sizeof *s->owned);
     if (!s->owned)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
@@ -160,7 +178,8 @@ static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
 
 static iso_vec3 normal_of_voxel(const iso_sampler *s, size_t voxel)
 {
-    const float *v = s->vectors + 3 * voxel;
+    float v[3];
+    iso_sampler_vector(s, voxel, v);
     double d[3] = {(double)v[0], (double)v[1], (double)v[2]}, n[3];
     iso_code_normal(d, n);
     return iso_v3(n[0], n[1], n[2]);
@@ -172,7 +191,8 @@ static iso_vec3 flipped_direction(const iso_sampler *s, const stencil *at)
     iso_vec3 d[8], pivot = {0, 0, 0}, sum = {0, 0, 0};
     double most = 0;
     for (int c = 0; c < 8; ++c) {
-        const float *v = s->vectors + 3 * at->voxel[c];
+        float v[3];
+        iso_sampler_vector(s, at->voxel[c], v);
         d[c] = iso_v3((double)v[0], (double)v[1], (double)v[2]);
         const double count = at->weight[c] * iso_norm(d[c]);
         if (count > most) {
@@ -192,7 +212,7 @@ iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index)
         iso_code_normal(node + 1, normal);
         return iso_v3(normal[0], normal[1], normal[2]);
     }
-    if (!s->vectors)
+    if (!s->vectors && !s->by_bytes)
         return normal_on_the_fly(s, index);
     if (s->source == ISO_FROM_PALETTE_NEAREST)
         return normal_of_voxel(s, voxel_at(&s->level->geometry, index));
@@ -200,9 +220,12 @@ iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index)
     if (s->source == ISO_FROM_FLIPPED)
         return iso_shading_normal(flipped_direction(s, &at));
     double e[3] = {0}, n[3];
-    for (int c = 0; c < 8; ++c)
+    for (int c = 0; c < 8; ++c) {
+        float v[3];
+        iso_sampler_vector(s, at.voxel[c], v);
         for (size_t a = 0; a < 3; ++a)
-            e[a] += at.weight[c] * (double)s->vectors[3 * at.voxel[c] + a];
+            e[a] += at.weight[c] * (double)v[a];
+    }
     if (s->source == ISO_FROM_CODES) {
         double d[3];
         iso_code_decode(s->code, e, d);

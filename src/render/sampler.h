@@ -21,7 +21,10 @@ typedef struct iso_sampler {
     iso_code code;
     iso_direction_source source;
     float *owned;         /* lattice vectors or decoded directions, made here */
-    const float *vectors; /* 3 a voxel, filtered; NULL on the fly */
+    const float *vectors; /* 3 a voxel, filtered; NULL: of_byte, or on the fly */
+    /* The component that a byte of the level's codes stands for, in codes whose bytes are read one by one; or on the fly. */
+    float of_byte[256];
+    bool by_bytes;
     iso_mat3 gradient_to_world;
     double on_the_fly_eps;         /* value per mm */
     const iso_brick_field *bricks; /* instead of the level's voxels; or NULL */
@@ -34,6 +37,13 @@ iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code c
 /* A sampler of bricks. *level is filled with what the sampler needs of a level and has to outlive it. */
 void iso_sampler_of_bricks(iso_sampler *s, const iso_brick_field *bricks, iso_level *level);
 void iso_sampler_destroy(iso_sampler *s);
+
+/* What is filtered of a voxel, not on the fly. */
+static inline void iso_sampler_vector(const iso_sampler *s, size_t voxel, float v[3])
+{
+    for (size_t a = 0; a < 3; ++a)
+        v[a] = s->by_bytes ? s->of_byte[s->level->codes[3 * voxel + a]] : s->vectors[3 * voxel + a];
+}
 
 double iso_sample_scalar(const iso_sampler *s, iso_vec3 index);
 /* The same for bytes, one for each voxel of the level. */

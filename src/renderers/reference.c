@@ -40,6 +40,8 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     if (opt->intervals)
         o.intervals = opt->intervals;
     o.planes = opt->planes;
+    iso_reference_result result = {NULL, NAN, false};
+    o.result = &result;
     iso_status status = ISO_OK;
     do {
         iso_image_destroy(image);
@@ -49,6 +51,10 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     } while (status == ISO_OK && count < opt->repeats && count < ISO_RENDER_MAX_FRAMES && sum < opt->repeat_seconds);
     iso_render_stats_sum_up(stats, seconds, count);
     stats->bytes = bytes_of(level, opt->source);
+    if (o.quadrature == ISO_QUADRATURE_CONVERGED) {
+        stats->error = result.error;
+        stats->is_proved = result.is_proved;
+    }
     return status;
 }
 

@@ -31,6 +31,9 @@ typedef struct iso_render_stats {
     double setup_seconds; /* before it: textures; or the start, the export and the reading of another program */
     double bytes; /* that it holds of the model: textures by their formats (GL), what Blender says, DF3 files; the
                            * reference's floats and codes */
+    /* The converged reference: of any pixel, at most, and whether that is proved (render/reference.h); 0: others. */
+    double error;
+    bool is_proved;
 } iso_render_stats;
 
 /* The options that an image depends on: type, name. Two frames are the same if all of them are equal. */

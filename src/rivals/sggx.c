@@ -111,7 +111,8 @@ static void matrix_of_box(const iso_sampler *fine, iso_mat3 to_world, const iso_
     for (size_t z = b->lo[2]; z < b->hi[2]; ++z)
         for (size_t y = b->lo[1]; y < b->hi[1]; ++y)
             for (size_t x = b->lo[0]; x < b->hi[0]; ++x) {
-                const float *d = fine->vectors + 3 * (x + n[0] * (y + n[1] * z));
+                float d[3];
+                iso_sampler_vector(fine, x + n[0] * (y + n[1] * z), d);
                 const iso_vec3 direction = iso_normalize(iso_v3((double)d[0], (double)d[1], (double)d[2]));
                 if (iso_norm(direction) > 0)
                     iso_sggx_add(&sums, direction, magnitude_squared(fine->level, to_world, x, y, z));

@@ -39,9 +39,10 @@ static iso_status start_marcher(marcher *m, const iso_render_request *q, iso_err
             status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu normals", count);
     }
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-        double d[3], n[3];
-        for (int a = 0; a < 3; ++a)
-            d[a] = (double)m->sampler.vectors[3 * i + (size_t)a];
+        float v[3];
+        iso_sampler_vector(&m->sampler, i, v);
+        const double d[3] = {(double)v[0], (double)v[1], (double)v[2]};
+        double n[3];
         iso_code_normal(d, n);
         for (int a = 0; a < 3; ++a)
             m->part[a].scalar[i] = (float)n[a];
