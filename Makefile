@@ -40,7 +40,7 @@ LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
 
 # ---- files -----------------------------------------------------------------
 # The library is what others link with; the rooms that only commands need stand beside it, in an archive of their own.
-command_rooms := atlas bench chart cli options report rivals validate view
+command_rooms := atlas bench chart cli figure options report rivals validate view
 all_c := $(filter-out src/base/mpi/%,$(wildcard src/*.c src/*/*.c src/*/*/*.c exporters/*/*.c))
 commands_c := $(filter $(command_rooms:%=src/%/%),$(all_c))
 lib_c := $(filter-out $(commands_c),$(all_c))

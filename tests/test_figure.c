@@ -6,17 +6,26 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "report/figure.h"
+#include "figure/job.h"
 #include "report/report.h"
 #include "scene/scene.h"
 #include "tests/folder.h"
 #include "tests/test.h"
 
-static iso_figure_options with_sources(void)
+static const iso_cli none;
+
+static iso_figure_job job_of(const char *kind, const char *report, const char *out)
 {
-    iso_figure_options o = iso_figure_defaults();
-    o.with_sources = true;
-    return o;
+    iso_figure_job job = {.input = report,
+                          .output = out,
+                          .cli = &none,
+                          .width_mm = 178,
+                          .height_mm = 230,
+                          .dpi = 300,
+                          .with_sources = true};
+    assert_ok(iso_figure_kind_from_name(kind, &job.kind, &err));
+    assert_ok(iso_colormap_from_name("magma", &job.map, &err));
+    return job;
 }
 
 enum { width = 40, height = 30 };
@@ -122,20 +131,19 @@ static void panels_lie_inside_and_apart_with_enough_pixels(void **state)
     (void)state;
     char *report = make_report("r1", 2), *out = inside("f1");
     row rows[32];
-    for (int kind = 0; kind < ISO_FIGURE_COUNT; ++kind) {
-        iso_figure_options opt = with_sources();
-        opt.kind = (iso_figure_kind)kind;
-        opt.level = 1;
-        assert_ok(iso_figure_make(report, &opt, out, &err));
+    for (int kind = 0; kind < 2; ++kind) {
+        iso_figure_job job = job_of(kind == 0 ? "levels" : "renderers", report, out);
+        job.level = kind;
+        assert_ok(iso_figure_make(&job, &err));
         size_t count = read_rows(out, rows, 32);
-        assert_int_equal(count, kind == ISO_FIGURE_LEVELS ? 2 * 5 : 3); /* two methods: level 0, two levels, two maps */
+        assert_int_equal(count, kind == 0 ? 2 * 5 : 3); /* two methods: level 0, two levels, two maps */
         for (size_t i = 0; i < count; ++i) {
             assert_true(rows[i].left >= 0 && rows[i].right <= 1 && rows[i].bottom >= 0 && rows[i].top <= 1);
             double inches = (rows[i].right - rows[i].left) * rows[i].figure_width / 96;
             assert_more_than(rows[i].w / inches, 299.9); /* rounding of the figures in the file */
             double aspect = (rows[i].top - rows[i].bottom) * rows[i].figure_height / (inches * 96);
             assert_within(aspect, (double)height / width, 1e-4);
-            assert_at_most(rows[i].figure_width, opt.width_mm / 25.4 * 96 + 0.1);
+            assert_at_most(rows[i].figure_width, job.width_mm / 25.4 * 96 + 0.1);
             for (size_t j = 0; j < i; ++j)
                 assert_false(overlap(&rows[i], &rows[j]));
         }
@@ -148,14 +156,15 @@ static void the_scale_bar_has_its_length(void **state)
 {
     (void)state;
     char *report = make_report("r2", 2), *unknown = make_report("r3", 0), *out = inside("f2");
-    iso_figure_options opt = with_sources();
+    iso_figure_job job = job_of("levels", report, out);
     row rows[32];
-    assert_ok(iso_figure_make(report, &opt, out, &err));
+    assert_ok(iso_figure_make(&job, &err));
     read_rows(out, rows, 32);
     assert_string_equal(rows[0].bar_text, "20 mm"); /* 40 pixels of 2 mm: at most a third of 80 mm */
     assert_within(rows[0].bar, 0.25, 1e-6);
     assert_within(rows[1].bar, 0, 0);
-    assert_ok(iso_figure_make(unknown, &opt, out, &err));
+    job.input = unknown;
+    assert_ok(iso_figure_make(&job, &err));
     read_rows(out, rows, 32);
     assert_within(rows[0].bar, 0, 0);
     free(report);
@@ -168,17 +177,19 @@ static void maps_hold_the_differences(void **state)
     (void)state;
     char *report = make_report("r4", 2), *out = inside("f4"), *data;
     size_t size;
-    iso_figure_options opt = with_sources();
-    opt.methods = "d";
-    assert_ok(iso_figure_make(report, &opt, out, &err));
+    iso_figure_job job = job_of("levels", report, out);
+    unsigned char colors[3];
+    job.methods = "d";
+    assert_ok(iso_figure_make(&job, &err));
     row rows[32];
     assert_int_equal(read_rows(out, rows, 32), 5);
     assert_within(rows[0].high, 0.25, 1e-6); /* of level 2, the larger */
     read_text(out, rows[2].file, &data, &size);
-    assert_int_equal(size, (size_t)(rows[2].w * rows[2].h) * sizeof(float));
-    const float *map = (const float *)data;
-    assert_within(map[0], 0.125, 0); /* exact in binary */
-    assert_within(map[(size_t)rows[2].w - 1], 0, 0);
+    assert_int_equal(size, (size_t)(rows[2].w * rows[2].h) * sizeof colors);
+    iso_colormap_lookup(job.map, 0.125 / 0.25, colors);
+    assert_memory_equal(data, colors, sizeof colors);
+    iso_colormap_lookup(job.map, 0, colors);
+    assert_memory_equal(data + sizeof colors * ((size_t)rows[2].w - 1), colors, sizeof colors);
     free(data);
     assert_non_null(strstr(rows[2].note, "RMSE 0.0765")); /* 1/8 in 3 of 4 channels of half the pixels */
     read_text(out, "caption.txt", &data, &size);
@@ -195,10 +206,10 @@ static void the_adapted_tf_can_be_asked_for(void **state)
     (void)state;
     char *report = make_report("r7", 2), *out = inside("f7"), *data;
     size_t size;
-    iso_figure_options opt = with_sources();
+    iso_figure_job job = job_of("levels", report, out);
     row rows[32];
-    opt.methods = "d,d+adapted";
-    assert_ok(iso_figure_make(report, &opt, out, &err));
+    job.methods = "d,d+adapted";
+    assert_ok(iso_figure_make(&job, &err));
     assert_int_equal(read_rows(out, rows, 32), 10);
     assert_string_equal(rows[0].side, "d");
     assert_string_equal(rows[5].side, "d (adapted TF)");
@@ -210,9 +221,9 @@ static void the_adapted_tf_can_be_asked_for(void **state)
         data,
         "d with the adapted transfer function, level 1: 1 - SSIM 0.0321, FLIP 0, direction error 0 degrees (adapting refused, the original kept)."));
     free(data);
-    opt.methods = "zz+adapted";
+    job.methods = "zz+adapted";
     iso_error why = {""};
-    assert_int_equal(iso_figure_make(report, &opt, out, &why), ISO_E_RANGE);
+    assert_int_equal(iso_figure_make(&job, &why), ISO_E_RANGE);
     assert_non_null(strstr(why.text, "\"zz+adapted\", but of a, a+adapted, ")); /* what there is */
     free(report);
     free(out);
@@ -223,8 +234,8 @@ static void text_is_vector_and_fonts_are_embedded(void **state)
     (void)state;
     char *report = make_report("r5", 2), *out = inside("f5"), *data;
     size_t size;
-    iso_figure_options opt = with_sources();
-    assert_ok(iso_figure_make(report, &opt, out, &err));
+    const iso_figure_job job = job_of("levels", report, out);
+    assert_ok(iso_figure_make(&job, &err));
     read_text(out, "figure.pdf", &data, &size);
     assert_non_null(memmem(data, size, "FontFile", 8));
     free(data);
@@ -240,29 +251,28 @@ static void text_is_vector_and_fonts_are_embedded(void **state)
 static void bad_requests_are_refused_and_leave_nothing(void **state)
 {
     (void)state;
-    char *report = make_report("r6", 2), *out = inside("f6"), *none = inside("none");
-    iso_figure_options opt = with_sources();
-    assert_status(iso_figure_make(none, &opt, out, &err), ISO_E_IO);
-    opt.methods = "a,zz";
-    assert_status(iso_figure_make(report, &opt, out, &err), ISO_E_RANGE);
-    opt = iso_figure_defaults();
-    opt.width_mm = NAN;
-    assert_status(iso_figure_make(report, &opt, out, &err), ISO_E_RANGE);
-    opt = iso_figure_defaults();
-    opt.kind = ISO_FIGURE_RENDERERS;
-    opt.level = 9;
-    assert_status(iso_figure_make(report, &opt, out, &err), ISO_E_RANGE);
+    char *report = make_report("r6", 2), *out = inside("f6"), *missing = inside("none");
+    iso_figure_job job = job_of("levels", missing, out);
+    assert_status(iso_figure_make(&job, &err), ISO_E_IO);
+    job = job_of("levels", report, out);
+    job.methods = "a,zz";
+    assert_status(iso_figure_make(&job, &err), ISO_E_RANGE);
+    job = job_of("levels", report, out);
+    job.width_mm = NAN;
+    assert_status(iso_figure_make(&job, &err), ISO_E_RANGE);
+    job = job_of("renderers", report, out);
+    job.level = 9;
+    assert_status(iso_figure_make(&job, &err), ISO_E_RANGE);
     assert_false(iso_path_exists(out));
     char *json = iso_path_join(report, "report.json");
     assert_ok(iso_file_write(json, "{\"schema\": \"other\"}", 19, &err));
-    opt = iso_figure_defaults();
-    assert_status(iso_figure_make(report, &opt, out, &err), ISO_E_FORMAT);
-    iso_figure_kind kind;
-    assert_status(iso_figure_from_name("photo", &kind, &err), ISO_E_USAGE);
+    job = job_of("levels", report, out);
+    assert_status(iso_figure_make(&job, &err), ISO_E_FORMAT);
+    assert_status(iso_figure_kind_from_name("photo", &job.kind, &err), ISO_E_USAGE);
     free(json);
     free(report);
     free(out);
-    free(none);
+    free(missing);
 }
 
 /* A pixel's size from two rays: where neighbours meet the plane through the centre of the box. */

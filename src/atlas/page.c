@@ -73,7 +73,7 @@ static void find_zoom(drawing *d)
         }
 }
 
-/* The colours of figure.gp's maps, made linear as images are. */
+/* Colours from dark to bright, made linear as images are. */
 static void paint(double t, float rgba[4])
 {
     static const double stops[5][3] = {{8, 8, 24}, {72, 20, 110}, {176, 44, 104}, {244, 126, 60}, {252, 246, 190}};

@@ -4,6 +4,7 @@
 
 #include "blender/blender.h"
 #include "encode/code.h"
+#include "figure/job.h"
 #include "gradient/gradient.h"
 #include "options/cli.h"
 #include "palette/palette.h"
@@ -23,6 +24,7 @@ static const iso_names *const lists[] = {
     &iso_scalar_filter_names, &iso_direction_filter_names, &iso_direction_source_names, &iso_palette_method_names,
     &iso_field_names,         &iso_export_target_names,    &iso_blender_material_names, &iso_cycles_device_names, &iso_bake_grid_names,
     &iso_grid_program_names,  &iso_tf_preset_names,        &iso_viewpoint_names,
+    &iso_figure_kind_names,   &iso_colormap_names,
 };
 enum { LIST_COUNT = sizeof lists / sizeof *lists + 1 }; /* and the renderers, whose table may grow at run time */
 

@@ -25,7 +25,10 @@ static iso_status write_beside(const char *dir, const char *name, const char *en
 
 iso_status iso_gnuplot_check_whole(const char *picture, const char *format, iso_error *err)
 {
-    const char *last = strcmp(format, "pdf") == 0 ? "%%EOF" : strcmp(format, "png") == 0 ? "IEND" : "</svg>";
+    const char *last = strcmp(format, "pdf") == 0   ? "%%EOF"
+                       : strcmp(format, "png") == 0 ? "IEND"
+                       : strcmp(format, "tex") == 0 ? "\\endgroup"
+                                                    : "</svg>";
     enum { tail = 32 };
     char *data = NULL;
     size_t size = 0;
@@ -45,9 +48,10 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
         return status;
     if (asprintf(&script, "%s.gp", name) < 0)
         script = NULL;
-    if (asprintf(&setting, "format='%s'", format) < 0)
+    /* A PNG is drawn without its pictures (figure/page.h); of a chart it has none. */
+    if (asprintf(&setting, "format='%s'%s", format, strcmp(format, "png") == 0 ? "; overlay=1" : "") < 0)
         setting = NULL;
-    if (asprintf(&picture, "%s/%s.%s", dir, name, format) < 0)
+    if (asprintf(&picture, "%s/%s%s.%s", dir, name, strcmp(format, "tex") == 0 ? "-latex" : "", format) < 0)
         picture = NULL;
     if (script && setting && picture) {
         const char *argv[] = {gnuplot, "-d", "-e", setting, script, NULL};
@@ -79,8 +83,8 @@ iso_status iso_gnuplot_use_style(const char *from, const char *dir, iso_error *e
     return status;
 }
 
-iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
-                            iso_error *err)
+iso_status iso_gnuplot_draw_script(const char *dir, const char *name, const char *script, const char *format,
+                                   iso_error *err)
 {
     char *style = iso_path_join(dir, "style.gp");
     if (!style)
@@ -90,12 +94,17 @@ iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, 
         status = write_beside(dir, "style", ".gp", iso_gnuplot_style_gp, err);
     free(style);
     if (status == ISO_OK)
-        status = write_beside(dir, name, ".csv", csv, err);
-    if (status == ISO_OK)
         status = write_beside(dir, name, ".gp", script, err);
     if (status == ISO_OK)
         status = run_gnuplot(dir, name, format, err);
     return status;
+}
+
+iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
+                            iso_error *err)
+{
+    const iso_status status = write_beside(dir, name, ".csv", csv, err);
+    return status == ISO_OK ? iso_gnuplot_draw_script(dir, name, script, format, err) : status;
 }
 
 /* ---- one picture alone ----------------------------------------------------------------------------------------------- */

@@ -16,6 +16,10 @@
 iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
                             iso_error *err);
 
+/* The same of a script that brings its own data; "png", transparent, and "tex", NAME-latex.tex over NAME-latex.pdf, too. */
+iso_status iso_gnuplot_draw_script(const char *dir, const char *name, const char *script, const char *format,
+                                   iso_error *err);
+
 /* Before charts are drawn in the folder: its style.gp is a copy of the file `from`. */
 iso_status iso_gnuplot_use_style(const char *from, const char *dir, iso_error *err);
 

@@ -3,13 +3,21 @@
 if (!exists("format")) format = 'svg'
 if (!exists("width")) width = 760
 if (!exists("height")) height = 400
+if (!exists("dpi")) dpi = 300
 # pdfcairo prints two thirds of the size that it is told: 13 is 8.7 points, 11 is 7.3.
 if (format eq 'pdf') {
     set terminal pdfcairo size width / 96.0, height / 96.0 font 'DejaVu Sans,13' linewidth 1.2 rounded
-} else {
+}
+if (format eq 'png') {
+    set terminal pngcairo transparent size int(width / 96.0 * dpi + 0.5), int(height / 96.0 * dpi + 0.5) font sprintf('DejaVu Sans,%g', 8.7 * dpi / 96) linewidth 1.2 rounded
+}
+if (format eq 'tex') {
+    set terminal cairolatex pdf input colortext size width / 96.0, height / 96.0 linewidth 1.2 rounded
+}
+if (format eq 'svg') {
     set terminal svg size width, height font 'Helvetica Neue,Helvetica,Arial,DejaVu Sans,sans-serif,13' linewidth 1.2 rounded background '#ffffff'
 }
-set output name . '.' . format
+set output name . (format eq 'tex' ? '-latex' : '') . '.' . format
 set encoding utf8
 set datafile separator comma
 set datafile missing NaN

@@ -1,26 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "cli/figure_drawn.h"
+#include "figure/levels.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
-#include "base/provenance.h"
-#include "renderers/renderers.h"
-#include "report/figure_draw.h"
-#include "scene/scene.h"
+#include "figure/of_report.h"
+#include "figure/picture.h"
+#include "figure/sheet.h"
 
-enum { MOST_COLUMNS = 16 };
+enum { MOST_COLUMNS = ISO_FIGURE_MOST_LEVELS, USUAL_LEVELS = 4 };
 
 /* Columns are levels or renderers: a picture each, and below it how far it is from the first one. */
 typedef struct drawn {
-    const iso_figure_drawn *d;
-    iso_pyramid pyramid;
-    iso_scene scene;
-    iso_renderers renderers;
+    const iso_figure_job *d;
+    iso_page *page;
+    bool of_levels;
+    iso_figure_subject subject;
     const iso_renderer_info *with[MOST_COLUMNS]; /* of a column */
     size_t level[MOST_COLUMNS], columns;
     size_t width, height; /* of a picture, in pixels */
@@ -30,7 +28,7 @@ typedef struct drawn {
 
 static bool shows_levels(const drawn *w)
 {
-    return w->d->figure.kind == ISO_FIGURE_LEVELS;
+    return w->of_levels;
 }
 
 static void write_note(iso_figure_panel *map, const iso_metrics *m)
@@ -43,7 +41,7 @@ static void write_note(iso_figure_panel *map, const iso_metrics *m)
 /* All panels, without pictures: they say how wide each is in print. Notes are as long as they will be. */
 static void lay_out(drawn *w)
 {
-    const iso_image blank = {.width = w->scene.width, .height = w->scene.height};
+    const iso_image blank = {.width = w->subject.scene.width, .height = w->subject.scene.height};
     for (size_t column = 0; column < w->columns; ++column) {
         iso_figure_panel *p = &w->panels[w->count++];
         *p = (iso_figure_panel){.column = column, .image = "", .scale_bar = column == 0, .a = blank};
@@ -61,7 +59,7 @@ static void lay_out(drawn *w)
 
 static iso_figure_sheet sheet_of(const drawn *w)
 {
-    const iso_figure_options *o = &w->d->figure;
+    const iso_figure_job *o = w->d;
     iso_figure_sheet s = {.panels = w->panels,
                           .count = w->count,
                           .rows = w->columns > 1 ? 2 : 1,
@@ -71,8 +69,8 @@ static iso_figure_sheet sheet_of(const drawn *w)
                           .low = shows_levels(w) ? 0 : -8,
                           .width_mm = o->width_mm,
                           .height_mm = o->height_mm,
-                          .dpi = o->dpi,
-                          .with_sources = o->with_sources};
+                          .a_pixel_a_dot = true,
+                          .map = o->map};
     for (size_t i = 0; i < w->count && shows_levels(w); ++i)
         if (w->panels[i].against)
             s.high = fmax(s.high, w->panels[i].metrics.p99_abs);
@@ -89,9 +87,10 @@ static iso_status choose_pixels(drawn *w, iso_error *err)
     const iso_status status = iso_figure_panel_width(&sheet, &width_mm, err);
     if (status != ISO_OK)
         return status;
-    w->width = (size_t)ceil(w->d->figure.dpi * width_mm / 25.4);
-    w->height = (size_t)fmax(1, rint((double)w->width * (double)w->scene.height / (double)w->scene.width));
-    w->scene.width = w->width, w->scene.height = w->height;
+    w->width = iso_page_dots(w->page, width_mm);
+    w->height = (size_t)fmax(1,
+                             rint((double)w->width * (double)w->subject.scene.height / (double)w->subject.scene.width));
+    w->subject.scene.width = w->width, w->subject.scene.height = w->height;
     return ISO_OK;
 }
 
@@ -99,25 +98,11 @@ static iso_status choose_pixels(drawn *w, iso_error *err)
 
 static iso_status render_one(drawn *w, size_t column, iso_figure_panel *p, iso_error *err)
 {
-    iso_view view = {0};
-    const iso_progress progress = iso_cli_progress(w->d->cli);
-    iso_render_options opt = iso_render_defaults(w->with[column]);
-    const iso_render_request request = {&w->renderers, &w->pyramid, w->level[column], &view, &opt, &progress};
-    opt.threads = w->d->cli->threads;
-    p->a = (iso_image){0};
-    iso_status status = iso_scene_resolve(&w->scene, &w->pyramid.levels[0].geometry, iso_pyramid_lo(&w->pyramid),
-                                          iso_pyramid_hi(&w->pyramid), &view, err);
-    if (status == ISO_OK)
-        status = iso_cli_adapt_view(&w->d->adapted, w->d->cli->arguments[0], &w->pyramid, w->level[column], &view,
-                                    w->d->cli->threads, err);
-    if (status == ISO_OK)
-        status = iso_render_with(&request, &p->a, NULL, err);
-    if (status == ISO_OK)
-        status = iso_render_check_finite(w->with[column], &p->a, err);
-    if (status == ISO_OK)
-        p->mm_per_pixel = iso_view_mm_per_pixel(&view, &w->pyramid.levels[0].geometry);
-    iso_view_destroy(&view);
-    return status;
+    const iso_figure_picture what = {.with = w->with[column],
+                                     .level = w->level[column],
+                                     .width = w->width,
+                                     .height = w->height};
+    return iso_figure_render(&w->subject, &what, &p->a, &p->mm_per_pixel, err);
 }
 
 /* A map borrows the pixels of the picture above it, and those of the first one. */
@@ -154,18 +139,12 @@ static iso_status render_all(drawn *w, iso_error *err)
 
 /* ---- words ---- */
 
-static iso_status write_caption(const drawn *w, const char *dir, iso_error *err)
+static void write_caption(const drawn *w)
 {
-    char *text = NULL, *path = iso_path_join(dir, "caption.txt");
-    size_t size = 0;
-    FILE *f = path ? open_memstream(&text, &size) : NULL;
-    if (!f) {
-        free(path);
-        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    }
-    const char *scene = iso_provenance_name(w->d->look.scene);
-    fprintf(f, "%s of %s%s%s%s, ", shows_levels(w) ? "Levels" : "Renderers",
-            iso_provenance_title(w->d->cli->arguments[0]), *scene ? " (" : "", scene, *scene ? ")" : "");
+    FILE *f = iso_page_caption(w->page);
+    fputs(shows_levels(w) ? "Levels" : "Renderers", f);
+    iso_figure_put_subject(&w->subject, f);
+    fputs(", ", f);
     if (shows_levels(w))
         fprintf(f, "drawn by the %s%s", w->with[0]->title,
                 w->d->adapted.wanted ? ", each under the transfer function adapted to it" : "");
@@ -183,23 +162,18 @@ static iso_status write_caption(const drawn *w, const char *dir, iso_error *err)
     }
     const iso_figure_sheet sheet = sheet_of(w);
     iso_figure_describe(&sheet, f);
-    fclose(f);
-    const iso_status status = iso_file_write(path, text, size, err);
-    free(text);
-    free(path);
-    return status;
 }
 
 /* ---- the whole ---- */
 
 static iso_status choose_columns(drawn *w, iso_error *err)
 {
-    const iso_figure_drawn *d = w->d;
+    const iso_figure_job *d = w->d;
     bool wanted[ISO_MAX_RENDERERS];
     if (shows_levels(w)) {
         const iso_renderer_info *with;
         const iso_status status = iso_renderer_from_name(d->with ? d->with : iso_renderers_usual()->name, &with, err);
-        w->columns = (size_t)d->levels;
+        w->columns = d->levels ? (size_t)d->levels : USUAL_LEVELS;
         for (size_t i = 0; i < w->columns; ++i)
             w->with[i] = with, w->level[i] = i;
         return status;
@@ -208,71 +182,70 @@ static iso_status choose_columns(drawn *w, iso_error *err)
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i)
         if (wanted[i] && w->columns < MOST_COLUMNS) {
             w->with[w->columns] = iso_renderer_at(i);
-            w->level[w->columns++] = d->figure.level;
+            w->level[w->columns++] = (size_t)d->level;
         }
     return status;
 }
 
-static iso_status load(drawn *w, iso_error *err)
-{
-    const iso_figure_drawn *d = w->d;
-    iso_subject_look look;
-    iso_pyramid_options build = iso_pyramid_defaults();
-    const iso_progress progress = iso_cli_progress(d->cli);
-    const size_t coarsest = w->level[w->columns - 1];
-    build.threads = d->cli->threads;
-    build.level_count = coarsest + 1;
-    iso_status status = iso_cli_look_check(&d->look, d->cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(d->cli->arguments[0], &d->input, &build, &progress, &w->pyramid, err);
-    if (status == ISO_OK && coarsest >= w->pyramid.level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s has levels 0 to %zu, the figure would show level %zu",
-                          d->cli->arguments[0], w->pyramid.level_count - 1, coarsest);
-    return status == ISO_OK ? iso_subject_make_scene(&look, &w->pyramid, &w->scene, err) : status;
-}
-
-static iso_status draw(drawn *w, const char *dir, iso_error *err)
+static iso_status draw(drawn *w, iso_error *err)
 {
     lay_out(w);
     iso_status status = choose_pixels(w, err);
     if (status == ISO_OK)
         status = render_all(w, err);
     if (status == ISO_OK) {
+        write_caption(w);
         const iso_figure_sheet sheet = sheet_of(w);
-        status = iso_figure_draw(&sheet, dir, err);
+        status = iso_figure_draw(&sheet, w->page, err);
     }
-    if (status == ISO_OK)
-        status = write_caption(w, dir, err);
     for (size_t i = 0; i < w->count; ++i)
         if (!w->panels[i].against && w->panels[i].a.rgba)
             iso_image_destroy(&w->panels[i].a);
     return status;
 }
 
-iso_status iso_figure_draw_volume(const iso_figure_drawn *d, iso_error *err)
+static iso_status draw_volume(const iso_figure_job *job, bool of_levels, iso_page *page, iso_error *err)
 {
     drawn *w = calloc(1, sizeof *w);
-    iso_output out = {0};
     if (!w)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    w->d = d;
-    iso_status status = iso_words_check_range("--levels", d->levels, 1, MOST_COLUMNS, err);
+    w->d = job;
+    w->page = page;
+    w->of_levels = of_levels;
+    iso_status status = choose_columns(w, err);
     if (status == ISO_OK)
-        status = iso_figure_check(&d->figure, err);
+        status = iso_figure_subject_load(&w->subject, job, w->level[w->columns - 1] + 1, NULL, err);
     if (status == ISO_OK)
-        status = choose_columns(w, err);
-    if (status == ISO_OK)
-        status = load(w, err);
-    if (status == ISO_OK)
-        status = iso_output_begin_dir(&out, d->output, "figure.pdf", err);
-    if (status == ISO_OK)
-        status = draw(w, out.temp_path, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
-    iso_output_abandon(&out);
-    iso_scene_destroy(&w->scene);
-    iso_pyramid_destroy(&w->pyramid);
-    iso_renderers_end(&w->renderers);
+        status = draw(w, err);
+    iso_figure_subject_end(&w->subject);
     free(w);
     return status;
 }
+
+static iso_status draw_levels(const iso_figure_job *job, iso_page *page, iso_error *err)
+{
+    return iso_figure_is_of_report(job) ? iso_figure_levels_of_report(job, page, err)
+                                        : draw_volume(job, true, page, err);
+}
+
+static iso_status draw_renderers(const iso_figure_job *job, iso_page *page, iso_error *err)
+{
+    return iso_figure_is_of_report(job) ? iso_figure_renderers_of_report(job, page, err)
+                                        : draw_volume(job, false, page, err);
+}
+
+const iso_figure_info iso_figure_levels = {
+    .name = "levels",
+    .summary = "the levels of a volume side by side, with maps of how far each is from level 0",
+    .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_OF_REPORT | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_WITH |
+             ISO_FIGURE_HAS_LEVELS | ISO_FIGURE_HAS_ADAPT | ISO_FIGURE_HAS_METHODS | ISO_FIGURE_HAS_INSET,
+    .draw = draw_levels,
+};
+
+const iso_figure_info iso_figure_renderers = {
+    .name = "renderers",
+    .summary = "one level by several renderers, with maps of how far each is from the reference",
+    .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_OF_REPORT | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_WITH |
+             ISO_FIGURE_HAS_LEVEL | ISO_FIGURE_HAS_VARIANT | ISO_FIGURE_HAS_INSET,
+    .draw = draw_renderers,
+};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "report/figure.h"
+#include "figure/of_report.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,19 +9,18 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "base/names.h"
-#include "report/figure_draw.h"
 #include "compare/metrics.h"
+#include "figure/sheet.h"
+#include "base/progress_line.h"
 #include "report/report.h"
 
-static const char *const kind_names[] = {"levels", "renderers"};
-static const iso_names kinds = ISO_NAMES_OF_STRINGS("figure", kind_names);
 enum { max_panels = 256 };
 
 typedef iso_figure_panel panel;
 
 typedef struct figure {
-    const iso_figure_options *opt;
+    const iso_figure_job *job;
+    bool of_levels;
     const char *report_dir;
     json_t *report;
     panel *panels;
@@ -32,25 +31,6 @@ typedef struct figure {
     double low, high; /* of the difference maps; log10 when in_logs */
     FILE *caption;
 } figure;
-
-const char *iso_figure_name(iso_figure_kind kind)
-{
-    return kind_names[kind];
-}
-
-iso_status iso_figure_from_name(const char *name, iso_figure_kind *kind, iso_error *err)
-{
-    size_t row = 0;
-    const iso_status status = iso_names_find(&kinds, name, &row, err);
-    if (status == ISO_OK)
-        *kind = (iso_figure_kind)row;
-    return status;
-}
-
-iso_figure_options iso_figure_defaults(void)
-{
-    return (iso_figure_options){.kind = ISO_FIGURE_LEVELS, .width_mm = 178, .height_mm = 230, .dpi = 300};
-}
 
 static const char *string_of(const json_t *object, const char *key)
 {
@@ -231,14 +211,14 @@ static iso_status add_levels(figure *f, const json_t *rows, const char *method, 
 static iso_status plan_levels(figure *f, iso_error *err)
 {
     const json_t *rows = json_object_get(f->report, "consistency");
-    json_t *methods = pictured_methods(rows), *chosen = chosen_methods(methods, f->opt->methods), *adapted;
+    json_t *methods = pictured_methods(rows), *chosen = chosen_methods(methods, f->job->methods), *adapted;
     const char *method;
     size_t shown = 0;
     iso_status status = ISO_OK;
-    if (json_object_size(f->opt->methods ? methods : chosen) == 0)
+    if (json_object_size(f->job->methods ? methods : chosen) == 0)
         status = iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of levels", f->report_dir);
     if (status == ISO_OK)
-        status = check_methods(methods, f->opt->methods, err);
+        status = check_methods(methods, f->job->methods, err);
     fprintf(f->caption,
             "Levels of %s (%s), one view: pictures, and below them their largest difference from level 0 over the "
             "channels, on a linear scale. Figures below a map are of this view; means over all views:",
@@ -283,17 +263,17 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
 }
 
 /* The renderers themselves under the scene's own TF, or those whose variant has the wanted words. */
-static bool is_shown(const json_t *row, const iso_figure_options *opt)
+static bool is_shown(const json_t *row, const iso_figure_job *job)
 {
     const iso_row_identity id = iso_row_identify(row);
-    if ((size_t)json_integer_value(json_object_get(row, "level")) != opt->level ||
+    if ((size_t)json_integer_value(json_object_get(row, "level")) != (size_t)job->level ||
         iso_row_verdict(row) == ISO_VERDICT_REFUSED)
         return false;
     if (!string_of(row, "image_a")[0] || !string_of(row, "image_b")[0] ||
-        (opt->scene && strcmp(string_of(row, "scene"), opt->scene) != 0))
+        (job->look.scene && strcmp(string_of(row, "scene"), job->look.scene) != 0))
         return false;
-    if (opt->variant)
-        return strstr(id.variant, opt->variant) || strstr(iso_comparison_word(id.comparison), opt->variant);
+    if (job->variant)
+        return strstr(id.variant, job->variant) || strstr(iso_comparison_word(id.comparison), job->variant);
     return !id.variant[0] && id.comparison != ISO_COMPARISON_EXACT;
 }
 
@@ -333,19 +313,20 @@ static iso_status plan_renderers(figure *f, iso_error *err)
     size_t i, count = 0;
     if (!shown)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    json_array_foreach(rows, i, row) if (is_shown(row, f->opt)) shown[count++] = row;
+    json_array_foreach(rows, i, row) if (is_shown(row, f->job)) shown[count++] = row;
     qsort(shown, count, sizeof *shown, by_renderer);
     const char *volume = file_name_of(f->report, "volume"); /* a suite has one a scene */
     fprintf(f->caption,
             "Renderers at level %zu of %s%s%s%s: the reference, each renderer, and the largest difference over the "
             "channels on a log scale.",
-            f->opt->level, volume, *volume ? " (" : "the scene ",
-            f->opt->scene ? f->opt->scene : file_name_of(f->report, "scene"), *volume ? ")" : "");
-    iso_status status = count > 0 ? ISO_OK
-                                  : iso_fail(err, ISO_E_RANGE,
-                                             "%s: the report has no pictures of comparisons at level %zu%s%s",
-                                             f->report_dir, f->opt->level, f->opt->variant ? " with a name like " : "",
-                                             f->opt->variant ? f->opt->variant : "");
+            (size_t)f->job->level, volume, *volume ? " (" : "the scene ",
+            f->job->look.scene ? f->job->look.scene : file_name_of(f->report, "scene"), *volume ? ")" : "");
+    iso_status status = count > 0
+                            ? ISO_OK
+                            : iso_fail(err, ISO_E_RANGE,
+                                       "%s: the report has no pictures of comparisons at level %zu%s%s", f->report_dir,
+                                       (size_t)f->job->level, f->job->variant ? " with a name like " : "",
+                                       f->job->variant ? f->job->variant : "");
     if (status == ISO_OK)
         status = check_one_scene(shown, count, err);
     for (i = 0; i < count && status == ISO_OK; ++i)
@@ -359,7 +340,7 @@ static iso_status plan_renderers(figure *f, iso_error *err)
 /* Linear up to the largest p99 of the maps; logs over the decades that the page uses. */
 static void choose_scale(figure *f)
 {
-    f->in_logs = f->opt->kind == ISO_FIGURE_RENDERERS;
+    f->in_logs = !f->of_levels;
     f->low = f->in_logs ? -8 : 0;
     f->high = 0;
     for (size_t i = 0; i < f->count && !f->in_logs; ++i)
@@ -371,88 +352,85 @@ static void choose_scale(figure *f)
 
 static void notice(const figure *f)
 {
-    if (!f->opt->notice)
+    if (f->empty == 0)
         return;
-    f->opt->notice[0] = 0;
-    if (f->empty > 0)
-        snprintf(f->opt->notice, f->opt->notice_size,
-                 "%zu of %zu pictures show something of the volume on less than .1 %% of their pixels, the first is "
-                 "%s/images/%s.exr: validate again with a scene that fits the volume",
-                 f->empty, f->pictures, f->report_dir, f->first_empty);
+    if (f->job->cli)
+        iso_progress_line_hide(f->job->cli->progress);
+    fprintf(stderr,
+            "isoshade figure: warning: %zu of %zu pictures show something of the volume on less than .1 %% of their "
+            "pixels, the first is %s/images/%s.exr: validate again with a scene that fits the volume\n",
+            f->empty, f->pictures, f->report_dir, f->first_empty);
 }
 
-static iso_status make(figure *f, const char *dir, iso_error *err)
+static iso_status draw_sheet(figure *f, iso_page *page, iso_error *err)
 {
-    char *caption = NULL, *path = iso_path_join(dir, "caption.txt");
-    size_t size = 0;
-    f->caption = open_memstream(&caption, &size);
-    f->panels = calloc(max_panels, sizeof *f->panels);
-    iso_status status = path && f->caption && f->panels ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    choose_scale(f);
+    const iso_figure_sheet sheet = {.panels = f->panels,
+                                    .count = f->count,
+                                    .rows = f->rows,
+                                    .columns = f->columns,
+                                    .rows_a_side = f->of_levels ? 2 : 1,
+                                    .in_logs = f->in_logs,
+                                    .low = f->low,
+                                    .high = f->high,
+                                    .width_mm = f->job->width_mm,
+                                    .height_mm = f->job->height_mm,
+                                    .map = f->job->map};
+    const iso_status status = iso_figure_draw(&sheet, page, err);
     if (status == ISO_OK)
-        status = f->opt->kind == ISO_FIGURE_LEVELS ? plan_levels(f, err) : plan_renderers(f, err);
-    if (status == ISO_OK) {
-        choose_scale(f);
-        const iso_figure_sheet sheet = {.panels = f->panels,
-                                        .count = f->count,
-                                        .rows = f->rows,
-                                        .columns = f->columns,
-                                        .rows_a_side = f->opt->kind == ISO_FIGURE_LEVELS ? 2 : 1,
-                                        .in_logs = f->in_logs,
-                                        .low = f->low,
-                                        .high = f->high,
-                                        .width_mm = f->opt->width_mm,
-                                        .height_mm = f->opt->height_mm,
-                                        .dpi = f->opt->dpi,
-                                        .with_sources = f->opt->with_sources};
         iso_figure_describe(&sheet, f->caption);
-        status = iso_figure_draw(&sheet, dir, err);
-    }
-    if (f->caption)
-        fclose(f->caption);
+    return status;
+}
+
+static iso_status make(figure *f, iso_page *page, iso_error *err)
+{
+    f->caption = iso_page_caption(page);
+    f->panels = calloc(max_panels, sizeof *f->panels);
+    iso_status status = f->panels ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     if (status == ISO_OK)
-        status = iso_file_write(path, caption, size, err);
+        status = f->of_levels ? plan_levels(f, err) : plan_renderers(f, err);
+    if (status == ISO_OK)
+        status = draw_sheet(f, page, err);
+    if (status == ISO_OK)
+        notice(f);
     for (size_t i = 0; i < f->count; ++i) {
         iso_image_destroy(&f->panels[i].a);
         iso_image_destroy(&f->panels[i].b);
     }
     free(f->panels);
-    free(caption);
-    free(path);
     return status;
 }
 
-iso_status iso_figure_check(const iso_figure_options *opt, iso_error *err)
+static iso_status draw(const iso_figure_job *job, bool of_levels, iso_page *page, iso_error *err)
 {
-    if (!(opt->width_mm >= 40 && opt->width_mm <= 1000))
-        return iso_fail(err, ISO_E_RANGE, "--width is %g, must be 40 to 1000 mm", opt->width_mm);
-    if (!(opt->height_mm >= 40 && opt->height_mm <= 1000))
-        return iso_fail(err, ISO_E_RANGE, "--height is %g, must be 40 to 1000 mm", opt->height_mm);
-    if (!(opt->dpi >= 36 && opt->dpi <= 1200))
-        return iso_fail(err, ISO_E_RANGE, "--dpi is %g, must be 36 to 1200", opt->dpi);
-    return ISO_OK;
-}
-
-iso_status iso_figure_make(const char *report_dir, const iso_figure_options *opt, const char *out_dir, iso_error *err)
-{
-    figure f = {.opt = opt, .report_dir = report_dir};
-    iso_output out = {0};
-    char *path = iso_path_join(report_dir, "report.json");
-    iso_status status = path ? iso_figure_check(opt, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (status == ISO_OK)
-        status = iso_json_load(path, &f.report, err);
+    figure f = {.job = job, .of_levels = of_levels, .report_dir = job->input};
+    char *path = iso_path_join(job->input, "report.json");
+    iso_status status = path ? iso_json_load(path, &f.report, err)
+                             : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     if (status == ISO_OK && strcmp(string_of(f.report, "schema"), "isoshade.validate/1") != 0)
         status = iso_fail(err, ISO_E_FORMAT, "%s: schema is \"%s\", wanted isoshade.validate/1", path,
                           string_of(f.report, "schema"));
     if (status == ISO_OK)
-        status = iso_output_begin_dir(&out, out_dir, "figure.pdf", err);
-    if (status == ISO_OK)
-        status = make(&f, out.temp_path, err);
-    if (status == ISO_OK)
-        notice(&f);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
-    iso_output_abandon(&out);
+        status = make(&f, page, err);
     json_decref(f.report);
     free(path);
     return status;
+}
+
+bool iso_figure_is_of_report(const iso_figure_job *job)
+{
+    char *path = job->input ? iso_path_join(job->input, "report.json") : NULL;
+    const bool is = path && iso_path_exists(path);
+    free(path);
+    return is;
+}
+
+iso_status iso_figure_levels_of_report(const iso_figure_job *job, iso_page *page, iso_error *err)
+{
+    return draw(job, true, page, err);
+}
+
+iso_status iso_figure_renderers_of_report(const iso_figure_job *job, iso_page *page, iso_error *err)
+{
+    return draw(job, false, page, err);
 }

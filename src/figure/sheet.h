@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* figure_draw.h - panels on a page. Who calls it decides what they show: figure.c from a report, cli/figure_drawn.c by
- * rendering for the size of the print. */
-#ifndef ISO_REPORT_FIGURE_DRAW_H
-#define ISO_REPORT_FIGURE_DRAW_H
+/* sheet.h - rows and columns of pictures and difference maps on a page. Who calls it decides what they show: of_report.c
+ * from a report, levels.c by rendering for the size of the print. */
+#ifndef ISO_FIGURE_SHEET_H
+#define ISO_FIGURE_SHEET_H
 
 #include <stdio.h>
 
-#include "report/figure.h"
 #include "compare/metrics.h"
+#include "figure/page.h"
 #include "image/image.h"
 
 /* One picture, or one difference map (against set). A '|' in a text breaks the line where it does not fit in one. */
@@ -28,22 +28,17 @@ typedef struct iso_figure_sheet {
     bool in_logs;
     double low, high;           /* of the difference maps; log10 when in_logs */
     double width_mm, height_mm; /* at most */
-    double dpi;
-    bool with_sources; /* the scripts and the pixels that the figure is drawn from stay beside it */
+    bool a_pixel_a_dot;         /* pictures have as many pixels as their places have dots; else they fill these */
+    const iso_colormap *map;
 } iso_figure_sheet;
 
 /* The width of a panel as it is printed; of the images only the sizes are looked at. ISO_E_RANGE as iso_figure_draw(). */
 iso_status iso_figure_panel_width(const iso_figure_sheet *sheet, double *width_mm, iso_error *err);
 
-/* figure.pdf and figure.svg; with sources figure.csv, figure.gp, style.gp and the panels' pixels, too. A picture that has
- * fewer pixels than its place has dots is enlarged by whole numbers. ISO_E_RANGE: the panels do not fit with texts that
- * can be read. */
-iso_status iso_figure_draw(const iso_figure_sheet *sheet, const char *dir, iso_error *err);
+/* ISO_E_RANGE: the panels do not fit with texts that can be read. */
+iso_status iso_figure_draw(const iso_figure_sheet *sheet, iso_page *page, iso_error *err);
 
-/* What a caption says of the scale bar and of the colors of maps. */
+/* What a caption says of the colors of maps. */
 void iso_figure_describe(const iso_figure_sheet *sheet, FILE *caption);
-
-/* 1, 2 or 5 times a power of ten, at most a third of the width. */
-double iso_figure_bar_mm(double width_mm);
 
 #endif

@@ -1,18 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "report/figure_draw.h"
+#include "figure/sheet.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/embed.h"
-#include "base/file.h"
-#include "report/gnuplot.h"
-#include "compare/srgb.h"
-
-ISO_EMBED(iso_figure_gp, "src/report/figure.gp");
+#include "figure/page_text.h"
 
 /* Print sizes; journals ask for 6 points at least. Titles become smaller before words stand in each other's way. */
 static const double largest_title_pt = 8, smallest_pt = 6, note_pt = 6.2;
@@ -21,36 +16,13 @@ static const double narrowest_mm = 8, widest_mm = 60, gap_mm = 1.5;
 
 /* ---- text ---- */
 
-/* The width of a letter of DejaVu Sans in em, in a few classes and rather too wide. */
-static double letter_em(char c)
-{
-    if (strchr("ijl.,:;'|!", c))
-        return 0.34;
-    if (strchr(" ft-()/I", c))
-        return 0.4;
-    if (strchr("mwMWOQ%@+=", c))
-        return 0.95;
-    return c >= 'A' && c <= 'Z' ? 0.72 : 0.64;
-}
-
-static double text_width_mm(const char *s, size_t bytes, double pt)
-{
-    double em = 0;
-    for (size_t i = 0; i < bytes; ++i)
-        if ((unsigned char)s[i] >= 0xc0) /* the first byte of what is no ASCII: a minus sign */
-            em += 0.84;
-        else if ((unsigned char)s[i] < 0x80)
-            em += letter_em(s[i]);
-    return em * pt * mm_per_pt;
-}
-
 /* The longest of the words between blanks. */
 static double word_width_mm(const char *text, double pt)
 {
     double widest = 0;
     for (const char *s = text; *s; s += strspn(s, " |")) {
         size_t n = strcspn(s, " |");
-        widest = fmax(widest, text_width_mm(s, n, pt));
+        widest = fmax(widest, iso_page_text_width_mm(s, n, pt));
         s += n;
     }
     return widest;
@@ -75,7 +47,7 @@ static size_t break_lines(const char *text, double room_mm, double pt, char out[
     size_t count = text[0] != 0, line = 0, blank = 0; /* where the line begins; the last blank in it, 0: none */
     snprintf(out, 128, "%s", text);
     for (size_t i = 0; out[i]; ++i) {
-        if (out[i] == '|' || (blank > line && text_width_mm(out + line, i + 1 - line, pt) > room_mm)) {
+        if (out[i] == '|' || (blank > line && iso_page_text_width_mm(out + line, i + 1 - line, pt) > room_mm)) {
             size_t end = out[i] == '|' ? i : blank;
             out[end] = '|';
             line = end + 1;
@@ -87,26 +59,12 @@ static size_t break_lines(const char *text, double room_mm, double pt, char out[
     return count;
 }
 
-/* A cell of the CSV; "-" for none. gnuplot knows no commas within cells: they stand as ';', and figure.gp turns them back. */
-static void put_text(FILE *csv, const char *s)
-{
-    if (!*s)
-        fputs("-", csv);
-    for (; *s; ++s)
-        fputc(*s == ',' ? ';' : *s == '"' ? '\'' : *s, csv);
-    fputc(',', csv);
-}
-
 /* ---- where things stand: millimetres from the left and the top ---- */
-
-typedef struct box {
-    double left, top, width, height;
-} box;
 
 typedef struct layout {
     double panel_width, panel_height, left, right, head, width, height;
     double title_pt;
-    box legend;
+    iso_page_box legend;
     char legend_text[128];
 } layout;
 
@@ -124,7 +82,7 @@ static bool fit_in_one(const iso_figure_sheet *f, size_t row, bool titles, doubl
     char line[128];
     for (size_t i = 0; i < f->count; ++i) {
         join(text_of(&f->panels[i], titles), line);
-        if (f->panels[i].row == row && text_width_mm(line, strlen(line), pt) > room_mm)
+        if (f->panels[i].row == row && iso_page_text_width_mm(line, strlen(line), pt) > room_mm)
             return false;
     }
     return true;
@@ -203,15 +161,9 @@ static size_t first_map_row(const iso_figure_sheet *f)
     return f->rows;
 }
 
-/* gnuplot writes exponents at 0.8 of the size. */
-static double tick_pt(const iso_figure_sheet *f)
-{
-    return f->in_logs ? smallest_pt / 0.8 : note_pt;
-}
-
 static double legend_ticks_mm(const iso_figure_sheet *f)
 {
-    return 0.5 + (f->in_logs ? text_width_mm("1000", 4, tick_pt(f)) : text_width_mm("0.000", 5, tick_pt(f)));
+    return 1 + (f->in_logs ? iso_page_text_width_mm("1e-08", 5, note_pt) : iso_page_text_width_mm("0.000", 5, note_pt));
 }
 
 static double legend_words_mm(const layout *l, char out[128])
@@ -225,7 +177,7 @@ static void place_legend(const iso_figure_sheet *f, layout *l, bool inside)
     const double top = row_top(f, l, first_map_row(f)), words = legend_words_mm(l, l->legend_text);
     const double wide = words + legend_bar_mm + legend_ticks_mm(f);
     double x = inside ? l->left + fmax(0.5 * (l->panel_width - wide), 0) : l->width - l->right + gap_mm;
-    l->legend = (box){x + words, top + 0.04 * l->panel_height, legend_bar_mm, 0.92 * l->panel_height};
+    l->legend = (iso_page_box){x + words, top + 0.04 * l->panel_height, legend_bar_mm, 0.92 * l->panel_height};
 }
 
 /* Panels as wide as the sheet has room for, texts around them. */
@@ -301,120 +253,159 @@ static double difference_at(const iso_figure_sheet *f, const iso_figure_panel *p
     return f->in_logs ? fmax(log10(d), f->low) : fmin(d, f->high);
 }
 
-/* The panel's pixels, each repeated `times` in both directions; row 0 on top. */
-static iso_status write_pixels(const iso_figure_sheet *f, const iso_figure_panel *p, size_t times, const char *path,
-                               iso_error *err)
+static void put_map(const iso_figure_sheet *f, const iso_figure_panel *p, const iso_page_box *box, iso_page *page)
 {
-    size_t width = p->a.width, height = p->a.height, bytes_of_one = p->against ? sizeof(float) : 3;
-    size_t size = width * times * height * times * bytes_of_one;
-    unsigned char *out = malloc(size), *at = out;
-    if (!out)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes", path, size);
-    for (size_t y = 0; y < height * times; ++y)
-        for (size_t x = 0; x < width * times; ++x, at += bytes_of_one) {
-            size_t i = y / times * width + x / times;
-            float value = p->against ? (float)difference_at(f, p, i) : 0;
-            if (p->against)
-                memcpy(at, &value, sizeof value);
-            else
-                for (size_t c = 0; c < 3; ++c)
-                    at[c] = (unsigned char)(iso_srgb_encode((double)p->a.rgba[4 * i + c]) * 255 + 0.5);
-        }
-    iso_status status = iso_file_write(path, out, size, err);
-    free(out);
-    return status;
+    const size_t count = p->a.width * p->a.height;
+    float *values = malloc(count * sizeof *values);
+    for (size_t i = 0; i < count && values; ++i)
+        values[i] = (float)difference_at(f, p, i);
+    if (values)
+        iso_page_put_values(page, box, values, p->a.width, p->a.height, f->map, (double[2]){f->low, f->high});
+    free(values);
 }
 
-/* ---- the scale bar ---- */
+/* ---- panels ---- */
 
-double iso_figure_bar_mm(double width_mm)
+/* Lines with a '|' between them, below each other; y is the middle of the first. */
+static void put_lines(iso_page *page, iso_page_text at, const char *lines)
 {
-    double decade = pow(10, floor(log10(width_mm / 3)));
-    return width_mm / 3 >= 5 * decade ? 5 * decade : width_mm / 3 >= 2 * decade ? 2 * decade : decade;
+    const double line = iso_page_line_mm(page, at.role);
+    for (const char *s = lines; s && *s;) {
+        char part[128];
+        snprintf(part, sizeof part, "%.*s", (int)strcspn(s, "|"), s);
+        iso_page_put_text(page, &at, part);
+        *(at.upright ? &at.x : &at.y) += line;
+        s = strchr(s, '|') ? strchr(s, '|') + 1 : NULL;
+    }
 }
 
-/* Dark on what is bright in the corner that the bar stands in, bright on what is dark. */
-static const char *bar_color(const iso_image *image)
+static size_t count_lines(const char *lines)
 {
-    double sum = 0;
-    size_t count = 0;
-    for (size_t y = image->height * 4 / 5; y < image->height; ++y)
-        for (size_t x = 0; x < (image->width + 1) / 2; ++x, ++count)
-            sum += iso_srgb_encode((double)image->rgba[4 * (y * image->width + x) + 1]);
-    return sum > 0.5 * (double)count ? "#000000" : "#ffffff";
+    size_t count = *lines != 0;
+    for (const char *s = lines; *s; ++s)
+        count += *s == '|';
+    return count;
 }
 
-/* ---- figure.csv ---- */
+static void put_texts(const iso_figure_sheet *f, const layout *l, const iso_figure_panel *p, const iso_page_box *box,
+                      iso_page *page)
+{
+    char lines[128];
+    const double middle = box->left + 0.5 * box->width;
+    const double title = iso_page_line_mm(page, ISO_PAGE_TITLE), note = iso_page_line_mm(page, ISO_PAGE_NOTE);
+    set_lines(f, p, true, l->panel_width, l->title_pt, lines);
+    put_lines(page,
+              (iso_page_text){.x = middle,
+                              .y = box->top - ((double)count_lines(lines) - 0.4) * title,
+                              .role = ISO_PAGE_TITLE,
+                              .align = ISO_PAGE_CENTER},
+              lines);
+    set_lines(f, p, false, l->panel_width, note_pt, lines);
+    put_lines(page,
+              (iso_page_text){.x = middle,
+                              .y = box->top + box->height + 0.7 * note,
+                              .role = ISO_PAGE_NOTE,
+                              .align = ISO_PAGE_CENTER},
+              lines);
+    break_lines(p->side, side_mm(f, l), l->title_pt, lines);
+    put_lines(page,
+              (iso_page_text){.x = box->left - ((double)count_lines(lines) - 0.4) * title,
+                              .y = box->top + 0.5 * side_mm(f, l),
+                              .role = ISO_PAGE_TITLE,
+                              .align = ISO_PAGE_CENTER,
+                              .upright = 1},
+              lines);
+}
 
-static iso_status write_panel(const iso_figure_sheet *f, const layout *l, size_t i, const char *dir, FILE *csv,
-                              iso_error *err)
+static iso_page_box panel_box(const iso_figure_sheet *f, const layout *l, const iso_figure_panel *p,
+                              const iso_page *page)
+{
+    iso_page_box box = {l->left + (double)p->column * (l->panel_width + gap_mm), row_top(f, l, p->row), l->panel_width,
+                        l->panel_height};
+    if (f->a_pixel_a_dot)
+        box.width = iso_page_dots_mm(page, p->a.width), box.height = iso_page_dots_mm(page, p->a.height);
+    return box;
+}
+
+static void put_panel(const iso_figure_sheet *f, const layout *l, size_t i, iso_page *page)
 {
     const iso_figure_panel *p = &f->panels[i];
-    const double px = 96 / 25.4, x = l->left + (double)p->column * (l->panel_width + gap_mm), y = row_top(f, l, p->row);
-    /* Some dots too few, where the last text moved a margin, are no reason to draw each pixel twice. */
-    const size_t times = (size_t)ceil(f->dpi * l->panel_width / 25.4 / (double)p->a.width - 0.02);
-    char file[32], lines[128], bar_text[32] = "";
-    snprintf(file, sizeof file, "panel%zu.raw", i);
-    char *path = iso_path_join(dir, file);
-    iso_status status = path ? write_pixels(f, p, times, path, err)
-                             : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    free(path);
-    double bar = 0;
-    if (p->scale_bar && p->mm_per_pixel > 0) {
-        double width_mm = p->mm_per_pixel * (double)p->a.width, length = iso_figure_bar_mm(width_mm);
-        bar = length / width_mm;
-        snprintf(bar_text, sizeof bar_text, "%g mm", length);
-    }
-    fprintf(csv, "%d,%s,%zu,%zu,%.6f,%.6f,%.6f,%.6f,", p->against ? 1 : 0, file, p->a.width * times,
-            p->a.height * times, x / l->width, (x + l->panel_width) / l->width, 1 - (y + l->panel_height) / l->height,
-            1 - y / l->height);
-    set_lines(f, p, true, l->panel_width, l->title_pt, lines);
-    put_text(csv, lines);
-    set_lines(f, p, false, l->panel_width, note_pt, lines);
-    put_text(csv, lines);
-    break_lines(p->side, side_mm(f, l), l->title_pt, lines);
-    put_text(csv, lines);
-    fprintf(csv, "%.6f,", bar);
-    put_text(csv, bar_text);
-    fprintf(csv, "%.6g,%.6g,%d,%.1f,%.1f,%s,%.6f\n", f->low, f->high, f->in_logs, l->width * px, l->height * px,
-            bar_color(&p->a), 1 - (y + 0.5 * side_mm(f, l)) / l->height);
-    return status;
+    const iso_page_box box = panel_box(f, l, p, page);
+    if (p->against)
+        put_map(f, p, &box, page);
+    else
+        iso_page_put_picture(page, &box, &p->a);
+    put_texts(f, l, p, &box, page);
+    if (p->scale_bar)
+        iso_page_put_scale_bar(page, &box, &p->a, p->mm_per_pixel);
 }
 
-/* The panels, and in figure.gp's own words what they share. */
-static iso_status write_panels(const iso_figure_sheet *f, const char *dir, FILE *csv, FILE *script, iso_error *err)
+/* ---- figure.csv: what stands where, for who changes the script ---- */
+
+/* A cell; "-" for none, ';' for a comma. */
+static void put_cell(FILE *csv, const char *s)
 {
-    layout l;
-    iso_status status = plan_layout(f, &l, err);
-    if (status != ISO_OK)
-        return status;
-    fputs(
-        "kind,file,width,height,left,right,bottom,top,title,note,side,bar,bar_text,low,high,logs,figure_width,figure_height,"
-        "bar_color,side_middle\n",
-        csv);
-    for (size_t i = 0; i < f->count && status == ISO_OK; ++i)
-        status = write_panel(f, &l, i, dir, csv, err);
-    fprintf(script,
-            "# Print sizes in points, and where the colour legend stands, as parts of the figure.\n"
-            "title_pt = %g; note_pt = %g; tick_pt = %g\n",
-            l.title_pt, note_pt, tick_pt(f));
-    fprintf(script, "legend_left = %.6f; legend_bottom = %.6f; legend_width = %.6f; legend_height = %.6f\n",
-            l.legend.left / l.width, 1 - (l.legend.top + l.legend.height) / l.height, l.legend.width / l.width,
-            l.legend.height / l.height);
-    fprintf(script, "legend_text = '%s'\n", l.legend_text);
-    fputs(iso_figure_gp, script);
-    return status;
+    if (!*s)
+        fputs("-", csv);
+    for (; *s; ++s)
+        fputc(*s == ',' ? ';' : *s == '"' ? '\'' : *s, csv);
+    fputc(',', csv);
 }
+
+static void put_row(const iso_figure_sheet *f, const layout *l, size_t i, const iso_page *page, FILE *csv)
+{
+    const iso_figure_panel *p = &f->panels[i];
+    const iso_page_box box = panel_box(f, l, p, page);
+    const double wide = iso_page_width(page), high = iso_page_height(page);
+    const double shown_mm = p->scale_bar ? p->mm_per_pixel * (double)p->a.width : 0;
+    char lines[128], bar[32] = "";
+    const size_t times = iso_page_times(page, box.width, p->a.width);
+    fprintf(csv, "%d,picture%zu.raw,%zu,%zu,%.6f,%.6f,%.6f,%.6f,", p->against ? 1 : 0, i, times * p->a.width,
+            times * p->a.height, box.left / wide, (box.left + box.width) / wide, 1 - (box.top + box.height) / high,
+            1 - box.top / high);
+    set_lines(f, p, true, l->panel_width, l->title_pt, lines);
+    put_cell(csv, lines);
+    set_lines(f, p, false, l->panel_width, note_pt, lines);
+    put_cell(csv, lines);
+    break_lines(p->side, side_mm(f, l), l->title_pt, lines);
+    put_cell(csv, lines);
+    if (shown_mm > 0)
+        snprintf(bar, sizeof bar, "%g mm", iso_page_bar_mm(shown_mm));
+    fprintf(csv, "%.6f,", shown_mm > 0 ? iso_page_bar_mm(shown_mm) / shown_mm : 0);
+    put_cell(csv, bar);
+    fprintf(csv, "%.6g,%.6g,%d,%.4f,%.4f\n", f->low, f->high, f->in_logs, wide * 96 / 25.4, high * 96 / 25.4);
+}
+
+static iso_status write_table(const iso_figure_sheet *f, const layout *l, const iso_page *page, iso_error *err)
+{
+    char *path = iso_page_file(page, "figure.csv");
+    FILE *csv = path ? fopen(path, "w") : NULL;
+    iso_status status = csv ? ISO_OK : iso_fail(err, ISO_E_IO, "figure: figure.csv cannot be written");
+    free(path);
+    if (!csv)
+        return status;
+    fputs("kind,file,width,height,left,right,bottom,top,title,note,side,bar,bar_text,low,high,logs,figure_width,"
+          "figure_height\n",
+          csv);
+    for (size_t i = 0; i < f->count; ++i)
+        put_row(f, l, i, page, csv);
+    return fclose(csv) == 0 ? status : iso_fail(err, ISO_E_IO, "figure: figure.csv cannot be written");
+}
+
+static iso_page_color_bar legend_bar(const iso_figure_sheet *f, const layout *l)
+{
+    return (iso_page_color_bar){l->legend, f->map, {f->low, f->high}, f->in_logs, l->legend_text};
+}
+
+/* ---- the whole ---- */
 
 void iso_figure_describe(const iso_figure_sheet *f, FILE *caption)
 {
-    for (size_t i = 0; i < f->count; ++i)
-        if (f->panels[i].scale_bar && f->panels[i].mm_per_pixel > 0)
-            fprintf(caption, " Scale bar: %g mm, in the plane through the centre of the volume.",
-                    iso_figure_bar_mm(f->panels[i].mm_per_pixel * (double)f->panels[i].a.width));
-    fprintf(caption, " Colours of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity%s.\n",
+    if (first_map_row(f) == f->rows)
+        return;
+    fprintf(caption, " Colors of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity%s.",
             f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "", f->high,
-            f->in_logs ? "" : "; at most 1 % of a map's pixels are beyond and drawn as the last colour");
+            f->in_logs ? "" : "; at most 1 % of a map's pixels are beyond and drawn as the last color");
 }
 
 iso_status iso_figure_panel_width(const iso_figure_sheet *sheet, double *width_mm, iso_error *err)
@@ -425,38 +416,20 @@ iso_status iso_figure_panel_width(const iso_figure_sheet *sheet, double *width_m
     return status;
 }
 
-/* What the figure was drawn from. */
-static void remove_sources(const char *dir, size_t panels)
+iso_status iso_figure_draw(const iso_figure_sheet *f, iso_page *page, iso_error *err)
 {
-    const char *const names[] = {"figure.csv", "figure.gp", "style.gp"};
-    char name[32];
-    for (size_t i = 0; i < panels + sizeof names / sizeof *names; ++i) {
-        snprintf(name, sizeof name, "panel%zu.raw", i);
-        char *path = iso_path_join(dir, i < panels ? name : names[i - panels]);
-        if (path)
-            remove(path);
-        free(path);
+    layout l;
+    const iso_status status = plan_layout(f, &l, err);
+    if (status != ISO_OK)
+        return status;
+    iso_page_set_size(page, l.width, l.height);
+    iso_page_set_text_pt(page, ISO_PAGE_TITLE, l.title_pt);
+    iso_page_set_text_pt(page, ISO_PAGE_NOTE, note_pt);
+    for (size_t i = 0; i < f->count; ++i)
+        put_panel(f, &l, i, page);
+    if (first_map_row(f) < f->rows) {
+        const iso_page_color_bar bar = legend_bar(f, &l);
+        iso_page_put_color_bar(page, &bar);
     }
-}
-
-iso_status iso_figure_draw(const iso_figure_sheet *sheet, const char *dir, iso_error *err)
-{
-    char *csv = NULL, *script = NULL;
-    size_t csv_size = 0, script_size = 0;
-    FILE *csv_file = open_memstream(&csv, &csv_size), *script_file = open_memstream(&script, &script_size);
-    iso_status status = csv_file && script_file ? write_panels(sheet, dir, csv_file, script_file, err)
-                                                : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (csv_file)
-        fclose(csv_file);
-    if (script_file)
-        fclose(script_file);
-    if (status == ISO_OK)
-        status = iso_gnuplot_draw(dir, "figure", csv, script, "pdf", err);
-    if (status == ISO_OK)
-        status = iso_gnuplot_draw(dir, "figure", csv, script, "svg", err);
-    if (!sheet->with_sources)
-        remove_sources(dir, sheet->count);
-    free(csv);
-    free(script);
-    return status;
+    return write_table(f, &l, page, err);
 }

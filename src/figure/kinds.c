@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: MIT */
+/* The table of kinds, and a figure as a whole. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/words.h"
+#include "figure/job.h"
+#include "figure/levels.h"
+#include "figure/of_report.h"
+#include "pyramid/pyramid.h"
+
+const iso_figure_info *const iso_figure_kinds[] = {
+    &iso_figure_levels,
+    &iso_figure_renderers,
+    NULL,
+};
+const iso_names iso_figure_kind_names = {
+    "kind of figure",
+    iso_figure_kinds,
+    sizeof iso_figure_kinds / sizeof *iso_figure_kinds - 1,
+    sizeof iso_figure_kinds[0],
+    offsetof(iso_figure_info, name),
+    offsetof(iso_figure_info, summary),
+    true,
+};
+
+iso_status iso_figure_kind_from_name(const char *name, const iso_figure_info **kind, iso_error *err)
+{
+    size_t row = 0;
+    const iso_status status = iso_names_find(&iso_figure_kind_names, name, &row, err);
+    if (status == ISO_OK)
+        *kind = iso_figure_kinds[row];
+    return status;
+}
+
+/* ---- what is asked ---- */
+
+static iso_status check_numbers(const iso_figure_job *job, iso_error *err)
+{
+    const double *z = job->inset;
+    iso_status status = ISO_OK;
+    if (!(job->width_mm >= 40 && job->width_mm <= 1000))
+        return iso_fail(err, ISO_E_RANGE, "--width is %g, must be 40 to 1000 mm", job->width_mm);
+    if (!(job->height_mm >= 40 && job->height_mm <= 1000))
+        return iso_fail(err, ISO_E_RANGE, "--height is %g, must be 40 to 1000 mm", job->height_mm);
+    if (!(job->dpi >= 36 && job->dpi <= 1200))
+        return iso_fail(err, ISO_E_RANGE, "--dpi is %g, must be 36 to 1200", job->dpi);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--level", job->level, 0, 63, err);
+    if (status == ISO_OK && job->levels)
+        status = iso_words_check_range("--levels", job->levels, 1, ISO_FIGURE_MOST_LEVELS, err);
+    if (status == ISO_OK && job->frames)
+        status = iso_words_check_range("--frames", job->frames, 2, ISO_FIGURE_MOST_FRAMES, err);
+    if (status == ISO_OK && z[2] != 0 &&
+        !(z[0] >= 0 && z[1] >= 0 && z[2] >= 0.01 && z[3] >= 0.01 && z[0] + z[2] <= 1 && z[1] + z[3] <= 1))
+        status =
+            iso_fail(err, ISO_E_RANGE,
+                     "--zoom is %g,%g,%g,%g: must be parts of the picture from 0 to 1, at least 0.01 wide and high",
+                     z[0], z[1], z[2], z[3]);
+    return status;
+}
+
+/* An option that the kind would pass over is an error: its user would believe it. */
+static iso_status check_options(const iso_figure_job *job, bool of_report, iso_error *err)
+{
+    const iso_cli_look *look = &job->look;
+    const struct {
+        unsigned trait;
+        bool given;
+        const char *name;
+    } options[] = {
+        {ISO_FIGURE_HAS_LOOK, look->scene || look->tf || look->view || look->size, "--scene, --tf, --view or --size"},
+        {ISO_FIGURE_HAS_WITH, job->with != NULL, "--with"},
+        {ISO_FIGURE_HAS_LEVEL, job->level != 0, "--level"},
+        {ISO_FIGURE_HAS_LEVELS, job->levels != 0, "--levels"},
+        {ISO_FIGURE_HAS_METHODS, job->methods != NULL, "--methods"},
+        {ISO_FIGURE_HAS_VARIANT, job->variant != NULL, "--variant"},
+        {ISO_FIGURE_HAS_ADAPT, job->adapted.wanted != 0, "--adapt"},
+        {ISO_FIGURE_HAS_FRAMES, job->frames != 0, "--frames"},
+        {ISO_FIGURE_HAS_INSET, job->inset[2] != 0, "--zoom X,Y,W,H"},
+    };
+    for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
+        if (options[i].given && !(job->kind->takes & options[i].trait))
+            return iso_fail(err, ISO_E_USAGE, "--kind %s does not take %s", job->kind->name, options[i].name);
+    if (of_report && (job->with || job->levels || job->adapted.wanted || look->tf || look->view || look->zoom > 0 ||
+                      look->size || job->inset[2] != 0))
+        return iso_fail(err, ISO_E_USAGE,
+                        "%s is a report, which has its pictures; --with, --levels, --adapt, --tf, --view, --zoom and "
+                        "--size are for a figure of a volume",
+                        job->input);
+    if (!of_report && (job->kind->takes & ISO_FIGURE_OF_REPORT) && (job->methods || job->variant))
+        return iso_fail(err, ISO_E_USAGE, "--methods and --variant are for a figure of a report");
+    if (of_report && look->scene && !strcmp(job->kind->name, "levels"))
+        return iso_fail(err, ISO_E_USAGE, "--scene is for --kind renderers of a report");
+    return ISO_OK;
+}
+
+static iso_status check_input(const iso_figure_job *job, bool of_report, iso_error *err)
+{
+    const unsigned takes = job->kind->takes;
+    if (!job->input && !(takes & ISO_FIGURE_OF_NOTHING))
+        return iso_fail(err, ISO_E_USAGE, "--kind %s needs %s", job->kind->name,
+                        takes & ISO_FIGURE_OF_CHART ? "the folder of a chart" : "a volume");
+    if (job->input && !(takes & (ISO_FIGURE_OF_VOLUME | ISO_FIGURE_OF_REPORT | ISO_FIGURE_OF_CHART)))
+        return iso_fail(err, ISO_E_USAGE, "--kind %s takes no input", job->kind->name);
+    if (of_report && !(takes & ISO_FIGURE_OF_REPORT))
+        return iso_fail(err, ISO_E_USAGE, "%s is a report; --kind %s is of %s", job->input, job->kind->name,
+                        takes & ISO_FIGURE_OF_CHART ? "a chart" : "a volume");
+    return ISO_OK;
+}
+
+/* ---- the whole ---- */
+
+static iso_status draw_page(const iso_figure_job *job, const char *dir, iso_error *err)
+{
+    iso_page *page = NULL;
+    iso_status status = iso_page_create(&page, dir, job->dpi, err);
+    if (status == ISO_OK)
+        status = job->kind->draw(job, page, err);
+    if (status == ISO_OK)
+        status = iso_page_finish(page, job->with_sources, err);
+    iso_page_destroy(page);
+    return status;
+}
+
+iso_status iso_figure_make(const iso_figure_job *job, iso_error *err)
+{
+    const bool of_report = iso_figure_is_of_report(job);
+    iso_output out = {0};
+    iso_status status = job->output ? ISO_OK : iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the figure");
+    if (status == ISO_OK)
+        status = check_input(job, of_report, err);
+    if (status == ISO_OK)
+        status = check_options(job, of_report, err);
+    if (status == ISO_OK)
+        status = check_numbers(job, err);
+    if (status == ISO_OK)
+        status = iso_output_begin_dir(&out, job->output, "figure.pdf", err);
+    if (status == ISO_OK)
+        status = draw_page(job, out.temp_path, err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    /* A folder may be slices of a volume as well as a report. */
+    return status != ISO_OK && status != ISO_E_USAGE && job->input && (job->kind->takes & ISO_FIGURE_OF_REPORT) &&
+                   !of_report && iso_path_is_dir(job->input) && !iso_pyramid_is_one(job->input)
+               ? iso_fail_in(err, status, "%s is no report, it has no report.json; as a volume", job->input)
+               : status;
+}

@@ -1,0 +1,391 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "figure/page.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/embed.h"
+#include "base/file.h"
+#include "compare/srgb.h"
+#include "figure/page_png.h"
+#include "figure/page_text.h"
+#include "report/gnuplot.h"
+
+ISO_EMBED(iso_page_gp, "src/figure/page.gp");
+
+static const char *const role_names[ISO_PAGE_ROLES] = {"title_pt", "note_pt"};
+static const double mm_per_pt = 25.4 / 72, line_height = 1.25;
+enum { MOST_PICTURES = 512 };
+
+/* Pieces of the script, in the order in which they are drawn. */
+typedef enum piece { PICTURES, PLOTS, OVERLAY, CAPTION, PIECES } piece;
+
+struct iso_page {
+    char *dir;
+    double dpi, text_pt[ISO_PAGE_ROLES];
+    size_t dots_wide, dots_high;
+    FILE *files[PIECES];
+    char *texts[PIECES];
+    size_t sizes[PIECES];
+    iso_page_pixels pictures[MOST_PICTURES]; /* as they lie on the page, in dots */
+    size_t picture_count;
+    iso_status status;
+    iso_error err;
+};
+
+/* ---- the page ---- */
+
+iso_status iso_page_create(iso_page **page, const char *dir, double dpi, iso_error *err)
+{
+    iso_page *p = *page = calloc(1, sizeof *p);
+    if (!p || !(p->dir = strdup(dir)))
+        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    p->dpi = dpi;
+    p->text_pt[ISO_PAGE_TITLE] = 8;
+    p->text_pt[ISO_PAGE_NOTE] = 6.5;
+    for (int i = 0; i < PIECES; ++i)
+        if (!(p->files[i] = open_memstream(&p->texts[i], &p->sizes[i])))
+            return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    return ISO_OK;
+}
+
+void iso_page_destroy(iso_page *p)
+{
+    if (!p)
+        return;
+    for (int i = 0; i < PIECES; ++i) {
+        if (p->files[i])
+            fclose(p->files[i]);
+        free(p->texts[i]);
+    }
+    for (size_t i = 0; i < p->picture_count; ++i)
+        free(p->pictures[i].rgb);
+    free(p->dir);
+    free(p);
+}
+
+void iso_page_set_size(iso_page *p, double width_mm, double height_mm)
+{
+    p->dots_wide = iso_page_dots(p, width_mm);
+    p->dots_high = iso_page_dots(p, height_mm);
+}
+
+double iso_page_dots_mm(const iso_page *p, size_t dots)
+{
+    return (double)dots * 25.4 / p->dpi;
+}
+
+double iso_page_width(const iso_page *p)
+{
+    return iso_page_dots_mm(p, p->dots_wide);
+}
+
+double iso_page_height(const iso_page *p)
+{
+    return iso_page_dots_mm(p, p->dots_high);
+}
+
+size_t iso_page_dots(const iso_page *p, double mm)
+{
+    return (size_t)fmax(1, floor(mm / 25.4 * p->dpi + 1e-6));
+}
+
+FILE *iso_page_caption(iso_page *p)
+{
+    return p->files[CAPTION];
+}
+
+const char *iso_page_folder(const iso_page *p)
+{
+    return p->dir;
+}
+
+char *iso_page_file(const iso_page *p, const char *name)
+{
+    return iso_path_join(p->dir, name);
+}
+
+/* ---- text ---- */
+
+double iso_page_text_pt(const iso_page *p, iso_page_role role)
+{
+    return p->text_pt[role];
+}
+
+void iso_page_set_text_pt(iso_page *p, iso_page_role role, double pt)
+{
+    p->text_pt[role] = fmin(fmax(pt, 6), 9);
+}
+
+double iso_page_text_mm(const iso_page *p, iso_page_role role, const char *text)
+{
+    return iso_page_text_width_mm(text, strlen(text), p->text_pt[role]);
+}
+
+double iso_page_line_mm(const iso_page *p, iso_page_role role)
+{
+    return line_height * p->text_pt[role] * mm_per_pt;
+}
+
+void iso_page_put_text(iso_page *p, const iso_page_text *at, const char *text)
+{
+    static const char *const aligned[] = {"left", "center", "right"};
+    if (!*text)
+        return;
+    FILE *gp = p->files[OVERLAY];
+    fputs("set label ", gp);
+    iso_page_text_put(gp, role_names[at->role], text);
+    fprintf(gp, " at %.4f, %.4f %s %s noenhanced front font sized(%s) textcolor rgb '%s'\n", at->x, at->y,
+            aligned[at->align], at->upright ? "rotate by 90" : "", role_names[at->role],
+            at->color ? at->color : "#000000");
+}
+
+/* ---- pictures ---- */
+
+static void fail(iso_page *p, iso_status status)
+{
+    if (p->status == ISO_OK)
+        p->status = status;
+}
+
+static size_t nearest_dot(const iso_page *p, double mm)
+{
+    return (size_t)lrint(fmax(mm, 0) / 25.4 * p->dpi);
+}
+
+size_t iso_page_times(const iso_page *p, double width_mm, size_t pixels)
+{
+    /* Some dots too few, where the last text moved a margin, are no reason to draw each pixel twice. */
+    return width_mm > 0 && pixels > 1 ? (size_t)fmax(1, ceil(width_mm / 25.4 * p->dpi / (double)pixels - 0.02)) : 1;
+}
+
+/* Each pixel so many times in both directions; takes the bytes. NULL: out of memory. */
+static unsigned char *enlarge(unsigned char *rgb, size_t width, size_t height, size_t times)
+{
+    unsigned char *out = times > 1 ? malloc(3 * width * height * times * times) : rgb;
+    if (out == rgb)
+        return rgb;
+    for (size_t y = 0; y < height * times && out; ++y)
+        for (size_t x = 0; x < width * times; ++x)
+            memcpy(out + 3 * (y * width * times + x), rgb + 3 * (y / times * width + x / times), 3);
+    free(rgb);
+    return out;
+}
+
+/* Takes the bytes. */
+static void put_pixels(iso_page *p, const iso_page_box *box, unsigned char *rgb, size_t width, size_t height)
+{
+    char name[32];
+    const size_t times = iso_page_times(p, box->width, width);
+    if (rgb)
+        rgb = enlarge(rgb, width, height, times);
+    width *= times, height *= times;
+    if (!rgb || p->picture_count == MOST_PICTURES) {
+        free(rgb);
+        fail(p, rgb ? iso_fail(&p->err, ISO_E_RANGE, "figure: more than %d pictures", (int)MOST_PICTURES)
+                    : iso_fail(&p->err, ISO_E_MEMORY, "figure: no memory for %zu x %zu pixels", width, height));
+        return;
+    }
+    iso_page_pixels *one = &p->pictures[p->picture_count];
+    *one = (iso_page_pixels){rgb, width, height, nearest_dot(p, box->left), nearest_dot(p, box->top), width, height};
+    if (box->width > 0)
+        one->wide = nearest_dot(p, box->width), one->high = nearest_dot(p, box->height);
+    snprintf(name, sizeof name, "picture%zu.raw", p->picture_count++);
+    char *path = iso_page_file(p, name);
+    if (path)
+        fail(p, iso_file_write(path, rgb, 3 * width * height, &p->err));
+    free(path);
+    const double wide = (double)p->dots_wide, high = (double)p->dots_high;
+    fprintf(
+        p->files[PICTURES],
+        "set lmargin at screen %.9f; set rmargin at screen %.9f; set tmargin at screen %.9f; set bmargin at screen %.9f\n"
+        "set xrange [0:%zu]; set yrange [0:%zu]\n"
+        "plot '%s' binary array=(%zu, %zu) flipy origin=(0.5, 0.5) format='%%uchar%%uchar%%uchar' using 1:2:3 with rgbimage\n",
+        (double)one->x / wide, (double)(one->x + one->wide) / wide, 1 - (double)one->y / high,
+        1 - (double)(one->y + one->high) / high, width, height, name, width, height);
+}
+
+void iso_page_put_colors(iso_page *p, const iso_page_box *box, const unsigned char *rgb, size_t width, size_t height)
+{
+    unsigned char *copy = malloc(3 * width * height + 1);
+    if (copy)
+        memcpy(copy, rgb, 3 * width * height);
+    put_pixels(p, box, copy, width, height);
+}
+
+void iso_page_put_picture(iso_page *p, const iso_page_box *box, const iso_image *image)
+{
+    const size_t count = image->width * image->height;
+    unsigned char *rgb = malloc(3 * count + 1);
+    for (size_t i = 0; i < count && rgb; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            rgb[3 * i + c] = (unsigned char)(iso_srgb_encode((double)image->rgba[4 * i + c]) * 255 + 0.5);
+    put_pixels(p, box, rgb, image->width, image->height);
+}
+
+void iso_page_put_values(iso_page *p, const iso_page_box *box, const float *values, size_t width, size_t height,
+                         const iso_colormap *map, const double range[2])
+{
+    unsigned char *rgb = malloc(3 * width * height + 1);
+    for (size_t i = 0; i < width * height && rgb; ++i)
+        iso_colormap_lookup(map, ((double)values[i] - range[0]) / (range[1] - range[0]), rgb + 3 * i);
+    put_pixels(p, box, rgb, width, height);
+}
+
+/* ---- lines ---- */
+
+static void put_pen(FILE *gp, const iso_page_pen *pen)
+{
+    fprintf(gp, "lc rgb '%s' lw pen(%g) %s", pen->color, pen->pt, pen->dashed ? "dt 2" : "dt 1");
+}
+
+void iso_page_put_line(iso_page *p, double x0, double y0, double x1, double y1, const iso_page_pen *pen)
+{
+    FILE *gp = p->files[OVERLAY];
+    fprintf(gp, "set arrow from %.4f, %.4f to %.4f, %.4f nohead front ", x0, y0, x1, y1);
+    put_pen(gp, pen);
+    fputc('\n', gp);
+}
+
+void iso_page_put_rectangle(iso_page *p, const iso_page_box *b, const char *fill, const iso_page_pen *pen)
+{
+    FILE *gp = p->files[OVERLAY];
+    fprintf(gp, "set object rectangle from %.4f, %.4f to %.4f, %.4f front ", b->left, b->top + b->height,
+            b->left + b->width, b->top);
+    if (fill)
+        fprintf(gp, "fillcolor rgb '%s' fillstyle solid 1 %s", fill, pen ? "border " : "noborder");
+    else
+        fputs("fillstyle empty border ", gp);
+    if (pen) {
+        fprintf(gp, "lc rgb '%s' lw pen(%g)", pen->color, pen->pt);
+    }
+    fputc('\n', gp);
+}
+
+/* ---- plots ---- */
+
+FILE *iso_page_plot_begin(iso_page *p, const iso_page_box *b)
+{
+    FILE *gp = p->files[PLOTS];
+    const double wide = iso_page_width(p), high = iso_page_height(p);
+    fprintf(
+        gp,
+        "reset\nset encoding utf8\nset lmargin at screen %.6f; set rmargin at screen %.6f; set tmargin at screen %.6f; "
+        "set bmargin at screen %.6f\n"
+        "set border 3 lc rgb '#444444' lw pen(0.5)\n"
+        "set tics nomirror out scale 0.4 font sized(note_pt) textcolor rgb '#222222'\n"
+        "set format x ticks('%%g'); set format y ticks('%%g')\n"
+        "set xlabel font sized(note_pt); set ylabel font sized(note_pt); set key off\n",
+        b->left / wide, (b->left + b->width) / wide, 1 - b->top / high, 1 - (b->top + b->height) / high);
+    return gp;
+}
+
+void iso_page_plot_end(iso_page *p)
+{
+    fputc('\n', p->files[PLOTS]);
+}
+
+/* ---- all forms ---- */
+
+/* The whole script. To be freed; NULL: out of memory. */
+static char *write_script(const iso_page *p)
+{
+    char *script = NULL;
+    size_t size = 0;
+    FILE *gp = open_memstream(&script, &size);
+    if (!gp)
+        return NULL;
+    fprintf(
+        gp,
+        "# SPDX-License-Identifier: MIT\n# A figure: pictures, plots above them, texts above these. Sizes of texts in "
+        "points; lengths in millimeters.\nname = 'figure'\n"
+        "width = %.4f; height = %.4f; dpi = %g\n",
+        (double)p->dots_wide / p->dpi * 96, (double)p->dots_high / p->dpi * 96, p->dpi);
+    for (int i = 0; i < ISO_PAGE_ROLES; ++i)
+        fprintf(gp, "%s = %g\n", role_names[i], p->text_pt[i]);
+    fputs("load 'style.gp'\nset datafile missing\n", gp);
+    fputs(iso_page_gp, gp);
+    fputs("set multiplot\nunset border; unset tics; unset key; unset grid\nif (!exists(\"overlay\")) {\n", gp);
+    fwrite(p->texts[PICTURES], 1, p->sizes[PICTURES], gp);
+    fputs("}\n", gp);
+    fwrite(p->texts[PLOTS], 1, p->sizes[PLOTS], gp);
+    fprintf(gp,
+            "reset\nset encoding utf8\nunset border; unset tics; unset key; unset grid\n"
+            "set lmargin at screen 0; set rmargin at screen 1; set tmargin at screen 1; set bmargin at screen 0\n"
+            "set xrange [0:%.6f]; set yrange [%.6f:0]\n",
+            iso_page_width(p), iso_page_height(p));
+    fwrite(p->texts[OVERLAY], 1, p->sizes[OVERLAY], gp);
+    fputs("plot -1 notitle\nunset multiplot\n", gp);
+    if (fclose(gp) != 0) {
+        free(script);
+        return NULL;
+    }
+    return script;
+}
+
+static void remove_file(const iso_page *p, const char *name)
+{
+    char *path = iso_page_file(p, name);
+    if (path)
+        remove(path);
+    free(path);
+}
+
+static void remove_sources(const iso_page *p)
+{
+    char name[32];
+    remove_file(p, "figure.gp");
+    remove_file(p, "figure.csv");
+    remove_file(p, "style.gp");
+    for (size_t i = 0; i < p->picture_count; ++i) {
+        snprintf(name, sizeof name, "picture%zu.raw", i);
+        remove_file(p, name);
+    }
+}
+
+static iso_status draw_png(const iso_page *p, iso_error *err)
+{
+    char *path = iso_page_file(p, "figure.png");
+    iso_status status = path ? iso_page_png_compose(path, p->pictures, p->picture_count, p->dots_wide, p->dots_high,
+                                                    p->dpi, err)
+                             : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    free(path);
+    return status;
+}
+
+static iso_status write_caption(const iso_page *p, iso_error *err)
+{
+    char *path = iso_page_file(p, "caption.txt"), *text = NULL;
+    iso_status status = ISO_OK;
+    if (!path || asprintf(&text, "%.*s\n", (int)p->sizes[CAPTION], p->texts[CAPTION]) < 0)
+        status = iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    if (status == ISO_OK)
+        status = iso_file_write(path, text, strlen(text), err);
+    free(path);
+    free(text);
+    return status;
+}
+
+iso_status iso_page_finish(iso_page *p, int with_sources, iso_error *err)
+{
+    static const char *const formats[] = {"pdf", "svg", "png", "tex"};
+    if (p->status != ISO_OK)
+        return iso_fail(err, p->status, "%s", p->err.text);
+    for (int i = 0; i < PIECES; ++i)
+        if (fflush(p->files[i]) != 0)
+            return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    char *script = write_script(p);
+    iso_status status = script ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    for (size_t i = 0; i < sizeof formats / sizeof *formats && status == ISO_OK; ++i)
+        status = iso_gnuplot_draw_script(p->dir, "figure", script, formats[i], err);
+    free(script);
+    if (status == ISO_OK)
+        status = draw_png(p, err);
+    if (status == ISO_OK)
+        status = write_caption(p, err);
+    if (!with_sources)
+        remove_sources(p);
+    return status;
+}

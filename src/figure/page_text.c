@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT */
+#include "figure/page_text.h"
+
+#include <string.h>
+
+#include "report/gnuplot.h"
+
+/* The width of a letter of DejaVu Sans in em, in a few classes and rather too wide. */
+static double letter_em(char c)
+{
+    if (strchr("ijl.,:;'|!", c))
+        return 0.34;
+    if (strchr(" ft-()/I", c))
+        return 0.4;
+    if (strchr("mwMWOQ%@+=", c))
+        return 0.95;
+    return c >= 'A' && c <= 'Z' ? 0.72 : 0.64;
+}
+
+double iso_page_text_width_mm(const char *s, size_t bytes, double pt)
+{
+    const double mm_per_pt = 25.4 / 72;
+    double em = 0;
+    for (size_t i = 0; i < bytes; ++i)
+        if ((unsigned char)s[i] >= 0xc0) /* the first byte of what is no ASCII: a minus sign */
+            em += 0.84;
+        else if ((unsigned char)s[i] < 0x80)
+            em += letter_em(s[i]);
+    return em * pt * mm_per_pt;
+}
+
+/* What LaTeX has other words for. The rest of UTF-8 is for the paper's own encoding. */
+static const struct {
+    const char *utf8, *latex;
+} replaced[] = {
+    {"\\", "\\textbackslash{}"},
+    {"{", "\\{"},
+    {"}", "\\}"},
+    {"$", "\\$"},
+    {"%", "\\%"},
+    {"&", "\\&"},
+    {"#", "\\#"},
+    {"_", "\\_"},
+    {"^", "\\textasciicircum{}"},
+    {"~", "\\textasciitilde{}"},
+    {"<", "$<$"},
+    {">", "$>$"},
+    {"|", "$|$"},
+    {"\"", "\'\'"},
+    {"−", "$-$"},
+    {"×", "$\\times$"},
+    {"°", "$^\\circ$"},
+    {"µ", "$\\mu$"},
+    {"σ", "$\\sigma$"},
+    {"θ", "$\\theta$"},
+    {"φ", "$\\varphi$"},
+    {"Δ", "$\\Delta$"},
+    {"≤", "$\\leq$"},
+    {"≥", "$\\geq$"},
+    {"²", "$^2$"},
+    {"³", "$^3$"},
+    {"–", "--"},
+    {"…", "\\ldots{}"},
+};
+
+static size_t find_replaced(const char *s)
+{
+    size_t i = 0;
+    while (i < sizeof replaced / sizeof *replaced && strncmp(s, replaced[i].utf8, strlen(replaced[i].utf8)) != 0)
+        ++i;
+    return i;
+}
+
+static void put_latex(FILE *gp, const char *text)
+{
+    char out[1024];
+    size_t used = 0;
+    for (const char *s = text; *s && used + 32 < sizeof out;) {
+        const size_t i = find_replaced(s);
+        if (i == sizeof replaced / sizeof *replaced) {
+            out[used++] = *s++;
+            continue;
+        }
+        memcpy(out + used, replaced[i].latex, strlen(replaced[i].latex));
+        used += strlen(replaced[i].latex);
+        s += strlen(replaced[i].utf8);
+    }
+    out[used] = 0;
+    iso_gnuplot_put_quoted(gp, out);
+}
+
+void iso_page_text_put(FILE *gp, const char *role_pt, const char *text)
+{
+    fprintf(gp, "say(%s, ", role_pt);
+    iso_gnuplot_put_quoted(gp, text);
+    fputs(", ", gp);
+    put_latex(gp, text);
+    fputc(')', gp);
+}

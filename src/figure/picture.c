@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+#include "figure/picture.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/provenance.h"
+#include "scene/subject.h"
+
+iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *job, size_t level_count,
+                                   const iso_pyramid_options *build, iso_error *err)
+{
+    iso_subject_look look;
+    iso_pyramid_options options = build ? *build : iso_pyramid_defaults();
+    const iso_progress progress = iso_cli_progress(job->cli);
+    s->job = job;
+    options.threads = job->cli->threads;
+    options.level_count = level_count;
+    iso_status status = iso_cli_look_check(&job->look, job->cli->threads, &look, err);
+    if (status == ISO_OK)
+        status = iso_subject_load_pyramid(job->input, &job->volume, &options, &progress, &s->pyramid, err);
+    if (status == ISO_OK && level_count > s->pyramid.level_count)
+        status = iso_fail(err, ISO_E_RANGE, "%s has levels 0 to %zu, the figure would show level %zu", job->input,
+                          s->pyramid.level_count - 1, level_count - 1);
+    return status == ISO_OK ? iso_subject_make_scene(&look, &s->pyramid, &s->scene, err) : status;
+}
+
+void iso_figure_subject_end(iso_figure_subject *s)
+{
+    iso_scene_destroy(&s->scene);
+    iso_pyramid_destroy(&s->pyramid);
+    iso_renderers_end(&s->renderers);
+}
+
+iso_status iso_figure_renderer(const iso_figure_job *job, const iso_renderer_info **with, iso_error *err)
+{
+    return iso_renderer_from_name(job->with ? job->with : iso_renderers_usual()->name, with, err);
+}
+
+/* By Rodrigues' formula; the axis is a unit vector. */
+static iso_vec3 rotate(iso_vec3 v, iso_vec3 axis, double angle)
+{
+    return iso_madd(iso_madd(iso_scale(v, cos(angle)), iso_cross(axis, v), sin(angle)), axis,
+                    iso_dot(axis, v) * (1 - cos(angle)));
+}
+
+/* Round the scene's up axis through the center of the box, with the lights that stand before the camera. */
+static void turn_camera(iso_view *view, const iso_scene *scene, iso_vec3 center, double degrees)
+{
+    iso_camera *c = &view->camera;
+    const double angle = degrees * acos(-1.0) / 180;
+    const iso_vec3 axis = iso_normalize(scene->camera_up);
+    c->position = iso_add(center, rotate(iso_sub(c->position, center), axis, angle));
+    c->forward = rotate(c->forward, axis, angle);
+    c->right = rotate(c->right, axis, angle);
+    c->up = rotate(c->up, axis, angle);
+    for (size_t i = 0; i < view->light_count; ++i)
+        if (scene->lights[i].in_camera_space)
+            view->lights[i].direction = rotate(view->lights[i].direction, axis, angle);
+}
+
+static iso_status make_view(iso_figure_subject *s, const iso_figure_picture *what, iso_view *view, iso_error *err)
+{
+    const iso_geometry *geometry = &s->pyramid.levels[0].geometry;
+    iso_scene scene = s->scene; /* borrows what it owns */
+    scene.width = what->width, scene.height = what->height;
+    if (what->viewpoint)
+        iso_scene_look_from(&scene, geometry, what->viewpoint);
+    iso_status status = iso_scene_resolve(&scene, geometry, iso_pyramid_lo(&s->pyramid), iso_pyramid_hi(&s->pyramid),
+                                          view, err);
+    if (status == ISO_OK && what->turn_deg != 0)
+        turn_camera(view, &scene, iso_geometry_box_center_mm(geometry), what->turn_deg);
+    iso_cli_adapted adapted = s->job->adapted;
+    adapted.wanted = adapted.wanted || what->adapted;
+    if (status == ISO_OK)
+        status = iso_cli_adapt_view(&adapted, s->job->input, &s->pyramid, what->level, view, s->job->cli->threads, err);
+    return status;
+}
+
+iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *what, iso_image *image,
+                             double *mm_per_pixel, iso_error *err)
+{
+    iso_view view = {0};
+    const iso_progress progress = iso_cli_progress(s->job->cli);
+    iso_render_options opt = iso_render_defaults(what->with);
+    const iso_render_request request = {&s->renderers, &s->pyramid, what->level, &view, &opt, &progress};
+    opt.threads = s->job->cli->threads;
+    if (what->source)
+        opt.source = *what->source;
+    *image = (iso_image){0};
+    iso_status status = make_view(s, what, &view, err);
+    if (status == ISO_OK)
+        status = iso_render_with(&request, image, NULL, err);
+    if (status == ISO_OK)
+        status = iso_render_check_finite(what->with, image, err);
+    if (status == ISO_OK && mm_per_pixel)
+        *mm_per_pixel = iso_view_mm_per_pixel(&view, &s->pyramid.levels[0].geometry);
+    iso_view_destroy(&view);
+    return status;
+}
+
+iso_status iso_figure_render_inset(iso_figure_subject *s, const iso_figure_picture *what, const double inset[4],
+                                   size_t width, iso_image *image, iso_error *err)
+{
+    iso_figure_picture large = *what;
+    iso_image whole = {0};
+    large.width = (size_t)lrint((double)width / inset[2]);
+    large.height = (size_t)lrint((double)large.width * (double)what->height / (double)what->width);
+    const size_t height = (size_t)fmax(1, floor(inset[3] * (double)large.height));
+    const size_t x = (size_t)(inset[0] * (double)large.width), y = (size_t)(inset[1] * (double)large.height);
+    if (large.width * large.height > ISO_FIGURE_MOST_PIXELS)
+        return iso_fail(
+            err, ISO_E_RANGE,
+            "--zoom: the picture would have %zu x %zu pixels, %d million at most: a larger part, or a lower "
+            "--dpi",
+            large.width, large.height, (int)ISO_FIGURE_MOST_PIXELS >> 20);
+    iso_status status = iso_figure_render(s, &large, &whole, NULL, err);
+    if (status == ISO_OK)
+        status = iso_image_create(image, width, height, err);
+    for (size_t row = 0; row < height && status == ISO_OK; ++row)
+        memcpy(image->rgba + 4 * row * width, whole.rgba + 4 * ((y + row) * large.width + x),
+               4 * width * sizeof *whole.rgba);
+    iso_image_destroy(&whole);
+    return status;
+}
+
+void iso_figure_put_subject(const iso_figure_subject *s, FILE *caption)
+{
+    const char *scene = iso_provenance_name(s->job->look.scene);
+    fprintf(caption, " of %s%s%s%s", iso_provenance_title(s->job->input), *scene ? " (" : "", scene, *scene ? ")" : "");
+}
+
+double iso_figure_aspect(const iso_figure_subject *s)
+{
+    return (double)s->scene.width / (double)s->scene.height;
+}

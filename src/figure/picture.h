@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/* picture.h - what the pictures of a figure are of, and one call that renders one for its place in print. */
+#ifndef ISO_FIGURE_PICTURE_H
+#define ISO_FIGURE_PICTURE_H
+
+#include "figure/job.h"
+#include "renderers/renderers.h"
+#include "scene/viewpoint.h"
+
+/* Zeroed: empty. */
+typedef struct iso_figure_subject {
+    const iso_figure_job *job;
+    iso_pyramid pyramid;
+    iso_scene scene;
+    iso_renderers renderers;
+} iso_figure_subject;
+
+/* The job's volume with so many levels at least, and its scene. build: NULL for the defaults. ISO_E_RANGE: a pyramid on disk
+ * has fewer. */
+iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *job, size_t level_count,
+                                   const iso_pyramid_options *build, iso_error *err);
+void iso_figure_subject_end(iso_figure_subject *s); /* accepts empty */
+
+/* --with as one renderer; the fastest where it is not given. */
+iso_status iso_figure_renderer(const iso_figure_job *job, const iso_renderer_info **with, iso_error *err);
+
+typedef struct iso_figure_picture {
+    const iso_renderer_info *with;
+    size_t level;
+    size_t width, height;               /* pixels */
+    const iso_viewpoint *viewpoint;     /* of the camera, which frames the box; NULL: the scene's */
+    double turn_deg;                    /* the camera, round the scene's up axis */
+    const iso_direction_source *source; /* NULL: the renderer's default */
+    bool adapted;                       /* under the transfer function adapted to the level, whatever the job says */
+} iso_figure_picture;
+/* mm_per_pixel may be NULL. */
+iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *what, iso_image *image,
+                             double *mm_per_pixel, iso_error *err);
+
+/* The part `inset` (iso_figure_job.inset) of the picture, so many times as large, with pixels of its own: the whole picture
+ * is rendered that large, and the part cut out, so that it is the same projection for every renderer. ISO_E_RANGE: more
+ * pixels than ISO_FIGURE_MOST_PIXELS. */
+enum { ISO_FIGURE_MOST_PIXELS = 64 << 20 };
+iso_status iso_figure_render_inset(iso_figure_subject *s, const iso_figure_picture *what, const double inset[4],
+                                   size_t width, iso_image *image, iso_error *err);
+
+/* " of NAME (SCENE)", for captions. */
+void iso_figure_put_subject(const iso_figure_subject *s, FILE *caption);
+/* The width of pictures of this height, in the scene's aspect; and the other way round. */
+double iso_figure_aspect(const iso_figure_subject *s);
+
+#endif
