@@ -232,6 +232,7 @@ $(build)/%.o: %.cc $(build)/flags
 	$(call say,CXX)$(CXX) $(CXXFLAGS) -c -o $@ $<
 # The shaders' decoders in C: 0.5 is a float there, as in GLSL.
 $(build)/src/encode/decode_float.o: CFLAGS += -fsingle-precision-constant
+$(build)/src/render/cpu/cast_%.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/encode/encode_region48.o: CFLAGS += -ffp-contract=fast
 # Objects that embed text files (base/embed.h) follow them.
 embedders := $(shell grep -ls '^ISO_EMBED' $(all_c))

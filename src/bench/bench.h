@@ -11,6 +11,7 @@
 #define ISO_BENCH_LIST(X) \
     X(bound) \
     X(build) \
+    X(cast) \
     X(gradient)       \
     X(levels) \
     X(noise) \

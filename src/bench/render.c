@@ -12,7 +12,7 @@
 
 const char *const iso_bench_tf_names[TF_COUNT] = {"dense", "sparse"};
 const char *const iso_bench_gradients_names[GRADIENTS_COUNT] = {"none", "codes", "on-the-fly"};
-static const char *const loop_names[LOOP_COUNT] = {"plain", "skipping", "auto"};
+const char *const iso_bench_loop_names[LOOP_COUNT] = {"plain", "skipping", "auto"};
 static const iso_gl_skip loop_skips[LOOP_COUNT] = {ISO_GL_SKIP_NEVER, ISO_GL_SKIP_ALWAYS, ISO_GL_SKIP_AUTO};
 
 /* Dense: every value shows, so thinly that no ray ends early. Sparse: the upper 40 % of the range alone, and denser. */
@@ -31,19 +31,20 @@ static iso_tf make_tf(bench_tf kind)
 
 iso_scene iso_bench_scene(const bench_render_options *opt, bench_tf tf, bench_gradients gradients)
 {
-    return (iso_scene){.path = "bench",
-                       .width = (size_t)opt->image,
-                       .height = (size_t)opt->image,
-                       .camera_fit = true,
-                       .camera_direction = {0.5, 1, -0.4},
-                       .camera_up = {0, 0, 1},
-                       .fov_y_deg = 30,
-                       .margin = 0.8,
-                       .light_count = gradients == GRADIENTS_NONE ? 0 : 1,
-                       .lights = {{.direction = {-0.5, 0.5, 1}, .in_camera_space = true, .intensity = 1}},
-                       .shading = {.ambient = gradients == GRADIENTS_NONE ? 1 : 0.3, .diffuse = 0.7},
-                       .step_voxels = opt->step_voxels,
-                       .tf = make_tf(tf)};
+    return (iso_scene){
+        .path = "bench",
+        .width = (size_t)opt->image,
+        .height = (size_t)opt->image,
+        .camera_fit = true,
+        .camera_direction = iso_normalize(iso_v3(0.5, 1, -0.4)),
+        .camera_up = {0, 0, 1},
+        .fov_y_deg = 30,
+        .margin = 0.8,
+        .light_count = gradients == GRADIENTS_NONE ? 0 : 1,
+        .lights = {{.direction = iso_normalize(iso_v3(-0.5, 0.5, 1)), .in_camera_space = true, .intensity = 1}},
+        .shading = {.ambient = gradients == GRADIENTS_NONE ? 1 : 0.3, .diffuse = 0.7},
+        .step_voxels = opt->step_voxels,
+        .tf = make_tf(tf)};
 }
 
 iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_render_case what,
@@ -80,7 +81,7 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
     if (!cli->json)
         printf("%s, %s, image %d x %d, step %g voxels; milliseconds, least of %d\n%-8s %-12s %10s %10s %10s\n",
                iso_gl_describe(gl).renderer, size_text, opt->image, opt->image, opt->step_voxels, opt->runs, "tf",
-               "gradients", loop_names[0], loop_names[1], loop_names[2]);
+               "gradients", iso_bench_loop_names[0], iso_bench_loop_names[1], iso_bench_loop_names[2]);
     iso_status status = ISO_OK;
     for (int tf = 0; tf < TF_COUNT; ++tf)
         for (int g = 0; g < GRADIENTS_COUNT && status == ISO_OK; ++g) {
@@ -92,8 +93,8 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
                 json_array_append_new(cases,
                                       json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "size",
                                                 size_text, "tf", iso_bench_tf_names[tf], "gradients",
-                                                iso_bench_gradients_names[g], "loop", loop_names[loop], "step_voxels",
-                                                opt->step_voxels, "milliseconds", 1e3 * seconds[loop]));
+                                                iso_bench_gradients_names[g], "loop", iso_bench_loop_names[loop],
+                                                "step_voxels", opt->step_voxels, "milliseconds", 1e3 * seconds[loop]));
             }
             if (!cli->json && status == ISO_OK)
                 printf("%-8s %-12s %10.1f %10.1f %10.1f\n", iso_bench_tf_names[tf], iso_bench_gradients_names[g],
@@ -107,8 +108,7 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
     return status;
 }
 
-/* The volume that is named, or two thin shells. */
-static iso_status load(const iso_cli *cli, const bench_render_options *opt, iso_pyramid *p, iso_error *err)
+iso_status iso_bench_load(const iso_cli *cli, const bench_render_options *opt, iso_pyramid *p, iso_error *err)
 {
     const size_t n = (size_t)opt->size, size[3] = {n, n, n};
     const double spacing[3] = {1, 1, 1};
@@ -144,7 +144,7 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
     if (status != ISO_OK)
         return status;
     iso_gl_time_processor(gl, opt->processor_time);
-    status = load(cli, opt, &p, err);
+    status = iso_bench_load(cli, opt, &p, err);
     if (status == ISO_OK) {
         status = opt->bricks ? iso_bench_bricks(cli, gl, &p, opt, err) : run_cases(cli, gl, &p, opt, err);
         iso_pyramid_destroy(&p);

@@ -24,6 +24,10 @@ typedef enum bench_gradients { GRADIENTS_NONE, GRADIENTS_CODES, GRADIENTS_ON_THE
 extern const char *const iso_bench_gradients_names[GRADIENTS_COUNT];
 
 typedef enum bench_loop { LOOP_PLAIN, LOOP_SKIPPING, LOOP_AUTO, LOOP_COUNT } bench_loop;
+extern const char *const iso_bench_loop_names[LOOP_COUNT];
+
+/* The volume that is named, or two thin shells. */
+iso_status iso_bench_load(const iso_cli *cli, const bench_render_options *opt, iso_pyramid *p, iso_error *err);
 
 iso_scene iso_bench_scene(const bench_render_options *opt, bench_tf tf, bench_gradients gradients);
 

@@ -105,7 +105,7 @@ typedef enum iso_trait {
     ISO_IS_NAMED = 1 << 22,         /* takes part where it is named, and never by default */
     ISO_IS_OF_PICTURES = 1 << 23,   /* made elsewhere, of scenes as they are (pictures.h) */
 } iso_trait;
-#define ISO_HAS_ALL_SCENES                                                                                 \
+#define ISO_HAS_ALL_SCENES \
     (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_ROI | ISO_HAS_LIGHTS | \
      ISO_HAS_ORTHOGRAPHIC)
 
@@ -155,7 +155,8 @@ struct iso_renderer_info {
     const char *found_in; /* of a program that the user brought: the renderers.json that names it; or NULL */
 
     const void *data; /* of the file that made it: what tells it apart from others that this file made; or NULL */
-    const iso_renderer_info *beside; /* another version of the same program, which it is compared with as well; or NULL */
+    const iso_renderer_info
+        *beside; /* another version of the same program, which it is compared with as well; or NULL */
     /* What follows --with on the command line of a render by it. NULL: its name. */
     const char *(*asked_by)(const iso_renderer_info *self);
 
@@ -189,6 +190,7 @@ static inline bool iso_renderer_has(const iso_renderer_info *r, unsigned traits)
 #define ISO_RENDERER_LIST(X)   \
     X(iso_renderer_reference)  \
     X(iso_renderer_gl)         \
+    X(iso_renderer_cpu)        \
     X(iso_renderer_cycles)     \
     X(iso_renderer_povray)     \
     X(iso_renderer_webgl)      \

@@ -24,8 +24,9 @@ struct iso_gl {
     char *shader_dir; /* or NULL: the embedded shaders */
     GLint max_texture_size, max_texture_3d_size;
     GLuint vertex_array;
-    bool times_processor;  /* iso_gl_time_processor() */
-    double device_seconds; /* iso_gl_device_seconds() */
+    bool times_processor;     /* iso_gl_time_processor() */
+    double device_seconds;    /* iso_gl_device_seconds() */
+    double processor_seconds; /* of the last drawing, over all cores */
     size_t program_count;
     struct iso_gl_program {
         char *key; /* fragment file and defines */

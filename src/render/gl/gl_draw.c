@@ -111,13 +111,14 @@ iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, 
         glFinish();
         double (*clock)(void) = gl->times_processor ? iso_cpu_seconds : iso_clock_seconds;
         const GLuint timer = begin_timer(gl);
-        double start = clock();
+        const double processor = iso_cpu_seconds(), start = clock();
         glDrawArrays(GL_TRIANGLES, 0, 3);
         if (timer != 0)
             glEndQuery(GL_TIME_ELAPSED);
         glFinish();
         if (seconds)
             *seconds = clock() - start;
+        gl->processor_seconds = iso_cpu_seconds() - processor;
         gl->device_seconds = end_timer(timer);
         glReadPixels(0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_FLOAT, rgba);
         status = iso_gl_check("drawing", err);
@@ -142,8 +143,10 @@ iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, const iso_gl_repea
         best = fmin(best, once);
         least_device = fmin(least_device, gl->device_seconds); /* of NaN and a number the number */
         sum += once;
-        if (stats->draw_count < ISO_GL_MAX_DRAWS)
+        if (stats->draw_count < ISO_GL_MAX_DRAWS) {
+            stats->draw_processor_seconds[stats->draw_count] = gl->processor_seconds;
             stats->draw_seconds[stats->draw_count++] = once;
+        }
     }
     gl->device_seconds = least_device;
     if (least)

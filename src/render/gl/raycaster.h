@@ -65,6 +65,7 @@ typedef struct iso_gl_stats {
     double texture_bytes;  /* of all textures that a draw reads, by the bits that GL has for their formats */
     size_t draw_count;     /* how many of draw_seconds are filled */
     double draw_seconds[ISO_GL_MAX_DRAWS];
+    double draw_processor_seconds[ISO_GL_MAX_DRAWS]; /* the same draws, over all cores */
 } iso_gl_stats;
 
 typedef struct iso_gl_options {

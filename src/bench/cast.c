@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: MIT */
+/* cast.c - the CPU ray caster against the OpenGL one, both in one run: time, and how far each is from the reference. */
+#define _GNU_SOURCE /* setenv */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "bench/render.h"
+#include "compare/metrics.h"
+#include "render/cpu/caster.h"
+#include "render/reference.h"
+
+enum { MOST_ROUNDS = 32, DRAWS = 3, WHO_GL = 0, WHO_CPU, WHO_COUNT };
+
+typedef struct cast_options {
+    bench_render_options render;
+    int rounds, truth;
+    char *width;
+    iso_cpu_width wide;
+} cast_options;
+
+/* The least processor time and the least wall-clock time of a round's draws. */
+typedef struct cast_time {
+    double processor, wall;
+} cast_time;
+
+typedef struct cast_case {
+    bench_tf tf;
+    bench_gradients gradients;
+    bench_loop loop;
+    iso_view view;
+    cast_time round[WHO_COUNT][MOST_ROUNDS];
+    double rmse[WHO_COUNT];
+} cast_case;
+
+static const iso_gl_skip gl_skips[LOOP_COUNT] = {ISO_GL_SKIP_NEVER, ISO_GL_SKIP_ALWAYS, ISO_GL_SKIP_AUTO};
+static const iso_cpu_skip cpu_skips[LOOP_COUNT] = {ISO_CPU_SKIP_NEVER, ISO_CPU_SKIP_ALWAYS, ISO_CPU_SKIP_AUTO};
+
+static iso_direction_source source_of(const cast_case *c)
+{
+    return c->gradients == GRADIENTS_ON_THE_FLY ? ISO_FROM_ON_THE_FLY : ISO_FROM_CODES;
+}
+
+static iso_status draw_gl(iso_gl *gl, const iso_pyramid *p, const cast_case *c, const iso_view *view, iso_image *image,
+                          cast_time *time, iso_error *err)
+{
+    iso_gl_stats stats = {0};
+    iso_gl_options o = iso_gl_defaults();
+    o.source = source_of(c);
+    o.skip = gl_skips[c->loop];
+    o.repeats = DRAWS + 1; /* the first compiles */
+    o.stats = &stats;
+    const iso_status status = iso_gl_render(gl, &p->levels[0], p->options.code, view, &o, image, err);
+    *time = (cast_time){INFINITY, INFINITY};
+    for (size_t i = 1; i < stats.draw_count; ++i) {
+        time->processor = fmin(time->processor, stats.draw_processor_seconds[i]);
+        time->wall = fmin(time->wall, stats.draw_seconds[i]);
+    }
+    return status;
+}
+
+static iso_status draw_cpu(const cast_options *opt, int threads, const iso_pyramid *p, const cast_case *c,
+                           const iso_view *view, iso_image *image, cast_time *time, iso_error *err)
+{
+    iso_cpu_options o = iso_cpu_defaults();
+    iso_cpu_scene *scene;
+    o.source = source_of(c);
+    o.skip = cpu_skips[c->loop];
+    o.threads = threads;
+    o.width = opt->wide;
+    *image = (iso_image){0};
+    iso_status status = iso_cpu_prepare(&scene, &p->levels[0], p->options.code, view, &o, err);
+    if (status == ISO_OK)
+        status = iso_image_create(image, view->width, view->height, err);
+    *time = (cast_time){INFINITY, INFINITY};
+    for (int i = 0; i <= DRAWS && status == ISO_OK; ++i) {
+        const double processor = iso_cpu_seconds(), wall = iso_clock_seconds();
+        iso_cpu_draw(scene, image);
+        if (i == 0)
+            continue;
+        time->processor = fmin(time->processor, iso_cpu_seconds() - processor);
+        time->wall = fmin(time->wall, iso_clock_seconds() - wall);
+    }
+    iso_cpu_release(scene);
+    return status;
+}
+
+/* Both by turns, the first to draw being the other one in each round. */
+static iso_status run_round(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const cast_options *opt, cast_case *c,
+                            int round, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int turn = 0; turn < WHO_COUNT && status == ISO_OK; ++turn) {
+        iso_image image;
+        const int who = (turn + round) % WHO_COUNT;
+        status = who == WHO_GL ? draw_gl(gl, p, c, &c->view, &image, &c->round[who][round], err)
+                               : draw_cpu(opt, cli->threads, p, c, &c->view, &image, &c->round[who][round], err);
+        if (status == ISO_OK)
+            iso_image_destroy(&image);
+    }
+    return status;
+}
+
+/* Each one's distance from the reference with the same samples, in a smaller picture. */
+static iso_status measure_errors(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const cast_options *opt,
+                                 cast_case *c, iso_error *err)
+{
+    iso_view view = c->view;
+    view.width = view.height = (size_t)opt->truth;
+    iso_reference_options o = iso_reference_defaults();
+    o.quadrature = ISO_QUADRATURE_MIDPOINT;
+    o.source = source_of(c);
+    o.threads = cli->threads;
+    iso_image truth;
+    iso_status status = iso_reference_render(&p->levels[0], p->options.code, &view, &o, &truth, NULL, err);
+    for (int who = 0; who < WHO_COUNT && status == ISO_OK; ++who) {
+        iso_image image;
+        iso_metrics m;
+        cast_time time;
+        status = who == WHO_GL ? draw_gl(gl, p, c, &view, &image, &time, err)
+                               : draw_cpu(opt, cli->threads, p, c, &view, &image, &time, err);
+        if (status == ISO_OK)
+            status = iso_metrics_measure(&truth, &image, &m, err);
+        if (status == ISO_OK) {
+            c->rmse[who] = m.rmse;
+            iso_image_destroy(&image);
+        }
+    }
+    iso_image_destroy(&truth);
+    return status;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Of the rounds' ratios, OpenGL's time over the CPU ray caster's. */
+static double median_ratio(const cast_case *c, int rounds, bool processor)
+{
+    double ratio[MOST_ROUNDS];
+    for (int i = 0; i < rounds; ++i) {
+        const cast_time *gl = &c->round[WHO_GL][i], *cpu = &c->round[WHO_CPU][i];
+        ratio[i] = processor ? gl->processor / cpu->processor : gl->wall / cpu->wall;
+    }
+    qsort(ratio, (size_t)rounds, sizeof *ratio, by_value);
+    return 0.5 * (ratio[(rounds - 1) / 2] + ratio[rounds / 2]);
+}
+
+static cast_time best_of(const cast_case *c, int who, int rounds)
+{
+    cast_time best = c->round[who][0];
+    for (int i = 1; i < rounds; ++i) {
+        best.processor = fmin(best.processor, c->round[who][i].processor);
+        best.wall = fmin(best.wall, c->round[who][i].wall);
+    }
+    return best;
+}
+
+static void report(const iso_cli *cli, const cast_options *opt, const cast_case *c, json_t *rows)
+{
+    const cast_time gl = best_of(c, WHO_GL, opt->rounds), cpu = best_of(c, WHO_CPU, opt->rounds);
+    const double processor = median_ratio(c, opt->rounds, true), wall = median_ratio(c, opt->rounds, false);
+    if (!cli->json)
+        printf("%-8s %-12s %-10s %9.1f %9.1f %9.1f %9.1f %8.2f %8.2f  %8.1e %8.1e\n", iso_bench_tf_names[c->tf],
+               iso_bench_gradients_names[c->gradients], iso_bench_loop_names[c->loop], 1e3 * gl.processor,
+               1e3 * cpu.processor, 1e3 * gl.wall, 1e3 * cpu.wall, processor, wall, c->rmse[WHO_GL], c->rmse[WHO_CPU]);
+    json_array_append_new(rows,
+                          json_pack("{s:s, s:s, s:s, s:{s:f, s:f, s:f}, s:{s:f, s:f, s:f}, s:f, s:f}", "tf",
+                                    iso_bench_tf_names[c->tf], "gradients", iso_bench_gradients_names[c->gradients],
+                                    "loop", iso_bench_loop_names[c->loop], "gl", "processor_ms", 1e3 * gl.processor,
+                                    "wall_ms", 1e3 * gl.wall, "rmse", c->rmse[WHO_GL], "cpu", "processor_ms",
+                                    1e3 * cpu.processor, "wall_ms", 1e3 * cpu.wall, "rmse", c->rmse[WHO_CPU],
+                                    "processor_ratio", processor, "wall_ratio", wall));
+}
+
+static iso_status run_case(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const cast_options *opt, cast_case *c,
+                           iso_error *err)
+{
+    const iso_level *level = &p->levels[0];
+    const iso_scene scene = iso_bench_scene(&opt->render, c->tf, c->gradients);
+    iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &c->view, err);
+    if (status != ISO_OK)
+        return status;
+    for (int i = 0; i < opt->rounds && status == ISO_OK; ++i)
+        status = run_round(cli, gl, p, opt, c, i, err);
+    if (status == ISO_OK)
+        status = measure_errors(cli, gl, p, opt, c, err);
+    iso_view_destroy(&c->view);
+    return status;
+}
+
+static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const cast_options *opt,
+                            iso_error *err)
+{
+    const size_t *size = p->levels[0].geometry.size;
+    const char *width = iso_cpu_width_name(opt->wide ? opt->wide : iso_cpu_widest());
+    json_t *root = iso_cli_json(cli), *rows = json_array();
+    if (!cli->json)
+        printf(
+            "%s against %s; %zux%zux%zu, image %d x %d, step %g voxels, threads %d; milliseconds, least of %d x %d;\n"
+            "ratios: medians of %d rounds; error: rmse from the reference's same samples, %d x %d\n"
+            "%-8s %-12s %-10s %9s %9s %9s %9s %8s %8s  %8s %8s\n%-8s %-12s %-10s %9s %9s %9s %9s %8s %8s  %8s %8s\n",
+            iso_gl_describe(gl).renderer, width, size[0], size[1], size[2], opt->render.image, opt->render.image,
+            opt->render.step_voxels, iso_threads(cli->threads), opt->rounds, DRAWS, opt->rounds, opt->truth, opt->truth,
+            "", "", "", "processor", "", "wall", "", "ratio", "", "error", "", "tf", "gradients", "loop", "gl", "cpu",
+            "gl", "cpu", "proc.", "wall", "gl", "cpu");
+    iso_status status = ISO_OK;
+    for (int tf = 0; tf < TF_COUNT; ++tf)
+        for (int g = 0; g < GRADIENTS_COUNT; ++g)
+            for (int loop = 0; loop < LOOP_COUNT && status == ISO_OK; ++loop) {
+                cast_case c = {.tf = (bench_tf)tf, .gradients = (bench_gradients)g, .loop = (bench_loop)loop};
+                status = run_case(cli, gl, p, opt, &c, err);
+                if (status == ISO_OK)
+                    report(cli, opt, &c, rows);
+                fflush(stdout);
+            }
+    json_object_set_new(root, "gl", json_string(iso_gl_describe(gl).renderer));
+    json_object_set_new(root, "cpu", json_string(width));
+    json_object_set_new(root, "image", json_integer(opt->render.image));
+    json_object_set_new(root, "cases", rows);
+    if (cli->json && status == ISO_OK)
+        iso_cli_print_json(root);
+    else
+        json_decref(root);
+    return status;
+}
+
+static iso_status choose_width(cast_options *opt, iso_error *err)
+{
+    static const struct width_name {
+        const char *name;
+        iso_cpu_width width;
+    } names[] = {{"avx512", ISO_CPU_AVX512},
+                 {"avx2", ISO_CPU_AVX2},
+                 {"baseline", ISO_CPU_BASELINE},
+                 {"one", ISO_CPU_ONE}};
+    if (!opt->width)
+        return ISO_OK;
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
+        if (strcmp(opt->width, names[i].name) == 0) {
+            opt->wide = names[i].width;
+            return ISO_OK;
+        }
+    return iso_fail(err, ISO_E_USAGE, "--width \"%s\": wanted avx512, avx2, baseline or one", opt->width);
+}
+
+static iso_status bench(const iso_cli *cli, cast_options *opt, iso_error *err)
+{
+    char threads[16];
+    iso_pyramid p;
+    iso_gl *gl;
+    iso_status status = iso_words_check_range("--image", opt->render.image, 1, 8192, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--rounds", opt->rounds, 1, MOST_ROUNDS, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--truth", opt->truth, 1, 512, err);
+    if (status == ISO_OK)
+        status = choose_width(opt, err);
+    if (status != ISO_OK)
+        return status;
+    snprintf(threads, sizeof threads, "%d", iso_threads(cli->threads));
+    setenv("LP_NUM_THREADS", threads, 0); /* llvmpipe's own */
+    status = iso_gl_create(&gl, NULL, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_bench_load(cli, &opt->render, &p, err);
+    if (status == ISO_OK) {
+        status = run_cases(cli, gl, &p, opt, err);
+        iso_pyramid_destroy(&p);
+    }
+    iso_gl_destroy(gl);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    cast_options opt = {.render = {.size = 256, .image = 512, .step_voxels = 1}, .rounds = 3, .truth = 64};
+    iso_volume_input_defaults(&opt.render.input);
+    struct poptOption options[] = {
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.size, 0,
+         "voxels a side of the synthetic volume", "N"},
+        {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.image, 0, "pixels a side", "N"},
+        {"truth", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.truth, 0,
+         "pixels a side of the picture that the reference draws too", "N"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.step_voxels, 0, "ray step", "VOXELS"},
+        {"rounds", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.rounds, 0, "both by turns, so often", "N"},
+        {"width", 0, POPT_ARG_STRING, &opt.width, 0, "avx512, avx2, baseline or one (the widest there is)", "NAME"},
+        ISO_CLI_INPUT_OPTIONS(&opt.render.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = bench(&cli, &opt, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_bench_cast = {
+    .name = "bench cast",
+    .summary = "the CPU ray caster against the OpenGL one: time by both clocks, and distance from the reference",
+    .max_arguments = 1,
+    .usage = "[VOLUME] [options]",
+    .details =
+        "Volumes, transfer functions and loops are those of bench render. Both draw the same samples by turns in one run "
+        "with the\nsame number of threads (--threads, which software OpenGL is given as well where LP_NUM_THREADS "
+        "is not set). Times are\nof the drawing alone.",
+    .examples = "  isoshade bench cast --size 32 --image 48 --rounds 1 --truth 16\n",
+    .run = run,
+};

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/* cast.h - what the CPU ray caster's packets of rays read (cast_packet.h), made once a picture by caster.c.
+ *
+ * Scalar, codes and the other channels lie in bricks of 16^3 cells, each with the voxels of its cells' far faces, so that
+ * the eight voxels of a cell are at fixed offsets from the first. A cell is what lies between eight voxel centers; the grid
+ * has one more voxel at each end, a copy of the outermost, so that clamping at the edge needs no test:
+ *
+ *     voxel    -1     0     1            N-1    N
+ *               o-----o-----o--- ... ---o-----o
+ *     cell         0     1     2              N        cell c begins at voxel c - 1
+ *     box             [========= ... =====]            0 to N in index coordinates
+ *
+ * Positions are counted in cells: index + 1/2. Private to src/render/cpu. */
+#ifndef ISO_RENDER_CPU_CAST_H
+#define ISO_RENDER_CPU_CAST_H
+
+#include "base/linalg.h"
+#include "scene/scene.h"
+
+enum {
+    ISO_CAST_BRICK_SHIFT = 4, /* bricks of 16 cells a side */
+    ISO_CAST_BRICK = 1 << ISO_CAST_BRICK_SHIFT,
+    ISO_CAST_ROW = ISO_CAST_BRICK + 1, /* voxels from a brick's row to its next */
+    ISO_CAST_PLANE = ISO_CAST_ROW * ISO_CAST_ROW,
+    ISO_CAST_VOXELS = ISO_CAST_PLANE * ISO_CAST_ROW, /* of a brick */
+    ISO_CAST_BLOCK_SHIFT = 2,                        /* empty space is known by blocks of 4 cells a side */
+    ISO_CAST_TILE = 32                               /* pixels a side: what a thread takes at once */
+};
+
+/* How the shading normal is made. */
+typedef enum iso_cast_normals {
+    ISO_CAST_UNLIT,     /* no light can be seen: there is none */
+    ISO_CAST_LATTICE,   /* filtered bytes of codes, decoded */
+    ISO_CAST_VECTORS,   /* filtered floats */
+    ISO_CAST_FLIPPED,   /* floats that are turned to one side, then filtered */
+    ISO_CAST_NEAREST,   /* the floats of the voxel that holds the point */
+    ISO_CAST_ON_THE_FLY /* central differences of the filtered scalar */
+} iso_cast_normals;
+
+typedef struct iso_cast_light {
+    double direction[3];
+    float diffuse, specular; /* intensity times the material's */
+} iso_cast_light;
+
+/* The table's entry i and how far it is to the next: value, step, value, step ... of optical depth (of a whole segment), red,
+ * green and blue. */
+enum { ISO_CAST_DEPTH = 0, ISO_CAST_RED = 2, ISO_CAST_ENTRY = 8 };
+
+typedef struct iso_cast {
+    /* the camera, in doubles */
+    size_t width, height;
+    bool orthographic;
+    double half_width, half_height, forward[3], right[3], up[3];
+    double to_index[9]; /* rows first */
+    double position[3]; /* of the camera, index coordinates */
+    double box[3], step_mm;
+    size_t clip_count;
+    double clips[ISO_MAX_CLIP_PLANES][4]; /* index coordinates */
+    /* the volume, in bricks; NULL where it is not read */
+    int32_t size[3], brick_stride[3];
+    const uint16_t *integers;       /* the scalar less its least value, where it has at most 16 bits ... */
+    const float *floats;            /* ... or its part of the range */
+    bool labels;                    /* not filtered */
+    const uint32_t *codes;          /* three bytes */
+    const float *vectors[3];        /* directions */
+    const uint16_t *second, *scale; /* bytes of a 2D transfer function and of the extinction's scale */
+    /* the transfer function: a value's entry is value * entries_per_value + first_entry */
+    const float *entries;
+    int32_t entry_count, row_count; /* row_count: of a 2D one, else 0 */
+    float entries_per_value, first_entry;
+    /* light */
+    iso_cast_normals normals;
+    bool is_signed;
+    int decoder;
+    float gradient_to_world[9], on_the_fly_eps; /* of differences of the values above */
+    size_t light_count;
+    iso_cast_light lights[ISO_MAX_LIGHTS];
+    bool specular;
+    float ambient, power, background[3];
+    /* empty space: each block's distance to the nearest one that the transfer function shows; NULL: not looked at */
+    const uint8_t *distance;
+    int32_t block_count[3];
+} iso_cast;
+
+/* Pixels [x, x + ISO_CAST_TILE) of rows [y, y + ISO_CAST_TILE), as far as the image goes. One function a width, the same
+ * bits from each. */
+typedef void iso_cast_tile(const iso_cast *c, size_t x, size_t y, float *rgba);
+iso_cast_tile iso_cast_tile_1, iso_cast_tile_4, iso_cast_tile_8, iso_cast_tile_16;
+
+#endif

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/* cast_bricks.h - a level's voxels in the bricks of cast.h, and which of its blocks a transfer function shows. */
+#ifndef ISO_RENDER_CPU_CAST_BRICKS_H
+#define ISO_RENDER_CPU_CAST_BRICKS_H
+
+#include <stdint.h>
+
+#include "pyramid/pyramid.h"
+#include "render/cpu/cast.h"
+
+/* How the bricks of a level lie. */
+typedef struct iso_cast_grid {
+    size_t size[3], count[3];
+    size_t voxels; /* of all bricks */
+    int threads;
+} iso_cast_grid;
+iso_cast_grid iso_cast_grid_of(const iso_geometry *g, int threads);
+
+/* Each makes a new array of grid->voxels elements and a few bytes more, which a fetch of four bytes may reach; NULL: no
+ * memory. */
+uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const float *scalar, double min);
+float *iso_cast_brick_floats(const iso_cast_grid *grid, const float *scalar, double min, double range);
+uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes);
+uint32_t *iso_cast_brick_codes(const iso_cast_grid *grid, const uint8_t *codes, bool is_signed);
+float *iso_cast_brick_component(const iso_cast_grid *grid, const float *vectors, int component);
+
+/* Distances of the blocks to the nearest one that the table shows (brick/occupancy.h), to be freed; *occupied: which part of
+ * them shows. */
+iso_status iso_cast_blocks(const iso_level *level, const iso_tf_table *tf, int threads, uint8_t **distance,
+                           size_t count[3], double *occupied, iso_error *err);
+
+#endif

@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: MIT */
+/* cast_field.h - what a packet of points finds in the volume: the scalar, its color and extinction, the shading normal. */
+#ifndef ISO_RENDER_CPU_CAST_FIELD_H
+#define ISO_RENDER_CPU_CAST_FIELD_H
+
+#include "fit/extinction_scale.h"
+#include "render/cpu/cast.h"
+#include "render/cpu/cast_vector.h"
+#include "tf/tf_2d.h"
+
+typedef struct vec {
+    vf x, y, z;
+} vec;
+
+#define ISO_REAL float
+#define ISO_VEC3 vec3f
+#define ISO_MAKE_VEC3(vx, vy, vz) ((vec3f){vx, vy, vz})
+#define ISO_SQRT(x) sqrtf(x)
+#define ISO_ABS(x) fabsf(x)
+typedef struct vec3f {
+    float x, y, z;
+} vec3f;
+#include "encode/code_decode.h"
+
+/* Points in cells, 32 bits of a cell's part: a step of a ray is added without rounding on the way. */
+typedef struct points {
+    vi cell[3];
+    vu part[3];
+} points;
+
+/* The first voxel of each point's cell, in the bricks, and how far the point is from it. */
+typedef struct place {
+    vi voxel;
+    vf part[3];
+} place;
+
+CAST vi first_voxel(const iso_cast *c, const vi cell[3], vi mask)
+{
+    const int32_t *stride = c->brick_stride;
+    const int low = ISO_CAST_BRICK - 1, shift = ISO_CAST_BRICK_SHIFT;
+    vi at = (cell[0] & low) + (cell[1] & low) * ISO_CAST_ROW + (cell[2] & low) * ISO_CAST_PLANE;
+    at += (cell[0] >> shift) * stride[0] + (cell[1] >> shift) * stride[1] + (cell[2] >> shift) * stride[2];
+    return at & mask;
+}
+
+CAST place place_of(const iso_cast *c, const points *p, vi mask)
+{
+    place at = {.voxel = first_voxel(c, p->cell, mask)};
+    for (int a = 0; a < 3; ++a)
+        at.part[a] = to_float((vi)(p->part[a] >> 8)) * 0x1p-24f;
+    return at;
+}
+
+/* The voxels that hold the points: a point half a cell from a center is in the next voxel. */
+CAST vi nearest_voxel(vi voxel, const points *p)
+{
+    static const int offset[3] = {1, ISO_CAST_ROW, ISO_CAST_PLANE};
+    for (int a = 0; a < 3; ++a)
+        voxel += ((vi)p->part[a] < 0) & offset[a];
+    return voxel;
+}
+
+CAST vf lerp_in_cell(const vf v[8], const vf f[3])
+{
+    const vf y0 = lerp(lerp(v[0], v[1], f[0]), lerp(v[2], v[3], f[0]), f[1]);
+    const vf y1 = lerp(lerp(v[4], v[5], f[0]), lerp(v[6], v[7], f[0]), f[1]);
+    return lerp(y0, y1, f[2]);
+}
+
+enum { CELL_Y = ISO_CAST_ROW, CELL_Z = ISO_CAST_PLANE };
+#define CELL_ROW(i) ((i & 1) * CELL_Y + (i >> 1) * CELL_Z) /* of the four rows of two voxels */
+
+CAST vf filter_integers(const uint16_t *values, const place *at)
+{
+    vf v[8];
+    for (int i = 0; i < 4; ++i) {
+        const vi pair = GATHER(values + CELL_ROW(i), at->voxel, 2);
+        v[2 * i] = to_float(pair & 0xffff);
+        v[2 * i + 1] = to_float((vi)((vu)pair >> 16));
+    }
+    return lerp_in_cell(v, at->part);
+}
+
+CAST vf filter_floats(const float *values, const place *at)
+{
+    vf v[8];
+    for (int i = 0; i < 8; ++i)
+        v[i] = gather_floats(values + CELL_ROW(i / 2) + (i & 1), at->voxel);
+    return lerp_in_cell(v, at->part);
+}
+
+CAST vf scalar_at(const iso_cast *c, const place *at)
+{
+    return c->integers ? filter_integers(c->integers, at) : filter_floats(c->floats, at);
+}
+
+CAST vf label_at(const iso_cast *c, const place *at, const points *p)
+{
+    const vi voxel = nearest_voxel(at->voxel, p);
+    return c->integers ? to_float(GATHER(c->integers, voxel, 2) & 0xffff) : gather_floats(c->floats, voxel);
+}
+
+/* ---- color and extinction ---- */
+
+/* Where on the table the points are: the entry before each, and how far behind it. */
+typedef struct entry {
+    vi at;
+    vf part;
+    vf row; /* of a 2D transfer function */
+} entry;
+
+CAST entry entry_at(const iso_cast *c, const points *p, const place *at)
+{
+    const vf value = c->labels ? label_at(c, at, p) : scalar_at(c, at);
+    const vf x = least(most(value * c->entries_per_value + c->first_entry, all_float(0)),
+                       all_float((float)(c->entry_count - 1)));
+    const vi i = to_int(x), last = all_int(c->entry_count - 2);
+    entry e = {.at = select_int(i > last, last, i)};
+    e.part = x - to_float(e.at);
+    if (c->row_count)
+        e.row = filter_integers(c->second, at) * (float)((ISO_TF_2D_ROWS - 1) / 255.0);
+    return e;
+}
+
+CAST vf row_component(const iso_cast *c, vi at, vf part, int component)
+{
+    const float *base = c->entries + component;
+    const vi word = at * ISO_CAST_ENTRY;
+    return gather_floats(base, word) + part * gather_floats(base + 1, word);
+}
+
+CAST vf entry_component(const iso_cast *c, const entry *e, int component)
+{
+    if (!c->row_count)
+        return row_component(c, e->at, e->part, component);
+    vi row = to_int(e->row);
+    row = select_int(row > c->row_count - 2, all_int(c->row_count - 2), row);
+    const vi at = e->at + row * c->entry_count;
+    return lerp(row_component(c, at, e->part, component), row_component(c, at + c->entry_count, e->part, component),
+                e->row - to_float(row));
+}
+
+/* q of fit/extinction_scale.h */
+CAST vf extinction_scale_at(const iso_cast *c, const place *at)
+{
+    vf power;
+    const vf octaves = (filter_integers(c->scale, at) - (float)ISO_EXTINCTION_SCALE_ONE) *
+                       (1.0f / ISO_EXTINCTION_SCALE_PER_OCTAVE);
+    const vf rest = power_less_one(octaves, &power);
+    return power + power * rest;
+}
+
+/* ---- normals ---- */
+
+CAST vec shading_normal(vec d)
+{
+    const float eps = (float)ISO_DIRECTION_EPS;
+    const vf length = root(d.x * d.x + d.y * d.y + d.z * d.z + eps * eps);
+    return (vec){d.x / length, d.y / length, d.z / length};
+}
+
+CAST vec decode(int decoder, vec e)
+{
+    if (decoder == ISO_DECODER_LINEAR)
+        return e;
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i) {
+        const vec3f d = iso_decode(decoder, (vec3f){e.x[i], e.y[i], e.z[i]});
+        e.x[i] = d.x;
+        e.y[i] = d.y;
+        e.z[i] = d.z;
+    }
+    return e;
+}
+
+CAST vf byte_of(vi word, int byte, bool is_signed)
+{
+    return is_signed ? to_float((word << (24 - 8 * byte)) >> 24) : to_float((vi)((vu)word >> (8 * byte)) & 0xff);
+}
+
+CAST vec lattice_at(const iso_cast *c, const place *at, bool is_signed)
+{
+    vi word[8];
+    vf component[3];
+    for (int i = 0; i < 8; ++i)
+        word[i] = GATHER(c->codes + CELL_ROW(i / 2) + (i & 1), at->voxel, 4);
+    for (int a = 0; a < 3; ++a) {
+        vf v[8];
+        for (int i = 0; i < 8; ++i)
+            v[i] = byte_of(word[i], a, is_signed);
+        const vf sum = lerp_in_cell(v, at->part);
+        component[a] = is_signed ? sum * (1 / 127.0f) : (sum - 127.5f) * (2 / 255.0f);
+    }
+    return (vec){component[0], component[1], component[2]};
+}
+
+/* Directions that oppose the one that counts most are turned (code_decode.h). */
+CAST vec flipped_at(const iso_cast *c, const place *at)
+{
+    vec d[8], pivot = {{0}, {0}, {0}}, sum = {{0}, {0}, {0}};
+    vf weight[8], longest = {0};
+    for (int i = 0; i < 8; ++i) {
+        const ptrdiff_t offset = CELL_ROW(i / 2) + (i & 1);
+        d[i] = (vec){gather_floats(c->vectors[0] + offset, at->voxel), gather_floats(c->vectors[1] + offset, at->voxel),
+                     gather_floats(c->vectors[2] + offset, at->voxel)};
+        weight[i] = (i & 1 ? at->part[0] : 1.0f - at->part[0]) * (i & 2 ? at->part[1] : 1.0f - at->part[1]) *
+                    (i & 4 ? at->part[2] : 1.0f - at->part[2]);
+        const vf count = weight[i] * root(d[i].x * d[i].x + d[i].y * d[i].y + d[i].z * d[i].z);
+        const vi is_longer = count > longest;
+        longest = select_float(is_longer, count, longest);
+        pivot = (vec){select_float(is_longer, d[i].x, pivot.x), select_float(is_longer, d[i].y, pivot.y),
+                      select_float(is_longer, d[i].z, pivot.z)};
+    }
+    const vf pivot_length = root(pivot.x * pivot.x + pivot.y * pivot.y + pivot.z * pivot.z);
+    for (int i = 0; i < 8; ++i) {
+        const vf cosine = d[i].x * pivot.x + d[i].y * pivot.y + d[i].z * pivot.z;
+        const vf length = root(d[i].x * d[i].x + d[i].y * d[i].y + d[i].z * d[i].z);
+        const vi opposes = cosine < (float)ISO_FLIP_COSINE * length * pivot_length;
+        const vf w = select_float(opposes, -weight[i], weight[i]);
+        sum = (vec){sum.x + w * d[i].x, sum.y + w * d[i].y, sum.z + w * d[i].z};
+    }
+    return sum;
+}
+
+/* The scalar a voxel to each side along each axis: at the same part of the neighboring cells, of those that there are. */
+CAST vec on_the_fly_at(const iso_cast *c, const points *p, const place *at, vi mask)
+{
+    vf g[3];
+    for (int a = 0; a < 3; ++a) {
+        vf side[2];
+        for (int s = 0; s < 2; ++s) {
+            vi cell[3] = {p->cell[0], p->cell[1], p->cell[2]};
+            const vi moved = cell[a] + (s ? 1 : -1);
+            cell[a] = select_int(moved < 0, all_int(0), select_int(moved > c->size[a], all_int(c->size[a]), moved));
+            place there = *at;
+            there.voxel = first_voxel(c, cell, mask);
+            side[s] = c->labels ? label_at(c, &there, p) : scalar_at(c, &there);
+        }
+        g[a] = side[1] - side[0];
+    }
+    const float *m = c->gradient_to_world;
+    const vec w = {m[0] * g[0] + m[1] * g[1] + m[2] * g[2], m[3] * g[0] + m[4] * g[1] + m[5] * g[2],
+                   m[6] * g[0] + m[7] * g[1] + m[8] * g[2]};
+    const float eps = c->on_the_fly_eps;
+    const vf length = root(w.x * w.x + w.y * w.y + w.z * w.z + eps * eps);
+    return (vec){w.x / length, w.y / length, w.z / length};
+}
+
+CAST vec normal_at(const iso_cast *c, const points *p, const place *at, vi mask)
+{
+    vec d;
+    if (c->normals == ISO_CAST_LATTICE) {
+        d = decode(c->decoder, c->is_signed ? lattice_at(c, at, true) : lattice_at(c, at, false));
+    } else if (c->normals == ISO_CAST_VECTORS) {
+        d = (vec){filter_floats(c->vectors[0], at), filter_floats(c->vectors[1], at), filter_floats(c->vectors[2], at)};
+    } else if (c->normals == ISO_CAST_FLIPPED) {
+        d = flipped_at(c, at);
+    } else if (c->normals == ISO_CAST_NEAREST) {
+        const vi voxel = nearest_voxel(at->voxel, p);
+        d = (vec){gather_floats(c->vectors[0], voxel), gather_floats(c->vectors[1], voxel),
+                  gather_floats(c->vectors[2], voxel)};
+    } else {
+        return on_the_fly_at(c, p, at, mask);
+    }
+    return shading_normal(d);
+}
+
+#endif

@@ -1,0 +1,370 @@
+/* SPDX-License-Identifier: MIT */
+/* cast_packet.h - a packet of rays through the volume: ISO_CAST_WIDTH pixels at once, included by one file a width.
+ *
+ * The segments are those of the reference's midpoints and of the OpenGL ray caster: [k ds, (k + 1) ds] of each ray, clipped to
+ * the box, one sample in the middle. A ray does not know of the others in its packet but for when it waits: each looks for
+ * its next sample that shows anything, and then all are shaded at once. */
+#ifndef ISO_RENDER_CPU_CAST_PACKET_H
+#define ISO_RENDER_CPU_CAST_PACKET_H
+
+#include "render/cpu/cast_field.h"
+
+#if ISO_CAST_WIDTH == 1
+enum { PACKET_COLUMNS = 1 };
+#elif ISO_CAST_WIDTH == 4
+enum { PACKET_COLUMNS = 2 };
+#else
+enum { PACKET_COLUMNS = 4 };
+#endif
+enum { PACKET_ROWS = ISO_CAST_WIDTH / PACKET_COLUMNS };
+
+typedef struct packet {
+    vi count;               /* segments */
+    vf front_cut, back_cut; /* what the box cuts off the first and the last one, in segments */
+    points at;              /* the middle of segment k */
+    points stride;          /* from one to the next */
+    vf step[3];             /* the same as floats */
+    vi k;
+    vi until; /* segments before it are in blocks that show something */
+    vec to_viewer;
+} packet;
+
+/* ---- the rays ---- */
+
+/* Doubles of each ray: a thin shell that is met at a glancing angle shows 1e-5 voxels of shift. */
+typedef struct ray_doubles {
+    double origin[3][ISO_CAST_WIDTH], direction[3][ISO_CAST_WIDTH], world[3][ISO_CAST_WIDTH];
+    double t0[ISO_CAST_WIDTH], t1[ISO_CAST_WIDTH];
+} ray_doubles;
+
+#define EACH_RAY(i) for (int i = 0; i < ISO_CAST_WIDTH; ++i)
+
+CAST void aim(const iso_cast *c, size_t x, size_t y, ray_doubles *r)
+{
+    const double to_x = 2 / (double)c->width, to_y = 2 / (double)c->height;
+    double side[ISO_CAST_WIDTH], above[ISO_CAST_WIDTH], length[ISO_CAST_WIDTH];
+    EACH_RAY(i)
+    {
+        side[i] = (to_x * ((double)(x + (size_t)(i % PACKET_COLUMNS)) + 0.5) - 1) * c->half_width;
+        above[i] = (1 - to_y * ((double)(y + (size_t)(i / PACKET_COLUMNS)) + 0.5)) * c->half_height;
+        length[i] = c->orthographic ? 1 : sqrt(1 + side[i] * side[i] + above[i] * above[i]);
+    }
+    for (int a = 0; a < 3; ++a)
+        EACH_RAY(i)
+        {
+            const double offset = side[i] * c->right[a] + above[i] * c->up[a];
+            r->world[a][i] = (c->orthographic ? c->forward[a] : c->forward[a] + offset) / length[i];
+            r->origin[a][i] = c->orthographic ? offset : 0;
+        }
+    for (int a = 0; a < 3; ++a) {
+        const double *m = c->to_index + 3 * a;
+        EACH_RAY(i)
+        r->direction[a][i] = m[0] * r->world[0][i] + m[1] * r->world[1][i] + m[2] * r->world[2][i];
+    }
+    double moved[3][ISO_CAST_WIDTH];
+    for (int a = 0; a < 3; ++a) {
+        const double *m = c->to_index + 3 * a;
+        EACH_RAY(i)
+        moved[a][i] = m[0] * r->origin[0][i] + m[1] * r->origin[1][i] + m[2] * r->origin[2][i];
+    }
+    for (int a = 0; a < 3; ++a)
+        EACH_RAY(i)
+    r->origin[a][i] = c->position[a] + moved[a][i];
+}
+
+/* From where to where each ray is in the box, and on the kept side of the clip planes. */
+CAST void clip(const iso_cast *c, ray_doubles *r)
+{
+    EACH_RAY(i)
+    {
+        r->t0[i] = 0;
+        r->t1[i] = INFINITY;
+    }
+    for (int a = 0; a < 3; ++a)
+        EACH_RAY(i)
+        {
+            const double d = r->direction[a][i] == 0 ? 1e-30 : r->direction[a][i], o = r->origin[a][i];
+            const double p = -o / d, q = (c->box[a] - o) / d, near = p < q ? p : q, far = p < q ? q : p;
+            r->t0[i] = near > r->t0[i] ? near : r->t0[i];
+            r->t1[i] = far < r->t1[i] ? far : r->t1[i];
+        }
+    for (size_t n = 0; n < c->clip_count; ++n) {
+        const double *plane = c->clips[n];
+        EACH_RAY(i)
+        {
+            const double above = plane[0] * r->origin[0][i] + plane[1] * r->origin[1][i] + plane[2] * r->origin[2][i] -
+                                 plane[3];
+            const double rate = plane[0] * r->direction[0][i] + plane[1] * r->direction[1][i] +
+                                plane[2] * r->direction[2][i];
+            const double t = -above / rate;
+            if (rate > 0)
+                r->t0[i] = t > r->t0[i] ? t : r->t0[i];
+            else if (rate < 0)
+                r->t1[i] = t < r->t1[i] ? t : r->t1[i];
+            else if (above < 0)
+                r->t1[i] = r->t0[i];
+        }
+    }
+}
+
+/* A double as a whole number and 32 bits of what is left. */
+CAST void to_fixed(const double *x, vi *whole, vu *part)
+{
+    int32_t w[ISO_CAST_WIDTH];
+    uint32_t p[ISO_CAST_WIDTH];
+    EACH_RAY(i)
+    {
+        const double low = floor(x[i]);
+        w[i] = (int32_t)low;
+        p[i] = (uint32_t)(int64_t)((x[i] - low) * 0x1p32);
+    }
+    memcpy(whole, w, sizeof w);
+    memcpy(part, p, sizeof p);
+}
+
+CAST packet begin(const iso_cast *c, size_t x, size_t y)
+{
+    ray_doubles r;
+    packet p = {0};
+    double first[ISO_CAST_WIDTH], at[ISO_CAST_WIDTH], stride[ISO_CAST_WIDTH];
+    aim(c, x, y, &r);
+    clip(c, &r);
+    EACH_RAY(i)
+    {
+        const double begin = r.t0[i] / c->step_mm, end = r.t1[i] / c->step_mm;
+        const bool hits = r.t1[i] > r.t0[i];
+        first[i] = hits ? floor(begin) : 0;
+        const double count = hits ? ceil(end) - first[i] : 0;
+        p.count[i] = (int32_t)count;
+        p.front_cut[i] = hits ? (float)(begin - first[i]) : 0;
+        p.back_cut[i] = hits ? (float)(first[i] + count - end) : 0;
+    }
+    for (int a = 0; a < 3; ++a) {
+        EACH_RAY(i)
+        {
+            const bool hits = r.t1[i] > r.t0[i];
+            stride[i] = hits ? c->step_mm * r.direction[a][i] : 0;
+            at[i] = hits ? r.origin[a][i] + 0.5 + (first[i] + 0.5) * stride[i] : 0;
+        }
+        to_fixed(at, &p.at.cell[a], &p.at.part[a]);
+        to_fixed(stride, &p.stride.cell[a], &p.stride.part[a]);
+        EACH_RAY(i) p.step[a][i] = (float)stride[i];
+    }
+    EACH_RAY(i)
+    {
+        p.to_viewer.x[i] = (float)-r.world[0][i];
+        p.to_viewer.y[i] = (float)-r.world[1][i];
+        p.to_viewer.z[i] = (float)-r.world[2][i];
+    }
+    return p;
+}
+
+/* ---- along them ---- */
+
+CAST void add(points *p, int a, vi cell, vu part)
+{
+    const vu sum = p->part[a] + part;
+    p->cell[a] += cell - (vi)(sum < part); /* a mask is -1 where bits were carried */
+    p->part[a] = sum;
+}
+
+/* One segment on, where the mask says so. */
+CAST void advance(packet *p, vi mask)
+{
+    for (int a = 0; a < 3; ++a)
+        add(&p->at, a, p->stride.cell[a] & mask, p->stride.part[a] & (vu)mask);
+    p->k -= mask;
+}
+
+/* n segments on: n below 2^15. */
+CAST void advance_by(packet *p, vi n)
+{
+    for (int a = 0; a < 3; ++a) {
+        const vu low = (vu)n * (p->stride.part[a] & 0xffff), high = (vu)n * (p->stride.part[a] >> 16);
+        const vu part = low + (high << 16);
+        const vi carry = (vi)(part < low);
+        add(&p->at, a, n * p->stride.cell[a] + (vi)(high >> 16) - carry, part);
+    }
+    p->k += n;
+}
+
+/* The middles of the segments, of those that the box cuts as well; what is left of them. */
+CAST points middles(const packet *p, vf *whole)
+{
+    points at = p->at;
+    const vi is_first = p->k == 0, is_last = p->k == p->count - 1;
+    *whole = all_float(1);
+    if (any(is_first | is_last)) {
+        const vf front = select_float(is_first, p->front_cut, all_float(0));
+        const vf back = select_float(is_last, p->back_cut, all_float(0));
+        const vf shift = 0.5f * (front - back);
+        *whole = 1.0f - front - back;
+        for (int a = 0; a < 3; ++a) {
+            const vf delta = shift * p->step[a], low = round_down(delta);
+            add(&at, a, to_int(low), (vu)to_int(most((delta - low) * 0x1p31f - 64.0f, all_float(0))) << 1);
+        }
+    }
+    return at;
+}
+
+/* Moves the rays of the mask to their next segment that lies in a block which shows something. The blocks nearer than the
+ * distance are empty; the number of segments through them is a little less than rounding could make of it. */
+CAST void leave_empty_blocks(const iso_cast *c, packet *p, vi mask)
+{
+    for (;;) {
+        vi ask = mask & (p->k >= p->until) & (p->k < p->count);
+        if (!any(ask))
+            return;
+        vf whole;
+        const points at = middles(p, &whole);
+        vi block[3];
+        for (int a = 0; a < 3; ++a)
+            block[a] = at.cell[a] >> ISO_CAST_BLOCK_SHIFT;
+        const vi index = block[0] + c->block_count[0] * (block[1] + c->block_count[1] * block[2]);
+        const vi distance = GATHER(c->distance, index & ask, 1) & 0xff;
+        const vi is_empty = distance > 0, reach = select_int(is_empty, distance, all_int(1)); /* in blocks */
+        vf steps = all_float(32000);
+        for (int a = 0; a < 3; ++a) {
+            const vi forth = p->step[a] > 0;
+            const vi face = (block[a] + select_int(forth, reach, 1 - reach)) << ISO_CAST_BLOCK_SHIFT;
+            const vf way = to_float(face - at.cell[a]) - to_float((vi)(at.part[a] >> 8)) * 0x1p-24f;
+            const vf along = way / p->step[a];
+            steps = select_float(p->step[a] == 0, steps, least(steps, along));
+        }
+        const vi n = to_int(most(steps * 0.99999f - 0.001f, all_float(0))) + 1;
+        p->until = select_int(ask & ~is_empty, p->k + n, p->until);
+        advance_by(p, n & ask & is_empty);
+    }
+}
+
+/* What a packet found: where, and what shows there. */
+typedef struct sample {
+    points at;
+    place place;
+    entry entry;
+    vf depth; /* of the whole segment */
+} sample;
+
+CAST sample look(const iso_cast *c, const packet *p, vi mask)
+{
+    sample s;
+    vf whole;
+    s.at = middles(p, &whole);
+    s.place = place_of(c, &s.at, mask);
+    s.entry = entry_at(c, &s.at, &s.place);
+    s.depth = (vf)((vi)(entry_component(c, &s.entry, ISO_CAST_DEPTH) * whole) & mask);
+    return s;
+}
+
+CAST void keep(sample *kept, const sample *now, vi mask)
+{
+    for (int a = 0; a < 3; ++a) {
+        kept->at.cell[a] = select_int(mask, now->at.cell[a], kept->at.cell[a]);
+        kept->at.part[a] = select_bits(mask, now->at.part[a], kept->at.part[a]);
+    }
+    kept->place.voxel = select_int(mask, now->place.voxel, kept->place.voxel);
+    for (int a = 0; a < 3; ++a)
+        kept->place.part[a] = select_float(mask, now->place.part[a], kept->place.part[a]);
+    kept->entry.at = select_int(mask, now->entry.at, kept->entry.at);
+    kept->entry.part = select_float(mask, now->entry.part, kept->entry.part);
+    kept->entry.row = select_float(mask, now->entry.row, kept->entry.row);
+    kept->depth = select_float(mask, now->depth, kept->depth);
+}
+
+CAST vf shade(const iso_cast *c, const packet *p, const sample *s, vi mask)
+{
+    vf sum = all_float(c->ambient);
+    if (c->normals == ISO_CAST_UNLIT)
+        return sum;
+    const vec n = normal_at(c, &s->at, &s->place, mask);
+    for (size_t i = 0; i < c->light_count; ++i) {
+        const iso_cast_light *light = &c->lights[i];
+        const float l[3] = {(float)light->direction[0], (float)light->direction[1], (float)light->direction[2]};
+        sum += light->diffuse * absolute(n.x * l[0] + n.y * l[1] + n.z * l[2]);
+        if (c->specular) {
+            const vec h = {p->to_viewer.x + l[0], p->to_viewer.y + l[1], p->to_viewer.z + l[2]};
+            const vf length = most(root(h.x * h.x + h.y * h.y + h.z * h.z), all_float(1e-30f));
+            sum += light->specular * power_of(absolute(n.x * h.x + n.y * h.y + n.z * h.z) / length, c->power);
+        }
+    }
+    return sum;
+}
+
+/* A float sum of hundreds of terms, and what rounding left of them. A ray that waits adds nothing: even 0 could move a rest
+ * into its sum. */
+typedef struct sums {
+    vf sum[4], rest[4];
+} sums;
+
+CAST void add_to(sums *s, int i, vf term, vi mask)
+{
+    const vf y = term + s->rest[i], sum = s->sum[i] + y;
+    s->rest[i] = select_float(mask, y - (sum - s->sum[i]), s->rest[i]);
+    s->sum[i] = select_float(mask, sum, s->sum[i]);
+}
+
+CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
+{
+    packet p = begin(c, x, y);
+    sums s = {.sum = {{0}, {0}, {0}, {0}}};
+    s.sum[3] = all_float(1); /* transmittance */
+    const bool is_lit = c->normals != ISO_CAST_UNLIT;
+    for (vi active = p.k < p.count; any(active); active = (p.k < p.count) & (s.sum[3] >= 1e-7f)) {
+        sample found;
+        vi pending = active;
+        if (c->distance) {
+            leave_empty_blocks(c, &p, pending);
+            pending &= p.k < p.count;
+        }
+        found = look(c, &p, pending);
+        vi shows = found.depth > 0;
+        while (is_lit || c->distance) { /* without light nothing is saved by waiting for the others */
+            pending &= ~shows;
+            if (!any(pending))
+                break;
+            advance(&p, pending);
+            if (c->distance)
+                leave_empty_blocks(c, &p, pending);
+            pending &= p.k < p.count;
+            if (!any(pending))
+                break;
+            const sample next = look(c, &p, pending);
+            const vi news = pending & (next.depth > 0);
+            keep(&found, &next, news);
+            shows |= news;
+        }
+        if (any(shows)) {
+            if (c->scale)
+                found.depth *= extinction_scale_at(c, &found.place);
+            const vf weight = s.sum[3] * opacity_of(found.depth);
+            const vf light = weight * shade(c, &p, &found, shows);
+            for (int i = 0; i < 3; ++i)
+                add_to(&s, i, light * entry_component(c, &found.entry, ISO_CAST_RED + 2 * i), shows);
+            add_to(&s, 3, -weight, shows);
+        }
+        advance(&p, active & (p.k < p.count));
+    }
+    EACH_RAY(i)
+    {
+        const size_t column = x + (size_t)(i % PACKET_COLUMNS), row = y + (size_t)(i / PACKET_COLUMNS);
+        if (column >= c->width || row >= c->height)
+            continue;
+        float *pixel = rgba + 4 * (row * c->width + column);
+        for (int a = 0; a < 3; ++a)
+            pixel[a] = s.sum[a][i] + s.sum[3][i] * c->background[a];
+        pixel[3] = 1 - s.sum[3][i];
+    }
+}
+
+#define ISO_CAST_TILE_OF(width) ISO_CAST_JOIN(iso_cast_tile_, width)
+#define ISO_CAST_JOIN(a, b) ISO_CAST_PASTE(a, b)
+#define ISO_CAST_PASTE(a, b) a##b
+
+void ISO_CAST_TILE_OF(ISO_CAST_WIDTH)(const iso_cast *c, size_t x, size_t y, float *rgba)
+{
+    for (size_t row = y; row < y + ISO_CAST_TILE && row < c->height; row += PACKET_ROWS)
+        for (size_t column = x; column < x + ISO_CAST_TILE && column < c->width; column += PACKET_COLUMNS)
+            cast_packet(c, column, row, rgba);
+}
+
+#endif

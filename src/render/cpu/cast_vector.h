@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT */
+/* cast_vector.h - as many floats or integers as the packet has rays (ISO_CAST_WIDTH), and what they lack in C.
+ *
+ * Every operation is that of IEEE 754 lane by lane, and none is fused, so that all widths give the same bits. */
+#ifndef ISO_RENDER_CPU_CAST_VECTOR_H
+#define ISO_RENDER_CPU_CAST_VECTOR_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#if ISO_CAST_WIDTH >= 8
+#include <immintrin.h>
+#endif
+
+#define CAST static inline __attribute__((always_inline))
+
+typedef float vf __attribute__((vector_size(4 * ISO_CAST_WIDTH)));
+typedef int32_t vi __attribute__((vector_size(4 * ISO_CAST_WIDTH)));
+typedef uint32_t vu __attribute__((vector_size(4 * ISO_CAST_WIDTH)));
+
+/* Masks are -1 and 0. */
+CAST vi select_int(vi mask, vi yes, vi no)
+{
+    return (mask & yes) | (~mask & no);
+}
+CAST vu select_bits(vi mask, vu yes, vu no)
+{
+    return ((vu)mask & yes) | (~(vu)mask & no);
+}
+CAST vf select_float(vi mask, vf yes, vf no)
+{
+    return (vf)select_int(mask, (vi)yes, (vi)no);
+}
+
+CAST vf all_float(float x)
+{
+    return x - (vf){0};
+}
+CAST vi all_int(int32_t x)
+{
+    return x - (vi){0};
+}
+CAST vf to_float(vi x)
+{
+    return __builtin_convertvector(x, vf);
+}
+CAST vi to_int(vf x) /* towards 0 */
+{
+    return __builtin_convertvector(x, vi);
+}
+CAST vf absolute(vf x)
+{
+    return (vf)((vi)x & 0x7fffffff);
+}
+CAST vf lerp(vf a, vf b, vf t)
+{
+    return a + t * (b - a);
+}
+
+#if ISO_CAST_WIDTH == 16
+CAST bool any(vi mask)
+{
+    return _mm512_test_epi32_mask((__m512i)mask, (__m512i)mask) != 0;
+}
+CAST vf least(vf a, vf b)
+{
+    return (vf)_mm512_min_ps((__m512)a, (__m512)b);
+}
+CAST vf most(vf a, vf b)
+{
+    return (vf)_mm512_max_ps((__m512)a, (__m512)b);
+}
+CAST vf root(vf x)
+{
+    return (vf)_mm512_sqrt_ps((__m512)x);
+}
+CAST vf round_down(vf x)
+{
+    return (vf)_mm512_roundscale_ps((__m512)x, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+}
+#define GATHER(base, at, bytes) ((vi)_mm512_i32gather_epi32((__m512i)(at), (base), bytes))
+#elif ISO_CAST_WIDTH == 8
+CAST bool any(vi mask)
+{
+    return _mm256_movemask_ps((__m256)mask) != 0;
+}
+CAST vf least(vf a, vf b)
+{
+    return (vf)_mm256_min_ps((__m256)a, (__m256)b);
+}
+CAST vf most(vf a, vf b)
+{
+    return (vf)_mm256_max_ps((__m256)a, (__m256)b);
+}
+CAST vf root(vf x)
+{
+    return (vf)_mm256_sqrt_ps((__m256)x);
+}
+CAST vf round_down(vf x)
+{
+    return (vf)_mm256_floor_ps((__m256)x);
+}
+#define GATHER(base, at, bytes) ((vi)_mm256_i32gather_epi32((const int *)(const void *)(base), (__m256i)(at), bytes))
+#else
+CAST bool any(vi mask)
+{
+    int32_t sum = 0;
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i)
+        sum |= mask[i];
+    return sum != 0;
+}
+CAST vf least(vf a, vf b)
+{
+    return select_float(a < b, a, b);
+}
+CAST vf most(vf a, vf b)
+{
+    return select_float(a > b, a, b);
+}
+CAST vf root(vf x)
+{
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i)
+        x[i] = sqrtf(x[i]);
+    return x;
+}
+CAST vf round_down(vf x)
+{
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i)
+        x[i] = floorf(x[i]);
+    return x;
+}
+CAST vi gather_words(const void *base, vi at, ptrdiff_t bytes)
+{
+    vi word;
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i) {
+        int32_t one;
+        memcpy(&one, (const char *)base + bytes * at[i], sizeof one);
+        word[i] = one;
+    }
+    return word;
+}
+#define GATHER(base, at, bytes) gather_words(base, at, bytes)
+#endif
+
+CAST vf gather_floats(const float *base, vi at)
+{
+    return (vf)GATHER(base, at, 4);
+}
+
+/* The two halves of 2^t, t in [-126, 127]: a power of 2, and what is left of it less 1. */
+CAST vf power_less_one(vf t, vf *power)
+{
+    const vf whole = round_down(t + 0.5f), f = t - whole;
+    *power = (vf)((to_int(whole) + 127) << 23);
+    /* 2^f - 1 by the Taylor series of exp(f ln 2): the term that is left out is below 2e-8 of the sum for |f| <= 1/2. */
+    vf sum = all_float(1.525273380e-5f);
+    sum = sum * f + 1.540353039e-4f;
+    sum = sum * f + 1.333355815e-3f;
+    sum = sum * f + 9.618129108e-3f;
+    sum = sum * f + 5.550410866e-2f;
+    sum = sum * f + 2.402265070e-1f;
+    sum = sum * f + 6.931471806e-1f;
+    return sum * f;
+}
+
+/* 1 - exp(-x) for x >= 0, with a float's digits for small x, too. */
+CAST vf opacity_of(vf x)
+{
+    vf power;
+    const vf rest = power_less_one(most(x * -1.442695041f, all_float(-126)), &power);
+    return (1.0f - power) - power * rest;
+}
+
+/* x^y for x in [0, 1] and y > 0; 0 below 1e-30. */
+CAST vf power_of(vf x, float y)
+{
+    const vi tiny = x < 1e-30f, bits = (vi)x;
+    /* x = m 2^e with m in [sqrt(1/2), sqrt(2)) */
+    const vi e = (bits - 0x3f3504f3) >> 23;
+    const vf m = (vf)(bits - (e << 23)), s = (m - 1.0f) / (m + 1.0f), z = s * s;
+    /* log2 m = 2 / ln 2 (s + s^3 / 3 + s^5 / 5 ...), |s| <= 0.172 */
+    vf sum = all_float(2.885390082f / 9);
+    sum = sum * z + 2.885390082f / 7;
+    sum = sum * z + 2.885390082f / 5;
+    sum = sum * z + 2.885390082f / 3;
+    sum = sum * z + 2.885390082f;
+    const vf t = most(y * to_float(e) + y * (sum * s), all_float(-126));
+    vf power;
+    const vf rest = power_less_one(t, &power);
+    return select_float(tiny, all_float(0), power + power * rest);
+}
+
+#endif

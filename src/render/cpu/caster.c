@@ -1,0 +1,372 @@
+/* SPDX-License-Identifier: MIT */
+#include "render/cpu/caster.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/parallel.h"
+#include "render/cpu/cast.h"
+#include "render/cpu/cast_bricks.h"
+#include "render/cpu/cast_width.h"
+#include "render/sampler.h"
+
+enum { MOST_ARRAYS = 8 };
+
+struct iso_cpu_scene {
+    iso_cast cast;
+    iso_cast_tile *tile;
+    int threads;
+    double bytes;
+    size_t array_count;
+    void *arrays[MOST_ARRAYS]; /* what cast points to, to be freed */
+};
+
+iso_cpu_options iso_cpu_defaults(void)
+{
+    return (iso_cpu_options){.source = ISO_FROM_CODES};
+}
+
+/* ---- the machine ---- */
+
+iso_cpu_width iso_cpu_widest(void)
+{
+#ifdef ISO_CAST_HAS_X86
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+        return ISO_CPU_AVX512;
+    if (__builtin_cpu_supports("avx2"))
+        return ISO_CPU_AVX2;
+#endif
+    return ISO_CPU_BASELINE;
+}
+
+const char *iso_cpu_width_name(iso_cpu_width width)
+{
+    switch (width) {
+    case ISO_CPU_AVX512: return "AVX-512, 16 rays at a time";
+    case ISO_CPU_AVX2: return "AVX2, 8 rays at a time";
+    case ISO_CPU_ONE: return "a ray at a time";
+    default: return "4 rays at a time";
+    }
+}
+
+static iso_cast_tile *tile_of(iso_cpu_width width)
+{
+    if (width > iso_cpu_widest())
+        return NULL;
+    switch (width) {
+    case ISO_CPU_ONE: return iso_cast_tile_1;
+    case ISO_CPU_BASELINE: return iso_cast_tile_4;
+#ifdef ISO_CAST_HAS_X86
+    case ISO_CPU_AVX2: return iso_cast_tile_8;
+    case ISO_CPU_AVX512: return iso_cast_tile_16;
+#endif
+    default: return NULL;
+    }
+}
+
+/* ---- the camera and the lights ---- */
+
+static void copy(iso_vec3 v, double out[3])
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
+static void set_camera(iso_cast *c, const iso_geometry *g, const iso_view *view, double step_mm)
+{
+    const iso_camera *camera = &view->camera;
+    const iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
+    c->width = view->width;
+    c->height = view->height;
+    c->orthographic = camera->orthographic;
+    c->half_width = camera->half_height * (double)view->width / (double)view->height;
+    c->half_height = camera->half_height;
+    c->step_mm = step_mm;
+    copy(camera->forward, c->forward);
+    copy(camera->right, c->right);
+    copy(camera->up, c->up);
+    copy(iso_geometry_to_index(g, camera->position), c->position);
+    for (int i = 0; i < 9; ++i)
+        c->to_index[i] = to_index.m[i / 3][i % 3];
+    for (int a = 0; a < 3; ++a)
+        c->box[a] = g->box_index[a];
+    c->clip_count = view->clip_count;
+    for (size_t i = 0; i < view->clip_count; ++i)
+        iso_clip_in_index(&view->clips[i], g, c->clips[i]);
+}
+
+static void set_light(iso_cast *c, const iso_view *view)
+{
+    const iso_shading *m = &view->shading;
+    c->light_count = view->light_count;
+    for (size_t i = 0; i < view->light_count; ++i) {
+        copy(view->lights[i].direction, c->lights[i].direction);
+        c->lights[i].diffuse = (float)(view->lights[i].intensity * m->diffuse);
+        c->lights[i].specular = (float)(view->lights[i].intensity * m->specular);
+    }
+    c->specular = m->specular > 0;
+    c->ambient = (float)m->ambient;
+    c->power = (float)m->power;
+    for (int a = 0; a < 3; ++a)
+        c->background[a] = (float)view->background[a];
+}
+
+/* ---- the volume ---- */
+
+static iso_status own(iso_cpu_scene *s, void *array, size_t bytes, iso_error *err)
+{
+    if (!array)
+        return iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu bytes of bricks", bytes);
+    s->arrays[s->array_count++] = array;
+    s->bytes += (double)bytes;
+    return ISO_OK;
+}
+
+static bool is_small_integer(iso_type type)
+{
+    return type == ISO_U8 || type == ISO_I8 || type == ISO_U16 || type == ISO_I16;
+}
+
+/* Integers of at most 16 bits as they are; all else in parts of the range. *unit: what one of them is. */
+static iso_status set_scalar(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, double *unit,
+                             iso_error *err)
+{
+    const double range = level->max - level->min;
+    const bool integers = is_small_integer(level->stored_type) && range <= 65535 && level->min == floor(level->min) &&
+                          !level->made_for_scene;
+    s->cast.labels = level->labels;
+    *unit = integers ? 1 : range;
+    if (integers) {
+        uint16_t *made = iso_cast_brick_integers(grid, level->scalar, level->min);
+        s->cast.integers = made;
+        return own(s, made, grid->voxels * sizeof *made, err);
+    }
+    float *made = iso_cast_brick_floats(grid, level->scalar, level->min, range);
+    s->cast.floats = made;
+    return own(s, made, grid->voxels * sizeof *made, err);
+}
+
+static iso_status set_vectors(iso_cpu_scene *s, const iso_cast_grid *grid, const float *vectors, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int a = 0; a < 3 && status == ISO_OK; ++a) {
+        float *made = iso_cast_brick_component(grid, vectors, a);
+        s->cast.vectors[a] = made;
+        status = own(s, made, grid->voxels * sizeof *made, err);
+    }
+    return status;
+}
+
+static iso_status set_directions(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, iso_code code,
+                                 iso_direction_source source, iso_error *err)
+{
+    const iso_code_info *info = iso_code_describe(code);
+    iso_cast *c = &s->cast;
+    if (source == ISO_FROM_ON_THE_FLY) {
+        c->normals = ISO_CAST_ON_THE_FLY;
+        return ISO_OK;
+    }
+    if (source == ISO_FROM_CODES) {
+        c->normals = ISO_CAST_LATTICE;
+        c->is_signed = info->is_signed;
+        c->decoder = info->decoder;
+        uint32_t *made = iso_cast_brick_codes(grid, level->codes, info->is_signed);
+        c->codes = made;
+        return own(s, made, grid->voxels * sizeof *made, err);
+    }
+    c->normals = source == ISO_FROM_FLIPPED           ? ISO_CAST_FLIPPED
+                 : source == ISO_FROM_PALETTE_NEAREST ? ISO_CAST_NEAREST
+                                                      : ISO_CAST_VECTORS;
+    iso_sampler sampler;
+    iso_status status = iso_sampler_create(&sampler, level, code, source, err);
+    if (status == ISO_OK) {
+        status = set_vectors(s, grid, sampler.vectors, err);
+        iso_sampler_destroy(&sampler);
+    }
+    return status;
+}
+
+/* n = g / sqrt(|g|^2 + e^2), e = ISO_ON_THE_FLY_EPS range / spacing: both are divided by range / spacing. */
+static void set_gradient(iso_cast *c, const iso_level *level, double unit)
+{
+    const double range = level->max - level->min;
+    const iso_mat3 m = iso_mat3_scale(iso_geometry_gradient_to_world(&level->geometry),
+                                      range > 0 ? 0.5 * unit * iso_geometry_min_spacing_mm(&level->geometry) / range
+                                                : 0);
+    for (int i = 0; i < 9; ++i)
+        c->gradient_to_world[i] = (float)m.m[i / 3][i % 3];
+    c->on_the_fly_eps = (float)ISO_ON_THE_FLY_EPS;
+}
+
+static iso_status set_bytes(iso_cpu_scene *s, const iso_cast_grid *grid, const uint8_t *bytes, const uint16_t **out,
+                            iso_error *err)
+{
+    if (!bytes)
+        return ISO_OK;
+    uint16_t *made = iso_cast_brick_bytes(grid, bytes);
+    *out = made;
+    return own(s, made, grid->voxels * sizeof *made, err);
+}
+
+/* ---- the transfer function ---- */
+
+static void fill_row(const iso_tf_table *tf, double step_mm, float *out)
+{
+    static const int from[4] = {3, 0, 1, 2}; /* depth, red, green, blue */
+    for (size_t i = 0; i < tf->count; ++i)
+        for (int k = 0; k < 4; ++k) {
+            const float *here = tf->entries + 4 * i + from[k], *next = i + 1 < tf->count ? here + 4 : here;
+            const double scale = k == 0 ? step_mm : 1;
+            out[ISO_CAST_ENTRY * i + (size_t)(2 * k)] = (float)(scale * (double)*here);
+            out[ISO_CAST_ENTRY * i + (size_t)(2 * k + 1)] = (float)(scale * ((double)*next - (double)*here));
+        }
+}
+
+/* unit: what one of the bricks' values is; they begin at the level's least one. */
+static iso_status set_tf(iso_cpu_scene *s, const iso_level *level, const iso_view *view, double unit, iso_error *err)
+{
+    iso_cast *c = &s->cast;
+    const iso_tf_table *tf = view->tf_2d ? &view->tf_2d->rows[0] : &view->tf;
+    const size_t rows = view->tf_2d ? ISO_TF_2D_ROWS : 1, floats = rows * tf->count * ISO_CAST_ENTRY;
+    float *entries = malloc(floats * sizeof *entries);
+    const iso_status status = own(s, entries, floats * sizeof *entries, err);
+    if (status != ISO_OK)
+        return status;
+    for (size_t row = 0; row < rows; ++row)
+        fill_row(view->tf_2d ? &view->tf_2d->rows[row] : tf, c->step_mm, entries + row * tf->count * ISO_CAST_ENTRY);
+    const double per_value = (double)(tf->count - 1) / (tf->hi - tf->lo);
+    c->entries = entries;
+    c->entry_count = (int32_t)tf->count;
+    c->row_count = view->tf_2d ? ISO_TF_2D_ROWS : 0;
+    c->entries_per_value = (float)(per_value * unit);
+    c->first_entry = (float)(per_value * (level->min - tf->lo));
+    return ISO_OK;
+}
+
+static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, const iso_view *view, const iso_cpu_options *opt,
+                             iso_error *err)
+{
+    iso_tf_table envelope = {0};
+    uint8_t *distance = NULL;
+    size_t count[3];
+    double occupied = 1;
+    iso_status status = view->tf_2d ? iso_tf_2d_envelope(view->tf_2d, &envelope, err) : ISO_OK;
+    if (status == ISO_OK)
+        status = iso_cast_blocks(level, view->tf_2d ? &envelope : &view->tf, s->threads, &distance, count, &occupied,
+                                 err);
+    if (status == ISO_OK)
+        status = own(s, distance, count[0] * count[1] * count[2], err);
+    if (status == ISO_OK && (opt->skip == ISO_CPU_SKIP_ALWAYS || occupied <= ISO_CPU_SKIP_OCCUPIED)) {
+        s->cast.distance = distance;
+        for (int a = 0; a < 3; ++a)
+            s->cast.block_count[a] = (int32_t)count[a];
+    }
+    iso_tf_table_destroy(&envelope);
+    return status;
+}
+
+/* ---- all of it ---- */
+
+static iso_status check(const iso_view *view, const iso_cast_grid *grid, double step_voxels, iso_error *err)
+{
+    if (view->roi)
+        return iso_fail(err, ISO_E_USAGE, "cpu: a region of interest is rendered by the reference and by OpenGL");
+    if (!(step_voxels > 0 && isfinite(step_voxels)))
+        return iso_fail(err, ISO_E_RANGE, "cpu: step %g voxels, must be above 0", step_voxels);
+    if (grid->voxels > INT32_MAX - 2 * ISO_CAST_VOXELS)
+        return iso_fail(err, ISO_E_RANGE, "cpu: %zu voxels in bricks, at most %d", grid->voxels,
+                        (int)(INT32_MAX - 2 * ISO_CAST_VOXELS));
+    return ISO_OK;
+}
+
+static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, const iso_view *view,
+                       const iso_cpu_options *opt, iso_error *err)
+{
+    const iso_geometry *g = &level->geometry;
+    const iso_cast_grid grid = iso_cast_grid_of(g, opt->threads);
+    const double step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
+    iso_status status = check(view, &grid, step_voxels, err);
+    if (status != ISO_OK)
+        return status;
+    double unit = 1;
+    int32_t stride = ISO_CAST_VOXELS;
+    for (int a = 0; a < 3; ++a) {
+        s->cast.size[a] = (int32_t)g->size[a];
+        s->cast.brick_stride[a] = stride;
+        stride = (int32_t)((size_t)stride * grid.count[a]);
+    }
+    set_camera(&s->cast, g, view, step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g)));
+    set_light(&s->cast, view);
+    status = set_scalar(s, &grid, level, &unit, err);
+    set_gradient(&s->cast, level, unit);
+    if (status == ISO_OK && iso_view_is_lit(view))
+        status = set_directions(s, &grid, level, code, opt->source, err);
+    if (status == ISO_OK && view->tf_2d)
+        status = set_bytes(s, &grid, view->tf_2d->bytes, &s->cast.second, err);
+    if (status == ISO_OK)
+        status = set_bytes(s, &grid, view->extinction_scale, &s->cast.scale, err);
+    if (status == ISO_OK)
+        status = set_tf(s, level, view, unit, err);
+    if (status == ISO_OK && opt->skip != ISO_CPU_SKIP_NEVER)
+        status = set_blocks(s, level, view, opt, err);
+    return status;
+}
+
+iso_status iso_cpu_prepare(iso_cpu_scene **scene, const iso_level *level, iso_code code, const iso_view *view,
+                           const iso_cpu_options *opt, iso_error *err)
+{
+    iso_cpu_scene *s = *scene = calloc(1, sizeof *s);
+    if (!s)
+        return iso_fail(err, ISO_E_MEMORY, "cpu: out of memory");
+    s->threads = iso_threads(opt->threads);
+    s->tile = tile_of(opt->width ? opt->width : iso_cpu_widest());
+    iso_status status = s->tile ? ISO_OK
+                                : iso_fail(err, ISO_E_RANGE, "cpu: this machine does not cast %d rays at a time",
+                                           (int)opt->width);
+    if (status == ISO_OK)
+        status = fill(s, level, code, view, opt, err);
+    if (status != ISO_OK) {
+        iso_cpu_release(s);
+        *scene = NULL;
+    }
+    return status;
+}
+
+void iso_cpu_release(iso_cpu_scene *s)
+{
+    if (!s)
+        return;
+    for (size_t i = 0; i < s->array_count; ++i)
+        free(s->arrays[i]);
+    free(s);
+}
+
+double iso_cpu_bytes(const iso_cpu_scene *s)
+{
+    return s->bytes;
+}
+
+void iso_cpu_draw(const iso_cpu_scene *s, iso_image *image)
+{
+    const size_t columns = (s->cast.width + ISO_CAST_TILE - 1) / ISO_CAST_TILE,
+                 rows = (s->cast.height + ISO_CAST_TILE - 1) / ISO_CAST_TILE;
+#pragma omp parallel for schedule(dynamic) num_threads(s->threads)
+    for (size_t i = 0; i < columns * rows; ++i)
+        s->tile(&s->cast, i % columns * ISO_CAST_TILE, i / columns * ISO_CAST_TILE, image->rgba);
+}
+
+iso_status iso_cpu_render(const iso_level *level, iso_code code, const iso_view *view, const iso_cpu_options *opt,
+                          iso_image *image, iso_error *err)
+{
+    iso_cpu_scene *scene;
+    *image = (iso_image){0};
+    iso_status status = iso_cpu_prepare(&scene, level, code, view, opt, err);
+    if (status == ISO_OK)
+        status = iso_image_create(image, view->width, view->height, err);
+    if (status == ISO_OK)
+        iso_cpu_draw(scene, image);
+    iso_cpu_release(scene);
+    return status;
+}
