@@ -49,15 +49,39 @@ static bool is_quotient(const char *word)
     return end != word && !*end;
 }
 
+/* "dir/a.json,dir/b.json" or "16/255,1/255" to the last name of each part, in place. False: it is no such list, but may be
+ * one name with a comma in it. */
+static bool shorten_list(char *list)
+{
+    char copy[4096], *rest = copy, *to = list;
+    if (!strchr(list, ',') || snprintf(copy, sizeof copy, "%s", list) >= (int)sizeof copy)
+        return false;
+    for (char *part; (part = strsep(&rest, ","));)
+        if (!is_quotient(part) && !strchr(last_name(part), '.'))
+            return false;
+    snprintf(copy, sizeof copy, "%s", list);
+    rest = copy;
+    for (char *part; (part = strsep(&rest, ","));) {
+        const char *kept = is_quotient(part) ? part : last_name(part);
+        const size_t n = strlen(kept);
+        memmove(to, kept, n);
+        to += n;
+        *to++ = rest ? ',' : 0;
+    }
+    return true;
+}
+
 void iso_provenance_put_word(FILE *f, const char *word)
 {
     const char *equals = word[0] == '-' ? strchr(word, '=') : NULL, *value = equals ? equals + 1 : word;
-    char text[4096];
+    char text[4096], names[4096];
     if (kept_now == ISO_PROVENANCE_PATHS || !strchr(value, '/') || is_quotient(value)) {
         iso_words_put_quoted(f, word);
         return;
     }
-    const int n = snprintf(text, sizeof text, "%.*s%s", (int)(value - word), word, last_name(value));
+    if (snprintf(names, sizeof names, "%s", value) >= (int)sizeof names || !shorten_list(names))
+        snprintf(names, sizeof names, "%s", last_name(value));
+    const int n = snprintf(text, sizeof text, "%.*s%s", (int)(value - word), word, names);
     iso_words_put_quoted(f, n < (int)sizeof text ? text : "...");
 }
 

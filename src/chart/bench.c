@@ -2,10 +2,14 @@
 #include "chart/bench.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/parallel.h"
+#include "chart/picture.h"
+#include "compare/metrics.h"
 #include "plan/cached.h"
 #include "pyramid/palette_level.h"
 #include "renderers/gl.h"
@@ -14,8 +18,14 @@
 #include "tf/adapt.h"
 
 /* A frame is drawn up to MOST_FRAMES times while that takes less than FRAMES_SECONDS. */
-enum { MOST_FRAMES = 5 };
+enum { MOST_FRAMES = 5, HASTY_FRAMES = 2 };
 static const double FRAMES_SECONDS = 0.15;
+
+static size_t most_frames(const iso_chart_bench *b)
+{
+    return b->hasty ? HASTY_FRAMES : MOST_FRAMES;
+}
+
 /* What settings leave for others is kept until it is so large. */
 static const double MOST_KEPT_BYTES = 600e6, MOST_OTHERS_BYTES = 1500e6;
 
@@ -42,6 +52,31 @@ static iso_status load(const iso_chart_bench *b, const chart_build *build, const
     return iso_subject_load_pyramid(b->path, b->input, &opt, progress, p, err);
 }
 
+/* "brain" of brain.scene.json; a number is put behind a name that is there already. */
+static void name_scene(iso_chart_bench *b, iso_chart_scene *scene)
+{
+    const char *base = scene->path ? iso_path_base(scene->path) : "first-picture";
+    const size_t length = strcspn(base, ".");
+    snprintf(scene->name, sizeof scene->name, "%.*s", (int)(length < 100 ? length : 100), base);
+    for (const iso_chart_scene *o = b->scenes; o < scene; ++o)
+        if (strcmp(o->name, scene->name) == 0) {
+            const size_t used = strlen(scene->name);
+            snprintf(scene->name + used, sizeof scene->name - used, "-%zu", (size_t)(scene - b->scenes) + 1);
+            break;
+        }
+}
+
+static iso_status add_scene(iso_chart_bench *b, const iso_subject_look *look, iso_error *err)
+{
+    iso_chart_scene *scene = &b->scenes[b->scene_count++];
+    scene->path = look->scene;
+    name_scene(b, scene);
+    iso_status status = iso_subject_make_scene(look, &b->first, &scene->scene, err);
+    return status == ISO_OK ? iso_scene_resolve(&scene->scene, &b->first.levels[0].geometry, iso_pyramid_lo(&b->first),
+                                                iso_pyramid_hi(&b->first), &scene->view, err)
+                             : status;
+}
+
 iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *s, const iso_chart_grid *grid, int threads,
                                 const iso_progress *progress, iso_error *err)
 {
@@ -54,24 +89,33 @@ iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *s, 
                              &(chart_build){grid->first_estimator, grid->first_filter, s->level_count,
                                             grid->first_code},
                              progress, &b->first, err);
-    return status == ISO_OK ? iso_subject_make_view(s->look, &b->first, &b->view, err) : status;
+    for (size_t i = 0; i < s->look_count && status == ISO_OK; ++i)
+        status = add_scene(b, &s->looks[i], err);
+    return status;
+}
+
+static void close_scene(iso_chart_scene *scene)
+{
+    for (size_t k = 0; k < ISO_CHART_MAX_LEVELS; ++k) {
+        iso_tf_table_destroy(&scene->adapted[k]);
+        for (size_t i = 0; i < 2; ++i)
+            iso_tf_2d_destroy(&scene->tf_2d[k][i]);
+    }
+    iso_plan_destroy(&scene->plan);
+    iso_image_destroy(&scene->reference);
+    iso_view_destroy(&scene->view);
+    iso_scene_destroy(&scene->scene);
 }
 
 void iso_chart_bench_close(iso_chart_bench *b)
 {
-    for (size_t k = 0; k < ISO_CHART_MAX_LEVELS; ++k) {
-        iso_tf_table_destroy(&b->adapted[k]);
-        for (size_t i = 0; i < 2; ++i)
-            iso_tf_2d_destroy(&b->tf_2d[k][i]);
-    }
+    for (size_t i = 0; i < b->scene_count; ++i)
+        close_scene(&b->scenes[i]);
     for (size_t i = 0; i < ISO_CHART_PALETTES; ++i)
         iso_palette_destroy(&b->palettes[i]);
     for (size_t i = 0; i < b->kept_count; ++i)
         free(b->kept[i].bytes);
-    iso_plan_destroy(&b->plan);
     iso_node_levels_destroy(&b->nodes);
-    iso_image_destroy(&b->reference);
-    iso_view_destroy(&b->view);
     iso_pyramid_destroy(&b->first);
     for (size_t i = 0; i < b->other_count; ++i)
         iso_pyramid_destroy(&b->others[i]);
@@ -79,17 +123,18 @@ void iso_chart_bench_close(iso_chart_bench *b)
     *b = (iso_chart_bench){.threads = 0};
 }
 
-iso_status iso_chart_bench_reference(iso_chart_bench *b, iso_error *err)
+iso_status iso_chart_bench_reference(iso_chart_bench *b, size_t scene, double tolerance, iso_error *err)
 {
+    iso_chart_scene *s = &b->scenes[scene];
     const iso_pyramid *p = &b->first;
     iso_reference_options opt = iso_reference_defaults();
     opt.source = p->levels[0].directions ? ISO_FROM_FLOAT : ISO_FROM_CODES;
-    opt.tolerance = 1e-3;
+    opt.tolerance = s->reference_tolerance = tolerance;
     opt.threads = b->threads;
     const double start = iso_clock_seconds();
-    iso_status status = iso_reference_render(&p->levels[0], p->options.code, &b->view, &opt, &b->reference,
+    iso_status status = iso_reference_render(&p->levels[0], p->options.code, &s->view, &opt, &s->reference,
                                              &b->progress, err);
-    b->reference_seconds = iso_clock_seconds() - start;
+    s->reference_seconds = iso_clock_seconds() - start;
     return status;
 }
 
@@ -130,14 +175,15 @@ static iso_status need_pyramid(iso_chart_bench *b, const iso_chart_case *c, iso_
 static iso_status need_tf(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
+    iso_chart_scene *s = &b->scenes[c->scene];
     opt.threads = b->threads;
     if (c->second != ISO_SECOND_VALUE_NONE) {
-        iso_tf_2d *tf_2d = &b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
-        return tf_2d->bytes ? ISO_OK : iso_adapt_tf_2d(&b->first, c->level, c->second, &b->view.tf, &opt, tf_2d, err);
+        iso_tf_2d *tf_2d = &s->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
+        return tf_2d->bytes ? ISO_OK : iso_adapt_tf_2d(&b->first, c->level, c->second, &s->view.tf, &opt, tf_2d, err);
     }
-    if (!c->adapted || b->adapted[c->level].entries)
+    if (!c->adapted || s->adapted[c->level].entries)
         return ISO_OK;
-    return iso_adapt_level(&b->first, c->level, &b->view.tf, &opt, &b->adapted[c->level], NULL, err);
+    return iso_adapt_level(&b->first, c->level, &s->view.tf, &opt, &s->adapted[c->level], NULL, err);
 }
 
 /* With few swaps: a chart has no time for the last per cent. */
@@ -152,15 +198,18 @@ static iso_status need_palette(iso_chart_bench *b, const iso_chart_case *c, iso_
 
 static iso_status need_plan(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
 {
-    if (!(c->plan_error > 0) || b->plan.levels)
+    iso_chart_scene *s = &b->scenes[c->scene];
+    iso_status status = ISO_OK;
+    if (!(c->plan_error > 0) || s->plan.levels)
         return ISO_OK;
-    iso_status status = iso_node_levels_create(&b->nodes, &b->first.levels[0], ISO_CHART_BRICK_VOXELS,
-                                               ISO_CHART_BRICK_LEVELS, true, b->threads, err);
-    if (status != ISO_OK)
-        return status;
-    iso_node_levels_round(&b->nodes);
+    if (!b->nodes.nodes[0]) {
+        status = iso_node_levels_create(&b->nodes, &b->first.levels[0], ISO_CHART_BRICK_VOXELS,
+                                        ISO_CHART_BRICK_LEVELS, true, b->threads, err);
+        if (status == ISO_OK)
+            iso_node_levels_round(&b->nodes);
+    }
     const iso_progress silent = {0};
-    return iso_plan_create(&b->plan, &b->nodes, &b->view, 1, b->threads, &silent, err);
+    return status == ISO_OK ? iso_plan_create(&s->plan, &b->nodes, &s->view, 1, b->threads, &silent, err) : status;
 }
 
 /* ---- foresight --------------------------------------------------------------------- */
@@ -169,15 +218,16 @@ static iso_status need_plan(iso_chart_bench *b, const iso_chart_case *c, iso_err
 static double foresee_needs(const iso_chart_bench *b, const iso_chart_case *c)
 {
     const double millions = 1e-6 * (double)iso_geometry_voxel_count(&b->first.levels[0].geometry);
+    const iso_chart_scene *s = &b->scenes[c->scene];
     double a_million = 0;
     if (!pyramid_of(b, c))
         a_million += 0.4;
-    if (c->second != ISO_SECOND_VALUE_NONE ? !b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION].bytes
-                                           : c->adapted && !b->adapted[c->level].entries)
+    if (c->second != ISO_SECOND_VALUE_NONE ? !s->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION].bytes
+                                           : c->adapted && !s->adapted[c->level].entries)
         a_million += 0.2;
     if (c->source == ISO_FROM_PALETTE && !b->palettes[c->palette].xyz)
         a_million += 1;
-    if (c->plan_error > 0 && !b->plan.levels)
+    if (c->plan_error > 0 && !s->plan.levels)
         a_million += 0.8;
     return a_million * millions;
 }
@@ -190,8 +240,14 @@ double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c
     if (!pace->is_known)
         return needs + (other_program ? 4 + 1e-6 * (double)c->voxel_count : 0);
     const double frame = pace->frame_seconds_per_cost * c->relative_cost;
-    const double frames = other_program ? frame : fmin(MOST_FRAMES * frame, FRAMES_SECONDS + frame);
+    const double frames = other_program ? frame : fmin((double)most_frames(b) * frame, FRAMES_SECONDS + frame);
     return needs + pace->setup_seconds * (other_program ? 1 : (double)c->voxel_count) + frames;
+}
+
+double iso_chart_bench_foresee_frame(const iso_chart_bench *b, const iso_chart_case *c)
+{
+    const iso_chart_pace *pace = &b->pace[iso_renderer_index(c->renderer)];
+    return pace->is_known ? pace->frame_seconds_per_cost * c->relative_cost : NAN;
 }
 
 /* The slowest seen; what was slow once, as other work on the machine makes it, is forgotten by halves. */
@@ -203,6 +259,11 @@ static void learn(iso_chart_bench *b, const iso_chart_case *c, double all_second
     pace->setup_seconds = fmax(0.5 * pace->setup_seconds, setup / voxels);
     pace->frame_seconds_per_cost = fmax(0.5 * pace->frame_seconds_per_cost, c->took.median_seconds / c->relative_cost);
     pace->is_known = true;
+}
+
+void iso_chart_bench_learn(iso_chart_bench *b, const iso_chart_case *c)
+{
+    learn(b, c, c->took.median_seconds * (double)c->took.count + c->took.setup_seconds);
 }
 
 /* ---- one setting ------------------------------------------------------------------- */
@@ -251,7 +312,8 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
     iso_render_options opt = iso_render_defaults(c->renderer);
     iso_level levels[ISO_CHART_MAX_LEVELS];
     iso_pyramid p = *base;
-    iso_view view = b->view; /* borrowed, but for an adapted transfer function */
+    iso_chart_scene *s = &b->scenes[c->scene];
+    iso_view view = s->view; /* borrowed, but for an adapted transfer function */
     void *bytes = NULL;
     bool is_kept = true;
     iso_status status = palette || recoded ? need_bytes(b, base, c, &bytes, &is_kept, err) : ISO_OK;
@@ -266,14 +328,14 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
         levels[c->level].palette_index = bytes;
     }
     if (c->second != ISO_SECOND_VALUE_NONE)
-        view.tf_2d = &b->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
+        view.tf_2d = &s->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
     else if (c->adapted)
-        view.tf = b->adapted[c->level];
+        view.tf = s->adapted[c->level];
     opt.source = c->source;
     opt.quadrature = c->preintegrated ? ISO_QUADRATURE_PREINTEGRATED : ISO_QUADRATURE_MIDPOINT;
     opt.step_voxels = c->step_voxels;
     opt.threads = b->threads;
-    opt.repeats = MOST_FRAMES;
+    opt.repeats = most_frames(b);
     opt.repeat_seconds = FRAMES_SECONDS;
     opt.processor_time = b->processor_time;
     opt.stats = &c->took;
@@ -287,10 +349,11 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
 
 static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *image, iso_error *err)
 {
+    iso_chart_scene *s = &b->scenes[c->scene];
     iso_cached_report report = {0};
     const iso_cached_options opt = {.plan_error = c->plan_error,
                                     .step_voxels = c->step_voxels,
-                                    .repeats = MOST_FRAMES,
+                                    .repeats = most_frames(b),
                                     .repeat_seconds = FRAMES_SECONDS,
                                     .threads = b->threads,
                                     .report = &report};
@@ -299,7 +362,7 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
     if (status == ISO_OK && b->processor_time)
         iso_gl_time_processor(gl, true);
     if (status == ISO_OK)
-        status = iso_cached_render_nodes(gl, &b->nodes, &b->plan, &b->view, &opt, image, err);
+        status = iso_cached_render_nodes(gl, &b->nodes, &s->plan, &s->view, &opt, image, err);
     if (status != ISO_OK)
         return status;
     iso_render_stats_of_gl(&report.gl, &c->took);
@@ -326,14 +389,25 @@ static iso_status render(iso_chart_bench *b, iso_chart_case *c, iso_image *image
     return status;
 }
 
+/* What a comparison takes longer for than a frame, FLIP and SSIM, is left out where time is short. */
+static iso_status compare(iso_chart_bench *b, iso_chart_case *c, const iso_image *image, bool visual, iso_error *err)
+{
+    const iso_image *reference = &b->scenes[c->scene].reference;
+    const double start = iso_clock_seconds();
+    const iso_status status = visual ? iso_metrics_measure(reference, image, &c->metrics, err)
+                                     : iso_metrics_measure_differences(reference, image, &c->metrics, err);
+    b->metrics_seconds = iso_clock_seconds() - start;
+    return status;
+}
+
 iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_error *err)
 {
     iso_image image;
     iso_status status = render(b, c, &image, err);
-    const double start = iso_clock_seconds();
     if (status == ISO_OK)
-        status = iso_metrics_measure(&b->reference, &image, &c->metrics, err);
-    b->metrics_seconds = iso_clock_seconds() - start;
+        status = compare(b, c, &image, !b->hasty || b->needs_visual, err);
+    if (status == ISO_OK)
+        c->picture = iso_chart_picture(&image);
     iso_image_destroy(&image);
     c->done = status == ISO_OK;
     return status;
@@ -344,6 +418,8 @@ iso_status iso_chart_bench_time_again(iso_chart_bench *b, iso_chart_case *c, iso
     iso_chart_case again = *c;
     iso_image image;
     iso_status status = render(b, &again, &image, err);
+    if (status == ISO_OK && !isfinite(c->metrics.ssim) && c->metrics.nonfinite_count == 0)
+        status = compare(b, c, &image, true, err);
     iso_image_destroy(&image);
     if (status == ISO_OK)
         iso_render_stats_add(&c->took, &again.took);

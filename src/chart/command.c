@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/words.h"
+#include "chart/kept.h"
 
 static void put_option(FILE *f, const char *option, const char *word)
 {
@@ -68,7 +69,7 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
     fputs("isoshade render ", f);
     iso_words_put_quoted(f, r->bench->path);
     put_input(f, r->bench->input);
-    fputs(r->look, f);
+    fputs(r->looks[c->scene], f);
     if (c->renderer != iso_renderers_usual())
         put_option(f, "with", c->renderer->name);
     if (c->plan_error > 0) {
@@ -99,9 +100,11 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
 }
 
 /* "isoshade compare setting.exr DIR/reference.exr" */
-char *iso_chart_compare_command(const iso_chart_result *r)
+char *iso_chart_compare_command(const iso_chart_result *r, size_t scene)
 {
-    char *text = NULL, *path = iso_path_join(r->output, "reference.exr");
+    char name[192];
+    iso_chart_reference_name(r->bench, scene, name, sizeof name);
+    char *text = NULL, *path = iso_path_join(r->output, name);
     size_t size = 0;
     FILE *f = path ? open_memstream(&text, &size) : NULL;
     if (f) {

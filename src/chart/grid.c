@@ -11,7 +11,7 @@
 
 const size_t iso_chart_palettes[ISO_CHART_PALETTES] = {254, 1022};
 
-const iso_chart_words iso_chart_default_words = {.steps = "2,1,0.5,0.25,0.125",
+const iso_chart_words iso_chart_default_words = {.steps = "4,2,1.5,1,0.75,0.5,0.25,0.125",
                                                  .quadratures = "midpoint,preintegrated",
                                                  .filters = "moments,eq1,naive",
                                                  .estimators = "central,sobel",
@@ -288,12 +288,26 @@ static size_t count_departures(const iso_chart_case *c, const usual_choice *usua
     return n;
 }
 
-/* Departures; the usual pyramid before others, which have to be built; programs after our own renderers; a pyramid at a
+static bool is_power_of_two(double x)
+{
+    int exponent;
+    return frexp(x, &exponent) == 0.5;
+}
+
+/* A coarse level under its own transfer function is nearer to level 0 at no cost, so it is tried before other departures. A
+ * step between two of the usual ones, or above them, fills a front that is there already. */
+static size_t turn_of(const iso_chart_case *c)
+{
+    const bool own_tf = c->adapted && c->second == ISO_SECOND_VALUE_NONE;
+    return 2 * c->departures - own_tf + (!is_power_of_two(c->step_voxels) || c->step_voxels > 2);
+}
+
+/* Turns; the usual pyramid before others, which have to be built; programs after our own renderers; a pyramid at a
  * time, as not all fit in memory; cheap first. */
 static int by_turn(const void *a, const void *b)
 {
     const iso_chart_case *x = a, *y = b;
-    const double keys[][2] = {{(double)x->departures, (double)y->departures},
+    const double keys[][2] = {{(double)x->turn, (double)y->turn},
                               {x->needs_pyramid, y->needs_pyramid},
                               {iso_renderer_has(x->renderer, ISO_IS_PROGRAM),
                                iso_renderer_has(y->renderer, ISO_IS_PROGRAM)},
@@ -306,6 +320,30 @@ static int by_turn(const void *a, const void *b)
         if (keys[i][0] != keys[i][1])
             return keys[i][0] < keys[i][1] ? -1 : 1;
     return 0;
+}
+
+/* Each setting for every scene, one after the other. */
+static iso_status repeat_for_scenes(size_t scene_count, iso_chart_case **cases, size_t *count, iso_error *err)
+{
+    iso_chart_case *all = calloc(scene_count * *count + 1, sizeof *all);
+    if (!all)
+        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", scene_count * *count);
+    for (size_t i = 0; i < scene_count * *count; ++i) {
+        all[i] = (*cases)[i / scene_count];
+        all[i].scene = i % scene_count;
+        all[i].setting = i / scene_count;
+    }
+    free(*cases);
+    *cases = all;
+    *count *= scene_count;
+    return ISO_OK;
+}
+
+void iso_chart_cases_free(iso_chart_case *cases, size_t count)
+{
+    for (size_t i = 0; cases && i < count; ++i)
+        free(cases[i].picture);
+    free(cases);
 }
 
 /* Does the setting differ from the others of the grid? Level 0 has one filter and no adapted TF; on the fly needs neither
@@ -403,11 +441,12 @@ static void add_plans(const iso_chart_grid *g, const iso_level *level0, const us
             c.voxel_count = iso_geometry_voxel_count(&level0->geometry);
             c.relative_cost = relative_cost(level0, &c);
             c.departures = count_departures(&c, usual);
+            c.turn = turn_of(&c);
             cases[(*count)++] = c;
         }
 }
 
-iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume,
+iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, size_t scene_count,
                                 iso_chart_case **cases, size_t *count, iso_error *err)
 {
     usual_choice usual = {.renderer = iso_renderers_usual(),
@@ -430,6 +469,7 @@ iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *firs
             c.voxel_count = iso_geometry_voxel_count(&level->geometry);
             c.relative_cost = relative_cost(level, &c);
             c.departures = count_departures(&c, &usual);
+            c.turn = turn_of(&c);
             c.needs_pyramid = c.filter != usual.filter || c.estimator != usual.estimator;
             c.stored_bytes = stored_bytes(level, &c);
             if (pass == 1)
@@ -443,5 +483,5 @@ iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *firs
     }
     add_plans(g, &first->levels[0], &usual, *cases, count);
     qsort(*cases, *count, sizeof **cases, by_turn);
-    return ISO_OK;
+    return repeat_for_scenes(scene_count, cases, count, err);
 }

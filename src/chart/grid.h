@@ -43,6 +43,8 @@ typedef struct iso_chart_grid {
 
 /* One setting of the grid, and what it gave. */
 typedef struct iso_chart_case {
+    size_t scene;   /* which of the chart's */
+    size_t setting; /* the same number for one setting of all scenes */
     const iso_renderer_info *renderer;
     size_t level;
     iso_gradient_method estimator;
@@ -58,23 +60,34 @@ typedef struct iso_chart_case {
     size_t voxel_count;   /* of the level; a plan's is level 0's */
     double relative_cost; /* samples along all rays, times the fetches of one */
     size_t departures;    /* from the usual choice of each axis but level and step */
+    size_t turn;          /* rises with what is less likely on a front: two for a departure, one for an adapted TF and for
+                           * a step between powers of two */
     bool needs_pyramid;   /* by another estimator or filter than the first */
     iso_render_stats took;
     double stored_bytes; /* of the level in a pyramid on disk: scalars as stored, and directions; of a plan's nodes */
     iso_metrics metrics;
-    bool done, on_time_front, on_bytes_front;
+    bool done, kept;     /* kept: from an earlier run (chart/kept.h) */
+    bool refused;        /* could not be rendered */
+    bool put_off;        /* tried after those that may lie on a front (chart/order.h) */
+    char *picture;       /* owned; a small one as a data URI, or NULL */
+    bool on_time_front, on_bytes_front;           /* of its scene */
+    bool on_renderer_time_front, on_renderer_bytes_front; /* of its scene and renderer */
     size_t number; /* of those on a front that are named in the chart, by falling error, from 1; else 0 */
 } iso_chart_case;
+
+enum { ISO_CHART_MAX_SCENES = 8 };
 
 /* ISO_E_USAGE with the option and the word. */
 iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g, iso_error *err);
 
-/* first: the pyramid of the first estimator and filter; is_volume: the others can be built. *cases is to be freed.
- * Their order: level and step alone, then one departure from the usual choices, then two ..., cheap ones first within
- * each, so that wherever the budget ends, the chart covers all axes, if less densely. Codes and palettes, which differ
- * little, and other programs, which take long, count two; but one image of each other program comes early. */
-iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume,
+/* first: the pyramid of the first estimator and filter; is_volume: the others can be built. *cases is to be released by
+ * iso_chart_cases_free(). Their order: level and step alone, then adapted transfer functions and steps between powers of
+ * two, then one departure from the usual choices, then two ..., cheap ones first within each, so that wherever the budget
+ * ends, the chart covers all axes, if less densely. Codes and palettes, which differ little, and other programs, which take
+ * long, count two; but one image of each other program comes early. Each setting stands there for every scene. */
+iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, size_t scene_count,
                                 iso_chart_case **cases, size_t *count, iso_error *err);
+void iso_chart_cases_free(iso_chart_case *cases, size_t count); /* accepts NULL */
 
 /* "gl; level 1 adapted TF; fit moments; step 0.5 pre-integrated" */
 void iso_chart_describe(const iso_chart_case *c, char *text, size_t size);

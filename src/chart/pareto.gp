@@ -10,6 +10,14 @@ series = ''
 known(s) = strstrt(series, '"' . s . '"') > 0
 of(i) = strcol("series") eq word(series, i)
 stats data using (known(strcol("series")) ? 0 : (series = series . ' "' . strcol("series") . '"', 0)) nooutput
+scenes = ''; renderers = ''
+seen(s) = strstrt(scenes, '"' . s . '"') > 0
+met(s) = strstrt(renderers, '"' . s . '"') > 0
+stats data using (seen(strcol("scene")) ? 0 : (scenes = scenes . ' "' . strcol("scene") . '"', 0)) nooutput
+stats data using (met(strcol("renderer")) ? 0 : (renderers = renderers . ' "' . strcol("renderer") . '"', 0)) nooutput
+rows = words(scenes)
+here(s) = strcol("scene") eq word(scenes, s)
+name_of(scene) = scene[1 : strstrt(scene, '.') > 1 ? strstrt(scene, '.') - 1 : strlen(scene)]
 stats data using (metric = strcol("metric"), kind = strcol("bytes_kind"), scene = strcol("scene"), wide = column("width"), high = column("height"), 0) nooutput
 stats data using (volume = strcol("volume"), machine = strcol("machine"), clock = strcol("time_kind"), want = column("want"), 0) nooutput
 stats data using (column("level")) nooutput
@@ -26,10 +34,10 @@ stats data using (column("bytes")) nooutput
 low[2] = STATS_min; up[2] = STATS_max
 stats data using (column("number")) nooutput
 fronts = STATS_max > 0 ? int(STATS_max) : 0
-array setting[fronts + 1]; array error[fronts + 1]; array x1[fronts + 1]; array x2[fronts + 1]; array flags[fronts + 1]; array rings[fronts + 1]
+array setting[fronts + 1]; array error[fronts + 1]; array x1[fronts + 1]; array x2[fronts + 1]; array flags[fronts + 1]; array rings[fronts + 1]; array whose[fronts + 1]
 at(n) = n > 0 ? int(n) : fronts + 1
 stats data using (n = at(column("number")), setting[n] = strcol("setting"), error[n] = column("error"), x1[n] = column("milliseconds"), x2[n] = column("bytes"), 0) nooutput
-stats data using (n = at(column("number")), rings[n] = int(column("chosen")), flags[n] = int(column("time_front")) + 2 * int(column("bytes_front")), 0) nooutput
+stats data using (n = at(column("number")), rings[n] = int(column("chosen")), whose[n] = strcol("scene"), flags[n] = int(column("time_front")) + 2 * int(column("bytes_front")), 0) nooutput
 # Pixels: the list, the legend, the panels.
 count = words(series)
 rows_of(n, columns) = (n + columns - 1) / columns
@@ -39,7 +47,8 @@ legend_rows = rows_of(count, 4) + 1
 width = 980
 list_top = 26 + row * (list_rows + 1)
 legend_top = list_top + 10 + row * legend_rows
-height = 398 + legend_top
+panel = 384.0 # of a row of panels, with its axis
+height = 14 + panel * rows + legend_top
 load 'style.gp'
 if (!exists("pale")) pale = '#c4c4c4'
 if (!exists("mark")) mark = vermillion
@@ -63,19 +72,19 @@ do for [k = 0:levels - 1] {
 }
 if (preintegrated) set label 300 'with a cross: pre-integrated' at screen 0.075 + 0.115 * (levels % 8), screen (list_top + 10 + 0.5 * row) / height left offset 1.3, -0.3 point pt 1 ps 0.7 * point_scale lc rgb ink
 do for [n = 1:fronts] {
-    set label 400 + n sprintf('%d  %s', n, setting[n]) at screen 0.065 + 0.47 * ((n - 1) / list_rows), screen (list_top - row * (1.5 + (n - 1) % list_rows)) / height left noenhanced font small
+    set label 400 + n sprintf('%d  %s%s', n, rows > 1 ? name_of(whose[n]) . ': ' : '', setting[n]) at screen 0.065 + 0.47 * ((n - 1) / list_rows), screen (list_top - row * (1.5 + (n - 1) % list_rows)) / height left noenhanced font small
 }
-set label 301 sprintf('%s, %s, %d x %d pixels; %s', volume, scene, wide, high, machine) at screen 0.065, screen 12.0 / height left noenhanced font small textcolor rgb ink
+set label 301 sprintf('%s, %s, %d x %d pixels; %s', volume, rows > 1 ? sprintf('%d scenes', rows) : scene, wide, high, machine) at screen 0.065, screen 12.0 / height left noenhanced font small textcolor rgb ink
 if (want > 0) set arrow 1 from graph 0, first want to graph 1, first want nohead lc rgb mark dt 2 lw 1.2 back
-set label 302 (want > 0 ? sprintf('on the front; ringed: the fastest and the smallest with at most %.3g (dashed)', want) : 'on the front') at screen 0.065, screen (list_top - 0.5 * row) / height left noenhanced font small textcolor rgb (want > 0 ? mark : ink)
-bottom = (legend_top + 70) / height
-panel_height = height - 14.0 - (legend_top + 70)
+set label 302 (words(renderers) > 1 ? 'fine dashes: the front of a renderer alone; ' : '') . (want > 0 ? sprintf('on the front; ringed: the fastest and the smallest with at most %.3g (dashed)', want) : 'on the front') at screen 0.065, screen (list_top - 0.5 * row) / height left noenhanced font small textcolor rgb (want > 0 ? mark : ink)
+panel_height = panel - 70.0
 set multiplot
-do for [p = 1:2] {
+do for [s = 1:rows] { do for [p = 1:2] {
     set lmargin at screen (p == 1 ? 0.075 : 0.56)
     set rmargin at screen (p == 1 ? 0.495 : 0.98)
-    set bmargin at screen bottom
-    set tmargin at screen 1 - 14.0 / height
+    set bmargin at screen (legend_top + 70 + panel * (rows - s)) / height
+    set tmargin at screen (legend_top + panel * (rows - s + 1)) / height
+    if (rows > 1) { set label 600 name_of(word(scenes, s)) at graph 0.99, graph 0.97 right noenhanced front }
     cost = p == 1 ? 'milliseconds' : 'bytes'
     flag = p == 1 ? 'time_front' : 'bytes_front'
     format_x = p == 1 ? '%g' : '%.0s %cB'
@@ -93,7 +102,7 @@ do for [p = 1:2] {
     last = top_error; last_x = left_x
     do for [n = 1:fronts] {
         unset label 500 + n
-        if ((flags[n] | rings[n]) & p) {
+        if (((flags[n] | rings[n]) & p) && whose[n] eq word(scenes, s)) {
             x = p == 1 ? x1[n] : x2[n]
             below = last * (bottom_error / top_error) ** (13.0 / panel_height)
             near = abs(log(x / last_x) / log(right_x / left_x)) < 0.08
@@ -102,16 +111,17 @@ do for [p = 1:2] {
             set label 500 + n sprintf('%d', n) at first x, first last right offset (rings[n] & p ? -1.6 : -1.0), 0 font small textcolor rgb ink front
         }
     }
-    plot data using (column(flag) == 1 ? column(cost) : NaN):(column("error")) smooth unique with steps lc rgb pale lw 2.5, \
-         data using (column(cost)):(column(flag) == 1 && p == 1 ? column("error") : outside):(column(cost)):(column("milliseconds_median")) with xerrorbars pt -1 lc rgb ink lw 0.8, \
-         for [i = 1:count] data using (of(i) ? column(cost) : outside):(column("error")):(size_of(column("level"))) with points lt i ps variable, \
-         data using (strcol("quadrature") eq 'preintegrated' ? column(cost) : outside):(column("error")):(0.7 * size_of(column("level"))) with points pt 1 ps variable lw 0.6 lc rgb ink, \
-         data using (ringed(p) ? column(cost) : outside):(column("error")) with points pt 6 ps 2.1 * point_scale lw 2 lc rgb mark
+    plot data using (column(flag) == 1 && here(s) ? column(cost) : NaN):(column("error")) smooth unique with steps lc rgb pale lw 2.5, \
+         for [r = 1:words(renderers) > 1 ? words(renderers) : 0] data using (column('renderer_' . flag) == 1 && here(s) && strcol("renderer") eq word(renderers, r) ? column(cost) : NaN):(column("error")) smooth unique with steps lc rgb ink lw 0.8 dt 2, \
+         data using (column(cost)):(column(flag) == 1 && p == 1 && here(s) ? column("error") : outside):(column(cost)):(column("milliseconds_median")) with xerrorbars pt -1 lc rgb ink lw 0.8, \
+         for [i = 1:count] data using (of(i) && here(s) ? column(cost) : outside):(column("error")):(size_of(column("level"))) with points lt i ps variable, \
+         data using (strcol("quadrature") eq 'preintegrated' && here(s) ? column(cost) : outside):(column("error")):(0.7 * size_of(column("level"))) with points pt 1 ps variable lw 0.6 lc rgb ink, \
+         data using (ringed(p) && here(s) ? column(cost) : outside):(column("error")) with points pt 6 ps 2.1 * point_scale lw 2 lc rgb mark
     do for [i = 1:count] { unset label 100 + i }
     do for [k = 0:levels - 1] { unset label 200 + k }
     do for [n = 1:fronts] { unset label 400 + n }
     unset label 300
     unset label 301
     unset label 302
-}
+} }
 unset multiplot

@@ -2,10 +2,12 @@
 #include "chart/result.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/names.h"
+#include "base/provenance.h"
 #include "chart/pareto.h"
 
 static const struct {
@@ -56,39 +58,158 @@ static int by_falling_error(const void *a, const void *b)
     return x[0] != y[0] ? (x[0] < y[0]) - (x[0] > y[0]) : (x[1] > y[1]) - (x[1] < y[1]);
 }
 
-/* keys: two numbers a setting. The smallest with the wanted error is the fastest of its bytes, and so may stand above the
- * front, on which the most exact of its bytes is. Numbers those that are named on either front from 1, by falling error. */
-static void number_fronts(iso_chart_result *r, const double *error, double *keys)
+const char *iso_chart_scene_title(const iso_chart_result *r, size_t scene)
 {
-    size_t count = 0, number = 0;
-    for (size_t i = 0; i < r->done_count; ++i)
-        if (r->cases[i].on_time_front || r->cases[i].on_bytes_front || i == r->smallest) {
-            keys[2 * count] = error[i];
+    const char *path = r->bench->scenes[scene].path;
+    return path ? iso_provenance_name(path) : "first picture";
+}
+
+/* ---- all scenes together ---- */
+
+static double error_of(const iso_chart_result *r, const iso_chart_case *c)
+{
+    return iso_chart_error(c, r->metric);
+}
+static double seconds_of(const iso_chart_result *r, const iso_chart_case *c)
+{
+    (void)r;
+    return c->took.seconds;
+}
+static double bytes_of(const iso_chart_result *r, const iso_chart_case *c)
+{
+    return iso_chart_bytes_of(c, r->bytes);
+}
+
+/* Those that are done come first, in the order in which the scenes of a setting stood beside each other. */
+static double worst(const iso_chart_result *r, const iso_chart_case *c,
+                    double (*of)(const iso_chart_result *, const iso_chart_case *))
+{
+    double most = 0;
+    size_t found = 0;
+    for (const iso_chart_case *o = r->cases; o < r->cases + r->count && found < r->bench->scene_count; ++o)
+        if (o->done && o->setting == c->setting) {
+            const double value = of(r, o);
+            most = isfinite(value) ? fmax(most, value) : NAN;
+            ++found;
+            if (isnan(most))
+                break;
+        }
+    return found == r->bench->scene_count ? most : NAN;
+}
+
+double iso_chart_worst_error(const iso_chart_result *r, const iso_chart_case *c)
+{
+    return worst(r, c, error_of);
+}
+double iso_chart_worst_seconds(const iso_chart_result *r, const iso_chart_case *c)
+{
+    return worst(r, c, seconds_of);
+}
+
+/* ---- fronts ---- */
+
+/* keys: two numbers a setting. The smallest with the wanted error is the fastest of its bytes, and so may stand above the
+ * front, on which the most exact of its bytes is. Numbers those of a scene that are named on either front, by falling
+ * error, from one after `number`. */
+static size_t number_fronts(iso_chart_result *r, size_t scene, size_t number, double *keys)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < r->done_count; ++i) {
+        const iso_chart_case *c = &r->cases[i];
+        if (c->scene == scene && (c->on_time_front || c->on_bytes_front || i == r->smallest)) {
+            keys[2 * count] = error_of(r, c);
             keys[2 * count++ + 1] = (double)i;
         }
+    }
     qsort(keys, count, 2 * sizeof *keys, by_falling_error);
     double last[2] = {INFINITY, INFINITY};
     for (size_t k = 0; k < count; ++k) {
         const size_t i = (size_t)keys[2 * k + 1];
+        const double error = keys[2 * k];
         iso_chart_case *c = &r->cases[i];
         const bool on[2] = {c->on_time_front, c->on_bytes_front};
         bool named = i == r->fastest || i == r->smallest;
         for (int f = 0; f < 2; ++f)
-            named = named || (on[f] && !(error[i] > ISO_CHART_NAMED_PART * last[f]));
+            named = named || (on[f] && !(error > ISO_CHART_NAMED_PART * last[f]));
         c->number = named ? ++number : 0;
         for (int f = 0; f < 2 && named; ++f)
-            last[f] = on[f] ? error[i] : last[f];
+            last[f] = on[f] ? error : last[f];
     }
+    return number;
 }
 
 /* Plans for several errors may come out as one: of equal bytes and errors the fastest is enough. */
-static void drop_ties(iso_chart_result *r, const double *bytes, const double *error, const double *seconds)
+static void drop_ties(iso_chart_result *r)
 {
     for (size_t i = 0; i < r->done_count; ++i)
-        for (size_t j = 0; j < r->done_count && r->cases[i].on_bytes_front; ++j)
-            if (j != i && r->cases[j].on_bytes_front && bytes[j] == bytes[i] && error[j] == error[i] &&
-                (seconds[j] < seconds[i] || (seconds[j] == seconds[i] && j < i)))
+        for (size_t j = 0; j < r->done_count && r->cases[i].on_bytes_front; ++j) {
+            const iso_chart_case *a = &r->cases[i], *b = &r->cases[j];
+            if (j != i && b->on_bytes_front && b->scene == a->scene && bytes_of(r, b) == bytes_of(r, a) &&
+                error_of(r, b) == error_of(r, a) &&
+                (b->took.seconds < a->took.seconds || (b->took.seconds == a->took.seconds && j < i)))
                 r->cases[i].on_bytes_front = false;
+        }
+}
+
+/* Scratch for all settings. */
+typedef struct front_arrays {
+    double *cost, *error, *keys;
+    bool *front;
+    size_t *at; /* which case */
+} front_arrays;
+
+typedef struct front_of {
+    size_t scene;
+    const iso_renderer_info *renderer; /* NULL: all */
+    double (*cost)(const iso_chart_result *, const iso_chart_case *);
+    size_t flag; /* offsetof a bool of iso_chart_case */
+} front_of;
+
+static void mark_front(iso_chart_result *r, const front_of *f, front_arrays *a)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < r->done_count; ++i) {
+        const iso_chart_case *c = &r->cases[i];
+        if (c->scene != f->scene || (f->renderer && c->renderer != f->renderer))
+            continue;
+        a->cost[n] = f->cost(r, c);
+        a->error[n] = error_of(r, c);
+        a->at[n++] = i;
+    }
+    iso_pareto_front(a->cost, a->error, n, a->front);
+    for (size_t i = 0; i < n; ++i)
+        *(bool *)((char *)&r->cases[a->at[i]] + f->flag) = a->front[i];
+}
+
+static void mark_fronts(iso_chart_result *r, front_arrays *a)
+{
+    for (size_t scene = 0; scene < r->bench->scene_count; ++scene) {
+        mark_front(r, &(front_of){scene, NULL, seconds_of, offsetof(iso_chart_case, on_time_front)}, a);
+        mark_front(r, &(front_of){scene, NULL, bytes_of, offsetof(iso_chart_case, on_bytes_front)}, a);
+        for (size_t i = 0; i < iso_renderer_count(); ++i) {
+            const iso_renderer_info *renderer = iso_renderer_at(i);
+            mark_front(r, &(front_of){scene, renderer, seconds_of, offsetof(iso_chart_case, on_renderer_time_front)}, a);
+            mark_front(r, &(front_of){scene, renderer, bytes_of, offsetof(iso_chart_case, on_renderer_bytes_front)}, a);
+        }
+    }
+    drop_ties(r);
+}
+
+/* By the scene where each is the worst; a setting's case of the first scene stands for it. */
+static void choose(iso_chart_result *r, front_arrays *a)
+{
+    double *const seconds = a->keys, *const bytes = a->cost;
+    for (size_t i = 0; i < r->done_count; ++i) {
+        const iso_chart_case *c = &r->cases[i];
+        a->error[i] = c->scene == 0 ? worst(r, c, error_of) : NAN;
+        seconds[i] = c->scene == 0 ? worst(r, c, seconds_of) : NAN;
+        bytes[i] = c->scene == 0 ? worst(r, c, bytes_of) : NAN;
+    }
+    if (r->want > 0) {
+        r->fastest = iso_pareto_choose(seconds, a->error, a->error, r->done_count, r->want);
+        r->smallest = iso_pareto_choose(bytes, seconds, a->error, r->done_count, r->want);
+    }
+    r->best = iso_pareto_choose(a->error, seconds, a->error, r->done_count, INFINITY);
 }
 
 /* Keeps the order among those that are done, and among the others. */
@@ -114,32 +235,22 @@ iso_status iso_chart_result_sort(iso_chart_result *r, iso_error *err)
 {
     iso_status status = move_done_first(r, err);
     const size_t n = r->done_count;
-    double *seconds = calloc(5 * n + 1, sizeof *seconds), *bytes = seconds + n, *error = bytes + n, *keys = error + n;
-    bool *front = calloc(n + 1, sizeof *front);
-    if (status == ISO_OK && (!seconds || !front))
+    front_arrays a = {calloc(n + 1, sizeof *a.cost), calloc(n + 1, sizeof *a.error), calloc(2 * n + 1, sizeof *a.keys),
+                      calloc(n + 1, sizeof *a.front), calloc(n + 1, sizeof *a.at)};
+    if (status == ISO_OK && (!a.cost || !a.error || !a.keys || !a.front || !a.at))
         status = iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", n);
     r->fastest = r->smallest = r->best = n;
     if (status == ISO_OK) {
-        for (size_t i = 0; i < n; ++i) {
-            seconds[i] = r->cases[i].took.seconds;
-            bytes[i] = iso_chart_bytes_of(&r->cases[i], r->bytes);
-            error[i] = iso_chart_error(&r->cases[i], r->metric);
-        }
-        iso_pareto_front(seconds, error, n, front);
-        for (size_t i = 0; i < n; ++i)
-            r->cases[i].on_time_front = front[i];
-        iso_pareto_front(bytes, error, n, front);
-        for (size_t i = 0; i < n; ++i)
-            r->cases[i].on_bytes_front = front[i];
-        drop_ties(r, bytes, error, seconds);
-        if (r->want > 0) {
-            r->fastest = iso_pareto_choose(seconds, error, error, n, r->want);
-            r->smallest = iso_pareto_choose(bytes, seconds, error, n, r->want);
-        }
-        r->best = iso_pareto_choose(error, seconds, error, n, INFINITY);
-        number_fronts(r, error, keys);
+        mark_fronts(r, &a);
+        choose(r, &a);
+        size_t number = 0;
+        for (size_t scene = 0; scene < r->bench->scene_count; ++scene)
+            number = number_fronts(r, scene, number, a.keys);
     }
-    free(seconds);
-    free(front);
+    free(a.cost);
+    free(a.error);
+    free(a.keys);
+    free(a.front);
+    free(a.at);
     return status;
 }

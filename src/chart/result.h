@@ -5,7 +5,9 @@
  *         pareto.csv         a line a setting: all that is drawn, and the command that renders it again
  *         pareto.gp          draws the CSV; style.gp: fonts, colours, shapes
  *         chart.json         the same as data (schema isoshade.chart/2), with what was not tried
- *         reference.exr      what errors are measured against
+ *         index.html         the same as a page, with a picture of each setting
+ *         reference.exr      what errors are measured against; of several scenes reference-SCENE.exr
+ *         settings.jsonl     what --resume goes on from (kept.h)
  *         palette-N.csv      the palettes that settings use */
 #ifndef ISO_CHART_RESULT_H
 #define ISO_CHART_RESULT_H
@@ -37,12 +39,15 @@ typedef struct iso_chart_result {
     iso_chart_metric metric;
     iso_chart_bytes bytes;
     double want;                          /* 0: none */
-    size_t fastest, smallest;             /* with at most the wanted error; done_count: none */
-    size_t best;                          /* of the least error */
-    double budget_seconds, spent_seconds; /* budget 0: none */
-    const char *scene;                    /* the file, or what stands for one */
-    const char *look;                     /* the options of a command line for what a picture shows */
+    /* Indices of cases, of several scenes the first's: with at most the wanted error in each scene, the fastest by the scene
+     * where it is the slowest; done_count: none. */
+    size_t fastest, smallest;
+    size_t best;                          /* of the least error, in the scene where it is the largest */
+    double budget_seconds, spent_seconds; /* budget 0: none; spent in this run */
+    size_t kept_count;                    /* settings of an earlier run */
+    const char *looks[ISO_CHART_MAX_SCENES]; /* the options of a command line for what a scene's pictures show */
     const char *output, *style;
+    char viewers[ISO_CHART_MAX_SCENES][160]; /* pages of the viewer beside it; or empty */
     char versions[ISO_MAX_RENDERERS][320]; /* empty: not used */
     char left_out[ISO_MAX_RENDERERS][320]; /* why a renderer was; or empty */
     size_t refused_count;                  /* settings that could not be rendered */
@@ -53,7 +58,14 @@ typedef struct iso_chart_result {
  * What gains less is on the front by chance of the clock, or by the last digit of an error. */
 #define ISO_CHART_NAMED_PART 0.95
 
-/* Sorts measured settings before the others, marks and numbers the fronts, and chooses fastest, smallest and best. */
+/* "brain.scene.json", or what stands for one. */
+const char *iso_chart_scene_title(const iso_chart_result *r, size_t scene);
+/* Over all scenes: is the setting of this case done in each of them, and what is the largest there? NaN: it is not. */
+double iso_chart_worst_error(const iso_chart_result *r, const iso_chart_case *c);
+double iso_chart_worst_seconds(const iso_chart_result *r, const iso_chart_case *c);
+
+/* Sorts measured settings before the others, marks and numbers the fronts of each scene, and chooses fastest, smallest and
+ * best. */
 iso_status iso_chart_result_sort(iso_chart_result *r, iso_error *err);
 
 /* Of a setting, the bytes that the second chart shows; what they and the times are: "device" or "stored", "processor" or "clock". */
@@ -64,12 +76,12 @@ const char *iso_chart_time_kind(const iso_chart_result *r);
 /* "isoshade render ..." that gives the setting's image again as setting.exr; to be freed, NULL when memory ends. */
 char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c);
 
-/* "isoshade compare ..." of setting.exr with the chart's reference; to be freed, NULL when memory ends. */
-char *iso_chart_compare_command(const iso_chart_result *r);
+/* "isoshade compare ..." of setting.exr with the scene's reference; to be freed, NULL when memory ends. */
+char *iso_chart_compare_command(const iso_chart_result *r, size_t scene);
 
 json_t *iso_chart_result_json(const iso_chart_result *r);
-/* The folder, whole or not at all. */
-iso_status iso_chart_result_write(const iso_chart_result *r, const json_t *json, iso_error *err);
+/* Writes the files into `folder`, which becomes r->output. */
+iso_status iso_chart_result_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err);
 void iso_chart_result_print(const iso_chart_result *r);
 
 #endif

@@ -2,6 +2,8 @@
 /* result_files.c - what a chart found, as a folder: the table, its charts, and the images that commands refer to. */
 #define _GNU_SOURCE
 #include "chart/result.h"
+#include "chart/kept.h"
+#include "chart/page.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,6 +25,17 @@ static void put_field(FILE *f, const char *text)
     fputc('"', f);
 }
 
+/* 1: the fastest with the wanted error; 2: the smallest; in every scene. */
+static int chosen(const iso_chart_result *r, const iso_chart_case *c)
+{
+    const size_t which[] = {r->fastest, r->smallest};
+    int flags = 0;
+    for (int k = 0; k < 2; ++k)
+        if (which[k] < r->done_count && r->cases[which[k]].setting == c->setting)
+            flags |= 1 << k;
+    return flags;
+}
+
 /* pareto.gp finds the columns by their names. */
 static char *result_csv(const iso_chart_result *r)
 {
@@ -38,7 +51,8 @@ static char *result_csv(const iso_chart_result *r)
     fputs(
         "series,setting,renderer,level,shading_from,filter,estimator,tf,quadrature,step_voxels,plan_error,milliseconds,milliseconds_median,"
         "milliseconds_most,frames,setup_milliseconds,device_bytes,stored_bytes,bytes,error,rmse,max_abs,flip_mean,ssim,time_front,"
-        "bytes_front,number,chosen,want,metric,time_kind,bytes_kind,width,height,volume,scene,versions,machine,command\n",
+        "bytes_front,number,chosen,want,metric,time_kind,bytes_kind,width,height,volume,scene,versions,machine,"
+        "renderer_time_front,renderer_bytes_front,command\n",
         f);
     for (size_t i = 0; i < r->done_count; ++i) {
         const iso_chart_case *c = &r->cases[i];
@@ -57,13 +71,14 @@ static char *result_csv(const iso_chart_result *r)
                 iso_chart_bytes_of(c, r->bytes));
         fprintf(f, "%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,%zu,%d,%.6g,%s,%s,%s,%zu,%zu", iso_chart_error(c, r->metric),
                 c->metrics.rmse, c->metrics.max_abs, c->metrics.flip_mean, c->metrics.ssim, c->on_time_front,
-                c->on_bytes_front, c->number, (i == r->fastest ? 1 : 0) | (i == r->smallest ? 2 : 0), r->want,
-                iso_chart_metric_title(r->metric), iso_chart_time_kind(r), iso_chart_bytes_kind(r),
-                r->bench->view.width, r->bench->view.height);
+                c->on_bytes_front, c->number, chosen(r, c), r->want, iso_chart_metric_title(r->metric),
+                iso_chart_time_kind(r), iso_chart_bytes_kind(r), r->bench->scenes[c->scene].view.width,
+                r->bench->scenes[c->scene].view.height);
         put_field(f, iso_provenance_name(r->bench->path));
-        put_field(f, iso_provenance_name(r->scene));
+        put_field(f, iso_chart_scene_title(r, c->scene));
         put_field(f, versions);
         put_field(f, machine);
+        fprintf(f, ",%d,%d", c->on_renderer_time_front, c->on_renderer_bytes_front);
         put_field(f, command);
         fputc('\n', f);
         free(command);
@@ -78,17 +93,22 @@ static char *result_csv(const iso_chart_result *r)
 /* What commands refer to. */
 static iso_status write_images(const iso_chart_result *r, const char *dir, iso_error *err)
 {
-    char *path = iso_path_join(dir, "reference.exr");
     const iso_image_note notes[] = {{"isoshade:command", r->command_line}, {NULL, NULL}};
-    iso_status status = path ? iso_image_save_exr(&r->bench->reference, path, notes, err)
-                             : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    free(path);
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < r->bench->scene_count && status == ISO_OK; ++i) {
+        char name[192];
+        iso_chart_reference_name(r->bench, i, name, sizeof name);
+        char *path = iso_path_join(dir, name);
+        status = path ? iso_image_save_exr(&r->bench->scenes[i].reference, path, notes, err)
+                      : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+        free(path);
+    }
     for (size_t i = 0; i < ISO_CHART_PALETTES && status == ISO_OK; ++i) {
         char name[64];
         snprintf(name, sizeof name, "palette-%zu.csv", iso_chart_palettes[i]);
         if (!r->bench->palettes[i].xyz)
             continue;
-        path = iso_path_join(dir, name);
+        char *path = iso_path_join(dir, name);
         status = path ? iso_palette_save_csv(&r->bench->palettes[i], path, err)
                       : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
         free(path);
@@ -96,27 +116,21 @@ static iso_status write_images(const iso_chart_result *r, const char *dir, iso_e
     return status;
 }
 
-iso_status iso_chart_result_write(const iso_chart_result *r, const json_t *json, iso_error *err)
+iso_status iso_chart_result_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err)
 {
-    iso_output out;
-    iso_status status = iso_output_begin_dir(&out, r->output, "chart.json", err);
-    if (status != ISO_OK)
-        return status;
-    char *csv = result_csv(r), *path = iso_path_join(out.temp_path, "chart.json");
-    if (!csv || !path)
-        status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    char *csv = result_csv(r), *path = iso_path_join(folder, "chart.json");
+    iso_status status = csv && path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     if (status == ISO_OK)
         status = iso_json_save(path, json, err);
     if (status == ISO_OK)
-        status = write_images(r, out.temp_path, err);
+        status = write_images(r, folder, err);
+    if (status == ISO_OK)
+        status = iso_chart_page_write(r, folder, json, err);
     if (status == ISO_OK && r->style)
-        status = iso_gnuplot_use_style(r->style, out.temp_path, err);
+        status = iso_gnuplot_use_style(r->style, folder, err);
     const char *const formats[] = {"svg", "pdf"};
     for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
-        status = iso_gnuplot_draw(out.temp_path, "pareto", csv, iso_pareto_gp, formats[i], err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
-    iso_output_abandon(&out);
+        status = iso_gnuplot_draw(folder, "pareto", csv, iso_pareto_gp, formats[i], err);
     free(csv);
     free(path);
     return status;

@@ -9,6 +9,7 @@
 #include "base/machine.h"
 #include "base/provenance.h"
 #include "base/version.h"
+#include "chart/kept.h"
 
 static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
 {
@@ -29,8 +30,12 @@ static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
                                         "setup_milliseconds", 1e3 * c->took.setup_seconds, "device_bytes",
                                         c->took.bytes, "stored_bytes", c->stored_bytes));
     json_object_update_new(o, iso_metrics_to_json(&c->metrics));
+    json_object_set_new(o, "scene", json_string(r->bench->scenes[c->scene].name));
     json_object_set_new(o, "on_time_front", json_boolean(c->on_time_front));
     json_object_set_new(o, "on_bytes_front", json_boolean(c->on_bytes_front));
+    json_object_set_new(o, "on_renderer_time_front", json_boolean(c->on_renderer_time_front));
+    json_object_set_new(o, "on_renderer_bytes_front", json_boolean(c->on_renderer_bytes_front));
+    json_object_set_new(o, "kept", json_boolean(c->kept));
     if (c->number > 0)
         json_object_set_new(o, "number", json_integer((json_int_t)c->number));
     json_object_set_new(o, "command", json_string(command ? command : ""));
@@ -59,22 +64,42 @@ static json_t *want_json(const iso_chart_result *r)
     return want;
 }
 
+static json_t *scenes_json(const iso_chart_result *r)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < r->bench->scene_count; ++i) {
+        const iso_chart_scene *s = &r->bench->scenes[i];
+        char reference[192];
+        iso_chart_reference_name(r->bench, i, reference, sizeof reference);
+        json_t *o = json_pack("{s:s, s:s, s:[I,I], s:s, s:f, s:f}", "name", s->name, "scene", iso_chart_scene_title(r, i),
+                              "image", (json_int_t)s->view.width, (json_int_t)s->view.height, "reference", reference,
+                              "reference_tolerance", s->reference_tolerance, "reference_seconds", s->reference_seconds);
+        if (r->viewers[i][0])
+            json_object_set_new(o, "viewer", json_string(r->viewers[i]));
+        json_array_append_new(list, o);
+    }
+    return list;
+}
+
 json_t *iso_chart_result_json(const iso_chart_result *r)
 {
     json_t *root = json_pack("{s:s, s:s}", "schema", "isoshade.chart/2", "command", r->command_line),
            *cases = json_array(), *names = json_array();
+    const iso_chart_scene *first = &r->bench->scenes[0];
     iso_chart_tags *untried;
     json_object_set_new(root, "options",
                         json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume",
-                                  iso_provenance_name(r->bench->path), "scene", iso_provenance_name(r->scene), "metric",
+                                  iso_provenance_name(r->bench->path), "scene", iso_chart_scene_title(r, 0), "metric",
                                   iso_chart_metric_name(r->metric), "time", iso_chart_time_kind(r), "bytes",
                                   iso_chart_bytes_kind(r), "budget_seconds", r->budget_seconds, "image",
-                                  (json_int_t)r->bench->view.width, (json_int_t)r->bench->view.height));
+                                  (json_int_t)first->view.width, (json_int_t)first->view.height));
+    json_object_set_new(root, "scenes", scenes_json(r));
     json_object_set_new(root, "isoshade", json_string(ISO_VERSION));
     json_object_set_new(root, "versions", strings_json(r->versions));
     json_object_set_new(root, "machine", iso_machine_describe());
     json_object_set_new(root, "spent_seconds", json_real(r->spent_seconds));
-    json_object_set_new(root, "reference_seconds", json_real(r->bench->reference_seconds));
+    json_object_set_new(root, "reference_seconds", json_real(first->reference_seconds));
+    json_object_set_new(root, "kept_count", json_integer((json_int_t)r->kept_count));
     json_object_set_new(root, "skipped_count", json_integer((json_int_t)(r->count - r->done_count - r->refused_count)));
     json_object_set_new(root, "refused_count", json_integer((json_int_t)r->refused_count));
     json_object_set_new(root, "left_out", strings_json(r->left_out));

@@ -71,7 +71,7 @@ static void measure_differences(const iso_image *a, const iso_image *b, float *l
     m->psnr_db = m->rmse > 0 ? -20 * log10(m->rmse) : INFINITY;
 }
 
-iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *m, iso_error *err)
+static iso_status measure(const iso_image *a, const iso_image *b, bool visual, iso_metrics *m, iso_error *err)
 {
     *m = (iso_metrics){.rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
     size_t count = a->width * a->height;
@@ -95,13 +95,23 @@ iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metri
     measure_differences(a, b, map, m);
     size_t rank = count - count / 100; /* at least 99 % of the pixels are at or below it */
     m->p99_abs = select_smallest(map, count, rank - 1);
-    iso_status status = iso_ssim_mean(a, b, &m->ssim, err);
-    if (status == ISO_OK)
+    iso_status status = visual ? iso_ssim_mean(a, b, &m->ssim, err) : ISO_OK;
+    if (status == ISO_OK && visual)
         status = iso_flip_ldr(a, b, ISO_FLIP_PIXELS_PER_DEGREE, map, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK && visual)
         m->flip_mean = iso_flip_mean(map, count);
     free(map);
     return status;
+}
+
+iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *m, iso_error *err)
+{
+    return measure(a, b, true, m, err);
+}
+
+iso_status iso_metrics_measure_differences(const iso_image *a, const iso_image *b, iso_metrics *m, iso_error *err)
+{
+    return measure(a, b, false, m, err);
 }
 
 bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances)

@@ -19,6 +19,9 @@ typedef struct iso_tolerances {
     double rmse, max_abs, p99_abs, ssim_dissimilarity, flip_mean;
 } iso_tolerances;
 
+/* iso_metrics_measure() without SSIM and FLIP, which are NaN: they take most of its time. */
+iso_status iso_metrics_measure_differences(const iso_image *a, const iso_image *b, iso_metrics *metrics, iso_error *err);
+
 /* NaN is never within tolerances; without any tolerance only equal images are. */
 bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances);
 

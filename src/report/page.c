@@ -16,7 +16,7 @@
 ISO_EMBED(iso_report_html, "src/report/report.html");
 ISO_EMBED(iso_difference_html, "src/report/difference.html");
 ISO_EMBED(iso_report_css, "src/report/report.css");
-ISO_EMBED(iso_report_js, "src/report/report.js");
+ISO_EMBED(iso_report_js, "src/report/report.js"); /* declared in page.h too */
 ISO_EMBED(iso_report_difference_js, "src/report/report_difference.js");
 ISO_EMBED(iso_report_tables_js, "src/report/report_tables.js");
 ISO_EMBED(iso_report_inspector_js, "src/report/report_inspector.js");
@@ -27,10 +27,12 @@ ISO_EMBED(iso_difference_page_js, "src/report/difference_page.js");
 /* One script for a page, in an order in which each part finds what it needs. */
 const iso_page iso_page_of_report = {iso_report_html,
                                      {iso_report_js, iso_report_difference_js, iso_report_tables_js,
-                                      iso_report_inspector_js, iso_report_levels_js, iso_report_page_js}};
+                                      iso_report_inspector_js, iso_report_levels_js, iso_report_page_js},
+                                     NULL};
 const iso_page iso_page_of_difference = {iso_difference_html,
                                          {iso_report_js, iso_report_difference_js, iso_report_inspector_js,
-                                          iso_difference_page_js}};
+                                          iso_difference_page_js},
+                                         NULL};
 
 /* ---- pictures as text ---- */
 
@@ -117,9 +119,10 @@ static void put_html(FILE *f, const char *s)
 
 static void put_mark(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *mark)
 {
-    if (strcmp(mark, "STYLE") == 0)
+    if (strcmp(mark, "STYLE") == 0) {
         fputs(iso_report_css, f);
-    else if (strcmp(mark, "SCRIPT") == 0)
+        fputs(page->style ? page->style : "", f);
+    } else if (strcmp(mark, "SCRIPT") == 0)
         for (size_t i = 0; page->scripts[i]; ++i)
             fputs(page->scripts[i], f);
     else if (strcmp(mark, "DATA") == 0)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* page.h - self-contained pages of a template, scripts and data, with pictures as text. Private to reports. */
+/* page.h - self-contained pages of a template, scripts and data, with pictures as text: those of reports, and the chart's. */
 #ifndef ISO_REPORT_PAGE_H
 #define ISO_REPORT_PAGE_H
 
@@ -10,8 +10,10 @@ enum { ISO_PAGE_MOST_SCRIPTS = 8 };
 typedef struct iso_page {
     const char *html; /* with marks @STYLE@, @SCRIPT@, @DATA@, @INLINED@, @TITLE@, @SENTENCE@ */
     const char *scripts[ISO_PAGE_MOST_SCRIPTS + 1]; /* one after the other; ends with NULL */
+    const char *style; /* behind the report's; or NULL */
 } iso_page;
 extern const iso_page iso_page_of_report, iso_page_of_difference;
+extern const char iso_report_js[]; /* what the scripts of all pages build on */
 
 /* data has "title" and "sentence"; no text of it ends an element of the page. */
 iso_status iso_page_write(const char *path, const iso_page *page, const json_t *data, const json_t *inlined,

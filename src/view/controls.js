@@ -157,7 +157,8 @@ const makeControls = (data, state, frames, editor) => {
         if (state.compare === 'difference') parts.push(slider('times', {min: 1, max: 100, step: 1, value: state.amplified}, v => { state.amplified = v; frames.reshow(); }));
         $('compare').replaceChildren(...parts);
     };
-    $('step').replaceChildren(slider('step, voxels', {min: 0.1, max: 4, step: 0.05, value: state.step}, (v, m) => { state.step = v; changed(m); }));
+    const drawStep = () => $('step').replaceChildren(slider('step, voxels', {min: 0.1, max: 4, step: 0.05, value: state.step}, (v, m) => { state.step = v; changed(m); }));
+    drawStep();
 
     const pictureSize = () => { const box = document.getElementById('picture').getBoundingClientRect(); return [Math.round(box.width), Math.round(box.height)]; };
     const sceneNow = () => { const [w, h] = pictureSize(); return sceneJson(data, state, frames.camera(w / h), w, h); };
@@ -167,5 +168,5 @@ const makeControls = (data, state, frames, editor) => {
     $('copy').onclick = async () => { await navigator.clipboard?.writeText($('command').textContent); $('copy').textContent = 'copied'; setTimeout(() => { $('copy').textContent = 'copy'; }, 1500); };
 
     for (const draw of [drawWhat, drawLights, drawShading, drawClips, drawRoi, drawCompare, showCommand]) draw();
-    return {sceneNow, tfNow: () => tfJson(data, state), showCommand, showPreset, drawWhat};
+    return {sceneNow, tfNow: () => tfJson(data, state), showCommand, showPreset, drawWhat, drawStep};
 };

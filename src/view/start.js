@@ -34,14 +34,16 @@ const start = async () => {
     // The page shows its finest level; what is read so far stands for it until then.
     state.level = state.b.level = data.levels[data.levels.length - 1].level;
     if (data.levels.length > 1) state.b.level = data.levels[data.levels.length - 2].level;
-    // "#level=1&adapted&code=none": where a link of a report leads.
+    // "#level=1&adapted&code=none&step=0.5": where a link of a report or a chart leads.
     const follow = () => {
         const asked = new URLSearchParams(location.hash.slice(1)), level = Number(asked.get('level') ?? NaN);
         if (!location.hash) return;
         if (data.levels.some(l => l.level === level)) state.level = level;
         state.adapted = asked.has('adapted');
+        if (Number(asked.get('step')) > 0) state.step = Math.min(Math.max(Number(asked.get('step')), 0.1), 4);
         state.code = asked.get('code') === 'none' ? null : data.codes.includes(asked.get('code')) ? asked.get('code') : state.code;
         controls?.drawWhat();
+        controls?.drawStep();
         if (controls) frames.ask();
     };
     follow();

@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "chart/kept.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "base/json.h"
+#include "base/machine.h"
+#include "base/version.h"
+#include "scene/scene.h"
+
+static const char lines_name[] = "settings.jsonl", schema[] = "isoshade.chart-settings/1";
+
+void iso_chart_reference_name(const iso_chart_bench *b, size_t scene, char *text, size_t size)
+{
+    if (b->scene_count == 1)
+        snprintf(text, size, "reference.exr");
+    else
+        snprintf(text, size, "reference-%s.exr", b->scenes[scene].name);
+}
+
+/* ---- what a chart is of ---- */
+
+static json_t *hash_json(const void *bytes, size_t size)
+{
+    char text[24];
+    snprintf(text, sizeof text, "%016llx", (unsigned long long)XXH3_64bits(bytes, size));
+    return json_string(text);
+}
+
+static json_t *scene_hash_json(const iso_chart_scene *s)
+{
+    json_t *json = iso_scene_to_json(&s->scene);
+    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    json_t *hash = hash_json(text ? text : "", text ? strlen(text) : 0);
+    free(text);
+    json_decref(json);
+    return hash;
+}
+
+/* Settings are the same measurement where all of these are. */
+static json_t *job_json(const iso_chart_bench *b)
+{
+    const iso_level *level0 = &b->first.levels[0];
+    json_t *scenes = json_array(), *machine = iso_machine_describe(), *job = json_object();
+    const iso_pyramid_options *build = &b->first.options;
+    json_object_set_new(job, "version", json_string(ISO_VERSION));
+    json_object_set_new(job, "machine", json_incref(json_object_get(machine, "processor")));
+    json_object_set_new(job, "volume",
+                        hash_json(level0->scalar, sizeof(float) * iso_geometry_voxel_count(&level0->geometry)));
+    for (size_t i = 0; i < b->scene_count; ++i)
+        json_array_append_new(scenes, scene_hash_json(&b->scenes[i]));
+    json_object_set_new(job, "scene", scenes);
+    json_object_set_new(job, "first estimator", json_string(iso_gradient_name(build->gradient.method)));
+    json_object_set_new(job, "kind of time", json_string(b->processor_time ? "processor" : "clock"));
+    json_decref(machine);
+    return job;
+}
+
+/* Of what the file says: ISO_OK where there is no job in it, or this one. */
+static iso_status check_job(const char *folder, const json_t *found, const json_t *job, bool *same, iso_error *err)
+{
+    const char *key;
+    json_t *value;
+    *same = false;
+    if (!found)
+        return ISO_OK;
+    json_object_foreach((json_t *)job, key, value) {
+        if (!json_equal(value, json_object_get(found, key)))
+            return iso_fail(err, ISO_E_USAGE,
+                            "--resume: what %s has measured is of another %s; without --resume the chart begins anew", folder,
+                            key);
+    }
+    *same = true;
+    return ISO_OK;
+}
+
+/* ---- lines ---- */
+
+static json_t *case_line(const iso_chart_bench *b, const iso_chart_case *c)
+{
+    char setting[192];
+    const iso_metrics *m = &c->metrics;
+    iso_chart_describe(c, setting, sizeof setting);
+    json_t *frames = json_array();
+    for (size_t i = 0; i < c->took.count && i < ISO_RENDER_MAX_FRAMES; ++i)
+        json_array_append_new(frames, json_real(c->took.frame_seconds[i]));
+    json_t *line = json_pack("{s:s, s:s, s:o, s:f, s:f, s:f}", "scene", b->scenes[c->scene].name, "setting", setting,
+                             "frame_seconds", frames, "setup_seconds", c->took.setup_seconds, "device_bytes",
+                             c->took.bytes, "stored_bytes", c->stored_bytes);
+    if (line)
+        json_object_update_new(line, iso_metrics_to_json(m));
+    if (line && c->picture)
+        json_object_set_new(line, "picture", json_string(c->picture));
+    return line;
+}
+
+static double number_of(const json_t *line, const char *key)
+{
+    const json_t *value = json_object_get(line, key);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+static iso_metrics metrics_of(const json_t *line)
+{
+    const json_t *worst = json_object_get(line, "worst_pixel");
+    iso_metrics m = {.rmse = number_of(line, "rmse"),
+                     .max_abs = number_of(line, "max_abs"),
+                     .p99_abs = number_of(line, "p99_abs"),
+                     .psnr_db = number_of(line, "psnr_db"),
+                     .ssim = number_of(line, "ssim"),
+                     .flip_mean = number_of(line, "flip_mean"),
+                     .nonfinite_count = (size_t)fmax(number_of(line, "nonfinite_count"), 0)};
+    m.psnr_db = m.rmse == 0 ? INFINITY : m.psnr_db;
+    for (size_t i = 0; i < 2; ++i)
+        m.worst[i] = (size_t)json_integer_value(json_array_get(worst, i));
+    return m;
+}
+
+/* What a line says of a setting. Damaged lines, as the last of a killed process may be, say nothing. */
+static void take_line(const json_t *line, iso_chart_case *c)
+{
+    double frames[ISO_RENDER_MAX_FRAMES];
+    const json_t *list = json_object_get(line, "frame_seconds");
+    size_t count = 0;
+    for (size_t i = 0; i < json_array_size(list) && count < ISO_RENDER_MAX_FRAMES; ++i)
+        frames[count++] = json_number_value(json_array_get(list, i));
+    if (count == 0 || !json_is_number(json_object_get(line, "device_bytes")))
+        return;
+    iso_render_stats_sum_up(&c->took, frames, count);
+    c->took.setup_seconds = number_of(line, "setup_seconds");
+    c->took.bytes = number_of(line, "device_bytes");
+    c->stored_bytes = number_of(line, "stored_bytes");
+    c->metrics = metrics_of(line);
+    free(c->picture);
+    const char *picture = json_string_value(json_object_get(line, "picture"));
+    c->picture = picture ? strdup(picture) : NULL;
+    c->done = c->kept = true;
+}
+
+typedef struct case_key {
+    char text[340];
+    iso_chart_case *of;
+} case_key;
+
+static int by_text(const void *a, const void *b)
+{
+    return strcmp(((const case_key *)a)->text, ((const case_key *)b)->text);
+}
+
+static iso_status take_lines(FILE *f, const iso_chart_bench *b, iso_chart_case *cases, size_t count, iso_error *err)
+{
+    case_key *keys = malloc((count + 1) * sizeof *keys), wanted;
+    char *text = NULL, setting[192];
+    size_t size = 0;
+    if (!keys)
+        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", count);
+    for (size_t i = 0; i < count; ++i) {
+        iso_chart_describe(&cases[i], setting, sizeof setting);
+        snprintf(keys[i].text, sizeof keys[i].text, "%s; %s", b->scenes[cases[i].scene].name, setting);
+        keys[i].of = &cases[i];
+    }
+    qsort(keys, count, sizeof *keys, by_text);
+    while (getline(&text, &size, f) > 0) {
+        json_t *line = json_loads(text, 0, NULL);
+        const char *scene = json_string_value(json_object_get(line, "scene")),
+                   *of = json_string_value(json_object_get(line, "setting"));
+        snprintf(wanted.text, sizeof wanted.text, "%s; %s", scene ? scene : "", of ? of : "");
+        const case_key *found = scene && of ? bsearch(&wanted, keys, count, sizeof *keys, by_text) : NULL;
+        if (found)
+            take_line(line, found->of);
+        json_decref(line);
+    }
+    free(text);
+    free(keys);
+    return ISO_OK;
+}
+
+/* ---- the folder ---- */
+
+static json_t *read_job(const char *dir)
+{
+    char *path = iso_path_join(dir, lines_name), *text = NULL;
+    size_t size = 0;
+    FILE *f = path ? fopen(path, "r") : NULL;
+    json_t *first = f && getline(&text, &size, f) > 0 ? json_loads(text, 0, NULL) : NULL;
+    const char *found = json_string_value(json_object_get(first, "schema"));
+    json_t *job = found && strcmp(found, schema) == 0 ? json_incref(json_object_get(first, "job")) : NULL;
+    json_decref(first);
+    if (f)
+        fclose(f);
+    free(text);
+    free(path);
+    return job;
+}
+
+static iso_status copy_file(const char *from, const char *to, const char *name, iso_error *err)
+{
+    char *source = iso_path_join(from, name), *target = iso_path_join(to, name), *bytes = NULL;
+    size_t size = 0;
+    iso_status status = source && target ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    if (status == ISO_OK && iso_path_exists(source)) {
+        status = iso_file_read(source, &bytes, &size, err);
+        if (status == ISO_OK)
+            status = iso_file_write(target, bytes, size, err);
+    }
+    free(bytes);
+    free(source);
+    free(target);
+    return status;
+}
+
+/* A finished chart's files go on where no interrupted one is. */
+static iso_status copy_finished(iso_chart_kept_file *k, const iso_chart_bench *b, iso_error *err)
+{
+    iso_status status = copy_file(k->output.final_path, k->output.temp_path, lines_name, err);
+    for (size_t i = 0; i < b->scene_count && status == ISO_OK; ++i) {
+        char name[192];
+        iso_chart_reference_name(b, i, name, sizeof name);
+        status = copy_file(k->output.final_path, k->output.temp_path, name, err);
+    }
+    return status;
+}
+
+static iso_status begin_lines(iso_chart_kept_file *k, const json_t *job, iso_error *err)
+{
+    char *path = iso_path_join(k->output.temp_path, lines_name);
+    k->lines = path ? fopen(path, k->resumed ? "a+" : "w") : NULL;
+    if (!k->lines) {
+        free(path);
+        return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", k->output.final_path, strerror(errno));
+    }
+    free(path);
+    if (k->resumed) /* what a killed process wrote last may lack its end */
+        fputc('\n', k->lines);
+    else {
+        json_t *first = json_pack("{s:s, s:O}", "schema", schema, "job", (json_t *)job);
+        json_dumpf(first, k->lines, JSON_COMPACT);
+        fputc('\n', k->lines);
+        json_decref(first);
+    }
+    if (fflush(k->lines) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be written", k->output.final_path);
+    k->begun = k->resumed ? 0 : ftell(k->lines);
+    return ISO_OK;
+}
+
+iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool resume, const iso_chart_bench *b,
+                               iso_error *err)
+{
+    *k = (iso_chart_kept_file){.lines = NULL};
+    bool partial = false;
+    json_t *job = job_json(b), *found = NULL;
+    iso_status status = iso_output_resume_dir(&k->output, folder, "chart.json", resume, &partial, err);
+    if (status == ISO_OK && resume && !partial)
+        status = copy_finished(k, b, err);
+    if (status == ISO_OK && resume) {
+        found = read_job(k->output.temp_path);
+        status = check_job(folder, found, job, &k->resumed, err);
+        if (status != ISO_OK) { /* what is there stays, but for the copy of a finished chart */
+            if (partial)
+                iso_output_keep(&k->output);
+            else
+                iso_output_abandon(&k->output);
+        }
+    }
+    if (status == ISO_OK)
+        status = begin_lines(k, job, err);
+    json_decref(found);
+    json_decref(job);
+    return status;
+}
+
+iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_chart_case *cases, size_t count,
+                               iso_error *err)
+{
+    iso_status status = ISO_OK;
+    if (!k->resumed)
+        return ISO_OK;
+    for (size_t i = 0; i < b->scene_count && status == ISO_OK; ++i) {
+        char name[192];
+        iso_chart_reference_name(b, i, name, sizeof name);
+        char *path = iso_path_join(k->output.temp_path, name);
+        if (path && iso_path_exists(path))
+            status = iso_image_load_exr(path, &b->scenes[i].reference, err);
+        free(path);
+    }
+    rewind(k->lines);
+    if (status == ISO_OK)
+        status = take_lines(k->lines, b, cases, count, err);
+    fseek(k->lines, 0, SEEK_END);
+    /* without its reference nothing of a scene counts */
+    for (size_t i = 0; i < count; ++i) {
+        cases[i].done = cases[i].kept = cases[i].done && b->scenes[cases[i].scene].reference.rgba;
+        if (cases[i].done)
+            iso_chart_bench_learn(b, &cases[i]);
+    }
+    return status;
+}
+
+iso_status iso_chart_kept_put_reference(iso_chart_kept_file *k, const iso_chart_bench *b, size_t scene, iso_error *err)
+{
+    char name[192];
+    iso_chart_reference_name(b, scene, name, sizeof name);
+    char *path = iso_path_join(k->output.temp_path, name), *part = iso_path_join(k->output.temp_path, ".part.exr");
+    iso_status status = path && part ? iso_image_save_exr(&b->scenes[scene].reference, part, NULL, err)
+                                     : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    if (status == ISO_OK && rename(part, path) != 0)
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", name, strerror(errno));
+    free(path);
+    free(part);
+    return status;
+}
+
+iso_status iso_chart_kept_put(iso_chart_kept_file *k, const iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
+{
+    json_t *line = case_line(b, c);
+    char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    iso_status status = text && fprintf(k->lines, "%s\n", text) > 0 && fflush(k->lines) == 0
+                            ? ISO_OK
+                            : iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", lines_name, strerror(errno));
+    free(text);
+    json_decref(line);
+    return status;
+}
+
+iso_status iso_chart_kept_commit(iso_chart_kept_file *k, iso_error *err)
+{
+    const bool bad = ferror(k->lines);
+    if (fclose(k->lines) != 0 || bad) {
+        k->lines = NULL;
+        return iso_fail(err, ISO_E_IO, "%s: %s cannot be written", k->output.final_path, lines_name);
+    }
+    k->lines = NULL;
+    const iso_status status = iso_output_commit(&k->output, err);
+    iso_output_abandon(&k->output); /* what stood there before */
+    return status;
+}
+
+void iso_chart_kept_close(iso_chart_kept_file *k)
+{
+    const long written = k->lines ? ftell(k->lines) : 0;
+    if (k->lines)
+        fclose(k->lines);
+    k->lines = NULL;
+    if (written > k->begun)
+        iso_output_keep(&k->output);
+    else
+        iso_output_abandon(&k->output);
+}
