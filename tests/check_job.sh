@@ -9,17 +9,57 @@ job() { "$ISOSHADE" validate v.nrrd --scene "$scene" --with gl --quick --level-v
 # ---- few pixels of a faint level: a single halving leaves .63 of the error by chance, one more tells that from a fault ----
 check a_faint_level_is_no_false_alarm job --size 32 --levels 2 -o faint
 
+# ---- one start of POV-Ray draws both passes of both steps of a limit ----
+if command -v povray >/dev/null; then
+    printf '#!/bin/sh\necho started >>"%s/starts"\nexec %s "$@"\n' "$dir" "$(command -v povray)" >counted && chmod +x counted
+    check a_limit_by_povray env ISOSHADE_POVRAY="$dir/counted" "$ISOSHADE" render v.nrrd --scene "$scene" --with povray --size 8 --limit --step 1 -q -o limit.exr
+    check is_one_start_and_one_for_its_version test "$(wc -l <starts)" -le 2
+fi
+
+# ---- a job that is killed is gone on with, to the same result; what was changed is not taken ----
+"$ISOSHADE" make shells --size 12x11x10 -q -o v.nrrd
+long() { job --size 20x16 --limit-size 10 --levels 2 "$@"; }
+check a_whole_job long --resume -o whole
+mkdir killed && cd killed || exit 1
+cp ../v.nrrd . && "$ISOSHADE" validate v.nrrd --scene "$scene" --with gl --quick --level-views 2 --level-size 16 -q --size 20x16 --limit-size 10 --levels 2 -o whole >/dev/null 2>&1 &
+pid=$!
+cd ..
+until [ "$(ls killed/whole.work 2>/dev/null | wc -l)" -ge 12 ] || ! kill -0 $pid 2>/dev/null; do sleep 0.01; done
+kill -KILL $pid
+wait $pid 2>/dev/null
+mv killed/whole.work saved
+check pictures_are_left_of_it test "$(ls saved | wc -l)" -ge 12 -a ! -e killed/whole
+cat >same.py <<'PY'
+import json, sys
+a, b = (json.load(open(f"{name}/report.json")) for name in sys.argv[1:3])
+for r in (a, b):
+    for key in ("made", "command", "seconds", "processor_seconds", "work"):
+        r.pop(key)
+    r["agreement"] = sorted(json.dumps({k: v for k, v in row.items() if k not in ("seconds", "command", "number")}) for row in r["agreement"])
+assert a == b, [k for k in a if a[k] != b[k]]
+PY
+resume() { rm -rf "$1.work" && cp -r saved "$1.work" && long --resume -o "$1"; }
+taken() { python3 -c 'import json, sys; print(json.load(open(sys.argv[1] + "/report.json"))["work"]["pictures_taken"])' "$1"; }
+check a_job_that_goes_on resume on
+check comes_to_the_same_result python3 same.py whole on
+check and_leaves_nothing_behind test ! -e on.work
+fresh=$(taken whole) # of its own: the same picture is asked for more than once
+check it_took_what_was_finished test "$(taken on)" -ge $((fresh + 10))
+for f in saved/*; do printf '\101\102' | dd of="$f" bs=1 seek=1000 conv=notrunc status=none; done
+check a_job_with_pictures_that_were_changed resume changed
+check takes_none_of_them test "$(taken changed)" = "$fresh"
+check and_comes_to_the_same_result python3 same.py whole changed
+
 # ---- limits have at most the pixels that are asked for, the same samples all of them ----
-check a_job_with_small_limits job --size 40x30 --limit-size 20 --levels 1 -o small
 cat >small.py <<'PY'
 import json
-r = json.load(open("small/report.json"))
+r = json.load(open("whole/report.json"))
 limit = [row for row in r["agreement"] if row["comparison"] == "limit"]
-assert [row["statistics"]["pixels"] for row in limit] == [[20, 15]], limit
+assert [row["statistics"]["pixels"] for row in limit] == [[10, 8]] * 2, limit
 size = lambda name: [r["images"][name]["width"], r["images"][name]["height"]]
-assert all(size(row[k]) == [20, 15] for row in limit for k in ("image_a", "image_b"))
-assert all(size(row["image_b"]) == [40, 30] for row in r["agreement"] if row["comparison"] == "lock-step" and not row["variant"])
-assert all("--size 20x15" in row["command"] for row in limit)
+assert all(size(row[k]) == [10, 8] for row in limit for k in ("image_a", "image_b"))
+assert all(size(row["image_b"]) == [20, 16] for row in r["agreement"] if row["comparison"] == "lock-step" and not row["variant"])
+assert all("--size 10x8" in row["command"] for row in limit)
 work = r["work"]
 assert work["program_starts"] == 0 and work["processor_seconds"] > 0
 assert work["renderers"]["gl"]["pictures"] > 10 and work["renderers"]["gl"]["pixel_steps"] > work["renderers"]["gl"]["pixels"]
@@ -27,10 +67,24 @@ assert sum(r["processor_seconds"].values()) <= 1.01 * work["processor_seconds"] 
 PY
 check sizes_and_work_are_in_the_report python3 small.py
 
-# ---- one start of POV-Ray draws both passes of both steps of a limit ----
-if command -v povray >/dev/null; then
-    printf '#!/bin/sh\necho started >>"%s/starts"\nexec %s "$@"\n' "$dir" "$(command -v povray)" >counted && chmod +x counted
-    check a_limit_by_povray env ISOSHADE_POVRAY="$dir/counted" "$ISOSHADE" render v.nrrd --scene "$scene" --with povray --size 8 --limit --step 1 -q -o limit.exr
-    check is_one_start_and_one_for_its_version test "$(wc -l <starts)" -le 2
-fi
+# ---- a budget: what is left out is said, and nothing is claimed of it ----
+expect nothing_is_compared_in_no_time 1 job --size 16 --levels 2 --budget 0.01 -o hurried
+check which_is_said grep -q "not compared: shells, level 0, gl: the budget of 0.01 s was over" out
+cat >hurried.py <<'PY'
+import json
+r = json.load(open("hurried/report.json"))
+assert r["options"]["budget_seconds"] == 0.01 and r["levels"] == [] and r["calibration"]
+assert r["agreement"] and all(row["verdict"] == "not compared" and row["not_compared"] == "budget" for row in r["agreement"])
+assert {"consistency", "on-the-fly", "moments"} <= {row["variant"] for row in r["agreement"]}
+PY
+check in_the_report_too python3 hurried.py
+check enough_time_is_no_hurry long --budget 3600 -o enough
+cat >enough.py <<'PY'
+import json
+a, b = (json.load(open(f"{name}/report.json")) for name in ("whole", "enough"))
+key = lambda row: [row[k] for k in ("level", "b", "verdict", "rmse")]
+assert sorted(map(str, map(key, a["agreement"]))) == sorted(map(str, map(key, b["agreement"]))) and a["levels"] == b["levels"]
+PY
+check and_the_verdict_is_the_same python3 enough.py
+refuse a_budget_below_0 2 "--budget" job --budget -1 -o no
 exit $failed

@@ -275,6 +275,13 @@ double iso_process_limit(void)
     return usual_limit_seconds;
 }
 
+static _Atomic double last_moment; /* 0: none */
+
+void iso_process_set_deadline(double clock_seconds)
+{
+    last_moment = clock_seconds;
+}
+
 static void note_outcome(const iso_process_options *options, drain_end end, int result, double start)
 {
     const bool exited = end == DRAIN_CLOSED && WIFEXITED(result), signaled = end == DRAIN_CLOSED && WIFSIGNALED(result);
@@ -295,7 +302,8 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     log->last[0] = log->error[0] = 0;
     const double start = iso_clock_seconds(),
                  limit = options->timeout_seconds > 0 ? options->timeout_seconds : usual_limit_seconds,
-                 deadline = limit > 0 ? start + limit : INFINITY;
+                 last = last_moment > 0 ? fmax(last_moment, start) : INFINITY,
+                 deadline = fmin(limit > 0 ? start + limit : INFINITY, last);
     drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, deadline);
     *ended = end != DRAIN_WAITS;
     if (!*ended)

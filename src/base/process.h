@@ -37,6 +37,8 @@ typedef struct iso_process_options {
 #define ISO_PROCESS_LIMIT_SECONDS 7200
 void iso_process_set_limit(double seconds);
 double iso_process_limit(void);
+/* No program goes on longer than that, by iso_clock_seconds(); 0: without end, as at the start. */
+void iso_process_set_deadline(double clock_seconds);
 
 /* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is
  * captured; on a non-zero exit, a signal or a timeout the status is

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_validate.c - the main job: a volume and a scene to a report. */
 #define _GNU_SOURCE
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
+#include "base/process.h"
 #include "base/provenance.h"
 #include "base/work.h"
 #include "cli/cycles_options.h"
@@ -17,6 +19,7 @@
 #include "options/look.h"
 #include "options/visible.h"
 #include "renderers/external.h"
+#include "renderers/picture_store.h"
 #include "renderers/pictures.h"
 #include "render/gl/raycaster.h"
 #include "report/levels.h"
@@ -33,7 +36,8 @@ typedef struct validate_arguments {
     iso_cli_look look;
     char *output, *with, *renderers, *gl_device, *code, *junit, *summary_md, *suite, **images;
     iso_cli_cycles cycles;
-    int level_count, seeds, quick, limit_size, level_views, level_size, anyway, extinction_scale, viewer;
+    double budget;
+    int level_count, seeds, quick, limit_size, level_views, level_size, resume, anyway, extinction_scale, viewer;
 } validate_arguments;
 
 static char *scene_name_of(const char *path)
@@ -108,18 +112,28 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
     iso_status status = run_stage(v, "levels", iso_validate_levels, err);
     if (status == ISO_OK)
         status = run_stage(v, "calibration", iso_validate_renderers, err);
+    /* What the rest of a budget is for: first what tells most for its time. */
+    iso_process_set_deadline(v->deadline);
+    const bool hurried = v->deadline > 0;
+    v->agreement_part = hurried ? ISO_VALIDATE_SAMPLES : ISO_VALIDATE_ALL;
     if (status == ISO_OK)
         status = run_stage(v, "agreement", iso_validate_agreement, err);
     if (status == ISO_OK)
         status = run_stage(v, "adaptation", iso_validate_adapt, err);
     if (status == ISO_OK)
         status = iso_validate_scale(v, err);
+    if (status == ISO_OK && hurried)
+        status = run_stage(v, "consistency", iso_validate_consistency, err);
+    v->agreement_part = ISO_VALIDATE_LIMITS;
+    if (status == ISO_OK && hurried)
+        status = run_stage(v, "limits", iso_validate_agreement, err);
     if (status == ISO_OK)
         status = run_stage(v, "methods", iso_validate_methods, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK && !hurried)
         status = run_stage(v, "consistency", iso_validate_consistency, err);
     if (status == ISO_OK)
         status = run_stage(v, "artefacts", iso_validate_artefacts, err);
+    iso_process_set_deadline(0);
     return status;
 }
 
@@ -152,7 +166,7 @@ static void print_not_compared(const iso_report *r)
         if (iso_row_verdict(row) != ISO_VERDICT_NOT_COMPARED || ++count > most)
             continue;
         iso_row_name_of(row, name);
-        if (iso_row_uncompared(row) == ISO_UNCOMPARED_STAGE)
+        if (strcmp(iso_row_text(row, "comparison"), "stage") == 0)
             printf("not compared: %s: %s\n", name, iso_row_text(row, "why"));
         else
             printf("not compared: %s, level %lld, %s: %s\n", iso_row_text(row, "scene"),
@@ -210,11 +224,42 @@ static void report_work(iso_report *r)
     json_decref(work);
 }
 
+/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
+static iso_status open_store(const validate_arguments *a, iso_validation *v, iso_error *err)
+{
+    char *folder = NULL;
+    size_t end = strlen(a->output);
+    while (end > 1 && a->output[end - 1] == '/')
+        --end;
+    if (asprintf(&folder, "%.*s.work", (int)end, a->output) < 0)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    const iso_status status = iso_picture_store_open(folder, a->resume, &v->renderers.store, err);
+    free(folder);
+    return status;
+}
+
+static void begin_budget(const validate_arguments *a, const iso_cli *cli, iso_validation *v)
+{
+    const double now = iso_clock_seconds();
+    if (!(a->budget > 0))
+        return;
+    v->budget_seconds = a->budget;
+    v->deadline = now + a->budget;
+    iso_job *job = iso_progress_line_lock(cli->progress);
+    if (job)
+        iso_job_set_deadline(job, now, a->budget);
+    iso_progress_line_unlock(cli->progress);
+    iso_report_put(v->report, "options", "budget_seconds", json_real(a->budget));
+}
+
 /* Summary, charts and page; the verdict. */
 static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
     iso_validate_describe_programs(v);
     report_work(v->report);
+    if (a->resume)
+        iso_report_put(v->report, "work", "pictures_taken",
+                       json_integer((json_int_t)iso_picture_store_taken(v->renderers.store)));
     const iso_report_summary summary = iso_report_summarise(v->report);
     const iso_levels_summary levels = iso_levels_summarize(json_object_get(iso_report_json(v->report), "levels"));
     iso_progress_line_begin_phase(v->line, "report");
@@ -284,8 +329,12 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
         status = check_visible(a, cli, pyramid, &view, err);
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
+    if (status == ISO_OK)
+        status = open_store(a, &v, err);
+    struct iso_picture_store *store = v.renderers.store;
     if (status == ISO_OK) {
         describe_options(a, &v, pyramid->options.code);
+        begin_budget(a, cli, &v);
         iso_validate_assume(&pyramid->levels[0], &view, &scene->agreement);
         iso_validate_report_asked(&v);
         iso_validate_forecast(&v);
@@ -295,6 +344,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     }
     if (status == ISO_OK)
         status = finish(a, cli, &v, err);
+    iso_picture_store_close(store, iso_report_is_finished(v.report));
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     iso_validate_forget_tfs(&v);
@@ -384,17 +434,24 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
         status = iso_subject_parse_image_size(a->look.size, &suite.width, &suite.height, err);
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
+    if (status == ISO_OK)
+        status = open_store(a, &v, err);
+    struct iso_picture_store *store = v.renderers.store;
     if (status == ISO_OK) {
         describe_options(a, &v, build->code);
+        begin_budget(a, cli, &v);
         iso_validate_suite_forecast(&v, suite.folder);
         status = run_stage(&v, "calibration", iso_validate_renderers, err);
     }
+    iso_process_set_deadline(v.deadline);
     if (status == ISO_OK)
         status = iso_validate_suite(&v, &suite, err);
+    iso_process_set_deadline(0);
     if (status == ISO_OK) {
         iso_report_put(v.report, "seconds", "total", json_real(iso_clock_seconds() - start));
         status = finish(a, cli, &v, err);
     }
+    iso_picture_store_close(store, iso_report_is_finished(v.report));
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     free(line);
@@ -427,6 +484,8 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
         status = iso_words_check_range("--level-views", a->level_views, 2, ISO_FACE_VIEWS, err);
     if (status == ISO_OK && a->level_size)
         status = iso_words_check_range("--level-size", a->level_size, 16, 1024, err);
+    if (status == ISO_OK && (a->budget < 0 || !isfinite(a->budget)))
+        status = iso_fail(err, ISO_E_USAGE, "--budget is %g, must be seconds above 0", a->budget);
     if (status == ISO_OK && a->limit_size)
         status = iso_words_check_range("--limit-size", a->limit_size, 8, 65536, err);
     if (status == ISO_OK && !a->output)
@@ -481,6 +540,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
         {"limit-size", 0, POPT_ARG_INT, &a.limit_size, 0,
          "pixels along the longer edge of the pictures of limits, at most (64): each is drawn at several steps", "N"},
+        {"budget", 0, POPT_ARG_DOUBLE, &a.budget, 0,
+         "what can be said within so many seconds, besides the calibration; what was not asked is listed", "SECONDS"},
+        {"resume", 0, POPT_ARG_NONE, &a.resume, 0,
+         "go on where a run for the same folder was interrupted: what is finished is kept in DIR.work until the report stands",
+         NULL},
         {"level-views", 0, POPT_ARG_INT, &a.level_views, 0,
          "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},
         {"level-size", 0, POPT_ARG_INT, &a.level_size, 0, "pixels along an edge of them (160; 96 with --quick)", "N"},
@@ -522,10 +586,11 @@ const iso_command iso_command_validate = {
         "are known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
         "What is exported to a program is moved, opened by it as a person would, and has to show the same picture.\n"
         "A pyramid's levels are first built again from its level 0, and have to be the same byte by byte.\n"
-        "What shows too little for its limits, asks for what its renderer does not have, or belongs to a stage in which no\n"
+        "While it runs DIR.work keeps what is finished: --resume goes on from there, to the same report.\n"
+        "What shows too little for its limits, is left out by --budget, asks for what its renderer does not have, or belongs to a stage in which no\n"
         "renderer takes part is not compared, which is said with the reason.\n"
         "Exit code 0: all that was compared agrees, and the levels hold; 1: something differs, or nothing was compared: at all,\n"
-        "in a scene, or of a renderer whose images of a scene show too little; 5: the scene shows less than .1 % of the voxels or\n"
+        "in a scene, or of a renderer whose images of a scene show too little or were left out by the budget; 5: the scene shows less than .1 % of the voxels or\n"
         "of the picture, or a box whose faces are opaque to more than 98 % (--anyway); 7: a renderer is missing; 9: one failed\n"
         "its calibration.\n"
         "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it.",
@@ -534,6 +599,7 @@ const iso_command iso_command_validate = {
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 16 -o report\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --summary-md gl.md -o report-gl\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --budget 20 -o report-hurried\n"
         "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,

@@ -59,6 +59,7 @@ typedef struct iso_extrapolated {
     double allowed;                                  /* RMSE to the reference: the bar, and rounding */
     size_t seeds;                                    /* 1: the renderer is not random, and `noise` is not filled */
     iso_noise_test noise;                            /* tests the seeds' limits against the reference */
+    bool unfinished;                                 /* by validate/limits.h: its time was over before it was good */
     size_t kept_count;                               /* 0, or with `keep` the seeds and 1 ... */
     iso_image *kept; /* ... the limit of each seed, and how far the step's error goes at each value */
 } iso_extrapolated;

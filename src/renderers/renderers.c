@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "base/work.h"
+#include "renderers/picture_store.h"
 #include "renderers/request.h"
 
 void iso_renderers_end(iso_renderers *r)
@@ -159,6 +160,8 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
     iso_status status = check(frame, err);
     if (status != ISO_OK)
         return status;
+    if (iso_picture_store_find(frame->renderers->store, frame, opt, image))
+        return ISO_OK;
     const double start = iso_clock_seconds();
     status = opt->renderer->render(frame, image, &stats, err);
     count_picture(frame, opt);
@@ -169,6 +172,8 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
         stats.setup_seconds = fmax(all - stats.seconds, 0);
     if (status == ISO_OK)
         status = apply_hook(frame, image, err);
+    if (status == ISO_OK)
+        iso_picture_store_put(frame->renderers->store, frame, opt, image);
     if (seconds) /* where a frame is told apart from its textures, the frame: it is what is drawn again and again */
         *seconds = !is_program && stats.setup_seconds > 0 ? stats.seconds : all;
     if (opt->stats)
@@ -203,6 +208,33 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
     }
     for (size_t i = 0; i < count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
+    return status;
+}
+
+/* Takes from the store what is there, and renders the rest by one call. */
+static iso_status render_stored(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
+{
+    struct iso_picture_store *store = q->renderers->store;
+    iso_render_options *frames = malloc(count * sizeof *frames);
+    iso_image *drawn = calloc(count, sizeof *drawn);
+    iso_render_request rest = *q;
+    size_t lacking = 0;
+    iso_status status = frames && drawn ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", count);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        if (!iso_picture_store_find(store, q, &q->options[i], &images[i]))
+            frames[lacking++] = q->options[i];
+    rest.options = frames;
+    if (status == ISO_OK && lacking > 0)
+        status = render_several(&rest, lacking, drawn, err);
+    for (size_t i = 0, next = 0; i < count && status == ISO_OK; ++i)
+        if (!images[i].rgba) {
+            images[i] = drawn[next++];
+            iso_picture_store_put(store, q, &q->options[i], &images[i]);
+        }
+    for (size_t i = 0; i < count && status != ISO_OK; ++i)
+        iso_image_destroy(&images[i]);
+    free(drawn);
+    free(frames);
     return status;
 }
 
@@ -282,5 +314,7 @@ iso_status iso_render_several(const iso_render_request *frames, size_t count, is
 {
     memset(images, 0, count * sizeof *images);
     return frames->renderers->cache ? render_cached(frames, count, images, err)
-                                    : render_several(frames, count, images, err);
+           : frames->renderers->store && frames->options->renderer->render_several
+               ? render_stored(frames, count, images, err)
+               : render_several(frames, count, images, err);
 }

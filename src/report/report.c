@@ -75,6 +75,11 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     return ISO_OK;
 }
 
+bool iso_report_is_finished(const iso_report *r)
+{
+    return r && r->finished;
+}
+
 void iso_report_destroy(iso_report *r)
 {
     if (!r)

@@ -30,6 +30,8 @@ typedef struct iso_report_about {
 /* An existing DIR is replaced only if it holds a report.json. ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_report_create(iso_report **report, const char *dir, const iso_report_about *about, iso_error *err);
 /* Removes a report that was not finished; accepts NULL. */
+/* Does it stand in its folder? NULL does not. */
+bool iso_report_is_finished(const iso_report *report);
 void iso_report_destroy(iso_report *report);
 
 /* The directory as it is called once the report is finished. */

@@ -75,7 +75,7 @@ iso_uncompared iso_row_uncompared(const json_t *row)
 }
 
 /* What is known of scenes so far, by their names: was anything compared, could it have been, and of each renderer whether
- * a row of it was (true), or all were too faint (false). */
+ * a row of it was (true), or all were too faint or too late (false). */
 typedef struct scenes_seen {
     json_t *compared, *asked, *renderers;
 } scenes_seen;
@@ -87,7 +87,9 @@ static void note_row(scenes_seen *seen, const json_t *row)
     const iso_row_identity id = iso_row_identify(row);
     const bool compared = verdict == ISO_VERDICT_AGREE || verdict == ISO_VERDICT_DIFFER,
                faint = verdict == ISO_VERDICT_REPORTED ||
-                       (verdict == ISO_VERDICT_NOT_COMPARED && iso_row_uncompared(row) == ISO_UNCOMPARED_FAINT);
+                       (verdict == ISO_VERDICT_NOT_COMPARED && (iso_row_uncompared(row) == ISO_UNCOMPARED_FAINT ||
+                                                                (iso_row_uncompared(row) == ISO_UNCOMPARED_BUDGET &&
+                                                                 *iso_row_text(row, "renderer"))));
     json_t *renderers = json_object_get(seen->renderers, scene);
     if (!renderers) {
         renderers = json_object();

@@ -42,6 +42,7 @@ iso_verdict iso_row_verdict(const json_t *row);
     X(ISO_UNCOMPARED_NOT, "", "", "") /* it is compared */                                 \
     X(ISO_UNCOMPARED_FAINT, "signal", "case that shows too little for its limit", "cases that show too little for their limits") \
     X(ISO_UNCOMPARED_TRAIT, "trait", "case that asks for what its renderer does not have", "cases that ask for what their renderer does not have") \
+    X(ISO_UNCOMPARED_BUDGET, "budget", "case that the budget left out", "cases that the budget left out") \
     X(ISO_UNCOMPARED_STAGE, "stage", "stage that did not run", "stages that did not run")
 /* clang-format on */
 
@@ -57,7 +58,7 @@ const char *iso_uncompared_text(iso_uncompared reason, size_t count);
 iso_uncompared iso_row_uncompared(const json_t *row);
 
 /* Of rows of agreement: the scenes that keep a question open, each with the renderers of which no row was compared because
- * the scene shows too little; an empty list where nothing at all was compared. "": of the whole report. A renderer that
+ * the scene shows too little or the budget was over; an empty list where nothing at all was compared. "": of the whole report. A renderer that
  * does not have what a scene asks for, and a stage that did not run, keep no question open while something else is
  * compared. New. */
 json_t *iso_rows_unanswered(const json_t *rows);

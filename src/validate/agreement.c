@@ -134,7 +134,8 @@ static iso_status add_row(iso_validation *v, size_t level, iso_report_agreement 
     return status;
 }
 
-/* Is there nothing to compare: the renderer is missing, failed its calibration, or does not have what the scene asks for?
+/* Is there nothing to compare: the renderer is missing, failed its calibration, or does not have what the scene asks for,
+ * or is there no time left?
  * Then *row says so, in the words of why. */
 static bool cannot_compare(const iso_validation *v, const iso_renderer_info *renderer, iso_report_agreement *row,
                            char why[512])
@@ -149,7 +150,13 @@ static bool cannot_compare(const iso_validation *v, const iso_renderer_info *ren
         row->uncompared = ISO_UNCOMPARED_TRAIT;
         row->uncompared_why = why;
     }
-    return refusal->status != ISO_OK || lacks;
+    const bool late = refusal->status == ISO_OK && !lacks && iso_validate_is_out_of_time(v);
+    if (late) {
+        iso_validate_explain_budget(v, why);
+        row->uncompared = ISO_UNCOMPARED_BUDGET;
+        row->uncompared_why = why;
+    }
+    return refusal->status != ISO_OK || lacks || late;
 }
 
 /* A row without images: *row has its comparison, its tier and what cannot_compare() said. */
@@ -175,6 +182,13 @@ static iso_status refuse_failed(iso_validation *v, size_t level, iso_report_agre
     iso_refusal *refusal = &v->refused[iso_renderer_index(renderer)];
     if (!iso_validate_is_its_fault(renderer, status))
         return iso_fail(err, status, "%s", why->text);
+    if (iso_validate_is_out_of_time(v)) { /* that ended it */
+        char late[512];
+        iso_validate_explain_budget(v, late);
+        row.uncompared = ISO_UNCOMPARED_BUDGET;
+        row.uncompared_why = late;
+        return add_without_images(v, level, row, a, renderer, err);
+    }
     if (iso_renderer_has(renderer, ISO_IS_OF_PICTURES)) { /* of which another one may be there */
         row.refused = why->text;
         return add_without_images(v, level, row, a, renderer, err);
@@ -387,6 +401,7 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
     reference.source = a == &t->exported ? ISO_FROM_DECODED : ISO_FROM_CODES;
     reference.threads = v->threads;
     opt.truth = &reference;
+    opt.deadline = v->deadline;
     opt.keep = kept != NULL;
     iso_signal signal;
     iso_status status = iso_signal_of(&a->image, v->view->background, 0, ISO_SIGNAL_RMS, &signal, err);
@@ -398,6 +413,14 @@ static iso_status compare_limit(iso_validation *v, size_t level, const iso_rende
                             &a->image, renderer, &opt, &limit, &failure);
     if (status != ISO_OK)
         return refuse_failed(v, level, row, a->name, renderer, status, &failure, err);
+    if (limit.unfinished) {
+        snprintf(why, sizeof why, "the budget of %g s was over at a step of %g voxel: the error bar is %.2g, the RMSE %.2g",
+                 v->budget_seconds, limit.step_voxels, limit.bar, limit.rmse);
+        row.uncompared = ISO_UNCOMPARED_BUDGET;
+        row.uncompared_why = why;
+        iso_extrapolated_destroy(&limit);
+        return add_without_images(v, level, row, a->name, renderer, err);
+    }
     if (limit.intervals)
         snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);
     else if (limit.seeds > 1)
@@ -513,7 +536,8 @@ static iso_status limits_at(iso_validation *v, size_t level, iso_error *err)
     const iso_view *whole = v->view, small = iso_validate_small_view(whole, v->limit_size);
     level_truths t = {.differ = false};
     v->view = &small;
-    iso_status status = find_truths(v, level, &t, err);
+    t.main.name = t.exported.name = "reference";
+    iso_status status = iso_validate_is_out_of_time(v) ? ISO_OK : find_truths(v, level, &t, err);
     if (status == ISO_OK)
         status = compare_limits(v, level, &t, err);
     v->view = whole;
@@ -526,10 +550,11 @@ static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_er
 {
     (void)unused;
     v->renderers.scene = v->scene_name;
+    const bool samples = v->agreement_part != ISO_VALIDATE_LIMITS, limits = v->agreement_part != ISO_VALIDATE_SAMPLES;
     if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
-        return first_hits(v, level, err);
-    const iso_status status = lock_steps(v, level, true, err);
-    return status == ISO_OK ? limits_at(v, level, err) : status;
+        return samples ? first_hits(v, level, err) : ISO_OK;
+    const iso_status status = samples ? lock_steps(v, level, true, err) : ISO_OK;
+    return status == ISO_OK && limits ? limits_at(v, level, err) : status;
 }
 
 /* By the same samples where they are known, and only else by the limit, which takes many times as long. */
@@ -543,7 +568,8 @@ iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
         const iso_renderer_info *renderer = iso_renderer_at(i);
         if (renderer->lock_step || !iso_renderer_has(renderer, ISO_HAS_LIMIT) || !takes_part(v, i, programs))
             continue;
-        if (!t.main.image.rgba)
+        t.main.name = t.exported.name = "reference";
+        if (!t.main.image.rgba && !iso_validate_is_out_of_time(v))
             status = find_truths(v, level, &t, err);
         if (status == ISO_OK)
             status = compare_limit(v, level, renderer, &t, NULL, err);

@@ -212,6 +212,8 @@ iso_status iso_validate_artefacts(iso_validation *v, iso_error *err)
                                 .level = v->pyramid->level_count - 1,
                                 .view = &view,
                                 .threads = v->threads};
+        if (a.renderer && iso_validate_is_out_of_time(v))
+            return iso_validate_stage_left_out(v, "artefacts", err);
         if (a.renderer)
             status = examine(v, &a, err);
     }

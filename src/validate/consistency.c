@@ -76,6 +76,7 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
 /* What all methods share: the pictures of level 0, the levels made again from it, and what is measured. */
 typedef struct levels_run {
     iso_image finest[max_views];
+    bool late;                  /* the budget was over before all was measured */
     iso_pyramid made;           /* from level 0, where it is not known that the pyramid's own levels are */
     const iso_pyramid *rebuilt; /* that, or the pyramid */
     iso_measured measured;
@@ -219,13 +220,15 @@ static iso_status measure_method(iso_validation *v, levels_run *run, const iso_m
     iso_pyramid other = {0};
     const iso_pyramid *p = m == run->measured.own ? v->pyramid : m->source == ISO_FROM_CODES ? &other : run->rebuilt;
     iso_status status = ISO_OK;
-    if (p == &other)
+    run->late = run->late || iso_validate_is_out_of_time(v);
+    if (p == &other && !run->late)
         status = iso_validate_build_with(v, m->filter, &other, err);
-    for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK; ++level) {
+    for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK && !run->late; ++level) {
         char stage[64];
         snprintf(stage, sizeof stage, "consistency: %s, level %zu", m->name, level);
         iso_progress_report(v->progress, stage, 0);
         status = measure_level(v, run, p, level, m, err);
+        run->late = iso_validate_is_out_of_time(v);
     }
     iso_pyramid_destroy(&other);
     return status;
@@ -354,6 +357,8 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
     iso_status status = ISO_OK;
     if (!is_possible(v))
         return not_possible(v, err);
+    if (iso_validate_is_out_of_time(v))
+        return iso_validate_stage_left_out(v, "consistency", err);
     status = render_finest(v, run.finest, err);
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
         run.measured.shown = run.measured.shown || shows_something(&run.finest[i]);
@@ -364,9 +369,11 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
         status = iso_validate_build_with(v, filter, &run.made, err);
     if (status == ISO_OK)
         status = measure_methods(v, &run, &own, err);
-    if (status == ISO_OK && v->may_add_views && v->consistency_views < ISO_FACE_VIEWS)
+    if (status == ISO_OK && !run.late && v->may_add_views && v->consistency_views < ISO_FACE_VIEWS)
         status = measure_open_levels(v, &run, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK && run.late)
+        status = iso_validate_stage_left_out(v, "consistency", err);
+    else if (status == ISO_OK)
         status = iso_validate_judge_levels(v, &run.measured, run.rebuilt, err);
     forget_finest(run.finest);
     iso_pyramid_destroy(&run.made);

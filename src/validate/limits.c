@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
+
 iso_limit_options iso_limit_defaults(void)
 {
     return (iso_limit_options){.step_voxels = 0.25,
@@ -225,6 +227,7 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
                                   .planes = pair.frames[pair.seeds].planes,
                                   .intervals = pair.frames[pair.seeds].intervals};
         q.options = pair.frames + first;
+        const double began = iso_clock_seconds();
         status = iso_render_several(&q, 2 * pair.seeds - first, pair.images + first, err);
         if (status == ISO_OK)
             status = extrapolate_pair(&q, &pair, reference, opt, &unsteady, out, err);
@@ -233,6 +236,11 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
             finest = step;
         if (status != ISO_OK || is_good(out, opt) || is_hopeless(out, opt) || !(step >= finest))
             break;
+        const double now = iso_clock_seconds();
+        if (opt->deadline > 0 && now + 2 * (now - began) > opt->deadline) {
+            out->unfinished = true;
+            break;
+        }
         halve(&pair, &q.pyramid->levels[q.level], step, opt->finest_voxels, &first);
     }
     destroy_pair(&pair);

@@ -151,6 +151,10 @@ iso_status iso_validate_methods(iso_validation *v, iso_error *err)
         iso_pyramid own = {0};
         const iso_pyramid *p = v->pyramid;
         iso_progress_line_begin_phase(v->line, m->name);
+        if (iso_validate_is_out_of_time(v)) {
+            status = iso_validate_stage_left_out(v, m->name, err);
+            continue;
+        }
         if (m->source == ISO_FROM_CODES && m->filter != v->pyramid->options.direction_filter) {
             status = iso_validate_build_with(v, m->filter, &own, err);
             p = &own;

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "renderers/picture_store.h"
 #include "renderers/pictures.h"
 #include "validate/calibrate.h"
 #include "validate/validate.h"
@@ -42,6 +43,8 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
     snprintf(stage, sizeof stage, "calibration: %s", f->which->name);
     iso_progress_report(v->progress, stage, 0);
     iso_status status = f->which->version(f->which, &v->renderers, f->version, sizeof f->version, &why);
+    if (status == ISO_OK)
+        iso_picture_store_set_version(v->renderers.store, f->which, f->version);
     if (status == ISO_OK)
         status = iso_calibrate(&v->renderers, f->which, NULL, f->checks, &f->check_count, v->progress, &why);
     return status == ISO_OK ? ISO_OK : note_failure(f, status, &why, err);

@@ -45,7 +45,7 @@ static void run_part(team *t, iso_validation *mine, size_t first, size_t i, iso_
 static void work(team *t, const iso_validation *v, int threads, iso_validation_part part, void *user)
 {
     iso_validation mine = *v;
-    mine.renderers = (iso_renderers){.shader_dir = v->renderers.shader_dir};
+    mine.renderers = (iso_renderers){.shader_dir = v->renderers.shader_dir, .store = v->renderers.store};
     mine.threads = threads;
 #pragma omp for schedule(dynamic, 1)
     for (size_t i = 0; i < t->count; ++i)

@@ -58,6 +58,8 @@ typedef struct iso_validation {
         is_as_made; /* the levels were verified, or built here: nothing has to be made again to know what they should be */
     char foreign[512]; /* what the first level that is not made from level 0 differs in; or "" */
     bool quick;
+    double deadline, budget_seconds; /* by iso_clock_seconds(), when nothing more is begun; 0: never */
+    enum { ISO_VALIDATE_ALL, ISO_VALIDATE_SAMPLES, ISO_VALIDATE_LIMITS } agreement_part;
     size_t seeds;     /* of random renderers */
     size_t order;     /* in which the report lists the rows of this part */
     double row_start; /* when what a row compares began */
@@ -90,6 +92,11 @@ iso_status iso_validate_refused_later(const iso_validation *v, iso_error *err);
 /* Into the report's "programs": how each of them was run. */
 void iso_validate_describe_programs(const iso_validation *v);
 
+/* Of --budget. The reason why what is left is not asked, for rows. */
+bool iso_validate_is_out_of_time(const iso_validation *v);
+void iso_validate_explain_budget(const iso_validation *v, char why[512]);
+
+/* v->agreement_part of it. */
 iso_status iso_validate_agreement(iso_validation *v, iso_error *err);
 
 /* Parts 0 to count - 1, which do not depend on each other, as many at a time as there are threads: programs that start,
@@ -143,6 +150,8 @@ void iso_validate_report_asked(const iso_validation *v);
 
 /* A row of the report for a stage that compared nothing, and why. */
 iso_status iso_validate_stage_not_run(const iso_validation *v, const char *stage, const char *why, iso_error *err);
+/* The same for one that the budget left out. */
+iso_status iso_validate_stage_left_out(const iso_validation *v, const char *stage, iso_error *err);
 /* Rows of agreement so far. */
 size_t iso_validate_row_count(const iso_validation *v);
 

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "renderers/picture_store.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "base/file.h"
+#include "isoshade.h"
+
+struct iso_picture_store {
+    char *folder;
+    char versions[ISO_MAX_RENDERERS][96]; /* set before threads share the store */
+    atomic_size_t taken;
+};
+
+iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_store **store, iso_error *err)
+{
+    *store = NULL;
+    if (!keep)
+        iso_remove_tree(folder);
+    if (mkdir(folder, 0777) != 0 && !iso_path_is_dir(folder))
+        return iso_fail(err, ISO_E_IO, "%s: the folder for pictures that are finished cannot be made", folder);
+    iso_picture_store *s = calloc(1, sizeof *s);
+    if (!s || !(s->folder = strdup(folder))) {
+        free(s);
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
+    }
+    *store = s;
+    return ISO_OK;
+}
+
+void iso_picture_store_close(iso_picture_store *store, bool remove)
+{
+    if (!store)
+        return;
+    if (remove)
+        iso_remove_tree(store->folder);
+    free(store->folder);
+    free(store);
+}
+
+void iso_picture_store_set_version(iso_picture_store *store, const iso_renderer_info *r, const char *version)
+{
+    if (store)
+        snprintf(store->versions[iso_renderer_index(r)], sizeof store->versions[0], "%s", version);
+}
+
+size_t iso_picture_store_taken(const iso_picture_store *store)
+{
+    return store ? store->taken : 0;
+}
+
+/* ---- the hash of a request ---- */
+
+static bool is_kept(const iso_picture_store *s, const iso_render_request *q, const iso_render_options *o)
+{
+    const iso_view *v = q->view;
+    return s->versions[iso_renderer_index(o->renderer)][0] && !q->renderers->after.change && !o->stats &&
+           o->repeats <= 1 && !(o->repeat_seconds > 0) && !o->isosurface && !v->tf_2d && !v->extinction_scale && !v->roi &&
+           (o->source == ISO_FROM_CODES || o->source == ISO_FROM_DECODED || o->source == ISO_FROM_ON_THE_FLY) &&
+           !iso_renderer_has(o->renderer, ISO_IS_OF_PICTURES) && !q->renderers->shader_dir;
+}
+
+/* Numbers one by one: structs have gaps between them. */
+static void add_doubles(XXH3_state_t *h, const double *values, size_t count)
+{
+    XXH3_128bits_update(h, values, count * sizeof *values);
+}
+
+static void add_vec(XXH3_state_t *h, iso_vec3 v)
+{
+    add_doubles(h, (const double[]){v.x, v.y, v.z}, 3);
+}
+
+static void add_text(XXH3_state_t *h, const char *text)
+{
+    XXH3_128bits_update(h, text, strlen(text) + 1);
+}
+
+static void add_view(XXH3_state_t *h, const iso_view *v)
+{
+    const iso_camera *c = &v->camera;
+    add_doubles(h, (const double[]){(double)v->width, (double)v->height, c->orthographic, c->half_height, v->step_voxels,
+                                    (double)v->light_count, (double)v->clip_count},
+                7);
+    add_vec(h, c->position), add_vec(h, c->forward), add_vec(h, c->right), add_vec(h, c->up);
+    for (size_t i = 0; i < v->light_count; ++i) {
+        add_vec(h, v->lights[i].direction);
+        add_doubles(h, &v->lights[i].intensity, 1);
+    }
+    for (size_t i = 0; i < v->clip_count; ++i) {
+        add_vec(h, v->clips[i].normal);
+        add_doubles(h, &v->clips[i].offset_mm, 1);
+    }
+    const iso_shading *s = &v->shading;
+    add_doubles(h, (const double[]){s->ambient, s->diffuse, s->specular, s->power}, 4);
+    add_doubles(h, v->background, 3);
+    add_doubles(h, (const double[]){(double)v->tf.count, v->tf.lo, v->tf.hi}, 3);
+    XXH3_128bits_update(h, v->tf.entries, v->tf.count * 4 * sizeof *v->tf.entries);
+}
+
+/* Blender's units and grids' ranges follow level 0 as well as the level that is drawn. */
+static void add_geometry(XXH3_state_t *h, const iso_geometry *g)
+{
+    for (int a = 0; a < 3; ++a)
+        add_doubles(h, (const double[]){(double)g->size[a], g->box_index[a], g->index_to_world.m[a][0],
+                                        g->index_to_world.m[a][1], g->index_to_world.m[a][2]},
+                    5);
+    add_vec(h, g->origin_mm);
+}
+
+static void add_level(XXH3_state_t *h, const iso_pyramid *p, size_t k)
+{
+    const iso_level *l = &p->levels[k], *finest = &p->levels[0];
+    const size_t voxels = iso_geometry_voxel_count(&l->geometry);
+    add_geometry(h, &finest->geometry);
+    add_geometry(h, &l->geometry);
+    add_doubles(h, (const double[]){(double)k, (double)p->options.code, (double)l->stored_type, l->min, l->max, finest->min,
+                                    finest->max, finest->labels},
+                8);
+    XXH3_128bits_update(h, l->scalar, voxels * sizeof *l->scalar);
+    XXH3_128bits_update(h, l->codes, 3 * voxels);
+}
+
+static void add_frame(XXH3_state_t *h, const iso_render_options *o)
+{
+    add_doubles(h, (const double[]){(double)o->source, (double)o->quadrature, o->step_voxels, (double)o->intervals,
+                                    (double)o->planes, o->extrapolate, o->samples, o->seed, o->shade_table, o->exact_lookups},
+                10);
+}
+
+static char *path_of(const iso_picture_store *s, const iso_render_request *q, const iso_render_options *frame)
+{
+    XXH3_state_t *h = XXH3_createState();
+    char *path = NULL;
+    if (!h || XXH3_128bits_reset(h) != XXH_OK) {
+        XXH3_freeState(h);
+        return NULL;
+    }
+    add_text(h, ISO_VERSION);
+    add_text(h, frame->renderer->name);
+    add_text(h, s->versions[iso_renderer_index(frame->renderer)]);
+    add_frame(h, frame);
+    add_view(h, q->view);
+    add_level(h, q->pyramid, q->level);
+    const XXH128_hash_t hash = XXH3_128bits_digest(h);
+    XXH3_freeState(h);
+    if (asprintf(&path, "%s/%016llx%016llx.picture", s->folder, (unsigned long long)hash.high64,
+                 (unsigned long long)hash.low64) < 0)
+        return NULL;
+    return path;
+}
+
+/* ---- files: width, height, checksum of what follows, and the values ---- */
+
+typedef struct header {
+    uint64_t width, height, checksum;
+} header;
+
+static size_t value_bytes(size_t width, size_t height)
+{
+    return width * height * 4 * sizeof(float);
+}
+
+static bool load(const char *path, const iso_view *view, iso_image *image)
+{
+    char *bytes = NULL;
+    size_t size = 0;
+    header about;
+    const size_t wanted = value_bytes(view->width, view->height);
+    bool good = iso_path_exists(path) && iso_file_read(path, &bytes, &size, NULL) == ISO_OK && size == sizeof about + wanted;
+    if (good) {
+        memcpy(&about, bytes, sizeof about);
+        good = about.width == view->width && about.height == view->height &&
+               about.checksum == XXH3_64bits(bytes + sizeof about, wanted) &&
+               iso_image_create(image, view->width, view->height, NULL) == ISO_OK;
+    }
+    if (good)
+        memcpy(image->rgba, bytes + sizeof about, wanted);
+    free(bytes);
+    return good;
+}
+
+bool iso_picture_store_find(iso_picture_store *s, const iso_render_request *q, const iso_render_options *frame,
+                            iso_image *image)
+{
+    char *path = s && is_kept(s, q, frame) ? path_of(s, q, frame) : NULL;
+    const bool found = path && load(path, q->view, image);
+    if (found)
+        ++s->taken;
+    free(path);
+    return found;
+}
+
+void iso_picture_store_put(iso_picture_store *s, const iso_render_request *q, const iso_render_options *frame,
+                           const iso_image *image)
+{
+    if (!s || !is_kept(s, q, frame) || image->width != q->view->width || image->height != q->view->height)
+        return;
+    const size_t count = value_bytes(image->width, image->height);
+    char *path = path_of(s, q, frame);
+    char *bytes = malloc(sizeof(header) + count);
+    const header about = {image->width, image->height, XXH3_64bits(image->rgba, count)};
+    if (path && bytes) {
+        memcpy(bytes, &about, sizeof about);
+        memcpy(bytes + sizeof about, image->rgba, count);
+        iso_file_write(path, bytes, sizeof about + count, NULL);
+    }
+    free(bytes);
+    free(path);
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* picture_store.h - pictures that were rendered, in a folder, so that a job that was interrupted need not draw them again.
+ *
+ * A picture is found by a hash of all that it depends on: the voxels and codes of its level, the view, the options of its
+ * frame, the renderer and its version, and isoshade's. So what is taken from the folder is what would be drawn, whatever
+ * else was asked in between. A file that is cut off or changed does not have its checksum, and counts as not there. Threads may share a
+ * store. Not kept: views with 2D transfer functions, scales or regions, directions that are not from codes or on the fly,
+ * isosurfaces; what is timed; planted faults; pictures that were made elsewhere. */
+#ifndef ISO_PICTURE_STORE_H
+#define ISO_PICTURE_STORE_H
+
+#include "renderers/renderers.h"
+
+typedef struct iso_picture_store iso_picture_store;
+
+/* The folder is made. keep: what is in it is taken, else it is emptied first. */
+iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_store **store, iso_error *err);
+/* remove: the folder, too. NULL: nothing. */
+void iso_picture_store_close(iso_picture_store *store, bool remove);
+
+/* Nothing of a renderer is kept before its version is known. */
+void iso_picture_store_set_version(iso_picture_store *store, const iso_renderer_info *r, const char *version);
+
+/* How many pictures were taken from the folder. */
+size_t iso_picture_store_taken(const iso_picture_store *store);
+
+/* true: *image is created. frame: instead of q->options. */
+bool iso_picture_store_find(iso_picture_store *store, const iso_render_request *q, const iso_render_options *frame,
+                            iso_image *image);
+/* A folder that cannot be written to is no reason to stop: nothing is kept then. */
+void iso_picture_store_put(iso_picture_store *store, const iso_render_request *q, const iso_render_options *frame,
+                           const iso_image *image);
+
+#endif
