@@ -590,9 +590,9 @@ const iso_command iso_command_validate = {
         "What shows too little for its limits, is left out by --budget, asks for what its renderer does not have, or belongs to a stage in which no\n"
         "renderer takes part is not compared, which is said with the reason.\n"
         "Exit code 0: all that was compared agrees, and the levels hold; 1: something differs, or nothing was compared: at all,\n"
-        "in a scene, or of a renderer whose images of a scene show too little or were left out by the budget; 5: the scene shows less than .1 % of the voxels or\n"
-        "of the picture, or a box whose faces are opaque to more than 98 % (--anyway); 7: a renderer is missing; 9: one failed\n"
-        "its calibration.\n"
+        "in a scene, or of a renderer whose images of a scene show too little or were left out by the budget; 5: the scene\n"
+        "shows less than .1 % of the voxels or of the picture, or a box whose faces are opaque to more than 98 % (--anyway);\n"
+        "7: a renderer is missing; 9: one failed its calibration.\n"
         "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
