@@ -107,8 +107,30 @@ check a_changed_description_is_refused ends 4 'was changed since it was written'
 check memory_is_not_taken_for_what_cannot_be_there ends 4 'bytes of bzip2 cannot hold' isoshade info b.nrrd
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 999999999\nencoding: raw\ndata file: %%d.raw 0 999999998 1\n' >many.nhdr
 check a_thousand_million_names_are_not_made ends 5 'names 999999999 data files' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.nhdr'
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: fifo.scene.json\n' >fifo.nhdr
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nencoding: raw\ndata file: LIST\nfifo.scene.json\nnone\n' >list.nhdr
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nencoding: raw\ndata file: fifo%%d.raw 1 2 1\n' >numbers.nhdr
+printf 'ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementSpacing = 1 1 1\nElementDataFile = fifo.scene.json\n' >fifo.mhd
+mkfifo fifo.scene.json fifo2.raw
+for header in fifo.nhdr list.nhdr numbers.nhdr fifo.mhd; do
+    check "a_pipe_is_not_waited_for_by_$header" ends 3 'not a regular file' timeout 60 "$ISOSHADE" info $header
+done
+printf 'index,x,y,z\n0,0,0,0\n1,1,0,0\0\n2,0,1,0\n' >nul.csv
+check a_palette_with_a_byte_of_0_is_refused ends 4 'a byte of 0' isoshade render s.nrrd --scene "$shells" --with reference \
+    --shading-from palette --palette nul.csv --size 4 -o a.exr
+"$python" - <<'PY'
+import struct
+head = bytearray(352)
+struct.pack_into("<i", head, 0, 348)
+struct.pack_into("<8h", head, 40, 3, 10, 10, 10, 1, 1, 1, 1)
+struct.pack_into("<hh", head, 70, 2, 8)
+struct.pack_into("<8f", head, 76, 1, 1, 1, 1, 0, 0, 0, 0)
+struct.pack_into("<f", head, 108, 1e9)
+head[344:348] = b"n+1\0"
+open("far.nii", "wb").write(head + bytes(1000))
+PY
+check samples_behind_the_end_are_told_so ends 4 'begin 999998648 bytes behind its end' isoshade info far.nii
 check a_step_of_nothing_is_refused ends 2 'step is 0' isoshade render s.nrrd --scene "$shells" --with reference --step 0 --size 4 -o a.exr
-mkfifo fifo.scene.json
 check a_pipe_is_no_scene ends 3 'not a regular file' isoshade render s.nrrd --scene fifo.scene.json --with reference --size 4 -o a.exr
 
 # ---- an output that is the input ----

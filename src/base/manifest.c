@@ -83,9 +83,10 @@ static iso_status walk_below(const char *folder, const char *below, visitor *vis
     struct dirent **entries = NULL;
     char *path = iso_path_join(folder, below);
     const int count = path ? scandir(path, &entries, is_no_dot, by_name) : 0;
-    iso_status status = !path       ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder)
-                        : count < 0 ? iso_fail(err, iso_errno_status(), "%s: cannot be listed: %s", path, strerror(errno))
-                                    : ISO_OK;
+    iso_status status = !path ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder)
+                        : count < 0
+                            ? iso_fail(err, iso_errno_status(), "%s: cannot be listed: %s", path, strerror(errno))
+                            : ISO_OK;
     for (int i = 0; i < count; ++i) {
         char *name = NULL;
         if (status == ISO_OK && (*below || strcmp(entries[i]->d_name, ISO_MANIFEST_NAME) != 0)) {
@@ -120,7 +121,8 @@ iso_status iso_manifest_write(const char *folder, iso_error *err)
     char *text = NULL, *path = iso_path_join(folder, ISO_MANIFEST_NAME);
     size_t bytes = 0;
     FILE *memory = path ? open_memstream(&text, &bytes) : NULL;
-    iso_status status = memory ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
+    iso_status status = memory ? ISO_OK
+                               : iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
     if (status == ISO_OK)
         status = walk_below(folder, "", list_entry, memory, err);
     if (iso_memory_close(memory) != 0 && status == ISO_OK)
@@ -137,22 +139,26 @@ iso_status iso_manifest_write(const char *folder, iso_error *err)
     return status;
 }
 
-/* One write at the end of the file, so that no other process's line is lost. */
-void iso_manifest_add(const char *folder, const char *name)
+/* One write at the end of the file, so that no other process's line is lost. A line that has no room goes whole. */
+bool iso_manifest_add(const char *folder, const char *name)
 {
     char *path = iso_path_join(folder, name), *list = iso_path_join(folder, ISO_MANIFEST_NAME), *line = NULL;
     entry e = {.path = path, .name = name};
     if (path && list && stat(path, &e.st) == 0)
         line_of(&e, &line, NULL);
     const int fd = line ? open(list, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
-    /* Without its line the folder is not replaced, and says why: no harm. */
-    const ssize_t written = fd >= 0 ? write(fd, line, strlen(line)) : 0;
-    (void)written;
-    if (fd >= 0)
+    bool good = line && fd < 0 && errno == ENOENT; /* no list, no line */
+    if (fd >= 0) {
+        const off_t end = lseek(fd, 0, SEEK_END);
+        good = write(fd, line, strlen(line)) == (ssize_t)strlen(line);
+        if (!good && end >= 0 && ftruncate(fd, end) != 0)
+            good = false; /* then the folder is not replaced, and says why */
         close(fd);
+    }
     free(line);
     free(list);
     free(path);
+    return good;
 }
 
 /* ---- is all of it ours? ---- */
@@ -190,12 +196,14 @@ static iso_status check_entry(void *user, const entry *e, iso_error *err)
     if (status != ISO_OK || same)
         return status;
     if (has_name(list->text, name))
-        return iso_fail(err, ISO_E_IO,
-                        "%s: %s in it was changed since isoshade wrote it, so the folder is not replaced; move it away, or choose another output",
-                        list->shown, name);
-    return iso_fail(err, ISO_E_IO,
-                    "%s: %s in it is not isoshade's, so the folder is not replaced; move it away, or choose another output",
-                    list->shown, name);
+        return iso_fail(
+            err, ISO_E_IO,
+            "%s: %s in it was changed since isoshade wrote it, so the folder is not replaced; move it away, or choose another output",
+            list->shown, name);
+    return iso_fail(
+        err, ISO_E_IO,
+        "%s: %s in it is not isoshade's, so the folder is not replaced; move it away, or choose another output",
+        list->shown, name);
 }
 
 iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *err)

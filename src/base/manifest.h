@@ -7,6 +7,8 @@
 #ifndef ISO_MANIFEST_H
 #define ISO_MANIFEST_H
 
+#include <stdbool.h>
+
 #include "base/status.h"
 
 #define ISO_MANIFEST_NAME ".isoshade-files"
@@ -14,8 +16,9 @@
 /* Lists all that is in folder, and writes the list into it. */
 iso_status iso_manifest_write(const char *folder, iso_error *err);
 
-/* Adds a file that was put into a folder later, if the folder has a list. Several processes may do so at once. */
-void iso_manifest_add(const char *folder, const char *name);
+/* Adds a file that was put into a folder later, if the folder has a list. Several processes may do so at once. false: it is
+ * not listed, and should go. */
+bool iso_manifest_add(const char *folder, const char *name);
 
 /* ISO_E_IO, with the first entry that isoshade did not put there or that was changed since, or when there is no list.
  * Entries that are gone are no loss. shown: the folder's name in the message. */

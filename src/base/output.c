@@ -30,14 +30,16 @@ static iso_status find_target(const char *path, char **target, iso_error *err)
     if (S_ISLNK(st.st_mode)) {
         char *named = realpath(trimmed, NULL);
         if (!named)
-            return iso_fail(err, iso_errno_status(), "%s: is a link to what cannot be reached: %s", path, strerror(errno));
+            return iso_fail(err, iso_errno_status(), "%s: is a link to what cannot be reached: %s", path,
+                            strerror(errno));
         free(trimmed);
         *target = named;
         if (lstat(named, &st) != 0)
             return iso_fail(err, iso_errno_status(), "%s: cannot be reached: %s", path, strerror(errno));
     }
     if (!S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
-        return iso_fail(err, ISO_E_IO, "%s: is a device, a pipe or a socket; an output has to be a file or a folder", path);
+        return iso_fail(err, ISO_E_IO, "%s: is a device, a pipe or a socket; an output has to be a file or a folder",
+                        path);
     return ISO_OK;
 }
 
@@ -148,7 +150,8 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
     iso_unfinished_drop(out->temp_path);
     free(out->temp_path);
     out->temp_path = temp;
-    status = temp ? check_replaceable(out->final_path, marker, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    status = temp ? check_replaceable(out->final_path, marker, err)
+                  : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status != ISO_OK) {
         free(out->final_path); /* a temporary of an earlier run stays */
         free(out->temp_path);
@@ -261,8 +264,7 @@ static iso_status commit_dir(const iso_output *out, iso_error *err)
     if (status == ISO_OK && nftw(out->temp_path, flush_entry, 16, FTW_DEPTH | FTW_PHYS) != 0)
         status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", out->final_path, strerror(errno));
     if (status == ISO_OK && rename_dir(out->temp_path, out->final_path) != 0)
-        status = iso_fail(err, iso_errno_status(), "%s: cannot be put in place: %s", out->final_path,
-                          strerror(errno));
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be put in place: %s", out->final_path, strerror(errno));
     return status;
 }
 
@@ -304,4 +306,3 @@ void iso_output_abandon(iso_output *out)
         iso_remove_tree(out->temp_path);
     iso_output_keep(out);
 }
-

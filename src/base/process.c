@@ -65,10 +65,13 @@ iso_status iso_process_find(const char *program, const char *debian_package, cha
 iso_status iso_process_find_named(const char *what, const char *name, char **path, iso_error *err)
 {
     const bool is_path = strchr(name, '/') != NULL;
-    *path = !is_path ? search_path(name) : access(name, X_OK) == 0 && !iso_path_is_dir(name) ? realpath(name, NULL) : NULL;
+    *path = !is_path                                            ? search_path(name)
+            : access(name, X_OK) == 0 && !iso_path_is_dir(name) ? realpath(name, NULL)
+                                                                : NULL;
     if (*path)
         return ISO_OK;
-    return iso_fail(err, ISO_E_MISSING, is_path ? "%s: %s is no executable file" : "%s: %s is not found on PATH", what, name);
+    return iso_fail(err, ISO_E_MISSING, is_path ? "%s: %s is no executable file" : "%s: %s is not found on PATH", what,
+                    name);
 }
 
 /* What is kept of the output: enough to say why a program failed. */

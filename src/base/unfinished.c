@@ -57,7 +57,7 @@ static void remove_all_in(int folder, int depth)
         unsigned short bytes;
         unsigned char type;
         char name[];
-    } *e;
+    } * e;
     _Alignas(8) char entries[2048];
     lseek(folder, 0, SEEK_SET);
     for (long n; (n = syscall(SYS_getdents64, folder, entries, sizeof entries)) > 0;)
@@ -103,8 +103,8 @@ static void end_by(int number)
 
 void iso_unfinished_catch_signals(void)
 {
-    static const int ends[] = {SIGINT,  SIGTERM, SIGHUP,  SIGQUIT, SIGPIPE, SIGALRM, SIGXCPU, SIGUSR1,
-                               SIGUSR2, SIGSEGV, SIGBUS,  SIGFPE,  SIGILL,  SIGABRT};
+    static const int ends[] = {SIGINT,  SIGTERM, SIGHUP,  SIGQUIT, SIGPIPE, SIGALRM, SIGXCPU,
+                               SIGUSR1, SIGUSR2, SIGSEGV, SIGBUS,  SIGFPE,  SIGILL,  SIGABRT};
     const struct sigaction catch = {.sa_handler = end_by, .sa_flags = (int)SA_RESETHAND};
     for (size_t i = 0; i < sizeof ends / sizeof *ends; ++i) {
         struct sigaction before;

@@ -2,10 +2,10 @@
 /* memory.c - what the program does where memory has ended.
  *
  * Small allocations that fail end the program with one line and ISO_E_MEMORY, and what is unfinished is removed: no
- * program can do much without a few bytes, and the libraries below (popt, jansson, teem, OpenEXR, Mesa) crash, wait for
- * ever, or lose a part without a word. Large ones, of samples and pictures, fail as everywhere and are told by what wanted
- * them. So malloc() and its like are put before those of glibc here. The library isoshade is for programs of others, which
- * decide for themselves: it has none of this. */
+ * program can do much without a few bytes. So do all that libraries make: those below (popt, jansson, teem, OpenEXR, Mesa)
+ * crash, wait for ever, or lose a part without a word. Large ones of our own code, of samples and pictures, fail as
+ * everywhere and are told by what wanted them. So malloc() and its like are put before those of glibc here. The library
+ * isoshade is for programs of others, which decide for themselves: it has none of this. */
 #define _GNU_SOURCE
 #include "cli/memory.h"
 
@@ -47,45 +47,51 @@ void *__libc_calloc(size_t count, size_t bytes);
 void *__libc_realloc(void *old, size_t bytes);
 void *__libc_memalign(size_t alignment, size_t bytes);
 
-static void *given(void *p, size_t count, size_t bytes)
+/* The program's own code lies between the two. */
+extern const char __executable_start, etext;
+
+/* caller: where the call comes from */
+static void *given(void *p, size_t count, size_t bytes, const void *caller)
 {
     size_t all;
-    if (!p && !__builtin_mul_overflow(count, bytes, &all) && all < SMALL_BYTES)
+    const bool is_ours = (const char *)caller >= &__executable_start && (const char *)caller < &etext;
+    if (!p && (!is_ours || (!__builtin_mul_overflow(count, bytes, &all) && all < SMALL_BYTES)))
         iso_memory_end(true);
     return p;
 }
+#define CALLER __builtin_return_address(0)
 
 void *malloc(size_t bytes)
 {
-    return given(__libc_malloc(bytes), 1, bytes);
+    return given(__libc_malloc(bytes), 1, bytes, CALLER);
 }
 
 void *calloc(size_t count, size_t bytes)
 {
-    return given(__libc_calloc(count, bytes), count, bytes);
+    return given(__libc_calloc(count, bytes), count, bytes, CALLER);
 }
 
 void *realloc(void *old, size_t bytes)
 {
     void *p = __libc_realloc(old, bytes);
-    return bytes == 0 ? p : given(p, 1, bytes); /* of no bytes it frees, and gives nothing */
+    return bytes == 0 ? p : given(p, 1, bytes, CALLER); /* of no bytes it frees, and gives nothing */
 }
 
 void *memalign(size_t alignment, size_t bytes)
 {
-    return given(__libc_memalign(alignment, bytes), 1, bytes);
+    return given(__libc_memalign(alignment, bytes), 1, bytes, CALLER);
 }
 
 void *aligned_alloc(size_t alignment, size_t bytes)
 {
-    return given(__libc_memalign(alignment, bytes), 1, bytes);
+    return given(__libc_memalign(alignment, bytes), 1, bytes, CALLER);
 }
 
 int posix_memalign(void **p, size_t alignment, size_t bytes)
 {
     if (alignment % sizeof(void *) != 0 || alignment == 0 || (alignment & (alignment - 1)) != 0)
         return EINVAL;
-    void *got = given(__libc_memalign(alignment, bytes), 1, bytes);
+    void *got = given(__libc_memalign(alignment, bytes), 1, bytes, CALLER);
     if (!got)
         return ENOMEM;
     *p = got;

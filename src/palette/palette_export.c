@@ -72,7 +72,9 @@ iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_erro
         lines += text[i] == '\n';
     if (size && text[size - 1] != '\n')
         ++lines;
-    if (lines < 2 || lines > ISO_PALETTE_MAX + 2)
+    if (memchr(text, 0, size)) /* a line would end before its line feed */
+        status = iso_fail(err, ISO_E_FORMAT, "%s: holds a byte of 0, so it is no text", path);
+    else if (lines < 2 || lines > ISO_PALETTE_MAX + 2)
         status = iso_fail(err, ISO_E_FORMAT, "%s: %zu lines, a palette has 2 to %d", path, lines, ISO_PALETTE_MAX + 2);
     else
         status = iso_palette_create(palette, lines - 2, err);

@@ -79,7 +79,8 @@ static iso_status save_file(const char *dir, const iso_geometry *g, size_t level
         good = false;
     free(header);
     free(path);
-    return good ? ISO_OK : iso_fail(err, iso_errno_status(), "%s/%s: cannot be written: %s", dir, name, strerror(errno));
+    return good ? ISO_OK
+                : iso_fail(err, iso_errno_status(), "%s/%s: cannot be written: %s", dir, name, strerror(errno));
 }
 
 static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *err)

@@ -93,8 +93,10 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
         }
     if (status == ISO_OK)
         status = iso_volume_save(&v, path, true, err);
-    if (status == ISO_OK)
-        iso_manifest_add(dir, iso_path_base(path));
+    if (status == ISO_OK && !iso_manifest_add(dir, iso_path_base(path))) {
+        iso_remove_tree(path);
+        status = iso_fail(err, ISO_E_IO, "%s: cannot be listed", path);
+    }
     iso_volume_destroy(&v);
     free(path);
     return status;

@@ -55,7 +55,8 @@ static iso_status write_request(const iso_elsewhere *e, const iso_pyramid *p, si
     char *path = iso_path_join(e->dir, folder);
     iso_status status = path && mkdir(path, 0777) == 0
                             ? ISO_OK
-                            : iso_fail(err, iso_errno_status(), "%s/%s: cannot be created: %s", e->dir, folder, strerror(errno));
+                            : iso_fail(err, iso_errno_status(), "%s/%s: cannot be created: %s", e->dir, folder,
+                                       strerror(errno));
     if (status == ISO_OK)
         status = iso_request_write(&request, path, err);
     if (status == ISO_OK)

@@ -256,7 +256,7 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
                         source->path);
     struct stat st;
     iso_status status = ISO_OK;
-    source->gz = stat(image, &st) == 0 ? gzopen(image, "rb") : NULL;
+    source->gz = stat(image, &st) == 0 && S_ISREG(st.st_mode) ? gzopen(image, "rb") : NULL;
     size_t offset = (size_t)h->vox_offset;
     if (source->gz)
         gzbuffer(source->gz, 1 << 18); /* before the first look into it */

@@ -12,6 +12,7 @@
 #include <teem/nrrd.h>
 #include <unistd.h>
 
+#include "volume/nrrd_files.h"
 #include "volume/nrrd_segments.h"
 #include "volume/segments.h"
 #include "volume/stream_kernel.h"
@@ -29,7 +30,8 @@ static iso_status teem_failed(const char *path, const Nrrd *nrrd, iso_error *err
             snprintf(cause, sizeof cause, "%s", line);
     free(text);
     if (is_of_file)
-        return iso_fail(err, number == ENOMEM ? ISO_E_MEMORY : ISO_E_IO, "%s: cannot be read: %s", path, strerror(number));
+        return iso_fail(err, number == ENOMEM ? ISO_E_MEMORY : ISO_E_IO, "%s: cannot be read: %s", path,
+                        strerror(number));
     /* "[nrrd] function: cause" */
     if (strstr(cause, "too large"))
         return iso_fail(err, ISO_E_RANGE, "%s: sizes %zu x %zu x %zu ... overflow, at most %zu bytes can be addressed",
@@ -293,35 +295,9 @@ static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io,
     return status;
 }
 
-enum { MOST_DATA_FILES = 65536, HEADER_BYTES = 1 << 20 };
-
-/* "data file: slice%04d.raw FIRST LAST STEP": teem makes all names before it looks for the first of the files. */
-static iso_status check_data_files(const char *path, iso_error *err)
-{
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
-    char *line = NULL;
-    size_t room = 0, bytes = 0;
-    double most = 0;
-    for (ssize_t n; bytes < HEADER_BYTES && (n = getline(&line, &room, file)) > 0 && *line != '\n' && *line != '\r';
-         bytes += (size_t)n) {
-        double first, last, step;
-        const bool names = strncasecmp(line, "data file:", 10) == 0 || strncasecmp(line, "datafile:", 9) == 0;
-        if (names && strchr(line, '%') && sscanf(strchr(line, ':') + 1, "%*s %lf %lf %lf", &first, &last, &step) == 3 &&
-            step != 0)
-            most = fmax(most, fabs(last - first) / fabs(step) + 1);
-    }
-    free(line);
-    fclose(file);
-    return most <= MOST_DATA_FILES ? ISO_OK
-                                   : iso_fail(err, ISO_E_RANGE, "%s: names %.0f data files, at most %d", path, most,
-                                              MOST_DATA_FILES);
-}
-
 static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
 {
-    const iso_status names = check_data_files(source->path, err);
+    const iso_status names = iso_nrrd_check_files(source->path, err);
     if (names != ISO_OK)
         return names;
     Nrrd *nrrd = nrrdNew();

@@ -30,6 +30,9 @@ iso_status iso_source_check_bytes(const iso_volume_source *source, double availa
     const iso_source_choice *c = &source->choice;
     double need = (double)iso_source_bytes(source);
     char times[48] = "";
+    if (available < 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: its samples begin %.0f bytes behind its end", source->path,
+                        -available);
     if (available == need)
         return ISO_OK;
     if (c->inside_count > 1 || c->volume_count > 1)
@@ -37,6 +40,14 @@ iso_status iso_source_check_bytes(const iso_volume_source *source, double availa
     return iso_fail(err, ISO_E_FORMAT, "%s: %s: holds %.0f bytes of samples, %zu x %zu x %zu of %s%s need %.0f",
                     source->path, available < need ? "truncated" : "too long", available, g->size[0], g->size[1],
                     g->size[2], iso_type_name(source->header.type), times, need);
+}
+
+iso_status iso_source_check_regular(const char *path, iso_error *err)
+{
+    struct stat st;
+    if (stat(path, &st) != 0)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
+    return S_ISREG(st.st_mode) ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
 }
 
 iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err)
@@ -50,6 +61,9 @@ iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err
 
 static iso_status open_at(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
 {
+    iso_status status = iso_source_check_regular(path, err);
+    if (status != ISO_OK)
+        return status;
     source->file = fopen(path, "rb");
     if (!source->file)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));

@@ -81,7 +81,8 @@ static iso_status read_compressed(iso_volume_source *s, unsigned char *out, size
         if (n == (int)chunk)
             continue;
         if (code == Z_ERRNO || code == Z_MEM_ERROR)
-            return iso_fail(err, code == Z_ERRNO ? iso_errno_status() : ISO_E_MEMORY, "%s: read error: %s", s->path, text);
+            return iso_fail(err, code == Z_ERRNO ? iso_errno_status() : ISO_E_MEMORY, "%s: read error: %s", s->path,
+                            text);
         if (code != Z_OK && code != Z_BUF_ERROR)
             return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path, text);
         size_t planes = iso_source_planes(s);

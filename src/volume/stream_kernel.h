@@ -50,6 +50,8 @@ iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_faste
 /* Checks header.geometry, and that `available` is the number of bytes of its samples. */
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);
 /* The same of what the plain file holds from where it stands. */
+/* ISO_E_IO where the path names no regular file: a pipe would be waited for. */
+iso_status iso_source_check_regular(const char *path, iso_error *err);
 iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err);
 /* Of all samples in the file, and of one of its planes: those of the frames and channels that are not read, too. */
 size_t iso_source_bytes(const iso_volume_source *source);

@@ -82,6 +82,9 @@ iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, siz
     source->reader = r;
     source->read_planes = read_zlib;
     source->close_reader = close_zlib;
+    const iso_status regular = iso_source_check_regular(path, err);
+    if (regular != ISO_OK)
+        return regular;
     r->file = fopen(path, "rb");
     if (!r->file || fseeko(r->file, (off_t)offset, SEEK_SET) != 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be read at byte %zu: %s", path, offset, strerror(errno));

@@ -27,7 +27,7 @@ HOW = {"memory": [errno.ENOMEM], "read": [errno.EIO, errno.EINTR, 0], "write": [
 # The exit codes of `isoshade --help`: a file (3), memory (6), a program or device that is missing (7) or failed (8). Where it
 # cannot be told what a name stands for, it is none of what is wanted (2, 4).
 CODES = {"memory": {6}, "read": {3}, "write": {3}, "open": {3, 7}, "rename": {3}, "sync": {3}, "make": {3},
-         "look": {2, 3, 4, 7}, "close": {3}, "start": {6, 8}}
+         "look": {2, 3, 4, 7, 8}, "close": {3}, "start": {6, 8}}
 
 
 def name_of(how):
@@ -52,7 +52,7 @@ def place(frames, depth=6):
 
 def is_foreign(frames):
     """Was the call made by a library for itself? Those of C and C++ ask for whoever called them."""
-    for module, _ in frames:
+    for module, _ in frames[1:]: # the first is the program's malloc(), src/cli/memory.c
         if not module.startswith(("libc.so", "libstdc++", "libm.so")):
             return not module.startswith("isoshade")
     return True

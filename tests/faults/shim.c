@@ -220,41 +220,32 @@ static int kind_of(long number)
     switch (number) {
     case SYS_read:
     case SYS_pread64:
-    case SYS_readv:
-        return READ;
+    case SYS_readv: return READ;
     case SYS_write:
     case SYS_pwrite64:
-    case SYS_writev:
-        return WRITE;
+    case SYS_writev: return WRITE;
     case SYS_open:
-    case SYS_openat:
-        return OPEN;
+    case SYS_openat: return OPEN;
     case SYS_rename:
     case SYS_renameat:
     case SYS_renameat2:
     case SYS_link:
-    case SYS_linkat:
-        return RENAME;
+    case SYS_linkat: return RENAME;
     case SYS_fsync:
-    case SYS_fdatasync:
-        return SYNC;
+    case SYS_fdatasync: return SYNC;
     case SYS_mkdir:
     case SYS_mkdirat:
     case SYS_ftruncate:
-    case SYS_fallocate:
-        return MAKE;
+    case SYS_fallocate: return MAKE;
     case SYS_stat:
     case SYS_fstat:
     case SYS_lstat:
     case SYS_newfstatat:
     case SYS_statx:
     case SYS_getdents64:
-    case SYS_lseek:
-        return LOOK;
-    case SYS_close:
-        return CLOSE;
-    default:
-        return -1;
+    case SYS_lseek: return LOOK;
+    case SYS_close: return CLOSE;
+    default: return -1;
     }
 }
 
@@ -305,11 +296,11 @@ static int find_code(struct dl_phdr_info *info, size_t size, void *user)
 
 static bool filter_calls(void)
 {
-    static const int met[] = {SYS_read,  SYS_pread64,    SYS_readv,    SYS_write,     SYS_pwrite64, SYS_writev,
-                              SYS_open,  SYS_openat,     SYS_rename,   SYS_renameat,  SYS_renameat2, SYS_link,
-                              SYS_linkat, SYS_fsync,     SYS_fdatasync, SYS_mkdir,    SYS_mkdirat,  SYS_ftruncate,
-                              SYS_fallocate, SYS_stat,   SYS_fstat,    SYS_lstat,     SYS_newfstatat, SYS_statx,
-                              SYS_getdents64, SYS_lseek, SYS_close};
+    static const int met[] = {SYS_read,       SYS_pread64, SYS_readv,     SYS_write,    SYS_pwrite64,   SYS_writev,
+                              SYS_open,       SYS_openat,  SYS_rename,    SYS_renameat, SYS_renameat2,  SYS_link,
+                              SYS_linkat,     SYS_fsync,   SYS_fdatasync, SYS_mkdir,    SYS_mkdirat,    SYS_ftruncate,
+                              SYS_fallocate,  SYS_stat,    SYS_fstat,     SYS_lstat,    SYS_newfstatat, SYS_statx,
+                              SYS_getdents64, SYS_lseek,   SYS_close};
     enum { COUNT = sizeof met / sizeof *met };
     uintptr_t code[2] = {0, 0};
     struct sock_filter f[COUNT + 16];
@@ -318,7 +309,8 @@ static bool filter_calls(void)
     if (code[0] == 0 || code[0] >> 32 != code[1] >> 32)
         return code[0] != 0; /* across a boundary of 4 GiB: one run in two thousand meets no system calls */
     const struct sock_filter allow = BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
-    f[n++] = (struct sock_filter)BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, instruction_pointer) + 4);
+    f[n++] = (struct sock_filter)BPF_STMT(BPF_LD | BPF_W | BPF_ABS,
+                                          offsetof(struct seccomp_data, instruction_pointer) + 4);
     f[n++] = (struct sock_filter)BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, (uint32_t)(code[0] >> 32), 1, 0);
     f[n++] = allow;
     f[n++] = (struct sock_filter)BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, instruction_pointer));
@@ -369,8 +361,9 @@ int socketpair(int domain, int type, int protocol, int fds[2])
 }
 int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*routine)(void *), void *argument)
 {
-    int (*real)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *) =
-        (int (*)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *))next("pthread_create");
+    int (*real)(pthread_t *, const pthread_attr_t *, void *(*)(void *),
+                void *) = (int (*)(pthread_t *, const pthread_attr_t *, void *(*)(void *),
+                                   void *))next("pthread_create");
     return no_start() ? EAGAIN : real(thread, attributes, routine, argument);
 }
 
@@ -410,8 +403,8 @@ int posix_spawn_file_actions_adddup2(posix_spawn_file_actions_t *list, int from,
     actions[action_count++].from = from;
     return 0;
 }
-int posix_spawn(pid_t *pid, const char *path, const posix_spawn_file_actions_t *list, const posix_spawnattr_t *attributes,
-                char *const argv[], char *const environment[])
+int posix_spawn(pid_t *pid, const char *path, const posix_spawn_file_actions_t *list,
+                const posix_spawnattr_t *attributes, char *const argv[], char *const environment[])
 {
     (void)list;
     (void)attributes;
@@ -423,7 +416,8 @@ int posix_spawn(pid_t *pid, const char *path, const posix_spawn_file_actions_t *
         return *pid < 0 ? errno : 0;
     armed = false;
     for (int i = 0; i < action_count; ++i) {
-        const int from = actions[i].from >= 0 ? actions[i].from : open(actions[i].path, actions[i].flags, actions[i].mode);
+        const int from = actions[i].from >= 0 ? actions[i].from
+                                              : open(actions[i].path, actions[i].flags, actions[i].mode);
         dup2(from, actions[i].fd);
         if (actions[i].from < 0 && from != actions[i].fd)
             close(from);
@@ -469,7 +463,8 @@ static void choose(void)
 int __libc_start_main(int (*main)(int, char **, char **), int argc, char **argv, void (*init)(void), void (*fini)(void),
                       void (*end)(void), void *stack_end)
 {
-    typedef int start(int (*)(int, char **, char **), int, char **, void (*)(void), void (*)(void), void (*)(void), void *);
+    typedef int start(int (*)(int, char **, char **), int, char **, void (*)(void), void (*)(void), void (*)(void),
+                      void *);
     start *real = (start *)next("__libc_start_main");
     program_main = main;
     choose();
