@@ -30,13 +30,26 @@ page region eight-lights 61x61 '{"level": 1, "roi": {"level": 0, "box": [[0.25, 
     --roi 10.25,9.25,10.75,30.75,27.75,32.25 # a finer level inside a box
 page rounded ramp-rotated 61x61 '{}' -- # floats in 16 bits
 
+# Level 0 in the bricks of a plan: as plan draws it, which has directions of 16 bits where the page has codes.
+"$ISOSHADE" make shells --size 41x38x36 -q -o planned.nrrd
+shells="$top/refscenes/shells.scene.json"
+"$ISOSHADE" plan planned.nrrd --scene "$shells" --size 61x61 --brick 8 --levels 3 --error 0.01 --image plan.exr --full-image full.exr -q -o a.plan.json >/dev/null
+"$ISOSHADE" view planned.nrrd --scene "$shells" --size 61x61 --plan a.plan.json -o pages/planned.html >planned.out
+echo '61 61 {}' >pages/planned.size
+
 expect the_pages_are_drawn 0 python3 "$top/tests/view_page.py" pictures pages
-check none_is_left_out test "$(grep -c ^drawn out)" = 10
+check none_is_left_out test "$(grep -c ^drawn out)" = 11
 # A ray is set up in floats, which are 1e-5 voxels off after a few hundred of them; that times the TF's slope is seen.
 near() { check "$1_is_as_the_ray_caster_draws_it" "$ISOSHADE" compare "pages/$1.gl.exr" "pages/$1.page.exr" --max-rmse "$2" --max-abs "$3"; }
 for name in lights mirrored inside signed float entries coarse adapted region; do near $name 5e-6 1e-4; done
 near rounded 1e-5 1e-4 # half a step of 1/65535 of the range, times the TF's slope
-[ -z "${VERBOSE-}" ] || for name in pages/*.page.exr; do echo "$name"; "$ISOSHADE" compare "${name%.page.exr}.gl.exr" "$name"; done
+check planned_bricks_are_as_plan_draws_them "$ISOSHADE" compare plan.exr pages/planned.page.exr --max-rmse 1e-4 --max-abs 2e-3
+notice bricks_of_level_0_are_noticed "$ISOSHADE" compare full.exr pages/planned.page.exr --max-rmse 1e-4 --max-abs 2e-3
+check the_error_of_the_plan_is_said grep -qE "RMSE 0\.[0-9]+ as predicted, 0\.[0-9]+ as measured" planned.out
+check and_stands_in_the_page grep -qE '"predicted_rmse":0\.[0-9]+,"measured_rmse":0\.[0-9]+' pages/planned.html
+refuse a_plan_of_another_volume_is_refused 5 "bricks of 8 voxels, the volume has" "$ISOSHADE" view eight-lights.nrrd --scene "$shells" --plan a.plan.json -o x.html
+refuse a_plan_stands_for_level_0 2 "--plan and --level 0" "$ISOSHADE" view planned.nrrd --plan a.plan.json --level 0 -o x.html
+[ -z "${VERBOSE-}" ] || for name in pages/*.page.exr; do [ -s "${name%.page.exr}.gl.exr" ] || continue; echo "$name"; "$ISOSHADE" compare "${name%.page.exr}.gl.exr" "$name"; done
 
 # The planted fault: half a pixel, which the limits have to notice.
 "$ISOSHADE" render eight-lights.nrrd --scene "$suite/eight-lights.scene.json" --size 61x61 --zoom 1.016 --with gl -q -o half.exr >/dev/null

@@ -294,9 +294,11 @@ iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_c
     if (status == ISO_OK)
         status = take_lines(k->lines, b, cases, count, err);
     fseek(k->lines, 0, SEEK_END);
-    /* without its reference nothing of a scene counts */
+    /* without its reference nothing of a scene counts, nor what a small budget left unmeasured where it is asked for */
     for (size_t i = 0; i < count; ++i) {
-        cases[i].done = cases[i].kept = cases[i].done && b->scenes[cases[i].scene].reference.rgba;
+        iso_chart_case *c = &cases[i];
+        const bool whole = !b->needs_visual || isfinite(c->metrics.ssim);
+        c->done = c->kept = c->done && whole && b->scenes[c->scene].reference.rgba;
         if (cases[i].done)
             iso_chart_bench_learn(b, &cases[i]);
     }

@@ -6,7 +6,9 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/provenance.h"
+#include "cli/view_plan.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -20,7 +22,7 @@ enum { LEVELS = 5, COARSEST = 16 }; /* a level is made while the longest side of
 typedef struct view_arguments {
     iso_volume_input input;
     iso_cli_look look;
-    char *output, *codes;
+    char *output, *codes, *plan;
     int level, levels, floats, adapted, errors;
     double most;
 } view_arguments;
@@ -54,6 +56,10 @@ static iso_status choose_levels(const view_arguments *a, const iso_pyramid *p, i
     if (a->level >= 0 && (size_t)a->level >= p->level_count)
         return iso_fail(err, ISO_E_RANGE, "--level %d: the pyramid has levels 0 to %zu", a->level, p->level_count - 1);
     v->first = a->level >= 0 ? (size_t)a->level : iso_viewer_finest_level(p, a->most);
+    if (a->plan && v->first == 0)
+        v->first = 1; /* the plan stands for level 0 */
+    if (a->plan && v->first >= p->level_count)
+        return iso_fail(err, ISO_E_RANGE, "--plan: the pyramid has level 0 alone; a page begins with a coarse level");
     const double voxels = (double)iso_geometry_voxel_count(&p->levels[v->first].geometry);
     if (voxels > a->most)
         return iso_fail(err, ISO_E_RANGE,
@@ -81,6 +87,14 @@ static void report(const view_arguments *a, const iso_cli *cli, const iso_viewer
                                                "level_size", (json_int_t)n[0], (json_int_t)n[1], (json_int_t)n[2],
                                                "level_count", (json_int_t)(v->last - v->first + 1), "quantum",
                                                size->quantum));
+        if (v->plan)
+            json_object_set_new(root, "plan",
+                                json_pack("{s:s, s:I, s:I, s:I, s:o, s:o}", "name", v->plan->name, "drawn",
+                                          (json_int_t)size->plan_bricks, "bricks",
+                                          (json_int_t)iso_brick_count(v->plan->nodes), "texels",
+                                          (json_int_t)size->plan_texels, "predicted_rmse",
+                                          iso_json_number(v->plan->predicted_rmse), "measured_rmse",
+                                          iso_json_number(v->plan->measured_rmse)));
         iso_cli_print_json(root);
         return;
     }
@@ -89,6 +103,14 @@ static void report(const view_arguments *a, const iso_cli *cli, const iso_viewer
     printf("%s: levels %zu to %zu, the finest %zu x %zu x %zu, %.3g MB (%.3g kB of it the page itself)\n", a->output,
            v->first, v->last, n[0], n[1], n[2], (double)size->page_bytes / 1e6,
            (double)(size->page_bytes - size->data_bytes) / 1e3);
+    if (v->plan) {
+        printf("%s: %zu of %zu bricks in %.3g million texels, of %.3g million voxels\n", v->plan->name, size->plan_bricks,
+               iso_brick_count(v->plan->nodes), 1e-6 * (double)size->plan_texels,
+               1e-6 * (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry));
+        printf("its pictures differ from level 0's by RMSE %.3g as predicted, %.3g as measured, in the views of the plan\n",
+               v->plan->predicted_rmse, v->plan->measured_rmse);
+        return;
+    }
     if (a->level < 0 && v->first > 0)
         printf("level 0 has more than %.3g voxels: it is not in the page (--most-voxels)\n", a->most);
 }
@@ -98,6 +120,8 @@ static iso_status check(const view_arguments *a, iso_error *err)
     iso_status status = ISO_OK;
     if (!a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the page to write, .html");
+    if (status == ISO_OK && a->plan && a->level == 0)
+        status = iso_fail(err, ISO_E_USAGE, "--plan and --level 0: the plan stands for level 0");
     if (status == ISO_OK)
         status = iso_words_check_range("--level", a->level, -1, 31, err);
     if (status == ISO_OK)
@@ -120,12 +144,15 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_viewer v = {.pyramid = &pyramid, .scene = &scene, .floats = a->floats, .adapted = a->adapted, .errors = a->errors,
                     .threads = cli->threads, .title = iso_provenance_title(path), .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
+    iso_view_plan plan = {.page = {.name = NULL}};
     iso_status status = check(a, err);
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level : 0) + (size_t)a->levels;
     if (status == ISO_OK)
         status = take_codes(a, &build, &v, err);
+    if (status == ISO_OK && a->plan && v.code_count == 0)
+        status = iso_fail(err, ISO_E_USAGE, "--plan and --code none: bricks are shaded by codes");
     build.code = v.code_count > 0 ? v.codes[0] : build.code;
     build.keep_float = v.code_count > 1;
     if (status == ISO_OK)
@@ -138,10 +165,17 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
         status = choose_levels(a, &pyramid, &v, err);
     if (status == ISO_OK)
         status = iso_subject_make_scene(&look, &pyramid, &scene, err);
+    if (status == ISO_OK && a->plan)
+        status = iso_subject_refuse_labels(&pyramid, path, "a plan", err);
+    if (status == ISO_OK && a->plan) {
+        status = iso_view_plan_open(&plan, a->plan, &v, err);
+        v.plan = &plan.page;
+    }
     if (status == ISO_OK)
         status = iso_viewer_save(&v, a->output, &progress, &size, err);
     if (status == ISO_OK)
         report(a, cli, &v, &size);
+    iso_view_plan_close(&plan);
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
     return status;
@@ -157,6 +191,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"level", 0, POPT_ARG_INT, &a.level, 0, "the finest level that goes in (the finest that is small enough)", "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "levels that go in, with that one", "N"},
         {"most-voxels", 0, POPT_ARG_DOUBLE, &a.most, 0, "of the finest level (32e6)", "N"},
+        {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
+         "bricks of isoshade plan instead of level 0, for volumes that are too large for a page", "PLAN.json"},
         {"code", 0, POPT_ARG_STRING, &a.codes, 0,
          "direction codes to choose from in the page; none: gradients on the fly alone, and a smaller page", "CODE,.."},
         {"float", 0, POPT_ARG_NONE, &a.floats, 0,
@@ -175,6 +211,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_end(&cli);
     free(a.output);
     free(a.codes);
+    free(a.plan);
     return status;
 }
 
@@ -187,10 +224,12 @@ const iso_command iso_command_view = {
     .details =
         "The page needs no network, no server and no other file. It draws with WebGL2, by the shaders of the ray caster\n"
         "(render --with gl), and saves scene.json and tf.json, which every other command takes. Levels are drawn as they are read,\n"
-        "the coarsest first. Shading is by the pyramid's direction codes or by gradients on the fly.",
+        "the coarsest first; --plan adds level 0 in the bricks that a scene needs. Shading is by the pyramid's direction codes or by gradients on the fly.",
     .examples = "  isoshade make shells --size 48x44x40 -o shells.nrrd\n"
                 "  isoshade view shells.nrrd -o shells.html\n"
-                "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --code fit,region48 --adapt -o shells.html\n",
+                "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --code fit,region48 --adapt -o shells.html\n"
+                "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
+                "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --plan shells.plan.json -o planned.html\n",
     .lists = (const iso_names *const[]){&iso_code_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

@@ -61,8 +61,9 @@ const makeCaster = (context, data) => {
         program.vec3('position_index', toIndex(g, q.camera.position));
         program.vec3('box_index', g.box_index);
         program.float('step_mm', q.step * Math.min(...spacings(q.roi ? q.roi.level : g)));
-        program.vec3('index_scale', g.size.map(n => 1 / n));
-        program.vec3('index_offset', [0, 0, 0]);
+        const side = g.brick_voxels;
+        program.vec3('index_scale', g.isPlan ? [1 / side, 1 / side, 1 / side] : g.size.map(n => 1 / n));
+        program.vec3('index_offset', g.isPlan ? [-0.5 / side, -0.5 / side, -0.5 / side] : [0, 0, 0]);
         program.int('clip_count', clips.length);
         if (clips.length) program.vec4('clip_planes[0]', clips.flat());
         const lights = q.lights.map(l => lightInWorld(l, axes));
@@ -81,7 +82,12 @@ const makeCaster = (context, data) => {
         program.float('tf_offset', (level.scalar.zero - table.lo) * entries);
         program.int('tf_count', table.count);
         program.vec3('voxel', g.size.map(n => 1 / n));
-        program.vec3('bricks_per_volume', g.size.map(n => n / brickVoxels));
+        program.vec3('bricks_per_volume', g.isPlan ? [1, 1, 1] : g.size.map(n => n / brickVoxels));
+        if (g.isPlan) {
+            program.int('layout_of_bricks', 7);
+            program.vec3('brick_in_cache', g.texels.map(n => g.brick_voxels / n));
+            program.vec3('last_node', g.size.map(n => (n - 1) / g.brick_voxels));
+        }
         if (code) {
             program.float('direction_scale', code.texture.scale);
             program.float('direction_offset', code.texture.offset);
@@ -101,7 +107,7 @@ const makeCaster = (context, data) => {
         const program = context.program(['code_decode.h', 'raycast.glsl'], {
             DIRECTION_SOURCE: code ? 'SOURCE_CODES' : vectors ? 'SOURCE_VECTORS' : 'SOURCE_ON_THE_FLY', DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR',
             OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length, SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0,
-            SKIP_EMPTY: Number(skip), PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(fine)), BRICKS: 0, TF_2D_ROWS: 0, EXTINCTION_SCALE: 'SCALE_NONE',
+            SKIP_EMPTY: Number(skip), PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(fine)), BRICKS: Number(Boolean(level.isPlan)), TF_2D_ROWS: 0, EXTINCTION_SCALE: 'SCALE_NONE',
             PAGES: 1, FILTERED_BY_HAND: scalar.byHand || (vectors && !context.floatFilter) ? 1 : undefined,
         });
         program.use();
@@ -112,6 +118,7 @@ const makeCaster = (context, data) => {
         if (code) bind(2, gl.TEXTURE_3D, code.texture.texture);
         if (vectors) bind(2, gl.TEXTURE_3D, vectors);
         if (skip) bind(3, gl.TEXTURE_3D, table.occupancy);
+        if (level.isPlan) bind(7, gl.TEXTURE_3D, level.layoutTexture ??= uploadLayout(context, level));
         if (fine) {
             setRoi(program, q, fine.scalar, fine.table);
             bind(4, gl.TEXTURE_3D, fine.scalar.texture);
@@ -133,7 +140,10 @@ const makeCaster = (context, data) => {
     const forget = levels => {
         for (const table of tables.values()) { gl.deleteTexture(table.texture); if (table.occupancy) gl.deleteTexture(table.occupancy); }
         tables.clear();
-        for (const l of levels) for (const t of [l.scalarTexture, ...l.codes.map(c => c.texture)]) if (t) gl.deleteTexture(t.texture);
+        for (const l of levels) {
+            for (const t of [l.scalarTexture, ...l.codes.map(c => c.texture)]) if (t) gl.deleteTexture(t.texture);
+            if (l.layoutTexture) gl.deleteTexture(l.layoutTexture);
+        }
     };
     return {draw, bytes, tableOf, forget};
 };

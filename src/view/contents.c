@@ -10,6 +10,7 @@
 #include "tf/adapt.h"
 #include "tf/histogram.h"
 #include "tf/presets.h"
+#include "view/plan.h"
 
 /* ---- scalars ------------------------------------------------------------------------------------------------------ */
 
@@ -70,8 +71,7 @@ static uint32_t word(const void *of, size_t i, size_t c)
     return ((const uint32_t *)of)[i];
 }
 
-/* Packs an array under a name, and says in `json` how to unpack it. */
-static iso_status add_array(iso_contents *contents, const char *name, const iso_pack_array *array, json_t *json,
+iso_status iso_contents_add_array(iso_contents *contents, const char *name, const iso_pack_array *array, json_t *json,
                             iso_error *err)
 {
     struct iso_contents_array *slot = &contents->arrays[contents->count];
@@ -99,7 +99,7 @@ static iso_status add_scalar(const iso_viewer *v, size_t k, iso_contents *conten
     json_object_set_new(json, "scalar", scalar);
     if (strcmp(f.kind, "quantised") == 0)
         contents->size.quantum = 1.0 / 65535;
-    return add_array(contents, name,
+    return iso_contents_add_array(contents, name,
                      &(iso_pack_array){iso_geometry_voxel_count(&level->geometry), 1, f.width, scalar_number, &f},
                      scalar, err);
 }
@@ -109,6 +109,13 @@ static iso_status add_scalar(const iso_viewer *v, size_t k, iso_contents *conten
 static const char *const decoder_names[] = {
     "ISO_DECODER_LINEAR", "ISO_DECODER_REGION48", "ISO_DECODER_UNIT", "ISO_DECODER_OCT", "ISO_DECODER_SQUEEZE",
 };
+
+json_t *iso_contents_code_json(iso_code code)
+{
+    const iso_code_info *info = iso_code_describe(code);
+    return json_pack("{s:s, s:b, s:s}", "name", info->name, "signed", info->is_signed, "decoder",
+                     decoder_names[info->decoder]);
+}
 
 static iso_status add_code(const iso_viewer *v, size_t k, iso_code code, iso_contents *contents, json_t *list,
                            iso_error *err)
@@ -129,10 +136,9 @@ static iso_status add_code(const iso_viewer *v, size_t k, iso_code code, iso_con
         iso_code_encode(code, level->directions, made, count);
     }
     snprintf(name, sizeof name, "level-%zu-%s", k, info->name);
-    json_t *json = json_pack("{s:s, s:b, s:s}", "name", info->name, "signed", info->is_signed, "decoder",
-                             decoder_names[info->decoder]);
+    json_t *json = iso_contents_code_json(code);
     json_array_append_new(list, json);
-    iso_status status = add_array(contents, name,
+    iso_status status = iso_contents_add_array(contents, name,
                                   &(iso_pack_array){count, 3, 1, code_byte, made ? made : level->codes}, json, err);
     free(made);
     return status;
@@ -178,7 +184,7 @@ static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *content
                                (json_int_t)entries);
     json_object_set_new(json, "joint", object);
     snprintf(name, sizeof name, "level-%zu-joint", k);
-    status = words ? add_array(contents, name, &(iso_pack_array){rows + 2 * entries, 1, 4, word, words}, object, err)
+    status = words ? iso_contents_add_array(contents, name, &(iso_pack_array){rows + 2 * entries, 1, 4, word, words}, object, err)
                    : iso_fail(err, ISO_E_MEMORY, "no memory for a joint histogram of %zu entries", entries);
     free(words);
     iso_joint_destroy(&joint);
@@ -290,6 +296,8 @@ iso_status iso_contents_make(const iso_viewer *v, const iso_progress *progress, 
         status = add_level(v, n, contents, levels, err);
         contents->first_count = n == v->last ? contents->count : contents->first_count;
     }
+    if (status == ISO_OK && v->plan)
+        status = iso_contents_add_plan(v, contents, err);
     if (status != ISO_OK)
         iso_contents_destroy(contents);
     return status;

@@ -8,7 +8,7 @@
 #include "view/pack.h"
 #include "view/viewer.h"
 
-enum { ISO_VIEWER_LEVELS = 16, ISO_VIEWER_ARRAYS = ISO_VIEWER_LEVELS * (ISO_VIEWER_CODES + 2) };
+enum { ISO_VIEWER_LEVELS = 16, ISO_VIEWER_ARRAYS = ISO_VIEWER_LEVELS * (ISO_VIEWER_CODES + 2) + 3 };
 
 typedef struct iso_contents {
     json_t *root; /* owned */
@@ -21,6 +21,11 @@ typedef struct iso_contents {
 } iso_contents;
 
 iso_status iso_contents_make(const iso_viewer *v, const iso_progress *progress, iso_contents *contents, iso_error *err);
+/* Packs an array under a name, and says in `json` how to unpack it. */
+iso_status iso_contents_add_array(iso_contents *contents, const char *name, const iso_pack_array *array, json_t *json,
+                                  iso_error *err);
+/* What a page needs to know of a code: a new object. */
+json_t *iso_contents_code_json(iso_code code);
 void iso_contents_destroy(iso_contents *contents);
 
 #endif

@@ -26,6 +26,7 @@ const slider = (text, {min, max, step, value}, changed) => {
 const makeControls = (data, state, frames, editor) => {
     const $ = id => document.getElementById(id), changed = moving => frames.ask(Boolean(moving));
     const levels = data.levels.map(l => l.level).sort((a, b) => a - b), sizeOf = n => data.levels.find(l => l.level === n).size.join(' × ');
+    const whole = data.levels.filter(l => !l.isPlan).map(l => l.level).sort((a, b) => a - b), nameOf = n => n === planLevel ? `0 in planned bricks: ${sizeOf(n)}` : `${n}: ${sizeOf(n)}`;
     const codes = [...data.codes.map(c => [c, c]), ['', 'differences of the scalar']];
 
     // What is drawn, for A and for B.
@@ -33,18 +34,21 @@ const makeControls = (data, state, frames, editor) => {
         const adapt = element('input', {type: 'checkbox', checked: of.adapted});
         const row = labeled('adapted transfer function', adapt);
         row.className = 'check';
-        const cost = element('p', {className: 'hint'});
+        const cost = element('p', {className: 'hint'}), directions = choice(codes, of.code ?? '', v => { of.code = v || null; changed(); });
         const able = () => {
+            const plan = data.levels.find(l => l.isPlan && l.level === of.level);
             const seen = (data.levels.find(l => l.level === of.level) || {}).seen, digits = x => Number(x.toPrecision(2));
             cost.textContent = seen ? `With the scene's transfer function, pictures of this level differ from level 0 by RMSE ${digits(seen.rmse)}, 1 - SSIM ${digits(seen.ssim_dissimilarity)}; adapted by ${digits(seen.rmse_adapted)} and ${digits(seen.ssim_dissimilarity_adapted)}: ${seen.adapting_helps ? 'adapting helps' : 'the original is kept by --adapt'}.` : '';
-            cost.hidden = !seen;
+            if (plan) cost.textContent = planCost(plan);
+            directions.disabled = Boolean(plan); // bricks have theirs
+            cost.hidden = !seen && !plan;
             adapt.disabled = !(data.levels.find(l => l.level === of.level) || {}).joint; row.classList.toggle('off', adapt.disabled);
         };
         adapt.addEventListener('change', () => { of.adapted = adapt.checked; changed(); });
         able();
         return [
-            labeled(`level${side}`, choice(levels.map(n => [n, `${n}: ${sizeOf(n)}`]), of.level, v => { of.level = Number(v); able(); changed(); })),
-            labeled(`directions${side}`, choice(codes, of.code ?? '', v => { of.code = v || null; changed(); })), row, cost,
+            labeled(`level${side}`, choice(levels.map(n => [n, nameOf(n)]), of.level, v => { of.level = Number(v); able(); changed(); })),
+            labeled(`directions${side}`, directions), row, cost,
         ];
     };
     const drawWhat = () => $('what').replaceChildren(...what('', state));
@@ -130,14 +134,14 @@ const makeControls = (data, state, frames, editor) => {
         const on = element('input', {type: 'checkbox', checked: Boolean(state.roi)}), row = labeled('finer level inside a box', on), parts = [row];
         row.className = 'check';
         on.addEventListener('change', () => {
-            state.roi = on.checked ? {level: levels[0], box: [[0.3, 0.3, 0.3], [0.7, 0.7, 0.7]], band: 2} : null;
-            if (state.roi && state.level === levels[0] && levels.length > 1) { state.level = levels[1]; drawWhat(); }
+            state.roi = on.checked ? {level: whole[0], box: [[0.3, 0.3, 0.3], [0.7, 0.7, 0.7]], band: 2} : null;
+            if (state.roi && state.level <= whole[0] && whole.length > 1) { state.level = whole[1]; drawWhat(); }
             drawRoi();
             changed();
         });
         const set = (change, moving) => { state.roi = {...state.roi, ...change}; changed(moving); };
         if (state.roi) {
-            parts.push(labeled('level inside', choice(levels.slice(0, -1).map(n => [n, `${n}: ${sizeOf(n)}`]), state.roi.level, v => set({level: Number(v)}))));
+            parts.push(labeled('level inside', choice(whole.slice(0, -1).map(n => [n, `${n}: ${sizeOf(n)}`]), state.roi.level, v => set({level: Number(v)}))));
             for (const a of [0, 1, 2]) for (const side of [0, 1])
                 parts.push(slider(`${'xyz'[a]} ${side ? 'to' : 'from'}`, {min: 0, max: 1, step: 0.01, value: state.roi.box[side][a]}, (v, m) => {
                     const box = state.roi.box.map(corner => [...corner]);
@@ -147,7 +151,7 @@ const makeControls = (data, state, frames, editor) => {
             parts.push(slider('band, voxels', {min: 0, max: 16, step: 0.5, value: state.roi.band}, (v, m) => set({band: v}, m)),
                 element('p', {className: 'hint', textContent: 'Needs a coarser level outside, and directions by a code. A scene file does not hold the box: the command below does.'}));
         }
-        if (levels.length < 2) on.disabled = true;
+        if (whole.length < 2) on.disabled = true;
         $('roi').replaceChildren(...parts);
     };
     const drawCompare = () => {

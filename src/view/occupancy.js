@@ -52,7 +52,7 @@ const occupancyOf = (ranges, form, table) => {
     const distance = new Uint8Array(ranges.least.length);
     let occupied = 0;
     for (let i = 0; i < distance.length; ++i) {
-        const shows = tableShows(table, form.zero + ranges.least[i] * form.step, form.zero + ranges.most[i] * form.step);
+        const shows = ranges.least[i] <= ranges.most[i] && tableShows(table, form.zero + ranges.least[i] * form.step, form.zero + ranges.most[i] * form.step);
         distance[i] = shows ? 0 : 255;
         occupied += shows;
     }

@@ -5,18 +5,19 @@ const start = async () => {
     const say = text => { $('message').textContent = text; $('message').hidden = !text; };
     // Levels come coarsest first; level 0's geometry stands for the volume even where its voxels are left out.
     data.geometry0 = data.geometry;
+    if (data.plan) data.levels.push(levelOfPlan(data.plan, data.geometry0));
     const context = makeContext(canvas);
     if (!context) { say('This browser has no WebGL2, or it is switched off: the volume cannot be drawn here.'); return; }
     canvas.addEventListener('webglcontextlost', () => say('The graphics card gave up on this page (a picture took too long, or memory ended). Reload it, and choose a coarser level or a larger step.'));
     const state = makeState(data), caster = makeCaster(context, data);
-    const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : [])]).reduce((sum, d) => sum + d.packed, 0);
+    const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : []), ...(l.layout ? [l.layout] : [])]).reduce((sum, d) => sum + d.packed, 0);
     const pageBytes = packed() * 4 / 3 + 13e4; // base64; the page itself
     let controls = null;
     const status = told => {
         if (told instanceof Error) { say(told.message); document.documentElement.dataset.failed = told.message; throw told; }
         const wait = data.levels.filter(l => !l.numbers).length;
         const quick = told.kind === 'quick' && (told.width !== canvas.width);
-        if (!quick) $('status').textContent = `level ${told.level} · ${told.width} × ${told.height} pixels in ${told.ms < 10 ? told.ms.toFixed(1) : Math.round(told.ms)} ms · page ${megabytes(pageBytes)}, textures ${megabytes(caster.bytes())}${wait ? ` · reading ${wait} finer level${wait > 1 ? 's' : ''}` : ''}`;
+        if (!quick) $('status').textContent = `${told.level === planLevel ? 'level 0 in planned bricks' : `level ${told.level}`} · ${told.width} × ${told.height} pixels in ${told.ms < 10 ? told.ms.toFixed(1) : Math.round(told.ms)} ms · page ${megabytes(pageBytes)}, textures ${megabytes(caster.bytes())}${wait ? ` · reading ${wait} finer level${wait > 1 ? 's' : ''}` : ''}`;
         document.documentElement.dataset.shown = told.kind;
         if (!document.documentElement.dataset.first) document.documentElement.dataset.first = Math.round(performance.now());
         controls?.showCommand();
@@ -25,6 +26,7 @@ const start = async () => {
     const editor = makeEditor($('editor'), data, state, moving => { controls?.showPreset(); frames.ask(moving); });
 
     const readLevel = async level => {
+        if (level.isPlan) return readPlan(level);
         const numbers = await readArray(level.scalar);
         for (const code of level.codes) code.numbers = await readArray(code);
         if (level.joint) level.adapter = makeAdapter(await readArray(level.joint), level.joint);
@@ -39,6 +41,7 @@ const start = async () => {
         const asked = new URLSearchParams(location.hash.slice(1)), level = Number(asked.get('level') ?? NaN);
         if (!location.hash) return;
         if (data.levels.some(l => l.level === level)) state.level = level;
+        else if (level === 0 && data.plan) state.level = planLevel;
         state.adapted = asked.has('adapted');
         if (Number(asked.get('step')) > 0) state.step = Math.min(Math.max(Number(asked.get('step')), 0.1), 4);
         state.code = asked.get('code') === 'none' ? null : data.codes.includes(asked.get('code')) ? asked.get('code') : state.code;
@@ -74,7 +77,7 @@ const start = async () => {
         frames.ask();
         await frames.settled();
     }
-    editor.count(data.levels[data.levels.length - 1]);
+    editor.count(data.levels.findLast(l => !l.isPlan));
     document.documentElement.dataset.ready = 'yes';
 };
 start().catch(problem => { const m = document.getElementById('message'); m.hidden = false; m.textContent = `This page could not be shown: ${problem.message}`; document.documentElement.dataset.failed = problem.message; throw problem; });

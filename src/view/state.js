@@ -17,6 +17,7 @@ const requestOf = (data, state, side) => {
     const level = ready.find(l => l.level === wanted.level) || ready.reduce((best, l) => Math.abs(l.level - wanted.level) < Math.abs(best.level - wanted.level) ? l : best);
     const {tf, lights, shading, background, clips, step} = state, inside = state.roi && ready.find(l => l.level === state.roi.level);
     const roi = inside && inside.level < level.level && wanted.code !== null ? {...state.roi, level: inside} : null;
+    if (level.isPlan) return {level, code: level.codes[0].name, adapted: false, tf, lights, shading, background, clips, step, roi: null};
     return {level, code: wanted.code, adapted: wanted.adapted && level.level > 0, tf, lights, shading, background, clips, step, roi};
 };
 
@@ -33,6 +34,8 @@ const sceneJson = (data, state, camera, width, height) => ({
 const quoted = s => /^[\w.,/:=+-]+$/.test(s) ? s : `'${s.replace(/'/g, "'\\''")}'`;
 const commandOf = (data, state) => {
     const {level, code, adapted} = state, words = ['isoshade render', quoted(data.title), '--scene', 'scene.json', '--with gl'];
+    const plan = data.levels.find(l => l.isPlan && l.level === level);
+    if (plan) return [...words, `--plan-error ${plan.predicted_rmse ?? 1 / 255} --brick ${plan.brick_voxels} --brick-levels ${plan.level_count}`].join(' ') + ' -o picture.png';
     if (level) words.push(`--level ${level}`);
     words.push(code === null ? '--shading-from on-the-fly' : `--code ${code}`);
     if (adapted && level) words.push('--adapt --always');

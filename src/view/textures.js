@@ -20,7 +20,7 @@ const fillSlabs = (gl, size, channels, format, type, make) => {
 };
 
 const uploadScalar = (context, level) => {
-    const {gl, bits} = context, {size, scalar, numbers, labels} = level, most = (level.max - level.min) / scalar.step;
+    const {gl, bits} = context, {scalar, numbers, labels} = level, size = level.texels ?? level.size, most = (level.max - level.min) / scalar.step;
     const finest = Math.max(bits.r16f, bits.r32f ?? 0), slabs = (type, make) => fillSlabs(gl, size, 1, gl.RED, type, make);
     const out = {byHand: false};
     if (scalar.kind !== 'float' && most <= 255 && bits.r8 >= finest - 1) {
@@ -43,7 +43,7 @@ const uploadScalar = (context, level) => {
 };
 
 const uploadCodes = (context, level, code) => {
-    const {gl, bits} = context, {size} = level, bytes = code.numbers, signed = code.signed ? new Int8Array(bytes.buffer) : null;
+    const {gl, bits} = context, size = level.texels ?? level.size, bytes = code.numbers, signed = code.signed ? new Int8Array(bytes.buffer) : null;
     const slabs = (type, make) => fillSlabs(gl, size, 3, gl.RGB, type, make);
     if ((signed ? bits.r8snorm : bits.r8) >= bits.r16f - 1) {
         const texture = context.volume(2, signed ? gl.RGB8_SNORM : gl.RGB8, size);

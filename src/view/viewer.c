@@ -23,6 +23,7 @@ ISO_EMBED(iso_viewer_adapt_js, "src/view/adapt.js");
 ISO_EMBED(iso_viewer_occupancy_js, "src/view/occupancy.js");
 ISO_EMBED(iso_viewer_context_js, "src/view/context.js");
 ISO_EMBED(iso_viewer_textures_js, "src/view/textures.js");
+ISO_EMBED(iso_viewer_bricks_js, "src/view/bricks.js");
 ISO_EMBED(iso_viewer_caster_js, "src/view/caster.js");
 ISO_EMBED(iso_viewer_frames_js, "src/view/frames.js");
 ISO_EMBED(iso_viewer_state_js, "src/view/state.js");
@@ -56,7 +57,7 @@ static void put_script(FILE *f)
 {
     const char *const parts[] = {
         iso_viewer_vectors_js,   iso_viewer_arrays_js,  iso_viewer_camera_js,   iso_viewer_transfer_js,
-        iso_viewer_adapt_js,     iso_viewer_occupancy_js, iso_viewer_context_js, iso_viewer_textures_js,
+        iso_viewer_adapt_js,     iso_viewer_occupancy_js, iso_viewer_context_js, iso_viewer_textures_js, iso_viewer_bricks_js,
         iso_viewer_caster_js,    iso_viewer_frames_js,  iso_viewer_state_js,    iso_viewer_orbit_js,
         iso_viewer_editor_js,    iso_viewer_controls_js, iso_viewer_open_js, iso_viewer_start_js,
     };

@@ -10,6 +10,7 @@
 #define ISO_VIEW_VIEWER_H
 
 #include "base/progress.h"
+#include "brick/bricks.h"
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
 
@@ -19,6 +20,14 @@ enum { ISO_VIEWER_CODES = 8 };
 /* The finest level of at most so many voxels, or the coarsest. */
 size_t iso_viewer_finest_level(const iso_pyramid *p, double most_voxels);
 
+/* Level 0 in bricks, each at the level that a plan has for it: for volumes that are too large for a page. */
+typedef struct iso_viewer_plan {
+    const char *name; /* of the plan's file */
+    const iso_node_levels *nodes;
+    const uint8_t *levels, *drawn; /* one byte a brick; drawn 0: left out */
+    double predicted_rmse, measured_rmse; /* of the pictures of its views, against level 0; NaN: not told */
+} iso_viewer_plan;
+
 typedef struct iso_viewer {
     const iso_pyramid *pyramid;
     const iso_scene *scene;
@@ -27,6 +36,7 @@ typedef struct iso_viewer {
     size_t first, last;      /* levels that go in: the finest and the coarsest */
     size_t code_count;       /* codes that go in; those that are not the pyramid's need its floats */
     iso_code codes[ISO_VIEWER_CODES];
+    const iso_viewer_plan *plan; /* stands for level 0, beside levels first to last; or NULL */
     bool floats;             /* no quantisation of what is stored in floats */
     bool errors;             /* say of each coarse level how far it is from level 0; else of the finest alone */
     bool adapted;            /* the page begins with adapted transfer functions */
@@ -38,10 +48,14 @@ typedef struct iso_viewer_size {
     size_t page_bytes;   /* the file */
     size_t data_bytes;   /* of them the volume's, as the page carries them */
     size_t voxel_bytes;  /* the same data before they are packed */
+    size_t plan_bricks, plan_texels; /* of the plan: drawn, and of the texture that holds them */
     double quantum;      /* the largest step that a scalar was rounded to, as a part of its level's range; 0: none was */
 } iso_viewer_size;
 
-/* ISO_E_USAGE: a code that the pyramid cannot make; ISO_E_IO, ISO_E_MEMORY. */
+/* Of a side of the texture that holds a plan's bricks: what WebGL2's graphics cards take. */
+enum { ISO_VIEWER_MOST_TEXELS = 2048 };
+
+/* ISO_E_USAGE: a code that the pyramid cannot make; ISO_E_RANGE: a plan whose bricks are too many for a texture; ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_viewer_save(const iso_viewer *v, const char *path, const iso_progress *progress, iso_viewer_size *size,
                            iso_error *err);
 
