@@ -96,7 +96,7 @@ static iso_reference_result render(const scene *s, double tolerance, bool by_hal
     iso_image image;
     opt.source = s->source;
     opt.tolerance = tolerance;
-    opt.by_halving = by_halving;
+    opt.plain = by_halving;
     opt.threads = 1;
     opt.result = &result;
     assert_ok(iso_reference_render(&s->level, ISO_CODE_FIT, &s->view, &opt, &image, NULL, &err));

@@ -25,6 +25,7 @@
     X(power) \
     X(plan) \
     X(seams) \
+    X(reference) \
     X(render) \
     X(roi) \
     X(tf)

@@ -140,7 +140,7 @@ static iso_status find_empty_space(picture *p, iso_error *err)
 {
     const iso_sampler *s = p->layers[0].sampler;
     const iso_roi *roi = p->view->roi;
-    if (s->bricks || s->warp || p->opt->emitter || p->opt->by_halving || p->opt->quadrature == ISO_QUADRATURE_FIRST_HIT ||
+    if (s->bricks || s->warp || p->opt->emitter || p->opt->plain || p->opt->quadrature == ISO_QUADRATURE_FIRST_HIT ||
         p->opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
         return ISO_OK;
     double lo[3], hi[3];

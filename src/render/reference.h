@@ -54,7 +54,7 @@ typedef struct iso_reference_options {
     size_t intervals;   /* povray */
     size_t planes;      /* povray: that cut the box across the view, each piece of a ray with its own intervals */
     double tolerance;   /* converged: of a pixel's value */
-    bool by_halving;    /* converged: every piece by Romberg's sums, and nothing is passed over: what others are held to */
+    bool plain;         /* nothing is passed over, and every piece is halved: slow, for comparison */
     double iso;         /* first hit: the value of the surface */
     iso_surface_output output; /* first hit: what the image shows of it */
     /* Converged and midpoint: instead of the level's scalar and the view's transfer function; or NULL. Converged: it is smooth

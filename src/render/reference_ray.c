@@ -9,19 +9,32 @@
 #include "render/cell_ray.h"
 #include "scene/roi.h"
 
-/* shade(d) of scene/scene.h */
-double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
+/* The vectors between lights and viewer. */
+static void find_halves(const iso_view *view, iso_vec3 to_viewer, iso_vec3 half[ISO_MAX_LIGHTS])
+{
+    for (size_t i = 0; i < view->light_count; ++i)
+        half[i] = iso_normalize(iso_add(view->lights[i].direction, to_viewer));
+}
+
+static double shade(const iso_view *view, iso_vec3 n, const iso_vec3 half[ISO_MAX_LIGHTS])
 {
     const iso_shading *m = &view->shading;
     double sum = m->ambient;
     for (size_t i = 0; i < view->light_count; ++i) {
         const iso_light *light = &view->lights[i];
-        iso_vec3 half = iso_normalize(iso_add(light->direction, to_viewer));
         sum += light->intensity * m->diffuse * fabs(iso_dot(n, light->direction));
         if (m->specular > 0)
-            sum += light->intensity * m->specular * pow(fabs(iso_dot(n, half)), m->power);
+            sum += light->intensity * m->specular * pow(fabs(iso_dot(n, half[i])), m->power);
     }
     return sum;
+}
+
+/* shade(d) of scene/scene.h */
+double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
+{
+    iso_vec3 half[ISO_MAX_LIGHTS];
+    find_halves(view, to_viewer, half);
+    return shade(view, n, half);
 }
 
 /* q of fit/extinction_scale.h */
@@ -65,7 +78,7 @@ static double layer_emission(const ray_state *ray, const layer *l, double t, dou
     classify(l, p, rgbs);
     double scale = 0;
     if (rgbs[3] > 0)
-        scale = rgbs[3] * iso_shade(ray->view, iso_sample_normal(l->sampler, p), ray->to_viewer);
+        scale = rgbs[3] * shade(ray->view, iso_sample_normal(l->sampler, p), ray->half);
     for (int c = 0; c < 3; ++c)
         color[c] = scale * rgbs[c];
     return rgbs[3];
@@ -87,6 +100,26 @@ static double emission(const ray_state *ray, double t, double color[3])
     for (int c = 0; c < 3; ++c)
         color[c] = w * inside[c] + (w < 1 ? (1 - w) * color[c] : 0);
     return sigma + around;
+}
+
+/* Where the ray leaves the largest block round its place at t that shows nothing; t where there is none. */
+static double leave_empty_block(const ray_state *ray, double t)
+{
+    if (!ray->empty || !ray->empty->seen[0])
+        return t;
+    const double p[3] = {ray->origin.x + t * ray->direction.x, ray->origin.y + t * ray->direction.y,
+                         ray->origin.z + t * ray->direction.z};
+    const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
+    int cell[3], lo[3], hi[3];
+    for (int a = 0; a < 3; ++a)
+        cell[a] = (int)fmin(fmax(floor(p[a] + 0.5), 0), (double)(ray->empty->cells[a] - 1));
+    if (!iso_empty_space_at(ray->empty, cell, lo, hi))
+        return t;
+    double end = INFINITY;
+    for (int a = 0; a < 3; ++a)
+        if (d[a] != 0) /* cells end half an index before their number */
+            end = fmin(end, t + ((d[a] > 0 ? hi[a] : lo[a]) - 0.5 - p[a]) / d[a]);
+    return fmax(end, t);
 }
 
 /* front over back */
@@ -250,26 +283,6 @@ static double cell_end(const ray_state *ray, double a, double least, double t1)
 /* Skips slivers of rounding at the planes; far below any tolerance. */
 static const double least_piece = 1e-9;
 
-/* Where the ray leaves the largest block round its place at t that shows nothing; t where there is none. */
-static double leave_empty_block(const ray_state *ray, double t)
-{
-    if (!ray->empty || !ray->empty->seen[0])
-        return t;
-    const double p[3] = {ray->origin.x + t * ray->direction.x, ray->origin.y + t * ray->direction.y,
-                         ray->origin.z + t * ray->direction.z};
-    const double d[3] = {ray->direction.x, ray->direction.y, ray->direction.z};
-    int cell[3], lo[3], hi[3];
-    for (int a = 0; a < 3; ++a)
-        cell[a] = (int)fmin(fmax(floor(p[a] + 0.5), 0), (double)(ray->empty->cells[a] - 1));
-    if (!iso_empty_space_at(ray->empty, cell, lo, hi))
-        return t;
-    double end = INFINITY;
-    for (int a = 0; a < 3; ++a)
-        if (d[a] != 0) /* cells end half an index before their number */
-            end = fmin(end, t + ((d[a] > 0 ? hi[a] : lo[a]) - 0.5 - p[a]) / d[a]);
-    return fmax(end, t);
-}
-
 static stretch integrate_converged(const ray_state *ray, double t0, double t1, double tolerance, double *error)
 {
     stretch whole = {{0}, 0};
@@ -343,15 +356,20 @@ static stretch hit_surface(const ray_state *ray, double t0, double t1, double is
 /* Segments [k ds, (k+1) ds] clipped to the box, midpoint, 1 - exp(-sigma length): the ray caster's. */
 static stretch integrate_midpoint(const ray_state *ray, double t0, double t1, double ds)
 {
-    const double opaque = ray->emitter ? 40 : INFINITY; /* what is behind has a part of 4e-18 */
+    /* What is behind 40 has a part of 4e-18. */
+    const double opaque = ray->emitter || (ray->empty && ray->empty->seen[0]) ? 40 : INFINITY;
     stretch s = {{0}, 0};
     for (double k = floor(t0 / ds); k * ds < t1 && s.depth < opaque; ++k) {
         double a = fmax(k * ds, t0), b = fmin((k + 1) * ds, t1), color[3];
         if (!(b > a))
             continue;
         double sigma = emission(ray, 0.5 * (a + b), color);
-        if (sigma <= 0)
+        if (sigma <= 0) {
+            /* On to the last middle that is not beyond the block: those between show nothing. */
+            const double end = leave_empty_block(ray, 0.5 * (a + b));
+            k = fmax(k, fmin(floor(end / ds - 0.5), ceil(t1 / ds)) - 1);
             continue;
+        }
         double weight = exp(-s.depth) * -expm1(-sigma * (b - a)) / sigma;
         for (int c = 0; c < 3; ++c)
             s.color[c] += weight * color[c];
@@ -409,9 +427,9 @@ static stretch integrate_pieces(const ray_state *ray, const iso_reference_option
     return compose(s, sum_intervals(ray, from, t1, opt->intervals));
 }
 
-stretch iso_reference_integrate(const ray_state *ray, const iso_reference_options *opt, double t0, double t1,
-                                double *error)
+stretch iso_reference_integrate(ray_state *ray, const iso_reference_options *opt, double t0, double t1, double *error)
 {
+    find_halves(ray->view, ray->to_viewer, ray->half);
     const iso_geometry *g = &ray->layer->sampler->level->geometry, *finest = iso_view_step_geometry(ray->view, g);
     const double step = opt->step_voxels > 0 ? opt->step_voxels : ray->view->step_voxels;
     if (opt->quadrature == ISO_QUADRATURE_CONVERGED)

@@ -27,6 +27,7 @@ typedef struct ray_state {
     const iso_empty_space *empty;    /* of the level that is rendered, or NULL */
     iso_vec3 origin, direction;      /* index per mm of t */
     iso_vec3 to_viewer;              /* world, unit */
+    iso_vec3 half[ISO_MAX_LIGHTS];   /* between the lights and the viewer; set by the integral */
 } ray_state;
 
 /* What a stretch of the ray emits towards its own start, and its optical depth. */
@@ -38,7 +39,6 @@ typedef struct stretch {
 double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer);
 
 /* From t0 to t1, by the quadrature of opt. *error: converged: what halving changed, summed up. */
-stretch iso_reference_integrate(const ray_state *ray, const iso_reference_options *opt, double t0, double t1,
-                                double *error);
+stretch iso_reference_integrate(ray_state *ray, const iso_reference_options *opt, double t0, double t1, double *error);
 
 #endif

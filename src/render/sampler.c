@@ -100,20 +100,20 @@ typedef struct stencil {
 static stencil stencil_at(const iso_geometry *g, iso_vec3 index)
 {
     const double p[3] = {index.x - 0.5, index.y - 0.5, index.z - 0.5};
-    size_t lo[3], hi[3];
-    double f[3];
+    size_t at[3][2];
+    double w[3][2];
     for (int a = 0; a < 3; ++a) {
         double last = (double)(g->size[a] - 1);
         double q = p[a] > 0 ? (p[a] < last ? p[a] : last) : 0;
-        lo[a] = (size_t)q;
-        hi[a] = lo[a] + 1 < g->size[a] ? lo[a] + 1 : lo[a];
-        f[a] = q - (double)lo[a];
+        at[a][0] = (size_t)(int64_t)q;
+        at[a][1] = at[a][0] + 1 < g->size[a] ? at[a][0] + 1 : at[a][0];
+        w[a][1] = q - (double)(int64_t)at[a][0];
+        w[a][0] = 1 - w[a][1];
     }
     stencil s;
     for (int c = 0; c < 8; ++c) {
-        size_t x = c & 1 ? hi[0] : lo[0], y = c & 2 ? hi[1] : lo[1], z = c & 4 ? hi[2] : lo[2];
-        s.voxel[c] = x + g->size[0] * (y + g->size[1] * z);
-        s.weight[c] = (c & 1 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) * (c & 4 ? f[2] : 1 - f[2]);
+        s.voxel[c] = at[0][c & 1] + g->size[0] * (at[1][c >> 1 & 1] + g->size[1] * at[2][c >> 2]);
+        s.weight[c] = w[0][c & 1] * w[1][c >> 1 & 1] * w[2][c >> 2];
     }
     return s;
 }
