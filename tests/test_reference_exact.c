@@ -95,7 +95,7 @@ static iso_reference_result render(const scene *s, double tolerance, bool by_hal
     iso_reference_options opt = iso_reference_defaults();
     iso_image image;
     opt.source = s->source;
-    opt.tolerance = tolerance;
+    opt.tolerance = opt.most_error = tolerance;
     opt.plain = by_halving;
     opt.threads = 1;
     opt.result = &result;
@@ -158,6 +158,84 @@ static void halving_gives_the_same_pictures(void **state)
         free_scene(&s);
     }
     print_message("the largest difference was %.3g\n", worst);
+}
+
+/* The defaults: 1e-9 for every pixel. Values, spacings and the table are exact in floats, so that nothing else is off. */
+static void closed_forms_hold_to_a_billionth(void **state)
+{
+    (void)state;
+    scene s = {.level = {.geometry = iso_geometry_axis_aligned((size_t[]){4, 4, 6}, (double[]){1, 1, 2}),
+                         .stored_type = ISO_F32,
+                         .max = 1},
+               .entries = {0, 0, 0, 0, 1, 1, 1, 0.25f},
+               .source = ISO_FROM_ON_THE_FLY};
+    s.level.scalar = malloc(96 * sizeof(float));
+    for (size_t i = 0; i < 96; ++i) /* 1/8 to 6/8 along z, centers 2 mm apart */
+        s.level.scalar[i] = (float)(i / 16 + 1) / 8;
+    s.view = (iso_view){.width = WIDTH,
+                        .height = HEIGHT,
+                        .shading = {.ambient = 0.25, .diffuse = 0.75, .power = 1},
+                        .light_count = 1,
+                        .background = {0, 0.5, 0},
+                        .camera = {.orthographic = true,
+                                   .position = {0, 0, -50},
+                                   .forward = {0, 0, 1},
+                                   .right = {1, 0, 0},
+                                   .up = {0, 1, 0},
+                                   .half_height = 1}};
+    s.view.lights[0] = (iso_light){.direction = {1, 0, 0}, .intensity = 1}; /* beside the gradient: ambient light is left */
+    s.view.tf = (iso_tf_table){.count = 2, .lo = 0, .hi = 1, .entries = s.entries};
+    const double k = 0.25, s0 = 0.125, s1 = 0.75, slope = (s1 - s0) / 10, root = sqrt(k / (2 * slope));
+    const double front = exp(-k * s0), through = exp(-k * (s0 + s1) / 2 * 10), back = exp(-k * s1); /* 1 mm, 10 mm, 1 mm */
+    const double ramp = s0 - s1 * through +
+                        slope * exp(k * s0 * s0 / (2 * slope)) * sqrt(acos(-1) / (2 * k * slope)) *
+                            (erf(s1 * root) - erf(s0 * root));
+    const double color = s0 * (1 - front) + front * (ramp + through * s1 * (1 - back)), left = front * through * back;
+    for (int plain = 0; plain < 2; ++plain) {
+        double rgba[4 * PIXELS];
+        iso_reference_result result = {.rgba = rgba};
+        iso_reference_options opt = iso_reference_defaults();
+        iso_image image;
+        opt.source = s.source;
+        opt.plain = plain;
+        opt.result = &result;
+        assert_ok(iso_reference_render(&s.level, ISO_CODE_FIT, &s.view, &opt, &image, NULL, &err));
+        const double tolerance = plain ? 1e-6 : 1e-9;
+        assert_at_most(result.error, tolerance);
+        for (size_t i = 0; i < PIXELS; ++i) {
+            assert_within(rgba[4 * i], 0.25 * color, tolerance);
+            assert_within(rgba[4 * i + 1], 0.25 * color + 0.5 * left, tolerance);
+            assert_within(rgba[4 * i + 3], 1 - left, tolerance);
+        }
+        iso_image_destroy(&image);
+    }
+    free(s.level.scalar);
+}
+
+/* Samples at equal steps: what is passed over changes no bit. */
+static void samples_in_lock_step_are_the_same_to_the_bit(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 400; seed < 460; ++seed) {
+        scene s;
+        double rgba[2][4 * PIXELS];
+        make_scene(&s, seed);
+        for (int plain = 0; plain < 2; ++plain) {
+            iso_reference_result result = {.rgba = rgba[plain]};
+            iso_reference_options opt = iso_reference_defaults();
+            iso_image image;
+            opt.quadrature = ISO_QUADRATURE_MIDPOINT;
+            opt.step_voxels = 0.05 + 0.01 * (double)(seed % 60);
+            opt.source = s.source;
+            opt.plain = plain;
+            opt.result = &result;
+            assert_ok(iso_reference_render(&s.level, ISO_CODE_FIT, &s.view, &opt, &image, NULL, &err));
+            assert_true(isnan(result.error));
+            iso_image_destroy(&image);
+        }
+        assert_memory_equal(rgba[0], rgba[1], sizeof rgba[0]);
+        free_scene(&s);
+    }
 }
 
 /* Each instruction set that the machine has. */
@@ -282,6 +360,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_pixel_is_farther_off_than_its_bound),
         cmocka_unit_test(halving_gives_the_same_pictures),
+        cmocka_unit_test(closed_forms_hold_to_a_billionth),
+        cmocka_unit_test(samples_in_lock_step_are_the_same_to_the_bit),
         cmocka_unit_test(instruction_sets_give_the_same_bits),
         cmocka_unit_test(only_what_shows_nothing_is_passed_over),
         cmocka_unit_test(intervals_end_at_the_entries_that_show_nothing),

@@ -16,7 +16,8 @@ iso_reference_options iso_reference_defaults(void)
     return (iso_reference_options){.quadrature = ISO_QUADRATURE_CONVERGED,
                                    .source = ISO_FROM_CODES,
                                    .intervals = 100,
-                                   .tolerance = 1e-6};
+                                   .tolerance = 1e-6,
+                                   .most_error = 1e-9};
 }
 
 /* Sets bends[i + 1] where a component's slope changes at entry i by more than a thousandth of its largest value. */
@@ -78,7 +79,7 @@ static double render_pixel(const picture *p, size_t column, size_t row)
     double t0, t1, error = 0;
     stretch s = {{0}, 0};
     if (iso_view_ray(view, &ray, g, &t0, &t1) && t1 > t0) {
-        const iso_cell_ray r = {state.origin, state.direction, state.to_viewer, t0, t1, opt->tolerance};
+        const iso_cell_ray r = {state.origin, state.direction, state.to_viewer, t0, t1, opt->most_error};
         s = p->by_cells ? iso_cell_ray_integrate(&p->cells, &r, &error)
                         : iso_reference_integrate(&state, opt, t0, t1, &error);
     }
@@ -98,9 +99,9 @@ static double render_pixel(const picture *p, size_t column, size_t row)
 
 static iso_status check_options(const iso_view *view, const iso_reference_options *opt, iso_error *err)
 {
-    if (!(opt->tolerance > 0) || opt->intervals < 1)
-        return iso_fail(err, ISO_E_RANGE, "reference: tolerance %g and intervals %zu must be above 0", opt->tolerance,
-                        opt->intervals);
+    if (!(opt->tolerance > 0 && opt->most_error > 0) || opt->intervals < 1)
+        return iso_fail(err, ISO_E_RANGE, "reference: tolerance %g, error %g and intervals %zu must be above 0",
+                        opt->tolerance, opt->most_error, opt->intervals);
     if (view->tf_2d && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
         return iso_fail(err, ISO_E_USAGE, "reference: a TF over two values is not pre-integrated");
     const bool integrates = opt->quadrature == ISO_QUADRATURE_MIDPOINT || opt->quadrature == ISO_QUADRATURE_CONVERGED;

@@ -53,7 +53,8 @@ typedef struct iso_reference_options {
     double step_voxels; /* midpoint and preintegrated; 0: the view's */
     size_t intervals;   /* povray */
     size_t planes;      /* povray: that cut the box across the view, each piece of a ray with its own intervals */
-    double tolerance;   /* converged: of a pixel's value */
+    double tolerance;   /* converged, of a pixel's value: of what is halved until it stays, an estimate */
+    double most_error;  /* the same, of what has a proved bound */
     bool plain;         /* nothing is passed over, and every piece is halved: slow, for comparison */
     double iso;         /* first hit: the value of the surface */
     iso_surface_output output; /* first hit: what the image shows of it */
