@@ -29,38 +29,37 @@ void iso_shown_destroy(iso_shown *s)
     *s = (iso_shown){0};
 }
 
-typedef struct interval {
-    float lo, hi;
-} interval;
-
-/* The least and the largest value of the voxels of a row that the blocks of cells along it touch, added to `row`. */
-static void widen_row(const float *voxels, size_t count, size_t blocks, interval *row)
+/* The least and the largest value of each column of the rows that a row of blocks touches. */
+static void widen_columns(const float *restrict voxels, size_t count, float *restrict lo, float *restrict hi)
 {
-    for (size_t b = 0; b < blocks; ++b) {
-        const size_t first = b > 0 ? 4 * b - 1 : 0, end = 4 * b + 4 < count ? 4 * b + 4 : count;
-        float lo = row[b].lo, hi = row[b].hi;
-        for (size_t x = first < count ? first : count - 1; x < end; ++x) {
-            lo = voxels[x] < lo ? voxels[x] : lo;
-            hi = voxels[x] > hi ? voxels[x] : hi;
-        }
-        row[b] = (interval){lo, hi};
+    for (size_t x = 0; x < count; ++x) {
+        lo[x] = voxels[x] < lo[x] ? voxels[x] : lo[x];
+        hi[x] = voxels[x] > hi[x] ? voxels[x] : hi[x];
     }
 }
 
-/* One row of the finest blocks. */
+/* One row of the finest blocks; lo and hi: room for a row of voxels each. */
 static void look_at_blocks(iso_empty_space *e, const iso_level *level, const iso_shown *shown, size_t by, size_t bz,
-                           interval *row)
+                           float *lo, float *hi)
 {
     const size_t *n = level->geometry.size, blocks = e->blocks[0][0];
     const size_t y0 = by > 0 ? 4 * by - 1 : 0, z0 = bz > 0 ? 4 * bz - 1 : 0;
-    for (size_t b = 0; b < blocks; ++b)
-        row[b] = (interval){FLT_MAX, -FLT_MAX};
+    for (size_t x = 0; x < n[0]; ++x) {
+        lo[x] = FLT_MAX;
+        hi[x] = -FLT_MAX;
+    }
     for (size_t z = z0 < n[2] ? z0 : n[2] - 1; z < n[2] && z < 4 * bz + 4; ++z)
         for (size_t y = y0 < n[1] ? y0 : n[1] - 1; y < n[1] && y < 4 * by + 4; ++y)
-            widen_row(level->scalar + (z * n[1] + y) * n[0], n[0], blocks, row);
-    for (size_t b = 0; b < blocks; ++b)
-        e->seen[0][(bz * e->blocks[0][1] + by) * blocks + b] = iso_shown_values(shown, (double)row[b].lo,
-                                                                                 (double)row[b].hi);
+            widen_columns(level->scalar + (z * n[1] + y) * n[0], n[0], lo, hi);
+    for (size_t b = 0; b < blocks; ++b) {
+        const size_t first = b > 0 ? 4 * b - 1 : 0, end = 4 * b + 4 < n[0] ? 4 * b + 4 : n[0];
+        float least = FLT_MAX, most = -FLT_MAX;
+        for (size_t x = first < n[0] ? first : n[0] - 1; x < end; ++x) {
+            least = lo[x] < least ? lo[x] : least;
+            most = hi[x] > most ? hi[x] : most;
+        }
+        e->seen[0][(bz * e->blocks[0][1] + by) * blocks + b] = iso_shown_values(shown, (double)least, (double)most);
+    }
 }
 
 static void keep_box(iso_empty_space *e, const double lo[3], const double hi[3])
@@ -101,15 +100,17 @@ iso_status iso_empty_space_create(iso_empty_space *e, const iso_level *level, co
         memory = memory && e->seen[l];
     }
     const size_t rows = e->blocks[0][1] * e->blocks[0][2];
-    interval *row = memory ? malloc((size_t)iso_threads(threads) * e->blocks[0][0] * sizeof *row) : NULL;
+    const size_t across = level->geometry.size[0];
+    float *row = memory ? malloc((size_t)iso_threads(threads) * 2 * across * sizeof *row) : NULL;
     if (!row) {
         iso_empty_space_destroy(e);
         return iso_fail(err, ISO_E_MEMORY, "empty space: out of memory");
     }
 #pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
-    for (size_t i = 0; i < rows; ++i)
-        look_at_blocks(e, level, shown, i % e->blocks[0][1], i / e->blocks[0][1],
-                       row + (size_t)iso_thread_index() * e->blocks[0][0]);
+    for (size_t i = 0; i < rows; ++i) {
+        float *own = row + (size_t)iso_thread_index() * 2 * across;
+        look_at_blocks(e, level, shown, i % e->blocks[0][1], i / e->blocks[0][1], own, own + across);
+    }
     free(row);
     if (keep_lo)
         keep_box(e, keep_lo, keep_hi);

@@ -73,6 +73,7 @@ static double render_pixel(const picture *p, size_t column, size_t row)
                        .emitter = opt->emitter,
                        .integral = &p->integral,
                        .empty = &p->empty,
+                       .plain = opt->plain,
                        .to_viewer = iso_scale(ray.direction, -1),
                        .origin = iso_mul(to_index, iso_sub(ray.origin, g->origin_mm)),
                        .direction = iso_mul(to_index, ray.direction)};
@@ -136,6 +137,15 @@ static void render_tiles(const picture *p, const iso_progress *progress)
     }
 }
 
+/* Small pictures of large volumes meet so few voxels that looking at all of them takes longer than it saves: some 25 ns a
+ * cell that is met, half a nanosecond a voxel. */
+static bool is_worth_a_tree(const picture *p)
+{
+    const iso_geometry *g = &p->layers[0].sampler->level->geometry;
+    const double met = 0.5 * (double)(p->view->width * p->view->height) * (double)(g->size[0] + g->size[1] + g->size[2]);
+    return 50 * met > (double)iso_geometry_voxel_count(g);
+}
+
 /* What is empty, and whether rays go by cells. Not known of bricks and emitters: there nothing is passed over. */
 static iso_status find_empty_space(picture *p, iso_error *err)
 {
@@ -150,7 +160,7 @@ static iso_status find_empty_space(picture *p, iso_error *err)
         hi[a] = roi->hi[a] + roi->band;
     }
     iso_status status = iso_shown_create(&p->shown, p->layers[0].tf, p->view->tf_2d, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK && is_worth_a_tree(p))
         status = iso_empty_space_create(&p->empty, s->level, &p->shown, roi ? lo : NULL, hi, p->opt->threads, err);
     if (status != ISO_OK || p->opt->quadrature != ISO_QUADRATURE_CONVERGED || !iso_cell_scene_is_for(s, p->view))
         return status;

@@ -105,7 +105,7 @@ static double emission(const ray_state *ray, double t, double color[3])
 /* Where the ray leaves the largest block round its place at t that shows nothing; t where there is none. */
 static double leave_empty_block(const ray_state *ray, double t)
 {
-    if (!ray->empty || !ray->empty->seen[0])
+    if (!ray->empty->seen[0])
         return t;
     const double p[3] = {ray->origin.x + t * ray->direction.x, ray->origin.y + t * ray->direction.y,
                          ray->origin.z + t * ray->direction.z};
@@ -357,7 +357,7 @@ static stretch hit_surface(const ray_state *ray, double t0, double t1, double is
 static stretch integrate_midpoint(const ray_state *ray, double t0, double t1, double ds)
 {
     /* What is behind 40 has a part of 4e-18. */
-    const double opaque = ray->emitter || (ray->empty && ray->empty->seen[0]) ? 40 : INFINITY;
+    const double opaque = ray->plain ? INFINITY : 40;
     stretch s = {{0}, 0};
     for (double k = floor(t0 / ds); k * ds < t1 && s.depth < opaque; ++k) {
         double a = fmax(k * ds, t0), b = fmin((k + 1) * ds, t1), color[3];

@@ -24,7 +24,8 @@ typedef struct ray_state {
     const iso_view *view;
     const iso_emitter *emitter;      /* or NULL */
     const iso_tf_integral *integral; /* preintegrated */
-    const iso_empty_space *empty;    /* of the level that is rendered, or NULL */
+    const iso_empty_space *empty;    /* of the level that is rendered */
+    bool plain;                      /* of the options */
     iso_vec3 origin, direction;      /* index per mm of t */
     iso_vec3 to_viewer;              /* world, unit */
     iso_vec3 half[ISO_MAX_LIGHTS];   /* between the lights and the viewer; set by the integral */
