@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# bench reference, and the bound that render prints.
+. "$(dirname "$0")/lib.sh"
+"$ISOSHADE" make shells --size 20 -o "$dir/shells.nrrd" -q
+"$ISOSHADE" bench reference "$dir/shells.nrrd" --size 8 --json -q >"$dir/bench.json"
+scene=$top/refscenes/shells.scene.json
+"$ISOSHADE" render "$dir/shells.nrrd" --scene "$scene" --size 8 --with reference --json -q -o "$dir/a.exr" >"$dir/converged.json"
+"$ISOSHADE" render "$dir/shells.nrrd" --scene "$scene" --size 8 --with reference --quadrature midpoint --json -q -o "$dir/b.exr" >"$dir/midpoint.json"
+"$ISOSHADE" render "$dir/shells.nrrd" --scene "$scene" --size 8 --with reference --shading-from flipped --json -q -o "$dir/c.exr" >"$dir/other.json"
+check "pictures with and without are one, in less time, within a proved bound" python3 - "$dir" <<'PY'
+import json, sys
+load = lambda name: json.load(open(f'{sys.argv[1]}/{name}.json'))
+b = load('bench')
+assert b['schema'] == 'isoshade.bench.reference/1' and len(b['rows']) == 8
+for row in b['rows']:
+    if row['rule'] == 'midpoint':
+        assert row['difference'] == 0 and 'error_bound' not in row
+    else:
+        assert 0 < row['error_bound'] <= 1e-9 and row['error_bound_is_proved']
+        assert row['difference'] < 1e-5  # what halving estimates wrongly
+assert b['mean_ratio']['converged'] > 2
+c, m, o = load('converged'), load('midpoint'), load('other')
+assert 0 < c['error_bound'] <= 1e-9 and c['error_bound_is_proved']
+assert 'error_bound' not in m
+assert o['error_bound'] > 0 and not o['error_bound_is_proved']
+PY
+expect "no volume is bad usage" 2 "$ISOSHADE" bench reference
+expect "no pixels are bad usage" 2 "$ISOSHADE" bench reference "$dir/shells.nrrd" --size 0
+exit $failed
