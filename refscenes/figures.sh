@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Draws the pictures of doc/ again, into doc/figures.
-#   sh refscenes/figures.sh              those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes
+#   sh refscenes/figures.sh              those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes papers
 #   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart opened viewer, which take longer or time a machine,
 #                                        addon, in a window of Xvfb, chart-across, of the volume $ENGINE,
 #                                        and first-pictures, of volumes in the folder $VOLUMES, by ImageMagick
@@ -71,6 +71,15 @@ failures() { # doc/results/failures.md
 palettes() { # doc/results/palettes.md
     "$isoshade" palette --ellipsoid 5000 --method anneal --entries 510 --steps 2000 -q -o "$out/palettes-figure9.svg"
 }
+papers() { # doc/paper-figures.md
+    for picture in paper-code-points.png paper-code-regions.png paper-code-spheres.png \
+        paper-code-table.png paper-joint-histogram.png paper-joint-row.png \
+        paper-mixed-volume.png paper-mixed-surface.png paper-palette-views.png; do
+        kind=${picture#paper-} kind=${kind%.png}
+        "$isoshade" figure --kind "$kind" --width 110 --dpi 150 -q -o "$work/$kind" >/dev/null
+        cp "$work/$kind/figure.png" "$out/$picture"
+    done
+}
 
 # Longer ones.
 codes() { # doc/results/direction-codes.md
@@ -113,10 +122,10 @@ first_pictures() { # doc/results/first-pictures.md, which says where the volumes
         -geometry +2+2 -pointsize 9 -quality 86 "$out/first-pictures.jpg"
 }
 
-[ $# -gt 0 ] || set -- hero sheet report levels roi adaptive-tf seams failures palettes
+[ $# -gt 0 ] || set -- hero sheet report levels roi adaptive-tf seams failures palettes papers
 for name in "$@"; do
     case $name in
-        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | codes | gradients | sensitivity | chart | chart-across | addon | first-pictures | opened | viewer) ;;
+        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | papers | codes | gradients | sensitivity | chart | chart-across | addon | first-pictures | opened | viewer) ;;
         *) echo "figures: no \"$name\" among them" >&2; exit 2 ;;
     esac
     echo "figures: $name"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_figure.c - a publication figure, by one of the kinds of src/figure. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,16 +53,19 @@ static void print_result(const figure_arguments *a)
                         json_pack("{s:s, s:f, s:f, s:f, s:s}", "kind", job->kind->name, "width_mm", job->width_mm,
                                   "height_mm", job->height_mm, "dpi", job->dpi, "map", job->map->name));
     json_object_set_new(root, "output", json_string(a->output));
+    if (json_object_size(job->facts))
+        json_object_set(root, "facts", job->facts);
     iso_cli_print_json(root);
 }
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    figure_arguments a = {.job = {.width_mm = 178, .height_mm = 230, .dpi = 300}};
+    figure_arguments a = {.job = {.width_mm = 178, .height_mm = 230, .dpi = 300, .surface = NAN}};
     iso_figure_job *job = &a.job;
     iso_cli cli;
     iso_cli_next next;
     job->cli = &cli;
+    job->facts = json_object();
     job->adapted.cli = &cli;
     iso_volume_input_defaults(&job->volume);
     iso_cli_adapted_defaults(&job->adapted);
@@ -90,6 +94,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"variant", 0, POPT_ARG_STRING, &job->variant, 0,
          "a report's renderers: comparisons of such a name, such as naive or \"adapted TF\"; else those of the scene as it is",
          "TEXT"},
+        {"code", 0, POPT_ARG_STRING, &job->code, 0, "a code of directions (the kind's own)", "CODE"},
+        {"bits", 0, POPT_ARG_INT, &job->bits, 0, "a component of a direction, where each is drawn (5)", "N"},
+        {"bricks", 0, POPT_ARG_INT, &job->bricks, 0, "mixed levels: voxels along a brick's side (16)", "N"},
+        {"entries", 0, POPT_ARG_INT, &job->entries, 0, "directions of a palette (254)", "N"},
+        {"surface", 0, POPT_ARG_DOUBLE, &job->surface, 0, "the isosurface's value, a part of the volume's range (0.5)",
+         "PART"},
         ISO_CLI_SCENE_OPTION(&job->look),
         ISO_CLI_TF_OPTIONS(&job->look),
         {"view", 0, POPT_ARG_STRING, &job->look.view, 0,
@@ -111,7 +121,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             print_result(&a);
     }
     iso_cli_end(&cli);
-    char *texts[] = {a.output, a.kind, a.map, a.zoom, job->methods, job->variant, job->with};
+    json_decref(job->facts);
+    char *texts[] = {a.output, a.kind, a.map, a.zoom, job->methods, job->variant, job->with, job->code};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
     return status;

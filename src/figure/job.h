@@ -27,8 +27,10 @@ typedef struct iso_figure_job {
     iso_volume_input volume;
     iso_cli_look look; /* of a report the scene is a name */
     iso_cli_adapted adapted;
-    char *with, *methods, *variant;
-    int level, levels, frames;
+    char *with, *methods, *variant, *code;
+    int level, levels, frames, bits, bricks, entries;
+    double surface;  /* NaN: not given */
+    json_t *facts;   /* an object: what a kind counts and measures, for --json */
     double inset[4]; /* parts of the picture: from the left, from the top, wide, high; zeroed: none */
 } iso_figure_job;
 
@@ -50,6 +52,11 @@ enum {
     ISO_FIGURE_HAS_ADAPT = 1 << 14,
     ISO_FIGURE_HAS_FRAMES = 1 << 15,
     ISO_FIGURE_HAS_INSET = 1 << 16,
+    ISO_FIGURE_HAS_CODE = 1 << 17,
+    ISO_FIGURE_HAS_BITS = 1 << 18,
+    ISO_FIGURE_HAS_BRICKS = 1 << 19,
+    ISO_FIGURE_HAS_ENTRIES = 1 << 20,
+    ISO_FIGURE_HAS_SURFACE = 1 << 21,
 };
 
 struct iso_figure_info {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The table of kinds, and a figure as a whole. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,11 +9,22 @@
 #include "figure/job.h"
 #include "figure/levels.h"
 #include "figure/of_report.h"
+#include "figure/paper_kinds.h"
 #include "pyramid/pyramid.h"
 
 const iso_figure_info *const iso_figure_kinds[] = {
     &iso_figure_levels,
     &iso_figure_renderers,
+    &iso_figure_code_dots,
+    &iso_figure_code_points,
+    &iso_figure_code_regions,
+    &iso_figure_code_spheres,
+    &iso_figure_code_table,
+    &iso_figure_joint_histogram,
+    &iso_figure_joint_row,
+    &iso_figure_mixed_volume,
+    &iso_figure_mixed_surface,
+    &iso_figure_palette_views,
     NULL,
 };
 const iso_names iso_figure_kind_names = {
@@ -78,6 +90,11 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
         {ISO_FIGURE_HAS_VARIANT, job->variant != NULL, "--variant"},
         {ISO_FIGURE_HAS_ADAPT, job->adapted.wanted != 0, "--adapt"},
         {ISO_FIGURE_HAS_FRAMES, job->frames != 0, "--frames"},
+        {ISO_FIGURE_HAS_CODE, job->code != NULL, "--code"},
+        {ISO_FIGURE_HAS_BITS, job->bits != 0, "--bits"},
+        {ISO_FIGURE_HAS_BRICKS, job->bricks != 0, "--bricks"},
+        {ISO_FIGURE_HAS_ENTRIES, job->entries != 0, "--entries"},
+        {ISO_FIGURE_HAS_SURFACE, !isnan(job->surface), "--surface"},
         {ISO_FIGURE_HAS_INSET, job->inset[2] != 0, "--zoom X,Y,W,H"},
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; ++i)

@@ -275,9 +275,9 @@ FILE *iso_page_plot_begin(iso_page *p, const iso_page_box *b)
         "reset\nset encoding utf8\nset lmargin at screen %.6f; set rmargin at screen %.6f; set tmargin at screen %.6f; "
         "set bmargin at screen %.6f\n"
         "set border 3 lc rgb '#444444' lw pen(0.5)\n"
-        "set tics nomirror out scale 0.4 font sized(note_pt) textcolor rgb '#222222'\n"
+        "set tics nomirror out scale 0.4 font note_font textcolor rgb '#222222'\n"
         "set format x ticks('%%g'); set format y ticks('%%g')\n"
-        "set xlabel font sized(note_pt); set ylabel font sized(note_pt); set key off\n",
+        "set xlabel font note_font; set ylabel font note_font; set key off\n",
         b->left / wide, (b->left + b->width) / wide, 1 - b->top / high, 1 - (b->top + b->height) / high);
     return gp;
 }

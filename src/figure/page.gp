@@ -6,3 +6,5 @@ title(s) = say(title_pt, s, s)
 note(s) = say(note_pt, s, s)
 ticks(f) = format eq 'tex' ? latex_size(note_pt) . '$' . f . '$' : f
 pen(pt) = format eq 'png' ? pt * dpi / 72.0 / 1.2 : format eq 'svg' ? pt / 0.75 / 1.2 : pt / 0.6
+# Fonts of ticks and labels of axes have to be variables.
+note_font = sized(note_pt)

@@ -60,15 +60,22 @@ static void put_bar_text(iso_page *p, const iso_page_color_bar *bar)
     }
 }
 
+enum { COLORS = 128 };
+
 void iso_page_put_color_bar(iso_page *p, const iso_page_color_bar *bar)
 {
-    const size_t high = iso_page_dots(p, bar->box.height);
-    unsigned char *rgb = malloc(3 * high);
-    for (size_t y = 0; y < high && rgb; ++y)
-        iso_colormap_lookup(bar->map, 1 - ((double)y + 0.5) / (double)high, rgb + 3 * y);
-    if (rgb)
-        iso_page_put_colors(p, &bar->box, rgb, 1, high);
-    free(rgb);
+    /* Rectangles, each over the lower part of the one above it, so that no seam shows: gnuplot draws no picture that is a
+     * pixel wide, and a wider one would be a picture to those who count them. */
+    for (int i = 0; i < COLORS; ++i) {
+        unsigned char rgb[3];
+        char color[8];
+        iso_colormap_lookup(bar->map, 1 - (i + 0.5) / COLORS, rgb);
+        snprintf(color, sizeof color, "#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
+        iso_page_put_rectangle(p,
+                               &(iso_page_box){bar->box.left, bar->box.top + bar->box.height * i / COLORS, bar->box.width,
+                                               bar->box.height * (COLORS - i) / COLORS},
+                               color, NULL);
+    }
     for (int i = 0; i < TICKS; ++i) {
         const double y = bar->box.top + bar->box.height * (1 - (double)i / (TICKS - 1)),
                      x = bar->box.left + bar->box.width;

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+#include "figure/paper.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/provenance.h"
+#include "scene/viewpoint.h"
+
+static const double edge_mm = 0.6, row_gap_mm = 1.2, least_mm = 12;
+
+/* ---- rows of panels ---- */
+
+static double title_room(const iso_paper *p, const iso_paper_row *row)
+{
+    return row->has_titles ? iso_page_line_mm(p->page, ISO_PAGE_TITLE) + 0.6 : 0;
+}
+
+static double note_room(const iso_paper *p, const iso_paper_row *row)
+{
+    return row->has_notes ? iso_page_line_mm(p->page, ISO_PAGE_NOTE) + 0.8 : 0;
+}
+
+/* The panels of each row, `part` of the width that there is room for. Returns the height of all. */
+static double place_rows(iso_paper *p, double part)
+{
+    double y = edge_mm;
+    for (size_t i = 0; i < p->row_count; ++i) {
+        const iso_paper_row *row = &p->rows[i];
+        const double columns = (double)row->columns;
+        const double room = p->job->width_mm - 2 * edge_mm - row->left_mm - row->right_mm;
+        p->panel_mm[i] = part * fmin((room - (columns - 1) * row->gap_mm) / columns, row->most_mm);
+        p->top_mm[i] = y + title_room(p, row);
+        y = p->top_mm[i] + p->panel_mm[i] * row->aspect + row->foot_mm + note_room(p, row) + row_gap_mm;
+    }
+    return y - row_gap_mm + edge_mm;
+}
+
+iso_status iso_paper_lay_out(iso_paper *p, const iso_figure_job *job, iso_page *page, const iso_paper_row *rows,
+                             size_t count, iso_error *err)
+{
+    *p = (iso_paper){.job = job, .page = page, .row_count = count};
+    memcpy(p->rows, rows, count * sizeof *rows);
+    double part = 1, high = place_rows(p, part), wide = 0, narrowest = INFINITY;
+    while (high > job->height_mm && part > 0.05)
+        high = place_rows(p, part *= 0.97);
+    for (size_t i = 0; i < count; ++i) {
+        const double columns = (double)rows[i].columns;
+        wide = fmax(wide, 2 * edge_mm + rows[i].left_mm + rows[i].right_mm + columns * p->panel_mm[i] +
+                              (columns - 1) * rows[i].gap_mm);
+        narrowest = fmin(narrowest, p->panel_mm[i]);
+    }
+    if (!(narrowest >= least_mm && high <= job->height_mm))
+        return iso_fail(err, ISO_E_RANGE,
+                        "figure: --width %g and --height %g leave %.1f mm for each of its panels, %g are needed",
+                        job->width_mm, job->height_mm, fmax(narrowest, 0), least_mm);
+    iso_page_set_size(page, wide, high);
+    return ISO_OK;
+}
+
+/* Above or below a panel, in its middle. */
+static void put_text(const iso_paper *p, iso_page_role role, double x, double y, double room_mm, const char *text)
+{
+    const iso_page_text at = {.x = x, .y = y, .role = role, .align = ISO_PAGE_CENTER};
+    const double wide = text ? iso_page_text_mm(p->page, role, text) : 0;
+    if (!text)
+        return;
+    if (wide > room_mm)
+        iso_page_set_text_pt(p->page, role, iso_page_text_pt(p->page, role) * room_mm / wide);
+    iso_page_put_text(p->page, &at, text);
+}
+
+iso_page_box iso_paper_panel(const iso_paper *p, size_t i, size_t column, const char *title, const char *note)
+{
+    const iso_paper_row *row = &p->rows[i];
+    const double wide = p->panel_mm[i], high = wide * row->aspect, room = wide + row->gap_mm;
+    const iso_page_box box = {edge_mm + row->left_mm + (double)column * room, p->top_mm[i], wide, high};
+    const double middle = box.left + 0.5 * wide;
+    put_text(p, ISO_PAGE_TITLE, middle, box.top - 0.5 * iso_page_line_mm(p->page, ISO_PAGE_TITLE) - 0.3, room, title);
+    put_text(p, ISO_PAGE_NOTE, middle, box.top + high + row->foot_mm + 0.5 * iso_page_line_mm(p->page, ISO_PAGE_NOTE) + 0.5,
+             room, note);
+    return box;
+}
+
+size_t iso_paper_dots(const iso_paper *p, size_t row)
+{
+    return iso_page_dots(p->page, p->panel_mm[row]);
+}
+
+FILE *iso_paper_drawing(const iso_paper *p, size_t row, size_t column, const char *title, const char *note)
+{
+    const iso_page_box box = iso_paper_panel(p, row, column, title, note);
+    FILE *gp = iso_page_plot_begin(p->page, &box);
+    fprintf(gp,
+            "thick(mm) = pen(72 / 25.4 * mm)\nunset border; unset tics; unset key\n"
+            "set xrange [0:%.5f]; set yrange [0:%.5f]\n",
+            box.width, box.height);
+    return gp;
+}
+
+iso_page_box iso_paper_corner(iso_page_box box)
+{
+    box.width = box.height = 0;
+    return box;
+}
+
+iso_page_box iso_paper_picture(const iso_paper *p, size_t row, size_t column, const char *title, const char *note,
+                               const iso_image *image)
+{
+    const iso_page_box box = iso_paper_panel(p, row, column, title, note), corner = iso_paper_corner(box);
+    iso_page_put_picture(p->page, &corner, image);
+    return box;
+}
+
+double iso_paper_tick_step(double range)
+{
+    const double decade = pow(10, floor(log10(range / 3)));
+    return range / 3 >= 5 * decade ? 5 * decade : range / 3 >= 2 * decade ? 2 * decade : decade;
+}
+
+/* ---- the volume ---- */
+
+const char *iso_paper_volume_name(const iso_figure_job *job, const iso_paper_own *own)
+{
+    return job->input ? iso_provenance_title(job->input) : own->name;
+}
+
+iso_status iso_paper_load(const iso_figure_job *job, const iso_paper_own *own, const iso_pyramid_options *build,
+                          iso_pyramid *p, iso_error *err)
+{
+    const iso_progress progress = iso_cli_progress(job->cli);
+    iso_pyramid_options options = *build;
+    iso_volume v = {0};
+    options.threads = job->cli->threads;
+    if (job->input) {
+        iso_status status = iso_subject_load_pyramid(job->input, &job->volume, &options, &progress, p, err);
+        if (status == ISO_OK)
+            status = iso_subject_refuse_labels(p, job->input, "this kind of figure", err);
+        return status;
+    }
+    iso_status status = own->make(&v, err);
+    if (status == ISO_OK)
+        status = iso_pyramid_build(&v, own->name, &options, p, &progress, err);
+    iso_volume_destroy(&v);
+    return status;
+}
+
+static iso_status own_scene(const iso_figure_job *job, const iso_paper_look *own, const iso_pyramid *p, iso_scene *scene,
+                            iso_error *err)
+{
+    const iso_cli_look *look = &job->look;
+    iso_viewpoint from;
+    size_t width = own->width, height = own->height;
+    iso_status status = look->size ? iso_subject_parse_image_size(look->size, &width, &height, err) : ISO_OK;
+    if (status == ISO_OK)
+        status = iso_viewpoint_parse(look->view ? look->view : own->view, &from, err);
+    iso_tf_point *points = status == ISO_OK ? malloc(own->point_count * sizeof *points) : NULL;
+    if (status == ISO_OK && !points)
+        status = iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    if (status != ISO_OK)
+        return status;
+    memcpy(points, own->points, own->point_count * sizeof *points);
+    *scene = iso_scene_first(&p->levels[0].geometry, &from, width, height);
+    scene->zoom = look->zoom > 0 ? look->zoom : job->input ? 1 : own->zoom;
+    scene->shading = own->shading;
+    for (int c = 0; c < 3; ++c)
+        scene->background[c] = 1;
+    scene->tf = (iso_tf){.fit_range = true,
+                         .unit_distance = 1,
+                         .unit_is_voxels = true,
+                         .table_size = 256,
+                         .point_count = own->point_count,
+                         .points = points};
+    return ISO_OK;
+}
+
+iso_status iso_paper_scene(const iso_figure_job *job, const iso_paper_look *own, const iso_pyramid *p, iso_scene *scene,
+                           iso_error *err)
+{
+    iso_subject_look look;
+    const iso_status status = iso_cli_look_check(&job->look, job->cli->threads, &look, err);
+    if (status != ISO_OK)
+        return status;
+    return look.scene || look.tf ? iso_subject_make_scene(&look, p, scene, err) : own_scene(job, own, p, scene, err);
+}
+
+iso_status iso_paper_surface(const iso_figure_job *job, const iso_level *level0, double *value, iso_error *err)
+{
+    const double part = isnan(job->surface) ? 0.5 : job->surface;
+    if (!(part > 0 && part < 1))
+        return iso_fail(err, ISO_E_RANGE, "--surface is %g, must be between 0 and 1: a part of the volume's range", part);
+    *value = level0->min + part * (level0->max - level0->min);
+    return ISO_OK;
+}
