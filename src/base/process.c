@@ -240,8 +240,13 @@ static iso_status begin(const char *const argv[], const char *directory, bool ta
     return ISO_OK;
 }
 
+static double seconds_of(struct timeval t)
+{
+    return (double)t.tv_sec + 1e-6 * (double)t.tv_usec;
+}
+
 /* Waits for a program that has closed its output and may go on all the same, or ends it. *end: why it ended. */
-static int reap(iso_process *p, double deadline, drain_end *end)
+static int reap(iso_process *p, double deadline, drain_end *end, struct rusage *used)
 {
     int result = 0;
     if (p->in >= 0)
@@ -258,11 +263,9 @@ static int reap(iso_process *p, double deadline, drain_end *end)
     }
     if (*end != DRAIN_CLOSED)
         iso_keeper_stop(p->pid);
-    struct rusage usage = {0}; /* of the keeper, the program, and what it started and waited for */
-    while (wait4(p->pid, &result, 0, &usage) < 0 && errno == EINTR) {
+    while (wait4(p->pid, &result, 0, used) < 0 && errno == EINTR) {
     }
-    iso_work_add_end(p->name, (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-                                  1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec));
+    iso_work_add_end(p->name, seconds_of(used->ru_utime) + seconds_of(used->ru_stime));
     return result;
 }
 
@@ -285,14 +288,18 @@ void iso_process_set_deadline(double clock_seconds)
     last_moment = clock_seconds;
 }
 
-static void note_outcome(const iso_process_options *options, drain_end end, int result, double start)
+static void note_outcome(const iso_process_options *options, drain_end end, int result, const struct rusage *used,
+                         double start)
 {
     const bool exited = end == DRAIN_CLOSED && WIFEXITED(result), signaled = end == DRAIN_CLOSED && WIFSIGNALED(result);
     if (options->outcome)
         *options->outcome = (iso_process_outcome){.exit_code = exited ? WEXITSTATUS(result) : -1,
                                                   .signal = signaled ? WTERMSIG(result) : 0,
                                                   .timed_out = end == DRAIN_TIMED_OUT,
-                                                  .seconds = iso_clock_seconds() - start};
+                                                  .seconds = iso_clock_seconds() - start,
+                                                  .processor_seconds = seconds_of(used->ru_utime) +
+                                                                       seconds_of(used->ru_stime),
+                                                  .peak_bytes = 1024.0 * (double)used->ru_maxrss};
 }
 
 static iso_status listen_to(iso_process *p, const char *until, const iso_process_options *options, bool *ended,
@@ -311,8 +318,9 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     *ended = end != DRAIN_WAITS;
     if (!*ended)
         return ISO_OK;
-    const int result = reap(p, deadline, &end);
-    note_outcome(options, end, result, start);
+    struct rusage used = {0}; /* the keeper's and of all that it has waited for */
+    const int result = reap(p, deadline, &end, &used);
+    note_outcome(options, end, result, &used, start);
     if (end == DRAIN_STOPPED)
         return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", p->name, (int)stop_signal);
     if (end == DRAIN_TIMED_OUT)

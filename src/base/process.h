@@ -18,6 +18,8 @@ typedef struct iso_process_outcome {
     int signal;     /* 0: none */
     bool timed_out; /* it was ended at its time limit */
     double seconds;
+    double processor_seconds; /* of the program and all that it started, over all cores */
+    double peak_bytes;        /* the most memory that one of these processes had at once */
 } iso_process_outcome;
 
 /* The same of a program that a person names: a path (a name with a slash), or a name that PATH has. what: what it should

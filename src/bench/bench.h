@@ -9,9 +9,11 @@
 
 /* clang-format off */
 #define ISO_BENCH_LIST(X) \
+    X(all) \
     X(bound) \
     X(build) \
     X(cast) \
+    X(compare) \
     X(gradient)       \
     X(levels) \
     X(noise) \

@@ -1,0 +1,398 @@
+/* SPDX-License-Identifier: MIT */
+/* all.c - every figure that the project stands for, in one run: repeated, beside its peer, and beside another program. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/machine.h"
+#include "base/parallel.h"
+#include "base/process.h"
+#include "bench/all_page.h"
+#include "bench/bench.h"
+#include "bench/headlines.h"
+
+enum { MOST_REPEATS = 99, MOST_WORDS = 64, OURS = 0, OTHER = 1 };
+
+typedef struct all_bench {
+    const iso_cli *cli;
+    const char *programs[2]; /* OTHER: NULL, or what --beside names */
+    const char *folder;      /* where commands work */
+    char **only;             /* names; ends with NULL; or NULL for all */
+    int quick, repeats;
+    double *values[2]; /* [headline * repeats + repeat]; NaN: not measured */
+    char **causes;     /* why a headline has no figure; or NULL */
+} all_bench;
+
+/* ---- one command ---- */
+
+typedef struct text {
+    FILE *to;
+    char *bytes;
+    size_t size;
+} text;
+
+static void take_line(void *user, const char *line)
+{
+    fprintf(((text *)user)->to, "%s\n", line);
+}
+
+/* argv points into words, which is cut up. */
+static void split(char *words, const char *program, const char *argv[MOST_WORDS])
+{
+    size_t count = 0;
+    argv[count++] = program;
+    for (char *word; count + 4 < MOST_WORDS && (word = strsep(&words, " "));)
+        argv[count++] = word;
+    argv[count++] = "--json";
+    argv[count++] = "-q";
+    argv[count] = NULL;
+}
+
+/* The answer of "isoshade COMMAND --json", with what the process took. */
+static iso_status ask(const all_bench *b, const char *program, const char *command, json_t **answer, iso_error *err)
+{
+    const char *argv[MOST_WORDS];
+    char *words = strdup(command);
+    text out = {0};
+    iso_process_outcome took = {0};
+    out.to = open_memstream(&out.bytes, &out.size);
+    const iso_process_options options = {.directory = b->folder, .line = take_line, .user = &out, .outcome = &took};
+    iso_status status = ISO_OK;
+    if (words && out.to) {
+        split(words, program, argv);
+        status = iso_process_run(argv, &options, err);
+    }
+    if (!words || !out.to || fclose(out.to) != 0)
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_json_parse(command, out.bytes, out.size, answer, err);
+    if (status == ISO_OK)
+        json_object_set_new(*answer, "process",
+                            json_pack("{s:f, s:f, s:f}", "seconds", took.seconds, "processor_seconds",
+                                      took.processor_seconds, "peak_bytes", took.peak_bytes));
+    free(out.bytes);
+    free(words);
+    return status;
+}
+
+/* ---- all of them ---- */
+
+static const char *command_of(const all_bench *b, size_t headline)
+{
+    return iso_headlines[headline].command[b->quick ? 1 : 0];
+}
+
+static bool is_asked(const all_bench *b, size_t headline)
+{
+    for (char **name = b->only; name && *name; ++name)
+        if (strcmp(*name, iso_headlines[headline].name) == 0)
+            return command_of(b, headline) != NULL;
+    return !b->only && command_of(b, headline) != NULL;
+}
+
+/* A command is run once for all headlines that it answers: from the first of them that is asked for. */
+static bool is_first(const all_bench *b, size_t headline)
+{
+    if (!is_asked(b, headline))
+        return false;
+    for (size_t i = 0; i < headline; ++i)
+        if (is_asked(b, i) && strcmp(command_of(b, i), command_of(b, headline)) == 0)
+            return false;
+    return true;
+}
+
+static void note_cause(all_bench *b, size_t headline, const iso_error *why)
+{
+    if (!b->causes[headline])
+        b->causes[headline] = strdup(why->text);
+}
+
+/* What fails has no figure, and says why; the others go on. */
+static void measure(all_bench *b, size_t headline, int repeat, int which)
+{
+    json_t *answer = NULL;
+    iso_error why = {0};
+    const iso_status asked = ask(b, b->programs[which], command_of(b, headline), &answer, &why);
+    for (size_t i = headline; i < iso_headline_count; ++i) {
+        double *value = &b->values[which][i * (size_t)b->repeats + (size_t)repeat];
+        if (!is_asked(b, i) || strcmp(command_of(b, i), command_of(b, headline)) != 0)
+            continue;
+        if (asked != ISO_OK || iso_headline_value(&iso_headlines[i], answer, value, &why) != ISO_OK) {
+            *value = NAN;
+            note_cause(b, i, &why);
+        }
+    }
+    json_decref(answer);
+}
+
+/* Another program is measured in turn with ours, first in every other round: what else the machine does meets both. */
+static iso_status measure_all(all_bench *b, iso_error *err)
+{
+    const iso_progress progress = iso_cli_progress(b->cli);
+    size_t total = 0, done = 0;
+    for (size_t i = 0; i < iso_headline_count; ++i)
+        total += is_first(b, i) ? (size_t)b->repeats : 0;
+    for (int repeat = 0; repeat < b->repeats; ++repeat)
+        for (size_t i = 0; i < iso_headline_count; ++i) {
+            if (!is_first(b, i))
+                continue;
+            for (int turn = 0; turn < 2; ++turn) {
+                const int which = (turn + repeat) % 2;
+                if (b->programs[which])
+                    measure(b, i, repeat, which);
+            }
+            if (iso_process_was_stopped())
+                return iso_fail(err, ISO_E_PROGRAM, "stopped by a signal");
+            iso_progress_report(&progress, "measure", (double)++done / (double)total);
+        }
+    return ISO_OK;
+}
+
+/* ---- results ---- */
+
+static int compare_doubles(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median_of(const double *values, int count)
+{
+    double sorted[MOST_REPEATS];
+    for (int i = 0; i < count; ++i) {
+        if (isnan(values[i]))
+            return NAN;
+        sorted[i] = values[i];
+    }
+    qsort(sorted, (size_t)count, sizeof *sorted, compare_doubles);
+    return 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
+}
+
+static bool meets(const iso_headline *h, double value)
+{
+    return h->lower_is_better ? value <= h->bar : value >= h->bar;
+}
+
+static json_t *headline_to_json(const all_bench *b, size_t i, int which)
+{
+    const iso_headline *h = &iso_headlines[i];
+    const double *values = b->values[which] + i * (size_t)b->repeats, median = median_of(values, b->repeats);
+    json_t *row = json_pack("{s:s, s:s, s:s, s:s, s:s?, s:b}", "name", h->name, "sentence", h->sentence, "command",
+                            command_of(b, i), "unit", h->unit, "peer", h->peer, "lower_is_better", h->lower_is_better);
+    json_t *list = json_array();
+    for (int r = 0; r < b->repeats; ++r)
+        json_array_append_new(list, iso_json_number(values[r]));
+    json_object_set_new(row, "values", list);
+    json_object_set_new(row, "median", iso_json_number(median));
+    json_object_set_new(row, "bar", iso_json_number(h->bar));
+    /* Bars are set for full sizes alone. */
+    json_object_set_new(row, "met",
+                        isnan(h->bar) || isnan(median) || b->quick ? json_null() : json_boolean(meets(h, median)));
+    if (isnan(median) && b->causes[i])
+        json_object_set_new(row, "cause", json_string(b->causes[i]));
+    return row;
+}
+
+static json_t *to_json(const all_bench *b, int which, const char *session)
+{
+    json_t *root = iso_cli_json(b->cli), *rows = json_array();
+    json_object_set_new(json_object_get(root, "options"), "quick", json_boolean(b->quick));
+    json_object_set_new(json_object_get(root, "options"), "repeat", json_integer(b->repeats));
+    json_object_set_new(root, "program", json_string(which == OURS ? "isoshade" : iso_path_base(b->programs[which])));
+    json_object_set_new(root, "session", json_string(session));
+    json_object_set_new(root, "machine", iso_machine_describe());
+    json_object_set_new(root, "threads", json_integer(iso_threads(0)));
+    for (size_t i = 0; i < iso_headline_count; ++i)
+        if (is_asked(b, i))
+            json_array_append_new(rows, headline_to_json(b, i, which));
+    json_object_set_new(root, "headlines", rows);
+    return root;
+}
+
+static void print_row(const json_t *row)
+{
+    char value[32] = "-", bar[32] = "";
+    const json_t *median = json_object_get(row, "median"), *limit = json_object_get(row, "bar"),
+                 *met = json_object_get(row, "met"), *cause = json_object_get(row, "cause");
+    if (json_is_number(median))
+        snprintf(value, sizeof value, "%.4g", json_number_value(median));
+    if (json_is_number(limit))
+        snprintf(bar, sizeof bar, "%s %.4g", json_is_true(json_object_get(row, "lower_is_better")) ? "<=" : ">=",
+                 json_number_value(limit));
+    printf("%-14s %9s %-16s %-10s %-7s %s\n", json_string_value(json_object_get(row, "name")), value,
+           json_string_value(json_object_get(row, "unit")), bar,
+           json_is_true(met) ? "met" : json_is_false(met) ? "missed" : "",
+           json_string_value(json_object_get(row, "sentence")));
+    if (cause)
+        printf("%-14s %s\n", "", json_string_value(cause));
+}
+
+static void print_all(const json_t *root)
+{
+    size_t i;
+    const json_t *row;
+    printf("%-14s %9s %-16s %-10s\n", "figure", "median", "", "bar");
+    json_array_foreach(json_object_get(root, "headlines"), i, row) print_row(row);
+}
+
+static iso_status report(const all_bench *b, const char *output, const char *page, const char *beside_output,
+                         iso_error *err)
+{
+    char session[64];
+    snprintf(session, sizeof session, "%ld-%.6f", (long)getpid(), iso_clock_seconds());
+    json_t *ours = to_json(b, OURS, session);
+    iso_status status = output ? iso_json_save(output, ours, err) : ISO_OK;
+    if (status == ISO_OK && page)
+        status = iso_bench_all_page_write(page, ours, err);
+    if (status == ISO_OK && beside_output) {
+        json_t *other = to_json(b, OTHER, session);
+        status = iso_json_save(beside_output, other, err);
+        json_decref(other);
+    }
+    if (status == ISO_OK && b->cli->json) {
+        iso_cli_print_json(ours);
+        return ISO_OK;
+    }
+    if (status == ISO_OK)
+        print_all(ours);
+    json_decref(ours);
+    return status;
+}
+
+/* ---- the command ---- */
+
+static iso_status make_volume(const all_bench *b, iso_error *err)
+{
+    /* Spots on a dark ground, as medical and industrial volumes have air round what is looked at. */
+    json_t *answer = NULL;
+    const char *command = b->quick ? "make shells --size 48 --type uint8 -o volume.nrrd"
+                                   : "make shells --size 512 --type uint8 -o volume.nrrd";
+    const iso_status status = ask(b, b->programs[OURS], command, &answer, err);
+    json_decref(answer);
+    return status;
+}
+
+static iso_status run_all(all_bench *b, const char *output, const char *page, const char *beside_output, iso_error *err)
+{
+    const size_t count = iso_headline_count * (size_t)b->repeats;
+    iso_status status = ISO_OK;
+    b->causes = calloc(iso_headline_count, sizeof *b->causes);
+    for (int which = 0; which < 2; ++which) {
+        b->values[which] = malloc(count * sizeof **b->values);
+        for (size_t i = 0; b->values[which] && i < count; ++i)
+            b->values[which][i] = NAN;
+    }
+    if (!b->causes || !b->values[OURS] || !b->values[OTHER])
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = make_volume(b, err);
+    if (status == ISO_OK)
+        status = measure_all(b, err);
+    if (status == ISO_OK)
+        status = report(b, output, page, beside_output, err);
+    for (size_t i = 0; b->causes && i < iso_headline_count; ++i)
+        free(b->causes[i]);
+    free(b->causes);
+    free(b->values[OURS]);
+    free(b->values[OTHER]);
+    return status;
+}
+
+static iso_status check_names(char *const *names, iso_error *err)
+{
+    for (; names && *names; ++names) {
+        bool known = false;
+        for (size_t i = 0; i < iso_headline_count; ++i)
+            known = known || strcmp(*names, iso_headlines[i].name) == 0;
+        if (!known)
+            return iso_fail(err, ISO_E_USAGE, "--only %s: no figure of that name; bench all --quick --repeat 1 lists them",
+                            *names);
+    }
+    return ISO_OK;
+}
+
+/* "PROGRAM,FILE.json": cut at its last comma. */
+static iso_status split_beside(char *beside, char **program, const char **file, iso_error *err)
+{
+    char *comma = strrchr(beside, ',');
+    if (!comma || comma == beside || !comma[1])
+        return iso_fail(err, ISO_E_USAGE, "--beside %s: must be PROGRAM,FILE.json", beside);
+    *comma = 0;
+    *file = comma + 1;
+    return iso_process_find_named("--beside", beside, program, err);
+}
+
+static char **split_names(char *names)
+{
+    char **list = calloc(iso_headline_count + 2, sizeof *list);
+    size_t count = 0;
+    for (char *one; list && count <= iso_headline_count && (one = strsep(&names, ","));)
+        list[count++] = one;
+    return list;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    char *only = NULL, *output = NULL, *page = NULL, *beside = NULL, *other = NULL, *folder = NULL, own[4096];
+    const char *beside_output = NULL;
+    all_bench b = {.repeats = 5};
+    struct poptOption options[] = {
+        {"only", 0, POPT_ARG_STRING, &only, 0, "these figures", "NAME,..."},
+        {"repeat", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.repeats, 0, "runs of each command", "N"},
+        {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "small volumes and pictures, for a try; no bar holds for them", NULL},
+        {"beside", 0, POPT_ARG_STRING, &beside, 0, "another isoshade, run in turn with this one; its figures go to FILE.json",
+         "PROGRAM,FILE.json"},
+        {"output", 'o', POPT_ARG_STRING, &output, 0, "the figures, for bench compare", "FILE.json"},
+        {"page", 0, POPT_ARG_STRING, &page, 0, "the figures as a page", "FILE.html"},
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    b.cli = &cli;
+    const bool goes_on = status == ISO_OK && next == ISO_CLI_RUN;
+    if (goes_on)
+        status = iso_words_check_range("--repeat", b.repeats, 1, MOST_REPEATS, err);
+    if (goes_on && status == ISO_OK && only) {
+        b.only = split_names(only);
+        status = b.only ? check_names(b.only, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    }
+    if (goes_on && status == ISO_OK && beside)
+        status = split_beside(beside, &other, &beside_output, err);
+    if (goes_on && status == ISO_OK) {
+        const ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
+        own[n > 0 ? n : 0] = 0;
+        folder = iso_make_temp_dir();
+        b.programs[OURS] = own;
+        b.programs[OTHER] = other;
+        b.folder = folder;
+        status = folder && n > 0 ? run_all(&b, output, page, beside_output, err)
+                                 : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    }
+    if (folder)
+        iso_remove_tree(folder);
+    iso_cli_end(&cli);
+    free(b.only);
+    free(only);
+    free(output);
+    free(page);
+    free(beside);
+    free(other);
+    free(folder);
+    return status;
+}
+
+const iso_command iso_bench_all = {
+    .name = "bench all",
+    .summary = "every figure that the project stands for, with its bar and its peer; for bench compare",
+    .usage = "[options]",
+    .details = "Each command runs in a process of its own, as often as --repeat says; the median counts. Ratios have both parts from\n"
+               "one run. What cannot be measured says why and the others go on. Exit code 0 also where a bar is missed.",
+    .examples = "isoshade bench all --quick --repeat 1 --only build-memory\n",
+    .run = run,
+};
