@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # isoshade: make demo, make check; make help lists the rest.
 #
-#   config=release (default) | debug | sanitize      objects under build/$(config)
+#   config=release (default) | debug | sanitize | fuzz | coverage      objects under build/$(config)
 #   WERROR=-Werror      warnings stop the build, as in our own checks (make check)
 #   PREFIX=/usr/local   where make install puts things; DESTDIR= is put before it, for packagers
 #   SETUP=no            make demo and make check install nothing: what they need is there
@@ -25,6 +25,9 @@ warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi $
 flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
 flags_debug := -O0 -g
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+# By clang, for `make fuzz`; by gcc, for the lines that fuzzing reaches.
+flags_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+flags_coverage := -O1 -g --coverage
 # -fPIC for the shared library. Its functions call each other as in the program: nobody may put others in their place.
 flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
 # Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
@@ -74,6 +77,11 @@ vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb
 beside := $(mpi_library) $(itk_program) $(arrays_program) $(vdb_program)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
+# Readers on damaged files: targets and a driver with mutations of its own, for `make check`.
+fuzz_c := $(filter-out tests/fuzz/libfuzzer.c,$(wildcard tests/fuzz/*.c))
+fuzz := $(build)/isoshade-fuzz
+libfuzzer_c := $(filter-out tests/fuzz/drive.c,$(wildcard tests/fuzz/*.c))
+libfuzzer := $(build)/isoshade-libfuzzer
 embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/* src/*/*.glsl \
 	$(foreach suffix,html js css gp py,src/*/*.$(suffix)) exporters/*/*.py exporters/*/*.inc)
 
@@ -114,7 +122,7 @@ addon := $(build)/isoshade-blender-addon.zip
 addon: $(addon) ## pack the add-on of Blender as a zip that Blender installs
 .PHONY: addon
 
-tests: $(tests) ## build the test programs
+tests: $(tests) $(fuzz) ## build the test programs
 .PHONY: tests
 # FIGURES="hero roi" draws these alone; refscenes/figures.sh has the names, those that take longer among them.
 figures: $(needs_setup) ## draw the pictures of the documentation again
@@ -134,6 +142,14 @@ faults: $(needs_setup) ## does each call that fails, and each kill, end well? Ta
 	@$(again) all
 	@bash tests/faults.sh $(FAULTS)
 .PHONY: faults
+# FUZZ="nrrd scene" takes these readers alone, FUZZ_SECONDS=3600 an hour for each; what was found stays in build/fuzzed.
+FUZZ_SECONDS ?= 60
+fuzz: $(needs_setup) ## damaged files for each reader, for FUZZ_SECONDS each: by clang's libFuzzer where it is installed
+	@bash tests/fuzz/run.sh "$(FUZZ_SECONDS)" $(FUZZ)
+fuzz-coverage: $(needs_setup) ## lines of each reader that its seeds, the corpus of `make fuzz` and mutations reach
+	@$(again) config=coverage build/coverage/isoshade-fuzz
+	@bash tests/fuzz/coverage.sh $(FUZZ)
+.PHONY: fuzz fuzz-coverage
 
 # ---- install ---------------------------------------------------------------
 PREFIX ?= /usr/local
@@ -173,7 +189,7 @@ format: ## lay out the C and C++ files by .clang-format
 .PHONY: format
 
 clean: ## remove what was built
-	rm -rf build/release build/debug build/sanitize isoshade
+	rm -rf build/release build/debug build/sanitize build/fuzz build/coverage isoshade
 
 # make V=1 shows the whole commands.
 ifndef V
@@ -219,6 +235,11 @@ $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml
 	$(call say,ZIP)cd $(build)/addon && python3 -m zipfile -c ../$(@F) isoshade
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
+$(fuzz): $(fuzz_c:%.c=$(build)/%.o) $(commands) $(lib)
+	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ $(LDLIBS)
+# FUZZ_LIBS: archives of libraries that were built with the same flags, such as teem's.
+$(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib)
+	$(call say,LD )$(CXX) -fsanitize=fuzzer,address,undefined -fopenmp -o $@ $^ $(FUZZ_LIBS) $(LDLIBS)
 # Objects follow the flags that they were compiled with.
 $(build)/flags: FORCE
 	@mkdir -p $(@D)
@@ -240,4 +261,4 @@ $(embedders:%.c=$(build)/%.o): $(embedded)
 
 # Kept, though only a pattern names them. Not all targets: a new source older than the library must still be built.
 .SECONDARY: $(test_c:%.c=$(build)/%.o)
--include $(lib_o:.o=.d) $(commands_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(build)/src/cli/main.d
+-include $(lib_o:.o=.d) $(commands_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(fuzz_c:%.c=$(build)/%.d) $(build)/src/cli/main.d

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Each file of source says its licence in its first lines: MIT, or GPL-3.0-or-later where it is a script for Blender, whose
-# Python interface (bpy) asks for that. Volumes under tests/formats are what another program wrote, byte for byte.
+# Python interface (bpy) asks for that. Volumes under tests/formats are what another program wrote, byte
+# for byte, and tests/fuzz/seeds are damaged files.
 . "$(dirname "$0")/lib.sh"
 
-sources() { find "$1"/src "$1"/exporters "$1"/tests "$1"/refscenes "$1"/Makefile "$1"/.ci -type f ! -name '*.json' ! -path '*/__pycache__/*' ! -path '*/node_modules/*' ! -path '*/tests/formats/phantom.*'; }
+sources() { find "$1"/src "$1"/exporters "$1"/tests "$1"/refscenes "$1"/Makefile "$1"/.ci -type f ! -name '*.json' ! -path '*/__pycache__/*' ! -path '*/node_modules/*' ! -path '*/tests/formats/phantom.*' ! -path '*/tests/fuzz/seeds/*'; }
 
 wrong() { # folder: a line for each file whose licence is not what it should be
     local file wanted

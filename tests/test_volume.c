@@ -390,11 +390,22 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
         {HEAD "space dimension: 3\nspace directions: (1,0,0) (1,0,0) (0,0,1)\n\n", "12345678", "span no volume",
          ISO_E_RANGE},
         {HEAD "data file: nowhere.raw\n", "", "nowhere.raw", ISO_E_FORMAT},
+        /* What teem itself would write beyond its buffers for. */
+        {HEAD "data file: s%9999d.raw 1 2 1\n", "", "one place for a number", ISO_E_FORMAT},
+        {HEAD "# x\rdata file: s%d%n.raw 1 2 1\n", "", "one place for a number", ISO_E_FORMAT},
+        {HEAD "data file: s%d.raw 1 999999999 1\n", "", "at most 65536", ISO_E_FORMAT},
+        {HEAD "data file: LIST\n-\n", "", "name of a file", ISO_E_FORMAT},
+        {HEAD "data file: bad.nrrd", "", "within a line", ISO_E_FORMAT},
+        {HEAD "data file: .\n", "", "not a regular file", ISO_E_IO},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         write_nrrd("bad.nrrd", cases[i].header, cases[i].samples, strlen(cases[i].samples));
         assert_refused("bad.nrrd", cases[i].status, cases[i].part);
     }
+    char line[3000];
+    snprintf(line, sizeof line, HEAD "kinds: %02000d\n\n", 1);
+    write_nrrd("bad.nrrd", line, "12345678", 8);
+    assert_refused("bad.nrrd", ISO_E_FORMAT, "2007 bytes, at most 800");
     iso_volume v;
     assert_status(iso_volume_load(in_dir("absent.nrrd"), &v, &err), ISO_E_IO);
     /* A folder is taken for slices, which need ITK. */

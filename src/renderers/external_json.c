@@ -68,7 +68,7 @@ static const char *const *get_words(iso_json_reader *r, const row *to, const cha
     if (r->status != ISO_OK || !list)
         return NULL;
     const char **words = calloc(count + 1, sizeof *words);
-    for (size_t i = 0; i < count && words; ++i) {
+    for (size_t i = 0; i < count && words && r->status == ISO_OK; ++i) { /* no gap: the list ends with the first NULL */
         const char *word = json_string_value(json_array_get(list, i));
         if (!word || !word[0] || iso_words_has_control(word))
             fail(r, ISO_E_FORMAT, key, "is not a list of words");

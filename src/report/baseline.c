@@ -66,6 +66,11 @@ static iso_status take_row(json_t *rows, const json_t *row, const char *name, co
 {
     if (json_object_get(rows, name))
         return iso_fail(err, ISO_E_RANGE, "baseline: the report has two rows \"%s\"", name);
+    const json_t *ssim = json_object_get(row, "ssim");
+    if (json_is_number(ssim) &&
+        !(fabs(json_number_value(ssim)) <= 1 + 1e-6)) /* rounding; beyond it worse looks better */
+        return iso_fail(err, ISO_E_FORMAT, "baseline: row \"%s\": ssim is %g, at most 1", name,
+                        json_number_value(ssim));
     json_t *kept = json_object();
     if (string_of(row, "verdict")[0])
         json_object_set_new(kept, "verdict", json_string(string_of(row, "verdict")));
@@ -74,8 +79,8 @@ static iso_status take_row(json_t *rows, const json_t *row, const char *name, co
         if (json_is_number(value))
             keep(kept, keys[i], fabs(json_number_value(value)), figures);
     }
-    if (json_is_number(json_object_get(row, "ssim")))
-        keep(kept, "ssim_dissimilarity", 1 - json_number_value(json_object_get(row, "ssim")), figures);
+    if (json_is_number(ssim))
+        keep(kept, "ssim_dissimilarity", 1 - json_number_value(ssim), figures);
     keep_what_was_asked(kept, row, figures);
     json_object_set_new(rows, name, kept);
     return ISO_OK;
@@ -188,7 +193,8 @@ static void compare_figure(const char *row, const char *key, const json_t *befor
         double old = json_number_value(before), new = json_number_value(after);
         if (ends_with(key, part_suffix))
             floor = fmax(floor, PART_FLOOR);
-        step = !(new <= factor *old + floor) ? 1 : new < old / factor - floor ? -1 : 0;
+        const double more = old < 0 ? 1 / factor : factor; /* a damaged file may say a figure below 0 */
+        step = !(new <= more *old + floor) ? 1 : new < old / more - floor ? -1 : 0;
     }
     if (!after || json_typeof(before) != json_typeof(after)) {
         ++r->missing;

@@ -140,7 +140,7 @@ static void compare_gate(const pair *p, const char *key)
 {
     const json_t *a = gate_of(p->a, key), *b = gate_of(p->b, key);
     const double limit_a = iso_row_number(a, "limit"), limit_b = iso_row_number(b, "limit"),
-                 limit = smaller(limit_a, limit_b);
+                 limit = fabs(smaller(limit_a, limit_b)); /* a damaged file may say one below 0 */
     const bool noisy = both_noises(p->a, p->b) > 0;
     compare_numbers(p, iso_row_text(a ? a : b, "name"), iso_row_number(a, "value"), iso_row_number(b, "value"),
                     (iso_tolerance){(noisy ? part_of_noisy_gate : part_of_gate) * limit,

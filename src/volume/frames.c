@@ -106,7 +106,7 @@ static iso_status choose_channel(const char *path, const iso_volume_hints *hints
     choice->channel = 0;
     if (hints->channel && read_index(hints->channel, count, &choice->channel))
         return ISO_OK;
-    for (size_t c = 0; hints->channel && c < count; ++c)
+    for (size_t c = 0; hints->channel && c < count && c < ISO_NAMED_CHANNELS; ++c) /* no other has a name */
         if (strcasecmp(channel_name(axes, c), hints->channel) == 0 && *hints->channel) {
             choice->channel = c;
             return ISO_OK;

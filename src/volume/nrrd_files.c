@@ -3,7 +3,6 @@
 #include "volume/nrrd_files.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,88 +12,171 @@
 #include <sys/types.h>
 
 #include "base/file.h"
+#include "base/words.h"
 
-enum { MOST_FILES = 65536, HEADER_BYTES = 1 << 20 };
+typedef struct look {
+    const char *path; /* of the header */
+    double bytes;
+    size_t count;
+} look;
 
-static iso_status check_file(const char *header, const char *name, iso_error *err)
+static iso_status add_name(look *l, const char *name, iso_error *err)
 {
+    char shown[80];
+    iso_words_copy_line(name, shown, sizeof shown);
+    if (strcmp(name, "-") == 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: its data file is \"-\", must be the name of a file", l->path);
+    if (++l->count > ISO_NRRD_MOST_FILES)
+        return iso_fail(err, ISO_E_FORMAT, "%s: names more than %d data files", l->path, ISO_NRRD_MOST_FILES);
+    char *dir = iso_path_dir(l->path), *file = name[0] == '/' ? strdup(name) : dir ? iso_path_join(dir, name) : NULL;
     struct stat st;
-    char *dir = iso_path_dir(header), *path = dir ? iso_path_join(dir, name) : NULL;
-    iso_status status = path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", header);
-    if (status == ISO_OK && stat(path, &st) == 0 && !S_ISREG(st.st_mode))
-        status = iso_fail(err, ISO_E_IO, "%s: its samples, %s, are not a regular file", header, path);
-    free(path);
+    iso_status status = ISO_OK;
+    if (!file)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", l->path);
+    else if (stat(file, &st) == 0 && !S_ISREG(st.st_mode))
+        status = iso_fail(err, ISO_E_IO, "%s: its data file \"%s\" is not a regular file", l->path, shown);
+    else if (stat(file, &st) != 0)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: its data file \"%s\" cannot be read: %s", l->path, shown,
+                          strerror(errno));
+    else
+        l->bytes += (double)st.st_size;
+    free(file);
     free(dir);
     return status;
 }
 
-/* "slice%04d.raw FIRST LAST STEP": a number goes where %04d is. Other patterns are left to teem. */
-static iso_status check_pattern(const char *header, const char *text, iso_error *err)
+/* The place of %d, %4d or %04d; NULL: there is none, and teem takes the text as it is. */
+static const char *number_place(const char *pattern)
 {
-    double first, last, step;
-    char format[1024];
-    if (sscanf(text, " %1023s %lf %lf %lf", format, &first, &last, &step) != 4 || step == 0)
-        return ISO_OK;
-    const double count = floor(fabs(last - first) / fabs(step)) + 1;
-    if (!(count <= MOST_FILES))
-        return iso_fail(err, ISO_E_RANGE, "%s: names %.0f data files, at most %d", header, count, MOST_FILES);
-    char *at = strchr(format, '%'), *end;
-    const long width = strtol(at + 1, &end, 10);
-    if (*end != 'd' || width < 0 || width > 64)
-        return ISO_OK;
-    *at = 0;
+    for (const char *at = strchr(pattern, '%'); at; at = strchr(at + 1, '%'))
+        if (at[1 + strspn(at + 1, "0123456789")] == 'd')
+            return at;
+    return NULL;
+}
+
+/* "NAME%03d.raw MIN MAX STEP". */
+static iso_status add_numbered(look *l, char *pattern, iso_error *err)
+{
+    int first, last, step;
+    char shown[80];
+    iso_words_copy_line(pattern, shown, sizeof shown);
+    char *rest = pattern + strcspn(pattern, " \t");
+    if (sscanf(rest, "%d %d %d", &first, &last, &step) != 3)
+        return ISO_OK; /* teem refuses it before it opens anything */
+    *rest = 0;
+    const char *place = number_place(pattern);
+    if (!place || strchr(pattern, '%') != place || strchr(place + 1, '%') || strspn(place + 1, "0123456789") > 2)
+        return iso_fail(err, ISO_E_FORMAT, "%s: data files \"%s\": must have one place for a number, such as %%03d",
+                        l->path, shown);
+    const double count = step ? ((double)last - first) / step + 1 : ISO_NRRD_MOST_FILES + 1.0;
+    if (!(count <= ISO_NRRD_MOST_FILES))
+        return iso_fail(err, ISO_E_FORMAT, "%s: data files \"%s\": at most %d of them", l->path, shown,
+                        ISO_NRRD_MOST_FILES);
     iso_status status = ISO_OK;
-    for (double i = 0; i < count && status == ISO_OK; ++i) {
-        char name[2 * sizeof format];
-        const int number = (int)(first + i * (last < first ? -fabs(step) : fabs(step)));
-        snprintf(name, sizeof name, at[1] == '0' ? "%s%0*d%s" : "%s%*d%s", format, (int)width, number, end + 1);
-        status = check_file(header, name, err);
+    for (int i = 0; i < (int)count && status == ISO_OK; ++i) {
+        char *name = NULL;
+        const size_t after = strcspn(place, "d") + 1;
+        const int width = atoi(place + 1), zeros = place[1] == '0';
+        if (asprintf(&name, zeros ? "%.*s%0*d%s" : "%.*s%*d%s", (int)(place - pattern), pattern, width,
+                     first + i * step, place + after) < 0)
+            return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", l->path);
+        status = add_name(l, name, err);
+        free(name);
     }
     return status;
 }
 
-static char *trim(char *text)
+/* Up to the end of a line as teem has it: \n, \r, or both. Its length without them; below 0: there is none, since the file
+ * ends. *ended: it has an end. */
+static ssize_t read_line(FILE *file, char **line, size_t *room, bool *ended)
 {
-    text += strspn(text, " \t");
-    text[strcspn(text, "\r\n")] = 0;
-    return text;
+    size_t length = 0;
+    int c;
+    while ((c = getc_unlocked(file)) != EOF && c != '\n' && c != '\r') {
+        if (length + 2 > *room) {
+            char *more = realloc(*line, *room = *room ? 2 * *room : 256);
+            if (!more)
+                return -1;
+            *line = more;
+        }
+        (*line)[length++] = (char)c;
+    }
+    *ended = c != EOF;
+    if (c == '\r' && (c = getc_unlocked(file)) != '\n' && c != EOF)
+        ungetc(c, file);
+    if (length == 0 && !*ended)
+        return -1;
+    if (*room == 0 && !(*line = malloc(*room = 256)))
+        return -1;
+    (*line)[length] = 0;
+    return (ssize_t)length;
 }
 
-/* "LIST" or "LIST 2": a name a line until the file ends. */
-static iso_status check_list(const char *header, FILE *file, iso_error *err)
+/* teem keeps 1024 bytes for a message, which may quote a line that it cannot read. */
+enum { MOST_LINE = 800 };
+static bool may_be_quoted(const char *line)
+{
+    const char *field = strstr(line, ": "), *key = strstr(line, ":=");
+    if (line[0] == '#' || strncasecmp(line, "content: ", 9) == 0)
+        return false;
+    return !key || (field && field < key);
+}
+
+/* The value of a field "data file"; NULL: the line is another. */
+static char *data_file_of(char *line)
+{
+    char *colon = line[0] == '#' ? NULL : strstr(line, ": ");
+    if (!colon)
+        return NULL;
+    *colon = 0;
+    const char *field = line + strspn(line, " \t");
+    if (strcasecmp(field, "data file") != 0 && strcasecmp(field, "datafile") != 0)
+        return NULL;
+    return colon + 2 + strspn(colon + 2, " \t");
+}
+
+static iso_status take_line(look *l, char *line, bool *list, bool *any, iso_error *err)
+{
+    char *value = *list ? line : data_file_of(line);
+    if (!value || !*value)
+        return ISO_OK;
+    *any = true;
+    if (*list || (strncasecmp(value, "LIST", 4) != 0 && !number_place(value)))
+        return add_name(l, value, err);
+    *list = strncasecmp(value, "LIST", 4) == 0;
+    return *list ? ISO_OK : add_numbered(l, value, err);
+}
+
+static iso_status look_at(look *l, FILE *header, bool *any, iso_error *err)
 {
     char *line = NULL;
-    size_t room = 0, count = 0;
+    size_t room = 0;
+    bool list = false, ended = true;
     iso_status status = ISO_OK;
-    while (status == ISO_OK && getline(&line, &room, file) > 0) {
-        if (++count > MOST_FILES)
-            status = iso_fail(err, ISO_E_RANGE, "%s: names more than %d data files", header, MOST_FILES);
-        else if (*trim(line))
-            status = check_file(header, trim(line), err);
+    for (ssize_t n; status == ISO_OK && (n = read_line(header, &line, &room, &ended)) > 0;) {
+        if (n > MOST_LINE && may_be_quoted(line))
+            status = iso_fail(err, ISO_E_FORMAT, "%s: a line of its header has %zd bytes, at most %d", l->path, n,
+                              MOST_LINE);
+        else if (!ended) /* teem would take bytes behind it for its end */
+            status = iso_fail(err, ISO_E_FORMAT, "%s: its header ends within a line", l->path);
+        else
+            status = take_line(l, line, &list, any, err);
     }
     free(line);
     return status;
 }
 
-iso_status iso_nrrd_check_files(const char *path, iso_error *err)
+iso_status iso_nrrd_look_at_files(const char *path, double *bytes, iso_error *err)
 {
-    FILE *file = fopen(path, "re");
-    if (!file)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
-    char *line = NULL;
-    size_t room = 0, bytes = 0;
-    iso_status status = ISO_OK;
-    for (ssize_t n; status == ISO_OK && bytes < HEADER_BYTES && (n = getline(&line, &room, file)) > 0 &&
-                    *line != '\n' && *line != '\r';
-         bytes += (size_t)n) {
-        if (strncasecmp(line, "data file:", 10) != 0 && strncasecmp(line, "datafile:", 9) != 0)
-            continue;
-        char *value = trim(strchr(line, ':') + 1);
-        status = strncmp(value, "LIST", 4) == 0 ? check_list(path, file, err)
-                 : strchr(value, '%')           ? check_pattern(path, value, err)
-                                                : check_file(path, value, err);
-    }
-    free(line);
-    fclose(file);
+    look l = {.path = path};
+    bool any = false;
+    *bytes = -1;
+    FILE *header = fopen(path, "rbe");
+    if (!header)
+        return ISO_OK; /* teem says why */
+    const iso_status status = look_at(&l, header, &any, err);
+    fclose(header);
+    if (any)
+        *bytes = l.bytes;
     return status;
 }

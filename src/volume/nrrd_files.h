@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* nrrd_files.h - the files that a NRRD header names for its samples. */
-#ifndef ISO_NRRD_FILES_H
-#define ISO_NRRD_FILES_H
+/* nrrd_files.h - the data files that an NRRD header names, looked at before teem opens them; private to src/volume. */
+#ifndef ISO_VOLUME_NRRD_FILES_H
+#define ISO_VOLUME_NRRD_FILES_H
 
 #include "base/status.h"
 
-/* Looks at them before teem does, which makes all names of a pattern at once and opens whatever they name: ISO_E_RANGE where
- * they are too many, ISO_E_IO where one is there and no regular file, such as a pipe, which would be waited for. */
-iso_status iso_nrrd_check_files(const char *path, iso_error *err);
+/* teem prints a name's pattern by sprintf() into a buffer that is 10 bytes longer than it, whatever it holds; it opens pipes,
+ * takes "-" for its input, and counts to any number of files; a message of more than 1024 bytes, and a last line without
+ * its end, are too much for it. So patterns have one place for a number, of at most two digits' width, files are regular
+ * ones, and at most ISO_NRRD_MOST_FILES, and lines are short and whole. *bytes: of all of them together; below 0 where the
+ * header names none. ISO_E_FORMAT, ISO_E_IO, ISO_E_MEMORY. */
+enum { ISO_NRRD_MOST_FILES = 65536 };
+iso_status iso_nrrd_look_at_files(const char *path, double *bytes, iso_error *err);
 
 #endif

@@ -262,24 +262,32 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
     return ISO_OK;
 }
 
-/* Text encodings, bzip2 and lists of files: all at once by teem. */
-static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io, iso_error *err)
+/* How many bytes of samples a byte of the file can hold. */
+static double most_of(const NrrdEncoding *encoding)
+{
+    /* The shortest text is a digit and a space for a double. A block of bzip2 takes more than 32 bytes, and holds 900 000
+     * after a first pass that makes 5 of 255 equal ones. Deflate cannot shrink by more than 1032. */
+    return encoding == nrrdEncodingAscii || encoding == nrrdEncodingHex ? 4.0
+           : encoding == nrrdEncodingBzip2                              ? 900000.0 / 5 * 255 / 32
+           : encoding == nrrdEncodingGzip                               ? 1032.0
+                                                                        : 1.0;
+}
+
+/* Text encodings, bzip2 and lists of files: all at once by teem. It is refused before the memory is taken.
+ * listed_bytes: of the files that the header names; below 0: the samples stand behind it. */
+static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io, double listed_bytes, iso_error *err)
 {
     struct stat st;
-    const bool text = io->encoding == nrrdEncodingAscii || io->encoding == nrrdEncodingHex;
-    /* A block of bzip2 takes more than 32 bytes, and holds 900 000 after a first pass that makes 5 of 255 equal ones. */
-    const double most_per_byte = 900000.0 / 5 * 255 / 32;
-    /* the shortest text is a digit and a space for a double: refuse before the memory is taken */
-    if (text && io->dataFile && fstat(fileno(io->dataFile), &st) == 0 &&
-        (double)iso_source_bytes(source) > 4.0 * (double)st.st_size + 8)
+    const double there = listed_bytes >= 0                                       ? listed_bytes
+                         : io->dataFile && fstat(fileno(io->dataFile), &st) == 0 ? (double)st.st_size
+                                                                                 : 0;
+    if ((double)iso_source_bytes(source) > most_of(io->encoding) * there + 8)
         return iso_fail(err, ISO_E_FORMAT,
-                        "%s: truncated: %lld bytes of text cannot hold the %zu bytes of samples that the sizes need",
-                        source->path, (long long)st.st_size, iso_source_bytes(source));
-    if (io->encoding == nrrdEncodingBzip2 && io->dataFile && fstat(fileno(io->dataFile), &st) == 0 &&
-        (double)iso_source_bytes(source) > most_per_byte * (double)st.st_size)
-        return iso_fail(err, ISO_E_FORMAT,
-                        "%s: truncated: %lld bytes of bzip2 cannot hold the %zu bytes of samples that the sizes need",
-                        source->path, (long long)st.st_size, iso_source_bytes(source));
+                        "%s: truncated: %.0f bytes of %s cannot hold the %zu bytes of samples that the sizes need",
+                        source->path, there,
+                        io->encoding == nrrdEncodingAscii || io->encoding == nrrdEncodingHex ? "text"
+                                                                                             : io->encoding->name,
+                        iso_source_bytes(source));
     Nrrd *nrrd = nrrdNew();
     iso_status status = ISO_OK;
     if (!nrrd)
@@ -309,15 +317,18 @@ static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
     }
     io->skipData = 1;
     io->keepNrrdDataFileOpen = 1;
-    iso_status status = ISO_OK;
+    double listed_bytes;
+    iso_status status = iso_nrrd_look_at_files(source->path, &listed_bytes, err);
     errno = 0;
-    if (nrrdLoad(nrrd, source->path, io) != 0)
+    if (status != ISO_OK)
+        ;
+    else if (nrrdLoad(nrrd, source->path, io) != 0)
         status = teem_failed(source->path, nrrd, err);
     else
         status = read_header(nrrd, source, err);
     if (status == ISO_OK) {
         bool streamed = io->encoding == nrrdEncodingRaw || io->encoding == nrrdEncodingGzip;
-        status = streamed && io->dataFile ? take_file(source, io, err) : load_by_teem(source, io, err);
+        status = streamed && io->dataFile ? take_file(source, io, err) : load_by_teem(source, io, listed_bytes, err);
     }
     if (io->dataFile)
         fclose(io->dataFile);

@@ -71,7 +71,7 @@ bool iso_segments_layer(const json_t *segments, const char *name, size_t *layer)
 void iso_segments_list_layers(const json_t *segments, size_t layer_count, char *text, size_t size)
 {
     *text = 0;
-    for (size_t layer = 0; layer < layer_count; ++layer) {
+    for (size_t layer = 0; layer < layer_count && strlen(text) + 2 < size; ++layer) { /* until the text is full */
         size_t found = 0;
         iso_words_append(text, size, "%s%zu (", layer ? ", " : "", layer);
         for (size_t i = 0; i < json_array_size(segments); ++i)

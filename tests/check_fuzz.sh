@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Each reader takes damaged files, under the sanitizers: all seeds, then mutations of a fixed seed, ISOSHADE_FUZZ_COUNT or
+# ISOSHADE_FUZZ_SECONDS of processor time a reader, whichever is less. `make fuzz` goes on for as long as one likes.
+. "$(dirname "$0")/lib.sh"
+count=${ISOSHADE_FUZZ_COUNT:-10000} seconds=${ISOSHADE_FUZZ_SECONDS:-1} seed=${ISOSHADE_FUZZ_SEED:-1}
+fuzz=$top/build/sanitize/isoshade-fuzz
+[ -x "$fuzz" ] || { skip fuzz "no program of the sanitizers is built, as make check does"; exit 0; }
+export LSAN_OPTIONS=suppressions=$top/tests/leaks.supp:print_suppressions=0 OMP_NUM_THREADS=1
+seeds=$top/tests/fuzz/seeds
+
+for name in $("$fuzz" --list | cut -d' ' -f1 | grep -v planted); do
+    if output=$("$fuzz" "$name" "$seeds/$name" "$count" "$seconds" "$seed" 2>&1); then
+        echo "$output" | tail -n 1 >>figures
+        ok "$name"
+    else
+        not_ok "$name" "seed $seed: $(tail -n 12 <<<"$output" | cut -c1-300); the input: $(base64 -w 400 <"crash-$name" 2>/dev/null | head -n 1)"
+    fi
+done
+[ ! -s figures ] || cat figures
+# Each has seeds, and each seed is of one.
+every_target_has_seeds() { diff <("$fuzz" --list | cut -d' ' -f1 | sort) <(cd "$seeds" && ls | sort); }
+check every_reader_has_seeds every_target_has_seeds
+# A fault that one value of one key shows.
+notice a_planted_fault_is_found "$fuzz" planted "$seeds/planted" 20000 10 "$seed"
+check and_its_input_is_kept grep -q '"level"' crash-planted
+notice which_shows_it_again "$fuzz" planted crash-planted
+exit $failed

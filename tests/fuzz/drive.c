@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: MIT */
+/* drive.c - runs a target on its seeds, and on mutations of them that follow from a number.
+ *
+ *     isoshade-fuzz NAME [SEEDS [COUNT [SECONDS [SEED]]]]
+ *     isoshade-fuzz NAME FILE                              that input alone
+ *
+ * It ends after COUNT mutations or SECONDS of processor time, whichever is first, and prints how many it was. An input
+ * at which it is stopped stays as crash-NAME in the current folder. */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "tests/fuzz/readers.h"
+
+typedef struct input {
+    uint8_t *data;
+    size_t size;
+} input;
+
+enum { MOST_SEEDS = 4096, MOST_SECONDS_OF_ONE = 10, MOST_BYTES_ASKED = 384 << 20 };
+static input seeds[MOST_SEEDS];
+static size_t seed_count;
+static uint8_t current[FUZZ_MOST_BYTES];
+static size_t current_size;
+static char crash_path[512];
+static const fuzz_target *running;
+
+/* ---- what the sanitizers are told ---- */
+
+const char *__asan_default_options(void);
+const char *__asan_default_options(void)
+{
+    return "abort_on_error=1:handle_abort=0:allocator_may_return_null=1:detect_odr_violation=0";
+}
+
+const char *__ubsan_default_options(void);
+const char *__ubsan_default_options(void)
+{
+    return "abort_on_error=1:print_stacktrace=1";
+}
+
+int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void *, size_t),
+                                              void (*on_free)(const volatile void *)) __attribute__((weak));
+
+static void keep_input(void)
+{
+    const int fd = open(crash_path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (fd >= 0 && write(fd, current, current_size) == (ssize_t)current_size)
+        fprintf(stderr, "fuzz: %s: the input is kept as %s\n", running->name, crash_path);
+}
+
+static void on_signal(int number)
+{
+    if (number == SIGVTALRM)
+        fprintf(stderr, "fuzz: a contract is broken: one input takes more than %d s\n", MOST_SECONDS_OF_ONE);
+    keep_input();
+    signal(number, SIG_DFL);
+    raise(number);
+    _exit(1);
+}
+
+static void on_malloc(const volatile void *memory, size_t size)
+{
+    (void)memory;
+    if (size > MOST_BYTES_ASKED)
+        fuzz_fail("%zu bytes are asked for an input of %zu", size, current_size);
+}
+
+static void on_free(const volatile void *memory)
+{
+    (void)memory;
+}
+
+static void watch(void)
+{
+    char *here = realpath(".", NULL);
+    snprintf(crash_path, sizeof crash_path, "%s/crash-%s", here ? here : ".", running->name);
+    free(here);
+    signal(SIGABRT, on_signal);
+    signal(SIGVTALRM, on_signal);
+    if (__sanitizer_install_malloc_and_free_hooks)
+        __sanitizer_install_malloc_and_free_hooks(on_malloc, on_free);
+}
+
+/* The limit of one input. */
+static void wind_up(void)
+{
+    static timer_t timer;
+    static bool is_made;
+    struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGVTALRM};
+    const struct itimerspec limit = {.it_value.tv_sec = MOST_SECONDS_OF_ONE};
+    if (!is_made)
+        is_made = timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &timer) == 0;
+    if (is_made)
+        timer_settime(timer, 0, &limit, NULL);
+}
+
+/* ---- seeds ---- */
+
+static void add_seed(const char *path)
+{
+    char *data;
+    size_t size;
+    if (seed_count == MOST_SEEDS || iso_file_read(path, &data, &size, NULL) != ISO_OK)
+        return;
+    if (size <= FUZZ_MOST_BYTES)
+        seeds[seed_count++] = (input){(uint8_t *)data, size};
+    else
+        free(data);
+}
+
+static int by_name(const struct dirent **a, const struct dirent **b)
+{
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
+
+static void read_seeds(const char *path)
+{
+    struct dirent **entries = NULL;
+    const int count = scandir(path, &entries, NULL, by_name);
+    if (count < 0) {
+        add_seed(path);
+        return;
+    }
+    for (int i = 0; i < count; ++i) {
+        char *file = iso_path_join(path, entries[i]->d_name);
+        if (entries[i]->d_name[0] != '.')
+            add_seed(file);
+        free(file);
+        free(entries[i]);
+    }
+    free(entries);
+}
+
+/* ---- the run ---- */
+
+static void run(const uint8_t *data, size_t size)
+{
+    static size_t runs;
+    if (data != current)
+        memcpy(current, data, size);
+    current_size = size;
+    if (runs++ % 16 == 0)
+        wind_up();
+    fuzz_run(running, current, size);
+}
+
+/* One to a few changes of a seed; sometimes the end of another one behind it. */
+static void make_input(fuzz_random *random)
+{
+    const input *from = &seeds[fuzz_below(random, seed_count)], *other = &seeds[fuzz_below(random, seed_count)];
+    memcpy(current, from->data, from->size);
+    size_t size = from->size;
+    if (fuzz_below(random, 16) == 0 && size > 0 && other->size > 0) {
+        const size_t keep = fuzz_below(random, size), rest = fuzz_below(random, other->size);
+        if (keep + other->size - rest <= FUZZ_MOST_BYTES) {
+            memcpy(current + keep, other->data + rest, other->size - rest);
+            size = keep + other->size - rest;
+        }
+    }
+    const size_t changes = (size_t)1 << fuzz_below(random, 4);
+    for (size_t i = 0; i < changes; ++i)
+        size = fuzz_mutate(running, random, current, size, FUZZ_MOST_BYTES);
+    current_size = size;
+}
+
+/* With those of programs that were started. */
+static double seconds_used(void)
+{
+    struct rusage children;
+    getrusage(RUSAGE_CHILDREN, &children);
+    return (double)clock() / CLOCKS_PER_SEC + (double)(children.ru_utime.tv_sec + children.ru_stime.tv_sec) +
+           1e-6 * (double)(children.ru_utime.tv_usec + children.ru_stime.tv_usec);
+}
+
+int main(int argc, char **argv)
+{
+    running = argc > 1 ? fuzz_find(argv[1]) : NULL;
+    if (argc == 2 && strcmp(argv[1], "--list") == 0) {
+        for (const fuzz_target *t = fuzz_targets; t->name; ++t)
+            printf("%s %s\n", t->name, t->sources);
+        return 0;
+    }
+    if (!running) {
+        fprintf(stderr, "isoshade-fuzz NAME [SEEDS [COUNT [SECONDS [SEED]]]], or --list for the names\n");
+        return 2;
+    }
+    const uint64_t count = argc > 3 ? strtoull(argv[3], NULL, 10) : 0;
+    const double seconds = argc > 4 ? strtod(argv[4], NULL) : 1e9;
+    fuzz_random random = {argc > 5 ? strtoull(argv[5], NULL, 10) : 1};
+    char words[400] = "";
+    for (const char *c = argv[1]; argc > 2 && *c; ++c) /* of the format and of its family: words/tf_json, words/tf */
+        if (c[1] == 0 || c[1] == '_') {
+            snprintf(words, sizeof words, "%s/../../words/%.*s", argv[2], (int)(c - argv[1]) + 1, argv[1]);
+            fuzz_read_words(words);
+        }
+    if (argc > 2)
+        read_seeds(argv[2]);
+    watch();
+    fuzz_begin(running);
+    for (size_t i = 0; i < seed_count; ++i)
+        run(seeds[i].data, seeds[i].size);
+    const double start = seconds_used();
+    uint64_t done = 0;
+    while (seed_count > 0 && done < count && seconds_used() - start < seconds) {
+        for (int i = 0; i < 16 && done < count; ++i, ++done) {
+            make_input(&random);
+            run(current, current_size);
+        }
+    }
+    printf("%-16s %4zu seeds %9llu mutations %7.1f s\n", running->name, seed_count, (unsigned long long)done,
+           seconds_used());
+    return 0;
+}

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+/* targets.c - the table of readers, and what they have in common. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <jansson.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "tests/fuzz/readers.h"
+
+/* clang-format off */
+const fuzz_target fuzz_targets[] = {
+    {"nrrd", "input.nrrd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c src/volume/source*.c src/volume/geometry.c src/volume/unit.c"},
+    {"nhdr", "input.nhdr", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c src/volume/numbered_files.c"},
+    {"segments", "input.seg.nrrd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_segments.c src/volume/segments.c"},
+    {"nifti", "input.nii", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/nifti_open.c"},
+    {"metaimage", "input.mha", FUZZ_LINES, fuzz_volume, NULL, "src/volume/metaimage_open.c src/volume/text_samples.c"},
+    {"vtk", "input.vtk", FUZZ_LINES, fuzz_volume, NULL, "src/volume/vtk_open.c src/volume/text_samples.c"},
+    {"vti", "input.vti", FUZZ_LINES, fuzz_volume, NULL, "src/volume/vti_open.c src/volume/zlib_samples.c src/base/base64.c"},
+    {"tiff", "input.tif", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/tiff_open.c"},
+    {"mrc", "input.mrc", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/mrc_open.c"},
+    {"cube", "input.cube", FUZZ_LINES, fuzz_volume, NULL, "src/volume/cube_open.c src/volume/text_samples.c"},
+    {"xsf", "input.xsf", FUZZ_LINES, fuzz_volume, NULL, "src/volume/xsf_open.c src/volume/text_samples.c"},
+    {"gipl", "input.gipl", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/gipl_open.c"},
+    {"raw", "input.raw", FUZZ_LINES, fuzz_raw, NULL, "src/volume/input.c"},
+    {"series", "input.pvd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/file_list.c src/volume/frames.c"},
+    {"hdf5", "input.h5", FUZZ_BYTES, fuzz_child, NULL, "src/volume/arrays/arrays_read.cc src/volume/arrays/hdf5_store.cc src/volume/arrays/placement.cc"},
+    {"netcdf", "input.nc", FUZZ_BYTES, fuzz_child, NULL, "src/volume/arrays/netcdf_store.cc"},
+    {"zarr", "input.zarr/", FUZZ_LINES, fuzz_child, NULL, "src/volume/arrays/zarr_store.cc"},
+    {"vdb", "input.vdb", FUZZ_BYTES, fuzz_child, NULL, "src/volume/vdb/vdb_read.cc"},
+    {"dicom", "input.dcm", FUZZ_BYTES, fuzz_child, NULL, "src/volume/itk/*.cc"},
+    {"tf_csv", "input.csv", FUZZ_LINES, fuzz_tf, NULL, "src/tf/format_csv.c src/tf/tf.c"},
+    {"tf_json", "input.tf.json", FUZZ_JSON, fuzz_tf, NULL, "src/tf/format_json.c src/tf/tf.c"},
+    {"tf_slicer", "input.vp.json", FUZZ_JSON, fuzz_tf, NULL, "src/tf/format_slicer.c"},
+    {"tf_slicer_mrml", "input.mrml", FUZZ_LINES, fuzz_tf, NULL, "src/tf/format_slicer_mrml.c src/tf/xml.c"},
+    {"tf_slicer_vp", "input.vp", FUZZ_LINES, fuzz_tf, NULL, "src/tf/format_slicer_vp.c"},
+    {"tf_paraview", "input.json", FUZZ_JSON, fuzz_tf, NULL, "src/tf/format_paraview.c"},
+    {"tf_paraview_xml", "input.xml", FUZZ_LINES, fuzz_tf, NULL, "src/tf/format_paraview_xml.c src/tf/xml.c"},
+    {"tf_niivue", "input.json", FUZZ_JSON, fuzz_tf, NULL, "src/tf/format_niivue.c"},
+    {"tf_inviwo", "input.itf", FUZZ_LINES, fuzz_tf, NULL, "src/tf/format_inviwo.c src/tf/xml.c"},
+    {"tf_voreen", "input.tfi", FUZZ_LINES, fuzz_tf, NULL, "src/tf/format_voreen.c src/tf/xml.c"},
+    {"tf_imagej", "input.lut", FUZZ_BYTES, fuzz_tf, NULL, "src/tf/format_imagej.c"},
+    {"scene", "input.scene.json", FUZZ_JSON, fuzz_scene, NULL, "src/scene/scene_json.c src/scene/scene.c"},
+    {"iso", "input.iso/", FUZZ_JSON, fuzz_pyramid, fuzz_repair_pyramid, "src/pyramid/pyramid_file.c src/pyramid/pyramid_layout.c"},
+    {"joint", "level_1_joint8.nrrd", FUZZ_LINES, fuzz_joint, NULL, "src/tf/histogram_file.c"},
+    {"plan", "input.plan.json", FUZZ_JSON, fuzz_plan, NULL, "src/plan/planned.c"},
+    {"report", "report.json", FUZZ_JSON, fuzz_report, NULL, "src/report/baseline.c src/report/difference.c src/report/markdown.c src/report/rows.c"},
+    {"baseline", "accepted.json", FUZZ_JSON, fuzz_baseline, NULL, "src/report/baseline.c"},
+    {"renderers", "renderers.json", FUZZ_JSON, fuzz_renderers, NULL, "src/renderers/external_json.c"},
+    {"manifest", ".isoshade-files", FUZZ_LINES, fuzz_manifest, NULL, "src/base/manifest.c"},
+    {"palette", "palette.csv", FUZZ_LINES, fuzz_palette, NULL, "src/palette/palette_export.c"},
+    {"exr", "input.exr", FUZZ_BYTES, fuzz_exr, NULL, "src/image/exr.c"},
+    {"png", "input.png", FUZZ_BYTES, fuzz_png, fuzz_repair_png, "src/image/image.c src/image/png16.c"},
+    {"ppm", "input.ppm", FUZZ_BYTES, fuzz_ppm, NULL, "src/image/image.c"},
+    {"words", "words.txt", FUZZ_LINES, fuzz_words, NULL, "src/base/words.c src/scene/viewpoint.c src/volume/unit.c"},
+    {"planted", "planted.json", FUZZ_JSON, fuzz_planted, NULL, "tests/fuzz/trees.c"},
+    {0},
+};
+/* clang-format on */
+
+static char folder[128], file_path[256];
+
+void fuzz_fail(const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    fputs("fuzz: a contract is broken: ", stderr);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+    va_end(args);
+    abort();
+}
+
+void fuzz_check_status(iso_status status, const iso_error *err)
+{
+    if (status == ISO_OK)
+        return;
+    if ((int)status < 0 || status > 10)
+        fuzz_fail("status %d is none", (int)status);
+    if (!err->text[0])
+        fuzz_fail("status %d has no message", (int)status);
+}
+
+void fuzz_check_same(const char *what, const json_t *written, const json_t *read)
+{
+    /* A direction that is normalized twice may differ in its last digits. */
+    char *a = json_dumps(written, JSON_REAL_PRECISION(12)), *b = json_dumps(read, JSON_REAL_PRECISION(12));
+    if (!json_equal(written, read) && (!a || !b || strcmp(a, b) != 0))
+        fuzz_fail("%s is not read back as it was written:\n%s\n%s", what, a ? a : "", b ? b : "");
+    free(a);
+    free(b);
+}
+
+const fuzz_target *fuzz_find(const char *name)
+{
+    for (const fuzz_target *t = fuzz_targets; t->name; ++t)
+        if (strcmp(t->name, name) == 0)
+            return t;
+    return NULL;
+}
+
+const char *fuzz_beside(const char *name)
+{
+    static char path[4][512];
+    static unsigned next;
+    char *to = path[next++ % 4];
+    snprintf(to, sizeof *path, "%s/%s", folder, name);
+    return to;
+}
+
+static void remove_folder(void)
+{
+    iso_remove_tree(folder);
+}
+
+void fuzz_begin(const fuzz_target *target)
+{
+    const char *shared = access("/dev/shm", W_OK) == 0 ? "/dev/shm" : getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/isoshade-fuzz-XXXXXX", shared ? shared : "/tmp");
+    if (!mkdtemp(folder)) {
+        fprintf(stderr, "fuzz: no folder for the input: %s\n", strerror(errno));
+        exit(1);
+    }
+    atexit(remove_folder);
+    snprintf(file_path, sizeof file_path, "%s/%s", folder, target->file);
+    const size_t length = strlen(file_path);
+    if (file_path[length - 1] == '/') {
+        file_path[length - 1] = 0;
+        mkdir(file_path, 0700);
+    }
+}
+
+static void write_file(const char *path, const void *data, size_t size)
+{
+    const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (fd < 0)
+        return; /* the name is none: the reader finds no such file */
+    if (write(fd, data, size) != (ssize_t)size)
+        fuzz_fail("the input cannot be written to %s: %s", path, strerror(errno));
+    close(fd);
+}
+
+/* Further names: letters, digits and "._-", and in a folder one level of folders below it. */
+static bool take_name(const char *line, size_t length, bool in_folder, char name[64])
+{
+    size_t slashes = 0;
+    if (length == 0 || length >= 64 || line[0] == '.')
+        length = line[0] == '.' && line[1] == 'z' && length < 64 ? length : 0; /* .zarray and .zattrs */
+    for (size_t i = 0; i < length; ++i) {
+        const char c = line[i];
+        const bool good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
+                          c == '_' || c == '-';
+        slashes += c == '/';
+        if (!good && !(c == '/' && in_folder && i > 0 && slashes == 1))
+            return false;
+        name[i] = c;
+    }
+    name[length] = 0;
+    return length > 0 && !strstr(name, "..");
+}
+
+static const char mark[] = "\n==== ";
+enum { MARK = sizeof mark - 1 };
+
+static void make_folder_of(char *path)
+{
+    char *slash = strrchr(path, '/');
+    *slash = 0;
+    mkdir(path, 0700);
+    *slash = '/';
+}
+
+/* Further files go to the folder of the first, or into the one that the target is. */
+static void write_input(const fuzz_target *target, const uint8_t *data, size_t size)
+{
+    const bool in_folder = target->file[strlen(target->file) - 1] == '/';
+    const uint8_t *end = data + size, *next = memmem(data, size, mark, MARK);
+    if (in_folder) {
+        iso_remove_tree(file_path);
+        mkdir(file_path, 0700);
+        if (size >= MARK - 1 && memcmp(data, mark + 1, MARK - 1) == 0)
+            next = data - 1;
+    } else {
+        write_file(file_path, data, next ? (size_t)(next - data) : size);
+    }
+    for (int files = 0; next && files < 16; ++files) {
+        const uint8_t *line = next + MARK, *stop = memchr(line, '\n', (size_t)(end - line));
+        char name[64], path[400];
+        if (!stop)
+            return;
+        next = memmem(stop, (size_t)(end - stop), mark, MARK);
+        if (!take_name((const char *)line, (size_t)(stop - line), in_folder, name))
+            continue;
+        snprintf(path, sizeof path, "%s/%s", in_folder ? file_path : folder, name);
+        if (strchr(name, '/'))
+            make_folder_of(path);
+        ++stop;
+        write_file(path, stop, next ? (size_t)((next >= stop ? next : stop) - stop) : (size_t)(end - stop));
+    }
+}
+
+void fuzz_run(const fuzz_target *target, const uint8_t *data, size_t size)
+{
+    write_input(target, data, size);
+    target->run(target, file_path, data, size);
+}

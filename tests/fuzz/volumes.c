@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+/* volumes.c - volumes: header, samples, geometry, labels. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/fuzz/readers.h"
+#include "volume/input.h"
+#include "volume/labels.h"
+
+fuzz_child_reader *fuzz_read_inside;
+
+static void check_volume(const iso_volume *v)
+{
+    const iso_geometry *g = &v->geometry;
+    iso_error err = {""};
+    if (iso_geometry_check(g, "input", &err) != ISO_OK)
+        fuzz_fail("a volume was read whose geometry is refused: %s", err.text);
+    for (int i = 0; i < 3; ++i)
+        if (!(g->box_index[i] > 0 && g->box_index[i] <= (double)g->size[i]))
+            fuzz_fail("the box ends at %g of %zu samples", g->box_index[i], g->size[i]);
+    const iso_volume_stats stats = iso_volume_measure(v);
+    if (stats.nonfinite_count > 0)
+        fuzz_fail("%zu samples are no numbers", stats.nonfinite_count);
+    if (!(stats.min <= stats.mean && stats.mean <= stats.max))
+        fuzz_fail("the mean %.17g lies outside of %.17g to %.17g", stats.mean, stats.min, stats.max);
+    iso_label_facts facts;
+    fuzz_check_status(iso_labels_look_at(v, false, &facts, &err), &err);
+}
+
+void fuzz_volume(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
+{
+    (void)target, (void)data, (void)size;
+    iso_volume v = {0};
+    iso_error err = {""};
+    iso_status status = iso_volume_load(path, &v, &err);
+    fuzz_check_status(status, &err);
+    if (status == ISO_E_USAGE) { /* what the file leaves open */
+        const iso_volume_input inputs[] = {{.frame = "0"},
+                                           {.channel = "0"},
+                                           {.frame = "0", .channel = "luminance"},
+                                           {.frame = "0", .channel = "0"},
+                                           {.frame = "1", .channel = "1", .spacing = "1x2x3"},
+                                           {.spacing = "1x1x1", .unit = "um"}};
+        for (size_t i = 0; i < sizeof inputs / sizeof *inputs && status != ISO_OK; ++i) {
+            iso_volume_destroy(&v);
+            v = (iso_volume){0};
+            status = iso_volume_input_load(path, &inputs[i], &v, &err);
+            fuzz_check_status(status, &err);
+        }
+    }
+    if (status == ISO_OK)
+        check_volume(&v);
+    iso_volume_destroy(&v);
+}
+
+/* The first line: size, type, spacing, bytes that are skipped, and which byte order. */
+void fuzz_raw(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
+{
+    (void)target;
+    char line[160] = "", words[4][40] = {"", "", "", ""};
+    const uint8_t *end = memchr(data, '\n', size);
+    const size_t length = end ? (size_t)(end - data) : 0;
+    memcpy(line, data, length < sizeof line ? length : sizeof line - 1);
+    sscanf(line, "%39s %39s %39s %39s", words[0], words[1], words[2], words[3]);
+    const iso_volume_input input = {.raw_size = words[0],
+                                    .raw_type = words[1],
+                                    .raw_spacing = words[2][0] ? words[2] : NULL,
+                                    .raw_skip_bytes = strtol(words[3], NULL, 10),
+                                    .raw_big_endian = strchr(words[3], 'b') != NULL};
+    iso_volume v = {0};
+    iso_error err = {""};
+    iso_status status = iso_volume_input_load(path, &input, &v, &err);
+    fuzz_check_status(status, &err);
+    if (status == ISO_OK)
+        check_volume(&v);
+    iso_volume_destroy(&v);
+}
+
+void fuzz_child(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
+{
+    if (fuzz_read_inside)
+        fuzz_read_inside(target->name, path);
+    else
+        fuzz_volume(target, path, data, size);
+}
