@@ -393,7 +393,7 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
         /* What teem itself would write beyond its buffers for. */
         {HEAD "data file: s%9999d.raw 1 2 1\n", "", "one place for a number", ISO_E_FORMAT},
         {HEAD "# x\rdata file: s%d%n.raw 1 2 1\n", "", "one place for a number", ISO_E_FORMAT},
-        {HEAD "data file: s%d.raw 1 999999999 1\n", "", "at most 65536", ISO_E_FORMAT},
+        {HEAD "data file: s%d.raw 1 999999999 1\n", "", "at most 65536", ISO_E_RANGE},
         {HEAD "data file: LIST\n-\n", "", "name of a file", ISO_E_FORMAT},
         {HEAD "data file: bad.nrrd", "", "within a line", ISO_E_FORMAT},
         {HEAD "data file: .\n", "", "not a regular file", ISO_E_IO},

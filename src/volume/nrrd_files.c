@@ -27,7 +27,7 @@ static iso_status add_name(look *l, const char *name, iso_error *err)
     if (strcmp(name, "-") == 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: its data file is \"-\", must be the name of a file", l->path);
     if (++l->count > ISO_NRRD_MOST_FILES)
-        return iso_fail(err, ISO_E_FORMAT, "%s: names more than %d data files", l->path, ISO_NRRD_MOST_FILES);
+        return iso_fail(err, ISO_E_RANGE, "%s: names more than %d data files", l->path, ISO_NRRD_MOST_FILES);
     char *dir = iso_path_dir(l->path), *file = name[0] == '/' ? strdup(name) : dir ? iso_path_join(dir, name) : NULL;
     struct stat st;
     iso_status status = ISO_OK;
@@ -68,10 +68,11 @@ static iso_status add_numbered(look *l, char *pattern, iso_error *err)
     if (!place || strchr(pattern, '%') != place || strchr(place + 1, '%') || strspn(place + 1, "0123456789") > 2)
         return iso_fail(err, ISO_E_FORMAT, "%s: data files \"%s\": must have one place for a number, such as %%03d",
                         l->path, shown);
-    const double count = step ? ((double)last - first) / step + 1 : ISO_NRRD_MOST_FILES + 1.0;
-    if (!(count <= ISO_NRRD_MOST_FILES))
-        return iso_fail(err, ISO_E_FORMAT, "%s: data files \"%s\": at most %d of them", l->path, shown,
-                        ISO_NRRD_MOST_FILES);
+    if (step == 0)
+        return ISO_OK; /* as above */
+    const double count = ((double)last - first) / step + 1;
+    if (count > ISO_NRRD_MOST_FILES)
+        return iso_fail(err, ISO_E_RANGE, "%s: names %.0f data files, at most %d", l->path, count, ISO_NRRD_MOST_FILES);
     iso_status status = ISO_OK;
     for (int i = 0; i < (int)count && status == ISO_OK; ++i) {
         char *name = NULL;
@@ -173,7 +174,7 @@ iso_status iso_nrrd_look_at_files(const char *path, double *bytes, iso_error *er
     *bytes = -1;
     FILE *header = fopen(path, "rbe");
     if (!header)
-        return ISO_OK; /* teem says why */
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     const iso_status status = look_at(&l, header, &any, err);
     fclose(header);
     if (any)

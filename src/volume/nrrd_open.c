@@ -305,9 +305,10 @@ static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io,
 
 static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
 {
-    const iso_status names = iso_nrrd_check_files(source->path, err);
-    if (names != ISO_OK)
-        return names;
+    double listed_bytes;
+    const iso_status looked = iso_nrrd_look_at_files(source->path, &listed_bytes, err);
+    if (looked != ISO_OK)
+        return looked;
     Nrrd *nrrd = nrrdNew();
     NrrdIoState *io = nrrdIoStateNew();
     if (!nrrd || !io) {
@@ -317,12 +318,9 @@ static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
     }
     io->skipData = 1;
     io->keepNrrdDataFileOpen = 1;
-    double listed_bytes;
-    iso_status status = iso_nrrd_look_at_files(source->path, &listed_bytes, err);
+    iso_status status = ISO_OK;
     errno = 0;
-    if (status != ISO_OK)
-        ;
-    else if (nrrdLoad(nrrd, source->path, io) != 0)
+    if (nrrdLoad(nrrd, source->path, io) != 0)
         status = teem_failed(source->path, nrrd, err);
     else
         status = read_header(nrrd, source, err);
