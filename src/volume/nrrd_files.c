@@ -18,6 +18,7 @@ typedef struct look {
     const char *path; /* of the header */
     double bytes;
     size_t count;
+    char missing[160]; /* the first file that is not there: a pipe behind it is worse */
 } look;
 
 static iso_status add_name(look *l, const char *name, iso_error *err)
@@ -35,10 +36,9 @@ static iso_status add_name(look *l, const char *name, iso_error *err)
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", l->path);
     else if (stat(file, &st) == 0 && !S_ISREG(st.st_mode))
         status = iso_fail(err, ISO_E_IO, "%s: its data file \"%s\" is not a regular file", l->path, shown);
-    else if (stat(file, &st) != 0)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: its data file \"%s\" cannot be read: %s", l->path, shown,
-                          strerror(errno));
-    else
+    else if (stat(file, &st) != 0 && !l->missing[0])
+        snprintf(l->missing, sizeof l->missing, "\"%s\" cannot be read: %s", shown, strerror(errno));
+    else if (stat(file, &st) == 0)
         l->bytes += (double)st.st_size;
     free(file);
     free(dir);
@@ -175,8 +175,10 @@ iso_status iso_nrrd_look_at_files(const char *path, double *bytes, iso_error *er
     FILE *header = fopen(path, "rbe");
     if (!header)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
-    const iso_status status = look_at(&l, header, &any, err);
+    iso_status status = look_at(&l, header, &any, err);
     fclose(header);
+    if (status == ISO_OK && l.missing[0])
+        status = iso_fail(err, ISO_E_FORMAT, "%s: its data file %s", path, l.missing);
     if (any)
         *bytes = l.bytes;
     return status;
