@@ -104,6 +104,8 @@ open("b.nrrd", "wb").write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1024 10
 PY
 check statements_in_a_source_are_refused ends 4 'control character' isoshade export pov.iso --to povray -o pov
 check a_changed_description_is_refused ends 4 'was changed since it was written' isoshade info range.iso
+check so_it_is_by_what_reads_the_outline_alone ends 4 'was changed since it was written' isoshade tf adapt range.iso \
+    --tf "${shells%.scene.json}.tf.json" --level 1 -o adapted.tf.json
 check memory_is_not_taken_for_what_cannot_be_there ends 4 'bytes of bzip2 cannot hold' isoshade info b.nrrd
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 999999999\nencoding: raw\ndata file: %%d.raw 0 999999998 1\n' >many.nhdr
 check a_thousand_million_names_are_not_made ends 5 'names 999999999 data files' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.nhdr'

@@ -37,10 +37,15 @@ expect one_figure_beyond_its_tolerance_is_a_difference 1 "$ISOSHADE" report diff
 check of_exactly_one_row test "$(grep -c '^changed: ' "$dir/out")" = 1
 check with_the_figure test "$(grep -c '^    rmse: ' "$dir/out")" = 1
 check and_no_picture test -z "$(grep '^picture' "$dir/out")"
+expect a_figure_that_fell_is_one_too 1 "$ISOSHADE" report diff two one
 expect json_says_it_too 1 "$ISOSHADE" report diff one two --json
 has_keys json_has "$dir/out" schema command options rows facts pictures verdict sentence changed_count picture_count
 plant "$limit['rmse'] += 0.005 * $limit['limits']['rmse']; $limit['seconds'] = 99; d['seconds']['total'] = 99; d['made'] = 'now'"
 expect a_figure_within_it_and_times_are_none 0 "$ISOSHADE" report diff one two
+plant "$limit['rmse'] = None"
+expect a_figure_that_is_none_any_more_is_a_difference 1 "$ISOSHADE" report diff one two
+plant "d['agreement'].remove($limit)"
+expect a_row_that_disappeared_is_a_difference 1 "$ISOSHADE" report diff one two
 plant "d['versions']['OpenGL ray caster'] = 'another'"
 expect another_version_is_a_difference 1 "$ISOSHADE" report diff one two
 check that_is_named grep -q '^versions: OpenGL ray caster: llvmpipe.* -> another$' "$dir/out"

@@ -130,11 +130,12 @@ class Runner:
             for tries in range(dice.choice([0, 1, 1, 2])):
                 kind, number, how = self.fault(dice, right["calls"])
                 step = right["step"] + (" --resume" if right["step"].startswith("build") and dice.random() < 0.5 else "")
+                earlier = listing(f"{here}/w")
                 code, _, err = self.run(here, step, FAULTS_STATE=f"{here}/state", FAULTS_KIND=kind, FAULTS_AT=str(number),
                                         FAULTS_HOW=str(how), LD_PRELOAD=self.library)
                 met = State(f"{here}/state").failed
                 os.remove(f"{here}/state")
-                counts[self.judge(here, name, right, kind, how, code, err)] += 1
+                counts[self.judge(here, name, right, earlier, kind, how, code, err)] += 1
                 if self.tell:
                     print(f"    {step}\n        {kind} {number} {'killed' if how < 0 else name_of(how)}"
                           f"{'' if met else ' (not met)'}: {code} {' '.join(err)[:150]}")
@@ -148,7 +149,7 @@ class Runner:
         del self.w.right[name]
         return counts
 
-    def judge(self, here, name, right, kind, how, code, err):
+    def judge(self, here, name, right, earlier, kind, how, code, err):
         if code == "hangs":
             raise AssertionError(f"{right['step']}: hangs after {kind} {name_of(how)}")
         if how < 0 and code == -9:
@@ -175,9 +176,9 @@ class Runner:
         if len([line for line in err if line]) != 1:
             raise AssertionError(f"{what}: {len(err)} lines: {err[:3]}")
         there = listing(f"{here}/w")
-        # Repeated commands: what an earlier try finished may be there too.
+        # What an earlier try finished, or left when it was killed, may be there too; the second goes at any time.
         for n in set(there) | set(right["before"]):
-            if n not in there or (there[n] != right["before"].get(n) and there[n] != right["files"].get(n) and
+            if n not in there or (there[n] not in (right["before"].get(n), right["files"].get(n), earlier.get(n)) and
                                   n not in right["loose"] and not n.split("/")[0].startswith(".v.iso.partial")):
                 raise AssertionError(f"{what}, and {n} is {'lost' if n not in there else 'left over or changed'}")
         return "told"

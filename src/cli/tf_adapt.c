@@ -151,9 +151,11 @@ iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_
     iso_progress progress = iso_cli_progress(a->cli);
     if (iso_pyramid_is_one(input)) {
         const iso_status status = iso_pyramid_load_outline(input, p, err);
-        small_views = small_views && iso_geometry_voxel_count(&p->levels[0].geometry) <= ISO_SMALL_VIEWS_MAX_VOXELS;
-        if (status != ISO_OK || !(small_views || iso_subject_look_needs_values(look)))
+        if (status != ISO_OK)
             return status;
+        small_views = small_views && iso_geometry_voxel_count(&p->levels[0].geometry) <= ISO_SMALL_VIEWS_MAX_VOXELS;
+        if (!small_views && !iso_subject_look_needs_values(look))
+            return ISO_OK;
         iso_pyramid_destroy(p);
         return iso_pyramid_load_scalars(input, p, err);
     }
