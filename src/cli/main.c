@@ -138,7 +138,7 @@ static void end_without_memory(int code, void *unused)
 {
     (void)unused;
     if (code == EXIT_FAILURE && !has_returned)
-        iso_memory_end(false);
+        iso_memory_end(NULL);
 }
 
 int main(int argc, const char **argv)

@@ -4,13 +4,17 @@
  * Small allocations that fail end the program with one line and ISO_E_MEMORY, and what is unfinished is removed: no
  * program can do much without a few bytes. So do all that libraries make: those below (popt, jansson, teem, OpenEXR, Mesa)
  * crash, wait for ever, or lose a part without a word. Large ones of our own code, of samples and pictures, fail as
- * everywhere and are told by what wanted them. So malloc() and its like are put before those of glibc here. The library
- * isoshade is for programs of others, which decide for themselves: it has none of this. */
+ * everywhere and are told by what wanted them. It is the same with threads: Mesa waits for ever for one that could not be
+ * started. So malloc() and its like are put before those of glibc here. The library isoshade is for programs of others,
+ * which decide for themselves: it has none of this. */
 #define _GNU_SOURCE
 #include "cli/memory.h"
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <malloc.h>
+#include <pthread.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -27,11 +31,11 @@ void iso_memory_is_for(const char *name)
     command = name;
 }
 
-void iso_memory_end(bool say)
+void iso_memory_end(const char *why)
 {
-    const char *const parts[] = {"isoshade", command[0] ? " " : "", command, ": out of memory\n"};
+    const char *const parts[] = {"isoshade", command[0] ? " " : "", command, ": ", why, "\n"};
     iso_unfinished_remove(true);
-    for (size_t i = 0; say && i < sizeof parts / sizeof *parts; ++i)
+    for (size_t i = 0; why && i < sizeof parts / sizeof *parts; ++i)
         if (write(STDERR_FILENO, parts[i], strlen(parts[i])) < 0)
             break;
     _exit(ISO_E_MEMORY);
@@ -50,13 +54,17 @@ void *__libc_memalign(size_t alignment, size_t bytes);
 /* The program's own code lies between the two. */
 extern const char __executable_start, etext;
 
-/* caller: where the call comes from */
+/* caller: where a call comes from */
+static bool is_ours(const void *caller)
+{
+    return (const char *)caller >= &__executable_start && (const char *)caller < &etext;
+}
+
 static void *given(void *p, size_t count, size_t bytes, const void *caller)
 {
     size_t all;
-    const bool is_ours = (const char *)caller >= &__executable_start && (const char *)caller < &etext;
-    if (!p && (!is_ours || (!__builtin_mul_overflow(count, bytes, &all) && all < SMALL_BYTES)))
-        iso_memory_end(true);
+    if (!p && (!is_ours(caller) || (!__builtin_mul_overflow(count, bytes, &all) && all < SMALL_BYTES)))
+        iso_memory_end("out of memory");
     return p;
 }
 #define CALLER __builtin_return_address(0)
@@ -96,6 +104,18 @@ int posix_memalign(void **p, size_t alignment, size_t bytes)
         return ENOMEM;
     *p = got;
     return 0;
+}
+
+int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*routine)(void *), void *argument)
+{
+    typedef int create(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
+    static create *next;
+    if (!next)
+        *(void **)&next = dlsym(RTLD_NEXT, "pthread_create");
+    const int failed = next(thread, attributes, routine, argument);
+    if (failed && !is_ours(CALLER))
+        iso_memory_end("no more threads can be started");
+    return failed;
 }
 
 #endif

@@ -3,12 +3,10 @@
 #ifndef ISO_CLI_MEMORY_H
 #define ISO_CLI_MEMORY_H
 
-#include <stdbool.h>
-
 /* The command that the message names. */
 void iso_memory_is_for(const char *name);
 
-/* Removes what is unfinished and ends the program with ISO_E_MEMORY; say: with a line. */
-void iso_memory_end(bool say) __attribute__((noreturn));
+/* Removes what is unfinished and ends the program with ISO_E_MEMORY. why: for the line of error; NULL: there is one. */
+void iso_memory_end(const char *why) __attribute__((noreturn));
 
 #endif
