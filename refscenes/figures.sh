@@ -1,16 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Draws the pictures of doc/ again, into doc/figures.
-#   sh refscenes/figures.sh              those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes papers
-#   sh refscenes/figures.sh NAME ...     these; also codes gradients sensitivity chart opened viewer, which take longer or time a machine,
-#                                        addon, in a window of Xvfb, chart-across, of the volume $ENGINE,
-#                                        and first-pictures, of volumes in the folder $VOLUMES, by ImageMagick
-# On two cores all of the first line take about a quarter of an hour. What is made on the way stays in build/figures.
+#   sh refscenes/figures.sh              all of them: hours, since some time a machine
+#   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes papers
+#   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity chart chart-across opened viewer addon first-pictures
+# What needs a volume or a program that is not there says so and is left out: the volume of $ENGINE (256 x 256 x 128, else
+# ../shared/data/engine_256x256x128.nrrd), the folder $VOLUMES of doc/results/first-pictures.md, Xvfb, ImageMagick, Chromium.
+# What is made on the way stays in build/figures.
 set -eu
 cd "$(dirname "$0")/.."
 isoshade=${ISOSHADE:-$PWD/isoshade}
 templates=/usr/share/mricron/templates
-[ -r $templates/ch2bet.nii.gz ] || { echo "figures: $templates is missing; it comes with the Debian package mricron-data" >&2; exit 3; }
+engine=${ENGINE:-../shared/data/engine_256x256x128.nrrd}
 work=$PWD/build/figures
 out=$PWD/doc/figures
 mkdir -p "$work"
@@ -101,7 +102,7 @@ chart() { # doc/results/chart.md
     cp "$work/chart-brain/pareto.svg" "$out/chart-brain.svg"
 }
 chart_across() { # doc/results/chart.md
-    unu crop -min 80 80 16 -max 175 175 111 -i "${ENGINE:?the volume of the engine, 256 x 256 x 128}" -o "$work/engine.nrrd"
+    unu crop -min 80 80 16 -max 175 175 111 -i "$engine" -o "$work/engine.nrrd"
     "$isoshade" chart "$work/engine.nrrd" --across-levels --scene refscenes/shells.scene.json --size 128 --views 3 --levels 4 \
         -q -o "$work/chart-engine"
     cp "$work/chart-engine/across.svg" "$out/chart-across.svg"
@@ -117,17 +118,49 @@ addon() { # doc/blender.md; by Xvfb and ImageMagick
     convert "$work/addon/window.png" -crop 670x830+238+78 +repage -resize 90% -colors 128 -strip "$out/blender-addon.png"
 }
 first_pictures() { # doc/results/first-pictures.md, which says where the volumes are from
-    sh refscenes/first-pictures.sh "${VOLUMES:?the folder of the volumes of doc/results/first-pictures.md}" "$work/first-pictures" 224
+    sh refscenes/first-pictures.sh "$VOLUMES" "$work/first-pictures" 224
     montage -label %t "$work"/first-pictures/tuned-*.png "$work"/first-pictures/reported-*.png -resize 200x200 -tile 7x \
         -geometry +2+2 -pointsize 9 -quality 86 "$out/first-pictures.jpg"
 }
 
-[ $# -gt 0 ] || set -- hero sheet report levels roi adaptive-tf seams failures palettes papers
-for name in "$@"; do
-    case $name in
-        hero | sheet | report | levels | roi | adaptive-tf | seams | failures | palettes | papers | codes | gradients | sensitivity | chart | chart-across | addon | first-pictures | opened | viewer) ;;
-        *) echo "figures: no \"$name\" among them" >&2; exit 2 ;;
+# What a picture needs: files, and programs without a slash.
+needs() { # name
+    case $1 in
+        hero) echo $templates/ch2bet.nii.gz blender povray pdftoppm ;;
+        sheet | roi | adaptive-tf | chart) echo $templates/ch2bet.nii.gz ;;
+        report) echo $templates/ch2bet.nii.gz chromium ;;
+        levels) echo $templates/ch2.nii.gz blender ;;
+        viewer) echo $templates/ch2bet.nii.gz chromium python3 ;;
+        opened) echo $templates/ch2bet.nii.gz blender xvfb-run import ;;
+        failures) echo chromium ;;
+        chart-across) echo "$engine" unu ;;
+        addon) echo blender xvfb-run convert ;;
+        first-pictures) echo "${VOLUMES:-./the-folder-VOLUMES}" montage ;;
     esac
+}
+missing() { # name: the first thing that it needs and that is not there
+    for need in $(needs "$1"); do
+        case $need in
+            */*) [ -r "$need" ] || { echo "$need"; return; } ;;
+            *) command -v "$need" >/dev/null || { echo "$need"; return; } ;;
+        esac
+    done
+}
+
+quick="hero sheet report levels roi adaptive-tf seams failures palettes papers"
+longer="codes gradients sensitivity chart chart-across opened viewer addon first-pictures"
+[ $# -gt 0 ] || set -- $quick $longer
+[ "$*" != quick ] || set -- $quick
+skipped=
+for name in "$@"; do
+    case " $quick $longer " in *" $name "*) ;; *) echo "figures: no \"$name\" among them" >&2; exit 2 ;; esac
+    lacks=$(missing "$name")
+    if [ -n "$lacks" ]; then
+        echo "figures: $name is left out: $lacks is not there"
+        skipped="$skipped $name"
+        continue
+    fi
     echo "figures: $name"
     $(echo "$name" | tr - _)
 done
+[ -z "$skipped" ] || echo "figures: left out:$skipped"

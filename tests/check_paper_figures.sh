@@ -66,6 +66,13 @@ check the_caption_says_it grep -q 'of the range where each brick keeps its own s
 draw palette-views plate.nrrd --entries 60 --width 60 --dpi 36 --surface 0.4
 check fitted_is_nearer holds palette-views 'f["palettes"][0]["norm1"] < f["palettes"][1]["norm1"] and [p["entries"] for p in f["palettes"]] == [60, 60]'
 
+# Levels downward, renderers across: as many pictures as both say with the reference, the first column compared with itself by no figure.
+draw grid plate.nrrd --with gl,cpu --levels 2 --width 60 --dpi 72 --adapt
+check a_picture_for_each_pair test "$(pdfimages -list grid/figure.pdf | awk 'NR > 2 && $3 == "image"' | wc -l)" = 6
+check the_first_is_compared_with test "$(grep -o RMSE grid/caption.txt | wc -l)" = 4
+refuse more_rows_than_there_is_room 5 'must be 1 to 4' "$ISOSHADE" figure plate.nrrd --kind grid --with gl --levels 5 -o f -q
+refuse a_grid_of_nothing 2 'needs a volume' "$ISOSHADE" figure --kind grid -o f
+
 refuse a_code_without_a_lattice 5 'no lattice of three' "$ISOSHADE" figure --kind code-dots --code oct24 -o f
 refuse an_unknown_code 2 'must be one of' "$ISOSHADE" figure --kind code-dots --code none -o f
 refuse too_many_dots 5 '--bits is 9, must be 3 to 6' "$ISOSHADE" figure --kind code-points --bits 9 -o f
@@ -73,6 +80,7 @@ refuse an_option_of_others 2 'does not take --bits' "$ISOSHADE" figure --kind jo
 refuse a_volume_where_none_is_shown 2 'takes no input' "$ISOSHADE" figure plate.nrrd --kind code-dots -o f
 refuse a_surface_beyond_the_range 5 '--surface is 2, must be between 0 and 1' "$ISOSHADE" figure --kind mixed-surface --surface 2 -o f -q
 refuse bricks_that_are_none 5 'power of two' "$ISOSHADE" figure --kind mixed-surface --bricks 3 -o f -q
+refuse negative_bricks 5 '--bricks is -4' "$ISOSHADE" figure --kind mixed-volume --bricks -4 -o f -q
 refuse too_few_bricks 5 '2 along each axis' "$ISOSHADE" figure constant.nrrd --kind mixed-surface --bricks 8 -o f -q
 refuse an_odd_palette 5 'even number' "$ISOSHADE" figure --kind palette-views --entries 61 -o f -q
 refuse a_level_that_is_not_there 5 'would show level 9' "$ISOSHADE" figure plate.nrrd --kind joint-row --level 9 -o f -q

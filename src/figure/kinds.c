@@ -15,6 +15,7 @@
 const iso_figure_info *const iso_figure_kinds[] = {
     &iso_figure_levels,
     &iso_figure_renderers,
+    &iso_figure_grid,
     &iso_figure_code_dots,
     &iso_figure_code_points,
     &iso_figure_code_regions,

@@ -6,6 +6,8 @@
 
 #include "figure/job.h"
 
+/* Levels and renderers, as papers begin: README's first picture. */
+extern const iso_figure_info iso_figure_grid;
 /* [diaz-garcia-2017], Figures 6, 8, 11 and 13; the dots of any code. */
 extern const iso_figure_info iso_figure_code_points, iso_figure_code_regions, iso_figure_code_spheres,
     iso_figure_code_table, iso_figure_code_dots;

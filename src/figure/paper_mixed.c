@@ -67,6 +67,8 @@ static iso_status begin(const iso_figure_job *job, stage *s, bool of_surface, is
     build.level_count = 1;
     build.keep_float = build.keep_magnitude = true;
     *s = (stage){.surface = NAN};
+    if (job->bricks < 0)
+        return iso_fail(err, ISO_E_RANGE, "--bricks is %d, must be a power of two from 2 to 64", job->bricks);
     iso_status status = iso_paper_load(job, &ripples, &build, &s->pyramid, err);
     if (status != ISO_OK)
         return status;
@@ -242,7 +244,7 @@ static iso_paper_row row_of(const stage *s, double right_mm, bool has_titles)
 
 static iso_status draw_volume(const iso_figure_job *job, iso_page *page, stage *s, iso_paper *p, iso_error *err)
 {
-    const iso_paper_row rows[] = {row_of(s, 10, true), row_of(s, 10, false)};
+    const iso_paper_row rows[] = {row_of(s, 11.5, true), row_of(s, 11.5, false)};
     iso_status status = iso_paper_lay_out(p, job, page, rows, 2, err);
     if (status == ISO_OK)
         status = aim(p, s, err);
