@@ -8,6 +8,7 @@ scene=$top/refscenes/shells.scene.json
 "$ISOSHADE" render "$dir/shells.nrrd" --scene "$scene" --size 8 --with reference --json -q -o "$dir/a.exr" >"$dir/converged.json"
 "$ISOSHADE" render "$dir/shells.nrrd" --scene "$scene" --size 8 --with reference --quadrature midpoint --json -q -o "$dir/b.exr" >"$dir/midpoint.json"
 "$ISOSHADE" render "$dir/shells.nrrd" --scene "$scene" --size 8 --with reference --shading-from flipped --json -q -o "$dir/c.exr" >"$dir/other.json"
+"$ISOSHADE" validate "$dir/shells.nrrd" --scene "$scene" --quick --with reference,gl --levels 1 --size 8 -q -o "$dir/report" >/dev/null
 check "pictures with and without are one, in less time, within a proved bound" python3 - "$dir" <<'PY'
 import json, sys
 load = lambda name: json.load(open(f'{sys.argv[1]}/{name}.json'))
@@ -23,6 +24,8 @@ assert b['mean_ratio']['converged'] > 2
 c, m, o = load('converged'), load('midpoint'), load('other')
 assert 0 < c['error_bound'] <= 1e-9 and c['error_bound_is_proved']
 assert 'error_bound' not in m
+r = json.load(open(f'{sys.argv[1]}/report/report.json'))['reference']['level-0-codes']
+assert 0 < r['error_bound'] <= 1e-9 and r['error_bound_is_proved']
 assert o['error_bound'] > 0 and not o['error_bound_is_proved']
 PY
 expect "no volume is bad usage" 2 "$ISOSHADE" bench reference

@@ -206,12 +206,23 @@ static iso_status render_reference(iso_validation *v, size_t level, iso_quadratu
                                    iso_direction_source source, iso_image *image, iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(iso_renderers_truth());
+    iso_render_stats stats = {0};
     opt.quadrature = quadrature;
     opt.source = source;
     opt.intervals = intervals;
     opt.threads = v->threads;
-    return iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress}, image,
-                           NULL, err);
+    opt.stats = &stats;
+    const iso_status status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt,
+                                                                    v->progress},
+                                              image, NULL, err);
+    if (status == ISO_OK && stats.error > 0) {
+        char name[96];
+        name_image(v, level, iso_direction_source_name(source), name);
+        iso_report_put(v->report, "reference", name,
+                       json_pack("{s:f, s:b}", "error_bound", stats.error, "error_bound_is_proved",
+                                 (int)stats.is_proved));
+    }
+    return status;
 }
 
 /* The reference itself is held to the formula. Its tolerance is 1e-6 a pixel, and images are float. */
