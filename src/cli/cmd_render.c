@@ -98,7 +98,7 @@ static iso_status save_image(const iso_render_arguments *a, const iso_cli *cli, 
 
 /* Who rendered, how long, and where the JSON goes. */
 typedef struct iso_rendered {
-    const char *version;
+    const char *with, *version;
     double seconds, device_seconds;
     const iso_render_stats *stats;
     json_t *frames;
@@ -126,7 +126,7 @@ static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_
     json_t *root = iso_cli_json(cli);
     const iso_geometry *g = &p->levels[a->level].geometry;
     json_object_update_new(json_object_get(root, "options"),
-                           json_pack("{s:s, s:i, s:s, s:s}", "with", a->with, "level", a->level, "shading_from",
+                           json_pack("{s:s, s:i, s:s, s:s}", "with", done->with, "level", a->level, "shading_from",
                                      a->source ? a->source : "codes", "code",
                                      iso_code_describe(p->options.code)->name));
     json_object_update_new(root,
@@ -274,6 +274,8 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     if (status == ISO_OK)
         status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads,
                                     err);
+    if (status == ISO_OK && !a->with && !iso_render_is_in_bricks(a) && !a->limit)
+        iso_renderers_choose(&pyramid, &view, &opt);
     if (status == ISO_OK)
         status = opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err);
     opt.stats = &stats;
@@ -292,7 +294,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
         if (!warned)
             iso_cli_warn_of(cli, &visible);
         report(a, cli, &pyramid, &view, &visible,
-               &(iso_rendered){version, seconds, device_seconds(&opt, &renderers), &stats, of->results});
+               &(iso_rendered){opt.renderer->name, version, seconds, device_seconds(&opt, &renderers), &stats, of->results});
     }
     iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -358,7 +360,10 @@ typedef struct help_texts {
 
 static const char *list_renderers(help_texts *h)
 {
-    return iso_renderers_with(0, ", ", " or ", h->text[h->count++], sizeof h->text[0]);
+    char names[256], *text = h->text[h->count++];
+    snprintf(text, sizeof h->text[0], "%.200s (%s, or cpu where OpenGL is software alone)",
+             iso_renderers_with(0, ", ", " or ", names, sizeof names), iso_renderers_usual()->name);
+    return text;
 }
 
 /* "gl and povray: what" */
@@ -388,14 +393,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     help_texts help = {.count = 0};
     iso_cli_cycles cycles = {.blender = NULL};
     iso_render_arguments a = {
-        .with = iso_renderers_usual()->name, .step = ISO_STEP_OF_SCENE, .brick = 16, .brick_levels = 4};
+        .step = ISO_STEP_OF_SCENE, .brick = 16, .brick_levels = 4};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &a.with, 0, list_renderers(&help), "RENDERER"},
+        {"with", 0, POPT_ARG_STRING, &a.with, 0, list_renderers(&help), "RENDERER"},
         ISO_CLI_RENDERERS_OPTION(&a.renderers),
         ISO_CLI_CYCLES_OPTIONS(&cycles, "the Blender of --with cycles: a path, or a name that PATH has", "PROGRAM"),
         ISO_CLI_GL_DEVICE_OPTION(&a.gl_device),
@@ -467,7 +472,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)
         status = iso_words_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_take_cycles(&cycles, a.with, err);
+        status = iso_cli_take_cycles(&cycles, a.with ? a.with : iso_renderers_usual()->name, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = a.frames ? render_series(&a, &cli, err) : render(&a, &cli, &(frame_of_series){NULL, 0, NULL}, err);
     iso_cli_end(&cli);

@@ -134,7 +134,7 @@ static iso_status check_limit(const iso_render_arguments *a, const iso_renderer_
 iso_status iso_render_take_options(const iso_render_arguments *a, int threads, iso_render_options *opt, iso_error *err)
 {
     const iso_renderer_info *renderer;
-    iso_status status = iso_renderer_from_name(a->with, &renderer, err);
+    iso_status status = iso_renderer_from_name(a->with ? a->with : iso_renderers_usual()->name, &renderer, err);
     *opt = iso_render_defaults(status == ISO_OK ? renderer : iso_renderers_usual());
     if (status == ISO_OK && a->source)
         status = iso_direction_source_from_name(a->source, &opt->source, err);

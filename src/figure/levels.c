@@ -99,6 +99,7 @@ static iso_status choose_pixels(drawn *w, iso_error *err)
 static iso_status render_one(drawn *w, size_t column, iso_figure_panel *p, iso_error *err)
 {
     const iso_figure_picture what = {.with = w->with[column],
+                                     .named = !shows_levels(w),
                                      .level = w->level[column],
                                      .width = w->width,
                                      .height = w->height};
@@ -146,7 +147,7 @@ static void write_caption(const drawn *w)
     iso_figure_put_subject(&w->subject, f);
     fputs(", ", f);
     if (shows_levels(w))
-        fprintf(f, "drawn by the %s%s", w->with[0]->title,
+        fprintf(f, "drawn by the %s%s", w->subject.drawn_by->title,
                 w->d->adapted.wanted ? ", each under the transfer function adapted to it" : "");
     else
         fprintf(f, "level %zu", w->level[0]);

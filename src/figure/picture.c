@@ -89,10 +89,13 @@ iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *wh
         opt.source = *what->source;
     *image = (iso_image){0};
     iso_status status = make_view(s, what, &view, err);
+    if (status == ISO_OK && !s->job->with && !what->named)
+        iso_renderers_choose(&s->pyramid, &view, &opt);
+    s->drawn_by = opt.renderer;
     if (status == ISO_OK)
         status = iso_render_with(&request, image, NULL, err);
     if (status == ISO_OK)
-        status = iso_render_check_finite(what->with, image, err);
+        status = iso_render_check_finite(opt.renderer, image, err);
     if (status == ISO_OK && mm_per_pixel)
         *mm_per_pixel = iso_view_mm_per_pixel(&view, &s->pyramid.levels[0].geometry);
     iso_view_destroy(&view);

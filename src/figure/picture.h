@@ -13,6 +13,7 @@ typedef struct iso_figure_subject {
     iso_pyramid pyramid;
     iso_scene scene;
     iso_renderers renderers;
+    const iso_renderer_info *drawn_by; /* the last picture */
 } iso_figure_subject;
 
 /* The job's volume with so many levels at least, and its scene. build: NULL for the defaults. ISO_E_RANGE: a pyramid on disk
@@ -26,6 +27,7 @@ iso_status iso_figure_renderer(const iso_figure_job *job, const iso_renderer_inf
 
 typedef struct iso_figure_picture {
     const iso_renderer_info *with;
+    bool named;                         /* with no other: else iso_renderers_choose() where the job names none */
     size_t level;
     size_t width, height;               /* pixels */
     const iso_viewpoint *viewpoint;     /* of the camera, which frames the box; NULL: the scene's */

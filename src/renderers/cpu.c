@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "base/parallel.h"
+#include "base/version.h"
 #include "render/cpu/caster.h"
 #include "renderers/renderers.h"
 
@@ -10,7 +11,7 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
 {
     (void)self;
     (void)r, (void)err;
-    snprintf(text, size, "%s", iso_cpu_width_name(iso_cpu_widest()));
+    snprintf(text, size, "isoshade %s, %s", ISO_VERSION, iso_cpu_width_name(iso_cpu_widest()));
     return ISO_OK;
 }
 

@@ -209,6 +209,9 @@ size_t iso_renderer_index(const iso_renderer_info *r);
 const iso_renderer_info *iso_renderers_truth(void);
 /* The renderer that is used where none is named: the fastest. */
 const iso_renderer_info *iso_renderers_usual(void);
+/* Where none was named and OpenGL has nothing but software: the CPU ray caster instead, which has the same samples in less
+ * time, if it has all that the view and the options ask for. Else the options stay as they are. */
+void iso_renderers_choose(const iso_pyramid *p, const iso_view *view, iso_render_options *opt);
 
 /* Adds a renderer at the end of the table, for as long as the process runs; it is not copied. Before any other call, by
  * one thread. ISO_E_USAGE: its name is taken; ISO_E_RANGE: the table is full. */

@@ -108,11 +108,18 @@ uint32_t *iso_cast_brick_codes(const iso_cast_grid *grid, const uint8_t *codes, 
     return out;
 }
 
-float *iso_cast_brick_component(const iso_cast_grid *grid, const float *vectors, int component)
+static float component_of(const iso_sampler *sampler, size_t voxel, int component)
+{
+    float vector[3];
+    iso_sampler_vector(sampler, voxel, vector);
+    return vector[component];
+}
+
+float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sampler, int component)
 {
     float *out = make(grid, sizeof *out);
     if (out)
-        FILL(out, vectors[3 * v + (size_t)component]);
+        FILL(out, component_of(sampler, v, component));
     return out;
 }
 

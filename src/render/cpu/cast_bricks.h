@@ -7,6 +7,7 @@
 
 #include "pyramid/pyramid.h"
 #include "render/cpu/cast.h"
+#include "render/sampler.h"
 
 /* How the bricks of a level lie. */
 typedef struct iso_cast_grid {
@@ -22,7 +23,7 @@ uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const float *scalar
 float *iso_cast_brick_floats(const iso_cast_grid *grid, const float *scalar, double min, double range);
 uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes);
 uint32_t *iso_cast_brick_codes(const iso_cast_grid *grid, const uint8_t *codes, bool is_signed);
-float *iso_cast_brick_component(const iso_cast_grid *grid, const float *vectors, int component);
+float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sampler, int component);
 
 /* Distances of the blocks to the nearest one that the table shows (brick/occupancy.h), to be freed; *occupied: which part of
  * them shows. */

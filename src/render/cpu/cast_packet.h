@@ -207,34 +207,29 @@ CAST points middles(const packet *p, vf *whole)
     return at;
 }
 
-/* Moves the rays of the mask to their next segment that lies in a block which shows something. The blocks nearer than the
- * distance are empty; the number of segments through them is a little less than rounding could make of it. */
-CAST void leave_empty_blocks(const iso_cast *c, packet *p, vi mask)
+/* One look at the blocks of the rays of the mask that do not know theirs: past the blocks nearer than the distance, which are
+ * empty; the number of segments through them is a little less than rounding could make of it. */
+CAST void leave_blocks_once(const iso_cast *c, packet *p, vi ask)
 {
-    for (;;) {
-        vi ask = mask & (p->k >= p->until) & (p->k < p->count);
-        if (!any(ask))
-            return;
-        vf whole;
-        const points at = middles(p, &whole);
-        vi block[3];
-        for (int a = 0; a < 3; ++a)
-            block[a] = at.cell[a] >> ISO_CAST_BLOCK_SHIFT;
-        const vi index = block[0] + c->block_count[0] * (block[1] + c->block_count[1] * block[2]);
-        const vi distance = GATHER(c->distance, index & ask, 1) & 0xff;
-        const vi is_empty = distance > 0, reach = select_int(is_empty, distance, all_int(1)); /* in blocks */
-        vf steps = all_float(32000);
-        for (int a = 0; a < 3; ++a) {
-            const vi forth = p->step[a] > 0;
-            const vi face = (block[a] + select_int(forth, reach, 1 - reach)) << ISO_CAST_BLOCK_SHIFT;
-            const vf way = to_float(face - at.cell[a]) - to_float((vi)(at.part[a] >> 8)) * 0x1p-24f;
-            const vf along = way / p->step[a];
-            steps = select_float(p->step[a] == 0, steps, least(steps, along));
-        }
-        const vi n = to_int(most(steps * 0.99999f - 0.001f, all_float(0))) + 1;
-        p->until = select_int(ask & ~is_empty, p->k + n, p->until);
-        advance_by(p, n & ask & is_empty);
+    vf whole;
+    const points at = middles(p, &whole);
+    vi block[3];
+    for (int a = 0; a < 3; ++a)
+        block[a] = at.cell[a] >> ISO_CAST_BLOCK_SHIFT;
+    const vi index = block[0] + c->block_count[0] * (block[1] + c->block_count[1] * block[2]);
+    const vi distance = GATHER(c->distance, index & ask, 1) & 0xff;
+    const vi is_empty = distance > 0, reach = select_int(is_empty, distance, all_int(1)); /* in blocks */
+    vf steps = all_float(32000);
+    for (int a = 0; a < 3; ++a) {
+        const vi forth = p->step[a] > 0;
+        const vi face = (block[a] + select_int(forth, reach, 1 - reach)) << ISO_CAST_BLOCK_SHIFT;
+        const vf way = to_float(face - at.cell[a]) - to_float((vi)(at.part[a] >> 8)) * 0x1p-24f;
+        const vf along = way / p->step[a];
+        steps = select_float(p->step[a] == 0, steps, least(steps, along));
     }
+    const vi n = to_int(most(steps * 0.99999f - 0.001f, all_float(0))) + 1;
+    p->until = select_int(ask & ~is_empty, p->k + n, p->until);
+    advance_by(p, n & ask & is_empty);
 }
 
 /* What a packet found: where, and what shows there. */
@@ -303,28 +298,50 @@ CAST void add_to(sums *s, int i, vf term, vi mask)
     s->sum[i] = select_float(mask, sum, s->sum[i]);
 }
 
+/* What the samples that the packet found add to its rays. */
+CAST void blend(const iso_cast *c, const packet *p, sample *found, vi shows, sums *s)
+{
+    if (c->scale)
+        found->depth *= extinction_scale_at(c, &found->place);
+    const vf weight = s->sum[3] * opacity_of(found->depth);
+    const vf light = weight * shade(c, p, found, shows);
+    for (int i = 0; i < 3; ++i)
+        add_to(s, i, light * entry_component(c, &found->entry, ISO_CAST_RED + 2 * i), shows);
+    add_to(s, 3, -weight, shows);
+}
+
+CAST sums begin_sums(void)
+{
+    sums s = {.sum = {{0}, {0}, {0}, {0}}};
+    s.sum[3] = all_float(1); /* transmittance */
+    return s;
+}
+
+CAST void write_pixel(const iso_cast *c, const sums *s, int i, size_t column, size_t row, float *rgba)
+{
+    if (column >= c->width || row >= c->height)
+        return;
+    float *pixel = rgba + 4 * (row * c->width + column);
+    for (int a = 0; a < 3; ++a)
+        pixel[a] = s->sum[a][i] + s->sum[3][i] * c->background[a];
+    pixel[3] = 1 - s->sum[3][i];
+}
+
+/* Every segment of a packet of neighbors. */
 CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
 {
     packet p = begin(c, x, y);
-    sums s = {.sum = {{0}, {0}, {0}, {0}}};
-    s.sum[3] = all_float(1); /* transmittance */
+    sums s = begin_sums();
     const bool is_lit = c->normals != ISO_CAST_UNLIT;
     for (vi active = p.k < p.count; any(active); active = (p.k < p.count) & (s.sum[3] >= 1e-7f)) {
-        sample found;
         vi pending = active;
-        if (c->distance) {
-            leave_empty_blocks(c, &p, pending);
-            pending &= p.k < p.count;
-        }
-        found = look(c, &p, pending);
+        sample found = look(c, &p, pending);
         vi shows = found.depth > 0;
-        while (is_lit || c->distance) { /* without light nothing is saved by waiting for the others */
+        while (is_lit) { /* without light nothing is saved by waiting for the others */
             pending &= ~shows;
             if (!any(pending))
                 break;
             advance(&p, pending);
-            if (c->distance)
-                leave_empty_blocks(c, &p, pending);
             pending &= p.k < p.count;
             if (!any(pending))
                 break;
@@ -333,26 +350,125 @@ CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
             keep(&found, &next, news);
             shows |= news;
         }
-        if (any(shows)) {
-            if (c->scale)
-                found.depth *= extinction_scale_at(c, &found.place);
-            const vf weight = s.sum[3] * opacity_of(found.depth);
-            const vf light = weight * shade(c, &p, &found, shows);
-            for (int i = 0; i < 3; ++i)
-                add_to(&s, i, light * entry_component(c, &found.entry, ISO_CAST_RED + 2 * i), shows);
-            add_to(&s, 3, -weight, shows);
-        }
+        if (any(shows))
+            blend(c, &p, &found, shows, &s);
         advance(&p, active & (p.k < p.count));
     }
+    EACH_RAY(i) write_pixel(c, &s, i, x + (size_t)(i % PACKET_COLUMNS), y + (size_t)(i / PACKET_COLUMNS), rgba);
+}
+
+/* ---- a tile with empty space ---- */
+
+/* All rays of a tile, and the ones at work: rays that are done leave their place to the next of the tile, because most end
+ * early and a packet would wait for its last. */
+typedef struct tile {
+    packet rays[ISO_CAST_TILE * ISO_CAST_TILE / ISO_CAST_WIDTH];
+    int next, count;
+    int at_work[ISO_CAST_WIDTH]; /* which ray; -1: none */
+    packet p;
+    sums s;
+    sample found;
+    vi shows; /* has found a sample, and waits for its light */
+} tile;
+
+enum { PACKETS_A_ROW = ISO_CAST_TILE / PACKET_COLUMNS };
+
+static void take_ray(tile *t, int i, int ray)
+{
+    const packet *from = &t->rays[ray / ISO_CAST_WIDTH];
+    const int j = ray % ISO_CAST_WIDTH;
+    packet *p = &t->p;
+    p->count[i] = from->count[j];
+    p->front_cut[i] = from->front_cut[j];
+    p->back_cut[i] = from->back_cut[j];
+    for (int a = 0; a < 3; ++a) {
+        p->at.cell[a][i] = from->at.cell[a][j];
+        p->at.part[a][i] = from->at.part[a][j];
+        p->stride.cell[a][i] = from->stride.cell[a][j];
+        p->stride.part[a][i] = from->stride.part[a][j];
+        p->step[a][i] = from->step[a][j];
+    }
+    p->k[i] = p->until[i] = 0;
+    p->to_viewer.x[i] = from->to_viewer.x[j];
+    p->to_viewer.y[i] = from->to_viewer.y[j];
+    p->to_viewer.z[i] = from->to_viewer.z[j];
+    for (int k = 0; k < 4; ++k)
+        t->s.sum[k][i] = k == 3, t->s.rest[k][i] = 0;
+    t->at_work[i] = ray;
+}
+
+/* Writes the pixels of the rays that are done, and gives their places to others. */
+static void refill(const iso_cast *c, tile *t, vi done, size_t x, size_t y, float *rgba)
+{
     EACH_RAY(i)
     {
-        const size_t column = x + (size_t)(i % PACKET_COLUMNS), row = y + (size_t)(i / PACKET_COLUMNS);
-        if (column >= c->width || row >= c->height)
+        if (!done[i])
             continue;
-        float *pixel = rgba + 4 * (row * c->width + column);
-        for (int a = 0; a < 3; ++a)
-            pixel[a] = s.sum[a][i] + s.sum[3][i] * c->background[a];
-        pixel[3] = 1 - s.sum[3][i];
+        if (t->at_work[i] >= 0) {
+            const int ray = t->at_work[i], packet_at = ray / ISO_CAST_WIDTH, j = ray % ISO_CAST_WIDTH;
+            const int column = packet_at % PACKETS_A_ROW * PACKET_COLUMNS + j % PACKET_COLUMNS;
+            const int row = packet_at / PACKETS_A_ROW * PACKET_ROWS + j / PACKET_COLUMNS;
+            write_pixel(c, &t->s, i, x + (size_t)column, y + (size_t)row, rgba);
+        }
+        t->at_work[i] = -1;
+        t->p.count[i] = 0;
+        if (t->next < t->count)
+            take_ray(t, i, t->next++);
+    }
+}
+
+/* Rays that miss the volume are done when they are taken, and still have to be written. */
+static bool is_empty(const tile *t)
+{
+    EACH_RAY(i)
+    if (t->at_work[i] >= 0)
+        return false;
+    return true;
+}
+
+CAST int count_of(vi mask)
+{
+    int count = 0;
+    EACH_RAY(i) count -= mask[i];
+    return count;
+}
+
+/* Each ray by itself: past empty blocks, to its next sample that shows, and then it waits until half of the others have one,
+ * too. */
+CAST void cast_sparse_tile(const iso_cast *c, size_t x, size_t y, float *rgba)
+{
+    enum { HALF = (ISO_CAST_WIDTH + 1) / 2 };
+    tile t = {.count = 0};
+    for (size_t row = 0; row < ISO_CAST_TILE; row += PACKET_ROWS)
+        for (size_t column = 0; column < ISO_CAST_TILE; column += PACKET_COLUMNS, t.count += ISO_CAST_WIDTH)
+            t.rays[t.count / ISO_CAST_WIDTH] = begin(c, x + column, y + row);
+    t.s = begin_sums();
+    EACH_RAY(i) t.at_work[i] = -1;
+    for (;;) {
+        vi active = (t.p.k < t.p.count) & (t.s.sum[3] >= 1e-7f);
+        const int idle = ISO_CAST_WIDTH - count_of(active);
+        if (idle >= HALF / 2 + 1 || idle == ISO_CAST_WIDTH) {
+            refill(c, &t, ~(active | t.shows), x, y, rgba);
+            active = (t.p.k < t.p.count) & (t.s.sum[3] >= 1e-7f);
+            if (is_empty(&t))
+                break;
+        }
+        const vi ask = active & ~t.shows & (t.p.k >= t.p.until);
+        if (any(ask))
+            leave_blocks_once(c, &t.p, ask);
+        const vi looks = active & ~t.shows & (t.p.k < t.p.until) & (t.p.k < t.p.count);
+        if (any(looks)) {
+            const sample now = look(c, &t.p, looks);
+            const vi news = looks & (now.depth > 0);
+            keep(&t.found, &now, news);
+            t.shows |= news;
+            advance(&t.p, looks & ~news);
+        }
+        if (any(t.shows) && (count_of(t.shows) >= HALF || !any(active & ~t.shows & (t.p.k < t.p.count)))) {
+            blend(c, &t.p, &t.found, t.shows, &t.s);
+            advance(&t.p, t.shows);
+            t.shows = all_int(0);
+        }
     }
 }
 
@@ -362,6 +478,10 @@ CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
 
 void ISO_CAST_TILE_OF(ISO_CAST_WIDTH)(const iso_cast *c, size_t x, size_t y, float *rgba)
 {
+    if (c->distance) {
+        cast_sparse_tile(c, x, y, rgba);
+        return;
+    }
     for (size_t row = y; row < y + ISO_CAST_TILE && row < c->height; row += PACKET_ROWS)
         for (size_t column = x; column < x + ISO_CAST_TILE && column < c->width; column += PACKET_COLUMNS)
             cast_packet(c, column, row, rgba);

@@ -10,7 +10,7 @@
 #include "render/cpu/cast_width.h"
 #include "render/sampler.h"
 
-enum { MOST_ARRAYS = 8 };
+enum { MOST_ARRAYS = 8, MOST_VOXELS = INT32_MAX - 2 * ISO_CAST_VOXELS };
 
 struct iso_cpu_scene {
     iso_cast cast;
@@ -148,11 +148,11 @@ static iso_status set_scalar(iso_cpu_scene *s, const iso_cast_grid *grid, const 
     return own(s, made, grid->voxels * sizeof *made, err);
 }
 
-static iso_status set_vectors(iso_cpu_scene *s, const iso_cast_grid *grid, const float *vectors, iso_error *err)
+static iso_status set_vectors(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_sampler *sampler, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (int a = 0; a < 3 && status == ISO_OK; ++a) {
-        float *made = iso_cast_brick_component(grid, vectors, a);
+        float *made = iso_cast_brick_component(grid, sampler, a);
         s->cast.vectors[a] = made;
         status = own(s, made, grid->voxels * sizeof *made, err);
     }
@@ -182,7 +182,7 @@ static iso_status set_directions(iso_cpu_scene *s, const iso_cast_grid *grid, co
     iso_sampler sampler;
     iso_status status = iso_sampler_create(&sampler, level, code, source, err);
     if (status == ISO_OK) {
-        status = set_vectors(s, grid, sampler.vectors, err);
+        status = set_vectors(s, grid, &sampler, err);
         iso_sampler_destroy(&sampler);
     }
     return status;
@@ -269,15 +269,19 @@ static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, const iso
 
 /* ---- all of it ---- */
 
+bool iso_cpu_takes(const iso_geometry *g)
+{
+    return iso_cast_grid_of(g, 1).voxels <= MOST_VOXELS;
+}
+
 static iso_status check(const iso_view *view, const iso_cast_grid *grid, double step_voxels, iso_error *err)
 {
     if (view->roi)
         return iso_fail(err, ISO_E_USAGE, "cpu: a region of interest is rendered by the reference and by OpenGL");
     if (!(step_voxels > 0 && isfinite(step_voxels)))
         return iso_fail(err, ISO_E_RANGE, "cpu: step %g voxels, must be above 0", step_voxels);
-    if (grid->voxels > INT32_MAX - 2 * ISO_CAST_VOXELS)
-        return iso_fail(err, ISO_E_RANGE, "cpu: %zu voxels in bricks, at most %d", grid->voxels,
-                        (int)(INT32_MAX - 2 * ISO_CAST_VOXELS));
+    if (grid->voxels > MOST_VOXELS)
+        return iso_fail(err, ISO_E_RANGE, "cpu: %zu voxels in bricks, at most %d", grid->voxels, (int)MOST_VOXELS);
     return ISO_OK;
 }
 

@@ -41,6 +41,9 @@ iso_cpu_width iso_cpu_widest(void);
 /* "AVX-512, 16 rays at a time" */
 const char *iso_cpu_width_name(iso_cpu_width width);
 
+/* Whether the bricks of such a level can be counted in 31 bits: 1200^3 voxels can. */
+bool iso_cpu_takes(const iso_geometry *g);
+
 /* A level and a view, ready to be drawn as often as one likes. */
 typedef struct iso_cpu_scene iso_cpu_scene;
 

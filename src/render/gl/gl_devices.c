@@ -150,3 +150,17 @@ size_t iso_gl_device_count(void)
     list(devices, &count);
     return (size_t)count;
 }
+
+bool iso_gl_is_software(void)
+{
+    EGLDeviceEXT devices[MOST_DEVICES];
+    EGLint count = 0;
+    const char *choice = getenv(ISO_GL_DEVICE_VARIABLE);
+    if (choice && *choice)
+        return false;
+    list(devices, &count);
+    for (EGLint i = 0; i < count; ++i)
+        if (!is_software(devices[i]))
+            return false;
+    return true;
+}

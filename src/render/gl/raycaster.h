@@ -33,6 +33,8 @@ typedef struct iso_gl_info {
 #define ISO_GL_DEVICE_VARIABLE "ISOSHADE_GL_DEVICE"
 /* How many EGL lists; the n-th is called by its number. */
 size_t iso_gl_device_count(void);
+/* Whether drawing would be software's: nobody set a device, and EGL lists none that is no software. No context is made. */
+bool iso_gl_is_software(void);
 
 /* shader_dir: read the shaders there instead of the embedded ones; or NULL.
  * ISO_E_MISSING when EGL gives no context, with what was tried. The context is
