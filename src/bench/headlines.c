@@ -7,14 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Commands work in a folder of their own, with volume.nrrd: 512^3 bytes of a field that is zero for the most part, or
- * 48^3 of it. */
+/* Commands work in a folder of their own, with volume.nrrd: thin shells in the dark, 512^3 bytes or 48^3 of them, and
+ * small.nrrd: the same in 96^3 or 24^3 voxels. */
 #define BUILD {"bench build --size 512 --runs 3 --files .", "bench build --size 48 --levels 2 --runs 1 --files ."}
 #define RENDER \
     {"bench render --size 256 --image 512 --runs 3 --processor-time", "bench render --size 32 --image 32 --runs 1"}
 #define BRICKS \
     {"bench render --size 256 --image 512 --runs 3 --bricks 8 --processor-time", \
      "bench render --size 32 --image 32 --runs 1 --bricks 8"}
+#define REFERENCE {"bench reference small.nrrd --size 48 --runs 2", "bench reference small.nrrd --size 6 --runs 1"}
 #define CAST {"bench cast --size 256 --image 512", "bench cast --size 32 --image 32"}
 #define EXPORT(to, name) \
     {"export volume.nrrd --to " to " -o " name, "export volume.nrrd --to " to " -o " name}
@@ -53,6 +54,8 @@ const iso_headline iso_headlines[] = {
      1.5},
     {"cpu-sparse", "the same with a sparse TF", CAST, "cases[tf=sparse,gradients=codes].processor_ratio", NULL,
      "times faster", "the OpenGL one by software, same run", false, 1.5},
+    {"reference", "the double-precision reference, converged, processor time", REFERENCE, "mean_ratio.converged", NULL,
+     "times faster", "every piece of a ray halved until it stays, same run", false, 10},
     {"bricks", "bricks of two levels without seams, dense TF, not lit", BRICKS,
      "cases[texture=bricks-baked,gradients=none].milliseconds", "cases[texture=uniform,gradients=none].milliseconds",
      "times", "one texture, same run", true, 1.1},
