@@ -38,6 +38,9 @@
 #define ISO_POVRAY_MAX_INTERVALS 255 /* a fixed vector inside POV-Ray */
 #define ISO_POVRAY_MAX_PLANES 100    /* two trace levels a plane, of 256 */
 
+/* Environment: set, each pass is a start of its own. For bench job. */
+#define ISO_POVRAY_APART "ISOSHADE_PICTURES_APART"
+
 /* What a render took inside POV-Ray, over all its passes. */
 typedef struct iso_povray_stats {
     double trace_seconds;     /* without starting, reading DF3 files and parsing */

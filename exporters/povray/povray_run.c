@@ -184,14 +184,17 @@ static iso_status load_pass(const render_job *job, size_t frame, size_t frame_co
     return ISO_E_PROGRAM;
 }
 
-static iso_status run_povray(const render_job *job, size_t frame_count, run_progress *run, iso_error *err)
+/* Frames [first, first + count) of them. */
+static iso_status run_povray(const render_job *job, size_t first, size_t count, run_progress *run, iso_error *err)
 {
     const iso_view *view = job->scene->view;
-    char width[32], height[32], threads[48], last[48];
+    char width[32], height[32], threads[48], last[48], begin[48], end[48];
     snprintf(width, sizeof width, "Width=%zu", view->width);
     snprintf(height, sizeof height, "Height=%zu", view->height);
     snprintf(threads, sizeof threads, "Work_Threads=%d", iso_threads(job->scene->options->threads));
-    snprintf(last, sizeof last, "Final_Frame=%zu", frame_count);
+    snprintf(last, sizeof last, "Final_Frame=%zu", run->frame_count);
+    snprintf(begin, sizeof begin, "Subset_Start_Frame=%zu", first + 1);
+    snprintf(end, sizeof end, "Subset_End_Frame=%zu", first + count);
     const char *argv[] = {job->program,
                           "Input_File_Name=frames.pov",
                           "Output_File_Name=pass.ppm",
@@ -208,6 +211,8 @@ static iso_status run_povray(const render_job *job, size_t frame_count, run_prog
                           threads,
                           "Initial_Frame=1",
                           last,
+                          begin,
+                          end,
                           NULL};
     const iso_process_options options = {.directory = job->dir, .line = take_progress, .user = run};
     return iso_povray_run_program(argv, &options, err);
@@ -257,8 +262,9 @@ static iso_status render_pictures(const render_job *job, const size_t *intervals
                         .stats = job->scene->options->stats};
     iso_progress_report(progress, "povray: rendering", 0);
     iso_status status = write_frames(job, intervals, count, err);
-    if (status == ISO_OK)
-        status = run_povray(job, PASSES * count, &run, err);
+    const size_t step = getenv(ISO_POVRAY_APART) ? 1 : PASSES * count;
+    for (size_t first = 0; first < PASSES * count && status == ISO_OK; first += step)
+        status = run_povray(job, first, step, &run, err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = load_picture(job, i, count, &images[i], err);
     for (size_t i = 0; i < count && status != ISO_OK; ++i)

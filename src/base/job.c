@@ -65,6 +65,11 @@ struct iso_job {
     bool began, over;
     double start, last, deadline; /* INFINITY: none */
     double fraction, left_seconds, left_at;
+    struct told_whole {
+        double passed, whole;
+    } told[256]; /* what was shown, evenly over the time that passed */
+    size_t told_count;
+    double told_gap;
 };
 
 /* ---- the layout ---------------------------------------------------------------------------- */
@@ -425,6 +430,21 @@ static void smooth(iso_job *job, double played, double now, bool known)
     job->left_at = now;
 }
 
+/* When there is no more room every other one is forgotten, and half as many are kept from then on. */
+static void note_told(iso_job *job, double passed)
+{
+    const size_t room = sizeof job->told / sizeof *job->told;
+    if (isnan(job->left_seconds) || (job->told_count && passed < job->told[job->told_count - 1].passed + job->told_gap))
+        return;
+    if (job->told_count == room) {
+        for (size_t i = 0; i < room / 2; ++i)
+            job->told[i] = job->told[2 * i];
+        job->told_count = room / 2;
+        job->told_gap = 2 * fmax(job->told_gap, passed / (double)room);
+    }
+    job->told[job->told_count++] = (struct told_whole){passed, passed + job->left_seconds};
+}
+
 iso_job_state iso_job_look(iso_job *job, double now)
 {
     let_pass(job, now);
@@ -447,5 +467,20 @@ iso_job_state iso_job_look(iso_job *job, double now)
     job->fraction = fmin(fmax(job->fraction, passed + left > 0 ? passed / (passed + left) : 0), 0.999);
     state.fraction = job->fraction;
     state.left_seconds = job->left_seconds;
+    note_told(job, passed);
     return state;
+}
+
+iso_job_estimate iso_job_judge(const iso_job *job, double now)
+{
+    const double seconds = job->began ? now - job->start : 0;
+    iso_job_estimate e = {.seconds = seconds, .first = job->told_count ? job->told[0].whole : NAN, .worst = NAN};
+    for (size_t i = 0; i < job->told_count; ++i) {
+        const double off = fabs(job->told[i].whole / seconds - 1);
+        if (job->told[i].passed < seconds / 3)
+            continue;
+        e.worst = e.looks == 0 ? off : fmax(e.worst, off);
+        ++e.looks;
+    }
+    return e;
 }

@@ -67,4 +67,12 @@ typedef struct iso_job_state {
 /* Also lets the clock go on, so that it may be asked between two reports. */
 iso_job_state iso_job_look(iso_job *job, double now);
 
+/* How far off the time was that was shown: of all looks from a third of the job on, passed and left together beside what it
+ * took until `now`. worst: the largest part by which it was too long or too short; NAN where nothing was shown. */
+typedef struct iso_job_estimate {
+    double seconds, first, worst; /* first: what the first look that had one told of the whole, in seconds */
+    size_t looks;
+} iso_job_estimate;
+iso_job_estimate iso_job_judge(const iso_job *job, double now);
+
 #endif

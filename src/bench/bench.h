@@ -23,6 +23,7 @@
     X(extinction_scale) \
     X(fit) \
     X(ghosts) \
+    X(job) \
     X(palette) \
     X(power) \
     X(plan) \

@@ -224,6 +224,19 @@ static void report_work(iso_report *r)
     json_decref(work);
 }
 
+/* How good the time was that the progress showed. */
+static void report_estimate(const iso_cli *cli, iso_report *r)
+{
+    const iso_job *job = iso_progress_line_lock(cli->progress);
+    const iso_job_estimate e = job ? iso_job_judge(job, iso_clock_seconds()) : (iso_job_estimate){.looks = 0};
+    iso_progress_line_unlock(cli->progress);
+    if (!e.looks)
+        return;
+    iso_report_put(r, "estimate", "first_seconds", json_real(e.first));
+    iso_report_put(r, "estimate", "seconds", json_real(e.seconds));
+    iso_report_put(r, "estimate", "worst_from_a_third_on", json_real(e.worst));
+}
+
 /* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
 static iso_status open_store(const validate_arguments *a, iso_validation *v, iso_error *err)
 {
@@ -257,6 +270,7 @@ static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_va
 {
     iso_validate_describe_programs(v);
     report_work(v->report);
+    report_estimate(cli, v->report);
     if (a->resume)
         iso_report_put(v->report, "work", "pictures_taken",
                        json_integer((json_int_t)iso_picture_store_taken(v->renderers.store)));

@@ -189,7 +189,7 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
     const iso_render_options *frames = q->options;
     iso_status status = ISO_OK;
     memset(images, 0, count * sizeof *images);
-    if (count > 0 && frames[0].renderer->render_several) {
+    if (count > 0 && frames[0].renderer->render_several && !getenv(ISO_RENDERERS_APART)) {
         status = check(q, err);
         if (status == ISO_OK)
             status = frames[0].renderer->render_several(q, count, images, err);
@@ -314,7 +314,8 @@ iso_status iso_render_several(const iso_render_request *frames, size_t count, is
 {
     memset(images, 0, count * sizeof *images);
     return frames->renderers->cache ? render_cached(frames, count, images, err)
-           : frames->renderers->store && frames->options->renderer->render_several
+           : frames->renderers->store && frames->options->renderer->render_several &&
+                     !getenv(ISO_RENDERERS_APART)
                ? render_stored(frames, count, images, err)
                : render_several(frames, count, images, err);
 }

@@ -231,6 +231,9 @@ const char *iso_renderers_by_default(unsigned traits, char *text, size_t size);
 
 /* ---- rendering ---- */
 
+/* Environment: set, requests for several pictures draw them one after the other. For bench job. */
+#define ISO_RENDERERS_APART "ISOSHADE_PICTURES_APART"
+
 /* A function that may change each image after it is rendered; it is told of what. Zeroed: none. */
 typedef struct iso_image_hook {
     iso_status (*change)(const void *user, const iso_render_request *request, iso_image *image, iso_error *err);
