@@ -55,11 +55,18 @@ static size_t seeds_of(const validate_arguments *a)
     return a->seeds ? (size_t)a->seeds : a->quick ? 3 : 4;
 }
 
+static size_t limit_size_of(const validate_arguments *a)
+{
+    return a->limit_size ? (size_t)a->limit_size
+           : a->quick    ? ISO_VALIDATE_LIMIT_PIXELS_QUICK
+                         : ISO_VALIDATE_LIMIT_PIXELS;
+}
+
 /* The quick run keeps every stage and every limit, on smaller images and fewer levels. */
 static void scale_down(iso_validation *v, iso_scene *scene, const validate_arguments *a)
 {
     v->image_prefix = v->variant = v->build_options = v->render_options = "";
-    v->limit_size = a->limit_size ? (size_t)a->limit_size : ISO_VALIDATE_LIMIT_PIXELS;
+    v->limit_size = limit_size_of(a);
     v->consistency_size = a->level_size ? (size_t)a->level_size : v->quick ? 96 : 160;
     v->may_add_views = !a->level_views && !v->quick;
     v->consistency_views = a->level_views ? (size_t)a->level_views : v->quick ? 3 : 6;
@@ -442,7 +449,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
     double start = iso_clock_seconds();
     v.image_prefix = v.variant = v.build_options = v.render_options = v.input_options = "";
-    v.limit_size = a->limit_size ? (size_t)a->limit_size : ISO_VALIDATE_LIMIT_PIXELS;
+    v.limit_size = limit_size_of(a);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK && a->look.size)
         status = iso_subject_parse_image_size(a->look.size, &suite.width, &suite.height, err);
@@ -553,7 +560,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         ISO_CLI_GL_DEVICE_OPTION(&a.gl_device),
         {"seeds", 0, POPT_ARG_INT, &a.seeds, 0, seeds, "N"},
         {"limit-size", 0, POPT_ARG_INT, &a.limit_size, 0,
-         "pixels along the longer edge of the pictures of limits, at most (64): each is drawn at several steps", "N"},
+         "pixels along the longer edge of the pictures of limits, at most (96; 64 with --quick): each is drawn at several steps",
+         "N"},
         {"budget", 0, POPT_ARG_DOUBLE, &a.budget, 0,
          "what can be said within so many seconds, besides the calibration; what was not asked is listed", "SECONDS"},
         {"resume", 0, POPT_ARG_NONE, &a.resume, 0,

@@ -374,6 +374,8 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
     if (status == ISO_OK && run.late)
         status = iso_validate_stage_left_out(v, "consistency", err);
     else if (status == ISO_OK)
+        iso_progress_report(v->progress, "consistency: verdict", 0);
+    if (status == ISO_OK && !run.late)
         status = iso_validate_judge_levels(v, &run.measured, run.rebuilt, err);
     forget_finest(run.finest);
     iso_pyramid_destroy(&run.made);

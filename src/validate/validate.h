@@ -134,7 +134,7 @@ iso_level_scales iso_validate_scales_of(const iso_pyramid *p);
  * destroyed. A limit is judged by ratios of means over pixels, which a regular part of them shows as well: bench power
  * --sensitivity has both. */
 iso_view iso_validate_small_view(const iso_view *view, size_t pixels);
-enum { ISO_VALIDATE_LIMIT_PIXELS = 64 };
+enum { ISO_VALIDATE_LIMIT_PIXELS = 96, ISO_VALIDATE_LIMIT_PIXELS_QUICK = 64 };
 
 /* Both need level_tfs. */
 /* Images of other directions and transfer functions are that large at most: there are many, and what they would show is
