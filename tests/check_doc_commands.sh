@@ -62,6 +62,7 @@ NOT_RUN = [
     (r"validate .*--blender ", "it needs a second Blender; tests/check_blenders.sh compares one with itself"),
     (r"render .*--gl-device 1", "it needs a second device; tests/check_gl_device.sh asks for those that are there"),
     (r"make shells --size 512", "a volume of 512 voxels a side: minutes beside other work, and a gigabyte"),
+    (r"validate bonsai_256\.nrrd --quick --size 128", "minutes: the whole job twice; tests/check_job.sh has a small one"),
     (r"validate --suite", "a minute; tests/check_suite_all.sh runs all scenes of the suite"),
     (r"bench consistency --(shading|filters)", "minutes; tests/check_consistency.sh runs them with few voxels and pixels"),
     (r"bench encode", "a minute whatever the options; tests/check_bench_encode.sh runs it"),
