@@ -86,10 +86,10 @@ def findings(path):
 
 def shots(path, folder):
     with Chromium(size=(1300, 1000)) as page:
-        for name, width, height, scheme in (("wide", 1300, 1500, "light"), ("wide-dark", 1300, 1500, "dark"), ("telephone", 390, 1900, "dark")):
+        for name, width, height, scheme in (("wide", 1180, 1010, "light"), ("wide-dark", 1180, 1010, "dark"), ("telephone", 390, 1900, "dark")):
             size(page, width, height, scheme)
             page.open(path, READY)
-            page.screenshot(os.path.join(folder, f"{name}.png"))
+            page.screenshot(os.path.join(folder, f"{name}.jpg"), "jpeg", 88)
 
 
 if len(sys.argv) > 2:

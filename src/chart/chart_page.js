@@ -38,7 +38,12 @@ function point(p, keep) {
     for (const tr of document.querySelectorAll('tr[data-case]')) tr.classList.toggle('chosen', Number(tr.dataset.case) === c.at);
 }
 const pointOf = at => plot.points.find(p => p.at === at);
-const rest = () => point(pointOf(view.chosen) || plot.points.find(p => p.front) || plot.points[0], true);
+// At first what was asked for, or the middle of the front.
+const first = () => {
+    const front = plot.points.filter(p => p.number || p.own).sort((a, b) => a.cost - b.cost);
+    return plot.points.find(p => p.ring) || front[Math.floor(front.length / 2)] || plot.points[0];
+};
+const rest = () => point(pointOf(view.chosen) || first(), true);
 
 // ---- pointer and keys -------------------------------------------------------
 function listen(element) {
