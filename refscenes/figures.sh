@@ -3,7 +3,8 @@
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              all of them: hours, since some time a machine
 #   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes papers
-#   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity chart chart-across opened viewer addon first-pictures
+#   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity chart chart-page chart-across opened viewer addon
+#                                        first-pictures
 # What needs a volume or a program that is not there says so and is left out: the volume of $ENGINE (256 x 256 x 128, else
 # ../shared/data/engine_256x256x128.nrrd), the folder $VOLUMES of doc/results/first-pictures.md, Xvfb, ImageMagick, Chromium.
 # What is made on the way stays in build/figures.
@@ -45,6 +46,11 @@ levels() { # doc/blender.md
 viewer() { # doc/viewer.md
     "$isoshade" view $templates/ch2bet.nii.gz --scene refscenes/hero.scene.json -q -o "$work/viewer.html"
     python3 tests/view_page.py shot "$work/viewer.html" "$out/viewer.jpg"
+}
+chart_page() { # doc/results/chart.md
+    "$isoshade" chart $templates/ch2bet.nii.gz --scene refscenes/brain.scene.json --budget 25 -q -o "$work/chart-quick" >/dev/null
+    python3 tests/chart_page.py "$work/chart-quick/index.html" "$work"
+    cp "$work/wide.jpg" "$out/chart-page.jpg"
 }
 opened() { # doc/blender.md: the window of Blender by Xvfb, and ImageMagick's import
     "$isoshade" export $templates/ch2bet.nii.gz --to blender --scene refscenes/hero.scene.json --level 1 --size 400x330 \
@@ -130,7 +136,7 @@ needs() { # name
         sheet | roi | adaptive-tf | chart) echo $templates/ch2bet.nii.gz ;;
         report) echo $templates/ch2bet.nii.gz chromium ;;
         levels) echo $templates/ch2.nii.gz blender ;;
-        viewer) echo $templates/ch2bet.nii.gz chromium python3 ;;
+        viewer | chart-page) echo $templates/ch2bet.nii.gz chromium python3 ;;
         opened) echo $templates/ch2bet.nii.gz blender xvfb-run import ;;
         failures) echo chromium ;;
         chart-across) echo "$engine" unu ;;
@@ -148,7 +154,7 @@ missing() { # name: the first thing that it needs and that is not there
 }
 
 quick="hero sheet report levels roi adaptive-tf seams failures palettes papers"
-longer="codes gradients sensitivity chart chart-across opened viewer addon first-pictures"
+longer="codes gradients sensitivity chart chart-page chart-across opened viewer addon first-pictures"
 [ $# -gt 0 ] || set -- $quick $longer
 [ "$*" != quick ] || set -- $quick
 skipped=

@@ -30,9 +30,12 @@ def findings(path):
         first = [c for c in data["cases"] if c["scene"] == data["scenes"][0]["name"]]
         say("the_plot_has_every_setting", page.evaluate("document.querySelectorAll('#plot .point').length") == len(first))
 
-        # Pointing at a mark that is not the one that is shown.
-        at = page.evaluate("(() => { const p = [...document.querySelectorAll('#plot .point')].at(-1); p.scrollIntoView({block: 'center'});"
-                           " const b = p.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2, Number(p.dataset.case)]; })()")
+        # Pointing at the mark that is the farthest from its neighbors: others may lie on each other.
+        at = page.evaluate("(() => { document.querySelector('#plot').scrollIntoView({block: 'center'});"
+                           " const all = [...document.querySelectorAll('#plot .point')].map(p => { const b = p.getBoundingClientRect();"
+                           " return [b.x + b.width / 2, b.y + b.height / 2, Number(p.dataset.case)]; });"
+                           " const alone = p => Math.min(...all.filter(q => q !== p).map(q => Math.hypot(q[0] - p[0], q[1] - p[1])));"
+                           " return all.reduce((a, b) => alone(b) > alone(a) ? b : a); })()")
         page.call("Input.dispatchMouseEvent", type="mouseMoved", x=at[0], y=at[1])
         page.wait(f"document.querySelector('#setting code').textContent === {json.dumps(data['cases'][at[2]]['command'])}")
         say("pointing_shows_its_picture_and_command", page.evaluate(

@@ -82,8 +82,8 @@ void iso_chart_bench_close(iso_chart_bench *b); /* accepts empty */
 /* A scene's reference image: level 0 of the first pyramid, the scene's own transfer function, no step left, directions as
  * floats where there are any. */
 iso_status iso_chart_bench_reference(iso_chart_bench *b, size_t scene, double tolerance, iso_error *err);
-/* A pixel's: costs a quarter of the renderer's default and leaves an RMSE of 1e-6; or, where a budget is below 100 s, half of
- * that and 1e-5 (the ch2 brain), which is a tenth of what the finest usual step has. */
+/* A pixel's, where pieces of rays are halved: leaves an RMSE of 1e-6; or, where a budget is below 100 s, one that is cheaper and
+ * leaves 2e-6 (the ch2 brain), a hundredth of what the finest usual step has. What is bounded: a thousandth, at most 1e-5. */
 #define ISO_CHART_TOLERANCE 1e-3
 #define ISO_CHART_HASTY_TOLERANCE 0.1
 #define ISO_CHART_HASTY_SECONDS 100
