@@ -23,6 +23,8 @@ CC := gcc
 CXX := g++
 warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi $(WERROR)
 flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
+# Addresses that nobody can foresee, and no table of functions that can be written once the program runs.
+link_release := -pie -Wl,-z,relro,-z,now
 flags_debug := -O0 -g
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 # By clang, for `make fuzz`; by gcc, for the lines that fuzzing reaches.
@@ -199,8 +201,8 @@ say =
 endif
 
 # ---- rules -----------------------------------------------------------------
-$(program): $(build)/src/cli/main.o $(commands) $(lib)
-	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ $(LDLIBS)
+$(program): $(build)/src/cli/main.o $(commands) $(lib) $(build)/child-flags
+	$(call say,LD )$(CC) $(flags_$(config)) $(link_$(config)) -fopenmp -o $@ $(filter %.o %.a,$^) $(LDLIBS)
 $(lib): $(lib_o)
 	@rm -f $@
 	$(call say,AR )ar rcs $@ $^
@@ -212,22 +214,22 @@ $(build)/exports.map: src/isoshade.h Makefile
 	@mkdir -p $(@D)
 	@{ echo '{ global:'; grep -oE '\<iso_[a-z0-9_]+\(' $< | sort -u | tr '(' ';'; echo 'local: *; };'; } >$@
 $(build)/$(soname): $(lib_o) $(build)/exports.map
-	$(call say,LD )$(CC) -shared $(flags_$(config)) -fopenmp -Wl,-soname,$(soname) -Wl,--version-script=$(build)/exports.map -Wl,-z,defs -o $@ $(lib_o) $(filter-out -lpopt,$(LDLIBS))
+	$(call say,LD )$(CC) -shared $(flags_$(config)) -Wl,-z,relro,-z,now -fopenmp -Wl,-soname,$(soname) -Wl,--version-script=$(build)/exports.map -Wl,-z,defs -o $@ $(lib_o) $(filter-out -lpopt,$(LDLIBS))
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
 child_h := src/volume/child_stream.h src/volume/child_writer.h src/volume/type.h src/isoshade.h
-child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 -g -Isrc
-$(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) $(child_h)
+child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3 -g -Isrc -pie -fPIE -Wl,-z,relro,-z,now
+$(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) $(child_h) $(build)/child-flags
 	@mkdir -p $(@D)
 	$(call say,ITK)$(CXX) $(child_flags) -isystem /usr/include/$(itk) \
 		$(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*))) -o $@ $(filter %.cc,$^) \
 		$(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon
-$(build)/isoshade-arrays: $(wildcard src/volume/arrays/*.cc src/volume/arrays/*.h) $(child_h)
+$(build)/isoshade-arrays: $(wildcard src/volume/arrays/*.cc src/volume/arrays/*.h) $(child_h) $(build)/child-flags
 	@mkdir -p $(@D)
 	$(call say,HDF)$(CXX) $(child_flags) $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(array_pkgs))) -o $@ \
 		$(filter %.cc,$^) $(shell pkg-config --libs $(array_pkgs)) $(hdf5_hl)
-$(build)/isoshade-vdb: src/volume/vdb/vdb_read.cc $(child_h)
+$(build)/isoshade-vdb: src/volume/vdb/vdb_read.cc $(child_h) $(build)/child-flags
 	@mkdir -p $(@D)
 	$(call say,VDB)$(CXX) $(child_flags) $(pkg_cflags) -o $@ $(filter %.cc,$^) -lopenvdb $(shell pkg-config --libs tbb Imath)
 $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE
@@ -244,6 +246,9 @@ $(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib)
 $(build)/flags: FORCE
 	@mkdir -p $(@D)
 	@echo '$(flags)' | cmp -s - $@ || echo '$(flags)' >$@
+$(build)/child-flags: FORCE
+	@mkdir -p $(@D)
+	@echo '$(filter-out $(WERROR),$(child_flags)) $(link_$(config))' | cmp -s - $@ || echo '$(filter-out $(WERROR),$(child_flags)) $(link_$(config))' >$@
 .PHONY: FORCE
 $(build)/%.o: %.c $(build)/flags
 	@mkdir -p $(@D)

@@ -17,9 +17,22 @@
 typedef struct look {
     const char *path; /* of the header */
     double bytes;
+    bool is_text; /* words are looked at, too */
     size_t count;
     char missing[160]; /* the first file that is not there: a pipe behind it is worse */
 } look;
+
+/* From where it is read to its end. */
+static iso_status check_words(const char *path, FILE *file, iso_error *err)
+{
+    enum { MOST_WORD = 1000 };
+    size_t length = 0;
+    for (int c; (c = getc_unlocked(file)) != EOF && length <= MOST_WORD;)
+        length = c == ' ' || (c >= '\t' && c <= '\r') ? 0 : length + 1;
+    return length <= MOST_WORD
+               ? ISO_OK
+               : iso_fail(err, ISO_E_FORMAT, "%s: a number of its samples has more than %d digits", path, MOST_WORD);
+}
 
 static iso_status add_name(look *l, const char *name, iso_error *err)
 {
@@ -40,6 +53,11 @@ static iso_status add_name(look *l, const char *name, iso_error *err)
         snprintf(l->missing, sizeof l->missing, "\"%s\" cannot be read: %s", shown, strerror(errno));
     else if (stat(file, &st) == 0)
         l->bytes += (double)st.st_size;
+    FILE *text = status == ISO_OK && l->is_text ? fopen(file, "rbe") : NULL;
+    if (text) {
+        status = check_words(l->path, text, err);
+        fclose(text);
+    }
     free(file);
     free(dir);
     return status;
@@ -167,19 +185,36 @@ static iso_status look_at(look *l, FILE *header, bool *any, iso_error *err)
     return status;
 }
 
+static iso_status look_through(look *l, bool *any, iso_error *err)
+{
+    FILE *header = fopen(l->path, "rbe");
+    if (!header)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", l->path, strerror(errno));
+    iso_status status = look_at(l, header, any, err);
+    fclose(header);
+    if (status == ISO_OK && l->missing[0])
+        status = iso_fail(err, ISO_E_FORMAT, "%s: its data file %s", l->path, l->missing);
+    return status;
+}
+
 iso_status iso_nrrd_look_at_files(const char *path, double *bytes, iso_error *err)
 {
     look l = {.path = path};
     bool any = false;
-    *bytes = -1;
-    FILE *header = fopen(path, "rbe");
-    if (!header)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
-    iso_status status = look_at(&l, header, &any, err);
-    fclose(header);
-    if (status == ISO_OK && l.missing[0])
-        status = iso_fail(err, ISO_E_FORMAT, "%s: its data file %s", path, l.missing);
-    if (any)
-        *bytes = l.bytes;
+    const iso_status status = look_through(&l, &any, err);
+    *bytes = any ? l.bytes : -1;
+    return status;
+}
+
+iso_status iso_nrrd_check_words(const char *path, FILE *file, iso_error *err)
+{
+    look l = {.path = path, .is_text = true};
+    bool any = false;
+    const off_t at = file ? ftello(file) : -1;
+    iso_status status = look_through(&l, &any, err);
+    if (at >= 0 && status == ISO_OK)
+        status = check_words(path, file, err);
+    if (at >= 0)
+        fseeko(file, at, SEEK_SET);
     return status;
 }

@@ -3,6 +3,8 @@
 #ifndef ISO_VOLUME_NRRD_FILES_H
 #define ISO_VOLUME_NRRD_FILES_H
 
+#include <stdio.h>
+
 #include "base/status.h"
 
 /* teem prints a name's pattern by sprintf() into a buffer that is 10 bytes longer than it, whatever it holds; it opens pipes,
@@ -12,5 +14,9 @@
  * header names none. ISO_E_FORMAT, ISO_E_IO, ISO_E_MEMORY. */
 enum { ISO_NRRD_MOST_FILES = 65536 };
 iso_status iso_nrrd_look_at_files(const char *path, double *bytes, iso_error *err);
+
+/* Of samples as text, which teem reads by words into a buffer of 1025 bytes: are they short enough in the rest of a file, which
+ * stays where it is read, and in the files that a header names? file may be NULL. ISO_E_FORMAT where they are not. */
+iso_status iso_nrrd_check_words(const char *path, FILE *file, iso_error *err);
 
 #endif

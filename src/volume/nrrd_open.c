@@ -288,8 +288,11 @@ static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io,
                         io->encoding == nrrdEncodingAscii || io->encoding == nrrdEncodingHex ? "text"
                                                                                              : io->encoding->name,
                         iso_source_bytes(source));
+    iso_status status = io->encoding == nrrdEncodingAscii ? iso_nrrd_check_words(source->path, io->dataFile, err)
+                                                          : ISO_OK;
+    if (status != ISO_OK)
+        return status;
     Nrrd *nrrd = nrrdNew();
-    iso_status status = ISO_OK;
     if (!nrrd)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory to read it", source->path);
     errno = 0;

@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The programs of a release have random addresses, and no table of functions that can be written once they run.
+. "$(dirname "$0")/lib.sh"
+here=$(dirname "$(readlink -f "$ISOSHADE")")
+has_random_addresses() { readelf -hW "$1" | grep -q 'Type: *DYN (Position-Independent'; }
+has_tables_that_stay() { readelf -lW "$1" | grep -q GNU_RELRO && readelf -dW "$1" | grep -qE 'BIND_NOW|FLAGS.*NOW'; }
+has_no_code_on_the_stack() { readelf -lW "$1" | grep -qE 'GNU_STACK.* RW  *0x'; }
+for program in isoshade isoshade-itk isoshade-arrays isoshade-vdb; do
+    [ -x "$here/$program" ] || continue
+    check "${program}_has_random_addresses" has_random_addresses "$here/$program"
+    check "${program}_has_tables_that_stay" has_tables_that_stay "$here/$program"
+    check "${program}_has_no_code_on_the_stack" has_no_code_on_the_stack "$here/$program"
+done
+for library in "$here"/libisoshade.so.*; do
+    [ ! -f "$library" ] || check the_library_has_tables_that_stay has_tables_that_stay "$library"
+done
+# Planted: a program without.
+echo 'int main(void) { return 0; }' >plain.c
+gcc -no-pie -Wl,-z,norelro,-z,lazy,-z,execstack -o plain plain.c 2>/dev/null
+notice fixed_addresses_are_seen has_random_addresses ./plain
+notice tables_that_can_be_written_are_seen has_tables_that_stay ./plain
+notice code_on_the_stack_is_seen has_no_code_on_the_stack ./plain
+exit $failed
