@@ -141,7 +141,7 @@ needs() { # name
         failures) echo chromium ;;
         chart-across) echo "$engine" unu ;;
         addon) echo blender xvfb-run convert ;;
-        first-pictures) echo "${VOLUMES:-./the-folder-VOLUMES}" montage ;;
+        first-pictures) echo "${VOLUMES:-./\$VOLUMES}" montage ;;
     esac
 }
 missing() { # name: the first thing that it needs and that is not there

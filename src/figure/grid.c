@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* grid.c - levels downward and renderers across: each picture, and how far it is from the first renderer's at its level. */
+/* grid.c - levels downward and renderers across: each picture, and how far it is from the first renderer's at its
+ * level. */
 #include <math.h>
 #include <stdio.h>
 
@@ -24,16 +25,16 @@ static iso_status choose(grid *g, const iso_figure_job *job, iso_error *err)
     const iso_status status = iso_renderers_from_list(job->with, wanted, err);
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         if (wanted[i] && g->columns == MOST_COLUMNS)
-            return iso_fail(err, ISO_E_RANGE, "--with names more than %d renderers, which have no room beside each other",
+            return iso_fail(err, ISO_E_RANGE,
+                            "--with names more than %d renderers, which have no room beside each other",
                             (int)MOST_COLUMNS);
         if (wanted[i])
             g->with[g->columns++] = iso_renderer_at(i);
     }
     g->levels = job->levels ? (size_t)job->levels : OWN_LEVELS;
-    return g->levels > ISO_PAPER_MOST_ROWS
-               ? iso_fail(err, ISO_E_RANGE, "--levels is %zu, must be 1 to %d: a row each", g->levels,
-                          (int)ISO_PAPER_MOST_ROWS)
-               : status;
+    return g->levels > ISO_PAPER_MOST_ROWS ? iso_fail(err, ISO_E_RANGE, "--levels is %zu, must be 1 to %d: a row each",
+                                                      g->levels, (int)ISO_PAPER_MOST_ROWS)
+                                           : status;
 }
 
 /* On the left of a row, upright: which level, and what part of the voxels it has. */
@@ -78,8 +79,8 @@ static iso_status draw_level(grid *g, const iso_figure_job *job, iso_page *page,
             break;
         if (i > 0) {
             snprintf(note, sizeof note, "RMSE %.2g", m.rmse);
-            fprintf(iso_page_caption(page), " Level %zu, %s: RMSE %.3g, 1 - SSIM %.3g.", level, g->with[i]->title, m.rmse,
-                    1 - m.ssim);
+            fprintf(iso_page_caption(page), " Level %zu, %s: RMSE %.3g, 1 - SSIM %.3g.", level, g->with[i]->title,
+                    m.rmse, 1 - m.ssim);
         } else if (level == 0) {
             snprintf(note, sizeof note, "RMSE is to these");
         }

@@ -78,8 +78,8 @@ iso_page_box iso_paper_panel(const iso_paper *p, size_t i, size_t column, const 
     const iso_page_box box = {edge_mm + row->left_mm + (double)column * room, p->top_mm[i], wide, high};
     const double middle = box.left + 0.5 * wide;
     put_text(p, ISO_PAGE_TITLE, middle, box.top - 0.5 * iso_page_line_mm(p->page, ISO_PAGE_TITLE) - 0.3, room, title);
-    put_text(p, ISO_PAGE_NOTE, middle, box.top + high + row->foot_mm + 0.5 * iso_page_line_mm(p->page, ISO_PAGE_NOTE) + 0.5,
-             room, note);
+    put_text(p, ISO_PAGE_NOTE, middle,
+             box.top + high + row->foot_mm + 0.5 * iso_page_line_mm(p->page, ISO_PAGE_NOTE) + 0.5, room, note);
     return box;
 }
 
@@ -146,8 +146,8 @@ iso_status iso_paper_load(const iso_figure_job *job, const iso_paper_own *own, c
     return status;
 }
 
-static iso_status own_scene(const iso_figure_job *job, const iso_paper_look *own, const iso_pyramid *p, iso_scene *scene,
-                            iso_error *err)
+static iso_status own_scene(const iso_figure_job *job, const iso_paper_look *own, const iso_pyramid *p,
+                            iso_scene *scene, iso_error *err)
 {
     const iso_cli_look *look = &job->look;
     iso_viewpoint from;
@@ -189,7 +189,8 @@ iso_status iso_paper_surface(const iso_figure_job *job, const iso_level *level0,
 {
     const double part = isnan(job->surface) ? 0.5 : job->surface;
     if (!(part > 0 && part < 1))
-        return iso_fail(err, ISO_E_RANGE, "--surface is %g, must be between 0 and 1: a part of the volume's range", part);
+        return iso_fail(err, ISO_E_RANGE, "--surface is %g, must be between 0 and 1: a part of the volume's range",
+                        part);
     *value = level0->min + part * (level0->max - level0->min);
     return ISO_OK;
 }

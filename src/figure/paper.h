@@ -28,16 +28,17 @@ typedef struct iso_paper {
     double panel_mm[ISO_PAPER_MOST_ROWS], top_mm[ISO_PAPER_MOST_ROWS]; /* of the panels of each row */
 } iso_paper;
 
-/* Sets the page's size: panels as wide as it has room for. ISO_E_RANGE where they would be too small to show anything. */
+/* Sets the page's size: panels as wide as it has room for. ISO_E_RANGE where they would be too small to show
+ * anything. */
 iso_status iso_paper_lay_out(iso_paper *p, const iso_figure_job *job, iso_page *page, const iso_paper_row *rows,
                              size_t count, iso_error *err);
-/* Where a panel stands; its title above and its note below are put on the page. NULL: none. A text that is wider than the
- * panel and the gap beside it becomes smaller, down to 6 points, with all of its role. */
+/* Where a panel stands; its title above and its note below are put on the page. NULL: none. A text that is wider than
+ * the panel and the gap beside it becomes smaller, down to 6 points, with all of its role. */
 iso_page_box iso_paper_panel(const iso_paper *p, size_t row, size_t column, const char *title, const char *note);
 /* Pixels that a picture of the row has along its width, a pixel a dot. */
 size_t iso_paper_dots(const iso_paper *p, size_t row);
-/* A panel that is a drawing: gnuplot's script until iso_page_plot_end(), in millimeters from its lower left corner, without
- * axes. A line is as thick as the function thick(mm) says: "lw thick(0.2)". */
+/* A panel that is a drawing: gnuplot's script until iso_page_plot_end(), in millimeters from its lower left corner,
+ * without axes. A line is as thick as the function thick(mm) says: "lw thick(0.2)". */
 FILE *iso_paper_drawing(const iso_paper *p, size_t row, size_t column, const char *title, const char *note);
 /* A panel that is a picture, a pixel a dot. */
 iso_page_box iso_paper_picture(const iso_paper *p, size_t row, size_t column, const char *title, const char *note,

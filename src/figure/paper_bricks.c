@@ -15,7 +15,8 @@ iso_status iso_mixed_create(iso_mixed *m, const iso_level *level0, size_t brick_
         return status;
     const size_t *count = m->nodes.count;
     if (count[0] < 2 || count[1] < 2 || count[2] < 2) {
-        status = iso_fail(err, ISO_E_RANGE, "bricks of %zu voxels: the volume has %zu x %zu x %zu of them, 2 along each axis are needed",
+        status = iso_fail(err, ISO_E_RANGE,
+                          "bricks of %zu voxels: the volume has %zu x %zu x %zu of them, 2 along each axis are needed",
                           brick_voxels, count[0], count[1], count[2]);
         iso_mixed_destroy(m);
         return status;

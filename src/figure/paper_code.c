@@ -28,11 +28,12 @@ static void draw_sphere(FILE *gp, double panel_mm, const iso_dots *dots, size_t 
             iso_drawing_put_dot(&d, dots->unit[i]);
             ++*shown;
         }
-    fprintf(gp,
-            "EOD\nset object circle at first %.3f,%.3f size first %.3f fillcolor rgb '#f1f3f5' fillstyle solid border lc "
-            "rgb '#9aa3ab' lw thick(0.12) behind\n"
-            "plot $dots with lines lc rgb '#0b3c6f' lw thick(%.3f)\n",
-            d.middle, d.middle, d.scale, dot_mm(2 * pi * d.scale * d.scale, *shown));
+    fprintf(
+        gp,
+        "EOD\nset object circle at first %.3f,%.3f size first %.3f fillcolor rgb '#f1f3f5' fillstyle solid border lc "
+        "rgb '#9aa3ab' lw thick(0.12) behind\n"
+        "plot $dots with lines lc rgb '#0b3c6f' lw thick(%.3f)\n",
+        d.middle, d.middle, d.scale, dot_mm(2 * pi * d.scale * d.scale, *shown));
 }
 
 /* ---- the cube ---- */
@@ -72,12 +73,15 @@ static void put_regions(const iso_drawing *d)
 static void put_cube_edges(const iso_drawing *d)
 {
     for (int face = 0; face < 3; ++face) {
-        const iso_vec3 middle = iso_drawing_with(iso_v3(0, 0, 0), face, iso_drawing_component(d->toward, face) > 0 ? 1 : -1);
+        const iso_vec3 middle = iso_drawing_with(iso_v3(0, 0, 0), face,
+                                                 iso_drawing_component(d->toward, face) > 0 ? 1 : -1);
         const int a = (face + 1) % 3, b = (face + 2) % 3;
         for (int k = 0; k < 2; ++k) {
             const double side = k ? 1 : -1;
-            iso_drawing_put_line(d, iso_drawing_with(iso_drawing_with(middle, a, side), b, -1), iso_drawing_with(iso_drawing_with(middle, a, side), b, 1));
-            iso_drawing_put_line(d, iso_drawing_with(iso_drawing_with(middle, b, side), a, -1), iso_drawing_with(iso_drawing_with(middle, b, side), a, 1));
+            iso_drawing_put_line(d, iso_drawing_with(iso_drawing_with(middle, a, side), b, -1),
+                                 iso_drawing_with(iso_drawing_with(middle, a, side), b, 1));
+            iso_drawing_put_line(d, iso_drawing_with(iso_drawing_with(middle, b, side), a, -1),
+                                 iso_drawing_with(iso_drawing_with(middle, b, side), a, 1));
         }
     }
 }
@@ -117,14 +121,18 @@ static void draw_cube(FILE *gp, double panel_mm, const iso_dots *dots, bool regi
                 iso_drawing_put_dot(&d, dot);
     }
     const double thick = dot_mm(10 * d.scale * d.scale, *shown); /* three faces of 4, at a slant */
-    fprintf(gp, "EOD\nplot %s$dots with lines lc rgb '%s' lw thick(%.3f), $edges with lines lc rgb '#9aa3ab' lw thick(0.12)",
-            regions ? "$one with filledcurves closed fc rgb '#ffe3c2' notitle, " : "", regions ? "#8fa6bd" : "#0b3c6f",
-            thick);
+    fprintf(
+        gp,
+        "EOD\nplot %s$dots with lines lc rgb '%s' lw thick(%.3f), $edges with lines lc rgb '#9aa3ab' lw thick(0.12)",
+        regions ? "$one with filledcurves closed fc rgb '#ffe3c2' notitle, " : "", regions ? "#8fa6bd" : "#0b3c6f",
+        thick);
     if (regions)
-        fprintf(gp,
-                ", $regions with lines lc rgb '#6b7680' lw thick(0.12), $inside with lines lc rgb '#0b3c6f' lw thick(%.3f), "
-                "$one with lines lc rgb '#d55e00' lw thick(0.4)",
-                1.15 * thick);
+        fprintf(
+            gp,
+            ", $regions with lines lc rgb '#6b7680' lw thick(0.12), $inside with lines lc rgb '#0b3c6f' "
+                "lw thick(%.3f), "
+            "$one with lines lc rgb '#d55e00' lw thick(0.4)",
+            1.15 * thick);
     fputc('\n', gp);
 }
 
@@ -185,7 +193,8 @@ static void put_fact(const iso_figure_job *job, const char *name, const iso_dots
 
 static iso_status row_of_two(iso_paper *p, const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    const iso_paper_row row = {.columns = 2, .aspect = 1, .gap_mm = 3, .most_mm = 80, .has_titles = true, .has_notes = true};
+    const iso_paper_row row = {
+        .columns = 2, .aspect = 1, .gap_mm = 3, .most_mm = 80, .has_titles = true, .has_notes = true};
     return iso_paper_lay_out(p, job, page, &row, 1, err);
 }
 
@@ -219,11 +228,12 @@ static iso_status code_points(const iso_figure_job *job, iso_page *page, iso_err
         iso_page_plot_end(page);
         snprintf(note, sizeof note, "%zu directions", dots.count);
         put_sphere(&p, 1, "(b) on the sphere", note, &dots, &shown);
-        fprintf(iso_page_caption(page),
-                "(a) The places of a texture with %d bits a component: %ld points, evenly spread over a cube. (b) The same "
-                "points projected to the unit sphere: %zu different directions, of which the %zu of the near half are "
-                "drawn. They leave bands free.",
-                dots.bits, places, dots.count, shown);
+        fprintf(
+            iso_page_caption(page),
+            "(a) The places of a texture with %d bits a component: %ld points, evenly spread over a cube. (b) The same "
+            "points projected to the unit sphere: %zu different directions, of which the %zu of the near half are "
+            "drawn. They leave bands free.",
+            dots.bits, places, dots.count, shown);
         put_fact(job, "dots", &dots, 0);
         json_object_set_new(job->facts, "points", json_integer(places));
         json_object_set_new(job->facts, "shown", json_integer((json_int_t)shown));
@@ -245,12 +255,13 @@ static iso_status code_regions(const iso_figure_job *job, iso_page *page, iso_er
         snprintf(note, sizeof note, "%zu directions", dots.count);
         put_cube(&p, 0, "(a) on the cube", note, &dots, false, &shown);
         put_cube(&p, 1, "(b) one of 48 regions", "8 on each face", &dots, true, &shown);
-        fprintf(iso_page_caption(page),
-                "(a) The places of a texture with %d bits a component, projected to the surface of a cube: %zu different "
-                "directions, of which %zu lie on the three faces that are seen. (b) The same, cut into the 48 regions in "
-                "which the order and the signs of the components are the same, one of them marked: each has a margin that "
-                "no dot lies in.",
-                dots.bits, dots.count, shown);
+        fprintf(
+            iso_page_caption(page),
+            "(a) The places of a texture with %d bits a component, projected to the surface of a cube: %zu different "
+            "directions, of which %zu lie on the three faces that are seen. (b) The same, cut into the 48 regions in "
+            "which the order and the signs of the components are the same, one of them marked: each has a margin that "
+            "no dot lies in.",
+            dots.bits, dots.count, shown);
         put_fact(job, "dots", &dots, 0);
         json_object_set_new(job->facts, "shown", json_integer((json_int_t)shown));
     }
@@ -274,13 +285,15 @@ static iso_status code_spheres(const iso_figure_job *job, iso_page *page, iso_er
     if (status == ISO_OK)
         status = row_of_two(&p, job, page, err);
     if (status == ISO_OK) {
-        fprintf(iso_page_caption(page),
-                "What a texture with %d bits a component can hold of directions, on the unit sphere, the near half: (a) "
-                "components as they are, (b) by the code %s.",
-                dots[0].bits, iso_code_describe(dots[1].code)->name);
+        fprintf(
+            iso_page_caption(page),
+            "What a texture with %d bits a component can hold of directions, on the unit sphere, the near half: (a) "
+            "components as they are, (b) by the code %s.",
+            dots[0].bits, iso_code_describe(dots[1].code)->name);
         for (int k = 0; k < 2; ++k) {
             char title[96], note[96];
-            snprintf(title, sizeof title, k ? "(b) code %s" : "(a) untransformed", iso_code_describe(dots[k].code)->name);
+            snprintf(title, sizeof title, k ? "(b) code %s" : "(a) untransformed",
+                     iso_code_describe(dots[k].code)->name);
             snprintf(note, sizeof note, "biggest hole %.2f°", hole_deg[k]);
             put_sphere(&p, (size_t)k, title, note, &dots[k], &shown);
             put_fact(job, names[k], &dots[k], hole_deg[k]);
@@ -313,11 +326,12 @@ static iso_status code_dots(const iso_figure_job *job, iso_page *page, iso_error
         snprintf(note, sizeof note, "biggest hole %.2f°", hole_deg);
         snprintf(title, sizeof title, "code %s on the sphere", name);
         put_sphere(&p, 1, title, note, &dots, &on_sphere);
-        fprintf(iso_page_caption(page),
-                "The directions that the code %s decodes to, with %d bits a component instead of 8: %zu, on a cube (%zu "
-                "lie on the faces that are seen) and on the unit sphere (%zu on the near half); %.3f degrees across the "
-                "biggest hole.",
-                name, dots.bits, dots.count, on_cube, on_sphere, hole_deg);
+        fprintf(
+            iso_page_caption(page),
+            "The directions that the code %s decodes to, with %d bits a component instead of 8: %zu, on a cube (%zu "
+            "lie on the faces that are seen) and on the unit sphere (%zu on the near half); %.3f degrees across the "
+            "biggest hole.",
+            name, dots.bits, dots.count, on_cube, on_sphere, hole_deg);
         put_fact(job, "dots", &dots, hole_deg);
     }
     iso_dots_destroy(&dots);

@@ -30,7 +30,9 @@ static void draw_table_in_cube(FILE *gp, double panel_mm, const iso_paper_table 
     for (int axis = 0; axis < 3; ++axis)
         for (int k = 0; k < 4; ++k) {
             const int a = (axis + 1) % 3, b = (axis + 2) % 3;
-            const iso_vec3 from = iso_drawing_with(iso_drawing_with(iso_drawing_with(half, axis, -0.5), a, k & 1 ? 0.5 : -0.5), b, k & 2 ? 0.5 : -0.5);
+            const iso_vec3 from = iso_drawing_with(iso_drawing_with(iso_drawing_with(half, axis, -0.5), a,
+                                                                    k & 1 ? 0.5 : -0.5),
+                                                   b, k & 2 ? 0.5 : -0.5);
             iso_drawing_put_line(&d, from, iso_drawing_with(from, axis, 0.5));
         }
     fputs("EOD\n$entries << EOD\n", gp);
@@ -40,8 +42,8 @@ static void draw_table_in_cube(FILE *gp, double panel_mm, const iso_paper_table 
     fputs("EOD\n", gp);
     for (int axis = 0; axis < 3; ++axis) {
         const iso_vec3 at = iso_add(corners[axis], iso_scale(iso_drawing_with(iso_v3(0, 0, 0), axis, 1), 0.1));
-        fprintf(gp, "set label note('%s = 1') at first %.3f,%.3f center front noenhanced font sized(note_pt)\n", names[axis], iso_drawing_x(&d, at),
-                iso_drawing_y(&d, at));
+        fprintf(gp, "set label note('%s = 1') at first %.3f,%.3f center front noenhanced font sized(note_pt)\n",
+                names[axis], iso_drawing_x(&d, at), iso_drawing_y(&d, at));
     }
     fprintf(gp,
             "plot $plane with filledcurves closed fc rgb '#e4edf5', $cube with lines lc rgb '#9aa3ab' lw thick(0.14), "
@@ -66,8 +68,7 @@ static void draw_table_contents(FILE *gp, double panel_mm, const iso_paper_table
             *longest = fmax(*longest, sqrt(0.5) * iso_norm(iso_sub(to, from)));
             fprintf(gp, "%.3f %.3f %.3f %.3f\n", x, y, dx, dy);
         }
-    fprintf(gp,
-            "EOD\n$triangle << EOD\n%.3f %.3f\n%.3f %.3f\n%.3f %.3f\n%.3f %.3f\nEOD\n", left, low, left + side, low,
+    fprintf(gp, "EOD\n$triangle << EOD\n%.3f %.3f\n%.3f %.3f\n%.3f %.3f\n%.3f %.3f\nEOD\n", left, low, left + side, low,
             left + 0.5 * side, low + side * sqrt(0.75), left, low);
     fprintf(gp,
             "set label note('u = 1') at first %.3f,%.3f left front noenhanced font sized(note_pt)\n"
@@ -87,10 +88,11 @@ static iso_status code_table(const iso_figure_job *job, iso_page *page, iso_erro
     char note[96];
     const int bits = job->bits ? job->bits : 5; /* the least of the paper's Table 3: 32 */
     if (bits < ISO_DOTS_FEWEST_BITS || bits > ISO_DOTS_MOST_BITS)
-        return iso_fail(err, ISO_E_RANGE, "--bits is %d, must be %d to %d: more entries would hide each other",
-                        bits, (int)ISO_DOTS_FEWEST_BITS, (int)ISO_DOTS_MOST_BITS);
+        return iso_fail(err, ISO_E_RANGE, "--bits is %d, must be %d to %d: more entries would hide each other", bits,
+                        (int)ISO_DOTS_FEWEST_BITS, (int)ISO_DOTS_MOST_BITS);
     const size_t size = (size_t)1 << bits, entries = size * (size + 1) / 2;
-    const iso_paper_row row = {.columns = 2, .aspect = 1, .gap_mm = 3, .most_mm = 80, .has_titles = true, .has_notes = true};
+    const iso_paper_row row = {
+        .columns = 2, .aspect = 1, .gap_mm = 3, .most_mm = 80, .has_titles = true, .has_notes = true};
     iso_status status = iso_paper_lay_out(&p, job, page, &row, 1, err);
     if (status == ISO_OK)
         status = iso_paper_table_create(size, &table, err);
@@ -102,11 +104,12 @@ static iso_status code_table(const iso_figure_job *job, iso_page *page, iso_erro
     FILE *gp = iso_paper_drawing(&p, 0, 1, "(b) what they hold", "an arrow from each entry");
     draw_table_contents(gp, p.panel_mm[0], &table, &longest);
     iso_page_plot_end(page);
-    fprintf(iso_page_caption(page),
-            "The table of the barycentric transform T: (a) its %zu entries, a point each, lie in the plane u + v + w = 1 "
-            "of a cube of %zu x %zu x %zu; (b) that plane from the front, with an arrow from each entry to the place "
-            "that it holds, at most %.3f of the triangle's side away.",
-            entries, size, size, size, longest);
+    fprintf(
+        iso_page_caption(page),
+        "The table of the barycentric transform T: (a) its %zu entries, a point each, lie in the plane u + v + w = 1 "
+        "of a cube of %zu x %zu x %zu; (b) that plane from the front, with an arrow from each entry to the place "
+        "that it holds, at most %.3f of the triangle's side away.",
+        entries, size, size, size, longest);
     json_object_set_new(job->facts, "size", json_integer((json_int_t)size));
     json_object_set_new(job->facts, "entries", json_integer((json_int_t)entries));
     json_object_set_new(job->facts, "longest_move", json_real(longest));

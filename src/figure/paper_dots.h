@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* paper_dots.h - the directions that a code with fewer bits a component can decode to.
  *
- * The places of the lattice are those of a texture of `bits` bits a component: signed ones c / (2^(bits - 1) - 1), the lowest
- * code twice; unsigned ones 2 c / (2^bits - 1) - 1. Every code decodes multiples of a vector to one direction, so the
+ * The places of the lattice are those of a texture of `bits` bits a component: signed ones c / (2^(bits - 1) - 1),
+ * the lowest code twice; unsigned ones 2 c / (2^bits - 1) - 1. Every code decodes multiples of a vector to one
+ * direction, so the
  * directions are counted exactly by the vectors of whole numbers without a common factor:
  *     signed    sum over d of mu(d) ((2 floor(m / d) + 1)^3 - 1), m = 2^(bits - 1) - 1
  *     unsigned  sum over odd d of mu(d) (2 floor((floor(m / d) + 1) / 2))^3, m = 2^bits - 1, of odd numbers alone */
@@ -29,8 +30,8 @@ void iso_dots_destroy(iso_dots *dots); /* accepts empty and NULL */
 /* The formula above. */
 size_t iso_dots_formula(bool is_signed, int bits);
 
-/* The angle across the biggest hole: the diameter of the largest cap without a direction, as the gradients paper's Table 1
- * has it; twice the radius of encode/hole.h. */
+/* The angle across the biggest hole: the diameter of the largest cap without a direction, as the gradients paper's
+ * Table 1 has it; twice the radius of encode/hole.h. */
 iso_status iso_dots_hole_deg(const iso_dots *dots, double *across_deg, iso_error *err);
 
 #endif

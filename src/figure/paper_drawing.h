@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_drawing.h - points, lines and triangles of space on a drawing of paper.h, by parallel projection. What is put is a
- * block of gnuplot's data, to be plotted "with lines". */
+/* paper_drawing.h - points, lines and triangles of space on a drawing of paper.h, by parallel projection. What is put
+ * is a block of gnuplot's data, to be plotted "with lines". */
 #ifndef ISO_FIGURE_PAPER_DRAWING_H
 #define ISO_FIGURE_PAPER_DRAWING_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_histogram.c - how values of level 0 and of a coarse level go together (tf/histogram.h): counts as darkness in logs,
- * level 0 across and the coarse level upward, the means of the rows as a line. */
+/* paper_histogram.c - how values of level 0 and of a coarse level go together (tf/histogram.h): counts as darkness in
+ * logs, level 0 across and the coarse level upward, the means of the rows as a line. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -72,7 +72,8 @@ static double most_of(const iso_joint *j)
 }
 
 /* Counts from 1 to `most`, in logs; no count is paper. A pixel a bin, s upward. */
-static iso_status put_pixels(const iso_paper *p, const iso_page_box *box, const iso_joint *j, double most, iso_error *err)
+static iso_status put_pixels(const iso_paper *p, const iso_page_box *box, const iso_joint *j, double most,
+                             iso_error *err)
 {
     const size_t bytes = 3 * j->z.count * j->s.count;
     unsigned char *rgb = malloc(bytes);
@@ -124,8 +125,8 @@ static void put_lines(FILE *gp, const iso_joint *j, const char *name, double row
     }
     fprintf(gp, "EOD\n$equal << EOD\n0 0\n%zu %zu\nEOD\n", j->z.count, j->s.count);
     if (row_at >= 0)
-        fprintf(gp, "set arrow from 0,%.3f to %zu,%.3f nohead front lc rgb '#0072b2' lw thick(0.2)\n", row_at, j->z.count,
-                row_at);
+        fprintf(gp, "set arrow from 0,%.3f to %zu,%.3f nohead front lc rgb '#0072b2' lw thick(0.2)\n", row_at,
+                j->z.count, row_at);
     fprintf(gp,
             "plot $equal with lines lc rgb '#555555' lw thick(0.12) dt 2, $means%s with lines lc rgb '#ffffff' lw "
             "thick(0.7), $means%s with lines lc rgb '#009e73' lw thick(0.35)\n",
@@ -173,7 +174,8 @@ static void put_bar(const iso_paper *p, size_t column, double most)
         iso_page_put_text(p->page, &(iso_page_text){.x = x + 0.9, .y = y, .role = ISO_PAGE_NOTE}, text);
     }
     iso_page_put_text(p->page,
-                      &(iso_page_text){.x = box.left + box.width + 0.9 + iso_page_text_mm(p->page, ISO_PAGE_NOTE, "1000") +
+                      &(iso_page_text){.x = box.left + box.width + 0.9 +
+                                            iso_page_text_mm(p->page, ISO_PAGE_NOTE, "1000") +
                                             0.6 * iso_page_line_mm(p->page, ISO_PAGE_NOTE),
                                        .y = box.top + 0.5 * box.height,
                                        .role = ISO_PAGE_NOTE,
@@ -197,9 +199,9 @@ static iso_status load(const iso_figure_job *job, size_t coarsest, iso_pyramid *
 
 static void put_fact(json_t *rows, size_t level, const iso_joint *j)
 {
-    json_array_append_new(rows, json_pack("{s:i, s:I, s:I, s:f}", "level", (int)level, "voxels",
-                                          (json_int_t)j->voxel_count, "pairs", (json_int_t)j->entry_count,
-                                          "rms_of_z_minus_s", spread(j)));
+    json_array_append_new(rows,
+                          json_pack("{s:i, s:I, s:I, s:f}", "level", (int)level, "voxels", (json_int_t)j->voxel_count,
+                                    "pairs", (json_int_t)j->entry_count, "rms_of_z_minus_s", spread(j)));
 }
 
 /* All on one scale of counts. */
@@ -207,13 +209,13 @@ static iso_status draw_histograms(const iso_figure_job *job, iso_page *page, con
                                   iso_error *err)
 {
     const iso_paper_row shape = {.columns = count,
-                               .aspect = 1,
-                               .left_mm = 9.5,
-                               .right_mm = 13,
-                               .gap_mm = 3,
-                               .foot_mm = 6.5,
-                               .most_mm = 74,
-                               .has_titles = true};
+                                 .aspect = 1,
+                                 .left_mm = 9.5,
+                                 .right_mm = 13,
+                                 .gap_mm = 3,
+                                 .foot_mm = 6.5,
+                                 .most_mm = 74,
+                                 .has_titles = true};
     iso_paper p;
     json_t *rows = json_array();
     double most = 10;
@@ -289,12 +291,14 @@ static void draw_row(FILE *gp, const iso_joint *j, size_t i)
         if (fabs(x) <= 3) /* the paper's window */
             fprintf(gp, "%.2f %.5f\n", (double)z / 4 + 0.5, 0.92 * exp(-0.5 * x * x));
     }
-    fprintf(gp,
-            "EOD\nset border 3\nset boxwidth 1\n"
-            "set arrow from %.3f,0 to %.3f,0.98 nohead front lc rgb '#009e73' lw thick(0.35)\n"
-            "set label note('mean') at %.3f,0.97 offset 0.6,0 left front font sized(note_pt) textcolor rgb '#00684c'\n"
-            "plot $bars with boxes fs solid noborder lc rgb '#8fa6bd', $weights with lines lc rgb '#d55e00' lw thick(0.35)\n",
-            r.mean + 0.5, r.mean + 0.5, r.mean + 0.5);
+    fprintf(
+        gp,
+        "EOD\nset border 3\nset boxwidth 1\n"
+        "set arrow from %.3f,0 to %.3f,0.98 nohead front lc rgb '#009e73' lw thick(0.35)\n"
+        "set label note('mean') at %.3f,0.97 offset 0.6,0 left front font sized(note_pt) textcolor rgb '#00684c'\n"
+        "plot $bars with boxes fs solid noborder lc rgb '#8fa6bd', $weights with lines lc rgb '#d55e00' lw "
+        "thick(0.35)\n",
+        r.mean + 0.5, r.mean + 0.5, r.mean + 0.5);
 }
 
 static iso_status draw_one_row(const iso_figure_job *job, iso_page *page, const iso_joint *j, int level, iso_error *err)
@@ -325,11 +329,12 @@ static iso_status draw_one_row(const iso_figure_job *job, iso_page *page, const 
     fputs("set yrange [0:1]\n", gp);
     draw_row(gp, j, i);
     iso_page_plot_end(page);
-    fprintf(iso_page_caption(page),
-            " (a) Green: the mean of each row; dashed: equal values; blue: the row at the value %.4g. (b) That row: %.0f "
-            "voxels of level 0 with the mean %.4g and the deviation %.3g, and the weights of Eq. 7, a Gaussian within 3 "
-            "deviations.",
-            s, r.count, mean, r.deviation * j->z.step);
+    fprintf(
+        iso_page_caption(page),
+        " (a) Green: the mean of each row; dashed: equal values; blue: the row at the value %.4g. (b) That row: %.0f "
+        "voxels of level 0 with the mean %.4g and the deviation %.3g, and the weights of Eq. 7, a Gaussian within 3 "
+        "deviations.",
+        s, r.count, mean, r.deviation * j->z.step);
     json_object_set_new(job->facts, "row",
                         json_pack("{s:f, s:f, s:f, s:f}", "s", s, "voxels", r.count, "mean", mean, "deviation",
                                   r.deviation * j->z.step));
@@ -348,10 +353,11 @@ static iso_status joint_row(const iso_figure_job *job, iso_page *page, iso_error
         json_t *rows = json_array();
         put_fact(rows, (size_t)level, &joint);
         json_object_set_new(job->facts, "levels", rows);
-        fprintf(iso_page_caption(page),
-                "The joint histogram of %s: how many voxels of level 0 have a value (across) where level %d has another "
-                "(upward), in logs.",
-                iso_paper_volume_name(job, &shells), level);
+        fprintf(
+            iso_page_caption(page),
+            "The joint histogram of %s: how many voxels of level 0 have a value (across) where level %d has another "
+            "(upward), in logs.",
+            iso_paper_volume_name(job, &shells), level);
         status = draw_one_row(job, page, &joint, level, err);
     }
     iso_joint_destroy(&joint);

@@ -29,19 +29,19 @@ static const iso_tf_point flank[] = {{0, {0.42, 0.24, 0.12}, 0},
                                      {0.54, {1, 0.88, 0.66}, 0.97},
                                      {1, {1, 0.97, 0.92}, 0.99}};
 static const iso_paper_look own_look = {.view = "35,38",
-                                         .points = flank,
-                                         .point_count = sizeof flank / sizeof *flank,
-                                         .zoom = 1,
-                                         .width = 256,
-                                         .height = 256,
-                                         .shading = {.ambient = 0.2, .diffuse = 0.7, .specular = 0.3, .power = 30}};
+                                        .points = flank,
+                                        .point_count = sizeof flank / sizeof *flank,
+                                        .zoom = 1,
+                                        .width = 256,
+                                        .height = 256,
+                                        .shading = {.ambient = 0.2, .diffuse = 0.7, .specular = 0.3, .power = 30}};
 
 typedef struct stage {
     iso_pyramid pyramid;
     iso_scene scene;
-    iso_view view;       /* the whole, at the size of a panel */
-    iso_view near;       /* the border; borrows from view */
-    double frame[4];     /* of it in the whole */
+    iso_view view;   /* the whole, at the size of a panel */
+    iso_view near;   /* the border; borrows from view */
+    double frame[4]; /* of it in the whole */
     iso_mixed mixed;
     iso_mixed_seen seen;
     iso_gl *gl;
@@ -166,7 +166,8 @@ static iso_status put_overview(const iso_paper *p, stage *s, size_t row, size_t 
         const iso_page_box box = iso_paper_picture(p, row, column, title, note, &image);
         const iso_page_box frame = {box.left + s->frame[0] * box.width, box.top + s->frame[1] * box.height,
                                     (s->frame[2] - s->frame[0]) * box.width, (s->frame[3] - s->frame[1]) * box.height};
-        iso_page_put_rectangle(p->page, &frame, NULL, &(iso_page_pen){"#000000", 1.7, 0}); /* seen on dark and on light */
+        iso_page_put_rectangle(p->page, &frame, NULL,
+                               &(iso_page_pen){"#000000", 1.7, 0}); /* seen on dark and on light */
         iso_page_put_rectangle(p->page, &frame, NULL, &(iso_page_pen){"#ffffff", 0.7, 0});
     }
     iso_image_destroy(&image);
@@ -204,7 +205,8 @@ static iso_status put_difference(const iso_paper *p, stage *s, size_t row, size_
             most = fmax(most, (double)apart[i]);
         }
         const double range[2] = {0, most};
-        const iso_page_box box = iso_paper_panel(p, row, column, NULL, "difference, lit"), corner = iso_paper_corner(box);
+        const iso_page_box box = iso_paper_panel(p, row, column, NULL, "difference, lit"),
+                           corner = iso_paper_corner(box);
         const iso_page_color_bar bar = {.box = {box.left + box.width + 1.2, box.top, 2.2, box.height},
                                         .map = p->job->map,
                                         .range = {0, most}};
@@ -220,11 +222,12 @@ static iso_status put_difference(const iso_paper *p, stage *s, size_t row, size_
 static void describe(const iso_paper *p, const stage *s)
 {
     const double rough = iso_mixed_jump(&s->mixed, false), smooth = iso_mixed_jump(&s->mixed, true);
-    fprintf(iso_page_caption(p->page),
-            " Bricks of %zu voxels along a side, of levels 0 and %zu; magnified %.1f times. Across the faces between the "
-            "two levels values jump by at most %.3g of the range where each brick keeps its own samples, and by %.2g where "
-            "shared faces are made equal.",
-            s->mixed.nodes.brick_voxels, s->mixed.coarse, s->magnification, rough, smooth);
+    fprintf(
+        iso_page_caption(p->page),
+        " Bricks of %zu voxels along a side, of levels 0 and %zu; magnified %.1f times. Across the faces between the "
+        "two levels values jump by at most %.3g of the range where each brick keeps its own samples, and by %.2g where "
+        "shared faces are made equal.",
+        s->mixed.nodes.brick_voxels, s->mixed.coarse, s->magnification, rough, smooth);
     json_object_set_new(p->job->facts, "jump_discontinuous", json_real(rough));
     json_object_set_new(p->job->facts, "jump_smooth", json_real(smooth));
     json_object_set_new(p->job->facts, "magnification", json_real(s->magnification));
@@ -269,11 +272,12 @@ static iso_status mixed_volume(const iso_figure_job *job, iso_page *page, iso_er
     if (status == ISO_OK)
         status = draw_volume(job, page, &s, &p, err);
     if (status == ISO_OK) {
-        fprintf(iso_page_caption(page),
-                "Where bricks of two levels of %s meet: discontinuous above, smooth below; without light and lit; on the "
-                "right the whole, bricks of level 0 green, with the frame of what is magnified, and below it the largest "
-                "difference of the lit pictures over the channels, of linear light where 1 is white.",
-                iso_paper_volume_name(job, &ripples));
+        fprintf(
+            iso_page_caption(page),
+            "Where bricks of two levels of %s meet: discontinuous above, smooth below; without light and lit; on the "
+            "right the whole, bricks of level 0 green, with the frame of what is magnified, and below it the largest "
+            "difference of the lit pictures over the channels, of linear light where 1 is white.",
+            iso_paper_volume_name(job, &ripples));
         describe(&p, &s);
     }
     end(&s);
@@ -298,10 +302,11 @@ static iso_status mixed_surface(const iso_figure_job *job, iso_page *page, iso_e
     if (status == ISO_OK)
         status = put_near(&p, &s, 0, 2, "smooth", "magnified", true, true, err);
     if (status == ISO_OK) {
-        fprintf(iso_page_caption(page),
-                "The isosurface of %s at the value %.4g, first hit: on the left the whole, bricks of level 0 green, with "
-                "the frame of what is magnified; discontinuous and smooth.",
-                iso_paper_volume_name(job, &ripples), s.surface);
+        fprintf(
+            iso_page_caption(page),
+            "The isosurface of %s at the value %.4g, first hit: on the left the whole, bricks of level 0 green, with "
+            "the frame of what is magnified; discontinuous and smooth.",
+            iso_paper_volume_name(job, &ripples), s.surface);
         describe(&p, &s);
     }
     end(&s);

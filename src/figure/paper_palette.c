@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_palette.c - an isosurface shaded by the directions as they are, by a palette that annealing fits to them, and by as
- * many directions as a regular subdivision of the sphere has at most; from two sides. The paper has an airplane's wing. */
+/* paper_palette.c - an isosurface shaded by the directions as they are, by a palette that annealing fits to them, and
+ * by as many directions as a regular subdivision of the sphere has at most; from two sides. The paper has an airplane's
+ * wing. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -99,12 +100,12 @@ static iso_status fit(stage *s, size_t entries, iso_error *err)
 /* As the paper's: gray, one light, a highlight. The transfer function gives the surface's color alone. */
 static const iso_tf_point gray[] = {{0, {0.72, 0.74, 0.78}, 0}, {1, {0.72, 0.74, 0.78}, 0.9}};
 static const iso_paper_look own_look = {.view = "-28,30",
-                                         .points = gray,
-                                         .point_count = sizeof gray / sizeof *gray,
-                                         .zoom = 1.45,
-                                         .width = 360,
-                                         .height = 216,
-                                         .shading = {.ambient = 0.1, .diffuse = 0.65, .specular = 0.6, .power = 30}};
+                                        .points = gray,
+                                        .point_count = sizeof gray / sizeof *gray,
+                                        .zoom = 1.45,
+                                        .width = 360,
+                                        .height = 216,
+                                        .shading = {.ambient = 0.1, .diffuse = 0.65, .specular = 0.6, .power = 30}};
 
 static iso_status begin(const iso_figure_job *job, stage *s, iso_error *err)
 {
@@ -122,10 +123,11 @@ static iso_status begin(const iso_figure_job *job, stage *s, iso_error *err)
     const iso_level *l = &s->pyramid.levels[0];
     status = iso_paper_surface(job, l, &s->surface, err);
     if (status == ISO_OK && (!l->directions || !l->magnitude))
-        status = iso_fail(err, ISO_E_RANGE,
-                          "%s keeps codes alone; this figure needs the volume itself, or a pyramid that keeps floats and "
-                          "magnitudes",
-                          job->input);
+        status =
+            iso_fail(err, ISO_E_RANGE,
+                     "%s keeps codes alone; this figure needs the volume itself, or a pyramid that keeps floats and "
+                     "magnitudes",
+                     job->input);
     if (status == ISO_OK)
         status = iso_paper_scene(job, &own_look, &s->pyramid, &s->scene, err);
     if (status == ISO_OK)
@@ -234,10 +236,11 @@ static iso_status palette_views(const iso_figure_job *job, iso_page *page, iso_e
     if (status == ISO_OK)
         status = draw_rows(job, page, &s, pictures, err);
     if (status == ISO_OK)
-        fprintf(iso_page_caption(page),
-                "The isosurface of %s at the value %.4g from two sides, shaded by all directions, by a palette fitted to "
-                "them by annealing, and by one of a regular subdivision of the sphere.",
-                iso_paper_volume_name(job, &own_wing), s.surface);
+        fprintf(
+            iso_page_caption(page),
+            "The isosurface of %s at the value %.4g from two sides, shaded by all directions, by a palette fitted to "
+            "them by annealing, and by one of a regular subdivision of the sphere.",
+            iso_paper_volume_name(job, &own_wing), s.surface);
     for (int i = 1; i < METHODS && status == ISO_OK; ++i) {
         const method *m = &s.methods[i];
         fprintf(iso_page_caption(page), " %s: error norm 1 %.4g, rms angle %.3g degrees.", m->title, m->error.norm1,

@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-/* Half the thickness of a four-digit profile at a part of its chord, for a thickness of 1 (NACA report 460, with a closed trailing edge). */
+/* Half the thickness of a four-digit profile at a part of its chord, for a thickness of 1 (NACA report 460, with a
+ * closed trailing edge). */
 static double half_thickness(double x)
 {
     return 5 * (0.2969 * sqrt(x) + x * (-0.1260 + x * (-0.3516 + x * (0.2843 - x * 0.1036))));
@@ -15,7 +16,8 @@ typedef struct section {
     double upper[OUTLINE][2], lower[OUTLINE][2]; /* y, z */
 } section;
 
-/* span: 0 at the root, 1 at the tip. Tapered, swept back, cambered, the tip raised; as thick as voxels can hold behind. */
+/* span: 0 at the root, 1 at the tip. Tapered, swept back, cambered, the tip raised; as thick as voxels can hold
+ * behind. */
 static section section_at(double span)
 {
     const double chord = 0.92 - 0.50 * span, front = -0.50 + 0.42 * span;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_wing.h - an airplane's wing as a volume: most of its directions point up or down, as those of the palettes paper's
- * example. */
+/* paper_wing.h - an airplane's wing as a volume: most of its directions point up or down, as those of the palettes
+ * paper's example. */
 #ifndef ISO_FIGURE_PAPER_WING_H
 #define ISO_FIGURE_PAPER_WING_H
 
