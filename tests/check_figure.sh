@@ -85,7 +85,7 @@ for width in 85 178; do
             name=${from}_${kind}_$width
             methods=()
             [ $kind = levels ] && methods=(--methods "$(sed -n 's/.*"method": "\([^"]*\)".*/\1/p' $from/report.json | uniq | paste -sd,)")
-            expect "$name" 0 "$ISOSHADE" figure $from --sources --kind $kind --width $width "${methods[@]}" -o $name
+            expect "$name" 0 "$ISOSHADE" figure $from --formats svg --sources --kind $kind --width $width "${methods[@]}" -o $name
             read -r wide high <<<"$(millimetres $name/figure.pdf)"
             check ${name}_fits test "$wide" -le $width -a "$high" -le 230
             check ${name}_has_its_fonts fonts_are_inside $name/figure.pdf
@@ -112,28 +112,28 @@ check the_bar_has_its_length awk -F, 'NR == 2 {exit !($13 == "5 mm" && ($12 - 5 
 check renderers_stand_in_order test "$(awk -F, 'NR > 1 && $9 != "-" {print $9}' four_renderers_178/figure.csv | paste -sd' ')" = "cycles gl povray"
 check the_caption_names_the_file grep -q 'level 0 of v.nrrd (s.scene.json)' four_renderers_178/caption.txt
 check the_caption_has_the_bar grep -q 'Scale bar: 5 mm' four_renderers_178/caption.txt
-expect renderers_alone 0 "$ISOSHADE" figure methods --kind renderers --sources -o renderers
+expect renderers_alone 0 "$ISOSHADE" figure methods --formats pdf --kind renderers --sources -o renderers
 check methods_stay_away test "$(cut -d, -f9 renderers/figure.csv | grep gl | paste -sd+)" = "gl+gl; limit"
 check a_limit_keeps_its_comma words_are_all_there renderers/figure.pdf "gl gl, limit"
-expect a_variant_can_be_asked_for 0 "$ISOSHADE" figure methods --kind renderers --variant adapted --sources -o variant
+expect a_variant_can_be_asked_for 0 "$ISOSHADE" figure methods --formats pdf --kind renderers --variant adapted --sources -o variant
 check it_stands_alone test "$(cut -d, -f9 variant/figure.csv | grep gl)" = "gl; naive; adapted TF"
 check with_its_comma words_are_all_there variant/figure.pdf "gl, naive, adapted TF"
 # Rows that name their renderer are read by that, whatever they are called.
 mkdir -p named && cp -r methods/images named && sed 's/"b": "gl, naive, adapted TF"/"b": "x", "renderer": "gl", "comparison": "limit", "variant": "naive"/; s/"b": "gl"/"b": "y, z", "renderer": "gl", "comparison": "lock-step", "variant": ""/' methods/report.json >named/report.json
-expect rows_that_name_their_renderer 0 "$ISOSHADE" figure named --kind renderers --sources -o named_renderers
+expect rows_that_name_their_renderer 0 "$ISOSHADE" figure named --formats pdf --kind renderers --sources -o named_renderers
 check are_shown_by_it test "$(cut -d, -f9 named_renderers/figure.csv | grep gl | paste -sd+)" = "gl+gl; limit"
-expect and_a_variant_of_theirs 0 "$ISOSHADE" figure named --kind renderers --variant naive --sources -o named_variant
+expect and_a_variant_of_theirs 0 "$ISOSHADE" figure named --formats pdf --kind renderers --variant naive --sources -o named_variant
 check is_found_by_it test "$(cut -d, -f9 named_variant/figure.csv | grep gl)" = "gl; limit; naive"
 refuse an_unknown_variant_is_named 5 'name like tensor' "$ISOSHADE" figure methods --kind renderers --variant tensor -o f
 sed '0,/"scene": "s", "level"/s//"scene": "other", "level"/' four/report.json >r.json && cp -r four suite && mv r.json suite/report.json
 refuse a_suite_has_many_scenes 5 'has 2 scenes, --scene chooses one: ' "$ISOSHADE" figure suite --kind renderers -o f
-expect one_scene_of_a_suite 0 "$ISOSHADE" figure suite --kind renderers --scene s --sources -o of_suite
+expect one_scene_of_a_suite 0 "$ISOSHADE" figure suite --formats pdf --kind renderers --scene s --sources -o of_suite
 check it_has_the_others_only test "$(cut -d, -f9 of_suite/figure.csv | grep -cE 'gl|povray|cycles')" = 2
 refuse no_scene_of_that_name 5 'no pictures of comparisons' "$ISOSHADE" figure suite --kind renderers --scene t -o f
 refuse methods_are_for_levels 2 'kind renderers does not take --methods' "$ISOSHADE" figure four --kind renderers --methods naive -o f
 refuse variants_are_for_renderers 2 'kind levels does not take --variant' "$ISOSHADE" figure four --variant naive -o f
 check the_caption_names_the_scene grep -q 'level 0 of v.nrrd (s)' of_suite/caption.txt
-expect one_level_has_renderers 0 "$ISOSHADE" figure one --kind renderers -o one_renderers
+expect one_level_has_renderers 0 "$ISOSHADE" figure one --formats pdf --kind renderers -o one_renderers
 refuse one_level_has_no_levels 5 'no pictures of levels' "$ISOSHADE" figure one -o f
 sed 's/"consistency"/"other"/' one/report.json >r.json && mkdir bare && mv r.json bare/report.json
 refuse a_report_without_consistency_is_refused 5 'no pictures of levels' "$ISOSHADE" figure bare -o f
@@ -175,7 +175,7 @@ END
 check its_pictures_are_those_of_render in_the_figure print0.png print1.png print2.png
 "$ISOSHADE" render v.nrrd --scene "$top/refscenes/shells.scene.json" --level 1 --size "$pixels" --step 0.4 -q -o other.png >/dev/null
 notice another_picture_is_noticed in_the_figure other.png
-expect renderers_of_a_volume 0 "$ISOSHADE" figure v.nrrd --scene "$top/refscenes/shells.scene.json" --size 24x15 --kind renderers --with gl --dpi 72 --width 85 -o two -q
+expect renderers_of_a_volume 0 "$ISOSHADE" figure v.nrrd --formats pdf --scene "$top/refscenes/shells.scene.json" --size 24x15 --kind renderers --with gl --dpi 72 --width 85 -o two -q
 check the_caption_names_what_differs grep -q 'OpenGL ray caster: RMSE 0' two/caption.txt
 refuse methods_are_of_reports 2 'for a figure of a report' "$ISOSHADE" figure v.nrrd --methods naive -o f
 refuse pictures_of_a_report_are_there 2 'which has its pictures' "$ISOSHADE" figure four --size 20 -o f

@@ -45,6 +45,7 @@ typedef struct iso_atlas_scene {
     double lo, hi, extinction_per_mm;
     iso_vec3 forward, light; /* of the camera; towards the light. Zero: from above, aslant */
     double height_mm;        /* of the picture; 0: what a ball needs */
+    size_t pixels;           /* of the picture, along a side; 0: ISO_ATLAS_PIXELS */
 } iso_atlas_scene;
 
 /* A failure that no option of isoshade produces: the function overwrites the level's directions or codes. */
@@ -94,6 +95,8 @@ static inline bool iso_atlas_is_valid(const iso_atlas_case *c, const iso_atlas_r
 
 /* The scene's volume: float, created. */
 iso_status iso_atlas_volume(const iso_atlas_scene *scene, iso_volume *v, iso_error *err);
+/* What a side of the picture shows. */
+double iso_atlas_picture_mm(const iso_atlas_scene *scene);
 /* The scene as a scene file's content; NULL when memory ends. */
 json_t *iso_atlas_scene_to_json(const iso_atlas_scene *scene, const char *comment);
 /* One way: a pyramid of the volume, and a picture of it. draw: the case's, or NULL. */

@@ -71,15 +71,18 @@ static iso_tf tf_of(const iso_atlas_scene *s, iso_tf_point points[5])
                     .table_size = 512};
 }
 
+double iso_atlas_picture_mm(const iso_atlas_scene *scene)
+{
+    return height_of(scene);
+}
+
 static iso_status make_view(const iso_atlas_scene *s, const iso_geometry *g, iso_view *view, iso_error *err)
 {
     iso_tf_point points[5];
     const iso_tf tf = tf_of(s, points);
-    *view = (iso_view){.width = ISO_ATLAS_PIXELS,
-                       .height = ISO_ATLAS_PIXELS,
-                       .light_count = 1,
-                       .step_voxels = step_voxels,
-                       .shading = shading};
+    const size_t pixels = s->pixels ? s->pixels : ISO_ATLAS_PIXELS;
+    *view =
+        (iso_view){.width = pixels, .height = pixels, .light_count = 1, .step_voxels = step_voxels, .shading = shading};
     view->lights[0] = (iso_light){.direction = light_of(s), .intensity = 1};
     iso_camera *c = &view->camera;
     *c = (iso_camera){.orthographic = true, .forward = forward_of(s), .half_height = 0.5 * height_of(s)};

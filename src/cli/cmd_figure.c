@@ -13,7 +13,7 @@
 
 typedef struct figure_arguments {
     iso_figure_job job;
-    char *output, *kind, *map, *zoom;
+    char *output, *kind, *map, *zoom, *error;
 } figure_arguments;
 
 /* One number enlarges the middle of the picture, four choose a part of it. */
@@ -36,6 +36,8 @@ static iso_status take_names(figure_arguments *a, iso_error *err)
     iso_status status = iso_figure_kind_from_name(a->kind ? a->kind : "levels", &a->job.kind, err);
     if (status == ISO_OK)
         status = iso_colormap_from_name(a->map ? a->map : "magma", &a->job.map, err);
+    if (status == ISO_OK && a->error)
+        status = iso_words_parse_error("--error", a->error, &a->job.error, err);
     if (status == ISO_OK && a->zoom)
         status = parse_zoom(a->zoom, &a->job, err);
     return status;
@@ -81,6 +83,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "enlarge the middle of the pictures so many times; or an inset of a part of each: its left, top, width and "
          "height as parts of the picture",
          "X|X,Y,W,H"},
+        {"formats", 0, POPT_ARG_STRING, &job->formats, 0, "beside the PDF: of svg, png and latex (all)", "LIST"},
         {"sources", 0, POPT_ARG_NONE, &job->with_sources, 0,
          "keep the gnuplot script and the pixels that it is drawn from", NULL},
         {"with", 0, POPT_ARG_STRING, &job->with, 0,
@@ -89,8 +92,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"levels", 0, POPT_ARG_INT, &job->levels, 0, "how many levels, with level 0 (4)", "N"},
         {"adapt", 0, POPT_ARG_NONE, &job->adapted.wanted, 0,
          "a volume's levels: each with the transfer function adapted to it", NULL},
+        {"frames", 0, POPT_ARG_INT, &job->frames, 0, "of a turntable (8)", "N"},
+        {"error", 0, POPT_ARG_STRING, &a.error, 0, "of a plan: the largest RMSE allowed in the picture (1/255)",
+         "1/255"},
+        {"case", 0, POPT_ARG_STRING, &job->atlas_case, 0, "failure: which entry of isoshade atlas (its first)", "NAME"},
         {"methods", 0, POPT_ARG_STRING, &job->methods, 0,
-         "a report's levels: such as naive,moments,moments+adapted; else its first and last", "LIST"},
+         "which methods, such as naive,moments,moments+adapted; of a report's levels else its first and last", "LIST"},
         {"variant", 0, POPT_ARG_STRING, &job->variant, 0,
          "a report's renderers: comparisons of such a name, such as naive or \"adapted TF\"; else those of the scene as it is",
          "TEXT"},
@@ -122,7 +129,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     }
     iso_cli_end(&cli);
     json_decref(job->facts);
-    char *texts[] = {a.output, a.kind, a.map, a.zoom, job->methods, job->variant, job->with, job->code};
+    char *texts[] = {a.output,  a.kind,  a.map,     a.zoom,          job->methods, job->variant,
+                     job->with, a.error, job->code, job->atlas_case, job->formats};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
     return status;
@@ -151,6 +159,8 @@ const iso_command iso_command_figure = {
         "  isoshade figure shells.nrrd --scene refscenes/shells.scene.json --kind renderers --with gl --width 85 --dpi 150 -o figure-two\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 -o report-fig\n"
         "  isoshade figure report-fig -o figure-levels --methods naive,moments,moments+adapted\n"
-        "  isoshade figure report-fig -o figure-renderers --kind renderers --level 1\n",
+        "  isoshade figure report-fig -o figure-renderers --kind renderers --level 1\n"
+        "  isoshade figure shells.nrrd --kind tf --width 85 -o figure-tf\n"
+        "  isoshade figure --kind failure --case thin-plates --width 85 -o figure-failure\n",
     .run = run,
 };

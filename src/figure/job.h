@@ -23,11 +23,13 @@ typedef struct iso_figure_job {
     double width_mm, height_mm; /* of the whole figure, at most: 85 fits one column of many journals, 178 both */
     double dpi;                 /* of its pictures */
     const iso_colormap *map;    /* of its data */
+    char *formats;              /* beside the PDF: "svg,png,latex"; NULL: all */
     int with_sources;
     iso_volume_input volume;
     iso_cli_look look; /* of a report the scene is a name */
     iso_cli_adapted adapted;
-    char *with, *methods, *variant, *code;
+    char *with, *methods, *variant, *code, *atlas_case;
+    double error; /* of a plan */
     int level, levels, frames, bits, bricks, entries;
     double surface;  /* NaN: not given */
     json_t *facts;   /* an object: what a kind counts and measures, for --json */
@@ -57,6 +59,8 @@ enum {
     ISO_FIGURE_HAS_BRICKS = 1 << 19,
     ISO_FIGURE_HAS_ENTRIES = 1 << 20,
     ISO_FIGURE_HAS_SURFACE = 1 << 21,
+    ISO_FIGURE_HAS_CASE = 1 << 22,
+    ISO_FIGURE_HAS_ERROR = 1 << 23,
 };
 
 struct iso_figure_info {

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/words.h"
 #include "figure/job.h"
+#include "figure/kinds_of_volume.h"
 #include "figure/levels.h"
 #include "figure/of_report.h"
 #include "figure/paper_kinds.h"
@@ -16,6 +17,14 @@ const iso_figure_info *const iso_figure_kinds[] = {
     &iso_figure_levels,
     &iso_figure_renderers,
     &iso_figure_grid,
+    &iso_figure_methods,
+    &iso_figure_tf,
+    &iso_figure_failure,
+    &iso_figure_chart,
+    &iso_figure_plan,
+    &iso_figure_seams,
+    &iso_figure_slices,
+    &iso_figure_turntable,
     &iso_figure_code_dots,
     &iso_figure_code_points,
     &iso_figure_code_regions,
@@ -96,6 +105,8 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
         {ISO_FIGURE_HAS_BRICKS, job->bricks != 0, "--bricks"},
         {ISO_FIGURE_HAS_ENTRIES, job->entries != 0, "--entries"},
         {ISO_FIGURE_HAS_SURFACE, !isnan(job->surface), "--surface"},
+        {ISO_FIGURE_HAS_CASE, job->atlas_case != NULL, "--case"},
+        {ISO_FIGURE_HAS_ERROR, job->error != 0, "--error"},
         {ISO_FIGURE_HAS_INSET, job->inset[2] != 0, "--zoom X,Y,W,H"},
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
@@ -137,7 +148,7 @@ static iso_status draw_page(const iso_figure_job *job, const char *dir, iso_erro
     if (status == ISO_OK)
         status = job->kind->draw(job, page, err);
     if (status == ISO_OK)
-        status = iso_page_finish(page, job->with_sources, err);
+        status = iso_page_finish(page, job->formats, job->with_sources, err);
     iso_page_destroy(page);
     return status;
 }
@@ -153,6 +164,8 @@ iso_status iso_figure_make(const iso_figure_job *job, iso_error *err)
         status = check_options(job, of_report, err);
     if (status == ISO_OK)
         status = check_numbers(job, err);
+    if (status == ISO_OK)
+        status = iso_page_check_forms(job->formats, err);
     if (status == ISO_OK)
         status = iso_output_begin_dir(&out, job->output, "figure.pdf", err);
     if (status == ISO_OK)

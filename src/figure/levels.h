@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* levels.h - levels or renderers of a volume side by side: rendered for their places in print, as many pixels as the places
- * have dots, in the scene's own view and aspect; below each how far it is from the first one. */
+/* levels.h - levels, renderers or methods of a volume side by side, in the scene's own view and aspect. */
 #ifndef ISO_FIGURE_LEVELS_H
 #define ISO_FIGURE_LEVELS_H
 
 #include "figure/job.h"
 
-extern const iso_figure_info iso_figure_levels, iso_figure_renderers;
+extern const iso_figure_info iso_figure_levels, iso_figure_renderers, iso_figure_methods;
 
 #endif

@@ -3,6 +3,7 @@
 #include "figure/page.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -368,9 +369,36 @@ static iso_status write_caption(const iso_page *p, iso_error *err)
     return status;
 }
 
-iso_status iso_page_finish(iso_page *p, int with_sources, iso_error *err)
+static const struct {
+    const char *name, *format; /* as users and as gnuplot's scripts call it */
+} forms_beside[] = {{"svg", "svg"}, {"png", "png"}, {"latex", "tex"}};
+enum { FORMS = sizeof forms_beside / sizeof *forms_beside };
+
+static bool is_named(const char *list, const char *name)
 {
-    static const char *const formats[] = {"pdf", "svg", "png", "tex"};
+    const size_t n = strlen(name);
+    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
+        if (strncmp(at, name, n) == 0 && (at[n] == 0 || at[n] == ','))
+            return true;
+    return !list;
+}
+
+iso_status iso_page_check_forms(const char *list, iso_error *err)
+{
+    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+        char word[16];
+        bool known = false;
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
+        for (size_t i = 0; i < FORMS; ++i)
+            known |= !strcmp(word, forms_beside[i].name);
+        if (!known && strcmp(word, "pdf") != 0)
+            return iso_fail(err, ISO_E_USAGE, "--formats: \"%s\" is none of pdf, svg, png and latex", word);
+    }
+    return ISO_OK;
+}
+
+iso_status iso_page_finish(iso_page *p, const char *forms, int with_sources, iso_error *err)
+{
     if (p->status != ISO_OK)
         return iso_fail(err, p->status, "%s", p->err.text);
     for (int i = 0; i < PIECES; ++i)
@@ -378,10 +406,13 @@ iso_status iso_page_finish(iso_page *p, int with_sources, iso_error *err)
             return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     char *script = write_script(p);
     iso_status status = script ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    for (size_t i = 0; i < sizeof formats / sizeof *formats && status == ISO_OK; ++i)
-        status = iso_gnuplot_draw_script(p->dir, "figure", script, formats[i], err);
-    free(script);
     if (status == ISO_OK)
+        status = iso_gnuplot_draw_script(p->dir, "figure", script, "pdf", err);
+    for (size_t i = 0; i < FORMS && status == ISO_OK; ++i)
+        if (is_named(forms, forms_beside[i].name))
+            status = iso_gnuplot_draw_script(p->dir, "figure", script, forms_beside[i].format, err);
+    free(script);
+    if (status == ISO_OK && is_named(forms, "png"))
         status = draw_png(p, err);
     if (status == ISO_OK)
         status = write_caption(p, err);

@@ -116,11 +116,14 @@ void iso_page_put_rectangle(iso_page *page, const iso_page_box *box, const char 
 
 /* What is written to the file until the plot ends is gnuplot's: ranges, ticks, datablocks, and one "plot" whose axes fill
  * the box; ticks and labels of axes stand around it. Texts go through the functions of page.gp: title('..'), note('..');
- * formats of ticks through ticks('..'). The style is set: no key, ticks outwards, a thin border left and below. */
+ * formats of ticks through ticks('..'), of powers of ten
+ * by `powers`. The fonts are note_font and title_font, a width of lines pen(points). The style is set: no key, ticks outwards, a thin border left and below. */
 FILE *iso_page_plot_begin(iso_page *page, const iso_page_box *box);
 void iso_page_plot_end(iso_page *page);
 
-/* Draws all forms. What they were drawn from is removed unless it is wanted. ISO_E_MISSING without gnuplot. */
-iso_status iso_page_finish(iso_page *page, int with_sources, iso_error *err);
+/* Draws figure.pdf, and of the other forms those that a list names: "svg,png,latex"; NULL: all. What they were drawn from is removed unless it is wanted. ISO_E_MISSING without gnuplot. */
+iso_status iso_page_finish(iso_page *page, const char *forms, int with_sources, iso_error *err);
+/* ISO_E_USAGE: a list names what is no form. */
+iso_status iso_page_check_forms(const char *forms, iso_error *err);
 
 #endif

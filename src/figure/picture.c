@@ -2,7 +2,6 @@
 #include "figure/picture.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/provenance.h"
 #include "scene/subject.h"
@@ -99,31 +98,6 @@ iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *wh
     if (status == ISO_OK && mm_per_pixel)
         *mm_per_pixel = iso_view_mm_per_pixel(&view, &s->pyramid.levels[0].geometry);
     iso_view_destroy(&view);
-    return status;
-}
-
-iso_status iso_figure_render_inset(iso_figure_subject *s, const iso_figure_picture *what, const double inset[4],
-                                   size_t width, iso_image *image, iso_error *err)
-{
-    iso_figure_picture large = *what;
-    iso_image whole = {0};
-    large.width = (size_t)lrint((double)width / inset[2]);
-    large.height = (size_t)lrint((double)large.width * (double)what->height / (double)what->width);
-    const size_t height = (size_t)fmax(1, floor(inset[3] * (double)large.height));
-    const size_t x = (size_t)(inset[0] * (double)large.width), y = (size_t)(inset[1] * (double)large.height);
-    if (large.width * large.height > ISO_FIGURE_MOST_PIXELS)
-        return iso_fail(
-            err, ISO_E_RANGE,
-            "--zoom: the picture would have %zu x %zu pixels, %d million at most: a larger part, or a lower "
-            "--dpi",
-            large.width, large.height, (int)ISO_FIGURE_MOST_PIXELS >> 20);
-    iso_status status = iso_figure_render(s, &large, &whole, NULL, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, width, height, err);
-    for (size_t row = 0; row < height && status == ISO_OK; ++row)
-        memcpy(image->rgba + 4 * row * width, whole.rgba + 4 * ((y + row) * large.width + x),
-               4 * width * sizeof *whole.rgba);
-    iso_image_destroy(&whole);
     return status;
 }
 

@@ -39,16 +39,12 @@ typedef struct iso_figure_picture {
 iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *what, iso_image *image,
                              double *mm_per_pixel, iso_error *err);
 
-/* The part `inset` (iso_figure_job.inset) of the picture, so many times as large, with pixels of its own: the whole picture
- * is rendered that large, and the part cut out, so that it is the same projection for every renderer. ISO_E_RANGE: more
- * pixels than ISO_FIGURE_MOST_PIXELS. */
+/* Of a picture that is rendered large for an inset. */
 enum { ISO_FIGURE_MOST_PIXELS = 64 << 20 };
-iso_status iso_figure_render_inset(iso_figure_subject *s, const iso_figure_picture *what, const double inset[4],
-                                   size_t width, iso_image *image, iso_error *err);
 
 /* " of NAME (SCENE)", for captions. */
 void iso_figure_put_subject(const iso_figure_subject *s, FILE *caption);
-/* The width of pictures of this height, in the scene's aspect; and the other way round. */
+/* Width over height of the scene's picture. */
 double iso_figure_aspect(const iso_figure_subject *s);
 
 #endif

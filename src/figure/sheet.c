@@ -155,6 +155,8 @@ static bool has_panel(const iso_figure_sheet *f, size_t row, size_t column)
 
 static size_t first_map_row(const iso_figure_sheet *f)
 {
+    if (f->legend)
+        return 0;
     for (size_t i = 0; i < f->count; ++i)
         if (f->panels[i].against)
             return f->panels[i].row;
@@ -166,18 +168,27 @@ static double legend_ticks_mm(const iso_figure_sheet *f)
     return 1 + (f->in_logs ? iso_page_text_width_mm("1e-08", 5, note_pt) : iso_page_text_width_mm("0.000", 5, note_pt));
 }
 
-static double legend_words_mm(const layout *l, char out[128])
+static double legend_words_mm(const iso_figure_sheet *f, const layout *l, char out[128])
 {
-    return lines_mm(break_lines(legend_words, 0.95 * l->panel_height, note_pt, out), note_pt) + 0.8;
+    return lines_mm(break_lines(f->legend ? f->legend : legend_words, 0.95 * l->panel_height, note_pt, out), note_pt) +
+           0.8;
 }
 
 /* The legend stands in the empty place before the first maps, or on the right of them. */
 static void place_legend(const iso_figure_sheet *f, layout *l, bool inside)
 {
-    const double top = row_top(f, l, first_map_row(f)), words = legend_words_mm(l, l->legend_text);
+    const double top = row_top(f, l, first_map_row(f)), words = legend_words_mm(f, l, l->legend_text);
     const double wide = words + legend_bar_mm + legend_ticks_mm(f);
     double x = inside ? l->left + fmax(0.5 * (l->panel_width - wide), 0) : l->width - l->right + gap_mm;
     l->legend = (iso_page_box){x + words, top + 0.04 * l->panel_height, legend_bar_mm, 0.92 * l->panel_height};
+}
+
+static size_t has_sides(const iso_figure_sheet *f)
+{
+    size_t any = 0;
+    for (size_t i = 0; i < f->count; ++i)
+        any |= f->panels[i].side[0] != 0;
+    return any;
 }
 
 /* Panels as wide as the sheet has room for, texts around them. */
@@ -187,12 +198,14 @@ static void size_panels(const iso_figure_sheet *f, layout *l, bool inside, doubl
     const double columns = (double)f->columns, gaps = (columns - 1) * gap_mm;
     char lines[128];
     /* The height of the panels says how many lines the upright texts have, and these leave less width: until both agree. */
-    for (size_t sides = 0, wanted = 1; wanted > sides; wanted = side_lines(f, l)) {
+    for (size_t sides = 0, wanted = has_sides(f), passes = 0; wanted > sides || passes == 0;
+         wanted = side_lines(f, l)) {
         sides = wanted;
+        ++passes;
         l->left = 0.5 + lines_mm(sides, l->title_pt) + 0.5;
         l->right = inside || first_map_row(f) == f->rows
                        ? 0.5
-                       : gap_mm + legend_words_mm(l, lines) + legend_bar_mm + legend_ticks_mm(f) + 0.5;
+                       : gap_mm + legend_words_mm(f, l, lines) + legend_bar_mm + legend_ticks_mm(f) + 0.5;
         l->panel_width = fmin((f->width_mm - l->left - l->right - gaps) / columns, widest_mm) * narrower;
         l->panel_height = l->panel_width * (double)first->height / (double)first->width;
     }
@@ -222,7 +235,7 @@ static iso_status plan_layout(const iso_figure_sheet *f, layout *l, iso_error *e
     char lines[128];
     *l = (layout){.title_pt = largest_title_pt};
     size_panels(f, l, inside, narrower);
-    if (inside && legend_words_mm(l, lines) + legend_bar_mm + legend_ticks_mm(f) > l->panel_width)
+    if (inside && legend_words_mm(f, l, lines) + legend_bar_mm + legend_ticks_mm(f) > l->panel_width)
         size_panels(f, l, inside = false, narrower);
     for (int i = 0; i < 20 && l->height > f->height_mm; ++i) {
         narrower *= fmax(1 - (l->height - f->height_mm) / ((double)f->rows * l->panel_height), 0.5);
@@ -317,6 +330,18 @@ static void put_texts(const iso_figure_sheet *f, const layout *l, const iso_figu
               lines);
 }
 
+/* The part of a picture that its inset shows, and the inset, in one color. */
+static void put_frames(const iso_figure_panel *p, const iso_page_box *box, iso_page *page)
+{
+    const iso_page_pen pen = {"#e69f00", 0.8, 0};
+    const iso_page_box mark = {box->left + p->mark[0] * box->width, box->top + p->mark[1] * box->height,
+                               p->mark[2] * box->width, p->mark[3] * box->height};
+    if (mark.width > 0)
+        iso_page_put_rectangle(page, &mark, NULL, &pen);
+    if (p->framed)
+        iso_page_put_rectangle(page, box, NULL, &pen);
+}
+
 static iso_page_box panel_box(const iso_figure_sheet *f, const layout *l, const iso_figure_panel *p,
                               const iso_page *page)
 {
@@ -336,6 +361,7 @@ static void put_panel(const iso_figure_sheet *f, const layout *l, size_t i, iso_
     else
         iso_page_put_picture(page, &box, &p->a);
     put_texts(f, l, p, &box, page);
+    put_frames(p, &box, page);
     if (p->scale_bar)
         iso_page_put_scale_bar(page, &box, &p->a, p->mm_per_pixel);
 }
@@ -401,7 +427,7 @@ static iso_page_color_bar legend_bar(const iso_figure_sheet *f, const layout *l)
 
 void iso_figure_describe(const iso_figure_sheet *f, FILE *caption)
 {
-    if (first_map_row(f) == f->rows)
+    if (f->legend || first_map_row(f) == f->rows)
         return;
     fprintf(caption, " Colors of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity%s.",
             f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "", f->high,
@@ -422,7 +448,7 @@ iso_status iso_figure_draw(const iso_figure_sheet *f, iso_page *page, iso_error 
     const iso_status status = plan_layout(f, &l, err);
     if (status != ISO_OK)
         return status;
-    iso_page_set_size(page, l.width, l.height);
+    iso_page_set_size(page, l.width, l.height + f->foot_mm);
     iso_page_set_text_pt(page, ISO_PAGE_TITLE, l.title_pt);
     iso_page_set_text_pt(page, ISO_PAGE_NOTE, note_pt);
     for (size_t i = 0; i < f->count; ++i)

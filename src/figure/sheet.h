@@ -19,6 +19,8 @@ typedef struct iso_figure_panel {
     iso_metrics metrics; /* of a difference */
     double mm_per_pixel; /* 0: unknown */
     bool scale_bar;
+    double mark[4]; /* a part of the picture that is framed: left, top, wide, high; zeroed: none */
+    bool framed;    /* the picture itself is */
 } iso_figure_panel;
 
 typedef struct iso_figure_sheet {
@@ -30,6 +32,8 @@ typedef struct iso_figure_sheet {
     double width_mm, height_mm; /* at most */
     bool a_pixel_a_dot;         /* pictures have as many pixels as their places have dots; else they fill these */
     const iso_colormap *map;
+    const char *legend; /* text of a color bar for pictures that show data, low to high; NULL: for maps alone */
+    double foot_mm;     /* left free below */
 } iso_figure_sheet;
 
 /* The width of a panel as it is printed; of the images only the sizes are looked at. ISO_E_RANGE as iso_figure_draw(). */

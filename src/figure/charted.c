@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+/* A chart's result at print size: error against time, and against bytes, the fronts as stairs, what is on them by number. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "figure/kinds_of_volume.h"
+
+enum { MOST_SERIES = 8, MOST_LISTED = 40 };
+static const char *const colors[MOST_SERIES] = {"#0072b2", "#d55e00", "#009e73", "#e69f00",
+                                                "#cc79a7", "#56b4e9", "#222222", "#999999"};
+static const int points[MOST_SERIES] = {7, 5, 9, 13, 11, 6, 4, 8};
+
+typedef struct charted {
+    const json_t *options, *cases;
+    const char *metric, *bytes_key;
+    char names[MOST_SERIES][64]; /* renderers, each with a color and a shape */
+    size_t series;
+} charted;
+
+static double number_of(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+static const char *string_of(const json_t *object, const char *key)
+{
+    const char *s = json_string_value(json_object_get(object, key));
+    return s ? s : "";
+}
+
+static double error_of(const charted *c, const json_t *one)
+{
+    if (!strcmp(c->metric, "flip"))
+        return number_of(one, "flip_mean");
+    return !strcmp(c->metric, "rmse") ? number_of(one, "rmse") : 1 - number_of(one, "ssim");
+}
+
+static size_t series_of(const charted *c, const json_t *one)
+{
+    size_t i = 0;
+    while (i < c->series && strcmp(c->names[i], string_of(one, "renderer")) != 0)
+        ++i;
+    return i < MOST_SERIES ? i : MOST_SERIES - 1;
+}
+
+static void find_series(charted *c)
+{
+    json_t *one;
+    size_t i;
+    json_array_foreach(c->cases, i, one)
+    {
+        const size_t at = series_of(c, one);
+        if (at == c->series && c->series < MOST_SERIES)
+            snprintf(c->names[c->series++], sizeof *c->names, "%s", string_of(one, "renderer"));
+    }
+}
+
+typedef struct corner {
+    double cost, error;
+} corner;
+
+static int by_cost(const void *a, const void *b)
+{
+    const corner *x = a, *y = b;
+    return (x->cost > y->cost) - (x->cost < y->cost);
+}
+
+/* Stairs: the least error for so much or less. */
+static void put_front(FILE *gp, const charted *c, bool of_time)
+{
+    corner *corners = calloc(json_array_size(c->cases) + 1, sizeof *corners);
+    json_t *one;
+    size_t i, count = 0;
+    if (!corners)
+        return;
+    json_array_foreach(c->cases, i,
+                       one) if (json_is_true(json_object_get(one, of_time ? "on_time_front" : "on_bytes_front")))
+        corners[count++] = (corner){number_of(one, of_time ? "milliseconds" : c->bytes_key), error_of(c, one)};
+    qsort(corners, count, sizeof *corners, by_cost);
+    fprintf(gp, "$front%d << EOD\n", of_time);
+    for (i = 0; i < count; ++i) {
+        if (i > 0)
+            fprintf(gp, "%.9g %.9g\n", corners[i].cost, corners[i - 1].error);
+        fprintf(gp, "%.9g %.9g\n", corners[i].cost, corners[i].error);
+    }
+    fputs("EOD\n", gp);
+    free(corners);
+}
+
+/* Cost, error, level, series, whether on the front, number: a row a setting. The range holds all with a margin. */
+static void put_data(FILE *gp, const charted *c, bool of_time)
+{
+    double least[2] = {INFINITY, INFINITY}, most[2] = {0, 0};
+    json_t *one;
+    size_t i;
+    fprintf(gp, "$rows%d << EOD\n", of_time);
+    json_array_foreach(c->cases, i, one)
+    {
+        const double at[2] = {number_of(one, of_time ? "milliseconds" : c->bytes_key), error_of(c, one)};
+        if (!(at[0] > 0 && at[1] > 0))
+            continue;
+        for (int k = 0; k < 2; ++k)
+            least[k] = fmin(least[k], at[k]), most[k] = fmax(most[k], at[k]);
+        fprintf(gp, "%.9g %.9g %g %zu %d %g\n", at[0], at[1], number_of(one, "level"), series_of(c, one),
+                json_is_true(json_object_get(one, of_time ? "on_time_front" : "on_bytes_front")),
+                fmax(number_of(one, "number"), 0));
+    }
+    fprintf(gp, "EOD\nset xrange [%.6g:%.6g]; set yrange [%.6g:%.6g]\n", least[0] / 1.5, most[0] * 1.3, least[1] / 1.6,
+            most[1] * 1.6);
+    put_front(gp, c, of_time);
+}
+
+static void put_panel(iso_page *page, const charted *c, const iso_page_box *box, bool of_time, bool named)
+{
+    FILE *gp = iso_page_plot_begin(page, box);
+    put_data(gp, c, of_time);
+    fprintf(
+        gp,
+        "set logscale xy; set format x powers; set format y powers; set xtics offset 0, 0.4; set ytics offset 0.8, 0\n"
+        "set grid lc rgb '#e8e8e8' lw pen(0.4) lt 1\nplot $front%d using 1:2 with lines lc rgb '#b0b0b0' lw pen(1)",
+        of_time);
+    for (size_t i = 0; i < c->series; ++i)
+        fprintf(
+            gp,
+            ", $rows%d using ($4 == %zu ? $1 : NaN):2:(pen(0.5 * 0.75 ** $3)) with points pt %d ps variable lc rgb '%s'",
+            of_time, i, points[i], colors[i]);
+    fprintf(
+        gp,
+        ", $rows%d using ($5 == 1 && $6 > 0 ? $1 : NaN):2:(note(sprintf('%%d', $6))) with labels right offset -0.6, -0.3 "
+        "font note_font textcolor rgb '#222222'\n",
+        of_time);
+    iso_page_plot_end(page);
+    iso_page_put_text(page,
+                      &(iso_page_text){box->left + 0.5 * box->width, box->top + box->height + 7.5, ISO_PAGE_NOTE,
+                                       ISO_PAGE_CENTER, 0, NULL},
+                      of_time                                 ? "time of a frame, ms"
+                      : !strcmp(c->bytes_key, "stored_bytes") ? "bytes of the level in files"
+                                                              : "bytes that the renderer holds");
+    if (named)
+        iso_page_put_text(page,
+                          &(iso_page_text){1.7, box->top + 0.5 * box->height, ISO_PAGE_NOTE, ISO_PAGE_CENTER, 1, NULL},
+                          !strcmp(c->metric, "rmse")   ? "RMSE to level 0"
+                          : !strcmp(c->metric, "flip") ? "FLIP to level 0"
+                                                       : "1 − SSIM to level 0");
+}
+
+/* Renderers by color and shape. */
+static void put_legend(iso_page *page, const charted *c, double left, double y)
+{
+    for (size_t i = 0; i < c->series; ++i) {
+        const iso_page_box square = {left, y - 0.8, 1.6, 1.6};
+        iso_page_put_rectangle(page, &square, colors[i], NULL);
+        iso_page_put_text(page, &(iso_page_text){.x = left + 2.2, .y = y, .role = ISO_PAGE_NOTE}, c->names[i]);
+        left += 6 + iso_page_text_mm(page, ISO_PAGE_NOTE, c->names[i]);
+    }
+    iso_page_put_text(page, &(iso_page_text){.x = left, .y = y, .role = ISO_PAGE_NOTE}, "smaller: coarser levels");
+}
+
+static void write_caption(const charted *c, FILE *f)
+{
+    json_t *one;
+    size_t i, listed = 0;
+    fprintf(f, "Error against cost of the settings that were tried for %s (%s), %zu of them: stairs join the front.",
+            string_of(c->options, "volume"), string_of(c->options, "scene"), json_array_size(c->cases));
+    json_array_foreach(c->cases, i, one) if (number_of(one, "number") > 0 && listed++ < MOST_LISTED)
+        fprintf(f, " %g: %s.", number_of(one, "number"), string_of(one, "setting"));
+}
+
+static iso_status draw_loaded(const iso_figure_job *job, charted *c, iso_page *page, iso_error *err)
+{
+    const double width = job->width_mm, left = 12, gap = 10, foot = 10, head = 5;
+    const bool stacked = width < 120;
+    const double panel = stacked ? width - left - 3 : (width - 2 * left - gap + 7) / 2;
+    const double high = fmin(0.75 * panel,
+                             stacked ? (job->height_mm - head - 2 * foot) / 2 : job->height_mm - head - foot);
+    find_series(c);
+    if (json_array_size(c->cases) == 0)
+        return iso_fail(err, ISO_E_RANGE, "%s: the chart has no setting that was measured", job->input);
+    if (high < 20)
+        return iso_fail(err, ISO_E_RANGE, "figure: a chart does not fit into %g x %g mm", width, job->height_mm);
+    iso_page_set_size(page, width, head + (stacked ? 2 : 1) * (high + foot));
+    put_legend(page, c, left, 0.5 * head);
+    put_panel(page, c, &(iso_page_box){left, head, panel, high}, true, true);
+    put_panel(page, c,
+              &(iso_page_box){stacked ? left : left + panel + gap, head + (stacked ? high + foot : 0), panel, high},
+              false, stacked);
+    write_caption(c, iso_page_caption(page));
+    return ISO_OK;
+}
+
+static iso_status draw_chart(const iso_figure_job *job, iso_page *page, iso_error *err)
+{
+    json_t *root = NULL;
+    char *path = iso_path_join(job->input, "chart.json");
+    iso_status status = path ? iso_json_load(path, &root, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    charted c = {.options = json_object_get(root, "options"), .cases = json_object_get(root, "cases")};
+    c.metric = string_of(c.options, "metric");
+    c.bytes_key = !strcmp(string_of(c.options, "bytes"), "stored") ? "stored_bytes" : "device_bytes";
+    if (status == ISO_OK && (!json_is_array(c.cases) || strncmp(string_of(root, "schema"), "isoshade.chart/", 15) != 0))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: no chart of settings; its schema is \"%s\"", path,
+                          string_of(root, "schema"));
+    if (status == ISO_OK)
+        status = draw_loaded(job, &c, page, err);
+    json_decref(root);
+    free(path);
+    return status;
+}
+
+const iso_figure_info iso_figure_chart = {
+    .name = "chart",
+    .summary = "what `isoshade chart` found: error against time and bytes, with the fronts",
+    .takes = ISO_FIGURE_OF_CHART,
+    .draw = draw_chart,
+};

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/* kinds_of_volume.h - kinds of figures that are of a volume; levels.h has those that compare. */
+#ifndef ISO_FIGURE_KINDS_OF_VOLUME_H
+#define ISO_FIGURE_KINDS_OF_VOLUME_H
+
+#include "figure/job.h"
+
+extern const iso_figure_info iso_figure_tf;        /* transfer.c */
+extern const iso_figure_info iso_figure_slices;    /* slices.c */
+extern const iso_figure_info iso_figure_turntable; /* turntable.c */
+extern const iso_figure_info iso_figure_plan;      /* planned.c */
+extern const iso_figure_info iso_figure_seams;     /* seams.c */
+extern const iso_figure_info iso_figure_failure;   /* failure.c; of no volume but its own */
+extern const iso_figure_info iso_figure_chart;     /* charted.c; of a chart */
+
+#endif

@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Each kind of figure: nothing left over, texts of 6 to 9 points that touch no other, pictures with a pixel a dot, the same in
+# the PNG; LaTeX takes its form.
+. "$(dirname "$0")/lib.sh"
+cd "$dir" || exit 1
+"$ISOSHADE" make shells --size 24x26x22 --quiet -o v.nrrd
+mkdir tried && cat >tried/chart.json <<'END'
+{"schema": "isoshade.chart/2", "options": {"volume": "v.nrrd", "scene": "s", "metric": "rmse", "bytes": "device"}, "cases": [
+{"setting": "gl, level 1", "renderer": "gl", "level": 1, "milliseconds": 1, "device_bytes": 1000, "rmse": 0.1, "on_time_front": true, "on_bytes_front": true, "number": 1},
+{"setting": "gl, level 0", "renderer": "gl", "level": 0, "milliseconds": 8, "device_bytes": 9000, "rmse": 0.002, "on_time_front": true, "on_bytes_front": true, "number": 2},
+{"setting": "povray, level 0", "renderer": "povray", "level": 0, "milliseconds": 800, "device_bytes": 9900, "rmse": 0.004, "on_time_front": false, "on_bytes_front": false}]}
+END
+
+# Of DejaVu Sans a box of a word is 1.164 of the size high; of an upright word it is as wide.
+sizes_are_right() { # pdf
+    pdftotext -bbox "$1" - | awk -F'"' 'function right(mm) {return mm / 1.164 >= 5.95 && mm / 1.164 <= 9.05}
+        /<word/ {++n; if (!right($8 - $4) && !right($6 - $2)) {print "neither " $8 - $4 " nor " $6 - $2 " high: " $0; bad = 1}}
+        END {exit !(n > 0 && !bad)}'
+}
+fonts_are_inside() { pdffonts "$1" | awk 'NR > 2 {++n; if ($(NF - 4) != "yes") bad = 1} END {exit !(n > 0 && !bad)}'; }
+# As dense as was asked for; a color bar is one pixel wide.
+dense_enough() { pdfimages -list "$1" | awk -v d="$2" 'NR > 2 && $4 > 1 {if ($13 < d || $14 < d) bad = 1} END {exit bad}'; }
+# Every picture of the PDF lies in the PNG, byte by byte but where a text or a frame stands over it.
+in_the_png() { # figure's folder
+    rm -f p-*.ppm && pdfimages "$1/figure.pdf" p
+    PYTHONPATH=$top/tests python3 - "$1/figure.png" <<'END'
+import glob, sys
+from sheet_panel import load
+rows = [b"".join(bytes(p[:3]) for p in row) for row in load(sys.argv[1])]
+for path in glob.glob("p-*.ppm"):
+    magic, size, depth, pixels = open(path, "rb").read().split(b"\n", 3)
+    w, h = map(int, size.split())
+    if w < 2: continue
+    middle = slice(3 * (w // 8), 3 * (w - w // 8))
+    lines = [pixels[3 * w * y:3 * w * (y + 1)][middle] for y in range(h)]
+    best, k = 0, 3 * h // 4
+    for y in range(k, len(rows) - h + k + 1):
+        x = rows[y].find(lines[k])
+        while x >= 0 and best < h:
+            if x % 3 == 0: best = max(best, sum(rows[y - k + i][x:x + len(lines[0])] == lines[i] for i in range(h)))
+            x = rows[y].find(lines[k], x + 1)
+    if best < 0.5 * h: print(path, w, h, best); sys.exit(1)
+END
+}
+latex=$(command -v pdflatex)
+[ -n "$latex" ] || echo "# no pdflatex: the form for LaTeX is not compiled"
+compiles() { # figure's folder
+    grep -q 'fontsize{' "$1/figure-latex.tex" || return 1
+    [ -n "$latex" ] || return 0
+    printf '\\documentclass{article}\\usepackage{graphicx,color}\\begin{document}\\input{figure-latex}\\end{document}\n' >"$1/paper.tex"
+    (cd "$1" && pdflatex -interaction=batchmode -halt-on-error paper.tex >/dev/null && pdffonts paper.pdf | grep -q CMR)
+}
+kind() { # name, options
+    local name=$1
+    shift
+    expect "a_figure_$name" 0 "$ISOSHADE" figure "$@" --kind "$name" --width 85 --dpi 72 -q -o "$name"
+    check "${name}_is_all_there" test "$(cd "$name" && echo *)" = "caption.txt figure-latex.pdf figure-latex.tex figure.pdf figure.png figure.svg$more"
+    check "${name}_has_its_fonts" fonts_are_inside "$name/figure.pdf"
+    check "${name}_has_texts_of_6_to_9_points" sizes_are_right "$name/figure.pdf"
+    check "${name}_has_a_pixel_a_dot" dense_enough "$name/figure.pdf" 71
+    check "${name}_has_a_caption" grep -qE '.{60}' "$name/caption.txt"
+}
+more=
+kind tf v.nrrd
+kind failure --case noise
+kind chart tried
+kind plan v.nrrd --error 0.02
+kind seams v.nrrd
+kind methods v.nrrd --level 1 --methods naive,moments --zoom 0.4,0.3,0.25,0.25
+kind slices v.nrrd --levels 2 --map viridis
+more=" turntable.png"
+kind turntable v.nrrd --frames 3
+check latex_takes_a_plot compiles chart
+check latex_takes_pictures compiles methods
+check the_png_has_the_same_pixels in_the_png methods
+check the_inset_is_told_of grep -q 'rendered again with 4 times as many pixels' methods/caption.txt
+check insets_have_pixels_of_their_own test "$(pdfimages methods/figure.pdf q && md5sum q-*.ppm | cut -d' ' -f1 | sort | uniq -d | wc -l)" = 0
+check the_turntable_moves test "$(grep -c fcTL turntable/turntable.png)-$(grep -ao fcTL turntable/turntable.png | wc -l)-$(grep -ao fdAT turntable/turntable.png | wc -l)" = "$(grep -c fcTL turntable/turntable.png)-3-2"
+# Frames are the pixels of `render`, the first one as the PNG has it without knowing of animations.
+size=$(pdfimages -list turntable/figure.pdf | awk 'NR == 3 {print $4 "x" $5}')
+"$ISOSHADE" render v.nrrd --size "$size" -q -o first.png >/dev/null
+same() { PYTHONPATH=$top/tests python3 -c 'import sys; from sheet_panel import load; sys.exit(load(sys.argv[1]) != load(sys.argv[2]))' "$1" "$2"; }
+check the_first_frame_is_that_of_render same first.png turntable/turntable.png
+
+# Planted: a text of 5 points, a picture with half the pixels.
+"$ISOSHADE" figure tried --kind chart --width 85 --formats pdf --sources -q -o planted >/dev/null
+(cd planted && sed -i 's/^note_pt = .*/note_pt = 5/' figure.gp && gnuplot -e "format='pdf'" figure.gp)
+notice small_text_is_noticed sizes_are_right planted/figure.pdf
+notice few_pixels_are_noticed dense_enough methods/figure.pdf 144
+
+# What a kind would pass over is refused, and so is what is no part of a picture.
+refuse frames_are_of_turntables 2 'kind tf does not take --frames' "$ISOSHADE" figure v.nrrd --kind tf --frames 3 -o f
+refuse a_kind_that_is_none 2 'kind of figure' "$ISOSHADE" figure v.nrrd --kind photo -o f
+refuse a_map_that_is_none 2 'color map' "$ISOSHADE" figure v.nrrd --map jet -o f
+refuse an_inset_beyond_the_picture 5 'parts of the picture' "$ISOSHADE" figure v.nrrd --zoom 0.9,0,0.5,0.5 -o f
+refuse a_zoom_that_is_none 2 'wanted X or X,Y,W,H' "$ISOSHADE" figure v.nrrd --zoom 1,2 -o f
+refuse a_form_that_is_none 2 'none of pdf' "$ISOSHADE" figure v.nrrd --formats gif -o f
+refuse a_case_that_is_none 2 'the atlas has no' "$ISOSHADE" figure --kind failure --case x -o f
+refuse no_volume 2 'needs a volume' "$ISOSHADE" figure --kind tf -o f
+check nothing_is_left test ! -e f
+exit $failed
