@@ -42,6 +42,11 @@ expect json_says_it_too 1 "$ISOSHADE" report diff one two --json
 has_keys json_has "$dir/out" schema command options rows facts pictures verdict sentence changed_count picture_count
 plant "$limit['rmse'] += 0.005 * $limit['limits']['rmse']; $limit['seconds'] = 99; d['seconds']['total'] = 99; d['made'] = 'now'"
 expect a_figure_within_it_and_times_are_none 0 "$ISOSHADE" report diff one two
+plant "$limit['limits']['rmse'] *= 2"
+expect a_stated_limit_that_moved_is_a_difference 1 "$ISOSHADE" report diff one two
+plant "$limit['rmse'] += 0.02 * $limit['limits']['rmse']; $limit.setdefault('statistics', {})['noise_bar'] = 1.0"
+expect a_change_within_the_noise_of_the_second_is_none 0 "$ISOSHADE" report diff one two
+expect nor_within_that_of_the_first 0 "$ISOSHADE" report diff two one
 plant "$limit['rmse'] = None"
 expect a_figure_that_is_none_any_more_is_a_difference 1 "$ISOSHADE" report diff one two
 plant "d['agreement'].remove($limit)"

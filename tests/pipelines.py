@@ -179,7 +179,7 @@ class Runner:
         # What an earlier try finished, or left when it was killed, may be there too; the second goes at any time.
         for n in set(there) | set(right["before"]):
             if n not in there or (there[n] not in (right["before"].get(n), right["files"].get(n), earlier.get(n)) and
-                                  n not in right["loose"] and not n.split("/")[0].startswith(".v.iso.partial")):
+                                  n not in right["loose"] and not n.startswith((".v.iso.partial", "report.work"))):
                 raise AssertionError(f"{what}, and {n} is {'lost' if n not in there else 'left over or changed'}")
         return "told"
 

@@ -17,6 +17,18 @@ using openvdb::Coord;
 
 namespace {
 
+/* OpenVDB writes where things are into the file, and does not look whether the place could be told. */
+struct told_places : std::filebuf {
+    bool failed = false;
+
+    pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode mode) override
+    {
+        const pos_type place = std::filebuf::seekoff(offset, from, mode);
+        failed = failed || place == pos_type(off_type(-1));
+        return place;
+    }
+};
+
 /* OpenVDB's File does not look at the stream's state after writing. */
 struct archive : openvdb::io::Archive {
     void save(std::ostream &out, const openvdb::GridCPtrVec &grids, const openvdb::MetaMap &meta, bool small)
@@ -215,11 +227,14 @@ int iso_vdb_file_note(iso_vdb_file *file, const char *key, const char *text, iso
 int iso_vdb_file_write(const iso_vdb_file *file, const char *path, bool small, iso_vdb_message *message)
 {
     return guarded(message, [&] {
-        std::ofstream out;
+        told_places buffer;
+        if (!buffer.open(path, std::ios::out | std::ios::binary | std::ios::trunc))
+            throw std::ios::failure("the file cannot be opened");
+        std::ostream out(&buffer);
         out.exceptions(std::ios::failbit | std::ios::badbit);
-        out.open(path, std::ios::out | std::ios::binary | std::ios::trunc);
         archive().save(out, file->grids, file->about, small);
-        out.close();
+        if (!buffer.close() || buffer.failed)
+            throw std::ios::failure("the file cannot be written");
         return static_cast<int>(ISO_OPENVDB_OK);
     });
 }

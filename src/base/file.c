@@ -34,16 +34,22 @@ const char *iso_path_base(const char *path)
     return slash ? slash + 1 : path;
 }
 
+/* Asks again where the answer could not be read: it is no "no". */
+static bool look_at(const char *path, struct stat *st)
+{
+    return stat(path, st) == 0 || ((errno == EIO || errno == EINTR) && stat(path, st) == 0);
+}
+
 bool iso_path_exists(const char *path)
 {
     struct stat st;
-    return stat(path, &st) == 0;
+    return look_at(path, &st);
 }
 
 bool iso_path_is_dir(const char *path)
 {
     struct stat st;
-    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+    return look_at(path, &st) && S_ISDIR(st.st_mode);
 }
 
 bool iso_path_ends_with(const char *path, const char *suffix)

@@ -98,7 +98,7 @@ def judge(w, t, here, code, out, err):
 def attempt(w, t, library):
     here = w.folder(t.command)
     path = f"{here}/state"
-    code, out, err = w.run(t.command, here, limit=30, FAULTS_LEAST=os.environ.get("LEAST", "0"), FAULTS_STATE=path, FAULTS_KIND=t.kind, FAULTS_HOW=str(t.how),
+    code, out, err = w.run(t.command, here, limit=120, FAULTS_LEAST=os.environ.get("LEAST", "0"), FAULTS_STATE=path, FAULTS_KIND=t.kind, FAULTS_HOW=str(t.how),
                            FAULTS_AT=str(t.number), LD_PRELOAD=library)
     state = State(path)
     outcome, why = judge(w, t, here, code, out, err)
