@@ -46,6 +46,12 @@ static void the_ray_caster_passes_its_calibration(void **state)
     expect_trust(&iso_renderer_gl);
 }
 
+static void the_cpu_ray_caster_passes_its_calibration(void **state)
+{
+    (void)state;
+    expect_trust(&iso_renderer_cpu);
+}
+
 static void povray_passes_its_calibration(void **state)
 {
     (void)state;
@@ -174,6 +180,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_reference_passes_its_calibration),
         cmocka_unit_test(the_ray_caster_passes_its_calibration),
+        cmocka_unit_test(the_cpu_ray_caster_passes_its_calibration),
         cmocka_unit_test(povray_passes_its_calibration),
         cmocka_unit_test(cycles_passes_its_calibration),
         cmocka_unit_test(every_planted_fault_is_caught_by_the_check_that_is_made_for_it),
