@@ -410,11 +410,11 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
     snprintf(line, sizeof line, "%02000d 2 3 4 5 6 7 8", 1);
     write_nrrd("bad.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n", line,
                strlen(line));
-    assert_refused("bad.nrrd", ISO_E_FORMAT, "more than 1000 digits");
+    assert_refused("bad.nrrd", ISO_E_FORMAT, "more than 100 digits");
     write_nrrd("bad.txt", "", line, strlen(line));
     write_nrrd("bad.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\ndata file: bad.txt\n",
                "", 0);
-    assert_refused("bad.nrrd", ISO_E_FORMAT, "more than 1000 digits");
+    assert_refused("bad.nrrd", ISO_E_FORMAT, "more than 100 digits");
     iso_volume v;
     assert_status(iso_volume_load(in_dir("absent.nrrd"), &v, &err), ISO_E_IO);
     /* A folder is taken for slices, which need ITK. */

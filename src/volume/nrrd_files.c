@@ -25,7 +25,7 @@ typedef struct look {
 /* From where it is read to its end. */
 static iso_status check_words(const char *path, FILE *file, iso_error *err)
 {
-    enum { MOST_WORD = 1000 };
+    enum { MOST_WORD = 100 }; /* a message of 1024 bytes quotes it */
     size_t length = 0;
     for (int c; (c = getc_unlocked(file)) != EOF && length <= MOST_WORD;)
         length = c == ' ' || (c >= '\t' && c <= '\r') ? 0 : length + 1;

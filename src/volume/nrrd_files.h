@@ -15,7 +15,7 @@
 enum { ISO_NRRD_MOST_FILES = 65536 };
 iso_status iso_nrrd_look_at_files(const char *path, double *bytes, iso_error *err);
 
-/* Of samples as text, which teem reads by words into a buffer of 1025 bytes: are they short enough in the rest of a file, which
+/* Of samples as text, which teem reads by words into a small buffer: are they short enough in the rest of a file, which
  * stays where it is read, and in the files that a header names? file may be NULL. ISO_E_FORMAT where they are not. */
 iso_status iso_nrrd_check_words(const char *path, FILE *file, iso_error *err);
 
