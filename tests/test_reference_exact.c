@@ -63,8 +63,9 @@ static void make_scene(scene *s, uint64_t seed)
                     .shading = {.ambient = 0.3, .diffuse = 0.5, .specular = 0.4}};
     v->shading.power = random_in(0, 1) < 0.3 ? random_in(2, 9) : floor(random_in(1, 21));
     for (size_t l = 0; l < v->light_count; ++l)
-        v->lights[l] = (iso_light){
-            .direction = iso_normalize(iso_v3(random_in(-1, 1), random_in(-1, 1), random_in(-1, 1))), .intensity = 0.6};
+        v->lights[l] = (iso_light){.direction = iso_normalize(
+                                       iso_v3(random_in(-1, 1), random_in(-1, 1), random_in(-1, 1))),
+                                   .intensity = 0.6};
     v->camera = (iso_camera){.orthographic = true,
                              .position = iso_scale(forward, -30),
                              .forward = forward,
@@ -183,10 +184,12 @@ static void closed_forms_hold_to_a_billionth(void **state)
                                    .right = {1, 0, 0},
                                    .up = {0, 1, 0},
                                    .half_height = 1}};
-    s.view.lights[0] = (iso_light){.direction = {1, 0, 0}, .intensity = 1}; /* beside the gradient: ambient light is left */
+    s.view.lights[0] = (iso_light){.direction = {1, 0, 0},
+                                   .intensity = 1}; /* beside the gradient: ambient light is left */
     s.view.tf = (iso_tf_table){.count = 2, .lo = 0, .hi = 1, .entries = s.entries};
     const double k = 0.25, s0 = 0.125, s1 = 0.75, slope = (s1 - s0) / 10, root = sqrt(k / (2 * slope));
-    const double front = exp(-k * s0), through = exp(-k * (s0 + s1) / 2 * 10), back = exp(-k * s1); /* 1 mm, 10 mm, 1 mm */
+    const double front = exp(-k * s0), through = exp(-k * (s0 + s1) / 2 * 10),
+                 back = exp(-k * s1); /* 1 mm, 10 mm, 1 mm */
     const double ramp = s0 - s1 * through +
                         slope * exp(k * s0 * s0 / (2 * slope)) * sqrt(acos(-1) / (2 * k * slope)) *
                             (erf(s1 * root) - erf(s0 * root));
@@ -321,6 +324,37 @@ static void only_what_shows_nothing_is_passed_over(void **state)
     }
 }
 
+/* One voxel of a grid is shown, at every place in turn: no block that is passed over holds a cell that it touches. */
+static void one_voxel_is_never_passed_over(void **state)
+{
+    (void)state;
+    enum { NX = 6, NY = 9, NZ = 10, COUNT = NX * NY * NZ };
+    static float scalar[COUNT];
+    const iso_level level = {
+        .geometry = iso_geometry_axis_aligned((size_t[]){NX, NY, NZ}, (double[]){1, 1, 1}), .scalar = scalar, .max = 1};
+    float entries[8] = {0, 0, 0, 0, 1, 1, 1, 1};
+    const iso_tf_table tf = {.count = 2, .lo = 0, .hi = 1, .entries = entries};
+    iso_shown shown;
+    assert_ok(iso_shown_create(&shown, &tf, NULL, &err));
+    for (int v = 0; v < COUNT; ++v) {
+        iso_empty_space empty;
+        const int at[3] = {v % NX, v / NX % NY, v / (NX * NY)};
+        scalar[v] = 1;
+        assert_ok(iso_empty_space_create(&empty, &level, &shown, NULL, NULL, 1, &err));
+        for (int c = 0; c < (NX + 1) * (NY + 1) * (NZ + 1); ++c) {
+            const int cell[3] = {c % (NX + 1), c / (NX + 1) % (NY + 1), c / ((NX + 1) * (NY + 1))};
+            int lo[3], hi[3];
+            bool apart = !iso_empty_space_at(&empty, cell, lo, hi);
+            for (int a = 0; a < 3 && !apart; ++a)
+                apart = hi[a] <= at[a] || lo[a] > at[a] + 1;
+            assert_true(apart);
+        }
+        iso_empty_space_destroy(&empty);
+        scalar[v] = 0;
+    }
+    iso_shown_destroy(&shown);
+}
+
 /* An interval that ends on an entry that shows nothing stays empty; a bit farther it does not. */
 static void intervals_end_at_the_entries_that_show_nothing(void **state)
 {
@@ -364,6 +398,7 @@ int main(void)
         cmocka_unit_test(samples_in_lock_step_are_the_same_to_the_bit),
         cmocka_unit_test(instruction_sets_give_the_same_bits),
         cmocka_unit_test(only_what_shows_nothing_is_passed_over),
+        cmocka_unit_test(one_voxel_is_never_passed_over),
         cmocka_unit_test(intervals_end_at_the_entries_that_show_nothing),
         cmocka_unit_test(the_exponential_is_right_to_its_last_digits),
     };

@@ -133,7 +133,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels a side", "N"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "of each picture; the least time counts", "N"},
+        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "of each picture; the least time counts",
+         "N"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -153,9 +154,10 @@ const iso_command iso_bench_reference = {
     .min_arguments = 1,
     .max_arguments = 64,
     .usage = "VOLUME... [options]",
-    .details = "Each volume under four transfer functions, shaded. Times are of the processor, all threads together. "
-               "plain: nothing is\npassed over, every piece of a ray is halved until it stays. bound: how far a value of "
-               "the picture is from the\nequation, at most. apart: the largest difference of the two pictures.",
+    .details =
+        "Each volume under four transfer functions, shaded. Times are of the processor, all threads together. "
+        "plain: nothing is\npassed over, every piece of a ray is halved until it stays. bound: how far a value of "
+        "the picture is from the\nequation, at most. apart: the largest difference of the two pictures.",
     .examples = "  isoshade bench reference v.nrrd --size 8\n",
     .run = run,
 };

@@ -31,7 +31,7 @@ typedef struct cell_line {
 
 /* Pieces that wait until there are eight for one rule. */
 typedef struct cell_queue {
-    lanes x[4], d[3][4]; /* X and d of u, the way through the cell */
+    lanes x[4], d[3][4];              /* X and d of u, the way through the cell */
     lanes from, width, length, depth; /* u of the piece; mm of the cell; optical depth in front of the piece */
     lanes entry, base[4], slope[4];
     int count;
@@ -45,8 +45,8 @@ typedef struct cell_pieces {
     double diffuse[ISO_MAX_LIGHTS], specular[ISO_MAX_LIGHTS];
     /* The cell at work. */
     double x[4], d[3][4], nl[ISO_MAX_LIGHTS][4], nh[ISO_MAX_LIGHTS][4], length;
-    double depth, left;  /* the optical depth so far; what is behind it can add at most */
-    double error, pool;  /* of what is in; what earlier places did not use of the tolerance */
+    double depth, left; /* the optical depth so far; what is behind it can add at most */
+    double error, pool; /* of what is in; what earlier places did not use of the tolerance */
     cell_queue queue[CELL_RULES];
     lanes color[3];
 } cell_pieces;
@@ -180,7 +180,8 @@ ISO_LANES_INLINE int choose_rule(const cell_pieces *w, const cell_section *s, co
     const lanes rho = a + lanes_sqrt(a * a - 1), q = 1 / (rho * rho);
     lanes most = lanes_all(0);
     for (int i = 0; i < 3; ++i)
-        most = lanes_max(most, s->x_far * fabs(line->slope[i]) + fabs(line->base[i] + line->slope[i] * (s->x - line->entry)));
+        most = lanes_max(most,
+                         s->x_far * fabs(line->slope[i]) + fabs(line->base[i] + line->slope[i] * (s->x - line->entry)));
     const lanes sigma = s->x_far * fabs(line->slope[3]) + fabs(line->base[3] + line->slope[3] * (s->x - line->entry));
     const lanes m = sigma * most * s->shade * lanes_exp(sigma * (a + 1) * half_mm);
     const lanes scale = m / (1 - q) * (64.0 / 15 * through * half_mm), q2 = q * q, q4 = q2 * q2;
@@ -233,8 +234,8 @@ ISO_LANES_INLINE void evaluate_pieces(cell_pieces *w, int r)
         const lanes step = q->width * rule->at[j], u = q->from + step, both = u + q->from;
         const lanes from = ((q->x[3] * u + q->x[2]) * u + q->x[1]) * u + (q->x[0] - q->entry);
         const lanes squares = u * u + q->from * q->from;
-        const lanes mean = (q->x[0] - q->entry) + q->x[1] * both * 0.5 +
-                           q->x[2] * (squares + u * q->from) * (1.0 / 3) + q->x[3] * both * squares * 0.25;
+        const lanes mean = (q->x[0] - q->entry) + q->x[1] * both * 0.5 + q->x[2] * (squares + u * q->from) * (1.0 / 3) +
+                           q->x[3] * both * squares * 0.25;
         const lanes depth = q->depth + q->length * step * (q->base[3] + q->slope[3] * mean);
         lanes light = (q->base[3] + q->slope[3] * from) * lanes_exp(-depth) * (q->length * q->width * rule->weight[j]);
         light *= w->scene->lit ? shade_pieces(w, q, u) : lanes_all(w->scene->view->shading.ambient);

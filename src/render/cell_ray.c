@@ -193,14 +193,15 @@ __attribute__((target("avx2"))) static stretch integrate_avx2(const iso_cell_sce
 {
     return integrate_cells(c, ray, error);
 }
-__attribute__((target("avx2,avx512f,avx512dq,avx512vl,prefer-vector-width=512"))) static stretch
-integrate_avx512(const iso_cell_scene *c, const iso_cell_ray *ray, double *error)
+__attribute__((target("avx2,avx512f,avx512dq,avx512vl,prefer-vector-width=512"))) static stretch integrate_avx512(
+    const iso_cell_scene *c, const iso_cell_ray *ray, double *error)
 {
     return integrate_cells(c, ray, error);
 }
 static bool has_avx512(void)
 {
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512vl");
 }
 #define HAS_AVX2 __builtin_cpu_supports("avx2")
 #else

@@ -41,8 +41,8 @@ typedef struct iso_cell_scene {
     const iso_empty_space *empty;
     size_t *bends; /* owned; bends[i]: how many of the entries below i bend the table where it shows something */
     bool lit;
-    int power;    /* of the highlights, or -1 where it is no whole number */
-    double eps_2; /* of n = d / sqrt(|d|^2 + eps^2) */
+    int power;        /* of the highlights, or -1 where it is no whole number */
+    double eps_2;     /* of n = d / sqrt(|d|^2 + eps^2) */
     double brightest; /* color times shade, at most */
 } iso_cell_scene;
 

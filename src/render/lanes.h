@@ -56,24 +56,24 @@ ISO_LANES_INLINE lanes lanes_power(lanes x, int n)
 
 /* exp(x) to about 2 units in the last place; x is taken as -700 to 700. x = n ln 2 + r, |r| <= ln 2 / 2, and a Taylor
  * polynomial of degree 13, whose remainder is 4e-18; ln 2 in two parts, of which n times the first is exact. */
-#define ISO_LANES_EXP(TYPE, BITS, ALL, SELECT)                                              \
-    const TYPE magic = ALL(0x1.8p52), most = ALL(700), least = ALL(-700);                   \
-    x = SELECT(x < most, x, most);                                                          \
-    x = SELECT(x > least, x, least);                                                        \
-    const TYPE shifted = x * 0x1.71547652b82fep0 + magic, n = shifted - magic;              \
-    const TYPE r = (x - n * 0x1.62e42fee00000p-1) - n * 0x1.a39ef35793c76p-33;              \
-    TYPE p = r * (1.0 / 6227020800.0) + 1.0 / 479001600.0;                                  \
-    p = p * r + 1.0 / 39916800.0;                                                           \
-    p = p * r + 1.0 / 3628800.0;                                                            \
-    p = p * r + 1.0 / 362880.0;                                                             \
-    p = p * r + 1.0 / 40320.0;                                                              \
-    p = p * r + 1.0 / 5040.0;                                                               \
-    p = p * r + 1.0 / 720.0;                                                                \
-    p = p * r + 1.0 / 120.0;                                                                \
-    p = p * r + 1.0 / 24.0;                                                                 \
-    p = p * r + 1.0 / 6.0;                                                                  \
-    p = p * r + 0.5;                                                                        \
-    p = p * r + 1.0;                                                                        \
+#define ISO_LANES_EXP(TYPE, BITS, ALL, SELECT) \
+    const TYPE magic = ALL(0x1.8p52), most = ALL(700), least = ALL(-700); \
+    x = SELECT(x < most, x, most); \
+    x = SELECT(x > least, x, least); \
+    const TYPE shifted = x * 0x1.71547652b82fep0 + magic, n = shifted - magic; \
+    const TYPE r = (x - n * 0x1.62e42fee00000p-1) - n * 0x1.a39ef35793c76p-33; \
+    TYPE p = r * (1.0 / 6227020800.0) + 1.0 / 479001600.0; \
+    p = p * r + 1.0 / 39916800.0; \
+    p = p * r + 1.0 / 3628800.0; \
+    p = p * r + 1.0 / 362880.0; \
+    p = p * r + 1.0 / 40320.0; \
+    p = p * r + 1.0 / 5040.0; \
+    p = p * r + 1.0 / 720.0; \
+    p = p * r + 1.0 / 120.0; \
+    p = p * r + 1.0 / 24.0; \
+    p = p * r + 1.0 / 6.0; \
+    p = p * r + 0.5; \
+    p = p * r + 1.0; \
     p = p * r + 1.0
 
 ISO_LANES_INLINE lanes lanes_exp(lanes x)

@@ -142,7 +142,8 @@ static void render_tiles(const picture *p, const iso_progress *progress)
 static bool is_worth_a_tree(const picture *p)
 {
     const iso_geometry *g = &p->layers[0].sampler->level->geometry;
-    const double met = 0.5 * (double)(p->view->width * p->view->height) * (double)(g->size[0] + g->size[1] + g->size[2]);
+    const double met = 0.5 * (double)(p->view->width * p->view->height) *
+                       (double)(g->size[0] + g->size[1] + g->size[2]);
     return 50 * met > (double)iso_geometry_voxel_count(g);
 }
 

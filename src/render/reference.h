@@ -71,7 +71,8 @@ typedef struct iso_reference_result {
     double *rgba; /* the caller's, or NULL: the pixels before they are rounded to floats, 4 each */
     /* Converged: how far a color or the opacity of any pixel is from the equation, at most. NaN: another quadrature. */
     double error;
-    bool is_proved; /* every piece has its bound (cell_ray.h); else an estimate, the change by halving, is summed up for some */
+    bool
+        is_proved; /* every piece has its bound (cell_ray.h); else an estimate, the change by halving, is summed up for some */
 } iso_reference_result;
 
 /* Linear color and extinction per mm that the view shows at a point of the sampler's level, in its index coordinates: by its
