@@ -22,6 +22,7 @@ static iso_figure_job job_of(const char *kind, const char *report, const char *o
                           .width_mm = 178,
                           .height_mm = 230,
                           .dpi = 300,
+                          .surface = NAN,
                           .with_sources = true};
     assert_ok(iso_figure_kind_from_name(kind, &job.kind, &err));
     assert_ok(iso_colormap_from_name("magma", &job.map, &err));
