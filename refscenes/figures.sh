@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              all of them: hours, since some time a machine
-#   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes papers
+#   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes papers kinds
 #   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity chart chart-page chart-across opened viewer addon
 #                                        first-pictures
 # What needs a volume or a program that is not there says so and is left out: the volume of $ENGINE (256 x 256 x 128, else
@@ -87,6 +87,22 @@ papers() { # doc/paper-figures.md
         cp "$work/$kind/figure.png" "$out/$picture"
     done
 }
+kind() { # picture, words of isoshade figure
+    picture=$1
+    shift
+    rm -rf "$work/kind"
+    "$isoshade" figure "$@" --dpi 150 --formats png -q -o "$work/kind" >/dev/null
+    cp "$work/kind/figure.png" "$out/$picture"
+}
+kinds() { # doc/figures.md
+    scene="--scene refscenes/hero.scene.json"
+    kind figure-levels.png $templates/ch2bet.nii.gz $scene --levels 3 --zoom 0.35,0.3,0.25,0.25 --width 120
+    kind figure-tf.png $templates/ch2bet.nii.gz $scene --kind tf --width 110
+    kind figure-plan.png $templates/ch2bet.nii.gz $scene --kind plan --width 120
+    kind figure-failure.png --kind failure --case noise --width 110
+    kind figure-slices.png $templates/ch2bet.nii.gz --kind slices --levels 3 --width 110
+    kind figure-turntable.png $templates/ch2bet.nii.gz $scene --kind turntable --frames 6 --width 120
+}
 
 # Longer ones.
 codes() { # doc/results/direction-codes.md
@@ -133,7 +149,7 @@ first_pictures() { # doc/results/first-pictures.md, which says where the volumes
 needs() { # name
     case $1 in
         hero) echo $templates/ch2bet.nii.gz blender povray pdftoppm ;;
-        sheet | roi | adaptive-tf | chart) echo $templates/ch2bet.nii.gz ;;
+        sheet | roi | adaptive-tf | chart | kinds) echo $templates/ch2bet.nii.gz ;;
         report) echo $templates/ch2bet.nii.gz chromium ;;
         levels) echo $templates/ch2.nii.gz blender ;;
         viewer | chart-page) echo $templates/ch2bet.nii.gz chromium python3 ;;
@@ -153,7 +169,7 @@ missing() { # name: the first thing that it needs and that is not there
     done
 }
 
-quick="hero sheet report levels roi adaptive-tf seams failures palettes papers"
+quick="hero sheet report levels roi adaptive-tf seams failures palettes papers kinds"
 longer="codes gradients sensitivity chart chart-page chart-across opened viewer addon first-pictures"
 [ $# -gt 0 ] || set -- $quick $longer
 [ "$*" != quick ] || set -- $quick

@@ -83,6 +83,28 @@ size=$(pdfimages -list turntable/figure.pdf | awk 'NR == 3 {print $4 "x" $5}')
 same() { PYTHONPATH=$top/tests python3 -c 'import sys; from sheet_panel import load; sys.exit(load(sys.argv[1]) != load(sys.argv[2]))' "$1" "$2"; }
 check the_first_frame_is_that_of_render same first.png turntable/turntable.png
 
+# A bar that is looked at along its length: the camera frames it from the side, too.
+"$ISOSHADE" make constant --size 8x40x8 --type uint8 -q -o bar.nrrd
+cat >bar.scene.json <<'END'
+{"schema": "isoshade.scene/1", "image": {"width": 100, "height": 80},
+ "camera": {"projection": "perspective", "fit": true, "direction": [0, 1, 0], "up": [0, 0, 1], "margin": 0.45, "fov_y_deg": 30},
+ "lights": [{"direction": [0, 0, 1], "space": "camera", "intensity": 1}], "shading": {"ambient": 1, "diffuse": 0}, "background": [0, 0, 0],
+ "tf": {"schema": "isoshade.tf/1", "range": [0, 255], "unit_distance_voxels": 1, "color_space": "linear", "table_size": 2,
+        "points": [{"value": 0, "r": 1, "g": 1, "b": 1, "opacity": 0.9}, {"value": 255, "r": 1, "g": 1, "b": 1, "opacity": 0.9}]}}
+END
+"$ISOSHADE" figure bar.nrrd --scene bar.scene.json --kind turntable --frames 4 --width 60 --dpi 72 --formats pdf -q -o bar >/dev/null
+pdfimages bar/figure.pdf bar
+borders() { python3 - "$1" <<'END'
+import sys
+head, data = open(sys.argv[1], 'rb').read().split(b'\n255\n', 1)
+width, height = map(int, head.split()[1:3])
+rows = [data[3 * width * y:3 * width * (y + 1)] for y in range(height)]
+assert max(rows[height // 2]) > 200, 'nothing is shown'
+assert not any(rows[0]) and not any(rows[-1]) and not any(max(r[:3] + r[-3:]) for r in rows), 'the bar reaches the edge'
+END
+}
+for frame in bar-*.ppm; do check "the_bar_is_whole_in_$frame" borders "$frame"; done
+
 # Planted: a text of 5 points, a picture with half the pixels.
 "$ISOSHADE" figure tried --kind chart --width 85 --formats pdf --sources -q -o planted >/dev/null
 (cd planted && sed -i 's/^note_pt = .*/note_pt = 5/' figure.gp && gnuplot -e "format='pdf'" figure.gp)

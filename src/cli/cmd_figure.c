@@ -47,7 +47,7 @@ static void print_result(const figure_arguments *a)
 {
     const iso_figure_job *job = &a->job;
     if (!job->cli->json) {
-        printf("figure: %s/figure.pdf\n", a->output);
+        printf("figure: %s\n", a->output);
         return;
     }
     json_t *root = iso_cli_json(job->cli);

@@ -58,6 +58,37 @@ static void turn_camera(iso_view *view, const iso_scene *scene, iso_vec3 center,
             view->lights[i].direction = rotate(view->lights[i].direction, axis, angle);
 }
 
+/* How far the box reaches towards the picture's edges: 1 where a corner of it lies on one. */
+static double reach(const iso_view *view, const iso_geometry *g)
+{
+    const iso_camera *c = &view->camera;
+    const double aspect = (double)view->width / (double)view->height;
+    double most = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const iso_vec3 index = iso_v3((corner & 1) * (double)g->size[0], (corner >> 1 & 1) * (double)g->size[1],
+                                      (corner >> 2) * (double)g->size[2]);
+        const iso_vec3 at = iso_sub(iso_geometry_to_world(g, index), c->position);
+        const double half = c->half_height * (c->orthographic ? 1 : iso_dot(at, c->forward));
+        most = fmax(most, fmax(fabs(iso_dot(at, c->up)), fabs(iso_dot(at, c->right)) / aspect) / half);
+    }
+    return most;
+}
+
+/* A camera that frames the box from one side may cut it from another. All frames are widened alike, by what the worst of
+ * them needs beyond the first, with a twentieth around it; a part of the box that the scene itself leaves out stays out. */
+static void widen_for_turns(iso_view *view, const iso_scene *scene, const iso_geometry *g, size_t turns)
+{
+    const double first = reach(view, g);
+    double most = first;
+    for (size_t i = 1; i < turns; ++i) {
+        iso_view turned = *view; /* borrows what it owns */
+        turn_camera(&turned, scene, iso_geometry_box_center_mm(g), 360.0 * (double)i / (double)turns);
+        most = fmax(most, reach(&turned, g));
+    }
+    if (scene->camera_fit && isfinite(most) && most > fmax(1, first))
+        view->camera.half_height *= 1.05 * most / fmax(1, first);
+}
+
 static iso_status make_view(iso_figure_subject *s, const iso_figure_picture *what, iso_view *view, iso_error *err)
 {
     const iso_geometry *geometry = &s->pyramid.levels[0].geometry;
@@ -67,6 +98,8 @@ static iso_status make_view(iso_figure_subject *s, const iso_figure_picture *wha
         iso_scene_look_from(&scene, geometry, what->viewpoint);
     iso_status status = iso_scene_resolve(&scene, geometry, iso_pyramid_lo(&s->pyramid), iso_pyramid_hi(&s->pyramid),
                                           view, err);
+    if (status == ISO_OK)
+        widen_for_turns(view, &scene, geometry, what->turns);
     if (status == ISO_OK && what->turn_deg != 0)
         turn_camera(view, &scene, iso_geometry_box_center_mm(geometry), what->turn_deg);
     iso_cli_adapted adapted = s->job->adapted;

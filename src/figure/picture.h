@@ -32,6 +32,7 @@ typedef struct iso_figure_picture {
     size_t width, height;               /* pixels */
     const iso_viewpoint *viewpoint;     /* of the camera, which frames the box; NULL: the scene's */
     double turn_deg;                    /* the camera, round the scene's up axis */
+    size_t turns;                       /* turn_deg is one of so many equal parts of a turn; 0: there are no others */
     const iso_direction_source *source; /* NULL: the renderer's default */
     bool adapted;                       /* under the transfer function adapted to the level, whatever the job says */
 } iso_figure_picture;

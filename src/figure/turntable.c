@@ -25,7 +25,8 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
                                      .level = t->level,
                                      .width = width,
                                      .height = height,
-                                     .turn_deg = 360.0 * (double)column / (double)t->frames};
+                                     .turn_deg = 360.0 * (double)column / (double)t->frames,
+                                     .turns = t->frames};
     iso_status status = iso_figure_render(&t->subject, &what, image, mm_per_pixel, err);
     if (status == ISO_OK)
         status = iso_animation_add(t->animation, image, err);

@@ -8,7 +8,6 @@
 #define FUZZ_READER(name) void name(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
 FUZZ_READER(fuzz_volume);
 FUZZ_READER(fuzz_raw);
-FUZZ_READER(fuzz_child);
 FUZZ_READER(fuzz_tf);
 FUZZ_READER(fuzz_scene);
 FUZZ_READER(fuzz_pyramid);
@@ -31,10 +30,5 @@ void fuzz_repair_png(uint8_t *data, size_t size);
 /* What is read back has to be what was written. */
 struct json_t;
 void fuzz_check_same(const char *what, const struct json_t *written, const struct json_t *read);
-
-/* The readers of formats that a program of its own reads, where they are built into this one (children.cc); else NULL, and
- * the program is started. The status that it answers. */
-typedef int fuzz_child_reader(const char *format, const char *path);
-extern fuzz_child_reader *fuzz_read_inside;
 
 #endif

@@ -9,8 +9,6 @@
 #include "volume/input.h"
 #include "volume/labels.h"
 
-fuzz_child_reader *fuzz_read_inside;
-
 static void check_volume(const iso_volume *v)
 {
     const iso_geometry *g = &v->geometry;
@@ -76,12 +74,4 @@ void fuzz_raw(const fuzz_target *target, const char *path, const uint8_t *data, 
     if (status == ISO_OK)
         check_volume(&v);
     iso_volume_destroy(&v);
-}
-
-void fuzz_child(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
-{
-    if (fuzz_read_inside)
-        fuzz_read_inside(target->name, path);
-    else
-        fuzz_volume(target, path, data, size);
 }
