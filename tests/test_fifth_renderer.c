@@ -133,7 +133,7 @@ static void it_is_listed_with_the_others(void **state)
     char names[256];
     const iso_renderer_info *found;
     iso_renderers_with(0, ", ", " and ", names, sizeof names);
-    assert_ptr_equal(strstr(names, "reference, gl, cycles, povray"), names);
+    assert_ptr_equal(strstr(names, "reference, gl, cpu, cycles, povray"), names);
     assert_string_equal(names + strlen(names) - strlen(" and shifted"), " and shifted");
     assert_ok(iso_renderer_from_name("shifted", &found, &err));
     assert_ptr_equal(found, &iso_renderer_shifted);

@@ -258,6 +258,12 @@ static iso_status open_store(const validate_arguments *a, iso_validation *v, iso
     return status;
 }
 
+/* What is kept has no use once the report stands, nor where the input was refused: it would be again. */
+static bool has_no_use(const iso_validation *v, iso_status status)
+{
+    return iso_report_is_finished(v->report) || status == ISO_E_USAGE || status == ISO_E_FORMAT || status == ISO_E_RANGE;
+}
+
 static void begin_budget(const validate_arguments *a, const iso_cli *cli, iso_validation *v)
 {
     const double now = iso_clock_seconds();
@@ -365,7 +371,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
     }
     if (status == ISO_OK)
         status = finish(a, cli, &v, err);
-    iso_picture_store_close(store, iso_report_is_finished(v.report));
+    iso_picture_store_close(store, has_no_use(&v, status));
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     iso_validate_forget_tfs(&v);
@@ -472,7 +478,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
         iso_report_put(v.report, "seconds", "total", json_real(iso_clock_seconds() - start));
         status = finish(a, cli, &v, err);
     }
-    iso_picture_store_close(store, iso_report_is_finished(v.report));
+    iso_picture_store_close(store, has_no_use(&v, status));
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     free(line);
