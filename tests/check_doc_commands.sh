@@ -37,6 +37,7 @@ SMALL = [
     ("validate", "--size 8 --quick --with gl --levels 2"),
     ("palette", "--entries 16 --steps 10"),
     ("atlas", "--case code-poles"),
+    ("bench all", "--quick --repeat 1 --only build-memory"),
     ("bench build", "--size 24 --levels 2 --runs 1"),
     ("bench encode", "--count 200 --size 12"),
     ("bench gradient", "--size 32"),
@@ -57,6 +58,7 @@ SMALL = [
 
 # What is not run, with the reason; its options are checked like those of the others.
 NOT_RUN = [
+    (r"bench (compare|all .*--beside) ", "files and a program of another day; tests/check_bench_all.sh has some"),
     (r"bench levels --have .*\.\.\.", "tables of runs of hours; tests/check_bench_levels.sh joins small ones"),
     (r"validate .*--images", "its pictures come from a renderer elsewhere; tests/check_images.sh has some drawn"),
     (r"validate .*--blender ", "it needs a second Blender; tests/check_blenders.sh compares one with itself"),
