@@ -6,149 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "compare/statistics.h"
 #include "render/sampler.h"
-
-enum { pixels = 32, tf_entries = 17 };
-
-/* A subject, its view, and the image that it must give. */
-typedef struct stage {
-    iso_pyramid pyramid;
-    iso_view view;
-    iso_image expected, got;
-} stage;
-
-/* A grid turned about an oblique axis, with three different spacings. */
-static iso_geometry turned_grid(size_t nx, size_t ny, size_t nz)
-{
-    const size_t size[3] = {nx, ny, nz};
-    const double spacing[3] = {1.0, 1.25, 0.8};
-    iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-    const double c = cos(0.5), s = sin(0.5), c2 = cos(0.3), s2 = sin(0.3);
-    const iso_mat3 turn = {{{c, -s * c2, s * s2}, {s, c * c2, -c * s2}, {0, s2, c2}}};
-    iso_mat3 m = g.index_to_world;
-    for (int r = 0; r < 3; ++r)
-        for (int k = 0; k < 3; ++k)
-            g.index_to_world.m[r][k] = turn.m[r][k] * m.m[k][k];
-    g.origin_mm = iso_mul(turn, g.origin_mm);
-    return g;
-}
-
-static iso_camera look(iso_vec3 forward, double half_height, bool orthographic)
-{
-    iso_camera c = {.orthographic = orthographic, .forward = iso_normalize(forward), .half_height = half_height};
-    c.right = iso_normalize(iso_cross(c.forward, iso_v3(0, 0, 1)));
-    c.up = iso_cross(c.right, c.forward);
-    c.position = iso_scale(c.forward, -60);
-    return c;
-}
-
-static iso_status set_stage(stage *s, const iso_geometry *g, double (*value)(const iso_geometry *, iso_vec3 index),
-                            iso_error *err)
-{
-    iso_volume v;
-    iso_pyramid_options opt = iso_pyramid_defaults();
-    opt.level_count = 2; /* the second is for a planted fault alone */
-    *s = (stage){.view = {.width = pixels,
-                          .height = pixels,
-                          .light_count = 1,
-                          .step_voxels = 0.25,
-                          .shading = {.ambient = 1, .power = 1}}};
-    s->view.lights[0] = (iso_light){.direction = iso_normalize(iso_v3(-0.9, 0.3, 0.5)), .intensity = 1};
-    iso_status status = iso_volume_create(&v, g, ISO_F32, "calibration", err);
-    if (status != ISO_OK)
-        return status;
-    float *out = v.data;
-    for (size_t z = 0; z < g->size[2]; ++z)
-        for (size_t y = 0; y < g->size[1]; ++y)
-            for (size_t x = 0; x < g->size[0]; ++x)
-                *out++ = (float)value(g, iso_v3((double)x + 0.5, (double)y + 0.5, (double)z + 0.5));
-    status = iso_pyramid_build(&v, "calibration", &opt, &s->pyramid, NULL, err);
-    iso_volume_destroy(&v);
-    s->view.tf = (iso_tf_table){.count = tf_entries, .lo = 0, .hi = 1};
-    s->view.tf.entries = calloc(tf_entries * 4, sizeof(float));
-    if (status == ISO_OK && !s->view.tf.entries)
-        status = iso_fail(err, ISO_E_MEMORY, "no memory for a calibration");
-    if (status == ISO_OK)
-        status = iso_image_create(&s->expected, pixels, pixels, err);
-    return status;
-}
-
-static void clear_stage(stage *s)
-{
-    iso_image_destroy(&s->expected);
-    iso_image_destroy(&s->got);
-    iso_view_destroy(&s->view);
-    iso_pyramid_destroy(&s->pyramid);
-}
-
-static void set_entry(iso_view *view, size_t i, float r, float g, float b, float extinction)
-{
-    const float entry[4] = {r, g, b, extinction};
-    memcpy(view->tf.entries + 4 * i, entry, sizeof entry);
-}
-
-/* Renderers of a fixed number of intervals take by default as many as they can, whatever the volume's size. These volumes
- * have a few voxels: a sixteenth of one, extrapolated, leaves 1e-5. */
-static iso_render_options stage_options(const stage *s, const iso_renderer_info *which)
-{
-    const double step_voxels = 1.0 / 16;
-    iso_render_options opt = iso_render_defaults(which);
-    if (which->max_intervals > 0) {
-        iso_render_ask_steps(which, &s->pyramid.levels[0], step_voxels, 1, 1, &opt);
-        opt.extrapolate = true;
-    }
-    return opt;
-}
-
-static iso_status render_stage(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                               iso_error *err)
-{
-    const iso_render_options opt = stage_options(s, which);
-    iso_plant(planted, &s->pyramid, 0, &s->view);
-    r->after = iso_planted_hook(planted);
-    iso_status status = iso_render_with(&(iso_render_request){r, &s->pyramid, iso_planted_level(planted, 0), &s->view,
-                                                              &opt, NULL},
-                                        &s->got, NULL, err);
-    r->after = (iso_image_hook){0};
-    return status;
-}
-
-/* Integers end at a color: so does what they are compared with. */
-static double largest_difference(stage *s, const iso_renderer_info *which)
-{
-    double worst = 0;
-    if (which->output.most > 0)
-        iso_image_clip(&s->expected, (float)which->output.most);
-    for (size_t i = 0; i < pixels * pixels * 4; ++i)
-        worst = iso_larger(worst, fabs((double)s->got.rgba[i] - (double)s->expected.rgba[i]));
-    return worst;
-}
-
-/* A renderer may fail in any check, not in the first alone: then there is no picture to be compared. */
-static iso_status render_difference(stage *s, iso_renderers *r, const iso_renderer_info *which,
-                                    const iso_planted *planted, double *value, iso_error *err)
-{
-    const iso_status status = render_stage(s, r, which, planted, err);
-    *value = status == ISO_OK ? largest_difference(s, which) : NAN;
-    return status;
-}
-
-static double chord(const stage *s, size_t column, size_t row)
-{
-    double t0, t1;
-    iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, column, row);
-    return iso_ray_box(&ray, &s->pyramid.levels[0].geometry, &t0, &t1) ? t1 - t0 : 0;
-}
-
-static void expect_pixel(stage *s, size_t column, size_t row, const double rgbs[4], double shade)
-{
-    double alpha = -expm1(-rgbs[3] * chord(s, column, row));
-    float *p = s->expected.rgba + 4 * (row * pixels + column);
-    for (int c = 0; c < 3; ++c)
-        p[c] = (float)(rgbs[c] * shade * alpha);
-    p[3] = (float)alpha;
-}
+#include "validate/calibration_stage.h"
 
 /* ---- the checks ---- */
 
@@ -160,7 +19,7 @@ static double blob(const iso_geometry *g, iso_vec3 index)
 }
 
 /* Trilinear hats have their centroid at the voxel's centre, and projection is linear. */
-static void expected_centroid(const stage *s, double at[2])
+static void expected_centroid(const iso_calibration_stage *s, double at[2])
 {
     const iso_level *level = &s->pyramid.levels[0];
     const iso_camera *c = &s->view.camera;
@@ -176,27 +35,27 @@ static void expected_centroid(const stage *s, double at[2])
                 mass += v;
             }
     iso_vec3 p = iso_sub(iso_scale(sum, 1 / mass), c->position);
-    at[0] = (iso_dot(p, c->right) / c->half_height + 1) * 0.5 * pixels - 0.5;
-    at[1] = (1 - iso_dot(p, c->up) / c->half_height) * 0.5 * pixels - 0.5;
+    at[0] = (iso_dot(p, c->right) / c->half_height + 1) * 0.5 * ISO_CALIBRATION_PIXELS - 0.5;
+    at[1] = (1 - iso_dot(p, c->up) / c->half_height) * 0.5 * ISO_CALIBRATION_PIXELS - 0.5;
 }
 
-static iso_status check_placement(stage *s, iso_renderers *r, const iso_renderer_info *which,
+static iso_status check_placement(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
                                   const iso_planted *planted, double *value, iso_error *err)
 {
-    iso_geometry g = turned_grid(15, 12, 18);
+    iso_geometry g = iso_calibration_turned_grid(15, 12, 18);
     double expected[2], sum[3] = {0};
-    iso_status status = set_stage(s, &g, blob, err);
+    iso_status status = iso_calibration_stage_set(s, &g, blob, err);
     if (status != ISO_OK)
         return status;
-    s->view.camera = look(iso_v3(1, 2, -0.7), 8, true);
-    for (size_t i = 0; i < tf_entries; ++i)
-        set_entry(&s->view, i, 1, 1, 1, 0.2f * (float)i / (tf_entries - 1));
+    s->view.camera = iso_calibration_look(iso_v3(1, 2, -0.7), 8, true);
+    for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
+        iso_calibration_set_entry(&s->view, i, 1, 1, 1, 0.2f * (float)i / (ISO_CALIBRATION_TF_ENTRIES - 1));
     expected_centroid(s, expected);
-    status = render_stage(s, r, which, planted, err);
-    for (size_t i = 0; status == ISO_OK && i < pixels * pixels; ++i) {
+    status = iso_calibration_render(s, r, which, planted, err);
+    for (size_t i = 0; status == ISO_OK && i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS; ++i) {
         double depth = -log1p(-(double)s->got.rgba[4 * i + 3]);
-        sum[0] += depth * (double)(i % pixels);
-        sum[1] += depth * (double)(i / pixels);
+        sum[0] += depth * (double)(i % ISO_CALIBRATION_PIXELS);
+        sum[1] += depth * (double)(i / ISO_CALIBRATION_PIXELS);
         sum[2] += depth;
     }
     *value = hypot(sum[0] / sum[2] - expected[0], sum[1] / sum[2] - expected[1]);
@@ -210,21 +69,21 @@ static double half(const iso_geometry *g, iso_vec3 index)
     return 0.5;
 }
 
-static iso_status check_slab(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                             double *value, iso_error *err)
+static iso_status check_slab(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
+                             const iso_planted *planted, double *value, iso_error *err)
 {
-    iso_geometry g = turned_grid(9, 7, 12);
-    iso_status status = set_stage(s, &g, half, err);
+    iso_geometry g = iso_calibration_turned_grid(9, 7, 12);
+    iso_status status = iso_calibration_stage_set(s, &g, half, err);
     if (status != ISO_OK)
         return status;
-    s->view.camera = look(iso_v3(1, 2, -0.7), 0.14, false);
-    for (size_t i = 0; i < tf_entries; ++i)
-        set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.15f);
-    for (size_t i = 0; i < pixels * pixels; ++i) {
+    s->view.camera = iso_calibration_look(iso_v3(1, 2, -0.7), 0.14, false);
+    for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
+        iso_calibration_set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.15f);
+    for (size_t i = 0; i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS; ++i) {
         const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, (double)0.15f};
-        expect_pixel(s, i % pixels, i / pixels, rgbs, 1);
+        iso_calibration_expect_pixel(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, rgbs, 1);
     }
-    return render_difference(s, r, which, planted, value, err);
+    return iso_calibration_render_difference(s, r, which, planted, value, err);
 }
 
 /* 16 intervals between the first and the last voxel centre: every TF entry is met. */
@@ -233,27 +92,28 @@ static double ramp_along_x(const iso_geometry *g, iso_vec3 index)
     return (index.x - 0.5) / (double)(g->size[0] - 1);
 }
 
-static iso_status check_transfer_function(stage *s, iso_renderers *r, const iso_renderer_info *which,
+static iso_status check_transfer_function(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
                                           const iso_planted *planted, double *value, iso_error *err)
 {
     const size_t size[3] = {17, 5, 6};
     const double spacing[3] = {1, 1, 1};
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-    iso_status status = set_stage(s, &g, ramp_along_x, err);
+    iso_status status = iso_calibration_stage_set(s, &g, ramp_along_x, err);
     if (status != ISO_OK)
         return status;
-    s->view.camera = look(iso_v3(0, 1, 0), 8.5, true);
-    for (size_t i = 0; i < tf_entries; ++i)
-        set_entry(&s->view, i, (float)(i % 5) / 4, (float)(i % 3) / 2, (float)((i * 7) % 11) / 10,
-                  0.05f + 0.1f * (float)(i % 4));
-    for (size_t i = 0; i < pixels * pixels; ++i) {
-        iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, i % pixels, i / pixels);
+    s->view.camera = iso_calibration_look(iso_v3(0, 1, 0), 8.5, true);
+    for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
+        iso_calibration_set_entry(&s->view, i, (float)(i % 5) / 4, (float)(i % 3) / 2, (float)((i * 7) % 11) / 10,
+                                  0.05f + 0.1f * (float)(i % 4));
+    for (size_t i = 0; i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS; ++i) {
+        iso_ray ray = iso_camera_ray(&s->view.camera, ISO_CALIBRATION_PIXELS, ISO_CALIBRATION_PIXELS,
+                                     i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS);
         iso_vec3 index = iso_geometry_to_index(&g, ray.origin);
         double rgbs[4];
         iso_tf_lookup(&s->view.tf, ramp_along_x(&g, index), rgbs);
-        expect_pixel(s, i % pixels, i / pixels, rgbs, 1);
+        iso_calibration_expect_pixel(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, rgbs, 1);
     }
-    return render_difference(s, r, which, planted, value, err);
+    return iso_calibration_render_difference(s, r, which, planted, value, err);
 }
 
 /* ---- order: the color and nothing else changes along the ray ---- */
@@ -266,11 +126,11 @@ static double colored_piece(double through, double sigma, double length, double 
 }
 
 /* The value is a ramp along x, clamped half a voxel before both faces: at most three pieces, linear each. */
-static void expect_colors(stage *s, size_t column, size_t row, const double first[3], const double last[3],
-                          double sigma)
+static void expect_colors(iso_calibration_stage *s, size_t column, size_t row, const double first[3],
+                          const double last[3], double sigma)
 {
     const iso_geometry *g = &s->pyramid.levels[0].geometry;
-    const iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, column, row);
+    const iso_ray ray = iso_camera_ray(&s->view.camera, ISO_CALIBRATION_PIXELS, ISO_CALIBRATION_PIXELS, column, row);
     const double ramp = (double)g->size[0] - 1;
     double t[4], x[2];
     if (!iso_ray_box(&ray, g, &t[0], &t[3]))
@@ -281,7 +141,7 @@ static void expect_colors(stage *s, size_t column, size_t row, const double firs
         const double bend = (i == 0) == (x[1] > x[0]) ? 0 : ramp;
         t[1 + i] = fmin(fmax(t[0] + (bend - x[0]) / (x[1] - x[0]) * (t[3] - t[0]), t[0]), t[3]);
     }
-    float *p = s->expected.rgba + 4 * (row * pixels + column);
+    float *p = s->expected.rgba + 4 * (row * ISO_CALIBRATION_PIXELS + column);
     for (int c = 0; c < 3; ++c)
         for (int i = 0; i < 3; ++i) {
             double color[2];
@@ -294,24 +154,24 @@ static void expect_colors(stage *s, size_t column, size_t row, const double firs
     p[3] = (float)-expm1(-sigma * (t[3] - t[0]));
 }
 
-static iso_status check_order(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                              double *value, iso_error *err)
+static iso_status check_order(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
+                              const iso_planted *planted, double *value, iso_error *err)
 {
     const double first[3] = {1, 0.25, 0.125}, last[3] = {0.125, 0.5, 1}, sigma = 0.25;
-    iso_geometry g = turned_grid(9, 7, 12);
-    iso_status status = set_stage(s, &g, ramp_along_x, err);
+    iso_geometry g = iso_calibration_turned_grid(9, 7, 12);
+    iso_status status = iso_calibration_stage_set(s, &g, ramp_along_x, err);
     if (status != ISO_OK)
         return status;
-    s->view.camera = look(iso_v3(1, 1.6, -0.7), 0.14, false); /* no ray is parallel to a face */
-    for (size_t i = 0; i < tf_entries; ++i) {
+    s->view.camera = iso_calibration_look(iso_v3(1, 1.6, -0.7), 0.14, false); /* no ray is parallel to a face */
+    for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i) {
         float color[3];
         for (int c = 0; c < 3; ++c)
-            color[c] = (float)(first[c] + (last[c] - first[c]) * (double)i / (tf_entries - 1));
-        set_entry(&s->view, i, color[0], color[1], color[2], (float)sigma);
+            color[c] = (float)(first[c] + (last[c] - first[c]) * (double)i / (ISO_CALIBRATION_TF_ENTRIES - 1));
+        iso_calibration_set_entry(&s->view, i, color[0], color[1], color[2], (float)sigma);
     }
-    for (size_t i = 0; i < pixels * pixels; ++i)
-        expect_colors(s, i % pixels, i / pixels, first, last, sigma);
-    return render_difference(s, r, which, planted, value, err);
+    for (size_t i = 0; i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS; ++i)
+        expect_colors(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, first, last, sigma);
+    return iso_calibration_render_difference(s, r, which, planted, value, err);
 }
 
 /* ---- shading: what the equation of scene.h says ---- */
@@ -339,63 +199,66 @@ static double tilted_ramp(const iso_geometry *g, iso_vec3 index)
     return 0.5 + 0.03 * world.x - 0.01 * world.y + 0.02 * world.z;
 }
 
-static iso_status check_linear_field(stage *s, const iso_camera *camera, const iso_shading *shading, iso_renderers *r,
-                                     const iso_renderer_info *which, const iso_planted *planted, double *value,
-                                     iso_error *err)
+static iso_status check_linear_field(iso_calibration_stage *s, const iso_camera *camera, const iso_shading *shading,
+                                     iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+                                     double *value, iso_error *err)
 {
-    iso_geometry g = turned_grid(9, 7, 12);
-    iso_status status = set_stage(s, &g, tilted_ramp, err);
+    iso_geometry g = iso_calibration_turned_grid(9, 7, 12);
+    iso_status status = iso_calibration_stage_set(s, &g, tilted_ramp, err);
     if (status != ISO_OK)
         return status;
     s->view.camera = *camera;
     s->view.shading = *shading;
-    for (size_t i = 0; i < tf_entries; ++i)
-        set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.9f);
+    for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
+        iso_calibration_set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.9f);
     /* The gradient of the field is (3, -1, 2) / 100 per mm in the world. */
     const float direction[3] = {3 / sqrtf(14), -1 / sqrtf(14), 2 / sqrtf(14)};
     uint8_t bytes[3];
     double d[3], n[3];
     coded_direction(s->pyramid.options.code, direction, bytes, d);
     iso_code_normal(d, n);
-    for (size_t i = 0; i < pixels * pixels; ++i) {
+    for (size_t i = 0; i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS; ++i) {
         const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, (double)0.9f};
-        const iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, i % pixels, i / pixels);
-        expect_pixel(s, i % pixels, i / pixels, rgbs, expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
+        const iso_ray ray = iso_camera_ray(&s->view.camera, ISO_CALIBRATION_PIXELS, ISO_CALIBRATION_PIXELS,
+                                           i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS);
+        iso_calibration_expect_pixel(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, rgbs,
+                                     expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
     }
-    return render_difference(s, r, which, planted, value, err);
+    return iso_calibration_render_difference(s, r, which, planted, value, err);
 }
 
-static iso_status check_light(stage *s, iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                              double *value, iso_error *err)
+static iso_status check_light(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
+                              const iso_planted *planted, double *value, iso_error *err)
 {
-    const iso_camera camera = look(iso_v3(1, -0.6, 0.9), 7, true); /* the gradient looks away from light and viewer */
+    const iso_camera camera = iso_calibration_look(iso_v3(1, -0.6, 0.9), 7,
+                                                   true); /* the gradient looks away from light and viewer */
     const iso_shading shading = {.ambient = 0.2, .diffuse = 0.8, .specular = 0.9, .power = 2};
     return check_linear_field(s, &camera, &shading, r, which, planted, value, err);
 }
 
 /* From so near that the highlight is another one in each pixel. */
-static iso_status check_view_vector(stage *s, iso_renderers *r, const iso_renderer_info *which,
+static iso_status check_view_vector(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
                                     const iso_planted *planted, double *value, iso_error *err)
 {
     const iso_shading shading = {.ambient = 0.1, .diffuse = 0.2, .specular = 0.9, .power = 6};
-    iso_camera camera = look(iso_v3(0.5, 0.6, 1), 0.25, false);
+    iso_camera camera = iso_calibration_look(iso_v3(0.5, 0.6, 1), 0.25, false);
     camera.position = iso_scale(camera.forward, -30);
     return check_linear_field(s, &camera, &shading, r, which, planted, value, err);
 }
 
 /* Two directions at right angles take turns along x, one of them half as long; columns of pixels show the way from one
  * to the next, each a single shade along its ray. */
-static iso_status check_interpolation(stage *s, iso_renderers *r, const iso_renderer_info *which,
+static iso_status check_interpolation(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
                                       const iso_planted *planted, double *value, iso_error *err)
 {
     const size_t size[3] = {9, 6, 8};
     const double spacing[3] = {1, 1, 1};
     const float direction[2][3] = {{1, 0, 0}, {0, 0.3f, 0.4f}};
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-    iso_status status = set_stage(s, &g, half, err);
+    iso_status status = iso_calibration_stage_set(s, &g, half, err);
     if (status != ISO_OK)
         return status;
-    s->view.camera = look(iso_v3(0, 1, 0), 4.5, true);
+    s->view.camera = iso_calibration_look(iso_v3(0, 1, 0), 4.5, true);
     s->view.lights[0].direction = iso_normalize(iso_v3(1, 0.3, 0.8));
     s->view.shading = (iso_shading){.ambient = 0.1, .diffuse = 0.8, .specular = 0.3, .power = 2};
     uint8_t bytes[2][3];
@@ -404,32 +267,35 @@ static iso_status check_interpolation(stage *s, iso_renderers *r, const iso_rend
         coded_direction(s->pyramid.options.code, direction[i], bytes[i], d[i]);
     for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
         memcpy(s->pyramid.levels[0].codes + 3 * i, bytes[i % size[0] % 2], 3);
-    for (size_t i = 0; i < tf_entries; ++i)
-        set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.5f);
-    for (size_t i = 0; i < pixels * pixels; ++i) {
+    for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
+        iso_calibration_set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.5f);
+    for (size_t i = 0; i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS; ++i) {
         const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, 0.5};
-        const iso_ray ray = iso_camera_ray(&s->view.camera, pixels, pixels, i % pixels, i / pixels);
+        const iso_ray ray = iso_camera_ray(&s->view.camera, ISO_CALIBRATION_PIXELS, ISO_CALIBRATION_PIXELS,
+                                           i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS);
         const double x = fmin(fmax(iso_geometry_to_index(&g, ray.origin).x - 0.5, 0), (double)size[0] - 1);
         const double second = fabs(x - 2 * floor((x + 1) / 2)); /* the share of the odd voxel */
         double mean[3], n[3];
         for (int a = 0; a < 3; ++a)
             mean[a] = (1 - second) * d[0][a] + second * d[1][a];
         iso_code_normal(mean, n);
-        expect_pixel(s, i % pixels, i / pixels, rgbs, expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
+        iso_calibration_expect_pixel(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, rgbs,
+                                     expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
     }
-    return render_difference(s, r, which, planted, value, err);
+    return iso_calibration_render_difference(s, r, which, planted, value, err);
 }
 
 static const struct {
     iso_calibration blank;
     unsigned needs;   /* iso_trait */
     const char *open; /* what it leaves open where it is not made */
-    iso_status (*run)(stage *, iso_renderers *, const iso_renderer_info *, const iso_planted *, double *, iso_error *);
+    iso_status (*run)(iso_calibration_stage *, iso_renderers *, const iso_renderer_info *, const iso_planted *,
+                      double *, iso_error *);
 } checks[ISO_CALIBRATION_COUNT] = {
     {{.check = "placement",
       .unit = "pixel",
       .limit = 0.02,
-      .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"},
+      .why = "the blob is sampled at 32 x 32 ISO_CALIBRATION_PIXELS; half a voxel would be 0.6 pixel or more"},
      ISO_HAS_ORTHOGRAPHIC,
      "where the volume stands, by half a voxel",
      check_placement},
@@ -493,7 +359,7 @@ static const char *lacking(const iso_renderer_info *which, int check)
 }
 
 /* What is rounded to few bits is held to what that leaves, and to what the renderer states of itself. A centroid of such
- * pixels is known to a tenth of one. */
+ * ISO_CALIBRATION_PIXELS is known to a tenth of one. */
 static void widen_limit(const iso_renderer_info *which, iso_calibration *c)
 {
     const double stated = !which->output.most             ? 0
@@ -508,7 +374,7 @@ static void widen_limit(const iso_renderer_info *which, iso_calibration *c)
 iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,
                                iso_calibration *out, iso_error *err)
 {
-    stage s = {0};
+    iso_calibration_stage s = {0};
     *out = checks[check].blank;
     out->lacks = lacking(which, check);
     widen_limit(which, out);
@@ -527,7 +393,7 @@ iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which,
         status = ISO_OK;
     }
     out->passed = out->value <= out->limit; /* NaN does not pass */
-    clear_stage(&s);
+    iso_calibration_stage_clear(&s);
     return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "calibration of %s", which->name);
 }
 

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+/* agreement_rows.h - what a level is compared with, and the rows of the report that say so: shared by the comparisons of the
+ * same samples (agreement.c) and of limits (agreement_limits.c). */
+#ifndef ISO_VALIDATE_AGREEMENT_ROWS_H
+#define ISO_VALIDATE_AGREEMENT_ROWS_H
+
+#include "validate/validate.h"
+
+/* What a level is compared with, rendered once. */
+typedef struct iso_truth {
+    const char *name; /* "closed form", "reference" */
+    char image_name[96];
+    iso_image image;
+} iso_truth;
+
+typedef struct iso_level_truths {
+    iso_truth main;     /* closed form, or the reference from the codes */
+    iso_truth exported; /* the reference from decoded directions, where that is another image */
+    bool differ;
+} iso_level_truths;
+
+/* An image that is compared with a truth, and what made it. */
+typedef struct iso_compared {
+    const char *what; /* in the image's name */
+    const iso_image *image;
+    const iso_renderer_info *renderer;
+    const char *options; /* of the command that makes it again */
+    double held_to;      /* what holds the image as a whole, of an extrapolated limit; 0: the row's tolerances */
+} iso_compared;
+
+/* From what exports take their directions: the reference then takes the same. */
+iso_direction_source iso_validate_exported_source(const iso_validation *v);
+
+/* The name of an image of the report. */
+void iso_validate_name_image(const iso_validation *v, size_t level, const char *what, char name[96]);
+iso_status iso_validate_add_image(iso_validation *v, const char *name, const iso_image *image, const char *caption,
+                                  iso_error *err);
+
+/* What a row begins with: its name for the progress, and its clock. */
+void iso_validate_begin_row(iso_validation *v, size_t level, const char *what);
+/* A row, its image and what it is compared with; *row has its comparison, tier, tolerances and gates. */
+iso_status iso_validate_add_row(iso_validation *v, size_t level, iso_report_agreement *row, const iso_truth *a,
+                                const iso_compared *with, iso_error *err);
+
+/* Is there nothing to compare: the renderer is missing, failed its calibration, does not have what the scene asks for, or is
+ * there no time left? Then *row says so, in the words of why, and is added without images. */
+bool iso_validate_cannot_compare(const iso_validation *v, const iso_renderer_info *renderer, iso_report_agreement *row,
+                                 char why[512]);
+iso_status iso_validate_add_without_images(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
+                                           const iso_renderer_info *renderer, iso_error *err);
+/* What becomes of a renderer that failed with this status: a row that says so, or the failure of the run. */
+iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
+                                      const iso_renderer_info *renderer, iso_status status, const iso_error *why,
+                                      iso_error *err);
+
+/* intervals: of a quadrature that has them. */
+iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, size_t intervals,
+                                         iso_direction_source source, iso_image *image, iso_error *err);
+/* The closed form or the reference of a level; the reference is held to the formula where there is one. */
+iso_status iso_validate_find_truths(iso_validation *v, size_t level, iso_level_truths *t, iso_error *err);
+
+/* ---- limits (agreement_limits.c) ---- */
+
+struct iso_version_limit_kept; /* a limit that stays until the versions of its program are compared */
+
+/* kept: takes the limit, if it is compared; or NULL. */
+iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso_renderer_info *renderer,
+                                      const iso_level_truths *t, struct iso_version_limit_kept *kept, iso_error *err);
+/* Of all wanted renderers, with at most v->limit_size pixels. */
+iso_status iso_validate_limits_at(iso_validation *v, size_t level, iso_error *err);
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/* calibration_stage.h - what a check of calibrate.h draws: a tiny volume, its view, and the picture that it must give. */
+#ifndef ISO_VALIDATE_CALIBRATION_STAGE_H
+#define ISO_VALIDATE_CALIBRATION_STAGE_H
+
+#include "validate/faults.h"
+#include "renderers/renderers.h"
+
+enum { ISO_CALIBRATION_PIXELS = 32, ISO_CALIBRATION_TF_ENTRIES = 17 };
+
+/* A subject, its view, and the image that it must give. */
+typedef struct iso_calibration_stage {
+    iso_pyramid pyramid;
+    iso_view view;
+    iso_image expected, got;
+} iso_calibration_stage;
+
+/* A grid turned about an oblique axis, with three different spacings. */
+iso_geometry iso_calibration_turned_grid(size_t nx, size_t ny, size_t nz);
+/* From 60 mm before the origin. */
+iso_camera iso_calibration_look(iso_vec3 forward, double half_height, bool orthographic);
+
+/* The volume of value() with two levels, a view of one light and no shading, and an empty picture. Release it with
+ * iso_calibration_stage_clear(), also where it failed. */
+iso_status iso_calibration_stage_set(iso_calibration_stage *s, const iso_geometry *g,
+                                     double (*value)(const iso_geometry *, iso_vec3 index), iso_error *err);
+void iso_calibration_stage_clear(iso_calibration_stage *s);
+
+void iso_calibration_set_entry(iso_view *view, size_t i, float r, float g, float b, float extinction);
+/* What a constant color and extinction (r, g, b, sigma), shaded by a constant, show in a pixel. */
+void iso_calibration_expect_pixel(iso_calibration_stage *s, size_t column, size_t row, const double rgbs[4],
+                                  double shade);
+
+/* Into s->got. planted: a fault that is put into what the renderer is given, or NULL. */
+iso_status iso_calibration_render(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
+                                  const iso_planted *planted, iso_error *err);
+/* The largest difference to what is expected. A renderer may fail in any check: then there is no picture, and *value is no
+ * number. */
+iso_status iso_calibration_render_difference(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
+                                             const iso_planted *planted, double *value, iso_error *err);
+
+#endif
