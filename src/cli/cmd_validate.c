@@ -12,33 +12,20 @@
 #include "base/process.h"
 #include "base/provenance.h"
 #include "base/work.h"
-#include "cli/cycles_options.h"
 #include "cli/made_volume.h"
-#include "options/cli.h"
-#include "options/input.h"
-#include "options/look.h"
 #include "options/visible.h"
 #include "renderers/external.h"
 #include "renderers/picture_store.h"
 #include "renderers/pictures.h"
 #include "render/gl/raycaster.h"
-#include "report/levels.h"
 #include "report/markdown.h"
-#include "scene/views.h"
 #include "scene/subject.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
+#include "cli/validate_options.h"
+#include "cli/validate_result.h"
 #include "cli/validate_viewer.h"
 #include "validate/validate.h"
-
-typedef struct validate_arguments {
-    iso_volume_input input;
-    iso_cli_look look;
-    char *output, *with, *renderers, *gl_device, *code, *junit, *summary_md, *suite, **images;
-    iso_cli_cycles cycles;
-    double budget;
-    int level_count, seeds, quick, limit_size, level_views, level_size, resume, anyway, extinction_scale, viewer;
-} validate_arguments;
 
 static char *scene_name_of(const char *path)
 {
@@ -49,24 +36,11 @@ static char *scene_name_of(const char *path)
     return name;
 }
 
-/* More seeds make the tests by pixel and of the bias sharper, and the run longer. */
-static size_t seeds_of(const validate_arguments *a)
-{
-    return a->seeds ? (size_t)a->seeds : a->quick ? 3 : 4;
-}
-
-static size_t limit_size_of(const validate_arguments *a)
-{
-    return a->limit_size ? (size_t)a->limit_size
-           : a->quick    ? ISO_VALIDATE_LIMIT_PIXELS_QUICK
-                         : ISO_VALIDATE_LIMIT_PIXELS;
-}
-
 /* The quick run keeps every stage and every limit, on smaller images and fewer levels. */
-static void scale_down(iso_validation *v, iso_scene *scene, const validate_arguments *a)
+static void scale_down(iso_validation *v, iso_scene *scene, const iso_validate_arguments *a)
 {
     v->image_prefix = v->variant = v->build_options = v->render_options = "";
-    v->limit_size = limit_size_of(a);
+    v->limit_size = iso_validate_limit_size(a);
     v->consistency_size = a->level_size ? (size_t)a->level_size : v->quick ? 96 : 160;
     v->may_add_views = !a->level_views && !v->quick;
     v->consistency_views = a->level_views ? (size_t)a->level_views : v->quick ? 3 : 6;
@@ -77,7 +51,7 @@ static void scale_down(iso_validation *v, iso_scene *scene, const validate_argum
     }
 }
 
-static void describe_options(const validate_arguments *a, const iso_validation *v, iso_code code)
+static void describe_options(const iso_validate_arguments *a, const iso_validation *v, iso_code code)
 {
     iso_report *r = v->report;
     iso_report_put(r, "options", "quick", json_boolean(a->quick));
@@ -144,84 +118,6 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
     return status;
 }
 
-/* What the exit code says: nothing differed; a difference, of renderers or of levels; or a renderer that could not be
- * compared. */
-static iso_status verdict(const iso_validation *v, const iso_report_summary *summary, const iso_levels_summary *levels,
-                          iso_error *err)
-{
-    if (v->foreign[0])
-        return iso_fail(err, ISO_E_DIFFERS, "%s: %s", v->volume_path, v->foreign);
-    for (size_t i = 0; i < iso_renderer_count(); ++i)
-        if (v->refused[i].status != ISO_OK)
-            return iso_fail(err, v->refused[i].status, "%s %s", iso_renderer_at(i)->name, v->refused[i].why);
-    if (summary->refused > 0) /* it answered at first */
-        return iso_validate_refused_later(v, err);
-    if (!summary->good)
-        return iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
-    return levels->differed == 0 ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", levels->sentence);
-}
-
-/* What was asked for and not compared, with the reason; the page has all of them. */
-static void print_not_compared(const iso_report *r)
-{
-    enum { most = 6 };
-    size_t i, count = 0;
-    json_t *row;
-    char name[ISO_ROW_NAME_BYTES];
-    json_array_foreach(json_object_get(iso_report_json(r), "agreement"), i, row)
-    {
-        if (iso_row_verdict(row) != ISO_VERDICT_NOT_COMPARED || ++count > most)
-            continue;
-        iso_row_name_of(row, name);
-        if (strcmp(iso_row_text(row, "comparison"), "stage") == 0)
-            printf("not compared: %s: %s\n", name, iso_row_text(row, "why"));
-        else
-            printf("not compared: %s, level %lld, %s: %s\n", iso_row_text(row, "scene"),
-                   (long long)json_integer_value(json_object_get(row, "level")), name, iso_row_text(row, "why"));
-    }
-    if (count > most)
-        printf("not compared: %zu more, which the report lists\n", count - most);
-}
-
-/* Checks that a renderer could not be asked for, with what stays open. */
-static void print_not_calibrated(const iso_report *r)
-{
-    size_t i;
-    json_t *row;
-    json_array_foreach(json_object_get(iso_report_json(r), "calibration"), i, row)
-        if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED)
-            printf("not calibrated: %s: %s: %s\n", iso_row_text(row, "renderer"), iso_row_text(row, "check"),
-                   iso_row_text(row, "detail"));
-}
-
-/* What was asked of scenes that do not say it. */
-static void print_assumed(const iso_report *r)
-{
-    const char *scene;
-    json_t *asked;
-    json_object_foreach(json_object_get(iso_report_json(r), "asked"), scene,
-                        asked) if (json_is_true(json_object_get(asked, "assumed")))
-        printf("assumed: %s: %s\n", scene, iso_row_text(asked, "why"));
-}
-
-static void print_result(const validate_arguments *a, const iso_cli *cli, const iso_validation *v,
-                         const iso_report_summary *s, const iso_levels_summary *levels)
-{
-    if (cli->json) {
-        json_dumpf(iso_report_json(v->report), stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-        putchar('\n');
-    } else {
-        puts(s->sentence);
-        if (levels->sentence[0])
-            puts(levels->sentence);
-        iso_cli_print_versions(iso_report_json(v->report));
-        print_not_calibrated(v->report);
-        print_not_compared(v->report);
-        print_assumed(v->report);
-        printf("report: %s/index.html\n", a->output);
-    }
-}
-
 /* What was started and drawn, and the processor time of all of it. */
 static void report_work(iso_report *r)
 {
@@ -245,7 +141,7 @@ static void report_estimate(const iso_cli *cli, iso_report *r)
 }
 
 /* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
-static iso_status open_store(const validate_arguments *a, iso_validation *v, iso_error *err)
+static iso_status open_store(const iso_validate_arguments *a, iso_validation *v, iso_error *err)
 {
     char *folder = NULL;
     size_t end = strlen(a->output);
@@ -261,10 +157,11 @@ static iso_status open_store(const validate_arguments *a, iso_validation *v, iso
 /* What is kept has no use once the report stands, nor where the input was refused: it would be again. */
 static bool has_no_use(const iso_validation *v, iso_status status)
 {
-    return iso_report_is_finished(v->report) || status == ISO_E_USAGE || status == ISO_E_FORMAT || status == ISO_E_RANGE;
+    return iso_report_is_finished(v->report) || status == ISO_E_USAGE || status == ISO_E_FORMAT ||
+           status == ISO_E_RANGE;
 }
 
-static void begin_budget(const validate_arguments *a, const iso_cli *cli, iso_validation *v)
+static void begin_budget(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v)
 {
     const double now = iso_clock_seconds();
     if (!(a->budget > 0))
@@ -279,7 +176,7 @@ static void begin_budget(const validate_arguments *a, const iso_cli *cli, iso_va
 }
 
 /* Summary, charts and page; the verdict. */
-static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
+static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
     iso_validate_describe_programs(v);
     report_work(v->report);
@@ -302,12 +199,12 @@ static iso_status finish(const validate_arguments *a, const iso_cli *cli, iso_va
     iso_progress_line_hide(v->line);
     if (status != ISO_OK)
         return status;
-    print_result(a, cli, v, &summary, &levels);
-    return verdict(v, &summary, &levels, err);
+    iso_cli_validate_print(a->output, cli, v, &summary, &levels);
+    return iso_cli_validate_verdict(v, &summary, &levels, err);
 }
 
 /* Renderers agree on a picture of nothing, and levels cannot be told apart in it: a verdict would say nothing. */
-static iso_status check_visible(const validate_arguments *a, const iso_cli *cli, const iso_pyramid *p,
+static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *cli, const iso_pyramid *p,
                                 const iso_view *view, iso_error *err)
 {
     const iso_visible v = iso_visible_measure(&p->levels[0], view, NULL, cli->threads);
@@ -321,7 +218,7 @@ static iso_status check_visible(const validate_arguments *a, const iso_cli *cli,
                : ISO_OK;
 }
 
-static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
+static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
                            iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
@@ -338,7 +235,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
                         .loaded = iso_pyramid_is_one(cli->arguments[0]),
                         .quick = a->quick,
                         .scales = a->extinction_scale ? ISO_SCALES_ADAPTED : iso_validate_scales_of(pyramid),
-                        .seeds = seeds_of(a),
+                        .seeds = iso_validate_seeds(a),
                         .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
                         .threads = cli->threads,
                         .line = cli->progress,
@@ -384,7 +281,7 @@ static iso_status validate(const validate_arguments *a, const iso_cli *cli, iso_
 }
 
 /* OUTPUT.scene.json beside the report: the scene that there is no file of, so that commands can name it. */
-static iso_status write_scene(const validate_arguments *a, const iso_scene *scene, char **path, iso_error *err)
+static iso_status write_scene(const iso_validate_arguments *a, const iso_scene *scene, char **path, iso_error *err)
 {
     json_t *root = iso_scene_to_json(scene);
     const iso_status status = asprintf(path, "%s.scene.json", a->output) < 0
@@ -394,13 +291,13 @@ static iso_status write_scene(const validate_arguments *a, const iso_scene *scen
     return status;
 }
 
-static bool has_own_scene(const validate_arguments *a)
+static bool has_own_scene(const iso_validate_arguments *a)
 {
     return !a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0;
 }
 
 /* The scene file as it is, with --size at most; any other is written and read again, so that reports can repeat it. */
-static iso_status load_scene(validate_arguments *a, const iso_subject_look *look, const iso_pyramid *pyramid,
+static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *look, const iso_pyramid *pyramid,
                              char **written, iso_scene *scene, iso_error *err)
 {
     iso_status status = iso_subject_make_scene(look, pyramid, scene, err);
@@ -412,13 +309,13 @@ static iso_status load_scene(validate_arguments *a, const iso_subject_look *look
     return status == ISO_OK ? iso_scene_load(*written, scene, err) : status;
 }
 
-static iso_status load_and_validate(const validate_arguments *given, const iso_cli *cli, iso_pyramid_options *build,
+static iso_status load_and_validate(const iso_validate_arguments *given, const iso_cli *cli, iso_pyramid_options *build,
                                     iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid pyramid = {0};
     iso_scene scene = {0};
-    validate_arguments a = *given;
+    iso_validate_arguments a = *given;
     char *written = NULL;
     iso_subject_look look;
     bool wanted[ISO_MAX_RENDERERS];
@@ -438,14 +335,18 @@ static iso_status load_and_validate(const validate_arguments *given, const iso_c
     return status;
 }
 
-static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli, const iso_pyramid_options *build,
+static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli *cli, const iso_pyramid_options *build,
                                  iso_error *err)
 {
     enum { quick_pixels = 48 };
     iso_progress progress = iso_cli_progress(cli);
     char *line = iso_cli_command_line(cli);
-    iso_validation v = {
-        .quick = a->quick, .save_viewer = a->viewer ? iso_validate_save_viewer : NULL, .threads = cli->threads, .seeds = seeds_of(a), .line = cli->progress, .progress = &progress};
+    iso_validation v = {.quick = a->quick,
+                        .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
+                        .threads = cli->threads,
+                        .seeds = iso_validate_seeds(a),
+                        .line = cli->progress,
+                        .progress = &progress};
     iso_suite_options suite = {.folder = a->suite,
                                .make_volume = iso_cli_make_volume,
                                .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
@@ -455,7 +356,7 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
     double start = iso_clock_seconds();
     v.image_prefix = v.variant = v.build_options = v.render_options = v.input_options = "";
-    v.limit_size = limit_size_of(a);
+    v.limit_size = iso_validate_limit_size(a);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK && a->look.size)
         status = iso_subject_parse_image_size(a->look.size, &suite.width, &suite.height, err);
@@ -485,55 +386,16 @@ static iso_status validate_suite(const validate_arguments *a, const iso_cli *cli
     return status;
 }
 
-/* Before the work, not after it. */
-static iso_status check_folder(const char *option, const char *path, iso_error *err)
-{
-    char *dir = path ? iso_path_dir(path) : NULL;
-    iso_status status = ISO_OK;
-    if (path && (!dir || !iso_path_is_dir(dir)))
-        status = iso_fail(err, ISO_E_IO, "%s %s: there is no folder %s", option, path, dir ? dir : "");
-    free(dir);
-    return status;
-}
-
-static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli, iso_error *err)
+static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     const iso_renderer_info *unused;
     iso_status status = iso_renderers_load(a->renderers, err);
     for (size_t i = 0; a->images && a->images[i] && status == ISO_OK; ++i)
         status = iso_pictures_register(a->images[i], &unused, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", a->level_count, 0, 16, err);
-    if (status == ISO_OK && a->seeds)
-        status = iso_words_check_range("--seeds", a->seeds, 2, 32, err);
-    if (status == ISO_OK && a->level_views)
-        status = iso_words_check_range("--level-views", a->level_views, 2, ISO_FACE_VIEWS, err);
-    if (status == ISO_OK && a->level_size)
-        status = iso_words_check_range("--level-size", a->level_size, 16, 1024, err);
-    if (status == ISO_OK && (a->budget < 0 || !isfinite(a->budget)))
-        status = iso_fail(err, ISO_E_USAGE, "--budget is %g, must be seconds above 0", a->budget);
-    if (status == ISO_OK && a->limit_size)
-        status = iso_words_check_range("--limit-size", a->limit_size, 8, 65536, err);
-    if (status == ISO_OK && !a->output)
-        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
-    if (status == ISO_OK && (a->suite ? 0 : 1) != cli->argument_count)
-        status = iso_fail(err, ISO_E_USAGE,
-                          a->suite ? "--suite makes its own volumes, \"%s\" is one too many"
-                                   : "wanted a volume or a pyramid, or --suite",
-                          a->suite ? cli->arguments[0] : "");
-    if (status == ISO_OK && a->suite && (a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0))
-        status = iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other, --tf, --view and --zoom too");
-    if (status == ISO_OK && a->suite && a->extinction_scale)
-        status = iso_fail(err, ISO_E_USAGE,
-                          "--extinction-scale is for the levels of a volume, which --suite does not judge");
-    if (status == ISO_OK && a->code)
-        status = iso_code_from_name(a->code, &build.code, err);
-    if (status == ISO_OK)
-        status = check_folder("--junit", a->junit, err);
-    if (status == ISO_OK)
-        status = check_folder("--summary-md", a->summary_md, err);
     build.threads = cli->threads;
+    if (status == ISO_OK)
+        status = iso_validate_check_arguments(a, cli, &build, err);
     if (status == ISO_OK)
         status = iso_cli_take_cycles(&a->cycles, a->with, err);
     if (status != ISO_OK)
@@ -543,7 +405,7 @@ static iso_status check_and_run(const validate_arguments *a, const iso_cli *cli,
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    validate_arguments a = {0};
+    iso_validate_arguments a = {0};
     char names[256], with[320], seeds[400];
     snprintf(with, sizeof with, "renderers to compare with the reference (%s)",
              iso_renderers_with(ISO_HAS_LIMIT, ",", ",", names, sizeof names));
@@ -559,7 +421,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"levels", 0, POPT_ARG_INT, &a.level_count, 0, "levels, the finest included (4; 3 with --quick)", "N"},
         {"with", 0, POPT_ARG_STRING, &a.with, 0, with, "LIST"},
         ISO_CLI_RENDERERS_OPTION(&a.renderers),
-        ISO_CLI_CYCLES_OPTIONS(&a.cycles, "Blenders whose Cycles are compared, also with each other: paths, or names that PATH has", "A,B"),
+        ISO_CLI_CYCLES_OPTIONS(
+            &a.cycles, "Blenders whose Cycles are compared, also with each other: paths, or names that PATH has",
+            "A,B"),
         {"images", 0, POPT_ARG_ARGV, &a.images, 0,
          "pictures that somebody made elsewhere of what isoshade scenes --write wrote, as a renderer NAME; repeated for several",
          "NAME=DIR"},

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "cli/validate_result.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "cli/cycles_options.h"
+
+/* What the exit code says: nothing differed; a difference, of renderers or of levels; or a renderer that could not be
+ * compared. */
+iso_status iso_cli_validate_verdict(const iso_validation *v, const iso_report_summary *summary,
+                                    const iso_levels_summary *levels, iso_error *err)
+{
+    if (v->foreign[0])
+        return iso_fail(err, ISO_E_DIFFERS, "%s: %s", v->volume_path, v->foreign);
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        if (v->refused[i].status != ISO_OK)
+            return iso_fail(err, v->refused[i].status, "%s %s", iso_renderer_at(i)->name, v->refused[i].why);
+    if (summary->refused > 0) /* it answered at first */
+        return iso_validate_refused_later(v, err);
+    if (!summary->good)
+        return iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
+    return levels->differed == 0 ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", levels->sentence);
+}
+
+/* What was asked for and not compared, with the reason; the page has all of them. */
+static void print_not_compared(const iso_report *r)
+{
+    enum { most = 6 };
+    size_t i, count = 0;
+    json_t *row;
+    char name[ISO_ROW_NAME_BYTES];
+    json_array_foreach(json_object_get(iso_report_json(r), "agreement"), i, row)
+    {
+        if (iso_row_verdict(row) != ISO_VERDICT_NOT_COMPARED || ++count > most)
+            continue;
+        iso_row_name_of(row, name);
+        if (strcmp(iso_row_text(row, "comparison"), "stage") == 0)
+            printf("not compared: %s: %s\n", name, iso_row_text(row, "why"));
+        else
+            printf("not compared: %s, level %lld, %s: %s\n", iso_row_text(row, "scene"),
+                   (long long)json_integer_value(json_object_get(row, "level")), name, iso_row_text(row, "why"));
+    }
+    if (count > most)
+        printf("not compared: %zu more, which the report lists\n", count - most);
+}
+
+/* Checks that a renderer could not be asked for, with what stays open. */
+static void print_not_calibrated(const iso_report *r)
+{
+    size_t i;
+    json_t *row;
+    json_array_foreach(json_object_get(iso_report_json(r), "calibration"), i,
+                       row) if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED)
+        printf("not calibrated: %s: %s: %s\n", iso_row_text(row, "renderer"), iso_row_text(row, "check"),
+               iso_row_text(row, "detail"));
+}
+
+/* What was asked of scenes that do not say it. */
+static void print_assumed(const iso_report *r)
+{
+    const char *scene;
+    json_t *asked;
+    json_object_foreach(json_object_get(iso_report_json(r), "asked"), scene,
+                        asked) if (json_is_true(json_object_get(asked, "assumed")))
+        printf("assumed: %s: %s\n", scene, iso_row_text(asked, "why"));
+}
+
+void iso_cli_validate_print(const char *output, const iso_cli *cli, const iso_validation *v,
+                            const iso_report_summary *s, const iso_levels_summary *levels)
+{
+    if (cli->json) {
+        json_dumpf(iso_report_json(v->report), stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+        putchar('\n');
+    } else {
+        puts(s->sentence);
+        if (levels->sentence[0])
+            puts(levels->sentence);
+        iso_cli_print_versions(iso_report_json(v->report));
+        print_not_calibrated(v->report);
+        print_not_compared(v->report);
+        print_assumed(v->report);
+        printf("report: %s/index.html\n", output);
+    }
+}
