@@ -7,6 +7,7 @@
 #include "base/stamp.h"
 #include "blender/blender.h"
 #include "cli/cycles_options.h"
+#include "cli/export_options.h"
 #include "cli/export_several.h"
 #include "options/cli.h"
 #include "options/input.h"
@@ -19,31 +20,10 @@
 #include "volume/frames_all.h"
 #include "targets/targets.h"
 
-typedef struct export_arguments {
-    iso_volume_input input;
-    iso_cli_adapted adapted;
-    iso_cli_roi roi;
-    iso_cli_look look;
-    iso_bake_words bake_words;
-    iso_bake_request bake;
-    char *to, *output, *isosurface, *plan, *grids, *frames, *channels, *material, *background_text;
-    char **added;
-    int level, level_count, half, dense, force;
-    size_t material_row;
-    double step, background;
-    bool has_background;
-    const iso_cli *cli;
-} export_arguments;
-
-static bool wants_merged(const export_arguments *a)
-{
-    return !a->grids || strcmp(a->grids, "merged") == 0;
-}
-
 /* The scene's view with a copy of its table, and in it what is asked for: full resolution in a box, an adapted table. */
 static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *view, iso_error *err)
 {
-    const export_arguments *a = job->user;
+    const iso_export_arguments *a = job->user;
     *view = *job->view;
     size_t bytes = 4 * view->tf.count * sizeof *view->tf.entries;
     view->tf.entries = malloc(bytes);
@@ -67,129 +47,7 @@ static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *v
     return status;
 }
 
-/* With a plan the levels are the plan's, and so is the transfer function. */
-static iso_status check_plan(const export_arguments *a, iso_error *err)
-{
-    if (!a->plan)
-        return a->grids ? iso_fail(err, ISO_E_USAGE, "--grids needs --plan") : ISO_OK;
-    if (!a->look.scene)
-        return iso_fail(err, ISO_E_USAGE, "--plan needs the --scene that it was made for");
-    if (!wants_merged(a) && strcmp(a->grids, "levels") != 0)
-        return iso_fail(err, ISO_E_USAGE, "--grids is \"%s\", wanted merged or levels", a->grids);
-    if (a->level != 0 || a->level_count != 1 || a->adapted.wanted || a->adapted.extinction_scale || a->isosurface ||
-        a->roi.box)
-        return iso_fail(
-            err, ISO_E_USAGE,
-            "--plan chooses the levels itself: --level, --levels, --adapt, --extinction-scale, --roi and --isosurface have no "
-            "meaning");
-    return ISO_OK;
-}
-
-/* Grids alone need no transfer function, but one that is given says which voxels they have to hold. */
-static bool is_shown(const export_arguments *a, const iso_export_target *target)
-{
-    return iso_export_takes(target, ISO_EXPORT_SHOWN) && !a->plan &&
-           (a->look.scene || a->look.tf || a->adapted.extinction_scale);
-}
-
-/* An option that would change nothing is a mistake. */
-static iso_status check_options(const export_arguments *a, const iso_export_target *target, iso_error *err)
-{
-    const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) && (is_shown(a, target) || a->bake.wanted);
-    const bool given[ISO_EXPORT_OPTION_COUNT] = {[ISO_EXPORT_LEVELS] = a->level_count > 1,
-                                                 [ISO_EXPORT_STEP] = a->step != 0,
-                                                 [ISO_EXPORT_HALF] = a->half,
-                                                 [ISO_EXPORT_ISOSURFACE] = a->isosurface != NULL,
-                                                 [ISO_EXPORT_SCENE] = a->look.scene && !a->plan &&
-                                                                      !alone, /* a plan is made for one */
-                                                 [ISO_EXPORT_SIZE] = a->look.size != NULL && !alone,
-                                                 [ISO_EXPORT_ROI] = a->roi.box != NULL,
-                                                 [ISO_EXPORT_ADAPT] = a->adapted.wanted && !alone,
-                                                 [ISO_EXPORT_EXTINCTION_SCALE] = a->adapted.extinction_scale,
-                                                 [ISO_EXPORT_GRIDS] = a->grids != NULL,
-                                                 [ISO_EXPORT_BAKE] = a->bake.wanted,
-                                                 [ISO_EXPORT_MATERIAL] = a->material != NULL,
-                                                 [ISO_EXPORT_PLAN] = a->plan != NULL,
-                                                 [ISO_EXPORT_DENSE] = a->dense,
-                                                 [ISO_EXPORT_BACKGROUND] = a->has_background};
-    const char *const looks[] = {a->look.tf && !alone ? "--tf" : NULL, a->look.view ? "--view" : NULL,
-                                 a->look.zoom != 0 ? "--zoom" : NULL};
-    if (a->dense && (a->has_background || a->plan))
-        return iso_fail(err, ISO_E_USAGE, "--dense and %s: one keeps what the other leaves out",
-                        a->plan ? "--plan" : "--background");
-    if (a->has_background && a->plan)
-        return iso_fail(err, ISO_E_USAGE, "--background has no meaning with --plan, which chooses it");
-    for (size_t i = 0; i < sizeof looks / sizeof *looks; ++i)
-        if (looks[i] && !iso_export_takes(target, ISO_EXPORT_SCENE) && !a->bake.wanted)
-            return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s", looks[i], target->name);
-    for (int i = 0; i < ISO_EXPORT_OPTION_COUNT; ++i)
-        if (given[i] && !iso_export_takes(target, (iso_export_option)i))
-            return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s",
-                            iso_export_option_text((iso_export_option)i), target->name);
-    return ISO_OK;
-}
-
-/* One level, whole, by the scene's transfer function. */
-static iso_status check_bake(const export_arguments *a, iso_error *err)
-{
-    const char *other = a->plan              ? "--plan"
-                        : a->level_count > 1 ? "--levels"
-                        : a->roi.box         ? "--roi"
-                        : a->frames          ? "--frames"
-                                             : NULL;
-    if (a->bake.wanted && other)
-        return iso_fail(err, ISO_E_USAGE, "%s has no meaning for what is baked: one level, all of it", other);
-    return ISO_OK;
-}
-
-/* One scene and one transfer function for all frames: what is made for one volume alone has no meaning. */
-static iso_status check_frames(const export_arguments *a, const iso_export_target *target, iso_error *err)
-{
-    const char *other = a->plan                                      ? "--plan"
-                        : a->adapted.wanted                          ? "--adapt"
-                        : a->adapted.extinction_scale                ? "--extinction-scale"
-                        : a->roi.box                                 ? "--roi"
-                        : a->level_count > 1 && target->write_frames ? "--levels"
-                                                                     : NULL;
-    if (!a->frames)
-        return ISO_OK;
-    if (strcmp(a->frames, "all") != 0)
-        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; --frame K exports one", a->frames);
-    if (other)
-        return iso_fail(err, ISO_E_USAGE, "--frames all and %s: a series has one scene and one transfer function",
-                        other);
-    return ISO_OK;
-}
-
-static iso_status check(export_arguments *a, const iso_export_target **target, iso_error *err)
-{
-    char names[256];
-    size_t row = 0;
-    if (!a->to || iso_names_find(&iso_export_target_names, a->to, &row, NULL) != ISO_OK)
-        return iso_fail(err, ISO_E_USAGE, "--to is \"%s\", wanted %s", a->to ? a->to : "",
-                        iso_names_join(&iso_export_target_names, "or", names, sizeof names));
-    *target = iso_export_target_at(row);
-    if (!a->output)
-        return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->summary);
-    iso_status status = iso_words_check_range("--level", a->level, 0, 63, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", a->level_count, 1, 64, err);
-    if (status == ISO_OK && a->step != 0)
-        status = iso_words_check_range("--step", a->step, 1e-3, 16, err);
-    if (status == ISO_OK)
-        status = check_options(a, *target, err);
-    if (status == ISO_OK && a->material)
-        status = iso_names_find(&iso_blender_material_names, a->material, &a->material_row, err);
-    if (status == ISO_OK)
-        status = check_bake(a, err);
-    if (status == ISO_OK)
-        status = check_frames(a, *target, err);
-    if (status == ISO_OK)
-        status = check_plan(a, err);
-    return status == ISO_OK && (*target)->stamped ? iso_stamp_guard(a->output, a->force, err) : status;
-}
-
-static iso_status export_it(export_arguments *a, iso_error *err)
+static iso_status export_it(iso_export_arguments *a, iso_error *err)
 {
     const iso_export_target *target = NULL;
     double iso[3] = {0};
@@ -199,7 +57,7 @@ static iso_status export_it(export_arguments *a, iso_error *err)
     iso_view view = {0};
     iso_planned planned = {0};
     iso_subject_look look;
-    iso_status status = check(a, &target, err);
+    iso_status status = iso_export_check(a, &target, err);
     if (status == ISO_OK)
         status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
     if (status != ISO_OK)
@@ -222,7 +80,7 @@ static iso_status export_it(export_arguments *a, iso_error *err)
                                                         : "--isosurface",
                                            err);
     if (status == ISO_OK &&
-        (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || is_shown(a, target) || a->bake.wanted))
+        (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || iso_export_is_shown(a, target) || a->bake.wanted))
         status = iso_subject_make_view(&look, &pyramid, &view, err);
     if (status == ISO_OK && view.width > 0) /* there is a scene */
         iso_cli_warn_of_view(a->cli, &pyramid, &view, a->isosurface ? iso : NULL, &(bool){false});
@@ -238,12 +96,12 @@ static iso_status export_it(export_arguments *a, iso_error *err)
                                 .output = a->output,
                                 .view = &view,
                                 .planned = a->plan ? &planned : NULL,
-                                .merged = wants_merged(a),
+                                .merged = iso_export_wants_merged(a),
                                 .step_voxels = a->step,
                                 .half_float = a->half,
                                 .physical = a->material_row == 1,
                                 .dense = a->dense,
-                                .is_shown = is_shown(a, target),
+                                .is_shown = iso_export_is_shown(a, target),
                                 .background = a->has_background ? &a->background : NULL,
                                 .command = command,
                                 .extinction_scale = a->adapted.extinction_scale,
@@ -282,7 +140,7 @@ static iso_status load_frame(void *user, size_t frame, iso_pyramid *p, iso_error
     return iso_subject_frames_load(user, frame, p, err);
 }
 
-static iso_status check_level(const export_arguments *a, const iso_pyramid *p, iso_error *err)
+static iso_status check_level(const iso_export_arguments *a, const iso_pyramid *p, iso_error *err)
 {
     if ((size_t)(a->level + a->level_count) <= p->level_count)
         return ISO_OK;
@@ -291,7 +149,7 @@ static iso_status check_level(const export_arguments *a, const iso_pyramid *p, i
 }
 
 /* The first frame says what a scene shows of all. */
-static iso_status make_series_view(const export_arguments *a, const iso_subject_frames *frames, const double iso[3],
+static iso_status make_series_view(const iso_export_arguments *a, const iso_subject_frames *frames, const double iso[3],
                                    iso_view *view, iso_error *err)
 {
     iso_pyramid first = {0};
@@ -307,7 +165,7 @@ static iso_status make_series_view(const export_arguments *a, const iso_subject_
 }
 
 /* An output a frame, numbered. */
-static iso_status write_each(const export_arguments *a, const iso_export_target *target,
+static iso_status write_each(const iso_export_arguments *a, const iso_export_target *target,
                              const iso_subject_frames *frames, iso_export_job *job, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -325,7 +183,7 @@ static iso_status write_each(const export_arguments *a, const iso_export_target 
     return status;
 }
 
-static iso_status export_series(export_arguments *a, iso_error *err)
+static iso_status export_series(iso_export_arguments *a, iso_error *err)
 {
     const iso_export_target *target = NULL;
     double iso[3] = {0};
@@ -334,7 +192,7 @@ static iso_status export_series(export_arguments *a, iso_error *err)
     iso_subject_frames frames = {0};
     iso_view view = {0};
     iso_subject_look look;
-    iso_status status = check(a, &target, err);
+    iso_status status = iso_export_check(a, &target, err);
     if (status == ISO_OK)
         status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
     if (status == ISO_OK && a->isosurface)
@@ -344,7 +202,9 @@ static iso_status export_series(export_arguments *a, iso_error *err)
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level + a->level_count);
     status = iso_subject_frames_create(a->cli->arguments[0], &a->input, &build,
-                                       iso_export_takes(target, ISO_EXPORT_SCENE) || is_shown(a, target) ? &look : NULL,
+                                       iso_export_takes(target, ISO_EXPORT_SCENE) || iso_export_is_shown(a, target)
+                                           ? &look
+                                           : NULL,
                                        &progress, &frames, err);
     if (status == ISO_OK)
         status = make_series_view(a, &frames, iso, &view, err);
@@ -358,7 +218,7 @@ static iso_status export_series(export_arguments *a, iso_error *err)
                           .half_float = a->half,
                           .physical = a->material_row == 1,
                           .dense = a->dense,
-                          .is_shown = is_shown(a, target),
+                          .is_shown = iso_export_is_shown(a, target),
                           .background = a->has_background ? &a->background : NULL,
                           .command = command,
                           .isosurface = a->isosurface != NULL,
@@ -394,7 +254,7 @@ static iso_status export_series(export_arguments *a, iso_error *err)
 
 /* ---- several volumes ---- */
 
-static iso_status export_volumes(export_arguments *a, iso_error *err)
+static iso_status export_volumes(iso_export_arguments *a, iso_error *err)
 {
     const iso_export_target *target = NULL;
     iso_subject_look look;
@@ -406,7 +266,7 @@ static iso_status export_volumes(export_arguments *a, iso_error *err)
                         : a->isosurface               ? "--isosurface"
                         : a->level_count > 1          ? "--levels"
                                                       : NULL;
-    iso_status status = check(a, &target, err);
+    iso_status status = iso_export_check(a, &target, err);
     if (status == ISO_OK && other)
         status = iso_fail(err, ISO_E_USAGE, "%s and several volumes: %s is of one volume", other, other);
     if (status == ISO_OK && a->channels && a->input.channel)
@@ -428,7 +288,7 @@ static iso_status export_volumes(export_arguments *a, iso_error *err)
                                       err);
 }
 
-static iso_status make_bake_request(export_arguments *a, iso_error *err)
+static iso_status make_bake_request(iso_export_arguments *a, iso_error *err)
 {
     size_t row = 0;
     a->bake_words.lattice_alone = a->to && iso_names_find(&iso_export_target_names, a->to, &row, NULL) == ISO_OK &&
@@ -438,7 +298,7 @@ static iso_status make_bake_request(export_arguments *a, iso_error *err)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    export_arguments a = {.level_count = 1};
+    iso_export_arguments a = {.level_count = 1};
     iso_cli_cycles cycles = {.blender = NULL};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
@@ -473,7 +333,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "blender: overwrite a file that was changed since isoshade wrote it; it stays as NAME.blend1", NULL},
         {"material", 0, POPT_ARG_STRING, &a.material, 0,
          "blender: the material that the file opens with; its property physical changes it", "MATERIAL"},
-        ISO_CLI_CYCLES_OPTIONS(&cycles, "blender: the Blender that makes the file: a path, or a name that PATH has", "PROGRAM"),
+        ISO_CLI_CYCLES_OPTIONS(&cycles, "blender: the Blender that makes the file: a path, or a name that PATH has",
+                               "PROGRAM"),
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb, blender: half floats, smaller and less exact", NULL},
         {"dense", 0, POPT_ARG_NONE, &a.dense, 0,
          "vdb, nanovdb, blender: all voxels, not only what the transfer function shows: for one that will be edited",

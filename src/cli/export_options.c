@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/export_options.h"
+
+#include <string.h>
+
+#include "base/stamp.h"
+#include "blender/blender.h"
+
+bool iso_export_wants_merged(const iso_export_arguments *a)
+{
+    return !a->grids || strcmp(a->grids, "merged") == 0;
+}
+
+/* With a plan the levels are the plan's, and so is the transfer function. */
+static iso_status check_plan(const iso_export_arguments *a, iso_error *err)
+{
+    if (!a->plan)
+        return a->grids ? iso_fail(err, ISO_E_USAGE, "--grids needs --plan") : ISO_OK;
+    if (!a->look.scene)
+        return iso_fail(err, ISO_E_USAGE, "--plan needs the --scene that it was made for");
+    if (!iso_export_wants_merged(a) && strcmp(a->grids, "levels") != 0)
+        return iso_fail(err, ISO_E_USAGE, "--grids is \"%s\", wanted merged or levels", a->grids);
+    if (a->level != 0 || a->level_count != 1 || a->adapted.wanted || a->adapted.extinction_scale || a->isosurface ||
+        a->roi.box)
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "--plan chooses the levels itself: --level, --levels, --adapt, --extinction-scale, --roi and --isosurface have no "
+            "meaning");
+    return ISO_OK;
+}
+
+bool iso_export_is_shown(const iso_export_arguments *a, const iso_export_target *target)
+{
+    return iso_export_takes(target, ISO_EXPORT_SHOWN) && !a->plan &&
+           (a->look.scene || a->look.tf || a->adapted.extinction_scale);
+}
+
+/* An option that would change nothing is a mistake. */
+static iso_status check_options(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
+{
+    const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) &&
+                       (iso_export_is_shown(a, target) || a->bake.wanted);
+    const bool given[ISO_EXPORT_OPTION_COUNT] = {[ISO_EXPORT_LEVELS] = a->level_count > 1,
+                                                 [ISO_EXPORT_STEP] = a->step != 0,
+                                                 [ISO_EXPORT_HALF] = a->half,
+                                                 [ISO_EXPORT_ISOSURFACE] = a->isosurface != NULL,
+                                                 [ISO_EXPORT_SCENE] = a->look.scene && !a->plan &&
+                                                                      !alone, /* a plan is made for one */
+                                                 [ISO_EXPORT_SIZE] = a->look.size != NULL && !alone,
+                                                 [ISO_EXPORT_ROI] = a->roi.box != NULL,
+                                                 [ISO_EXPORT_ADAPT] = a->adapted.wanted && !alone,
+                                                 [ISO_EXPORT_EXTINCTION_SCALE] = a->adapted.extinction_scale,
+                                                 [ISO_EXPORT_GRIDS] = a->grids != NULL,
+                                                 [ISO_EXPORT_BAKE] = a->bake.wanted,
+                                                 [ISO_EXPORT_MATERIAL] = a->material != NULL,
+                                                 [ISO_EXPORT_PLAN] = a->plan != NULL,
+                                                 [ISO_EXPORT_DENSE] = a->dense,
+                                                 [ISO_EXPORT_BACKGROUND] = a->has_background};
+    const char *const looks[] = {a->look.tf && !alone ? "--tf" : NULL, a->look.view ? "--view" : NULL,
+                                 a->look.zoom != 0 ? "--zoom" : NULL};
+    if (a->dense && (a->has_background || a->plan))
+        return iso_fail(err, ISO_E_USAGE, "--dense and %s: one keeps what the other leaves out",
+                        a->plan ? "--plan" : "--background");
+    if (a->has_background && a->plan)
+        return iso_fail(err, ISO_E_USAGE, "--background has no meaning with --plan, which chooses it");
+    for (size_t i = 0; i < sizeof looks / sizeof *looks; ++i)
+        if (looks[i] && !iso_export_takes(target, ISO_EXPORT_SCENE) && !a->bake.wanted)
+            return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s", looks[i], target->name);
+    for (int i = 0; i < ISO_EXPORT_OPTION_COUNT; ++i)
+        if (given[i] && !iso_export_takes(target, (iso_export_option)i))
+            return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s",
+                            iso_export_option_text((iso_export_option)i), target->name);
+    return ISO_OK;
+}
+
+/* One level, whole, by the scene's transfer function. */
+static iso_status check_bake(const iso_export_arguments *a, iso_error *err)
+{
+    const char *other = a->plan              ? "--plan"
+                        : a->level_count > 1 ? "--levels"
+                        : a->roi.box         ? "--roi"
+                        : a->frames          ? "--frames"
+                                             : NULL;
+    if (a->bake.wanted && other)
+        return iso_fail(err, ISO_E_USAGE, "%s has no meaning for what is baked: one level, all of it", other);
+    return ISO_OK;
+}
+
+/* One scene and one transfer function for all frames: what is made for one volume alone has no meaning. */
+static iso_status check_frames(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
+{
+    const char *other = a->plan                                      ? "--plan"
+                        : a->adapted.wanted                          ? "--adapt"
+                        : a->adapted.extinction_scale                ? "--extinction-scale"
+                        : a->roi.box                                 ? "--roi"
+                        : a->level_count > 1 && target->write_frames ? "--levels"
+                                                                     : NULL;
+    if (!a->frames)
+        return ISO_OK;
+    if (strcmp(a->frames, "all") != 0)
+        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; --frame K exports one", a->frames);
+    if (other)
+        return iso_fail(err, ISO_E_USAGE, "--frames all and %s: a series has one scene and one transfer function",
+                        other);
+    return ISO_OK;
+}
+
+iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **target, iso_error *err)
+{
+    char names[256];
+    size_t row = 0;
+    if (!a->to || iso_names_find(&iso_export_target_names, a->to, &row, NULL) != ISO_OK)
+        return iso_fail(err, ISO_E_USAGE, "--to is \"%s\", wanted %s", a->to ? a->to : "",
+                        iso_names_join(&iso_export_target_names, "or", names, sizeof names));
+    *target = iso_export_target_at(row);
+    if (!a->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->summary);
+    iso_status status = iso_words_check_range("--level", a->level, 0, 63, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--levels", a->level_count, 1, 64, err);
+    if (status == ISO_OK && a->step != 0)
+        status = iso_words_check_range("--step", a->step, 1e-3, 16, err);
+    if (status == ISO_OK)
+        status = check_options(a, *target, err);
+    if (status == ISO_OK && a->material)
+        status = iso_names_find(&iso_blender_material_names, a->material, &a->material_row, err);
+    if (status == ISO_OK)
+        status = check_bake(a, err);
+    if (status == ISO_OK)
+        status = check_frames(a, *target, err);
+    if (status == ISO_OK)
+        status = check_plan(a, err);
+    return status == ISO_OK && (*target)->stamped ? iso_stamp_guard(a->output, a->force, err) : status;
+}

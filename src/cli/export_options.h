@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/* export_options.h - the options of `isoshade export`: which go together, and which have a meaning for a target. */
+#ifndef ISO_EXPORT_OPTIONS_H
+#define ISO_EXPORT_OPTIONS_H
+
+#include "options/adapted.h"
+#include "options/cli.h"
+#include "options/input.h"
+#include "options/look.h"
+#include "options/roi.h"
+#include "targets/targets.h"
+
+/* As given; 0 and NULL: not given. */
+typedef struct iso_export_arguments {
+    iso_volume_input input;
+    iso_cli_adapted adapted;
+    iso_cli_roi roi;
+    iso_cli_look look;
+    iso_bake_words bake_words;
+    iso_bake_request bake;
+    char *to, *output, *isosurface, *plan, *grids, *frames, *channels, *material, *background_text;
+    char **added;
+    int level, level_count, half, dense, force;
+    size_t material_row;
+    double step, background;
+    bool has_background;
+    const iso_cli *cli;
+} iso_export_arguments;
+
+/* Of a plan: one plain grid instead of one a level. */
+bool iso_export_wants_merged(const iso_export_arguments *a);
+
+/* Grids alone need no transfer function, but one that is given says which voxels they have to hold. */
+bool iso_export_is_shown(const iso_export_arguments *a, const iso_export_target *target);
+
+/* Finds the target, and what is wrong before the work: options that exclude each other, or that would change nothing.
+ * ISO_E_USAGE, ISO_E_RANGE; ISO_E_IO where a file stands that was changed by hand. */
+iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **target, iso_error *err);
+
+#endif
