@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "cli/cycles_options.h"
 #include "cli/render_options.h"
+#include "cli/render_result.h"
 #include "plan/cached.h"
 #include "options/cli.h"
 #include "options/visible.h"
@@ -78,87 +79,6 @@ static iso_status attach_palette(const iso_render_arguments *a, const iso_render
     return status;
 }
 
-static iso_status save_image(const iso_render_arguments *a, const iso_cli *cli, const iso_image *image,
-                             const char *version, double step_voxels, iso_error *err)
-{
-    char step[32];
-    snprintf(step, sizeof step, "%g", step_voxels);
-    char *line = iso_cli_command_line(cli);
-    const iso_image_note notes[] = {{"isoshade:command", line ? line : ""},
-                                    {"isoshade:renderer", version},
-                                    {"isoshade:stepVoxels", step},
-                                    {NULL, NULL}};
-    iso_status status = iso_path_ends_with(a->output, ".png") ? iso_image_save_png(image, a->output, 1, err)
-                                                              : iso_image_save_exr(image, a->output, notes, err);
-    if (status == ISO_OK && a->png)
-        status = iso_image_save_png(image, a->png, 1, err);
-    free(line);
-    return status;
-}
-
-/* Who rendered, how long, and where the JSON goes. */
-typedef struct iso_rendered {
-    const char *with, *version;
-    double seconds, device_seconds;
-    const iso_render_stats *stats;
-    json_t *frames;
-} iso_rendered;
-
-/* NaN of other renderers, and of a device without a timer. */
-static double device_seconds(const iso_render_options *opt, iso_renderers *renderers)
-{
-    iso_gl *gl;
-    const bool is_gl = strcmp(opt->renderer->name, "gl") == 0;
-    return is_gl && iso_renderers_need_gl(renderers, &gl, NULL) == ISO_OK ? iso_gl_device_seconds(gl) : NAN;
-}
-
-/* Of a series the JSON of each frame is collected in `frames`, else NULL. */
-static void report(const iso_render_arguments *a, const iso_cli *cli, const iso_pyramid *p, const iso_view *view,
-                   const iso_visible *visible, const iso_rendered *done)
-{
-    const char *version = done->version;
-    const double seconds = done->seconds;
-    if (!cli->json) {
-        printf("%s: level %d, %zu x %zu pixels, %s, %.3g s\n", a->output, a->level, view->width, view->height, version,
-               seconds);
-        return;
-    }
-    json_t *root = iso_cli_json(cli);
-    const iso_geometry *g = &p->levels[a->level].geometry;
-    json_object_update_new(json_object_get(root, "options"),
-                           json_pack("{s:s, s:i, s:s, s:s}", "with", done->with, "level", a->level, "shading_from",
-                                     a->source ? a->source : "codes", "code",
-                                     iso_code_describe(p->options.code)->name));
-    json_object_update_new(root,
-                           json_pack("{s:s, s:s, s:[I,I], s:[I,I,I], s:f, s:f}", "image", a->output, "renderer",
-                                     version, "size", (json_int_t)view->width, (json_int_t)view->height, "level_size",
-                                     (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2],
-                                     "step_voxels", a->step > 0 ? a->step : view->step_voxels, "seconds", seconds));
-    if (isfinite(done->device_seconds))
-        json_object_set_new(root, "device_seconds", iso_json_number(done->device_seconds));
-    if (done->stats->error > 0) {
-        json_object_set_new(root, "error_bound", iso_json_number(done->stats->error));
-        json_object_set_new(root, "error_bound_is_proved", json_boolean(done->stats->is_proved));
-    }
-    json_object_set_new(root, "visible", iso_cli_visible_json(visible));
-    if (done->frames)
-        json_array_append_new(done->frames, root);
-    else
-        iso_cli_print_json(root);
-}
-
-static void report_cache(const iso_cached_report *r, const iso_cli *cli)
-{
-    if (cli->json || cli->quiet)
-        return;
-    printf("cache: %.4g bytes on %zu page%s; %zu bricks,", r->cache_bytes, r->page_count, r->page_count == 1 ? "" : "s",
-           r->brick_count);
-    for (size_t l = 0; l < ISO_BRICK_MAX_LEVELS; ++l)
-        if (r->bricks_by_level[l] > 0)
-            printf(" %zu at level %zu", r->bricks_by_level[l], l);
-    printf("; RMSE %.3g predicted\n", r->predicted_rmse);
-}
-
 /* By bricks, in a cache of so many bytes. */
 static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cli, const iso_render_request *q,
                                 iso_image *image, double *seconds, iso_error *err)
@@ -178,7 +98,7 @@ static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cl
         status = iso_cached_render(gl, &q->pyramid->levels[0], q->view, &o, image, q->progress, err);
     *seconds = r.seconds;
     if (status == ISO_OK)
-        report_cache(&r, cli);
+        iso_render_report_cache(&r, cli);
     return status;
 }
 
@@ -288,13 +208,14 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     if (status == ISO_OK)
         status = iso_render_check_finite(opt.renderer, &image, err);
     if (status == ISO_OK)
-        status = save_image(a, cli, &image, version, a->step > 0 ? a->step : view.step_voxels, err);
+        status = iso_render_save(a, cli, &image, version, a->step > 0 ? a->step : view.step_voxels, err);
     if (status == ISO_OK) {
         iso_visible_take_image(&visible, &image, view.background);
         if (!warned)
             iso_cli_warn_of(cli, &visible);
-        report(a, cli, &pyramid, &view, &visible,
-               &(iso_rendered){opt.renderer->name, version, seconds, device_seconds(&opt, &renderers), &stats, of->results});
+        iso_render_report(a, cli, &pyramid, &view, &visible,
+                          &(iso_rendered){opt.renderer->name, version, seconds,
+                                          iso_render_device_seconds(&opt, &renderers), &stats, of->results});
     }
     iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -392,8 +313,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     help_texts help = {.count = 0};
     iso_cli_cycles cycles = {.blender = NULL};
-    iso_render_arguments a = {
-        .step = ISO_STEP_OF_SCENE, .brick = 16, .brick_levels = 4};
+    iso_render_arguments a = {.step = ISO_STEP_OF_SCENE, .brick = 16, .brick_levels = 4};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);
