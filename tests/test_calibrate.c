@@ -2,6 +2,7 @@
 /* test_calibrate.c - each renderer passes its calibration, and each planted fault fails it. */
 #include <string.h>
 
+#include "base/work.h"
 #include "validate/calibrate.h"
 #include "test.h"
 #include "cycles.h"
@@ -52,10 +53,47 @@ static void the_cpu_ray_caster_passes_its_calibration(void **state)
     expect_trust(&iso_renderer_cpu);
 }
 
-static void povray_passes_its_calibration(void **state)
+/* By one start, and what single checks draw by starts of their own is the same to the last bit. */
+static void povray_passes_its_calibration_by_one_start(void **state)
 {
     (void)state;
-    expect_trust(&iso_renderer_povray);
+    const char *single[] = {"placement", "view vector"};
+    iso_calibration c[ISO_CALIBRATION_COUNT], one;
+    const size_t before = iso_work_sum().starts;
+    assert_int_equal(count_failures(&iso_renderer_povray, ISO_FAULT_NONE, c), 0);
+    assert_int_equal(iso_work_sum().starts - before, 1);
+    for (size_t i = 0; i < sizeof single / sizeof *single; ++i) {
+        const int at = iso_calibration_number(single[i]);
+        assert_ok(iso_calibrate_check(&renderers, &iso_renderer_povray, NULL, at, &one, &err));
+        assert_true(one.value == c[at].value && one.passed);
+    }
+}
+
+/* The pictures of the scenes, each for the next. */
+static iso_status render_exchanged(const iso_render_request *scenes, size_t count, iso_image *images, iso_error *why)
+{
+    iso_status status = ISO_OK;
+    iso_render_stats unused;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = iso_renderer_reference.render(&scenes[i], &images[(i + 1) % count], &unused, why);
+    return status;
+}
+
+static iso_status render_scenes_fails(const iso_render_request *scenes, size_t count, iso_image *images, iso_error *why)
+{
+    (void)scenes, (void)count, (void)images;
+    return iso_fail(why, ISO_E_PROGRAM, "it crashed");
+}
+
+static void scenes_of_one_start_are_each_judged_by_their_own_picture(void **state)
+{
+    (void)state;
+    iso_calibration c[ISO_CALIBRATION_COUNT];
+    iso_renderer_info together = iso_renderer_reference;
+    together.render_scenes = render_exchanged;
+    assert_int_equal(count_failures(&together, ISO_FAULT_NONE, c), ISO_CALIBRATION_COUNT);
+    together.render_scenes = render_scenes_fails; /* then one by one */
+    assert_int_equal(count_failures(&together, ISO_FAULT_NONE, c), 0);
 }
 
 static void cycles_passes_its_calibration(void **state)
@@ -80,14 +118,13 @@ static void every_planted_fault_is_caught_by_the_check_that_is_made_for_it(void 
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i)
         for (int w = 0; w < 2; ++w) {
             const iso_renderer_info *which = w ? &iso_renderer_gl : &iso_renderer_reference;
-            iso_calibration c[ISO_CALIBRATION_COUNT];
+            iso_calibration c;
             const int at = iso_calibration_number(faults[i].check);
-            count_failures(which, faults[i].fault, c);
-            assert_string_equal(c[at].check, faults[i].check);
-            if (c[at].passed)
-                fail_msg("%s: passed the check %s of %s with %g", faults[i].text, c[at].check, which->name,
-                         c[at].value);
-            assert_more_than(c[at].value, 5 * c[at].limit); /* not by a hair */
+            assert_ok(iso_calibrate_check(&renderers, which, &(iso_planted){.fault = faults[i].fault}, at, &c, &err));
+            assert_string_equal(c.check, faults[i].check);
+            if (c.passed)
+                fail_msg("%s: passed the check %s of %s with %g", faults[i].text, c.check, which->name, c.value);
+            assert_more_than(c.value, 5 * c.limit); /* not by a hair */
         }
 }
 
@@ -181,7 +218,8 @@ int main(void)
         cmocka_unit_test(the_reference_passes_its_calibration),
         cmocka_unit_test(the_ray_caster_passes_its_calibration),
         cmocka_unit_test(the_cpu_ray_caster_passes_its_calibration),
-        cmocka_unit_test(povray_passes_its_calibration),
+        cmocka_unit_test(povray_passes_its_calibration_by_one_start),
+        cmocka_unit_test(scenes_of_one_start_are_each_judged_by_their_own_picture),
         cmocka_unit_test(cycles_passes_its_calibration),
         cmocka_unit_test(every_planted_fault_is_caught_by_the_check_that_is_made_for_it),
         cmocka_unit_test(a_renderer_that_fails_in_any_check_is_refused_with_its_reason),

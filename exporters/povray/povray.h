@@ -37,6 +37,7 @@
 
 #define ISO_POVRAY_MAX_INTERVALS 255 /* a fixed vector inside POV-Ray */
 #define ISO_POVRAY_MAX_PLANES 100    /* two trace levels a plane, of 256 */
+#define ISO_POVRAY_MAX_PICTURES 16   /* of one start */
 
 /* Environment: set, each pass is a start of its own. For bench job. */
 #define ISO_POVRAY_APART "ISOSHADE_PICTURES_APART"
@@ -90,7 +91,7 @@ iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view 
                              iso_image *image, const iso_progress *progress, iso_error *err);
 
 /* Pictures that differ in their intervals alone (opt->intervals is not read, nor is opt->extrapolate), by one export and one
- * start of POV-Ray; all or none. At most 16. */
+ * start of POV-Ray; all or none. At most ISO_POVRAY_MAX_PICTURES. */
 typedef struct iso_povray_pictures {
     const size_t *intervals;
     size_t count;
@@ -99,5 +100,17 @@ typedef struct iso_povray_pictures {
 iso_status iso_povray_render_several(const iso_pyramid *p, size_t level, const iso_view *view,
                                      const iso_povray_options *opt, const iso_povray_pictures *wanted,
                                      const iso_progress *progress, iso_error *err);
+
+/* Pictures of one size of several scenes by one start of POV-Ray, each what iso_povray_render() makes of it; all or none. At
+ * most half of ISO_POVRAY_MAX_PICTURES scenes: an extrapolated picture is made of two. The first scene's threads and stats
+ * are those of all. */
+typedef struct iso_povray_wanted {
+    const iso_pyramid *pyramid;
+    size_t level;
+    const iso_view *view;
+    const iso_povray_options *options;
+} iso_povray_wanted;
+iso_status iso_povray_render_scenes(const iso_povray_wanted *scenes, size_t count, iso_image *images,
+                                    const iso_progress *progress, iso_error *err);
 
 #endif

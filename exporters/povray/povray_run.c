@@ -32,7 +32,8 @@ static void take_version(void *user, const char *line)
     static const char unofficial[] = ".unofficial"; /* all builds but the team's own */
     const char *number = line + sizeof prefix - 1;
     size_t length = strcspn(number, " \r");
-    if (length > strlen(unofficial) && strncmp(number + length - strlen(unofficial), unofficial, strlen(unofficial)) == 0)
+    if (length > strlen(unofficial) &&
+        strncmp(number + length - strlen(unofficial), unofficial, strlen(unofficial)) == 0)
         length -= strlen(unofficial);
     snprintf(search->version, search->size, "%.*s", (int)length, number);
 }
@@ -85,13 +86,22 @@ iso_status iso_povray_run_program(const char *const argv[], const iso_process_op
     return status;
 }
 
-/* A scene that stands in a folder, and the program. */
+/* A picture of a scene that stands in the folder. */
+typedef struct wanted_picture {
+    const iso_povray_scene *scene;
+    size_t intervals;
+} wanted_picture;
+
+/* Pictures of one size, the folder that their scenes stand in, and the program. */
 typedef struct render_job {
     const char *program, *dir;
-    const iso_povray_scene *scene;
+    const wanted_picture *pictures;
+    size_t count;
+    int threads;
+    iso_povray_stats *stats; /* or NULL */
 } render_job;
 
-/* One start of POV-Ray draws pictures as the frames of an animation: two passes for each number of intervals. */
+/* One start of POV-Ray draws pictures as the frames of an animation: two passes for each of them. */
 enum { PASSES = 2 };
 static const iso_povray_pass passes[PASSES] = {ISO_POVRAY_TRANSMITTANCE, ISO_POVRAY_EMISSION};
 
@@ -127,21 +137,19 @@ static void take_progress(void *user, const char *line)
         run->stats->trace_seconds += seconds;
 }
 
-/* frames.pov: the scene with the pass and the intervals of each frame. */
-static iso_status write_frames(const render_job *job, const size_t *intervals, size_t count, iso_error *err)
+/* frames.pov: the scene of each frame, with its pass and its intervals. */
+static iso_status write_frames(const render_job *job, iso_error *err)
 {
     char *path = iso_path_join(job->dir, "frames.pov"), *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
     if (f) {
-        fprintf(f, "#version 3.7;\n#declare Iso_Frames = array[%zu][2] {\n", PASSES * count);
-        for (size_t i = 0; i < PASSES * count; ++i)
-            fprintf(f, "    { %d, %zu }%s\n", (int)passes[i % PASSES], intervals[i / PASSES],
-                    i + 1 < PASSES * count ? "," : "");
-        fprintf(f, "}\n"
-                   "#declare Iso_Pass = Iso_Frames[frame_number - 1][0];\n"
-                   "#declare Iso_Intervals = Iso_Frames[frame_number - 1][1];\n"
-                   "#include \"scene.pov\"\n");
+        fprintf(f, "#version 3.7;\n#switch (frame_number - 1)\n");
+        for (size_t i = 0; i < PASSES * job->count; ++i)
+            fprintf(
+                f, "    #case (%zu) #declare Iso_Pass = %d; #declare Iso_Intervals = %zu; #include \"%s.pov\" #break\n",
+                i, (int)passes[i % PASSES], job->pictures[i / PASSES].intervals, job->pictures[i / PASSES].scene->name);
+        fprintf(f, "#end\n");
     }
     const bool whole = f && fclose(f) == 0 && path;
     iso_status status = whole ? iso_file_write(path, text, size, err) : iso_povray_no_memory(err);
@@ -151,22 +159,22 @@ static iso_status write_frames(const render_job *job, const size_t *intervals, s
 }
 
 /* POV-Ray writes as many digits as the last frame's number has. */
-static char *pass_path(const render_job *job, size_t frame, size_t frame_count)
+static char *pass_path(const render_job *job, size_t frame)
 {
     char name[64];
     int digits = 1;
-    for (size_t n = frame_count; n >= 10; n /= 10)
+    for (size_t n = PASSES * job->count; n >= 10; n /= 10)
         ++digits;
     snprintf(name, sizeof name, "pass%0*zu.ppm", digits, frame + 1);
     return iso_path_join(job->dir, name);
 }
 
 /* The picture that a frame has left. Without one, or with a broken one, it is the program that failed. */
-static iso_status load_pass(const render_job *job, size_t frame, size_t frame_count, iso_image *image, iso_error *err)
+static iso_status load_pass(const render_job *job, size_t frame, iso_image *image, iso_error *err)
 {
-    const iso_view *view = job->scene->view;
+    const iso_view *view = job->pictures[frame / PASSES].scene->view;
     iso_error why = {""};
-    char *path = pass_path(job, frame, frame_count);
+    char *path = pass_path(job, frame);
     if (!path)
         return iso_povray_no_memory(err);
     const iso_status status = iso_path_exists(path) ? iso_image_load_ppm(path, image, &why)
@@ -187,11 +195,11 @@ static iso_status load_pass(const render_job *job, size_t frame, size_t frame_co
 /* Frames [first, first + count) of them. */
 static iso_status run_povray(const render_job *job, size_t first, size_t count, run_progress *run, iso_error *err)
 {
-    const iso_view *view = job->scene->view;
+    const iso_view *view = job->pictures[0].scene->view;
     char width[32], height[32], threads[48], last[48], begin[48], end[48];
     snprintf(width, sizeof width, "Width=%zu", view->width);
     snprintf(height, sizeof height, "Height=%zu", view->height);
-    snprintf(threads, sizeof threads, "Work_Threads=%d", iso_threads(job->scene->options->threads));
+    snprintf(threads, sizeof threads, "Work_Threads=%d", iso_threads(job->threads));
     snprintf(last, sizeof last, "Final_Frame=%zu", run->frame_count);
     snprintf(begin, sizeof begin, "Subset_Start_Frame=%zu", first + 1);
     snprintf(end, sizeof end, "Subset_End_Frame=%zu", first + count);
@@ -230,44 +238,41 @@ static void compose(iso_image *emission, const iso_image *transmittance, const i
     }
 }
 
-/* What both passes of a number of intervals have left. */
-static iso_status load_picture(const render_job *job, size_t i, size_t count, iso_image *image, iso_error *err)
+/* What both passes of a picture have left. */
+static iso_status load_picture(const render_job *job, size_t i, iso_image *image, iso_error *err)
 {
+    const iso_povray_scene *scene = job->pictures[i].scene;
     iso_image transmittance = {0};
-    iso_status status = load_pass(job, PASSES * i, PASSES * count, &transmittance, err);
+    iso_status status = load_pass(job, PASSES * i, &transmittance, err);
     if (status == ISO_OK)
-        status = load_pass(job, PASSES * i + 1, PASSES * count, image, err);
+        status = load_pass(job, PASSES * i + 1, image, err);
     if (status == ISO_OK)
-        compose(image, &transmittance, job->scene->view, job->scene->peak);
+        compose(image, &transmittance, scene->view, scene->peak);
     iso_image_destroy(&transmittance);
     return status;
 }
 
-enum { MOST_PICTURES = 16 }; /* of a start */
-
-/* A picture for each number of intervals, by one start; all or none. */
-static iso_status render_pictures(const render_job *job, const size_t *intervals, size_t count,
-                                  const iso_progress *progress, iso_image *images, iso_error *err)
+/* By one start; all or none. */
+static iso_status render_pictures(const render_job *job, const iso_progress *progress, iso_image *images,
+                                  iso_error *err)
 {
-    double parts[PASSES * MOST_PICTURES + 1] = {0};
+    double parts[PASSES * ISO_POVRAY_MAX_PICTURES + 1] = {0};
     const double part_of_pass[PASSES] = {0.3, 0.7};
+    const size_t frame_count = PASSES * job->count;
     double all = 0;
-    for (size_t i = 0; i < count; ++i)
-        all += (double)intervals[i];
-    for (size_t i = 0; i < PASSES * count; ++i)
-        parts[i + 1] = parts[i] + part_of_pass[i % PASSES] * (double)intervals[i / PASSES] / all;
-    run_progress run = {.progress = progress,
-                        .parts = parts,
-                        .frame_count = PASSES * count,
-                        .stats = job->scene->options->stats};
+    for (size_t i = 0; i < job->count; ++i)
+        all += (double)job->pictures[i].intervals;
+    for (size_t i = 0; i < frame_count; ++i)
+        parts[i + 1] = parts[i] + part_of_pass[i % PASSES] * (double)job->pictures[i / PASSES].intervals / all;
+    run_progress run = {.progress = progress, .parts = parts, .frame_count = frame_count, .stats = job->stats};
     iso_progress_report(progress, "povray: rendering", 0);
-    iso_status status = write_frames(job, intervals, count, err);
-    const size_t step = getenv(ISO_POVRAY_APART) ? 1 : PASSES * count;
-    for (size_t first = 0; first < PASSES * count && status == ISO_OK; first += step)
+    iso_status status = write_frames(job, err);
+    const size_t step = getenv(ISO_POVRAY_APART) ? 1 : frame_count;
+    for (size_t first = 0; first < frame_count && status == ISO_OK; first += step)
         status = run_povray(job, first, step, &run, err);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = load_picture(job, i, count, &images[i], err);
-    for (size_t i = 0; i < count && status != ISO_OK; ++i)
+    for (size_t i = 0; i < job->count && status == ISO_OK; ++i)
+        status = load_picture(job, i, &images[i], err);
+    for (size_t i = 0; i < job->count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
     if (status == ISO_OK)
         iso_progress_report(progress, "povray: rendering", 1);
@@ -298,49 +303,123 @@ double iso_povray_df3_bytes(const char *folder)
     return sum;
 }
 
+/* Scenes that stand in a folder of their own. */
+typedef struct prepared_scenes {
+    char *dir;
+    iso_povray_prepared *scenes;
+    char (*names)[24];
+    size_t count;
+} prepared_scenes;
+
+static void release_scenes(prepared_scenes *s)
+{
+    if (s->dir)
+        iso_remove_tree(s->dir);
+    for (size_t i = 0; i < s->count; ++i)
+        iso_povray_release(&s->scenes[i]);
+    free(s->scenes);
+    free(s->names);
+    free(s->dir);
+}
+
+static iso_status prepare_scenes(const iso_povray_wanted *wanted, size_t count, const iso_progress *progress,
+                                 prepared_scenes *s, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    *s = (prepared_scenes){.scenes = calloc(count, sizeof *s->scenes), .names = calloc(count, sizeof *s->names)};
+    if (!s->scenes || !s->names)
+        return iso_povray_no_memory(err);
+    if (!(s->dir = iso_make_temp_dir()))
+        return iso_fail(err, ISO_E_IO, "povray: no temporary folder can be made");
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        const iso_povray_wanted *w = &wanted[i];
+        snprintf(s->names[i], sizeof s->names[i], "scene%zu", i);
+        status = iso_povray_check(w->pyramid, w->level, w->view, w->options, err);
+        if (status == ISO_OK)
+            status = iso_povray_prepare(w->pyramid, w->level, w->view, s->names[i], w->options, &s->scenes[i], err);
+        s->count += status == ISO_OK;
+        if (status == ISO_OK)
+            status = iso_povray_write_files(&s->scenes[i], s->dir, progress, err);
+    }
+    return status;
+}
+
+/* Pictures of scenes that are prepared. */
+static iso_status render_prepared(const prepared_scenes *s, const wanted_picture *pictures, size_t count,
+                                  const iso_progress *progress, iso_image *images, iso_error *err)
+{
+    const iso_povray_options *opt = pictures[0].scene->options;
+    char *program = NULL;
+    iso_status status = find_povray(&program, err);
+    if (opt->stats)
+        *opt->stats = (iso_povray_stats){.df3_bytes = iso_povray_df3_bytes(s->dir)};
+    if (status == ISO_OK)
+        status = render_pictures(&(render_job){program, s->dir, pictures, count, opt->threads, opt->stats}, progress,
+                                 images, err);
+    free(program);
+    return status;
+}
+
 iso_status iso_povray_render_several(const iso_pyramid *p, size_t level, const iso_view *view,
                                      const iso_povray_options *opt, const iso_povray_pictures *wanted,
                                      const iso_progress *progress, iso_error *err)
 {
+    wanted_picture pictures[ISO_POVRAY_MAX_PICTURES];
+    prepared_scenes s = {0};
     memset(wanted->images, 0, wanted->count * sizeof *wanted->images);
-    char *program = NULL, *dir = NULL;
-    iso_status status = iso_povray_check(p, level, view, opt, err);
-    if (status == ISO_OK && (wanted->count < 1 || wanted->count > MOST_PICTURES))
-        status = iso_fail(err, ISO_E_RANGE, "povray: %zu pictures of one start, must be 1 to %d", wanted->count,
-                          MOST_PICTURES);
+    if (wanted->count < 1 || wanted->count > ISO_POVRAY_MAX_PICTURES)
+        return iso_fail(err, ISO_E_RANGE, "povray: %zu pictures of one start, must be 1 to %d", wanted->count,
+                        ISO_POVRAY_MAX_PICTURES);
+    iso_status status = prepare_scenes(&(iso_povray_wanted){p, level, view, opt}, 1, progress, &s, err);
+    for (size_t i = 0; i < wanted->count && status == ISO_OK; ++i)
+        pictures[i] = (wanted_picture){&s.scenes[0].scene, wanted->intervals[i]};
     if (status == ISO_OK)
-        status = find_povray(&program, err);
-    if (status == ISO_OK && !(dir = iso_make_temp_dir()))
-        status = iso_fail(err, ISO_E_IO, "povray: no temporary folder can be made");
-    iso_povray_prepared s = {0};
+        status = render_prepared(&s, pictures, wanted->count, progress, wanted->images, err);
+    release_scenes(&s);
+    return status;
+}
+
+static bool is_of_two(const iso_povray_options *opt)
+{
+    return opt->extrapolate && !opt->isosurface;
+}
+
+iso_status iso_povray_render_scenes(const iso_povray_wanted *wanted, size_t count, iso_image *images,
+                                    const iso_progress *progress, iso_error *err)
+{
+    wanted_picture pictures[ISO_POVRAY_MAX_PICTURES];
+    iso_image drawn[ISO_POVRAY_MAX_PICTURES] = {{0}};
+    prepared_scenes s = {0};
+    size_t n = 0, next = 0;
+    memset(images, 0, count * sizeof *images);
+    if (count < 1 || count > ISO_POVRAY_MAX_PICTURES / 2)
+        return iso_fail(err, ISO_E_RANGE, "povray: %zu scenes of one start, must be 1 to %d", count,
+                        ISO_POVRAY_MAX_PICTURES / 2);
+    iso_status status = prepare_scenes(wanted, count, progress, &s, err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        const iso_povray_scene *scene = &s.scenes[i].scene;
+        if (scene->view->width != wanted[0].view->width || scene->view->height != wanted[0].view->height)
+            status = iso_fail(err, ISO_E_RANGE, "povray: pictures of one start have one size");
+        pictures[n++] = (wanted_picture){scene, scene->options->intervals};
+        if (is_of_two(scene->options))
+            pictures[n++] = (wanted_picture){scene, scene->options->intervals / 2};
+    }
     if (status == ISO_OK)
-        status = iso_povray_prepare(p, level, view, "scene", opt, &s, err);
-    if (status == ISO_OK)
-        status = iso_povray_write_files(&s, dir, progress, err);
-    if (status == ISO_OK && opt->stats)
-        *opt->stats = (iso_povray_stats){.df3_bytes = iso_povray_df3_bytes(dir)};
-    if (status == ISO_OK)
-        status = render_pictures(&(render_job){program, dir, &s.scene}, wanted->intervals, wanted->count, progress,
-                                 wanted->images, err);
-    if (dir)
-        iso_remove_tree(dir);
-    iso_povray_release(&s);
-    free(dir);
-    free(program);
+        status = render_prepared(&s, pictures, n, progress, drawn, err);
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        const iso_povray_options *opt = wanted[i].options;
+        images[i] = drawn[next++];
+        if (is_of_two(opt)) {
+            extrapolate(&images[i], &drawn[next], opt->intervals, opt->intervals / 2);
+            iso_image_destroy(&drawn[next++]);
+        }
+    }
+    release_scenes(&s);
     return status;
 }
 
 iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err)
 {
-    const size_t n = opt->intervals, both[2] = {n, n / 2}, count = opt->extrapolate && !opt->isosurface ? 2 : 1;
-    iso_image images[2] = {{0}, {0}};
-    *image = (iso_image){0};
-    iso_status status = iso_povray_render_several(p, level, view, opt, &(iso_povray_pictures){both, count, images},
-                                                  progress, err);
-    if (status == ISO_OK && count == 2)
-        extrapolate(&images[0], &images[1], n, n / 2);
-    *image = images[0];
-    iso_image_destroy(&images[1]);
-    return status;
+    return iso_povray_render_scenes(&(iso_povray_wanted){p, level, view, opt}, 1, image, progress, err);
 }

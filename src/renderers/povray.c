@@ -81,6 +81,17 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
     return status;
 }
 
+static iso_status render_scenes(const iso_render_request *scenes, size_t count, iso_image *images, iso_error *err)
+{
+    iso_povray_options options[ISO_RENDER_MAX_SCENES];
+    iso_povray_wanted wanted[ISO_RENDER_MAX_SCENES];
+    for (size_t i = 0; i < count; ++i) {
+        options[i] = take_options(&scenes[i]);
+        wanted[i] = (iso_povray_wanted){scenes[i].pyramid, scenes[i].level, scenes[i].view, &options[i]};
+    }
+    return iso_povray_render_scenes(wanted, count, images, scenes->progress, err);
+}
+
 /* The planes stay and the intervals double from frame to frame, so that every interval is halved. There are so many planes
  * that the intervals of a piece can be doubled `spare` times more before they are too many. */
 static void ask_steps(const iso_level *level, double finest_voxels, size_t count, double spare,
@@ -129,5 +140,6 @@ const iso_renderer_info iso_renderer_povray = {
     .version = version,
     .render = render,
     .render_several = render_several,
+    .render_scenes = render_scenes,
     .ask_steps = ask_steps,
 };

@@ -319,3 +319,49 @@ iso_status iso_render_several(const iso_render_request *frames, size_t count, is
                ? render_stored(frames, count, images, err)
                : render_several(frames, count, images, err);
 }
+
+/* ---- several scenes ---- */
+
+/* Takes from the store what is there, and draws the rest by one start. */
+static iso_status render_together(const iso_render_request *scenes, size_t count, iso_image *images, iso_error *err)
+{
+    iso_render_request lacking[ISO_RENDER_MAX_SCENES];
+    iso_image drawn[ISO_RENDER_MAX_SCENES] = {{0}};
+    size_t n = 0, next = 0;
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        status = check(&scenes[i], err);
+        if (status == ISO_OK && !iso_picture_store_find(scenes->renderers->store, &scenes[i], scenes[i].options, &images[i]))
+            lacking[n++] = scenes[i];
+    }
+    if (status == ISO_OK && n > 0)
+        status = scenes->options->renderer->render_scenes(lacking, n, drawn, err);
+    for (size_t i = 0; i < n && status == ISO_OK; ++i) {
+        count_picture(&lacking[i], lacking[i].options);
+        status = apply_hook(&lacking[i], &drawn[i], err);
+        if (status == ISO_OK)
+            iso_picture_store_put(scenes->renderers->store, &lacking[i], lacking[i].options, &drawn[i]);
+    }
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        if (!images[i].rgba)
+            images[i] = drawn[next++];
+    for (size_t i = 0; i < n && status != ISO_OK; ++i)
+        iso_image_destroy(&drawn[i]);
+    return status;
+}
+
+iso_status iso_render_scenes(const iso_render_request *scenes, size_t count, iso_image *images, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    memset(images, 0, count * sizeof *images);
+    if (count > ISO_RENDER_MAX_SCENES)
+        return iso_fail(err, ISO_E_RANGE, "%zu scenes at once, at most %d", count, ISO_RENDER_MAX_SCENES);
+    if (count > 1 && scenes->options->renderer->render_scenes && !getenv(ISO_RENDERERS_APART))
+        status = render_together(scenes, count, images, err);
+    else
+        for (size_t i = 0; i < count && status == ISO_OK; ++i)
+            status = iso_render_with(&scenes[i], &images[i], NULL, err);
+    for (size_t i = 0; i < count && status != ISO_OK; ++i)
+        iso_image_destroy(&images[i]);
+    return status;
+}

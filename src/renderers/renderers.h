@@ -22,7 +22,7 @@ typedef struct iso_renderers iso_renderers;
 /* ---- what is asked of a renderer ---- */
 
 /* What an image takes, by the renderer's own account. */
-enum { ISO_RENDER_MAX_FRAMES = 16 };
+enum { ISO_RENDER_MAX_FRAMES = 16, ISO_RENDER_MAX_SCENES = 8 };
 typedef struct iso_render_stats {
     double seconds, median_seconds,
         most_seconds; /* the frame alone: the fastest of `count`, their middle, the slowest */
@@ -167,6 +167,9 @@ struct iso_renderer_info {
     iso_status (*render)(const iso_render_request *request, iso_image *image, iso_render_stats *stats, iso_error *err);
     /* `count` frames, from request->options on, by one start; all or none. NULL: one after the other. */
     iso_status (*render_several)(const iso_render_request *request, size_t count, iso_image *images, iso_error *err);
+    /* A picture of each of `count` scenes, at most ISO_RENDER_MAX_SCENES, all of one size, by one start; all or none. NULL: one
+     * after the other. */
+    iso_status (*render_scenes)(const iso_render_request *scenes, size_t count, iso_image *images, iso_error *err);
     /* Asks `count` frames for steps, the last for finest_voxels and each other for the double of the next, so that all
      * samples of one are halved into those of the next; and so that the last can be halved `spare` times more, a factor
      * of 1 to 4. NULL: by step_voxels. */
@@ -288,6 +291,10 @@ iso_status iso_render_check_finite(const iso_renderer_info *r, const iso_image *
 /* Several images of one renderer that differ in step, intervals, samples and seed: images[i] is that of
  * frames->options[i]. All or none are created. */
 iso_status iso_render_several(const iso_render_request *frames, size_t count, iso_image *images, iso_error *err);
+
+/* An image of each of `count` scenes, all of one renderer (scenes[i].renderers too), at most ISO_RENDER_MAX_SCENES: images[i] is
+ * that of scenes[i]. By one start where the renderer can. All or none are created. */
+iso_status iso_render_scenes(const iso_render_request *scenes, size_t count, iso_image *images, iso_error *err);
 
 /* Joins the frames of both; of more than ISO_RENDER_MAX_FRAMES the slowest are dropped. */
 void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more);

@@ -39,27 +39,31 @@ static void expected_centroid(const iso_calibration_stage *s, double at[2])
     at[1] = (1 - iso_dot(p, c->up) / c->half_height) * 0.5 * ISO_CALIBRATION_PIXELS - 0.5;
 }
 
-static iso_status check_placement(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                                  const iso_planted *planted, double *value, iso_error *err)
+static iso_status prepare_placement(iso_calibration_stage *s, iso_error *err)
 {
     iso_geometry g = iso_calibration_turned_grid(15, 12, 18);
-    double expected[2], sum[3] = {0};
     iso_status status = iso_calibration_stage_set(s, &g, blob, err);
     if (status != ISO_OK)
         return status;
     s->view.camera = iso_calibration_look(iso_v3(1, 2, -0.7), 8, true);
     for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
         iso_calibration_set_entry(&s->view, i, 1, 1, 1, 0.2f * (float)i / (ISO_CALIBRATION_TF_ENTRIES - 1));
-    expected_centroid(s, expected);
-    status = iso_calibration_render(s, r, which, planted, err);
-    for (size_t i = 0; status == ISO_OK && i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS; ++i) {
+    expected_centroid(s, s->centroid);
+    return ISO_OK;
+}
+
+/* How far the centroid of the optical depth is from where it should be. */
+static double judge_placement(iso_calibration_stage *s, const iso_renderer_info *which)
+{
+    (void)which;
+    double sum[3] = {0};
+    for (size_t i = 0; i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS; ++i) {
         double depth = -log1p(-(double)s->got.rgba[4 * i + 3]);
         sum[0] += depth * (double)(i % ISO_CALIBRATION_PIXELS);
         sum[1] += depth * (double)(i / ISO_CALIBRATION_PIXELS);
         sum[2] += depth;
     }
-    *value = hypot(sum[0] / sum[2] - expected[0], sum[1] / sum[2] - expected[1]);
-    return status;
+    return hypot(sum[0] / sum[2] - s->centroid[0], sum[1] / sum[2] - s->centroid[1]);
 }
 
 static double half(const iso_geometry *g, iso_vec3 index)
@@ -69,8 +73,7 @@ static double half(const iso_geometry *g, iso_vec3 index)
     return 0.5;
 }
 
-static iso_status check_slab(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                             const iso_planted *planted, double *value, iso_error *err)
+static iso_status prepare_slab(iso_calibration_stage *s, iso_error *err)
 {
     iso_geometry g = iso_calibration_turned_grid(9, 7, 12);
     iso_status status = iso_calibration_stage_set(s, &g, half, err);
@@ -83,7 +86,7 @@ static iso_status check_slab(iso_calibration_stage *s, iso_renderers *r, const i
         const double rgbs[4] = {(double)0.9f, 0.5, (double)0.2f, (double)0.15f};
         iso_calibration_expect_pixel(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, rgbs, 1);
     }
-    return iso_calibration_render_difference(s, r, which, planted, value, err);
+    return ISO_OK;
 }
 
 /* 16 intervals between the first and the last voxel centre: every TF entry is met. */
@@ -92,8 +95,7 @@ static double ramp_along_x(const iso_geometry *g, iso_vec3 index)
     return (index.x - 0.5) / (double)(g->size[0] - 1);
 }
 
-static iso_status check_transfer_function(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                                          const iso_planted *planted, double *value, iso_error *err)
+static iso_status prepare_transfer_function(iso_calibration_stage *s, iso_error *err)
 {
     const size_t size[3] = {17, 5, 6};
     const double spacing[3] = {1, 1, 1};
@@ -113,7 +115,7 @@ static iso_status check_transfer_function(iso_calibration_stage *s, iso_renderer
         iso_tf_lookup(&s->view.tf, ramp_along_x(&g, index), rgbs);
         iso_calibration_expect_pixel(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, rgbs, 1);
     }
-    return iso_calibration_render_difference(s, r, which, planted, value, err);
+    return ISO_OK;
 }
 
 /* ---- order: the color and nothing else changes along the ray ---- */
@@ -154,8 +156,7 @@ static void expect_colors(iso_calibration_stage *s, size_t column, size_t row, c
     p[3] = (float)-expm1(-sigma * (t[3] - t[0]));
 }
 
-static iso_status check_order(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                              const iso_planted *planted, double *value, iso_error *err)
+static iso_status prepare_order(iso_calibration_stage *s, iso_error *err)
 {
     const double first[3] = {1, 0.25, 0.125}, last[3] = {0.125, 0.5, 1}, sigma = 0.25;
     iso_geometry g = iso_calibration_turned_grid(9, 7, 12);
@@ -171,7 +172,7 @@ static iso_status check_order(iso_calibration_stage *s, iso_renderers *r, const 
     }
     for (size_t i = 0; i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS; ++i)
         expect_colors(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, first, last, sigma);
-    return iso_calibration_render_difference(s, r, which, planted, value, err);
+    return ISO_OK;
 }
 
 /* ---- shading: what the equation of scene.h says ---- */
@@ -199,9 +200,8 @@ static double tilted_ramp(const iso_geometry *g, iso_vec3 index)
     return 0.5 + 0.03 * world.x - 0.01 * world.y + 0.02 * world.z;
 }
 
-static iso_status check_linear_field(iso_calibration_stage *s, const iso_camera *camera, const iso_shading *shading,
-                                     iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                                     double *value, iso_error *err)
+static iso_status prepare_linear_field(iso_calibration_stage *s, const iso_camera *camera, const iso_shading *shading,
+                                       iso_error *err)
 {
     iso_geometry g = iso_calibration_turned_grid(9, 7, 12);
     iso_status status = iso_calibration_stage_set(s, &g, tilted_ramp, err);
@@ -224,32 +224,29 @@ static iso_status check_linear_field(iso_calibration_stage *s, const iso_camera 
         iso_calibration_expect_pixel(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, rgbs,
                                      expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
     }
-    return iso_calibration_render_difference(s, r, which, planted, value, err);
+    return ISO_OK;
 }
 
-static iso_status check_light(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                              const iso_planted *planted, double *value, iso_error *err)
+static iso_status prepare_light(iso_calibration_stage *s, iso_error *err)
 {
     const iso_camera camera = iso_calibration_look(iso_v3(1, -0.6, 0.9), 7,
                                                    true); /* the gradient looks away from light and viewer */
     const iso_shading shading = {.ambient = 0.2, .diffuse = 0.8, .specular = 0.9, .power = 2};
-    return check_linear_field(s, &camera, &shading, r, which, planted, value, err);
+    return prepare_linear_field(s, &camera, &shading, err);
 }
 
 /* From so near that the highlight is another one in each pixel. */
-static iso_status check_view_vector(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                                    const iso_planted *planted, double *value, iso_error *err)
+static iso_status prepare_view_vector(iso_calibration_stage *s, iso_error *err)
 {
     const iso_shading shading = {.ambient = 0.1, .diffuse = 0.2, .specular = 0.9, .power = 6};
     iso_camera camera = iso_calibration_look(iso_v3(0.5, 0.6, 1), 0.25, false);
     camera.position = iso_scale(camera.forward, -30);
-    return check_linear_field(s, &camera, &shading, r, which, planted, value, err);
+    return prepare_linear_field(s, &camera, &shading, err);
 }
 
 /* Two directions at right angles take turns along x, one of them half as long; columns of pixels show the way from one
  * to the next, each a single shade along its ray. */
-static iso_status check_interpolation(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                                      const iso_planted *planted, double *value, iso_error *err)
+static iso_status prepare_interpolation(iso_calibration_stage *s, iso_error *err)
 {
     const size_t size[3] = {9, 6, 8};
     const double spacing[3] = {1, 1, 1};
@@ -282,15 +279,15 @@ static iso_status check_interpolation(iso_calibration_stage *s, iso_renderers *r
         iso_calibration_expect_pixel(s, i % ISO_CALIBRATION_PIXELS, i / ISO_CALIBRATION_PIXELS, rgbs,
                                      expected_shade(&s->view, n, iso_scale(ray.direction, -1)));
     }
-    return iso_calibration_render_difference(s, r, which, planted, value, err);
+    return ISO_OK;
 }
 
 static const struct {
     iso_calibration blank;
     unsigned needs;   /* iso_trait */
     const char *open; /* what it leaves open where it is not made */
-    iso_status (*run)(iso_calibration_stage *, iso_renderers *, const iso_renderer_info *, const iso_planted *,
-                      double *, iso_error *);
+    iso_status (*prepare)(iso_calibration_stage *s, iso_error *err);
+    double (*judge)(iso_calibration_stage *s, const iso_renderer_info *which); /* its value, of s->got */
 } checks[ISO_CALIBRATION_COUNT] = {
     {{.check = "placement",
       .unit = "pixel",
@@ -298,28 +295,32 @@ static const struct {
       .why = "the blob is sampled at 32 x 32 ISO_CALIBRATION_PIXELS; half a voxel would be 0.6 pixel or more"},
      ISO_HAS_ORTHOGRAPHIC,
      "where the volume stands, by half a voxel",
-     check_placement},
+     prepare_placement,
+     judge_placement},
     {{.check = "slab",
       .unit = "largest difference",
       .limit = 2e-4,
       .why = "marching adds up to one rounding of the step at the box's faces; 1 % of extinction would be 3e-3"},
      0,
      "extinction per millimeter, and how long rays are",
-     check_slab},
+     prepare_slab,
+     iso_calibration_largest_difference},
     {{.check = "transfer function",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "tables are looked up in float or through 16-bit files; an sRGB table would be off by 0.1"},
      ISO_HAS_ORTHOGRAPHIC,
      "how the table is looked up, and that its colors are linear light",
-     check_transfer_function},
+     prepare_transfer_function,
+     iso_calibration_largest_difference},
     {{.check = "light",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; a mirrored axis would be off by 0.1"},
      ISO_HAS_ORTHOGRAPHIC | ISO_HAS_LIGHTS,
      "how gradients come to the world, and from where the light comes",
-     check_light},
+     prepare_light,
+     iso_calibration_largest_difference},
     {{.check = "order",
       .unit = "largest difference",
       .limit = 5e-4,
@@ -327,21 +328,24 @@ static const struct {
           "a color that changes along the ray is summed up in steps of a quarter of a voxel; reversed it is off by 0.1"},
      0,
      "whether what is near covers what is far",
-     check_order},
+     prepare_order,
+     iso_calibration_largest_difference},
     {{.check = "view vector",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; one view vector for all pixels would be off by 0.1"},
      ISO_HAS_LIGHTS,
      "the direction to the eye, pixel by pixel",
-     check_view_vector},
+     prepare_view_vector,
+     iso_calibration_largest_difference},
     {{.check = "interpolation",
       .unit = "largest difference",
       .limit = 5e-4,
       .why = "directions travel as bytes, floats or 16-bit files; those not normalised again would be off by 0.1"},
      ISO_HAS_ORTHOGRAPHIC | ISO_HAS_LIGHTS,
      "how directions are filtered",
-     check_interpolation},
+     prepare_interpolation,
+     iso_calibration_largest_difference},
 };
 
 int iso_calibration_number(const char *check)
@@ -371,30 +375,67 @@ static void widen_limit(const iso_renderer_info *which, iso_calibration *c)
     snprintf(c->why, sizeof c->why, "%u bits a channel: %.400s", which->output.bits, which->lock_step->why);
 }
 
+/* What a check asks of a renderer, before anything is drawn. */
+static void begin(const iso_renderer_info *which, int check, iso_calibration *out)
+{
+    *out = checks[check].blank;
+    out->lacks = lacking(which, check);
+    out->value = NAN;
+    widen_limit(which, out);
+}
+
+/* Of the picture that was drawn. */
+static void judge(iso_calibration_stage *s, const iso_renderer_info *which, int check, iso_calibration *out)
+{
+    out->value = checks[check].judge(s, which);
+    out->passed = out->value <= out->limit; /* NaN does not pass */
+}
+
 iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,
                                iso_calibration *out, iso_error *err)
 {
     iso_calibration_stage s = {0};
-    *out = checks[check].blank;
-    out->lacks = lacking(which, check);
-    widen_limit(which, out);
-    if (out->lacks) {
-        out->value = NAN;
+    begin(which, check, out);
+    if (out->lacks)
         return ISO_OK;
-    }
     char scene[64];
     snprintf(scene, sizeof scene, "calibration-%s", out->check);
+    iso_status status = checks[check].prepare(&s, err);
     r->scene = scene;
-    iso_status status = checks[check].run(&s, r, which, planted, &out->value, err);
+    if (status == ISO_OK)
+        status = iso_calibration_render(&s, 1, r, which, planted, err);
     r->scene = NULL;
+    if (status == ISO_OK)
+        judge(&s, which, check, out);
     if (status == ISO_E_MISSING && iso_renderer_has(which, ISO_IS_OF_PICTURES)) {
         out->no_picture = checks[check].open;
-        out->value = NAN;
         status = ISO_OK;
     }
-    out->passed = out->value <= out->limit; /* NaN does not pass */
     iso_calibration_stage_clear(&s);
     return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "calibration of %s", which->name);
+}
+
+/* All checks by one start. Where it fails the checks are made one after the other, which tells the one that fails. */
+static bool calibrate_together(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+                               iso_calibration out[ISO_CALIBRATION_COUNT])
+{
+    iso_calibration_stage stages[ISO_CALIBRATION_COUNT] = {{.got = {0}}};
+    int asked[ISO_CALIBRATION_COUNT], count = 0;
+    bool good = true;
+    for (int i = 0; i < ISO_CALIBRATION_COUNT && good; ++i) {
+        begin(which, i, &out[i]);
+        if (!out[i].lacks) {
+            good = checks[i].prepare(&stages[count], NULL) == ISO_OK;
+            asked[count++] = i;
+        }
+    }
+    good = good && iso_calibration_render(stages, (size_t)count, r, which, planted, NULL) == ISO_OK;
+    for (int k = 0; k < count; ++k) {
+        if (good)
+            judge(&stages[k], which, asked[k], &out[asked[k]]);
+        iso_calibration_stage_clear(&stages[k]);
+    }
+    return good;
 }
 
 iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
@@ -402,7 +443,10 @@ iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const
                          iso_error *err)
 {
     iso_status status = ISO_OK;
-    for (*made = 0; *made < ISO_CALIBRATION_COUNT && status == ISO_OK; *made += status == ISO_OK) {
+    *made = 0;
+    if (which->render_scenes && calibrate_together(r, which, planted, out))
+        *made = ISO_CALIBRATION_COUNT;
+    for (; *made < ISO_CALIBRATION_COUNT && status == ISO_OK; *made += status == ISO_OK) {
         iso_progress_report(progress, "calibration", (double)*made / ISO_CALIBRATION_COUNT);
         status = iso_calibrate_check(r, which, planted, (int)*made, &out[*made], err);
     }

@@ -91,21 +91,28 @@ static iso_render_options stage_options(const iso_calibration_stage *s, const is
     return opt;
 }
 
-iso_status iso_calibration_render(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                                  const iso_planted *planted, iso_error *err)
+iso_status iso_calibration_render(iso_calibration_stage *stages, size_t count, iso_renderers *r,
+                                  const iso_renderer_info *which, const iso_planted *planted, iso_error *err)
 {
-    const iso_render_options opt = stage_options(s, which);
-    iso_plant(planted, &s->pyramid, 0, &s->view);
+    iso_render_options options[ISO_RENDER_MAX_SCENES];
+    iso_render_request requests[ISO_RENDER_MAX_SCENES];
+    iso_image images[ISO_RENDER_MAX_SCENES];
+    for (size_t i = 0; i < count; ++i) {
+        iso_calibration_stage *s = &stages[i];
+        options[i] = stage_options(s, which);
+        iso_plant(planted, &s->pyramid, 0, &s->view);
+        requests[i] = (iso_render_request){r, &s->pyramid, iso_planted_level(planted, 0), &s->view, &options[i], NULL};
+    }
     r->after = iso_planted_hook(planted);
-    iso_status status = iso_render_with(&(iso_render_request){r, &s->pyramid, iso_planted_level(planted, 0), &s->view,
-                                                              &opt, NULL},
-                                        &s->got, NULL, err);
+    const iso_status status = iso_render_scenes(requests, count, images, err);
     r->after = (iso_image_hook){0};
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        stages[i].got = images[i];
     return status;
 }
 
 /* Integers end at a color: so does what they are compared with. */
-static double largest_difference(iso_calibration_stage *s, const iso_renderer_info *which)
+double iso_calibration_largest_difference(iso_calibration_stage *s, const iso_renderer_info *which)
 {
     double worst = 0;
     if (which->output.most > 0)
@@ -113,15 +120,6 @@ static double largest_difference(iso_calibration_stage *s, const iso_renderer_in
     for (size_t i = 0; i < ISO_CALIBRATION_PIXELS * ISO_CALIBRATION_PIXELS * 4; ++i)
         worst = iso_larger(worst, fabs((double)s->got.rgba[i] - (double)s->expected.rgba[i]));
     return worst;
-}
-
-/* A renderer may fail in any check, not in the first alone: then there is no picture to be compared. */
-iso_status iso_calibration_render_difference(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                                             const iso_planted *planted, double *value, iso_error *err)
-{
-    const iso_status status = iso_calibration_render(s, r, which, planted, err);
-    *value = status == ISO_OK ? largest_difference(s, which) : NAN;
-    return status;
 }
 
 static double chord(const iso_calibration_stage *s, size_t column, size_t row)

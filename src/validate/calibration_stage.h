@@ -13,6 +13,7 @@ typedef struct iso_calibration_stage {
     iso_pyramid pyramid;
     iso_view view;
     iso_image expected, got;
+    double centroid[2]; /* of the optical depth, where the picture itself has no formula; in pixels */
 } iso_calibration_stage;
 
 /* A grid turned about an oblique axis, with three different spacings. */
@@ -31,12 +32,11 @@ void iso_calibration_set_entry(iso_view *view, size_t i, float r, float g, float
 void iso_calibration_expect_pixel(iso_calibration_stage *s, size_t column, size_t row, const double rgbs[4],
                                   double shade);
 
-/* Into s->got. planted: a fault that is put into what the renderer is given, or NULL. */
-iso_status iso_calibration_render(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                                  const iso_planted *planted, iso_error *err);
-/* The largest difference to what is expected. A renderer may fail in any check: then there is no picture, and *value is no
- * number. */
-iso_status iso_calibration_render_difference(iso_calibration_stage *s, iso_renderers *r, const iso_renderer_info *which,
-                                             const iso_planted *planted, double *value, iso_error *err);
+/* A picture of each stage, by one start where the renderer can. planted: a fault that is put into what the renderer is given,
+ * or NULL. */
+iso_status iso_calibration_render(iso_calibration_stage *stages, size_t count, iso_renderers *r,
+                                  const iso_renderer_info *which, const iso_planted *planted, iso_error *err);
+/* Of what was drawn to what is expected. */
+double iso_calibration_largest_difference(iso_calibration_stage *s, const iso_renderer_info *which);
 
 #endif

@@ -102,7 +102,7 @@ static void add_calibrations(const iso_validation *v, iso_job *job)
             continue;
         snprintf(name, sizeof name, "calibration: %s", r->name);
         iso_job_add_lane(job);
-        iso_job_add_part(job, name, r->name, ISO_CALIBRATION_COUNT * start_seconds(r) + 0.5);
+        iso_job_add_part(job, name, r->name, (r->render_scenes ? 1 : ISO_CALIBRATION_COUNT) * start_seconds(r) + 0.5);
     }
 }
 
