@@ -287,7 +287,6 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
     const iso_render_options truth = truth_options(c, ISO_POWER_LIMIT, renderer);
     opt.first_seed = c->first_seed;
     opt.truth = &truth;
-    opt.hopeless = 5; /* spares the last halvings of gross faults: tests/test_limits.c shows that verdicts stay */
     iso_status status = make_faulty(c, planted, &s, err);
     r->after = iso_planted_hook(planted);
     if (status == ISO_OK)

@@ -11,6 +11,8 @@ static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
  * Bends and steps between the samples have random phases, so that there they are of first order, and single halvings a
  * little worse. */
 static const double smooth_left = 0.354, sharp_left = 0.6;
+/* What is so many times as far off as it may be, and stays there, is told without its last halvings. */
+static const double hopeless_bars = 5;
 
 /* Of lit scenes: below what a person sees when the images alternate. */
 static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
@@ -94,6 +96,7 @@ iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, c
     o.wanted_left = asked->sharp ? sharp_left : smooth_left;
     o.factor = asked->sharp ? ISO_EXTRAPOLATION_FACTOR_SHARP : ISO_EXTRAPOLATION_FACTOR_SMOOTH;
     o.wanted_bar = iso_validate_error_bar(asked);
+    o.hopeless = hopeless_bars;
     if (asked->tier == ISO_TIER_LIT) { /* SSIM sees a shell's last bends before RMSE does */
         o.wanted_flip = lit_flip;
         o.wanted_ssim_dissimilarity = lit_ssim_dissimilarity;

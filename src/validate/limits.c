@@ -199,11 +199,9 @@ static bool is_to_be_confirmed(const iso_extrapolated *l, const iso_limit_option
     return opt->confirm && l->seeds < 2 && is_good(l, &rest) && iso_extrapolated_error_left(l) > opt->wanted_left;
 }
 
-/* Halving again makes the bars narrower, and what is left of the error more; what is no number stays none. */
-static bool is_hopeless(const iso_extrapolated *limit, const iso_limit_options *opt)
+/* Halving again makes the bars narrower, and what is left of the error more. */
+static bool is_far_off(const iso_extrapolated *limit, const iso_limit_options *opt)
 {
-    if (!isfinite(limit->step_bar))
-        return true;
     return limit->rmse > opt->hopeless * limit->allowed && iso_extrapolated_error_left(limit) > 0.9;
 }
 
@@ -218,7 +216,7 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
     if (status != ISO_OK)
         return status;
     first_pair(&pair, &q.pyramid->levels[q.level], which, opt);
-    size_t first = 0;
+    size_t first = 0, far_off = 0; /* pairs in a row */
     double finest = opt->finest_voxels;
     for (double step = opt->step_voxels; status == ISO_OK;) {
         iso_extrapolated_destroy(out);
@@ -234,7 +232,9 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
         step /= 2;
         if (status == ISO_OK && step < finest && finest == opt->finest_voxels && is_to_be_confirmed(out, opt))
             finest = step;
-        if (status != ISO_OK || is_good(out, opt) || is_hopeless(out, opt) || !(step >= finest))
+        far_off = status == ISO_OK && is_far_off(out, opt) ? far_off + 1 : 0;
+        const bool is_hopeless = far_off >= 2 || !isfinite(out->step_bar); /* what is no number stays none */
+        if (status != ISO_OK || is_good(out, opt) || is_hopeless || !(step >= finest))
             break;
         const double now = iso_clock_seconds();
         if (opt->deadline > 0 && now + 2 * (now - began) > opt->deadline) {

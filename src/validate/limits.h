@@ -11,6 +11,8 @@
  *   - a person would see the difference (FLIP, SSIM), where the scene asks for that.
  * Where only the last halving left too much at the finest step, of a renderer without noise, it is halved once more: with
  * samples of random phases a single halving may, by chance.
+ * Where two limits in a row are many times farther off than they may be, and the halving left nearly all of the error, it is
+ * told at once: finer steps would only make the bars narrower.
  * A renderer that is right passes in the end. The difference of one that is wrong stays, while its bar shrinks. */
 #ifndef ISO_VALIDATE_LIMITS_H
 #define ISO_VALIDATE_LIMITS_H
@@ -25,7 +27,7 @@ typedef struct iso_limit_options {
     double factor;         /* of safety: ISO_EXTRAPOLATION_FACTOR_... */
     double wanted_held_to; /* the most that iso_extrapolated_held_to() may be, for a faint image; 0: anything */
     double wanted_left;    /* part of the error that halving may leave: iso_extrapolated_error_left() */
-    double hopeless; /* give up when the limit is so many bars off and halving hardly changes it; INFINITY: never */
+    double hopeless; /* give up when two limits in a row are so many bars off and halving left nearly all; INFINITY: never */
     double wanted_ssim_dissimilarity, wanted_flip; /* of the limit; 0: not checked */
     size_t seeds;                                  /* of random renderers, at least 2 */
     size_t planes,
