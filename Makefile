@@ -33,15 +33,16 @@ flags_coverage := -O1 -g --coverage
 # -fPIC for the shared library. Its functions call each other as in the program: nobody may put others in their place.
 flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
 # Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
-library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib OpenEXR Imath tbb epoxy egl libxxhash
+library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib OpenEXR Imath epoxy egl libxxhash
 pkgs := $(library_pkgs) popt
 pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
 pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
 missing = $(error Debian packages are missing that isoshade is built with: `make setup` installs them)
 CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(if $(pkg_libs),$(pkg_cflags),$(missing))
 CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
-unpackaged_libs := -lteem -lniftiio -lznz -lopenvdb
-LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
+unpackaged_libs := -lteem -lniftiio -lznz
+LDLIBS = $(unpackaged_libs) $(pkg_libs) -lm
+openvdb_libs = -lopenvdb $(shell pkg-config --libs tbb Imath)
 
 # ---- files -----------------------------------------------------------------
 # The library is what others link with; the rooms that only commands need stand beside it, in an archive of their own.
@@ -49,8 +50,11 @@ command_rooms := atlas bench chart cli figure options report rivals validate vie
 all_c := $(filter-out src/base/mpi/%,$(wildcard src/*.c src/*/*.c src/*/*/*.c exporters/*/*.c))
 commands_c := $(filter $(command_rooms:%=src/%/%),$(all_c))
 lib_c := $(filter-out $(commands_c),$(all_c))
-lib_cc := $(wildcard exporters/*/*.cc)
-lib_o := $(lib_c:%.c=$(build)/%.o) $(lib_cc:%.cc=$(build)/%.o)
+# OpenVDB takes longer to load than all else: what stands on it is loaded when files of grids are written or read.
+openvdb_cc := $(wildcard exporters/vdb/*.cc)
+openvdb_o := $(openvdb_cc:%.cc=$(build)/%.o)
+openvdb_library := $(build)/isoshade_openvdb.so
+lib_o := $(lib_c:%.c=$(build)/%.o)
 commands_o := $(patsubst %.c,$(build)/%.o,$(filter-out src/cli/main.c,$(commands_c)))
 lib := $(build)/libisoshade.a
 commands := $(build)/libcommands.a
@@ -76,7 +80,7 @@ array_pkgs := hdf5-serial netcdf blosc libzstd jansson zlib
 hdf5_hl := $(or $(shell pkg-config --silence-errors --libs hdf5_serial_hl),-lhdf5_hl)
 arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) && echo yes),$(build)/isoshade-arrays)
 vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb)
-beside := $(mpi_library) $(itk_program) $(arrays_program) $(vdb_program)
+beside := $(openvdb_library) $(mpi_library) $(itk_program) $(arrays_program) $(vdb_program)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
 # Readers on damaged files: targets and a driver with mutations of its own, for `make check`.
@@ -124,7 +128,7 @@ addon := $(build)/isoshade-blender-addon.zip
 addon: $(addon) ## pack the add-on of Blender as a zip that Blender installs
 .PHONY: addon
 
-tests: $(tests) $(fuzz) ## build the test programs
+tests: $(tests) $(fuzz) $(openvdb_library) ## build the test programs
 .PHONY: tests
 # FIGURES="hero roi" draws these alone, FIGURES=quick those that take minutes; refscenes/figures.sh has the names.
 figures: $(needs_setup) ## draw the pictures of the documentation again
@@ -156,7 +160,7 @@ fuzz-coverage: $(needs_setup) ## lines of each reader that its seeds, the corpus
 # ---- install ---------------------------------------------------------------
 PREFIX ?= /usr/local
 to := $(DESTDIR)$(PREFIX)
-installed := bin/isoshade lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk lib/isoshade/isoshade-arrays lib/isoshade/isoshade-vdb \
+installed := bin/isoshade lib/isoshade/isoshade_openvdb.so lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk lib/isoshade/isoshade-arrays lib/isoshade/isoshade-vdb \
 	include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
 	lib/$(soname) lib/libisoshade.so lib/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
 	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE \
@@ -165,6 +169,7 @@ installed := bin/isoshade lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk
 install: all $(addon) ## install program, library, manual page and completions under PREFIX
 	@install -d $(addprefix $(to)/,$(sort $(dir $(installed))))
 	install -m 755 $(program) $(to)/bin/isoshade
+	install -m 644 $(openvdb_library) $(to)/lib/isoshade/
 	$(if $(mpi_library),install -m 644 $(mpi_library) $(to)/lib/isoshade/)
 	install -m 755 $(itk_program) $(arrays_program) $(vdb_program) $(to)/lib/isoshade/
 	install -m 644 src/isoshade.h $(to)/include/
@@ -172,7 +177,7 @@ install: all $(addon) ## install program, library, manual page and completions u
 	install -m 644 $(shared) $(to)/lib/libisoshade.so.$(version)
 	ln -sf libisoshade.so.$(version) $(to)/lib/$(soname)
 	ln -sf $(soname) $(to)/lib/libisoshade.so
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(version)|' -e 's|@PKGS@|$(library_pkgs)|' -e 's|@LIBS@|$(unpackaged_libs)|' \
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(version)|' -e 's|@PKGS@|$(library_pkgs) tbb|' -e 's|@LIBS@|-Wl,-u,iso_openvdb_functions $(unpackaged_libs) -lopenvdb|' \
 		src/isoshade.pc.in >$(to)/lib/pkgconfig/isoshade.pc
 	$(program) help --man >$(to)/share/man/man1/isoshade.1
 	$(program) completion bash >$(to)/share/bash-completion/completions/isoshade
@@ -203,7 +208,7 @@ endif
 # ---- rules -----------------------------------------------------------------
 $(program): $(build)/src/cli/main.o $(commands) $(lib) $(build)/child-flags
 	$(call say,LD )$(CC) $(flags_$(config)) $(link_$(config)) -fopenmp -o $@ $(filter %.o %.a,$^) $(LDLIBS)
-$(lib): $(lib_o)
+$(lib): $(lib_o) $(openvdb_o)
 	@rm -f $@
 	$(call say,AR )ar rcs $@ $^
 $(commands): $(commands_o)
@@ -215,6 +220,8 @@ $(build)/exports.map: src/isoshade.h Makefile
 	@{ echo '{ global:'; grep -oE '\<iso_[a-z0-9_]+\(' $< | sort -u | tr '(' ';'; echo 'local: *; };'; } >$@
 $(build)/$(soname): $(lib_o) $(build)/exports.map
 	$(call say,LD )$(CC) -shared $(flags_$(config)) -Wl,-z,relro,-z,now -fopenmp -Wl,-soname,$(soname) -Wl,--version-script=$(build)/exports.map -Wl,-z,defs -o $@ $(lib_o) $(filter-out -lpopt,$(LDLIBS))
+$(openvdb_library): $(openvdb_o)
+	$(call say,VDB)$(CXX) -shared $(flags_$(config)) -Wl,-z,relro,-z,now -o $@ $^ $(openvdb_libs)
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
@@ -231,7 +238,7 @@ $(build)/isoshade-arrays: $(wildcard src/volume/arrays/*.cc src/volume/arrays/*.
 		$(filter %.cc,$^) $(shell pkg-config --libs $(array_pkgs)) $(hdf5_hl)
 $(build)/isoshade-vdb: src/volume/vdb/vdb_read.cc $(child_h) $(build)/child-flags
 	@mkdir -p $(@D)
-	$(call say,VDB)$(CXX) $(child_flags) $(pkg_cflags) -o $@ $(filter %.cc,$^) -lopenvdb $(shell pkg-config --libs tbb Imath)
+	$(call say,VDB)$(CXX) $(child_flags) $(pkg_cflags) -o $@ $(filter %.cc,$^) $(openvdb_libs)
 $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE
 	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade && cp $^ $(build)/addon/isoshade/
 	$(call say,ZIP)cd $(build)/addon && python3 -m zipfile -c ../$(@F) isoshade
@@ -266,4 +273,4 @@ $(embedders:%.c=$(build)/%.o): $(embedded)
 
 # Kept, though only a pattern names them. Not all targets: a new source older than the library must still be built.
 .SECONDARY: $(test_c:%.c=$(build)/%.o)
--include $(lib_o:.o=.d) $(commands_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(fuzz_c:%.c=$(build)/%.d) $(build)/src/cli/main.d
+-include $(lib_o:.o=.d) $(openvdb_o:.o=.d) $(commands_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(fuzz_c:%.c=$(build)/%.d) $(build)/src/cli/main.d

@@ -30,5 +30,7 @@ printf '\211PNG\r\n\032\n' >picture.png
 refuse without_itk 7 'isoshade-itk, which is missing' ./alone info picture.png
 printf '\211HDF\r\n\032\n' >file.h5
 refuse without_hdf5 7 'isoshade-arrays, which is missing' ./alone info file.h5:a
+"$ISOSHADE" make sphere --size 8 -o sphere.nrrd -q
+refuse without_openvdb 7 'isoshade_openvdb.so' ./alone export sphere.nrrd --to vdb -o sphere.vdb
 refuse a_part_of_one_volume 2 'names none of several' ./alone info "$top/tests/formats/phantom.gipl:a"
 exit $failed

@@ -28,7 +28,7 @@ expect a_function_that_is_declared_alone_is_found 1 exports_agree "$dir/planted/
 grep -v iso_version "$header" >planted/isoshade.h
 expect a_function_that_is_exported_alone_is_found 1 exports_agree "$dir/planted/isoshade.h"
 readelf -d "$prefix/lib/libisoshade.so" >needed
-grep -q 'NEEDED.*libopenvdb' needed && ! grep -q popt needed && ok no_command_line_inside || not_ok no_command_line_inside "$(grep -c NEEDED needed) libraries"
+grep -q 'NEEDED.*libteem' needed && ! grep -qE 'popt|openvdb' needed && ok no_command_line_inside || not_ok no_command_line_inside "$(grep -c NEEDED needed) libraries"
 
 # ---- one version ----
 version=$(sed -n 's/^#define ISO_VERSION_\(MAJOR\|MINOR\|PATCH\) //p' "$header" | paste -sd.)

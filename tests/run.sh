@@ -15,15 +15,15 @@ export LSAN_OPTIONS=suppressions=$PWD/tests/leaks.supp:print_suppressions=0
 export ASAN_OPTIONS=detect_odr_violation=0
 export ISOSHADE=$PWD/$1/isoshade
 
-run_one() { # name, command ...: output, exit code and seconds into the logs; one line for people
-    local name=$1 log=$logs/${1//\//_} start=$SECONDS
+run_one() { # name, command ...: output and exit code into the logs; one line for people, with processor time and clock
+    local name=$1 log=$logs/${1//\//_} start=$SECONDS verdict=pass busy TIMEFORMAT='%U %S'
     shift
-    patiently "$@" >"$log.out" 2>&1 </dev/null
-    echo $? >"$log.code"
-    if [ "$(cat "$log.code")" = 0 ]; then
-        printf 'pass  %-48s %3d s\n' "$name" $((SECONDS - start))
-    else
-        printf 'FAIL  %-48s %3d s\n%s\n' "$name" $((SECONDS - start)) "$(grep -vE '^\[ RUN|^\[       OK|^ok ' "$log.out" | tail -n 60)"
+    { time patiently "$@" >"$log.out" 2>&1 </dev/null; echo $? >"$log.code"; } 2>"$log.time"
+    [ "$(cat "$log.code")" = 0 ] || verdict=FAIL
+    busy=$(awk '{print $1 + $2}' "$log.time")
+    printf '%s  %-48s %6.1f s of processor time, %3d s\n' $verdict "$name" "$busy" $((SECONDS - start))
+    if [ $verdict = FAIL ]; then
+        printf '%s\n' "$(grep -vE '^\[ RUN|^\[       OK|^ok ' "$log.out" | tail -n 60)"
     fi
 }
 slots=$(nproc)

@@ -83,52 +83,61 @@ static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *fie
     return s;
 }
 
+typedef struct fields_file {
+    const iso_openvdb *openvdb;
+    iso_vdb_file *file;
+    const char *path; /* for messages */
+} fields_file;
+
 /* The file's own metadata, by the keys of vdb.h. */
-static iso_status note(iso_vdb_file *file, const iso_vdb_fields *f, const char *path, iso_error *err)
+static iso_status note(const fields_file *to, const iso_vdb_fields *f, iso_error *err)
 {
     const char *const entries[][2] = {{"creator", "isoshade " ISO_VERSION},
                                       {"source", f->made_from},
                                       {"units", f->convention.unit}};
     for (size_t i = 0; i < sizeof entries / sizeof *entries; ++i) {
         iso_vdb_message message = {""};
-        if (*entries[i][1] && iso_vdb_file_note(file, entries[i][0], entries[i][1], &message) != ISO_OPENVDB_OK)
-            return iso_fail(err, ISO_E_PROGRAM, "%s: OpenVDB: %s", path, message.text);
+        if (*entries[i][1] && to->openvdb->note(to->file, entries[i][0], entries[i][1], &message) != ISO_OPENVDB_OK)
+            return iso_fail(err, ISO_E_PROGRAM, "%s: OpenVDB: %s", to->path, message.text);
     }
     return ISO_OK;
 }
 
-static iso_status add(iso_vdb_file *file, const iso_vdb_fields *f, size_t i, const char *path, iso_error *err)
+static iso_status add(const fields_file *to, const iso_vdb_fields *f, size_t i, iso_error *err)
 {
     const iso_vdb_source source = describe(f, &f->items[i]);
     iso_vdb_message message = {""};
-    const int code = iso_vdb_file_add(file, &source, &message);
+    const int code = to->openvdb->add(to->file, &source, &message);
     if (code == ISO_OPENVDB_OK)
         return ISO_OK;
-    return iso_fail(err, code == ISO_OPENVDB_MEMORY ? ISO_E_MEMORY : ISO_E_PROGRAM, "%s: OpenVDB: %s", path,
+    return iso_fail(err, code == ISO_OPENVDB_MEMORY ? ISO_E_MEMORY : ISO_E_PROGRAM, "%s: OpenVDB: %s", to->path,
                     message.text);
 }
 
 iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const iso_progress *progress, iso_error *err)
 {
     iso_output out = {0};
+    const iso_openvdb *openvdb = NULL;
     iso_status status = check_size(f, path, err);
+    if (status == ISO_OK && !(openvdb = iso_vdb_library(path, err)))
+        status = ISO_E_MISSING;
     if (status == ISO_OK)
         status = iso_output_begin(&out, path, err);
     if (status != ISO_OK)
         return status;
-    iso_vdb_file *file = iso_vdb_file_create();
-    if (!file)
+    const fields_file to = {openvdb, openvdb->create(), path};
+    if (!to.file)
         status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
     for (size_t i = 0; i < f->count && status == ISO_OK; ++i) {
         iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(f->count + 1));
-        status = add(file, f, i, path, err);
+        status = add(&to, f, i, err);
     }
     if (status == ISO_OK)
-        status = note(file, f, path, err);
+        status = note(&to, f, err);
     iso_vdb_message message = {""};
-    if (status == ISO_OK && iso_vdb_file_write(file, out.temp_path, false, &message) != ISO_OPENVDB_OK)
+    if (status == ISO_OK && openvdb->write(to.file, out.temp_path, false, &message) != ISO_OPENVDB_OK)
         status = iso_fail(err, ISO_E_IO, "%s: OpenVDB: %s", path, message.text);
-    iso_vdb_file_destroy(file);
+    openvdb->destroy(to.file);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);

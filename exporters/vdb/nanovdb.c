@@ -6,7 +6,10 @@
 
 iso_status iso_nanovdb_from_vdb(const char *vdb_path, const char *path, iso_error *err)
 {
-    if (!iso_nanovdb_version())
+    const iso_openvdb *openvdb = iso_vdb_library(path, err);
+    if (!openvdb)
+        return ISO_E_MISSING;
+    if (!openvdb->nanovdb_version())
         return iso_fail(err, ISO_E_MISSING,
                         "%s: isoshade was built without NanoVDB (on Debian: libnanovdb-dev, then make clean all)",
                         path);
@@ -14,7 +17,7 @@ iso_status iso_nanovdb_from_vdb(const char *vdb_path, const char *path, iso_erro
     iso_vdb_message message = {""};
     iso_status status = iso_output_begin(&out, path, err);
     if (status == ISO_OK) {
-        const int code = iso_openvdb_to_nanovdb(vdb_path, out.temp_path, &message);
+        const int code = openvdb->to_nanovdb(vdb_path, out.temp_path, &message);
         status = code == ISO_OPENVDB_OK ? iso_output_commit(&out, err) : iso_vdb_fail(code, path, &message, err);
     }
     iso_output_abandon(&out);
@@ -23,5 +26,6 @@ iso_status iso_nanovdb_from_vdb(const char *vdb_path, const char *path, iso_erro
 
 const char *iso_nanovdb_version(void)
 {
-    return iso_openvdb_nanovdb_version();
+    const iso_openvdb *openvdb = iso_vdb_library("NanoVDB", NULL);
+    return openvdb ? openvdb->nanovdb_version() : NULL;
 }

@@ -16,11 +16,6 @@ iso_vdb_options iso_vdb_defaults(void)
     return (iso_vdb_options){.half_float = false, .gradient = true, .pad_voxels = 0, .creator = "isoshade"};
 }
 
-const char *iso_vdb_version(void)
-{
-    return iso_openvdb_version();
-}
-
 /* World of a voxel's centre: origin + index_to_world (ijk + 1/2). */
 static void center_transform(const iso_geometry *g, double m[3][4])
 {
@@ -131,7 +126,7 @@ typedef struct save_job {
 static iso_status note(const iso_vdb_job *job, const char *key, const char *text, iso_error *err)
 {
     iso_vdb_message message = {""};
-    const int code = text && *text ? iso_vdb_file_note(job->file, key, text, &message) : ISO_OPENVDB_OK;
+    const int code = text && *text ? job->openvdb->note(job->file, key, text, &message) : ISO_OPENVDB_OK;
     return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, job->path, &message, err);
 }
 
@@ -160,7 +155,7 @@ static iso_status add(const iso_vdb_job *job, const save_job *what, size_t i, is
 static iso_status write(const iso_vdb_job *job, const char *path, iso_error *err)
 {
     iso_vdb_message message = {""};
-    const int code = iso_vdb_file_write(job->file, path, job->opt->half_directions, &message);
+    const int code = job->openvdb->write(job->file, path, job->opt->half_directions, &message);
     return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, job->path, &message, err);
 }
 
@@ -168,10 +163,11 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
                        iso_error *err)
 {
     iso_output out = {0};
-    iso_status status = iso_output_begin(&out, path, err);
+    const iso_openvdb *openvdb = iso_vdb_library(path, err);
+    iso_status status = openvdb ? iso_output_begin(&out, path, err) : ISO_E_MISSING;
     if (status != ISO_OK)
         return status;
-    const iso_vdb_job job = {iso_vdb_file_create(), path, opt, what->count == 1};
+    const iso_vdb_job job = {openvdb, openvdb->create(), path, opt, what->count == 1};
     iso_vdb_grids *grids = calloc(what->count, sizeof *grids);
     if (!job.file || !grids)
         status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
@@ -186,7 +182,7 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
     iso_progress_report(progress, "OpenVDB grids", 0.5);
     if (status == ISO_OK)
         status = write(&job, out.temp_path, err);
-    iso_vdb_file_destroy(job.file);
+    openvdb->destroy(job.file);
     for (size_t i = 0; grids && i < what->count; ++i)
         iso_vdb_grids_destroy(&grids[i]);
     free(grids);

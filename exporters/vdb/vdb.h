@@ -99,8 +99,6 @@ typedef struct iso_vdb_stats {
 } iso_vdb_stats;
 iso_status iso_vdb_measure(const char *path, iso_vdb_stats *stats, iso_error *err);
 
-const char *iso_vdb_version(void);
-
 #ifdef __cplusplus
 }
 #endif

@@ -5,6 +5,7 @@
  *   vdb_grids.c      the grids of a level and of a lattice, as sources of rows
  *   vdb_sparse.c     which voxels of a level are active
  *   vdb_read.c       reading back, measuring
+ *   vdb_library.c    isoshade_openvdb.so, which has the rest, loaded
  *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are written without ever being whole in memory
  *   vdb_nanovdb.cc   NanoVDB, by its own conversion of OpenVDB grids (nanovdb.h); vdb_guarded.h: exceptions end there */
 #ifndef ISO_VDB_FILE_H
@@ -37,11 +38,15 @@ typedef struct iso_vdb_grids {
 
 /* What is being saved. */
 typedef struct iso_vdb_job {
+    const iso_openvdb *openvdb;
     iso_vdb_file *file;
     const char *path;
     const iso_vdb_options *opt;
     bool plain_names;
 } iso_vdb_job;
+
+/* NULL where it cannot be loaded, with ISO_E_MISSING; path: of the file that it is wanted for. */
+const iso_openvdb *iso_vdb_library(const char *path, iso_error *err);
 
 /* Fills in what a level and a lattice have alike. */
 iso_vdb_source iso_vdb_describe(const iso_geometry *g, const char *made_from, const iso_vdb_options *opt);

@@ -198,7 +198,7 @@ static iso_status add_grids(const iso_vdb_job *job, const iso_vdb_source *common
         if (readers->reversed)
             reverse_rows(&source, &owner->reversed[i]);
         iso_vdb_message message = {""};
-        int code = iso_vdb_file_add(job->file, &source, &message);
+        int code = job->openvdb->add(job->file, &source, &message);
         if (code != ISO_OPENVDB_OK)
             return iso_vdb_fail(code, job->path, &message, err);
     }

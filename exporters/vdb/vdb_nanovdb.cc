@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
+#include "vdb/vdb_nanovdb.h"
 #include "vdb/vdb_guarded.h"
-#include "vdb/vdb_openvdb.h"
 
 #if __has_include(<nanovdb/NanoVDB.h>)
 
@@ -46,7 +46,7 @@ handle convert(const openvdb::GridBase::Ptr &grid)
 
 } // namespace
 
-int iso_openvdb_to_nanovdb(const char *vdb_path, const char *path, iso_vdb_message *message)
+int iso_vdb::to_nanovdb(const char *vdb_path, const char *path, iso_vdb_message *message)
 {
     return iso_vdb::guarded(message, [&] {
         openvdb::initialize();
@@ -64,7 +64,7 @@ int iso_openvdb_to_nanovdb(const char *vdb_path, const char *path, iso_vdb_messa
     });
 }
 
-const char *iso_openvdb_nanovdb_version(void)
+const char *iso_vdb::nanovdb_version()
 {
 #define NUMBERS_AS_TEXT(a, b, c) #a "." #b "." #c
 #define VERSION_TEXT(a, b, c) NUMBERS_AS_TEXT(a, b, c)
@@ -73,12 +73,12 @@ const char *iso_openvdb_nanovdb_version(void)
 
 #else /* the headers are not installed: isoshade does without them */
 
-int iso_openvdb_to_nanovdb(const char *, const char *, iso_vdb_message *)
+int iso_vdb::to_nanovdb(const char *, const char *, iso_vdb_message *)
 {
     return ISO_OPENVDB_FAILED;
 }
 
-const char *iso_openvdb_nanovdb_version(void)
+const char *iso_vdb::nanovdb_version()
 {
     return nullptr;
 }

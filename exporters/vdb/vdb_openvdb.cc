@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "vdb/vdb_guarded.h"
+#include "vdb/vdb_nanovdb.h"
 #include "vdb/vdb_openvdb.h"
 #include "vdb/vdb_tree.h"
 
@@ -194,7 +195,7 @@ struct iso_vdb_file {
     openvdb::MetaMap about;
 };
 
-iso_vdb_file *iso_vdb_file_create(void)
+static iso_vdb_file *create_file()
 {
     iso_vdb_file *file = nullptr;
     iso_vdb_message ignored;
@@ -206,7 +207,7 @@ iso_vdb_file *iso_vdb_file_create(void)
     return file;
 }
 
-int iso_vdb_file_add(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message)
+static int add_grid(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message)
 {
     return guarded(message, [&] {
         file->sources.push_back(*source); /* stays where it is: the leaves read from it */
@@ -216,7 +217,7 @@ int iso_vdb_file_add(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_m
     });
 }
 
-int iso_vdb_file_note(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message)
+static int note_text(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message)
 {
     return guarded(message, [&] {
         file->about.insertMeta(key, openvdb::StringMetadata(text));
@@ -224,7 +225,7 @@ int iso_vdb_file_note(iso_vdb_file *file, const char *key, const char *text, iso
     });
 }
 
-int iso_vdb_file_write(const iso_vdb_file *file, const char *path, bool small, iso_vdb_message *message)
+static int write_file(const iso_vdb_file *file, const char *path, bool small, iso_vdb_message *message)
 {
     return guarded(message, [&] {
         told_places buffer;
@@ -239,12 +240,12 @@ int iso_vdb_file_write(const iso_vdb_file *file, const char *path, bool small, i
     });
 }
 
-void iso_vdb_file_destroy(iso_vdb_file *file)
+static void destroy_file(iso_vdb_file *file)
 {
     delete file;
 }
 
-int iso_openvdb_read(const char *path, const char *name, int channels, const size_t size[3], float *out,
+static int read_grid(const char *path, const char *name, int channels, const size_t size[3], float *out,
                      iso_vdb_grid_info *info, iso_vdb_message *message)
 {
     return guarded(message, [&] {
@@ -272,7 +273,7 @@ int iso_openvdb_read(const char *path, const char *name, int channels, const siz
     });
 }
 
-int iso_openvdb_measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message)
+static int measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message)
 {
     return guarded(message, [&] {
         openvdb::initialize();
@@ -288,7 +289,6 @@ int iso_openvdb_measure(const char *path, size_t *active_voxels, size_t *memory_
     });
 }
 
-const char *iso_openvdb_version(void)
-{
-    return openvdb::getLibraryVersionString();
-}
+extern "C" const iso_openvdb iso_openvdb_functions; /* without it C++ keeps a constant to its file */
+const iso_openvdb iso_openvdb_functions = {create_file, add_grid, note_text, write_file,          destroy_file,
+                                           read_grid,   measure,  iso_vdb::to_nanovdb, iso_vdb::nanovdb_version};

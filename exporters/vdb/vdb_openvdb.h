@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* vdb_openvdb.h - the interface between C (vdb.c) and C++ (vdb_openvdb.cc): plain types, no exceptions.
  *
+ * The C++ is in isoshade_openvdb.so, which lies beside the program and is loaded when a file of grids is written or read:
+ * OpenVDB and what it stands on take longer to load than all the rest of the program.
+ *
  * Transforms are rows of a 3 x 4 matrix that takes OpenVDB's index (integers at
  * the voxels' centres) to world. Private to exporters/vdb. */
 #ifndef ISO_VDB_OPENVDB_H
@@ -50,34 +53,34 @@ typedef struct iso_vdb_source {
 
 typedef struct iso_vdb_file iso_vdb_file;
 
-/* NULL when memory ends. */
-iso_vdb_file *iso_vdb_file_create(void);
-/* Asks which voxels are active. Their values are read by iso_vdb_file_write(), in no order, so that what the source's
- * users point to has to stay until then. */
-int iso_vdb_file_add(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message);
-/* An entry of the file's own metadata. */
-int iso_vdb_file_note(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message);
-/* small: as small as can be, in several times the time. */
-int iso_vdb_file_write(const iso_vdb_file *file, const char *path, bool small, iso_vdb_message *message);
-void iso_vdb_file_destroy(iso_vdb_file *file); /* accepts NULL */
-
 /* What a grid's header says. box_index is size where the file has none. */
 typedef struct iso_vdb_grid_info {
     double index_to_world[3][4];
     double box_index[3];
     double unit_mm, origin_mm[3];
 } iso_vdb_grid_info;
-int iso_openvdb_read(const char *path, const char *grid, int channels, const size_t size[3], float *out,
-                     iso_vdb_grid_info *info, iso_vdb_message *message);
 
-/* Reads all grids of a file; active voxels and bytes of the trees, as OpenVDB counts them, summed. */
-int iso_openvdb_measure(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message);
+#define ISO_OPENVDB_SYMBOL "iso_openvdb_functions"
 
-const char *iso_openvdb_version(void);
-
-/* All grids of a file as a file of NanoVDB (nanovdb.h). The version is NULL where its headers were not there. */
-int iso_openvdb_to_nanovdb(const char *vdb_path, const char *path, iso_vdb_message *message);
-const char *iso_openvdb_nanovdb_version(void);
+typedef struct iso_openvdb {
+    /* NULL when memory ends. */
+    iso_vdb_file *(*create)(void);
+    /* Asks which voxels are active. Their values are read by write(), in no order, so that what the source's users point
+     * to has to stay until then. */
+    int (*add)(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message);
+    /* An entry of the file's own metadata. */
+    int (*note)(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message);
+    /* small: as small as can be, in several times the time. */
+    int (*write)(const iso_vdb_file *file, const char *path, bool small, iso_vdb_message *message);
+    void (*destroy)(iso_vdb_file *file); /* accepts NULL */
+    int (*read)(const char *path, const char *grid, int channels, const size_t size[3], float *out,
+                iso_vdb_grid_info *info, iso_vdb_message *message);
+    /* Reads all grids of a file; active voxels and bytes of the trees, as OpenVDB counts them, summed. */
+    int (*measure)(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message);
+    /* All grids of a file as a file of NanoVDB (nanovdb.h). The version is NULL where its headers were not there. */
+    int (*to_nanovdb)(const char *vdb_path, const char *path, iso_vdb_message *message);
+    const char *(*nanovdb_version)(void);
+} iso_openvdb;
 
 #ifdef __cplusplus
 }

@@ -15,8 +15,11 @@ iso_status iso_vdb_measure(const char *path, iso_vdb_stats *stats, iso_error *er
     *stats = (iso_vdb_stats){0};
     if (stat(path, &about) != 0)
         return iso_fail(err, ISO_E_IO, "%s: no such file", path);
+    const iso_openvdb *openvdb = iso_vdb_library(path, err);
+    if (!openvdb)
+        return ISO_E_MISSING;
     double start = iso_clock_seconds();
-    int code = iso_openvdb_measure(path, &stats->active_voxels, &stats->memory_bytes, &message);
+    int code = openvdb->measure(path, &stats->active_voxels, &stats->memory_bytes, &message);
     stats->read_seconds = iso_clock_seconds() - start;
     stats->file_bytes = (size_t)about.st_size;
     return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, path, &message, err);
@@ -29,9 +32,12 @@ iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, c
         return iso_fail(err, ISO_E_RANGE, "%s: %d channels, a grid has 1 or 3", path, channels);
     if (!iso_path_exists(path))
         return iso_fail(err, ISO_E_IO, "%s: no such file", path);
+    const iso_openvdb *openvdb = iso_vdb_library(path, err);
+    if (!openvdb)
+        return ISO_E_MISSING;
     iso_vdb_grid_info info;
     iso_vdb_message message = {""};
-    int code = iso_openvdb_read(path, grid, channels, size, out, &info, &message);
+    int code = openvdb->read(path, grid, channels, size, out, &info, &message);
     if (code == ISO_OPENVDB_IO) /* the file is there, so it is its content */
         return iso_fail(err, ISO_E_FORMAT, "%s: cannot be read as OpenVDB: %s", path, message.text);
     if (code != ISO_OPENVDB_OK)

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/* vdb_nanovdb.h - grids of OpenVDB as a file of NanoVDB; what vdb_openvdb.h says of both functions. Private to the C++
+ * files of this folder. */
+#ifndef ISO_VDB_NANOVDB_H
+#define ISO_VDB_NANOVDB_H
+
+#include "vdb/vdb_openvdb.h"
+
+namespace iso_vdb {
+
+int to_nanovdb(const char *vdb_path, const char *path, iso_vdb_message *message);
+const char *nanovdb_version();
+
+} // namespace iso_vdb
+
+#endif
