@@ -11,6 +11,7 @@
 #include "cli/cycles_options.h"
 #include "cli/render_options.h"
 #include "cli/render_result.h"
+#include "cli/render_paged.h"
 #include "plan/cached.h"
 #include "options/cli.h"
 #include "options/visible.h"
@@ -374,6 +375,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"page-side", 0, POPT_ARG_INT, &a.page_side, 0,
          "with these two: most texels along a side of a texture; more textures are made where one is too small",
          "TEXELS"},
+        {"memory", 0, POPT_ARG_DOUBLE, &a.memory_mb, 0,
+         "of a pyramid on disk: bricks are read from its files when rays of --with cpu need them, within so much memory",
+         "MB"},
+        {"refine", 0, POPT_ARG_NONE, &a.refine, 0,
+         "with --memory: coarse levels first, each as a picture IMAGE_level_K of its own", NULL},
         {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0,
          of_those(&help, ISO_READS_SHADERS, "shaders from this folder instead of the built-in ones"), "DIR"},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
@@ -394,7 +400,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_cli_take_cycles(&cycles, a.with ? a.with : iso_renderers_usual()->name, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = a.frames ? render_series(&a, &cli, err) : render(&a, &cli, &(frame_of_series){NULL, 0, NULL}, err);
+        status = a.refine && a.memory_mb == 0 ? iso_fail(err, ISO_E_USAGE, "--refine needs --memory")
+                 : a.memory_mb != 0           ? iso_cli_render_paged(&a, &cli, err)
+                 : a.frames                   ? render_series(&a, &cli, err) : render(&a, &cli, &(frame_of_series){NULL, 0, NULL}, err);
     iso_cli_end(&cli);
     return status;
 }
@@ -420,7 +428,9 @@ const iso_command iso_command_render = {
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with cycles --step 0.0625 --size 64 -o ml-cycles.exr\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --with povray --limit --step 0.25 --size 32 -o ml-limit.exr\n"
         "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --level 1 --adapt --roi 8,8,6,24,32,20 -o roi.exr\n"
-        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --cache-bytes 400000 --brick 8 -o cached.exr\n",
+        "  isoshade render ml.nrrd --scene refscenes/marschner-lobb.scene.json --cache-bytes 400000 --brick 8 -o cached.exr\n"
+        "  isoshade build ml.nrrd -o ml.iso --levels 3\n"
+        "  isoshade render ml.iso --scene refscenes/marschner-lobb.scene.json --memory 20 --refine -o paged.exr\n",
     .lists = (const iso_names *const[]){&iso_direction_source_names, &iso_gradient_names, &iso_direction_filter_names,
                                         &iso_code_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,

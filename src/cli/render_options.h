@@ -24,7 +24,8 @@ typedef struct iso_render_arguments {
     char *output, *png, *frames, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels,
         page_side;
-    double step, cache_bytes;
+    double step, cache_bytes, memory_mb; /* memory_mb 0: everything in memory */
+    int refine;
     char *plan_error_text, *code, *direction_filter, *estimator;
     double plan_error; /* 0: none */
     const char *shader_dir;

@@ -25,7 +25,7 @@ static void floats_to_type(const float *in, iso_type type, size_t count, void *o
     }
 }
 
-static void type_to_floats(const void *in, iso_type type, size_t count, float *out)
+void iso_layout_to_floats(const void *in, iso_type type, size_t count, float *out)
 {
     for (size_t i = 0; i < count; ++i) {
         switch (type) {
@@ -153,7 +153,7 @@ static iso_status load_file(const char *dir, const iso_geometry *g, const level_
         memcpy(*data, bytes + header_bytes, count);
     else if (status == ISO_OK) {
         memmove(bytes, bytes + header_bytes, count * width); /* aligned */
-        type_to_floats(bytes, f->type, count, *data);
+        iso_layout_to_floats(bytes, f->type, count, *data);
     }
     free(bytes);
     free(header);

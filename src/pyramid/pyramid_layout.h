@@ -33,6 +33,9 @@ iso_type iso_layout_type(iso_type input);
  * that a mapped file has its samples aligned. To be freed. */
 char *iso_layout_header(const iso_geometry *g, const level_file *f);
 
+/* Samples of the scalar's file as floats. */
+void iso_layout_to_floats(const void *in, iso_type type, size_t count, float *out);
+
 json_t *iso_layout_options(const iso_pyramid_options *opt);
 json_t *iso_layout_geometry(const iso_geometry *g);
 json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min, double max,

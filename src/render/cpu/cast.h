@@ -57,7 +57,8 @@ typedef struct iso_cast {
     size_t clip_count;
     double clips[ISO_MAX_CLIP_PLANES][4]; /* index coordinates */
     /* the volume, in bricks; NULL where it is not read */
-    int32_t size[3], brick_stride[3];
+    int32_t size[3], brick_stride[3]; /* from a brick to the next, in voxels; in bricks where there are slots */
+    const int32_t *slots; /* where bricks are pages (paged.h): the first voxel of each, below 0: it has to be loaded. Else NULL */
     const uint16_t *integers;       /* the scalar less its least value, where it has at most 16 bits ... */
     const float *floats;            /* ... or its part of the range */
     bool labels;                    /* not filtered */
@@ -81,6 +82,21 @@ typedef struct iso_cast {
     const uint8_t *distance;
     int32_t block_count[3];
 } iso_cast;
+
+/* Where the rays of a tile stand between two passes over pages (paged.h), in the order of the tile's packets. */
+enum { ISO_CAST_RAYS = ISO_CAST_TILE * ISO_CAST_TILE, ISO_CAST_NEW = -1, ISO_CAST_DONE = -2 };
+typedef struct iso_cast_rays {
+    int32_t wants[ISO_CAST_RAYS]; /* the brick that the ray waits for, or one of the two above */
+    int32_t k[ISO_CAST_RAYS];     /* its next segment */
+    float sum[4][ISO_CAST_RAYS], rest[4][ISO_CAST_RAYS];
+} iso_cast_rays;
+
+/* What rays ask for, two bytes a brick: a ray waits for it; it lies ahead of one that waits. */
+enum { ISO_CAST_WANTED, ISO_CAST_AHEAD, ISO_CAST_ASKED };
+
+/* Takes each ray of a tile as far as its bricks are there. Returns how many rays wait. */
+typedef size_t iso_cast_paged_tile(const iso_cast *c, size_t x, size_t y, iso_cast_rays *rays, uint8_t *asked, float *rgba);
+iso_cast_paged_tile iso_cast_paged_tile_1, iso_cast_paged_tile_4, iso_cast_paged_tile_8, iso_cast_paged_tile_16;
 
 /* Pixels [x, x + ISO_CAST_TILE) of rows [y, y + ISO_CAST_TILE), as far as the image goes. One function a width, the same
  * bits from each. */

@@ -5,4 +5,5 @@
 #pragma GCC target("avx2")
 #define ISO_CAST_WIDTH 8
 #include "render/cpu/cast_packet.h"
+#include "render/cpu/cast_paged.h"
 #endif

@@ -2,3 +2,4 @@
 /* cast_baseline.c - the CPU ray caster for any machine, four rays at a time. */
 #define ISO_CAST_WIDTH 4
 #include "render/cpu/cast_packet.h"
+#include "render/cpu/cast_paged.h"

@@ -19,12 +19,6 @@ iso_cast_grid iso_cast_grid_of(const iso_geometry *g, int threads)
     return grid;
 }
 
-/* The voxel of the level that stands at `at` of the grid with its copies of the outermost ones. */
-static size_t inner(size_t at, size_t size)
-{
-    return at == 0 ? 0 : at <= size ? at - 1 : size - 1;
-}
-
 /* A row of a brick: where its voxels begin in the level, and which ones they are. */
 typedef struct brick_row {
     size_t start, x[ISO_CAST_ROW];
@@ -33,11 +27,11 @@ typedef struct brick_row {
 static void row_of(const iso_cast_grid *g, size_t brick, size_t row, brick_row *r)
 {
     const size_t b[3] = {brick % g->count[0], brick / g->count[0] % g->count[1], brick / (g->count[0] * g->count[1])};
-    const size_t y = inner(b[1] * ISO_CAST_BRICK + row % ISO_CAST_ROW, g->size[1]);
-    const size_t z = inner(b[2] * ISO_CAST_BRICK + row / ISO_CAST_ROW, g->size[2]);
+    const size_t y = iso_cast_inner(b[1] * ISO_CAST_BRICK + row % ISO_CAST_ROW, g->size[1]);
+    const size_t z = iso_cast_inner(b[2] * ISO_CAST_BRICK + row / ISO_CAST_ROW, g->size[2]);
     r->start = g->size[0] * (y + g->size[1] * z);
     for (size_t i = 0; i < ISO_CAST_ROW; ++i)
-        r->x[i] = r->start + inner(b[0] * ISO_CAST_BRICK + i, g->size[0]);
+        r->x[i] = r->start + iso_cast_inner(b[0] * ISO_CAST_BRICK + i, g->size[0]);
 }
 
 /* out[i] of each voxel v of all rows of all bricks of grid. */
@@ -92,19 +86,13 @@ uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes)
     return out;
 }
 
-/* -128 stands for -127. */
-static uint32_t signed_byte(uint8_t byte)
-{
-    return byte == 0x80 ? 0x81 : byte;
-}
-
 uint32_t *iso_cast_brick_codes(const iso_cast_grid *grid, const uint8_t *codes, bool is_signed)
 {
     uint32_t *out = make(grid, sizeof *out);
     if (out && is_signed)
-        FILL(out, signed_byte(codes[3 * v]) | signed_byte(codes[3 * v + 1]) << 8 | signed_byte(codes[3 * v + 2]) << 16);
+        FILL(out, iso_cast_code_word(codes + 3 * v, true));
     else if (out)
-        FILL(out, codes[3 * v] | (uint32_t)codes[3 * v + 1] << 8 | (uint32_t)codes[3 * v + 2] << 16);
+        FILL(out, iso_cast_code_word(codes + 3 * v, false));
     return out;
 }
 
@@ -130,8 +118,8 @@ enum { BLOCK = 1 << ISO_CAST_BLOCK_SHIFT };
 /* The level's voxels that block b of an axis reaches. */
 static void reach(size_t b, size_t size, size_t *lo, size_t *hi)
 {
-    *lo = inner(b * BLOCK, size);
-    *hi = inner(b * BLOCK + BLOCK, size);
+    *lo = iso_cast_inner(b * BLOCK, size);
+    *hi = iso_cast_inner(b * BLOCK + BLOCK, size);
 }
 
 static bool block_shows(const iso_level *level, const iso_tf_table *tf, const size_t b[3])

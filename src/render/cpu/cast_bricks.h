@@ -17,6 +17,21 @@ typedef struct iso_cast_grid {
 } iso_cast_grid;
 iso_cast_grid iso_cast_grid_of(const iso_geometry *g, int threads);
 
+/* The voxel of the level that stands at `at` of the grid with its copies of the outermost ones. */
+static inline size_t iso_cast_inner(size_t at, size_t size)
+{
+    return at == 0 ? 0 : at <= size ? at - 1 : size - 1;
+}
+
+/* Three bytes of code in a word; signed, -128 stands for -127. */
+static inline uint32_t iso_cast_code_word(const uint8_t *code, bool is_signed)
+{
+    uint32_t word = 0;
+    for (int i = 0; i < 3; ++i)
+        word |= (uint32_t)(is_signed && code[i] == 0x80 ? 0x81 : code[i]) << (8 * i);
+    return word;
+}
+
 /* Each makes a new array of grid->voxels elements and a few bytes more, which a fetch of four bytes may reach; NULL: no
  * memory. */
 uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const float *scalar, double min);

@@ -39,7 +39,8 @@ CAST vi first_voxel(const iso_cast *c, const vi cell[3], vi mask)
     const int32_t *stride = c->brick_stride;
     const int low = ISO_CAST_BRICK - 1, shift = ISO_CAST_BRICK_SHIFT;
     vi at = (cell[0] & low) + (cell[1] & low) * ISO_CAST_ROW + (cell[2] & low) * ISO_CAST_PLANE;
-    at += (cell[0] >> shift) * stride[0] + (cell[1] >> shift) * stride[1] + (cell[2] >> shift) * stride[2];
+    const vi brick = (cell[0] >> shift) * stride[0] + (cell[1] >> shift) * stride[1] + (cell[2] >> shift) * stride[2];
+    at += c->slots ? GATHER(c->slots, brick & mask, 4) : brick;
     return at & mask;
 }
 

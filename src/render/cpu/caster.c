@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "render/cpu/cast.h"
 #include "render/cpu/cast_bricks.h"
+#include "render/cpu/cast_scene.h"
 #include "render/cpu/cast_width.h"
 #include "render/sampler.h"
 
@@ -50,6 +51,21 @@ const char *iso_cpu_width_name(iso_cpu_width width)
     }
 }
 
+iso_cast_paged_tile *iso_cast_paged_tile_of(iso_cpu_width width)
+{
+    if (width > iso_cpu_widest())
+        return NULL;
+    switch (width) {
+    case ISO_CPU_ONE: return iso_cast_paged_tile_1;
+    case ISO_CPU_BASELINE: return iso_cast_paged_tile_4;
+#ifdef ISO_CAST_HAS_X86
+    case ISO_CPU_AVX2: return iso_cast_paged_tile_8;
+    case ISO_CPU_AVX512: return iso_cast_paged_tile_16;
+#endif
+    default: return NULL;
+    }
+}
+
 static iso_cast_tile *tile_of(iso_cpu_width width)
 {
     if (width > iso_cpu_widest())
@@ -74,7 +90,7 @@ static void copy(iso_vec3 v, double out[3])
     out[2] = v.z;
 }
 
-static void set_camera(iso_cast *c, const iso_geometry *g, const iso_view *view, double step_mm)
+void iso_cast_set_camera(iso_cast *c, const iso_geometry *g, const iso_view *view, double step_mm)
 {
     const iso_camera *camera = &view->camera;
     const iso_mat3 to_index = iso_mat3_inverse(g->index_to_world);
@@ -97,7 +113,7 @@ static void set_camera(iso_cast *c, const iso_geometry *g, const iso_view *view,
         iso_clip_in_index(&view->clips[i], g, c->clips[i]);
 }
 
-static void set_light(iso_cast *c, const iso_view *view)
+void iso_cast_set_light(iso_cast *c, const iso_view *view)
 {
     const iso_shading *m = &view->shading;
     c->light_count = view->light_count;
@@ -129,13 +145,18 @@ static bool is_small_integer(iso_type type)
     return type == ISO_U8 || type == ISO_I8 || type == ISO_U16 || type == ISO_I16;
 }
 
+bool iso_cast_takes_integers(const iso_level *level)
+{
+    return is_small_integer(level->stored_type) && level->max - level->min <= 65535 && level->min == floor(level->min) &&
+           !level->made_for_scene;
+}
+
 /* Integers of at most 16 bits as they are; all else in parts of the range. *unit: what one of them is. */
 static iso_status set_scalar(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, double *unit,
                              iso_error *err)
 {
     const double range = level->max - level->min;
-    const bool integers = is_small_integer(level->stored_type) && range <= 65535 && level->min == floor(level->min) &&
-                          !level->made_for_scene;
+    const bool integers = iso_cast_takes_integers(level);
     s->cast.labels = level->labels;
     *unit = integers ? 1 : range;
     if (integers) {
@@ -224,16 +245,14 @@ static void fill_row(const iso_tf_table *tf, double step_mm, float *out)
         }
 }
 
-/* unit: what one of the bricks' values is; they begin at the level's least one. */
-static iso_status set_tf(iso_cpu_scene *s, const iso_level *level, const iso_view *view, double unit, iso_error *err)
+float *iso_cast_set_tf(iso_cast *c, const iso_view *view, double min, double unit, size_t *bytes)
 {
-    iso_cast *c = &s->cast;
     const iso_tf_table *tf = view->tf_2d ? &view->tf_2d->rows[0] : &view->tf;
     const size_t rows = view->tf_2d ? ISO_TF_2D_ROWS : 1, floats = rows * tf->count * ISO_CAST_ENTRY;
     float *entries = malloc(floats * sizeof *entries);
-    const iso_status status = own(s, entries, floats * sizeof *entries, err);
-    if (status != ISO_OK)
-        return status;
+    *bytes = floats * sizeof *entries;
+    if (!entries)
+        return NULL;
     for (size_t row = 0; row < rows; ++row)
         fill_row(view->tf_2d ? &view->tf_2d->rows[row] : tf, c->step_mm, entries + row * tf->count * ISO_CAST_ENTRY);
     const double per_value = (double)(tf->count - 1) / (tf->hi - tf->lo);
@@ -241,8 +260,15 @@ static iso_status set_tf(iso_cpu_scene *s, const iso_level *level, const iso_vie
     c->entry_count = (int32_t)tf->count;
     c->row_count = view->tf_2d ? ISO_TF_2D_ROWS : 0;
     c->entries_per_value = (float)(per_value * unit);
-    c->first_entry = (float)(per_value * (level->min - tf->lo));
-    return ISO_OK;
+    c->first_entry = (float)(per_value * (min - tf->lo));
+    return entries;
+}
+
+static iso_status set_tf(iso_cpu_scene *s, const iso_level *level, const iso_view *view, double unit, iso_error *err)
+{
+    size_t bytes;
+    float *entries = iso_cast_set_tf(&s->cast, view, level->min, unit, &bytes);
+    return own(s, entries, bytes, err);
 }
 
 static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, const iso_view *view, const iso_cpu_options *opt,
@@ -301,8 +327,8 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
         s->cast.brick_stride[a] = stride;
         stride = (int32_t)((size_t)stride * grid.count[a]);
     }
-    set_camera(&s->cast, g, view, step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g)));
-    set_light(&s->cast, view);
+    iso_cast_set_camera(&s->cast, g, view, step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g)));
+    iso_cast_set_light(&s->cast, view);
     status = set_scalar(s, &grid, level, &unit, err);
     set_gradient(&s->cast, level, unit);
     if (status == ISO_OK && iso_view_is_lit(view))

@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "cli/render_paged.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/version.h"
+#include "base/words.h"
+#include "render/cpu/paged.h"
+#include "scene/subject.h"
+
+static iso_status check(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    if (!iso_pyramid_is_one(cli->arguments[0]))
+        return iso_fail(err, ISO_E_USAGE, "--memory is for pyramids on disk: isoshade build %s -o NAME.iso makes one",
+                        cli->arguments[0]);
+    if ((a->with && strcmp(a->with, "cpu") != 0) || a->frames || a->source || a->palette || a->shade_table ||
+        a->exact_lookups || a->isosurface || a->quadrature || a->limit || a->code || a->estimator ||
+        a->direction_filter || a->adapted.wanted || a->adapted.extinction_scale || a->roi.box ||
+        iso_render_is_in_bricks(a))
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "--memory is for --with cpu, without --frames, --shading-from, --palette, --shade-table, "
+            "--exact-lookups, --isosurface, --quadrature, --limit, --code, --estimator, --direction-filter, "
+            "--adapt, --extinction-scale, --roi, --cache-bytes and --plan-error");
+    if (!a->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
+    return iso_words_check_range("--memory", a->memory_mb, 1, 1e9, err);
+}
+
+/* A transfer function that follows the values would need all of them. */
+static iso_status make_view(const iso_render_arguments *a, const iso_cli *cli, const iso_pyramid *p, iso_view *view,
+                            iso_error *err)
+{
+    iso_subject_look look;
+    iso_status status = iso_cli_look_check(&a->look, cli->threads, &look, err);
+    if (status == ISO_OK && iso_subject_look_needs_values(&look))
+        status =
+            iso_fail(err, ISO_E_USAGE,
+                     "--memory needs a transfer function from a file, by --scene or --tf: one that is made from all "
+                     "values would read them all (isoshade tf suggest writes one)");
+    return status == ISO_OK ? iso_subject_make_view(&look, p, view, err) : status;
+}
+
+/* "out_level_2.exr" of "out.exr"; the last frame has the name itself. */
+static char *name_of(const char *path, size_t level, bool is_last)
+{
+    const char *dot = strrchr(iso_path_base(path), '.');
+    const int stem = dot ? (int)(dot - path) : (int)strlen(path);
+    char *name = NULL;
+    if (is_last)
+        return strdup(path);
+    return asprintf(&name, "%.*s_level_%zu%s", stem, path, level, dot ? dot : "") < 0 ? NULL : name;
+}
+
+static iso_status save(const iso_render_arguments *a, const iso_cli *cli, const iso_image *image, size_t level,
+                       iso_error *err)
+{
+    const bool is_last = level == (size_t)a->level;
+    char *path = name_of(a->output, level, is_last), *png = a->png ? name_of(a->png, level, is_last) : NULL;
+    char *line = iso_cli_command_line(cli);
+    const iso_image_note notes[] = {{"isoshade:command", line ? line : ""}, {NULL, NULL}};
+    iso_status status = path && (png || !a->png) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_path_ends_with(path, ".png") ? iso_image_save_png(image, path, 1, err)
+                                                  : iso_image_save_exr(image, path, notes, err);
+    if (status == ISO_OK && png)
+        status = iso_image_save_png(image, png, 1, err);
+    free(line);
+    free(path);
+    free(png);
+    return status;
+}
+
+static void report(const iso_cli *cli, const char *path, size_t level, const iso_paged_stats *s, json_t *frames)
+{
+    if (!cli->json) {
+        printf(
+            "%s: level %zu, %zu of %zu bricks were loaded in %zu passes, %.4g MB read with %.4g MB of memory, %.3g s\n",
+            path, level, s->bricks, s->bricks_of_level, s->passes, s->bytes_read / 1048576, s->memory_bytes / 1048576,
+            s->seconds);
+        return;
+    }
+    json_array_append_new(frames,
+                          json_pack("{s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:f}", "level", (json_int_t)level, "passes",
+                                    (json_int_t)s->passes, "bricks_loaded", (json_int_t)s->bricks, "bricks_of_level",
+                                    (json_int_t)s->bricks_of_level, "pages", (json_int_t)s->pool_bricks, "bytes_read",
+                                    s->bytes_read, "memory_bytes", s->memory_bytes, "seconds", s->seconds));
+}
+
+static iso_status render_level(const iso_render_arguments *a, const iso_cli *cli, const iso_pyramid *p,
+                               const iso_view *view, size_t level, json_t *frames, iso_error *err)
+{
+    const iso_progress progress = iso_cli_progress(cli);
+    const iso_paged_options opt = {.memory_bytes = a->memory_mb * 1048576,
+                                   .step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step,
+                                   .threads = cli->threads};
+    iso_level_pages *pages = NULL;
+    iso_image image = {0};
+    iso_paged_stats stats;
+    iso_status status = iso_level_pages_open(cli->arguments[0], p, level, iso_view_is_lit(view), &pages, err);
+    if (status == ISO_OK)
+        status = iso_cpu_render_paged(&p->levels[level], p->options.code, pages, view, &opt, &image, &stats, &progress,
+                                      err);
+    if (status == ISO_OK)
+        status = save(a, cli, &image, level, err);
+    if (status == ISO_OK)
+        report(cli, a->output, level, &stats, frames);
+    iso_image_destroy(&image);
+    iso_level_pages_close(pages);
+    return status;
+}
+
+iso_status iso_cli_render_paged(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    iso_pyramid pyramid = {0};
+    iso_view view = {0};
+    json_t *frames = json_array();
+    iso_status status = check(a, cli, err);
+    if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
+        status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--level", a->level, 0, 63, err);
+    if (status == ISO_OK)
+        status = iso_pyramid_load_outline(cli->arguments[0], &pyramid, err);
+    if (status == ISO_OK && (size_t)a->level >= pyramid.level_count)
+        status = iso_fail(err, ISO_E_RANGE, "level %d: the pyramid has levels 0 to %zu", a->level,
+                          pyramid.level_count - 1);
+    if (status == ISO_OK)
+        status = make_view(a, cli, &pyramid, &view, err);
+    const size_t last = (size_t)a->level, first = a->refine && pyramid.level_count ? pyramid.level_count - 1 : last;
+    for (size_t k = first + 1; k-- > last && status == ISO_OK;)
+        status = render_level(a, cli, &pyramid, &view, k, frames, err);
+    if (status == ISO_OK && cli->json) {
+        json_t *root = iso_cli_json(cli);
+        json_object_set_new(root, "image", json_string(a->output));
+        json_object_set(root, "frames", frames);
+        iso_cli_print_json(root);
+    }
+    json_decref(frames);
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&pyramid);
+    return status;
+}
