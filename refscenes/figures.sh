@@ -96,7 +96,7 @@ kind() { # picture, words of isoshade figure
 }
 kinds() { # doc/figures.md
     scene="--scene refscenes/hero.scene.json"
-    kind figure-levels.png $templates/ch2bet.nii.gz $scene --levels 3 --zoom 0.35,0.3,0.25,0.25 --width 120
+    kind figure-levels.png $templates/ch2bet.nii.gz $scene --levels 3 --zoom 0.35,0.3,0.25,0.25 --letters --background white --width 120
     kind figure-tf.png $templates/ch2bet.nii.gz $scene --kind tf --width 110
     kind figure-plan.png $templates/ch2bet.nii.gz $scene --kind plan --width 120
     kind figure-failure.png --kind failure --case noise --width 110

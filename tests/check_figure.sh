@@ -111,6 +111,7 @@ check the_bar_has_its_length awk -F, 'NR == 2 {exit !($13 == "5 mm" && ($12 - 5 
 
 check renderers_stand_in_order test "$(awk -F, 'NR > 1 && $9 != "-" {print $9}' four_renderers_178/figure.csv | paste -sd' ')" = "cycles gl povray"
 check the_caption_names_the_file grep -q 'level 0 of v.nrrd (s.scene.json)' four_renderers_178/caption.txt
+check the_caption_says_how_dense_a_reports_pictures_are grep -qE 'Pictures have [0-9]+ x [0-9]+ pixels, [0-9]+ an inch, each drawn as ([0-9]+) x \1 dots' four_renderers_178/caption.txt
 check the_caption_has_the_bar grep -q 'Scale bar: 5 mm' four_renderers_178/caption.txt
 expect renderers_alone 0 "$ISOSHADE" figure methods --formats pdf --kind renderers --sources -o renderers
 check methods_stay_away test "$(cut -d, -f9 renderers/figure.csv | grep gl | paste -sd+)" = "gl+gl; limit"
@@ -152,7 +153,7 @@ refuse a_folder_that_takes_no_files 3 /proc/figure "$ISOSHADE" figure four -o /p
 # Of a volume: rendered for its place in print, a pixel a dot, the same as render gives; no picture twice, nothing left over.
 expect a_volume_is_drawn 0 "$ISOSHADE" figure v.nrrd --scene "$top/refscenes/shells.scene.json" --size 48x30 --levels 3 --width 85 -o volume -q
 check only_the_figure_is_there test "$(cd volume && echo *)" = 'caption.txt figure-latex.pdf figure-latex.tex figure.pdf figure.png figure.svg'
-pixels=$(pdfimages -list volume/figure.pdf | awk 'NR > 2 && $4 > 1 {print $4 "x" $5}' | uniq)
+pixels=$(pdfimages -list volume/figure.pdf | awk 'NR > 2 && $4 > 1 && $4 < 6 * $5 {print $4 "x" $5}' | uniq)
 check its_pictures_are_alike test "$(wc -w <<<"$pixels")" = 1
 check they_have_300_dpi dense_enough volume/figure.pdf
 check its_words_are_apart words_are_apart volume/figure.pdf

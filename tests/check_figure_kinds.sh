@@ -3,6 +3,7 @@
 # Each kind of figure: nothing left over, texts of 6 to 9 points that touch no other, pictures with a pixel a dot, the same in
 # the PNG; LaTeX takes its form.
 . "$(dirname "$0")/lib.sh"
+. "$top/tests/figure_forms.sh"
 cd "$dir" || exit 1
 "$ISOSHADE" make shells --size 24x26x22 --quiet -o v.nrrd
 mkdir tried && cat >tried/chart.json <<'END'
@@ -12,15 +13,6 @@ mkdir tried && cat >tried/chart.json <<'END'
 {"setting": "povray, level 0", "renderer": "povray", "level": 0, "milliseconds": 800, "device_bytes": 9900, "rmse": 0.004, "on_time_front": false, "on_bytes_front": false}]}
 END
 
-# Of DejaVu Sans a box of a word is 1.164 of the size high; of an upright word it is as wide.
-sizes_are_right() { # pdf
-    pdftotext -bbox "$1" - | awk -F'"' 'function right(mm) {return mm / 1.164 >= 5.95 && mm / 1.164 <= 9.05}
-        /<word/ {++n; if (!right($8 - $4) && !right($6 - $2)) {print "neither " $8 - $4 " nor " $6 - $2 " high: " $0; bad = 1}}
-        END {exit !(n > 0 && !bad)}'
-}
-fonts_are_inside() { pdffonts "$1" | awk 'NR > 2 {++n; if ($(NF - 4) != "yes") bad = 1} END {exit !(n > 0 && !bad)}'; }
-# As dense as was asked for; a color bar is one pixel wide.
-dense_enough() { pdfimages -list "$1" | awk -v d="$2" 'NR > 2 && $4 > 1 {if ($13 < d || $14 < d) bad = 1} END {exit bad}'; }
 # Every picture of the PDF lies in the PNG, byte by byte but where a text or a frame stands over it.
 in_the_png() { # figure's folder
     rm -f p-*.ppm && pdfimages "$1/figure.pdf" p
@@ -43,36 +35,29 @@ for path in glob.glob("p-*.ppm"):
     if best < 0.5 * h: print(path, w, h, best); sys.exit(1)
 END
 }
-latex=$(command -v pdflatex)
-[ -n "$latex" ] || echo "# no pdflatex: the form for LaTeX is not compiled"
-compiles() { # figure's folder
-    grep -q 'fontsize{' "$1/figure-latex.tex" || return 1
-    [ -n "$latex" ] || return 0
-    printf '\\documentclass{article}\\usepackage{graphicx,color}\\begin{document}\\input{figure-latex}\\end{document}\n' >"$1/paper.tex"
-    (cd "$1" && pdflatex -interaction=batchmode -halt-on-error paper.tex >/dev/null && pdffonts paper.pdf | grep -q CMR)
-}
+# Of all forms one kind is drawn, of the others those that are looked at.
 kind() { # name, options
     local name=$1
     shift
-    expect "a_figure_$name" 0 "$ISOSHADE" figure "$@" --kind "$name" --width 85 --dpi 72 -q -o "$name"
-    check "${name}_is_all_there" test "$(cd "$name" && echo *)" = "caption.txt figure-latex.pdf figure-latex.tex figure.pdf figure.png figure.svg$more"
+    expect "a_figure_$name" 0 "$ISOSHADE" figure "$@" --kind "$name" --width 85 --dpi 72 --formats "$forms" -q -o "$name"
+    check "${name}_is_all_there" test "$(cd "$name" && echo *)" = "caption.txt figure-latex.pdf figure-latex.tex figure.pdf$more"
     check "${name}_has_its_fonts" fonts_are_inside "$name/figure.pdf"
     check "${name}_has_texts_of_6_to_9_points" sizes_are_right "$name/figure.pdf"
     check "${name}_has_a_pixel_a_dot" dense_enough "$name/figure.pdf" 71
     check "${name}_has_a_caption" grep -qE '.{60}' "$name/caption.txt"
 }
-more=
+forms=latex more=
 kind tf v.nrrd
 kind failure --case noise
-kind chart tried
+kind chart tried --letters
 kind plan v.nrrd --error 0.02
 kind seams v.nrrd
-kind methods v.nrrd --level 1 --methods naive,moments --zoom 0.4,0.3,0.25,0.25
 kind slices v.nrrd --levels 2 --map viridis
-more=" turntable.png"
+more=" frames turntable.png"
 kind turntable v.nrrd --frames 3
-check latex_takes_a_plot compiles chart
-check latex_takes_pictures compiles methods
+forms=svg,png,latex more=" figure.png figure.svg"
+kind methods v.nrrd --level 1 --methods naive,moments --zoom 0.4,0.3,0.25,0.25
+latex_takes latex_takes_each_kind tf failure chart plan seams slices turntable methods
 check the_png_has_the_same_pixels in_the_png methods
 check the_inset_is_told_of grep -q 'rendered again with 4 times as many pixels' methods/caption.txt
 check insets_have_pixels_of_their_own test "$(pdfimages methods/figure.pdf q && md5sum q-*.ppm | cut -d' ' -f1 | sort | uniq -d | wc -l)" = 0
@@ -82,6 +67,41 @@ size=$(pdfimages -list turntable/figure.pdf | awk 'NR == 3 {print $4 "x" $5}')
 "$ISOSHADE" render v.nrrd --size "$size" -q -o first.png >/dev/null
 same() { PYTHONPATH=$top/tests python3 -c 'import sys; from sheet_panel import load; sys.exit(load(sys.argv[1]) != load(sys.argv[2]))' "$1" "$2"; }
 check the_first_frame_is_that_of_render same first.png turntable/turntable.png
+check and_the_first_of_the_files cmp first.png turntable/frames/000.png
+check each_frame_has_a_file test "$(ls turntable/frames | tr '\n' ' ')" = "000.png 001.png 002.png "
+
+# More frames than a page shows: all move, 32 stand on the page, the last one is near the end of the turn.
+"$ISOSHADE" figure v.nrrd --kind turntable --frames 65 --width 100 --dpi 36 --formats pdf -q -o many >/dev/null
+check all_frames_are_files test "$(ls many/frames | wc -l)-$(grep -ao fcTL many/turntable.png | wc -l)" = 65-65
+check some_of_them_are_shown test "$(pdftotext many/figure.pdf - | grep -o '[0-9.]*°' | wc -l)-$(pdftotext many/figure.pdf - | grep -o '343.4°')" = 32-343.4°
+# Titles of lower rows stand between the pictures, not on them.
+titles_stand_clear() { # pdf: left of each title the page is as white as paper
+    pdftoppm -r 72 -gray "$1" page && python3 - "$1" <<'END'
+import re, subprocess, sys
+data = open("page-1.pgm", "rb").read()
+magic, size, most, pixels = data.split(b"\n", 3)
+width, height = map(int, size.split())
+words = re.findall(r'xMin="([\d.]+)" yMin="([\d.]+)" xMax="([\d.]+)" yMax="([\d.]+)">[^<]*°<', subprocess.run(
+    ["pdftotext", "-bbox", sys.argv[1], "-"], capture_output=True, text=True, check=True).stdout)
+corners = [pixels[int(float(y0) + 2) * width + int(float(x0)) - 2] for x0, y0, x1, y1 in words]
+print(len(words), corners)
+sys.exit(not (words and min(corners) > 250))
+END
+}
+check titles_stand_on_paper titles_stand_clear many/figure.pdf
+
+# Letters in reading order, on the panels and not on the bars; the bar of the transfer function below what is rendered.
+"$ISOSHADE" figure v.nrrd --levels 2 --width 85 --dpi 72 --zoom 0.4,0.3,0.25,0.25 --letters --background white --formats png -q -o lettered >/dev/null
+letters() { pdftotext -bbox "$1" - | sed -n 's/.*xMin="\([0-9.]*\)" yMin="\([0-9.]*\)".*>(\(.\))<.*/\2 \1 \3/p' | awk '{printf "%d %d %s\n", $1 / 6, $2, $3}' | sort -n -k1,1 -k2,2 | awk '{printf "%s", $3}'; }
+check letters_are_in_reading_order test "$(letters lettered/figure.pdf)" = abcde
+check a_chart_has_letters test "$(letters chart/figure.pdf)" = ab
+check none_where_none_is_asked_for test -z "$(letters methods/figure.pdf)"
+check the_bar_is_told_of grep -q 'Bar: the transfer function, colors over value, as opaque as' lettered/caption.txt
+check the_bar_is_there test "$(pdfimages -list lettered/figure.pdf | awk 'NR > 2 && $4 > 6 * $5' | wc -l)" = 1
+notice a_figure_without_one_is_noticed grep -q 'Bar:' slices/caption.txt
+rm -f l-*.ppm && pdfimages lettered/figure.pdf l
+corner() { tail -c "$(awk 'NR == 2 {print 3 * $1 * $2; exit}' "$1")" "$1" | head -c 3 | od -An -tu1 | tr -d ' '; }
+check the_background_is_paper test "$(corner l-000.ppm)" = 255255255
 
 # A bar that is looked at along its length: the camera frames it from the side, too.
 "$ISOSHADE" make constant --size 8x40x8 --type uint8 -q -o bar.nrrd
@@ -103,7 +123,7 @@ assert max(rows[height // 2]) > 200, 'nothing is shown'
 assert not any(rows[0]) and not any(rows[-1]) and not any(max(r[:3] + r[-3:]) for r in rows), 'the bar reaches the edge'
 END
 }
-for frame in bar-*.ppm; do check "the_bar_is_whole_in_$frame" borders "$frame"; done
+for frame in bar-00[0-3].ppm; do check "the_bar_is_whole_in_$frame" borders "$frame"; done
 
 # Planted: a text of 5 points, a picture with half the pixels.
 "$ISOSHADE" figure tried --kind chart --width 85 --formats pdf --sources -q -o planted >/dev/null
@@ -119,6 +139,8 @@ refuse an_inset_beyond_the_picture 5 'parts of the picture' "$ISOSHADE" figure v
 refuse a_zoom_that_is_none 2 'wanted X or X,Y,W,H' "$ISOSHADE" figure v.nrrd --zoom 1,2 -o f
 refuse a_form_that_is_none 2 'none of pdf' "$ISOSHADE" figure v.nrrd --formats gif -o f
 refuse a_case_that_is_none 2 'the atlas has no' "$ISOSHADE" figure --kind failure --case x -o f
+refuse a_background_that_is_none 2 'wanted white, black or' "$ISOSHADE" figure v.nrrd --background paper -o f
+refuse a_background_beyond_white 5 'between 0 and 1' "$ISOSHADE" figure v.nrrd --background 0,0,2 -o f
 refuse no_volume 2 'needs a volume' "$ISOSHADE" figure --kind tf -o f
 check nothing_is_left test ! -e f
 exit $failed

@@ -13,7 +13,7 @@
 
 typedef struct figure_arguments {
     iso_figure_job job;
-    char *output, *kind, *map, *zoom, *error;
+    char *output, *kind, *map, *zoom, *error, *background;
 } figure_arguments;
 
 /* One number enlarges the middle of the picture, four choose a part of it. */
@@ -31,6 +31,23 @@ static iso_status parse_zoom(const char *text, iso_figure_job *job, iso_error *e
     return count == 4 ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--zoom is \"%s\", wanted X or X,Y,W,H", text);
 }
 
+/* A name, or three parts of linear light. */
+static iso_status parse_background(const char *text, iso_figure_job *job, iso_error *err)
+{
+    double *c = job->background;
+    char after;
+    job->has_background = true;
+    c[0] = c[1] = c[2] = strcmp(text, "white") == 0;
+    if (!strcmp(text, "white") || !strcmp(text, "black"))
+        return ISO_OK;
+    if (sscanf(text, "%lf,%lf,%lf %c", &c[0], &c[1], &c[2], &after) != 3)
+        return iso_fail(err, ISO_E_USAGE, "--background is \"%s\", wanted white, black or R,G,B", text);
+    for (int i = 0; i < 3; ++i)
+        if (!(c[i] >= 0 && c[i] <= 1))
+            return iso_fail(err, ISO_E_RANGE, "--background is \"%s\", each part must be between 0 and 1", text);
+    return ISO_OK;
+}
+
 static iso_status take_names(figure_arguments *a, iso_error *err)
 {
     iso_status status = iso_figure_kind_from_name(a->kind ? a->kind : "levels", &a->job.kind, err);
@@ -38,6 +55,8 @@ static iso_status take_names(figure_arguments *a, iso_error *err)
         status = iso_colormap_from_name(a->map ? a->map : "magma", &a->job.map, err);
     if (status == ISO_OK && a->error)
         status = iso_words_parse_error("--error", a->error, &a->job.error, err);
+    if (status == ISO_OK && a->background)
+        status = parse_background(a->background, &a->job, err);
     if (status == ISO_OK && a->zoom)
         status = parse_zoom(a->zoom, &a->job, err);
     return status;
@@ -83,6 +102,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "enlarge the middle of the pictures so many times; or an inset of a part of each: its left, top, width and "
          "height as parts of the picture",
          "X|X,Y,W,H"},
+        {"background", 0, POPT_ARG_STRING, &a.background, 0,
+         "of rendered pictures: white, as paper is, black, or R,G,B in parts of linear light (the scene's)", "COLOR"},
+        {"letters", 0, POPT_ARG_NONE, &job->letters, 0, "panels get letters, (a), (b) and so on, for the text to name",
+         NULL},
         {"formats", 0, POPT_ARG_STRING, &job->formats, 0, "beside the PDF: of svg, png and latex (all)", "LIST"},
         {"sources", 0, POPT_ARG_NONE, &job->with_sources, 0,
          "keep the gnuplot script and the pixels that it is drawn from", NULL},
@@ -129,8 +152,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     }
     iso_cli_end(&cli);
     json_decref(job->facts);
-    char *texts[] = {a.output,  a.kind,  a.map,     a.zoom,          job->methods, job->variant,
-                     job->with, a.error, job->code, job->atlas_case, job->formats};
+    char *texts[] = {a.output,  a.kind,  a.map,        a.zoom,    job->methods,    job->variant,
+                     job->with, a.error, a.background, job->code, job->atlas_case, job->formats};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
     return status;

@@ -117,6 +117,7 @@ static void put_data(FILE *gp, const charted *c, bool of_time)
 static void put_panel(iso_page *page, const charted *c, const iso_page_box *box, bool of_time, bool named)
 {
     FILE *gp = iso_page_plot_begin(page, box);
+    iso_page_add_panel(page, &(iso_page_box){box->left - 10, box->top - 3, box->width, box->height});
     put_data(gp, c, of_time);
     fprintf(
         gp,

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "figure/picture.h"
 #include "figure/sheet.h"
+#include "figure/tf_bar.h"
 
 typedef struct drawn {
     const iso_figure_columns *c;
@@ -64,6 +64,7 @@ static void lay_out(drawn *w)
 static iso_figure_sheet sheet_of(const drawn *w)
 {
     const iso_figure_columns *c = w->c;
+    const double foot_mm = c->foot_mm + (c->subject ? iso_figure_tf_foot_mm(c->subject) : 0);
     iso_figure_sheet s = {.panels = w->panels,
                           .count = w->count,
                           .columns = a_row(w) < c->count ? a_row(w) : c->count,
@@ -71,10 +72,10 @@ static iso_figure_sheet sheet_of(const drawn *w)
                           .in_logs = c->in_logs,
                           .low = c->in_logs ? -8 : 0,
                           .width_mm = c->job->width_mm,
-                          .height_mm = c->job->height_mm - c->foot_mm,
+                          .height_mm = c->job->height_mm - foot_mm,
                           .a_pixel_a_dot = true,
                           .map = c->job->map,
-                          .foot_mm = c->foot_mm,
+                          .foot_mm = foot_mm,
                           .legend = c->color_text};
     for (size_t i = 0; i < w->count; ++i) {
         s.rows = w->panels[i].row + 1 > s.rows ? w->panels[i].row + 1 : s.rows;
@@ -199,7 +200,10 @@ static iso_status draw(drawn *w, iso_error *err)
         return status;
     write_caption(w);
     const iso_figure_sheet sheet = sheet_of(w);
-    return iso_figure_draw(&sheet, w->page, err);
+    status = iso_figure_draw(&sheet, w->page, err);
+    if (status == ISO_OK && w->c->subject)
+        iso_figure_put_tf_foot(w->c->subject, w->page, w->c->foot_mm);
+    return status;
 }
 
 iso_status iso_figure_draw_columns(const iso_figure_columns *columns, iso_page *page, iso_error *err)

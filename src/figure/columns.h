@@ -4,8 +4,7 @@
 #ifndef ISO_FIGURE_COLUMNS_H
 #define ISO_FIGURE_COLUMNS_H
 
-#include "figure/job.h"
-#include "renderers/renderers.h"
+#include "figure/picture.h"
 
 enum { ISO_FIGURE_MOST_COLUMNS = 64 };
 
@@ -23,6 +22,7 @@ typedef struct iso_figure_columns {
                          iso_error *err);
     void *user;
     const iso_renderer_info *const *drawn_by; /* looked at when pictures are there, for the caption; or NULL */
+    const iso_figure_subject *subject;        /* whose transfer function stands below as a bar; or NULL */
 } iso_figure_columns;
 
 /* Pictures and maps, and what a caption says of them: "Name: RMSE .., ...", scale bar, inset, colors. before: what the caption

@@ -8,6 +8,7 @@
 #include "figure/paper.h"
 #include "figure/paper_kinds.h"
 #include "figure/picture.h"
+#include "figure/tf_bar.h"
 
 enum { MOST_COLUMNS = 8, OWN_LEVELS = 3 };
 static const double side_mm = 8;
@@ -72,7 +73,8 @@ static iso_status draw_level(grid *g, const iso_figure_job *job, iso_page *page,
                                          .adapted = level > 0 && job->adapted.wanted};
         iso_metrics m = {0};
         char note[64] = "";
-        status = iso_figure_render(&g->subject, &what, &images[i], NULL, err);
+        double mm_per_pixel = 0;
+        status = iso_figure_render(&g->subject, &what, &images[i], &mm_per_pixel, err);
         if (status == ISO_OK)
             status = iso_metrics_measure(&images[0], &images[i], &m, err);
         if (status != ISO_OK)
@@ -88,6 +90,8 @@ static iso_status draw_level(grid *g, const iso_figure_job *job, iso_page *page,
                                                    &images[i]);
         if (i == 0)
             put_side(g, page, level, &box);
+        if (i == 0 && level == 0)
+            iso_page_put_scale_bar(page, &box, &images[i], mm_per_pixel);
     }
     for (size_t i = 0; i < g->columns; ++i)
         iso_image_destroy(&images[i]);
@@ -107,6 +111,7 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
                                   .left_mm = side_mm,
                                   .gap_mm = 1,
                                   .most_mm = 60,
+                                  .below_mm = i + 1 == g.levels ? iso_figure_tf_foot_mm(&g.subject) : 0,
                                   .has_titles = i == 0,
                                   .has_notes = g.columns > 1};
     if (status == ISO_OK)
@@ -119,6 +124,8 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
     }
     for (size_t i = 0; i < g.levels && status == ISO_OK; ++i)
         status = draw_level(&g, job, page, i, err);
+    if (status == ISO_OK)
+        iso_figure_put_tf_foot(&g.subject, page, 0);
     iso_figure_subject_end(&g.subject);
     return status;
 }

@@ -24,12 +24,14 @@ typedef struct iso_figure_job {
     double dpi;                 /* of its pictures */
     const iso_colormap *map;    /* of its data */
     char *formats;              /* beside the PDF: "svg,png,latex"; NULL: all */
-    int with_sources;
+    int with_sources, letters;
     iso_volume_input volume;
     iso_cli_look look; /* of a report the scene is a name */
     iso_cli_adapted adapted;
     char *with, *methods, *variant, *code, *atlas_case;
     double error; /* of a plan */
+    bool has_background;
+    double background[3]; /* instead of the scene's; linear */
     int level, levels, frames, bits, bricks, entries;
     double surface;  /* NaN: not given */
     json_t *facts;   /* an object: what a kind counts and measures, for --json */

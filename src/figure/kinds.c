@@ -107,16 +107,17 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
         {ISO_FIGURE_HAS_SURFACE, !isnan(job->surface), "--surface"},
         {ISO_FIGURE_HAS_CASE, job->atlas_case != NULL, "--case"},
         {ISO_FIGURE_HAS_ERROR, job->error != 0, "--error"},
+        {ISO_FIGURE_HAS_LOOK, job->has_background, "--background"},
         {ISO_FIGURE_HAS_INSET, job->inset[2] != 0, "--zoom X,Y,W,H"},
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
         if (options[i].given && !(job->kind->takes & options[i].trait))
             return iso_fail(err, ISO_E_USAGE, "--kind %s does not take %s", job->kind->name, options[i].name);
     if (of_report && (job->with || job->levels || job->adapted.wanted || look->tf || look->view || look->zoom > 0 ||
-                      look->size || job->inset[2] != 0))
+                      look->size || job->inset[2] != 0 || job->has_background))
         return iso_fail(err, ISO_E_USAGE,
-                        "%s is a report, which has its pictures; --with, --levels, --adapt, --tf, --view, --zoom and "
-                        "--size are for a figure of a volume",
+                        "%s is a report, which has its pictures; --with, --levels, --adapt, --tf, --view, --zoom, --size "
+                        "and --background are for a figure of a volume",
                         job->input);
     if (!of_report && (job->kind->takes & ISO_FIGURE_OF_REPORT) && (job->methods || job->variant))
         return iso_fail(err, ISO_E_USAGE, "--methods and --variant are for a figure of a report");
@@ -145,6 +146,8 @@ static iso_status draw_page(const iso_figure_job *job, const char *dir, iso_erro
 {
     iso_page *page = NULL;
     iso_status status = iso_page_create(&page, dir, job->dpi, err);
+    if (status == ISO_OK && job->letters)
+        iso_page_letter_panels(page);
     if (status == ISO_OK)
         status = job->kind->draw(job, page, err);
     if (status == ISO_OK)

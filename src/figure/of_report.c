@@ -362,6 +362,30 @@ static void notice(const figure *f)
             f->empty, f->pictures, f->report_dir, f->first_empty);
 }
 
+/* A report has pictures of one size: what that is in print. */
+static void tell_density(const figure *f, const iso_figure_sheet *sheet, const iso_page *page)
+{
+    const iso_image *first = &f->panels[0].a;
+    double width_mm = 0;
+    if (iso_figure_panel_width(sheet, &width_mm, NULL) != ISO_OK)
+        return;
+    const double dpi = (double)first->width / (width_mm / 25.4);
+    const size_t times = iso_page_times(page, width_mm, first->width);
+    fprintf(f->caption, " Pictures have %zu x %zu pixels, %.0f an inch", first->width, first->height, dpi);
+    if (times > 1)
+        fprintf(f->caption, ", each drawn as %zu x %zu dots", times, times);
+    fputc('.', f->caption);
+    json_object_set_new(f->job->facts, "pixels_per_inch", json_real(dpi));
+    if (times > 1 && f->job->cli && !f->job->cli->quiet) {
+        iso_progress_line_hide(f->job->cli->progress);
+        fprintf(
+            stderr,
+            "isoshade figure: note: the report's pictures have %.0f pixels an inch here, not %g; a figure of the volume "
+            "renders its own at this size\n",
+            dpi, f->job->dpi);
+    }
+}
+
 static iso_status draw_sheet(figure *f, iso_page *page, iso_error *err)
 {
     choose_scale(f);
@@ -377,8 +401,10 @@ static iso_status draw_sheet(figure *f, iso_page *page, iso_error *err)
                                     .height_mm = f->job->height_mm,
                                     .map = f->job->map};
     const iso_status status = iso_figure_draw(&sheet, page, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK) {
         iso_figure_describe(&sheet, f->caption);
+        tell_density(f, &sheet, page);
+    }
     return status;
 }
 

@@ -17,11 +17,16 @@
 ISO_EMBED(iso_page_gp, "src/figure/page.gp");
 
 static const char *const role_names[ISO_PAGE_ROLES] = {"title_pt", "note_pt"};
-static const double mm_per_pt = 25.4 / 72, line_height = 1.25;
+static const double mm_per_pt = 25.4 / 72, line_height = 1.25, least_panel_mm = 6;
 enum { MOST_PICTURES = 512 };
 
 /* Pieces of the script, in the order in which they are drawn. */
 typedef enum piece { PICTURES, PLOTS, OVERLAY, CAPTION, PIECES } piece;
+
+/* What has a letter: its upper left corner. */
+typedef struct panel {
+    double left, top;
+} panel;
 
 struct iso_page {
     char *dir;
@@ -32,6 +37,9 @@ struct iso_page {
     size_t sizes[PIECES];
     iso_page_pixels pictures[MOST_PICTURES]; /* as they lie on the page, in dots */
     size_t picture_count;
+    bool lettered;
+    panel panels[MOST_PICTURES];
+    size_t panel_count;
     iso_status status;
     iso_error err;
 };
@@ -175,6 +183,48 @@ static unsigned char *enlarge(unsigned char *rgb, size_t width, size_t height, s
     return out;
 }
 
+void iso_page_letter_panels(iso_page *p)
+{
+    p->lettered = true;
+}
+
+void iso_page_add_panel(iso_page *p, const iso_page_box *box)
+{
+    if (p->lettered && p->panel_count < MOST_PICTURES)
+        p->panels[p->panel_count++] = (panel){box->left, box->top};
+}
+
+/* Panels of a row may differ by some dots. */
+static int in_reading_order(const void *a, const void *b)
+{
+    const panel *x = a, *y = b;
+    const double before = fabs(x->top - y->top) > 2 ? x->top - y->top : x->left - y->left;
+    return (before > 0) - (before < 0);
+}
+
+/* On a white square, so that they are read on any picture. */
+static void put_letters(iso_page *p)
+{
+    const double line = iso_page_line_mm(p, ISO_PAGE_TITLE);
+    qsort(p->panels, p->panel_count, sizeof *p->panels, in_reading_order);
+    for (size_t i = 0; i < p->panel_count; ++i) {
+        const panel *at = &p->panels[i];
+        char text[8] = "(a)";
+        if (i < 26)
+            text[1] = (char)('a' + i);
+        else
+            snprintf(text, sizeof text, "(%c%c)", (char)('a' + i / 26 - 1), (char)('a' + i % 26));
+        const double wide = iso_page_text_mm(p, ISO_PAGE_TITLE, text) + 0.8;
+        iso_page_put_rectangle(p, &(iso_page_box){at->left, at->top, wide, line + 0.4}, "#ffffff", NULL);
+        iso_page_put_text(p,
+                          &(iso_page_text){.x = at->left + 0.5 * wide,
+                                           .y = at->top + 0.5 * line + 0.2,
+                                           .role = ISO_PAGE_TITLE,
+                                           .align = ISO_PAGE_CENTER},
+                          text);
+    }
+}
+
 /* Takes the bytes. */
 static void put_pixels(iso_page *p, const iso_page_box *box, unsigned char *rgb, size_t width, size_t height)
 {
@@ -193,6 +243,8 @@ static void put_pixels(iso_page *p, const iso_page_box *box, unsigned char *rgb,
     *one = (iso_page_pixels){rgb, width, height, nearest_dot(p, box->left), nearest_dot(p, box->top), width, height};
     if (box->width > 0)
         one->wide = nearest_dot(p, box->width), one->high = nearest_dot(p, box->height);
+    if (iso_page_dots_mm(p, one->high) >= least_panel_mm)
+        iso_page_add_panel(p, box);
     snprintf(name, sizeof name, "picture%zu.raw", p->picture_count++);
     char *path = iso_page_file(p, name);
     if (path)
@@ -401,6 +453,7 @@ iso_status iso_page_finish(iso_page *p, const char *forms, int with_sources, iso
 {
     if (p->status != ISO_OK)
         return iso_fail(err, p->status, "%s", p->err.text);
+    put_letters(p);
     for (int i = 0; i < PIECES; ++i)
         if (fflush(p->files[i]) != 0)
             return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");

@@ -101,6 +101,11 @@ void iso_page_put_scale_bar(iso_page *page, const iso_page_box *box, const iso_i
 /* 1, 2 or 5 times a power of ten, at most a third of the width. */
 double iso_page_bar_mm(double width_mm);
 
+/* Panels get letters, (a) for the first of the top row, in their upper left corners: pictures by themselves, bars of colors
+ * not, and what iso_page_add_panel() names. */
+void iso_page_letter_panels(iso_page *page);
+void iso_page_add_panel(iso_page *page, const iso_page_box *box);
+
 /* ---- lines ---- */
 
 typedef struct iso_page_pen {

@@ -32,7 +32,7 @@ static double place_rows(iso_paper *p, double part)
         const double room = p->job->width_mm - 2 * edge_mm - row->left_mm - row->right_mm;
         p->panel_mm[i] = part * fmin((room - (columns - 1) * row->gap_mm) / columns, row->most_mm);
         p->top_mm[i] = y + title_room(p, row);
-        y = p->top_mm[i] + p->panel_mm[i] * row->aspect + row->foot_mm + note_room(p, row) + row_gap_mm;
+        y = p->top_mm[i] + p->panel_mm[i] * row->aspect + row->foot_mm + note_room(p, row) + row->below_mm + row_gap_mm;
     }
     return y - row_gap_mm + edge_mm;
 }
@@ -42,6 +42,8 @@ iso_status iso_paper_lay_out(iso_paper *p, const iso_figure_job *job, iso_page *
 {
     *p = (iso_paper){.job = job, .page = page, .row_count = count};
     memcpy(p->rows, rows, count * sizeof *rows);
+    for (int i = 0; i < ISO_PAGE_ROLES; ++i)
+        p->line_mm[i] = iso_page_line_mm(page, (iso_page_role)i);
     double part = 1, high = place_rows(p, part), wide = 0, narrowest = INFINITY;
     while (high > job->height_mm && part > 0.05)
         high = place_rows(p, part *= 0.97);
@@ -77,9 +79,9 @@ iso_page_box iso_paper_panel(const iso_paper *p, size_t i, size_t column, const 
     const double wide = p->panel_mm[i], high = wide * row->aspect, room = wide + row->gap_mm;
     const iso_page_box box = {edge_mm + row->left_mm + (double)column * room, p->top_mm[i], wide, high};
     const double middle = box.left + 0.5 * wide;
-    put_text(p, ISO_PAGE_TITLE, middle, box.top - 0.5 * iso_page_line_mm(p->page, ISO_PAGE_TITLE) - 0.3, room, title);
-    put_text(p, ISO_PAGE_NOTE, middle,
-             box.top + high + row->foot_mm + 0.5 * iso_page_line_mm(p->page, ISO_PAGE_NOTE) + 0.5, room, note);
+    put_text(p, ISO_PAGE_TITLE, middle, box.top - 0.5 * p->line_mm[ISO_PAGE_TITLE] - 0.3, room, title);
+    put_text(p, ISO_PAGE_NOTE, middle, box.top + high + row->foot_mm + 0.5 * p->line_mm[ISO_PAGE_NOTE] + 0.5, room,
+             note);
     return box;
 }
 
@@ -182,7 +184,11 @@ iso_status iso_paper_scene(const iso_figure_job *job, const iso_paper_look *own,
     const iso_status status = iso_cli_look_check(&job->look, job->cli->threads, &look, err);
     if (status != ISO_OK)
         return status;
-    return look.scene || look.tf ? iso_subject_make_scene(&look, p, scene, err) : own_scene(job, own, p, scene, err);
+    const iso_status made = look.scene || look.tf ? iso_subject_make_scene(&look, p, scene, err)
+                                                  : own_scene(job, own, p, scene, err);
+    if (job->has_background)
+        memcpy(scene->background, job->background, sizeof scene->background);
+    return made;
 }
 
 iso_status iso_paper_surface(const iso_figure_job *job, const iso_level *level0, double *value, iso_error *err)

@@ -16,6 +16,7 @@ typedef struct iso_paper_row {
     double gap_mm;            /* between panels */
     double foot_mm;           /* below the panels, over the notes: axes */
     double most_mm;           /* of a panel's width */
+    double below_mm;          /* left free below the notes */
     bool has_titles, has_notes;
 } iso_paper_row;
 
@@ -25,6 +26,7 @@ typedef struct iso_paper {
     iso_page *page;
     size_t row_count;
     iso_paper_row rows[ISO_PAPER_MOST_ROWS];
+    double line_mm[ISO_PAGE_ROLES];                                    /* as laid out; texts may become smaller */
     double panel_mm[ISO_PAPER_MOST_ROWS], top_mm[ISO_PAPER_MOST_ROWS]; /* of the panels of each row */
 } iso_paper;
 

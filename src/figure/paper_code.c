@@ -127,12 +127,11 @@ static void draw_cube(FILE *gp, double panel_mm, const iso_dots *dots, bool regi
         regions ? "$one with filledcurves closed fc rgb '#ffe3c2' notitle, " : "", regions ? "#8fa6bd" : "#0b3c6f",
         thick);
     if (regions)
-        fprintf(
-            gp,
-            ", $regions with lines lc rgb '#6b7680' lw thick(0.12), $inside with lines lc rgb '#0b3c6f' "
+        fprintf(gp,
+                ", $regions with lines lc rgb '#6b7680' lw thick(0.12), $inside with lines lc rgb '#0b3c6f' "
                 "lw thick(%.3f), "
-            "$one with lines lc rgb '#d55e00' lw thick(0.4)",
-            1.15 * thick);
+                "$one with lines lc rgb '#d55e00' lw thick(0.4)",
+                1.15 * thick);
     fputc('\n', gp);
 }
 
@@ -212,61 +211,105 @@ static void put_cube(const iso_paper *p, size_t column, const char *title, const
     iso_page_plot_end(p->page);
 }
 
-static iso_status code_points(const iso_figure_job *job, iso_page *page, iso_error *err)
+/* Two panels of one code's dots, and what the caption says of them. */
+typedef void (*two_panels)(const iso_paper *p, const iso_dots *dots, double hole_deg);
+
+/* with_hole: the biggest one is looked for. */
+static iso_status draw_two(const iso_figure_job *job, iso_page *page, iso_code own, bool with_hole, two_panels put,
+                           iso_error *err)
 {
     iso_paper p;
     iso_dots dots;
-    size_t shown;
-    char note[96];
-    iso_status status = make_dots(job, ISO_CODE_CUBE, &dots, err);
+    double hole_deg = 0;
+    iso_status status = make_dots(job, own, &dots, err);
+    if (status == ISO_OK && with_hole)
+        status = iso_dots_hole_deg(&dots, &hole_deg, err);
     if (status == ISO_OK)
         status = row_of_two(&p, job, page, err);
     if (status == ISO_OK) {
-        const long places = 1L << (3 * dots.bits);
-        snprintf(note, sizeof note, "%ld points", places);
-        draw_cloud(iso_paper_drawing(&p, 0, 0, "(a) points x, y, z", note), p.panel_mm[0], dots.bits);
-        iso_page_plot_end(page);
-        snprintf(note, sizeof note, "%zu directions", dots.count);
-        put_sphere(&p, 1, "(b) on the sphere", note, &dots, &shown);
-        fprintf(
-            iso_page_caption(page),
-            "(a) The places of a texture with %d bits a component: %ld points, evenly spread over a cube. (b) The same "
-            "points projected to the unit sphere: %zu different directions, of which the %zu of the near half are "
-            "drawn. They leave bands free.",
-            dots.bits, places, dots.count, shown);
-        put_fact(job, "dots", &dots, 0);
-        json_object_set_new(job->facts, "points", json_integer(places));
-        json_object_set_new(job->facts, "shown", json_integer((json_int_t)shown));
+        put_fact(job, "dots", &dots, hole_deg);
+        put(&p, &dots, hole_deg);
     }
     iso_dots_destroy(&dots);
     return status;
 }
 
+static void count_directions(const iso_dots *dots, char note[96])
+{
+    snprintf(note, 96, "%zu directions", dots->count);
+}
+
+static void put_points(const iso_paper *p, const iso_dots *dots, double unused)
+{
+    char note[96];
+    size_t shown;
+    const long places = 1L << (3 * dots->bits);
+    (void)unused;
+    snprintf(note, sizeof note, "%ld points", places);
+    draw_cloud(iso_paper_drawing(p, 0, 0, "(a) points x, y, z", note), p->panel_mm[0], dots->bits);
+    iso_page_plot_end(p->page);
+    count_directions(dots, note);
+    put_sphere(p, 1, "(b) on the sphere", note, dots, &shown);
+    fprintf(
+        iso_page_caption(p->page),
+        "(a) The places of a texture with %d bits a component: %ld points, evenly spread over a cube. (b) The same "
+        "points projected to the unit sphere: %zu different directions, of which the %zu of the near half are drawn. "
+        "They leave bands free.",
+        dots->bits, places, dots->count, shown);
+    json_object_set_new(p->job->facts, "points", json_integer(places));
+    json_object_set_new(p->job->facts, "shown", json_integer((json_int_t)shown));
+}
+
+static void put_regions_of_cube(const iso_paper *p, const iso_dots *dots, double unused)
+{
+    char note[96];
+    size_t shown;
+    (void)unused;
+    count_directions(dots, note);
+    put_cube(p, 0, "(a) on the cube", note, dots, false, &shown);
+    put_cube(p, 1, "(b) one of 48 regions", "8 on each face", dots, true, &shown);
+    fprintf(
+        iso_page_caption(p->page),
+        "(a) The places of a texture with %d bits a component, projected to the surface of a cube: %zu different "
+        "directions, of which %zu lie on the three faces that are seen. (b) The same, cut into the 48 regions in which "
+        "the order and the signs of the components are the same, one of them marked: each has a margin that no dot "
+        "lies in.",
+        dots->bits, dots->count, shown);
+    json_object_set_new(p->job->facts, "shown", json_integer((json_int_t)shown));
+}
+
+static void put_dots_of_code(const iso_paper *p, const iso_dots *dots, double hole_deg)
+{
+    const char *name = iso_code_describe(dots->code)->name;
+    char note[96], title[96];
+    size_t on_sphere, on_cube;
+    count_directions(dots, note);
+    snprintf(title, sizeof title, "(a) code %s on the cube", name);
+    put_cube(p, 0, title, note, dots, false, &on_cube);
+    snprintf(note, sizeof note, "biggest hole %.2f°", hole_deg);
+    snprintf(title, sizeof title, "(b) code %s on the sphere", name);
+    put_sphere(p, 1, title, note, dots, &on_sphere);
+    fprintf(
+        iso_page_caption(p->page),
+        "The directions that the code %s decodes to, with %d bits a component instead of 8: %zu, (a) on a cube (%zu "
+        "lie on the faces that are seen) and (b) on the unit sphere (%zu on the near half); %.3f degrees across the "
+        "biggest hole.",
+        name, dots->bits, dots->count, on_cube, on_sphere, hole_deg);
+}
+
+static iso_status code_points(const iso_figure_job *job, iso_page *page, iso_error *err)
+{
+    return draw_two(job, page, ISO_CODE_CUBE, false, put_points, err);
+}
+
 static iso_status code_regions(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    iso_paper p;
-    iso_dots dots;
-    size_t shown;
-    char note[96];
-    iso_status status = make_dots(job, ISO_CODE_CUBE, &dots, err);
-    if (status == ISO_OK)
-        status = row_of_two(&p, job, page, err);
-    if (status == ISO_OK) {
-        snprintf(note, sizeof note, "%zu directions", dots.count);
-        put_cube(&p, 0, "(a) on the cube", note, &dots, false, &shown);
-        put_cube(&p, 1, "(b) one of 48 regions", "8 on each face", &dots, true, &shown);
-        fprintf(
-            iso_page_caption(page),
-            "(a) The places of a texture with %d bits a component, projected to the surface of a cube: %zu different "
-            "directions, of which %zu lie on the three faces that are seen. (b) The same, cut into the 48 regions in "
-            "which the order and the signs of the components are the same, one of them marked: each has a margin that "
-            "no dot lies in.",
-            dots.bits, dots.count, shown);
-        put_fact(job, "dots", &dots, 0);
-        json_object_set_new(job->facts, "shown", json_integer((json_int_t)shown));
-    }
-    iso_dots_destroy(&dots);
-    return status;
+    return draw_two(job, page, ISO_CODE_CUBE, false, put_regions_of_cube, err);
+}
+
+static iso_status code_dots(const iso_figure_job *job, iso_page *page, iso_error *err)
+{
+    return draw_two(job, page, ISO_CODE_FIT, true, put_dots_of_code, err);
 }
 
 /* Two codes side by side, on spheres. */
@@ -303,38 +346,6 @@ static iso_status code_spheres(const iso_figure_job *job, iso_page *page, iso_er
     }
     iso_dots_destroy(&dots[0]);
     iso_dots_destroy(&dots[1]);
-    return status;
-}
-
-static iso_status code_dots(const iso_figure_job *job, iso_page *page, iso_error *err)
-{
-    iso_paper p;
-    iso_dots dots;
-    size_t on_sphere, on_cube;
-    double hole_deg = 0;
-    char note[96], title[96];
-    iso_status status = make_dots(job, ISO_CODE_FIT, &dots, err);
-    if (status == ISO_OK)
-        status = iso_dots_hole_deg(&dots, &hole_deg, err);
-    if (status == ISO_OK)
-        status = row_of_two(&p, job, page, err);
-    if (status == ISO_OK) {
-        const char *name = iso_code_describe(dots.code)->name;
-        snprintf(note, sizeof note, "%zu directions", dots.count);
-        snprintf(title, sizeof title, "code %s on the cube", name);
-        put_cube(&p, 0, title, note, &dots, false, &on_cube);
-        snprintf(note, sizeof note, "biggest hole %.2f°", hole_deg);
-        snprintf(title, sizeof title, "code %s on the sphere", name);
-        put_sphere(&p, 1, title, note, &dots, &on_sphere);
-        fprintf(
-            iso_page_caption(page),
-            "The directions that the code %s decodes to, with %d bits a component instead of 8: %zu, on a cube (%zu "
-            "lie on the faces that are seen) and on the unit sphere (%zu on the near half); %.3f degrees across the "
-            "biggest hole.",
-            name, dots.bits, dots.count, on_cube, on_sphere, hole_deg);
-        put_fact(job, "dots", &dots, hole_deg);
-    }
-    iso_dots_destroy(&dots);
     return status;
 }
 

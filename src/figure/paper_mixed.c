@@ -156,37 +156,44 @@ static void tint(const stage *s, iso_image *image)
     }
 }
 
-static iso_status put_overview(const iso_paper *p, stage *s, size_t row, size_t column, const char *title,
-                               const char *note, iso_error *err)
+/* A panel: what is shown where. */
+typedef struct panel {
+    enum { NEAR, OVERVIEW, DIFFERENCE } what;
+    size_t row, column;
+    const char *title, *note;
+    bool smooth, lit;
+} panel;
+
+static iso_status put_overview(const iso_paper *p, stage *s, const panel *one, iso_error *err)
 {
     iso_image image = {0};
     const iso_status status = render(s, &s->view, true, true, &image, err);
     if (status == ISO_OK) {
         tint(s, &image);
-        const iso_page_box box = iso_paper_picture(p, row, column, title, note, &image);
+        const iso_page_box box = iso_paper_picture(p, one->row, one->column, one->title, one->note, &image);
         const iso_page_box frame = {box.left + s->frame[0] * box.width, box.top + s->frame[1] * box.height,
                                     (s->frame[2] - s->frame[0]) * box.width, (s->frame[3] - s->frame[1]) * box.height};
         iso_page_put_rectangle(p->page, &frame, NULL,
                                &(iso_page_pen){"#000000", 1.7, 0}); /* seen on dark and on light */
         iso_page_put_rectangle(p->page, &frame, NULL, &(iso_page_pen){"#ffffff", 0.7, 0});
+        iso_page_put_scale_bar(p->page, &box, &image, iso_view_mm_per_pixel(&s->view, &s->pyramid.levels[0].geometry));
     }
     iso_image_destroy(&image);
     return status;
 }
 
-static iso_status put_near(const iso_paper *p, stage *s, size_t row, size_t column, const char *title, const char *note,
-                           bool smooth, bool lit, iso_error *err)
+static iso_status put_near(const iso_paper *p, stage *s, const panel *one, iso_error *err)
 {
     iso_image image = {0};
-    const iso_status status = render(s, &s->near, smooth, lit, &image, err);
+    const iso_status status = render(s, &s->near, one->smooth, one->lit, &image, err);
     if (status == ISO_OK)
-        iso_paper_picture(p, row, column, title, note, &image);
+        iso_paper_picture(p, one->row, one->column, one->title, one->note, &image);
     iso_image_destroy(&image);
     return status;
 }
 
 /* How far the lit pictures are apart, by the map of --map, with its bar on the right. */
-static iso_status put_difference(const iso_paper *p, stage *s, size_t row, size_t column, iso_error *err)
+static iso_status put_difference(const iso_paper *p, stage *s, const panel *one, iso_error *err)
 {
     iso_image rough = {0}, smooth = {0};
     iso_status status = render(s, &s->near, false, true, &rough, err);
@@ -205,7 +212,7 @@ static iso_status put_difference(const iso_paper *p, stage *s, size_t row, size_
             most = fmax(most, (double)apart[i]);
         }
         const double range[2] = {0, most};
-        const iso_page_box box = iso_paper_panel(p, row, column, NULL, "difference, lit"),
+        const iso_page_box box = iso_paper_panel(p, one->row, one->column, one->title, one->note),
                            corner = iso_paper_corner(box);
         const iso_page_color_bar bar = {.box = {box.left + box.width + 1.2, box.top, 2.2, box.height},
                                         .map = p->job->map,
@@ -245,72 +252,73 @@ static iso_paper_row row_of(const stage *s, double right_mm, bool has_titles)
                            .has_notes = true};
 }
 
-static iso_status draw_volume(const iso_figure_job *job, iso_page *page, stage *s, iso_paper *p, iso_error *err)
+static const panel of_volume[] = {
+    {NEAR, 0, 0, "without light", "discontinuous", false, false},
+    {NEAR, 0, 1, "lit", "discontinuous", false, true},
+    {OVERVIEW, 0, 2, "whole volume", "level 0 green", true, true},
+    {NEAR, 1, 0, NULL, "smooth", true, false},
+    {NEAR, 1, 1, NULL, "smooth", true, true},
+    {DIFFERENCE, 1, 2, NULL, "difference, lit", false, true},
+};
+static const panel of_surface[] = {
+    {OVERVIEW, 0, 0, "surface", "level 0 green", true, true},
+    {NEAR, 0, 1, "discontinuous", "magnified", false, true},
+    {NEAR, 0, 2, "smooth", "magnified", true, true},
+};
+
+static iso_status put_panels(const iso_paper *p, stage *s, const panel *panels, size_t count, iso_error *err)
 {
-    const iso_paper_row rows[] = {row_of(s, 11.5, true), row_of(s, 11.5, false)};
-    iso_status status = iso_paper_lay_out(p, job, page, rows, 2, err);
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = panels[i].what == NEAR       ? put_near(p, s, &panels[i], err)
+                 : panels[i].what == OVERVIEW ? put_overview(p, s, &panels[i], err)
+                                              : put_difference(p, s, &panels[i], err);
+    return status;
+}
+
+/* The caption begins with words of the kind. */
+static iso_status draw_mixed(const iso_figure_job *job, iso_page *page, bool surface, const panel *panels, size_t count,
+                             iso_error *err)
+{
+    stage s;
+    iso_paper p;
+    iso_status status = begin(job, &s, surface, err);
+    if (status == ISO_OK) {
+        const iso_paper_row rows[] = {row_of(&s, surface ? 0 : 11.5, true), row_of(&s, surface ? 0 : 11.5, false)};
+        status = iso_paper_lay_out(&p, job, page, rows, surface ? 1 : 2, err);
+    }
     if (status == ISO_OK)
-        status = aim(p, s, err);
-    if (status == ISO_OK)
-        status = put_near(p, s, 0, 0, "without light", "discontinuous", false, false, err);
-    if (status == ISO_OK)
-        status = put_near(p, s, 0, 1, "lit", "discontinuous", false, true, err);
-    if (status == ISO_OK)
-        status = put_overview(p, s, 0, 2, "whole volume", "level 0 green", err);
-    if (status == ISO_OK)
-        status = put_near(p, s, 1, 0, NULL, "smooth", true, false, err);
-    if (status == ISO_OK)
-        status = put_near(p, s, 1, 1, NULL, "smooth", true, true, err);
-    return status == ISO_OK ? put_difference(p, s, 1, 2, err) : status;
+        status = aim(&p, &s, err);
+    if (status == ISO_OK) {
+        FILE *f = iso_page_caption(page);
+        const char *name = iso_paper_volume_name(job, &ripples);
+        if (surface)
+            fprintf(f,
+                    "The isosurface of %s at the value %.4g, first hit: on the left the whole, bricks of level 0 "
+                    "green, with the frame of what is magnified; discontinuous and smooth.",
+                    name, s.surface);
+        else
+            fprintf(
+                f,
+                "Where bricks of two levels of %s meet: discontinuous above, smooth below; without light and lit; "
+                "on the right the whole, bricks of level 0 green, with the frame of what is magnified, and below "
+                "it the largest difference of the lit pictures over the channels, of linear light where 1 is white.",
+                name);
+        describe(&p, &s);
+        status = put_panels(&p, &s, panels, count, err);
+    }
+    end(&s);
+    return status;
 }
 
 static iso_status mixed_volume(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    stage s;
-    iso_paper p;
-    iso_status status = begin(job, &s, false, err);
-    if (status == ISO_OK)
-        status = draw_volume(job, page, &s, &p, err);
-    if (status == ISO_OK) {
-        fprintf(
-            iso_page_caption(page),
-            "Where bricks of two levels of %s meet: discontinuous above, smooth below; without light and lit; on the "
-            "right the whole, bricks of level 0 green, with the frame of what is magnified, and below it the largest "
-            "difference of the lit pictures over the channels, of linear light where 1 is white.",
-            iso_paper_volume_name(job, &ripples));
-        describe(&p, &s);
-    }
-    end(&s);
-    return status;
+    return draw_mixed(job, page, false, of_volume, sizeof of_volume / sizeof *of_volume, err);
 }
 
 static iso_status mixed_surface(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    stage s;
-    iso_paper p;
-    iso_status status = begin(job, &s, true, err);
-    if (status == ISO_OK) {
-        const iso_paper_row row = row_of(&s, 0, true);
-        status = iso_paper_lay_out(&p, job, page, &row, 1, err);
-    }
-    if (status == ISO_OK)
-        status = aim(&p, &s, err);
-    if (status == ISO_OK)
-        status = put_overview(&p, &s, 0, 0, "surface", "level 0 green", err);
-    if (status == ISO_OK)
-        status = put_near(&p, &s, 0, 1, "discontinuous", "magnified", false, true, err);
-    if (status == ISO_OK)
-        status = put_near(&p, &s, 0, 2, "smooth", "magnified", true, true, err);
-    if (status == ISO_OK) {
-        fprintf(
-            iso_page_caption(page),
-            "The isosurface of %s at the value %.4g, first hit: on the left the whole, bricks of level 0 green, with "
-            "the frame of what is magnified; discontinuous and smooth.",
-            iso_paper_volume_name(job, &ripples), s.surface);
-        describe(&p, &s);
-    }
-    end(&s);
-    return status;
+    return draw_mixed(job, page, true, of_surface, sizeof of_surface / sizeof *of_surface, err);
 }
 
 enum {

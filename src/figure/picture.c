@@ -2,9 +2,22 @@
 #include "figure/picture.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/provenance.h"
 #include "scene/subject.h"
+
+/* The transfer function that the scene has for this volume. */
+static iso_status keep_table(iso_figure_subject *s, iso_error *err)
+{
+    iso_view view = {0};
+    iso_status status = iso_scene_resolve(&s->scene, &s->pyramid.levels[0].geometry, iso_pyramid_lo(&s->pyramid),
+                                          iso_pyramid_hi(&s->pyramid), &view, err);
+    if (status == ISO_OK)
+        status = iso_tf_table_copy(&view.tf, &s->tf, err);
+    iso_view_destroy(&view);
+    return status;
+}
 
 iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *job, size_t level_count,
                                    const iso_pyramid_options *build, iso_error *err)
@@ -21,11 +34,16 @@ iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *
     if (status == ISO_OK && level_count > s->pyramid.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s has levels 0 to %zu, the figure would show level %zu", job->input,
                           s->pyramid.level_count - 1, level_count - 1);
-    return status == ISO_OK ? iso_subject_make_scene(&look, &s->pyramid, &s->scene, err) : status;
+    if (status == ISO_OK)
+        status = iso_subject_make_scene(&look, &s->pyramid, &s->scene, err);
+    if (job->has_background)
+        memcpy(s->scene.background, job->background, sizeof s->scene.background);
+    return status == ISO_OK ? keep_table(s, err) : status;
 }
 
 void iso_figure_subject_end(iso_figure_subject *s)
 {
+    iso_tf_table_destroy(&s->tf);
     iso_scene_destroy(&s->scene);
     iso_pyramid_destroy(&s->pyramid);
     iso_renderers_end(&s->renderers);

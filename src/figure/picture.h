@@ -12,6 +12,7 @@ typedef struct iso_figure_subject {
     const iso_figure_job *job;
     iso_pyramid pyramid;
     iso_scene scene;
+    iso_tf_table tf; /* of level 0, as the scene has it */
     iso_renderers renderers;
     const iso_renderer_info *drawn_by; /* the last picture */
 } iso_figure_subject;
@@ -27,7 +28,7 @@ iso_status iso_figure_renderer(const iso_figure_job *job, const iso_renderer_inf
 
 typedef struct iso_figure_picture {
     const iso_renderer_info *with;
-    bool named;                         /* with no other: else iso_renderers_choose() where the job names none */
+    bool named; /* with no other: else iso_renderers_choose() where the job names none */
     size_t level;
     size_t width, height;               /* pixels */
     const iso_viewpoint *viewpoint;     /* of the camera, which frames the box; NULL: the scene's */

@@ -183,6 +183,7 @@ static iso_status draw_plan(const iso_figure_job *job, iso_page *page, iso_error
     if (status == ISO_OK) {
         write_caption(&s, error, iso_page_caption(page));
         c.aspect = iso_figure_aspect(&s.subject);
+        c.subject = &s.subject;
         status = iso_figure_draw_columns(&c, page, err);
     }
     if (status == ISO_OK)

@@ -78,6 +78,7 @@ static iso_status draw_seams(const iso_figure_job *job, iso_page *page, iso_erro
         iso_figure_put_subject(&b.subject, f);
         fputs(", each with the nodes of its own level, whose faces jump, and with shared ones", f);
         c.aspect = iso_figure_aspect(&b.subject);
+        c.subject = &b.subject;
         status = iso_figure_draw_columns(&c, page, err);
     }
     iso_gl_destroy(b.gl);

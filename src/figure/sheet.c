@@ -120,11 +120,18 @@ static double row_foot(const iso_figure_sheet *f, const layout *l, size_t row)
     return gap_mm + lines_mm(most_lines(f, row, false, l->panel_width, note_pt), note_pt);
 }
 
+/* Above a row but the first, whose titles stand in the page's head. */
+static double row_head(const iso_figure_sheet *f, const layout *l, size_t row)
+{
+    const size_t lines = most_lines(f, row, true, l->panel_width, l->title_pt);
+    return lines > 0 ? lines_mm(lines, l->title_pt) + 0.5 : 0;
+}
+
 static double row_top(const iso_figure_sheet *f, const layout *l, size_t row)
 {
     double y = l->head;
     for (size_t r = 0; r < row; ++r)
-        y += l->panel_height + row_foot(f, l, r);
+        y += l->panel_height + row_foot(f, l, r) + row_head(f, l, r + 1);
     return y;
 }
 

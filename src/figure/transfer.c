@@ -6,14 +6,10 @@
 
 #include "figure/kinds_of_volume.h"
 #include "figure/picture.h"
+#include "figure/tf_bar.h"
 #include "tf/color_space.h"
 
 enum { COLUMNS = 400, BINS = 256 };
-
-static double opacity_of(double extinction_per_mm, double unit_mm)
-{
-    return -expm1(-extinction_per_mm * unit_mm);
-}
 
 /* As high as its logarithm, a single voxel above none. */
 static void put_histogram(FILE *gp, const iso_level *level0)
@@ -44,15 +40,15 @@ static void put_data(FILE *gp, const iso_tf_table *t, double unit_mm, const doub
         for (int k = 0; k < 3; ++k)
             rgb[k] = (int)lrint(255 * iso_linear_to_srgb(fmin(fmax(c[k], 0), 1)));
         /* Each column reaches a little below the next one: no seams are seen between them. */
-        fprintf(gp, "%.9g %.9g %.6g %d\n", from, fmin(from + 1.5 * width, range[1]), opacity_of(c[3], unit_mm),
+        fprintf(gp, "%.9g %.9g %.6g %d\n", from, fmin(from + 1.5 * width, range[1]), iso_figure_opacity(c[3], unit_mm),
                 rgb[0] << 16 | rgb[1] << 8 | rgb[2]);
     }
     fputs("EOD\n$curve << EOD\n", gp);
-    fprintf(gp, "%.9g %.6g\n", range[0], opacity_of((double)t->entries[3], unit_mm));
+    fprintf(gp, "%.9g %.6g\n", range[0], iso_figure_opacity((double)t->entries[3], unit_mm));
     for (size_t e = 0; e < t->count; ++e)
         fprintf(gp, "%.9g %.6g\n", t->lo + (t->hi - t->lo) * (double)e / (double)(t->count - 1),
-                opacity_of((double)t->entries[4 * e + 3], unit_mm));
-    fprintf(gp, "%.9g %.6g\nEOD\n", range[1], opacity_of((double)t->entries[4 * t->count - 1], unit_mm));
+                iso_figure_opacity((double)t->entries[4 * e + 3], unit_mm));
+    fprintf(gp, "%.9g %.6g\nEOD\n", range[1], iso_figure_opacity((double)t->entries[4 * t->count - 1], unit_mm));
 }
 
 static void put_plot(iso_page *page, const iso_page_box *box, const iso_level *level0, const iso_tf_table *t,
@@ -82,37 +78,6 @@ static void put_plot(iso_page *page, const iso_page_box *box, const iso_level *l
                       "voxels (log)");
 }
 
-/* What is transparent shows the squares. */
-static void put_bar(iso_page *page, const iso_page_box *box, const iso_tf_table *t, double unit_mm,
-                    const double range[2])
-{
-    const size_t wide = iso_page_dots(page, box->width), high = iso_page_dots(page, box->height);
-    const size_t square = high / 4 > 0 ? high / 4 : 1;
-    unsigned char *rgb = malloc(3 * wide * high);
-    for (size_t i = 0; i < wide * high && rgb; ++i) {
-        double c[4];
-        const size_t x = i % wide, y = i / wide;
-        iso_tf_lookup(t, range[0] + (range[1] - range[0]) * ((double)x + 0.5) / (double)wide, c);
-        const double alpha = opacity_of(c[3], unit_mm), behind = (x / square + y / square) % 2 ? 0.8 : 0.45;
-        for (int k = 0; k < 3; ++k)
-            rgb[3 * i + (size_t)k] = (unsigned char)lrint(
-                255 * iso_linear_to_srgb(fmin(fmax(alpha * c[k] + (1 - alpha) * behind, 0), 1)));
-    }
-    if (rgb)
-        iso_page_put_colors(page, &(iso_page_box){.left = box->left, .top = box->top}, rgb, wide, high);
-    free(rgb);
-    /* The axis of values for both, below the bar. */
-    FILE *gp = iso_page_plot_begin(page, box);
-    fprintf(gp,
-            "set xrange [%.9g:%.9g]; set yrange [0:1]; unset ytics; set border 1; set xtics offset 0, 0.4\nplot -1\n",
-            range[0], range[1]);
-    iso_page_plot_end(page);
-    iso_page_put_text(page,
-                      &(iso_page_text){box->left + 0.5 * box->width, iso_page_height(page) - 1.7, ISO_PAGE_NOTE,
-                                       ISO_PAGE_CENTER, 0, NULL},
-                      "value");
-}
-
 static iso_status draw_tf(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     iso_figure_subject s = {0};
@@ -129,13 +94,18 @@ static iso_status draw_tf(const iso_figure_job *job, iso_page *page, iso_error *
     if (status == ISO_OK) {
         const iso_level *level0 = &s.pyramid.levels[0];
         const iso_tf_table *t = &view.tf;
-        const double unit_mm = t->unit_mm > 0 ? t->unit_mm : 1,
-                     range[2] = {fmin(t->lo, level0->min), fmax(t->hi, level0->max)};
+        const double unit_mm = iso_figure_tf_unit_mm(t);
+        double range[2];
+        iso_figure_tf_range(t, level0, range);
         const double width = job->width_mm, height = fmin(0.55 * width, job->height_mm);
         iso_page_set_size(page, width, height);
         const iso_page_box curve = {11, 2, width - 22, height - 15}, bar = {11, height - 12, width - 22, 3.5};
         put_plot(page, &curve, level0, t, unit_mm, range);
-        put_bar(page, &bar, t, unit_mm, range);
+        iso_figure_put_tf_bar(page, &bar, t, range, 0);
+        iso_page_put_text(page,
+                          &(iso_page_text){bar.left + 0.5 * bar.width, iso_page_height(page) - 1.7, ISO_PAGE_NOTE,
+                                           ISO_PAGE_CENTER, 0, NULL},
+                          "value");
         FILE *f = iso_page_caption(page);
         fputs("Transfer function", f);
         iso_figure_put_subject(&s, f);

@@ -1,84 +1,143 @@
 /* SPDX-License-Identifier: MIT */
-/* The volume from all sides: frames on a page, and the same as an animation. */
+/* The volume from all sides: frames on a page, as an animation, and each as a file. */
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
 
+#include "base/file.h"
 #include "figure/animation.h"
 #include "figure/columns.h"
 #include "figure/kinds_of_volume.h"
 #include "figure/picture.h"
 
-enum { USUAL_FRAMES = 8 };
+enum { USUAL_FRAMES = 8, SHOWN_OF_MANY = 32 };
 
 typedef struct turned {
     iso_figure_subject subject;
     const iso_renderer_info *with;
-    size_t frames, level;
+    size_t frames, level, shown; /* so many of the frames stand on the page */
+    const char *dir;             /* of the frames' files */
     iso_animation *animation;
 } turned;
 
-static iso_status render(void *user, size_t column, size_t width, size_t height, iso_image *image, double *mm_per_pixel,
-                         iso_error *err)
+static iso_status save_frame(const turned *t, size_t frame, const iso_image *image, iso_error *err)
 {
-    turned *t = user;
+    char name[32];
+    snprintf(name, sizeof name, "%03zu.png", frame);
+    char *path = iso_path_join(t->dir, name);
+    const iso_status status = path ? iso_image_save_png(image, path, 1, err)
+                                   : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    free(path);
+    return status;
+}
+
+static iso_status render_frame(turned *t, size_t frame, size_t width, size_t height, iso_image *image,
+                               double *mm_per_pixel, iso_error *err)
+{
     const iso_figure_picture what = {.with = t->with,
                                      .level = t->level,
                                      .width = width,
                                      .height = height,
-                                     .turn_deg = 360.0 * (double)column / (double)t->frames,
+                                     .turn_deg = 360.0 * (double)frame / (double)t->frames,
                                      .turns = t->frames};
     iso_status status = iso_figure_render(&t->subject, &what, image, mm_per_pixel, err);
     if (status == ISO_OK)
         status = iso_animation_add(t->animation, image, err);
+    return status == ISO_OK ? save_frame(t, frame, image, err) : status;
+}
+
+static size_t frame_of(const turned *t, size_t column)
+{
+    return column * t->frames / t->shown;
+}
+
+/* The frame that stands on the page, and those that follow until the next that does. */
+static iso_status render(void *user, size_t column, size_t width, size_t height, iso_image *image, double *mm_per_pixel,
+                         iso_error *err)
+{
+    turned *t = user;
+    const size_t first = frame_of(t, column), end = frame_of(t, column + 1);
+    iso_status status = render_frame(t, first, width, height, image, mm_per_pixel, err);
+    for (size_t i = first + 1; i < end && status == ISO_OK; ++i) {
+        iso_image between = {0};
+        double unused;
+        status = render_frame(t, i, width, height, &between, &unused, err);
+        iso_image_destroy(&between);
+    }
     return status;
 }
 
-/* The least count of rows whose pictures are hardly smaller than those of fewer columns would be. */
+/* Rows that are full, where a count between 4 and 8 allows it. */
 static size_t choose_row(size_t frames)
 {
-    size_t best = frames < 4 ? frames : 4;
-    for (size_t n = best; n <= 8 && n <= frames; ++n)
+    size_t best = frames > 32 ? 8 : frames < 4 ? frames : 4;
+    for (size_t n = 4; n <= 8 && n <= frames; ++n)
         if (frames % n == 0)
             best = n;
-    return frames > 32 ? 8 : best;
+    return best;
+}
+
+static iso_status make_folder(const char *dir, iso_error *err)
+{
+    return mkdir(dir, 0777) == 0 ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: %s", dir, strerror(errno));
+}
+
+static void write_caption(const turned *t, FILE *f)
+{
+    fputs("Turns", f);
+    iso_figure_put_subject(&t->subject, f);
+    fprintf(f, " round the camera's up axis, level %zu", t->level);
+    if (t->shown < t->frames)
+        fprintf(f, ", %zu of %zu frames", t->shown, t->frames);
+}
+
+static iso_status draw_frames(turned *t, const iso_figure_job *job, iso_page *page, iso_error *err)
+{
+    iso_figure_columns c = {.job = job, .count = t->shown, .render = render, .user = t};
+    c.a_row = choose_row(c.count);
+    for (size_t i = 0; i < c.count; ++i)
+        snprintf(c.titles[i], sizeof c.titles[i], "%.4g°", 360.0 * (double)frame_of(t, i) / (double)t->frames);
+    iso_status status = iso_figure_subject_load(&t->subject, job, t->level + 1, NULL, err);
+    if (status != ISO_OK)
+        return status;
+    write_caption(t, iso_page_caption(page));
+    c.drawn_by = &t->subject.drawn_by;
+    c.subject = &t->subject;
+    c.aspect = iso_figure_aspect(&t->subject);
+    status = iso_figure_draw_columns(&c, page, err);
+    if (status == ISO_OK)
+        fputs(" turntable.png shows all one after the other, 10 a second; frames/ has each as a file.",
+              iso_page_caption(page));
+    return status;
 }
 
 static iso_status draw_turntable(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    turned t = {.frames = job->frames ? (size_t)job->frames : USUAL_FRAMES, .level = (size_t)job->level};
-    iso_figure_columns c = {.job = job, .count = t.frames, .a_row = choose_row(t.frames), .render = render, .user = &t};
-    char *path = iso_page_file(page, "turntable.png");
-    iso_status status = path ? iso_figure_renderer(job, &t.with, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK && t.frames > ISO_FIGURE_MOST_COLUMNS)
-        status = iso_fail(err, ISO_E_RANGE, "--frames is %zu, a page shows %d at most", t.frames,
-                          (int)ISO_FIGURE_MOST_COLUMNS);
+    char *path = iso_page_file(page, "turntable.png"), *dir = iso_page_file(page, "frames");
+    turned t = {.frames = job->frames ? (size_t)job->frames : USUAL_FRAMES, .level = (size_t)job->level, .dir = dir};
+    t.shown = t.frames > ISO_FIGURE_MOST_COLUMNS ? (size_t)SHOWN_OF_MANY : t.frames;
+    iso_status status = path && dir ? iso_figure_renderer(job, &t.with, err)
+                                    : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     if (status == ISO_OK)
-        status = iso_figure_subject_load(&t.subject, job, t.level + 1, NULL, err);
+        status = make_folder(dir, err);
     if (status == ISO_OK)
         status = iso_animation_create(&t.animation, path, t.frames, 0.1, err);
-    for (size_t i = 0; i < c.count && status == ISO_OK; ++i)
-        snprintf(c.titles[i], sizeof c.titles[i], "%.4g°", 360.0 * (double)i / (double)t.frames);
-    if (status == ISO_OK) {
-        fputs("Turns", iso_page_caption(page));
-        iso_figure_put_subject(&t.subject, iso_page_caption(page));
-        fprintf(iso_page_caption(page), " round the camera's up axis, level %zu", t.level);
-        c.drawn_by = &t.subject.drawn_by;
-        c.aspect = iso_figure_aspect(&t.subject);
-        status = iso_figure_draw_columns(&c, page, err);
-    }
-    if (status == ISO_OK) {
-        fputs(" turntable.png shows them one after the other, 10 a second.", iso_page_caption(page));
+    if (status == ISO_OK)
+        status = draw_frames(&t, job, page, err);
+    if (status == ISO_OK)
         status = iso_animation_finish(t.animation, err);
-    }
     iso_animation_destroy(t.animation);
     iso_figure_subject_end(&t.subject);
     free(path);
+    free(dir);
     return status;
 }
 
 const iso_figure_info iso_figure_turntable = {
     .name = "turntable",
-    .summary = "the volume from all sides: frames side by side, and turntable.png, which moves",
+    .summary = "the volume from all sides: frames side by side, turntable.png, which moves, and a file a frame",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_WITH | ISO_FIGURE_HAS_LEVEL |
              ISO_FIGURE_HAS_ADAPT | ISO_FIGURE_HAS_FRAMES,
     .draw = draw_turntable,

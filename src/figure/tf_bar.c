@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+#include "figure/tf_bar.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "tf/color_space.h"
+
+static const double foot_mm = 7.5, bar_mm = 2.2, widest_mm = 60, narrowest_mm = 12, edge_mm = 1.5;
+
+double iso_figure_tf_unit_mm(const iso_tf_table *t)
+{
+    return t->unit_mm > 0 ? t->unit_mm : 1;
+}
+
+double iso_figure_opacity(double extinction_per_mm, double length_mm)
+{
+    return -expm1(-extinction_per_mm * length_mm);
+}
+
+void iso_figure_tf_range(const iso_tf_table *t, const iso_level *level0, double range[2])
+{
+    range[0] = fmin(t->lo, level0->min);
+    range[1] = fmax(t->hi, level0->max);
+}
+
+/* What is transparent shows the squares. */
+static void put_colors(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2])
+{
+    const size_t wide = iso_page_dots(page, box->width), high = iso_page_dots(page, box->height);
+    const size_t square = high / 4 > 0 ? high / 4 : 1;
+    const double unit_mm = iso_figure_tf_unit_mm(t);
+    unsigned char *rgb = malloc(3 * wide * high);
+    for (size_t i = 0; i < wide * high && rgb; ++i) {
+        double c[4];
+        const size_t x = i % wide, y = i / wide;
+        iso_tf_lookup(t, range[0] + (range[1] - range[0]) * ((double)x + 0.5) / (double)wide, c);
+        const double alpha = iso_figure_opacity(c[3], unit_mm), behind = (x / square + y / square) % 2 ? 0.8 : 0.45;
+        for (int k = 0; k < 3; ++k)
+            rgb[3 * i + (size_t)k] = (unsigned char)lrint(
+                255 * iso_linear_to_srgb(fmin(fmax(alpha * c[k] + (1 - alpha) * behind, 0), 1)));
+    }
+    if (rgb)
+        iso_page_put_colors(page, &(iso_page_box){.left = box->left, .top = box->top}, rgb, wide, high);
+    free(rgb);
+}
+
+/* 1, 2 or 5 times a power of ten, so that a range has at most so many steps of it. */
+static double tick_step(double range, int most)
+{
+    const double least = range / most, decade = pow(10, floor(log10(least)));
+    return decade >= least ? decade : 2 * decade >= least ? 2 * decade : 5 * decade >= least ? 5 * decade : 10 * decade;
+}
+
+void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2],
+                           int wanted_ticks)
+{
+    put_colors(page, box, t, range);
+    FILE *gp = iso_page_plot_begin(page, box);
+    fprintf(gp, "set xrange [%.9g:%.9g]; set yrange [0:1]; unset ytics; set border 1; set xtics offset 0, 0.4\n",
+            range[0], range[1]);
+    if (wanted_ticks > 0)
+        fprintf(gp, "set xtics %.9g\n", tick_step(range[1] - range[0], wanted_ticks));
+    fputs("plot -1\n", gp);
+    iso_page_plot_end(page);
+}
+
+/* ---- under pictures ---- */
+
+double iso_figure_tf_foot_mm(const iso_figure_subject *s)
+{
+    return s->tf.count > 1 && !s->pyramid.levels[0].labels ? foot_mm : 0;
+}
+
+void iso_figure_put_tf_foot(const iso_figure_subject *s, iso_page *page, double above_mm)
+{
+    char text[64];
+    double range[2];
+    const double unit_mm = iso_figure_tf_unit_mm(&s->tf), wide = iso_page_width(page);
+    if (!(iso_figure_tf_foot_mm(s) > 0))
+        return;
+    snprintf(text, sizeof text, "value; colors as opaque as %.3g mm", unit_mm);
+    const double room = wide - 2 * edge_mm - 2 - iso_page_text_mm(page, ISO_PAGE_NOTE, text);
+    const bool has_text = room >= narrowest_mm;
+    const iso_page_box box = {edge_mm, iso_page_height(page) - above_mm - foot_mm + 1,
+                              fmin(has_text ? room : wide - 2 * edge_mm, widest_mm), bar_mm};
+    iso_figure_tf_range(&s->tf, &s->pyramid.levels[0], range);
+    iso_figure_put_tf_bar(page, &box, &s->tf, range, (int)fmax(2, box.width / 10));
+    if (has_text)
+        iso_page_put_text(
+            page, &(iso_page_text){.x = box.left + box.width + 2, .y = box.top + 0.5 * bar_mm, .role = ISO_PAGE_NOTE},
+            text);
+    fprintf(iso_page_caption(page),
+            " Bar: the transfer function%s, colors over value, as opaque as %.3g mm of them, over gray squares.",
+            s->job->adapted.wanted ? " of level 0" : "", unit_mm);
+}
