@@ -194,7 +194,7 @@ static void a_program_that_stays_answers_line_by_line(void **state)
     int lines = 0;
     bool ended = true;
     const iso_process_options options = {.line = count_lines, .user = &lines};
-    assert_ok(iso_process_start(answering, NULL, &p, &err));
+    assert_ok(iso_process_start(answering, NULL, &(iso_sandbox_wish){0}, &p, &err));
     for (int i = 1; i <= 3; ++i) {
         assert_ok(iso_process_listen(p, "done", &options, &ended, &err));
         assert_false(ended);
@@ -208,11 +208,11 @@ static void a_program_that_stays_answers_line_by_line(void **state)
     iso_process_end(p);
 
     /* Told nothing more, it ends by itself; one that has gone meanwhile is told of at the next line. */
-    assert_ok(iso_process_start(answering, NULL, &p, &err));
+    assert_ok(iso_process_start(answering, NULL, &(iso_sandbox_wish){0}, &p, &err));
     assert_ok(iso_process_listen(p, "done", NULL, &ended, &err));
     iso_process_end(p);
     const char *brief[] = {"/bin/sh", "-c", "echo done; exit 0", NULL};
-    assert_ok(iso_process_start(brief, NULL, &p, &err));
+    assert_ok(iso_process_start(brief, NULL, &(iso_sandbox_wish){0}, &p, &err));
     assert_ok(iso_process_listen(p, "done", NULL, &ended, &err));
     for (int i = 0; i < 100; ++i)
         iso_process_say(p, "is anybody there?");
@@ -222,7 +222,7 @@ static void a_program_that_stays_answers_line_by_line(void **state)
 
     /* Its end is seen although a child of its own, which waits for a line, holds its output. */
     const char *parent[] = {"/bin/sh", "-c", "exec 3<&0; cat <&3 & exit 4", NULL};
-    assert_ok(iso_process_start(parent, NULL, &p, &err));
+    assert_ok(iso_process_start(parent, NULL, &(iso_sandbox_wish){0}, &p, &err));
     assert_status(iso_process_listen(p, "done", NULL, &ended, &err), ISO_E_PROGRAM);
     assert_true(ended);
     iso_process_end(p);

@@ -100,7 +100,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         status = iso_blender_check(p, level, 1, &frames[i], err);
     if (status != ISO_OK)
         return status;
-    char *folder = iso_make_temp_dir();
+    char *folder = iso_blender_folder(&frames[0]);
     if (!folder)
         return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);

@@ -89,7 +89,7 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
     iso_status status = check_plan(plan, view, opt, err);
     if (status != ISO_OK)
         return status;
-    char *folder = iso_make_temp_dir(), *stem = folder ? iso_path_join(folder, "volume.blend") : NULL;
+    char *folder = iso_blender_folder(opt), *stem = folder ? iso_path_join(folder, "volume.blend") : NULL;
     if (!stem)
         return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     const iso_blender_space space = iso_blender_space_of(plan->geometry);

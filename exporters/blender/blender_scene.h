@@ -80,6 +80,10 @@ iso_status iso_blender_describe_labels(json_t *about, const iso_pyramid *p, cons
 
 /* ---- running Blender ---- */
 
+/* A fresh folder for a scene, to be removed and freed: in that of the options' session, where its Blender may write. NULL
+ * where none can be made. */
+char *iso_blender_folder(const iso_blender_options *opt);
+
 /* Has a description worked off: by the Blender of the options' session, else by one that is started for it. What it needs
  * is written into the folder. Takes `about`. */
 iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_options *opt,
@@ -94,7 +98,7 @@ iso_status iso_blender_load_pictures(const char *folder, const iso_view *view, s
 
 /* ISO_E_USAGE: not a path that Blender takes for a .blend. */
 iso_status iso_blender_check_path(const char *blend_path, iso_error *err);
-/* Reserves the .blend in *out, and lets Blender save in it what `about` describes, which is taken. */
+/* Reserves the .blend in *out, and puts in it what Blender saves in its folder of what `about` describes, which is taken. */
 iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *out, const char *folder,
                             const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/embed.h"
 #include "base/file.h"
@@ -114,18 +115,48 @@ static iso_status write_script(const char *path, iso_error *err)
 /* ---- one Blender, for one scene or for several ---- */
 
 struct iso_blender_session {
-    iso_process *process;
-    char *blender; /* the program */
+    iso_process *process; /* NULL: it has not begun */
+    char *blender;        /* the program */
     int threads;
+    char *folder;  /* holds those of all scenes, since the program may write there alone; NULL: it is for one scene */
+    size_t scenes; /* that were given a folder */
 };
+
+static void stop(iso_blender_session *s)
+{
+    iso_process_end(s->process);
+    s->process = NULL;
+    free(s->blender);
+    s->blender = NULL;
+}
 
 void iso_blender_session_end(iso_blender_session *session)
 {
     if (!session)
         return;
-    iso_process_end(session->process);
-    free(session->blender);
+    stop(session);
+    if (session->folder)
+        iso_remove_tree(session->folder);
+    free(session->folder);
     free(session);
+}
+
+char *iso_blender_folder(const iso_blender_options *opt)
+{
+    char *path = NULL;
+    if (!opt->session)
+        return iso_make_temp_dir();
+    if (!*opt->session && !(*opt->session = calloc(1, sizeof **opt->session)))
+        return NULL;
+    iso_blender_session *s = *opt->session;
+    if (!s->folder && !(s->folder = iso_make_temp_dir()))
+        return NULL;
+    if (asprintf(&path, "%s/%zu", s->folder, ++s->scenes) < 0)
+        return NULL;
+    if (mkdir(path, 0700) == 0)
+        return path;
+    free(path);
+    return NULL;
 }
 
 /* What a run of Blender needs. */
@@ -134,9 +165,18 @@ typedef struct blender_run {
     int threads;
 } blender_run;
 
-static iso_status start(const blender_run *run, iso_blender_session **session, iso_error *err)
+/* Drivers of graphics devices need more than the processor. */
+static iso_sandbox_kind sandbox_kind(void)
+{
+    const char *device = NULL;
+    return iso_cycles_device(&device, NULL) == ISO_OK && strcmp(device, "cpu") == 0 ? ISO_SANDBOX_CLOSED
+                                                                                   : ISO_SANDBOX_DEVICE;
+}
+
+static iso_status start(const blender_run *run, iso_blender_session *s, iso_error *err)
 {
     char threads[16];
+    const iso_sandbox_wish sandbox = {.kind = sandbox_kind()};
     snprintf(threads, sizeof threads, "%d", run->threads);
     const char *argv[] = {
         run->blender, "-b",        "--factory-startup", "-noaudio",       "--python-exit-code", "9", "-t", threads, "-P",
@@ -146,53 +186,44 @@ static iso_status start(const blender_run *run, iso_blender_session **session, i
         status = save_calibration_volume(run->calibration, err);
     if (status != ISO_OK)
         return status;
-    iso_blender_session *s = calloc(1, sizeof *s);
-    if (!s || !(s->blender = strdup(run->blender)))
-        status = iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
-    if (status == ISO_OK)
-        status = iso_process_start(argv, run->folder, &s->process, err);
-    if (status != ISO_OK) {
-        iso_blender_session_end(s);
-        return status;
-    }
+    if (!(s->blender = strdup(run->blender)))
+        return iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     s->threads = run->threads;
-    *session = s;
-    return ISO_OK;
+    return iso_process_start(argv, s->folder ? s->folder : run->folder, &sandbox, &s->process, err);
 }
 
 /* The one that is there, if it is what a new one would be; it is told the description, which a new one starts with. */
-static iso_status tell(const blender_run *run, iso_blender_session **session, iso_error *err)
+static iso_status tell(const blender_run *run, iso_blender_session *s, iso_error *err)
 {
-    if (*session && (*session)->threads == run->threads && strcmp((*session)->blender, run->blender) == 0) {
-        iso_process_say((*session)->process, run->description);
+    if (s->process && s->threads == run->threads && strcmp(s->blender, run->blender) == 0) {
+        iso_process_say(s->process, run->description);
         return ISO_OK;
     }
-    iso_blender_session_end(*session);
-    *session = NULL;
-    return start(run, session, err);
+    stop(s);
+    return start(run, s, err);
 }
 
 static iso_status run_blender(const blender_run *run, const iso_blender_options *opt, const iso_progress *progress,
                               iso_error *err)
 {
-    iso_blender_session *own = NULL, **session = opt->session ? opt->session : &own;
+    iso_blender_session own = {0}, *s = opt->session && *opt->session ? *opt->session : &own;
     listener l = {.progress = progress, .stats = opt->stats};
     const iso_process_options options = {.line = take_line, .user = &l};
     bool ended = true;
-    iso_status status = tell(run, session, err);
-    if (status != ISO_OK)
+    iso_status status = tell(run, s, err);
+    if (status != ISO_OK) {
+        stop(s);
         return status;
-    status = iso_process_listen((*session)->process, "isoshade: finished", &options, &ended, err);
+    }
+    status = iso_process_listen(s->process, "isoshade: finished", &options, &ended, err);
     if (status != ISO_OK && l.lack[0])
         status = iso_fail(err, ISO_E_MISSING, "%s", l.lack);
     else if (status != ISO_OK && l.refusal[0])
         status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", run->blender, l.refusal);
     else if (status != ISO_OK && l.failure[0])
         status = iso_fail(err, ISO_E_PROGRAM, "%s: %s", run->blender, l.failure);
-    if (ended || !opt->session) {
-        iso_blender_session_end(*session);
-        *session = NULL;
-    }
+    if (ended || s == &own)
+        stop(s);
     return status;
 }
 
@@ -291,15 +322,23 @@ iso_status iso_blender_check_path(const char *blend_path, iso_error *err)
 iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *out, const char *folder,
                             const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
+    char *data = NULL, *saved = iso_path_join(folder, "saved.blend");
+    size_t size = 0;
     iso_status status = iso_output_begin(out, blend_path, err);
-    char *target = status == ISO_OK ? realpath(out->temp_path, NULL) : NULL;
-    if (status == ISO_OK && !target)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", blend_path);
-    if (status != ISO_OK) {
+    if (status == ISO_OK && !saved)
+        status = iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    if (status == ISO_OK) {
+        json_object_set_new(about, "save", json_string(saved));
+        status = iso_blender_run(about, folder, opt, progress, err);
+    } else {
         json_decref(about);
-        return status;
     }
-    json_object_set_new(about, "save", json_string(target));
-    free(target);
-    return iso_blender_run(about, folder, opt, progress, err);
+    /* Blender may write into its own folder alone. */
+    if (status == ISO_OK)
+        status = iso_file_read(saved, &data, &size, err);
+    if (status == ISO_OK)
+        status = iso_file_write(out->temp_path, data, size, err);
+    free(data);
+    free(saved);
+    return status;
 }

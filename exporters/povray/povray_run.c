@@ -222,7 +222,7 @@ static iso_status run_povray(const render_job *job, size_t first, size_t count, 
                           begin,
                           end,
                           NULL};
-    const iso_process_options options = {.directory = job->dir, .line = take_progress, .user = run};
+    const iso_process_options options = {.directory = job->dir, .sandbox = {.private_home = true}, .line = take_progress, .user = run};
     return iso_povray_run_program(argv, &options, err);
 }
 

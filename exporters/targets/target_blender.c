@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/process.h"
 #include "blender/blender.h"
 #include "targets/targets.h"
@@ -153,8 +154,10 @@ static iso_status open_blender(const char *output, iso_image *picture, iso_error
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK) {
         const char *argv[] = {program, "-b", output, "--python-text", "isoshade agreement", "-f", "1", NULL};
-        const iso_process_options options = {.timeout_seconds = 600};
-        status = iso_process_run(argv, &options, err);
+        char *folder = iso_path_dir(exr);
+        const iso_process_options options = {.sandbox = {.output = folder}, .timeout_seconds = 600};
+        status = folder ? iso_process_run(argv, &options, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        free(folder);
     }
     if (status == ISO_OK)
         status = iso_image_load_exr(exr, picture, err);

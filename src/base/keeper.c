@@ -13,8 +13,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+extern char **environ;
+
 /* The program itself. */
-static void run_program(const char *const argv[], const char *directory, int in, int out, const sigset_t *mask)
+static void run_program(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out,
+                        const sigset_t *mask)
 {
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -29,7 +32,10 @@ static void run_program(const char *const argv[], const char *directory, int in,
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
     close(out);
-    execv(argv[0], (char *const *)argv);
+    close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+    if (!iso_sandbox_enter(box))
+        _exit(126);
+    execve(argv[0], (char *const *)argv, box->environment ? box->environment : environ);
     _exit(127);
 }
 
@@ -101,7 +107,7 @@ static void keep(pid_t program, const sigset_t *wanted)
     end_like(result);
 }
 
-pid_t iso_keeper_start(const char *const argv[], const char *directory, int in, int out)
+pid_t iso_keeper_start(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out)
 {
     sigset_t wanted, before;
     sigemptyset(&wanted);
@@ -127,7 +133,7 @@ pid_t iso_keeper_start(const char *const argv[], const char *directory, int in, 
     if (program < 0)
         _exit(127);
     if (program == 0)
-        run_program(argv, directory, in, out, &before);
+        run_program(argv, directory, box, in, out, &before);
     /* Pipes of other programs that are run at the same time may be open here: they would not see their end. */
     close_range(0, ~0U, 0);
     keep(program, &wanted);

@@ -9,10 +9,12 @@
 
 #include <sys/types.h>
 
-/* The keeper's number, which is its process group's; -1 with errno. in: what the program reads from, below 0: nothing.
- * out: its stdout and stderr. Exit codes of its own: 126 where the folder or stdin cannot be had, 127 where the program
- * cannot be started. */
-pid_t iso_keeper_start(const char *const argv[], const char *directory, int in, int out);
+#include "base/sandbox.h"
+
+/* The keeper's number, which is its process group's; -1 with errno. box: what the program may do; the keeper stays outside.
+ * in: what the program reads from, below 0: nothing. out: its stdout and stderr. Exit codes of its own: 126 where the
+ * folder, stdin or the sandbox cannot be had, 127 where the program cannot be started. */
+pid_t iso_keeper_start(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out);
 
 /* Tells it to end everything now. It has to be waited for all the same. */
 void iso_keeper_stop(pid_t keeper);

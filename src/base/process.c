@@ -20,6 +20,7 @@
 #include "base/file.h"
 #include "base/keeper.h"
 #include "base/parallel.h"
+#include "base/temporary.h"
 #include "base/unfinished.h"
 #include "base/words.h"
 #include "base/work.h"
@@ -196,6 +197,7 @@ struct iso_process {
     pid_t pid;
     int in, out; /* its stdin, -1: nothing to be read from; its stdout and stderr */
     char name[64];
+    char *folder; /* that was made for it; or NULL */
     line_log log;
 };
 
@@ -212,18 +214,17 @@ static iso_status failure(void)
 }
 
 /* talks: it can be told lines. A socket, since writing to a pipe that nobody reads would end this process. */
-static iso_status begin(const char *const argv[], const char *directory, bool talks, iso_process *p, iso_error *err)
+static iso_status begin_in(const char *const argv[], const char *directory, const iso_sandbox *box, bool talks,
+                           iso_process *p, iso_error *err)
 {
     int in[2] = {-1, -1}, out[2];
-    *p = (iso_process){.in = -1};
-    snprintf(p->name, sizeof p->name, "%s", iso_path_base(argv[0]));
     if (pipe2(out, O_CLOEXEC) != 0)
         return iso_fail(err, failure(), "%s: no pipe: %s", p->name, strerror(errno));
     if (talks && socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, in) != 0) {
         close_both(out);
         return iso_fail(err, failure(), "%s: no socket: %s", p->name, strerror(errno));
     }
-    p->pid = iso_keeper_start(argv, directory, in[0], out[1]);
+    p->pid = iso_keeper_start(argv, directory, box, in[0], out[1]);
     if (p->pid < 0) {
         const int cause = errno;
         close_both(in);
@@ -238,6 +239,35 @@ static iso_status begin(const char *const argv[], const char *directory, bool ta
     p->in = in[1];
     p->out = out[0];
     return ISO_OK;
+}
+
+static void remove_folder(iso_process *p)
+{
+    if (p->folder)
+        iso_remove_tree(p->folder);
+    free(p->folder);
+    p->folder = NULL;
+}
+
+static iso_status begin(const char *const argv[], const char *directory, const iso_sandbox_wish *wish, bool talks,
+                        iso_process *p, iso_error *err)
+{
+    iso_sandbox box = {0};
+    iso_status status = ISO_OK;
+    *p = (iso_process){.in = -1};
+    snprintf(p->name, sizeof p->name, "%s", iso_path_base(argv[0]));
+    const bool has_box = wish->kind != ISO_SANDBOX_NONE && iso_sandbox_is_on();
+    if (has_box && !directory && !(p->folder = iso_make_temp_dir()))
+        return iso_fail(err, ISO_E_IO, "%s: no temporary folder can be made", p->name);
+    if (has_box)
+        status = iso_sandbox_prepare(wish, directory ? directory : p->folder, &box, err);
+    if (status == ISO_OK)
+        status = begin_in(argv, directory, &box, talks, p, err);
+    if (has_box)
+        iso_sandbox_release(&box);
+    if (status != ISO_OK)
+        remove_folder(p);
+    return status;
 }
 
 static double seconds_of(struct timeval t)
@@ -266,6 +296,7 @@ static int reap(iso_process *p, double deadline, drain_end *end, struct rusage *
     while (wait4(p->pid, &result, 0, used) < 0 && errno == EINTR) {
     }
     iso_work_add_end(p->name, seconds_of(used->ru_utime) + seconds_of(used->ru_stime));
+    remove_folder(p);
     return result;
 }
 
@@ -342,7 +373,7 @@ iso_status iso_process_run(const char *const argv[], const iso_process_options *
     bool ended;
     options = options ? options : &no_options;
     watch_signals();
-    iso_status status = begin(argv, options->directory, false, &p, err);
+    iso_status status = begin(argv, options->directory, &options->sandbox, false, &p, err);
     if (status == ISO_OK)
         status = listen_to(&p, NULL, options, &ended, err);
     restore_signals();
@@ -351,13 +382,14 @@ iso_status iso_process_run(const char *const argv[], const iso_process_options *
 
 /* ---- one that stays ---- */
 
-iso_status iso_process_start(const char *const argv[], const char *directory, iso_process **process, iso_error *err)
+iso_status iso_process_start(const char *const argv[], const char *directory, const iso_sandbox_wish *sandbox,
+                             iso_process **process, iso_error *err)
 {
     iso_process *p = malloc(sizeof *p);
     *process = NULL;
     if (!p)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory to start it", iso_path_base(argv[0]));
-    const iso_status status = begin(argv, directory, true, p, err);
+    const iso_status status = begin(argv, directory, sandbox, true, p, err);
     if (status == ISO_OK)
         *process = p;
     else

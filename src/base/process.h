@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "base/sandbox.h"
 #include "base/status.h"
 
 /* The path of a program: the environment variable ISOSHADE_<NAME> when it is
@@ -27,7 +28,8 @@ typedef struct iso_process_outcome {
 iso_status iso_process_find_named(const char *what, const char *name, char **path, iso_error *err);
 
 typedef struct iso_process_options {
-    const char *directory;                      /* working directory; NULL: unchanged */
+    const char *directory;                      /* working directory, which is the sandbox's folder; NULL: unchanged */
+    iso_sandbox_wish sandbox;                   /* its folder is a fresh one, and removed, where there is no directory */
     void (*line)(void *user, const char *line); /* each line of stdout and stderr; may be NULL */
     void *user;
     double timeout_seconds; /* 0: that of iso_process_set_limit() */
@@ -58,13 +60,14 @@ bool iso_process_was_stopped(void);
 
 /* It reads lines from its stdin. Belongs to the thread that starts it, and ends with it at the latest. */
 typedef struct iso_process iso_process;
-iso_status iso_process_start(const char *const argv[], const char *directory, iso_process **process, iso_error *err);
+iso_status iso_process_start(const char *const argv[], const char *directory, const iso_sandbox_wish *sandbox,
+                             iso_process **process, iso_error *err);
 
 /* Sends a line. A program that has ended says so when it is listened to. */
 void iso_process_say(iso_process *process, const char *line);
 
 /* Takes output until a line is `until`: then the program waits for its next line. *ended: it came to its end instead, which
- * is told as iso_process_run() does; nothing more can be said to it. options->directory is not looked at. */
+ * is told as iso_process_run() does; nothing more can be said to it. options->directory and sandbox are not looked at. */
 iso_status iso_process_listen(iso_process *process, const char *until, const iso_process_options *options, bool *ended,
                               iso_error *err);
 

@@ -61,7 +61,11 @@ static iso_status ask(const all_bench *b, const char *program, const char *comma
     text out = {0};
     iso_process_outcome took = {0};
     out.to = open_memstream(&out.bytes, &out.size);
-    const iso_process_options options = {.directory = b->folder, .line = take_line, .user = &out, .outcome = &took};
+    const iso_process_options options = {.directory = b->folder,
+                                         .sandbox = {.kind = ISO_SANDBOX_NONE},
+                                         .line = take_line,
+                                         .user = &out,
+                                         .outcome = &took};
     iso_status status = ISO_OK;
     if (words && out.to) {
         split(words, program, argv);

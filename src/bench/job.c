@@ -80,7 +80,7 @@ static iso_status run_validate(const job_options *o, const iso_cli *cli, int whi
     if (status == ISO_OK && which == BEFORE)
         setenv(ISO_RENDERERS_APART, "1", 1);
     if (status == ISO_OK)
-        status = iso_process_run(argv, &(iso_process_options){.outcome = &outcome}, &why);
+        status = iso_process_run(argv, &(iso_process_options){.sandbox = {.kind = ISO_SANDBOX_NONE}, .outcome = &outcome}, &why);
     unsetenv(ISO_RENDERERS_APART);
     if (status != ISO_OK && (outcome.exit_code != ISO_E_DIFFERS || !iso_path_exists(json)))
         status = iso_fail(err, status, "bench job: %s: %s", run_names[which], why.text);

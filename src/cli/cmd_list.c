@@ -2,6 +2,7 @@
 /* cmd_list.c - the tables that the program is made of: formats, codes, estimators, targets. */
 #include <stdio.h>
 
+#include "base/sandbox.h"
 #include "blender/blender.h"
 #include "encode/code.h"
 #include "figure/job.h"
@@ -81,9 +82,14 @@ static iso_status list(const iso_cli *cli, bool markdown)
         else
             iso_cli_print_names(stdout, list_at(i));
     }
+    char sandbox[200];
+    iso_sandbox_describe(sandbox, sizeof sandbox);
+    if (!cli->json && !markdown) /* the machine's, not the program's */
+        printf("\nsandbox:\n  %s\n", sandbox);
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
         json_object_set(root, "lists", all);
+        json_object_set_new(root, "sandbox", json_string(sandbox));
         iso_cli_print_json(root);
     }
     json_decref(all);

@@ -143,8 +143,10 @@ void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor vi
 }
 
 /* Only what is said: a command that another one runs, as validate --suite runs make, leaves the other's options. */
-static iso_status take_common(double timeout, bool full_paths, bool no_provenance, iso_error *err)
+static iso_status take_common(double timeout, bool no_sandbox, bool full_paths, bool no_provenance, iso_error *err)
 {
+    if (no_sandbox)
+        iso_sandbox_set(false);
     if (full_paths && no_provenance)
         return iso_fail(err, ISO_E_USAGE, "--full-paths and --no-provenance exclude each other");
     if (full_paths || no_provenance)
@@ -162,13 +164,14 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
 {
     *cli = (iso_cli){.argc = argc, .argv = argv, .command = command};
     *next = ISO_CLI_RUN;
-    int help = 0, no_provenance = 0, full_paths = 0;
+    int help = 0, no_sandbox = 0, no_provenance = 0, full_paths = 0;
     double timeout = -HUGE_VAL; /* not said */
     struct poptOption common[] = {
         {"json", 0, POPT_ARG_NONE, &cli->json, 0, "one JSON object on stdout", NULL},
         {"quiet", 'q', POPT_ARG_NONE, &cli->quiet, 0, "no progress", NULL},
         {"threads", 0, POPT_ARG_INT, &cli->threads, 0, "threads; 0: all cores", "N"},
         {"timeout", 0, POPT_ARG_DOUBLE, &timeout, 0, "limit of each run of another program; 0: none", "SECONDS"},
+        {"no-sandbox", 0, POPT_ARG_NONE, &no_sandbox, 0, "other programs may write anywhere and use the network", NULL},
         {"full-paths", 0, POPT_ARG_NONE, &full_paths, 0, "outputs name files with their folders", NULL},
         {"no-provenance", 0, POPT_ARG_NONE, &no_provenance, 0, "outputs hold no command and no input's name", NULL},
         {"help", 'h', POPT_ARG_NONE, &help, 0, "this text", NULL},
@@ -204,7 +207,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         *next = ISO_CLI_STOP;
         return ISO_OK;
     }
-    status = take_common(timeout, full_paths, no_provenance, err);
+    status = take_common(timeout, no_sandbox, full_paths, no_provenance, err);
     if (status != ISO_OK)
         return status;
     if (!cli->quiet)

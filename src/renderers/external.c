@@ -190,6 +190,7 @@ static iso_status run(start *s, const char *const *words, const char *last, iso_
         argv[0] = program;
         argv[count] = last;
         const iso_process_options options = {.directory = s->dir,
+                                             .sandbox = {.kind = e->has_all_rights ? ISO_SANDBOX_NONE : ISO_SANDBOX_DEVICE},
                                              .line = keep_line,
                                              .user = &s->said,
                                              .timeout_seconds = time_limit(e),

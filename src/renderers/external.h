@@ -7,12 +7,14 @@
  *
  * A start: a folder of its own, in which the request and the embedded files are, and which is the working directory; no
  * shell; the path of request.json as the last argument; the time limit of the row or of --timeout, whichever is less. When
- * it has ended, nothing that it began is left running (base/keeper.h). Refused by name: no such program, an exit code
+ * it has ended, nothing that it began is left running (base/keeper.h). In a sandbox for programs that may draw on a graphics
+ * device (base/sandbox.h), unless the row says otherwise. Refused by name: no such program, an exit code
  * other than 0, a signal, the time limit; a picture that is not there, is no file, is older than the request, is no
  * OpenEXR, has another size or not all four channels, or has values that are no numbers. */
 #ifndef ISO_RENDERERS_EXTERNAL_H
 #define ISO_RENDERERS_EXTERNAL_H
 
+#include "base/sandbox.h"
 #include "renderers/renderers.h"
 
 /* A text that is written into the folder, such as a script by base/embed.h. */
@@ -30,6 +32,7 @@ typedef struct iso_external {
     const iso_external_file *files; /* ends with a NULL name; or NULL */
     const char *tier;               /* "samples", "limit" or "8 bits": for reports */
     double timeout_seconds;         /* of a start; 0: --timeout alone */
+    bool has_all_rights;            /* it is started without a sandbox, for a reason that stands beside it */
 } iso_external;
 
 iso_status iso_external_version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size,

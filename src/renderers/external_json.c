@@ -173,6 +173,9 @@ static void get_numbers(iso_json_reader *r, row *to)
     iso_json_get_size(r, to->json, "samples", false, 0, 1 << 20, &samples);
     iso_json_get_number(r, to->json, "step_voxels", false, 1.0 / 4096, 64, &info->defaults.step_voxels);
     iso_json_get_number(r, to->json, "timeout_seconds", false, 0.001, 1e9, &to->external.timeout_seconds);
+    bool has_sandbox = true;
+    iso_json_get_bool(r, to->json, "sandbox", false, &has_sandbox);
+    to->external.has_all_rights = !has_sandbox;
     info->defaults.samples = (int)samples;
     if (info->seeds)
         info->traits |= ISO_IS_RANDOM | ISO_READS_SEED;
@@ -184,7 +187,7 @@ static iso_status read_row(row *to, size_t number, iso_error *err)
 {
     static const char *const keys[] = {"name",  "title",       "command",         "version", "package", "tier",
                                        "can",   "seeds",       "samples",         "bits",    "limits",  "why",
-                                       "color", "step_voxels", "timeout_seconds", NULL};
+                                       "color", "step_voxels", "timeout_seconds", "sandbox", NULL};
     static const char *const colors[] = {"#cc79a7", "#56b4e9", "#e69f00", "#8c6d31", "#7b4173", "#637939"};
     char where[1100];
     const char *name = json_string_value(json_object_get(to->json, "name"));

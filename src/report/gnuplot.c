@@ -178,7 +178,7 @@ iso_status iso_gnuplot_picture(const char *output, double width, double height, 
     if (status == ISO_OK)
         status = write_script(script, format, out.temp_path, width, height, write, user, err);
     if (status == ISO_OK) {
-        const iso_process_options process = {.timeout_seconds = 600};
+        const iso_process_options process = {.sandbox = {.output = out.temp_path}, .timeout_seconds = 600};
         status = iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &process, err);
     }
     if (status == ISO_OK)

@@ -4,13 +4,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/beside.h"
+#include "base/sandbox.h"
 #include "volume/child_stream.h"
 
 typedef struct child {
@@ -19,21 +19,39 @@ typedef struct child {
     const iso_child_program *program;
 } child;
 
-extern char **environ;
+/* The program itself, by system calls alone: it may write nothing but its output, which is ours to read. What it and its
+ * libraries print goes nowhere. */
+static void run_program(const char *const words[], const iso_sandbox *box, int output)
+{
+    const int nothing = open("/dev/null", O_RDWR);
+    dup2(nothing, STDIN_FILENO);
+    dup2(nothing, STDERR_FILENO);
+    dup2(output, STDOUT_FILENO);
+    close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+    if (nothing >= 0 && iso_sandbox_enter(box))
+        execv(words[0], (char *const *)words);
+    _exit(127);
+}
 
-/* Starts the program, whose output is ours to read; what it and its libraries print goes nowhere. */
 static iso_status start(child *r, const char *const words[], iso_error *err)
 {
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0)
-        return iso_fail(err, ISO_E_IO, "%s: no pipe: %s", words[1], strerror(errno));
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    const int failed = posix_spawn(&r->pid, words[0], &actions, NULL, (char *const *)words, environ);
-    posix_spawn_file_actions_destroy(&actions);
+    iso_sandbox box;
+    if (access(words[0], X_OK) != 0)
+        return iso_fail(err, ISO_E_MISSING, "%s: cannot be started: %s", words[0], strerror(errno));
+    iso_status status = iso_sandbox_prepare(&(iso_sandbox_wish){.kind = ISO_SANDBOX_CLOSED}, NULL, &box, err);
+    if (status != ISO_OK)
+        return status;
+    if (pipe2(ends, O_CLOEXEC) != 0) {
+        status = iso_fail(err, ISO_E_IO, "%s: no pipe: %s", words[1], strerror(errno));
+        iso_sandbox_release(&box);
+        return status;
+    }
+    r->pid = fork();
+    if (r->pid == 0)
+        run_program(words, &box, ends[1]);
+    const int failed = r->pid < 0 ? errno : 0;
+    iso_sandbox_release(&box);
     close(ends[1]);
     r->output = failed ? NULL : fdopen(ends[0], "rb");
     if (!r->output)
@@ -46,7 +64,8 @@ static iso_status get(iso_volume_source *source, void *data, size_t bytes, iso_e
     const child *r = source->reader;
     if (r && r->output && fread(data, 1, bytes, r->output) == bytes)
         return ISO_OK;
-    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s ends before the samples do", source->path, r->program->library);
+    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s ends before the samples do", source->path,
+                    r ? r->program->library : "its reader");
 }
 
 static iso_status get_answer(const iso_child_answer *answer, iso_status status, iso_error *err)

@@ -85,7 +85,7 @@ public:
         limit_seconds(path, SECONDS + static_cast<double>(std::filesystem::file_size(path)) / BYTES_A_SECOND);
         openvdb::initialize();
         openvdb::io::File file(path);
-        file.open();
+        file.open(/*delayLoad=*/false); /* which copies the file first, where nothing may be written */
         std::vector<Entry> all;
         for (auto name = file.beginName(); name != file.endName(); ++name)
             all.push_back({name.gridName(), file.readGridMetadata(name.gridName())->valueType()});

@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "base/sandbox.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <glob.h>
+#include <limits.h>
+#include <linux/audit.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* ---- Landlock: numbers and structures of the kernel, since headers may be older than it ---- */
+
+enum { LANDLOCK_CREATE = 444, LANDLOCK_ADD = 445, LANDLOCK_RESTRICT = 446 }; /* system calls */
+enum { ASK_VERSION = 1, RULE_PATH_BENEATH = 1 };
+
+#define WRITE_FILE (UINT64_C(1) << 1)
+#define REMOVALS (UINT64_C(3) << 4)                             /* of folders and files */
+#define MAKES (UINT64_C(0x7f) << 6)                             /* devices, folders, files, sockets, pipes, links */
+#define RENAMES_BETWEEN (UINT64_C(1) << 13)                     /* from version 2 on */
+#define TRUNCATES (UINT64_C(1) << 14)                           /* 3 */
+#define DEVICE_CONTROLS (UINT64_C(1) << 15)                     /* 5 */
+#define SCOPES UINT64_C(3)                                      /* 6: abstract sockets, signals */
+#define OF_A_FILE (WRITE_FILE | TRUNCATES | DEVICE_CONTROLS)
+
+typedef struct ruleset {
+    uint64_t files, network, scopes;
+} ruleset;
+
+typedef struct __attribute__((packed)) path_rule {
+    uint64_t allowed;
+    int32_t folder;
+} path_rule;
+
+/* 0: the kernel has no Landlock, or it is switched off. */
+static int landlock_version(void)
+{
+    const long version = syscall(LANDLOCK_CREATE, NULL, 0, ASK_VERSION);
+    return version > 0 ? (int)version : 0;
+}
+
+/* What the sandbox refuses, of what a version knows. */
+static uint64_t handled(int version)
+{
+    return WRITE_FILE | REMOVALS | MAKES | (version >= 2 ? RENAMES_BETWEEN : 0) | (version >= 3 ? TRUNCATES : 0) |
+           (version >= 5 ? DEVICE_CONTROLS : 0);
+}
+
+/* false: it is not there, or no rule can be made. */
+static bool allow(int rules, const char *path, uint64_t rights)
+{
+    struct stat st;
+    const int fd = open(path, O_PATH | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    const bool is_there = fstat(fd, &st) == 0;
+    path_rule rule = {.allowed = is_there && S_ISDIR(st.st_mode) ? rights : rights & OF_A_FILE, .folder = fd};
+    const bool is_allowed = is_there && syscall(LANDLOCK_ADD, rules, RULE_PATH_BENEATH, &rule, 0) == 0;
+    close(fd);
+    return is_allowed;
+}
+
+static void allow_in_home(int rules, const char *name, uint64_t rights)
+{
+    char path[PATH_MAX];
+    const char *home = getenv("HOME");
+    if (home && *home && snprintf(path, sizeof path, "%s/%s", home, name) < (int)sizeof path)
+        allow(rules, path, rights);
+}
+
+/* Those of them that this machine has. */
+static void allow_devices(int rules, uint64_t rights)
+{
+    static const char *const devices[] = {"/dev/dri", "/dev/shm", "/dev/kfd", "/dev/udmabuf", "/var/tmp"};
+    for (size_t i = 0; i < sizeof devices / sizeof *devices; ++i)
+        allow(rules, devices[i], rights);
+    glob_t found;
+    if (glob("/dev/nvidia*", GLOB_NOSORT, NULL, &found) == 0) {
+        for (size_t i = 0; i < found.gl_pathc; ++i)
+            allow(rules, found.gl_pathv[i], rights);
+        globfree(&found);
+    }
+    const char *cache = getenv("XDG_CACHE_HOME");
+    if (cache && *cache)
+        allow(rules, cache, rights);
+    else
+        allow_in_home(rules, ".cache", rights);
+    allow_in_home(rules, ".nv", rights);
+}
+
+/* Below 0 where the kernel has no Landlock, or gives no more rules. */
+static int make_rules(const iso_sandbox_wish *wish, const char *folder, iso_status *status, iso_error *err)
+{
+    static const char *const streams[] = {"/dev/null", "/dev/zero", "/dev/full"};
+    const int version = landlock_version();
+    const uint64_t rights = handled(version);
+    const ruleset refused = {.files = rights, .scopes = version >= 6 ? SCOPES : 0};
+    const size_t size = version >= 6 ? sizeof refused : version >= 4 ? 2 * sizeof(uint64_t) : sizeof(uint64_t);
+    const int rules = version > 0 ? (int)syscall(LANDLOCK_CREATE, &refused, size, 0) : -1;
+    if (rules < 0)
+        return rules;
+    for (size_t i = 0; i < sizeof streams / sizeof *streams; ++i)
+        allow(rules, streams[i], rights);
+    if (wish->kind == ISO_SANDBOX_DEVICE)
+        allow_devices(rules, rights);
+    const char *missing = folder && !allow(rules, folder, rights)               ? folder
+                          : wish->output && !allow(rules, wish->output, rights) ? wish->output
+                                                                                : NULL;
+    if (missing)
+        *status = iso_fail(err, ISO_E_IO, "%s: no program can be allowed to write there: %s", missing, strerror(errno));
+    return rules;
+}
+
+/* ---- seccomp ---- */
+
+#ifdef __x86_64__
+/* The numbers of system calls are those of this processor; programs of 32 bits have others. */
+#define SKIP_UNLESS(what, value, count) BPF_JUMP(BPF_JMP | BPF_##what | BPF_K, value, 0, count)
+#define LOAD(field) BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, field))
+#define REFUSE(error) BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | (error))
+#define LET BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)
+enum { SOCKET_OF_32_BITS = 359, SOCKETCALL_OF_32_BITS = 102, FIRST_OF_X32 = 0x40000000, IO_URING_SETUP = 425 };
+
+/* Pairs of sockets are connected with each other alone, and stay allowed. */
+static bool refuse_sockets(bool but_of_this_machine)
+{
+    struct sock_filter filter[] = {
+        LOAD(arch),
+        SKIP_UNLESS(JEQ, AUDIT_ARCH_X86_64, 10),
+        LOAD(nr),
+        SKIP_UNLESS(JGE, FIRST_OF_X32, 1),
+        REFUSE(ENOSYS),
+        SKIP_UNLESS(JEQ, IO_URING_SETUP, 1), /* makes sockets too */
+        REFUSE(ENOSYS),
+        SKIP_UNLESS(JEQ, SYS_socket, 3),
+        LOAD(args[0]),
+        SKIP_UNLESS(JEQ, but_of_this_machine ? AF_UNIX : UINT32_MAX, 4),
+        LET,
+        LET, /* any other call */
+        LOAD(nr), /* of 32 bits */
+        SKIP_UNLESS(JEQ, SOCKETCALL_OF_32_BITS, 1),
+        REFUSE(EACCES),
+        SKIP_UNLESS(JEQ, SOCKET_OF_32_BITS, 1),
+        REFUSE(EACCES),
+        LET,
+    };
+    const struct sock_fprog program = {.len = sizeof filter / sizeof *filter, .filter = filter};
+    return syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, 0, &program) == 0;
+}
+
+static bool has_seccomp(void)
+{
+    const uint32_t action = SECCOMP_RET_ERRNO;
+    return syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0, &action) == 0;
+}
+#else
+static bool refuse_sockets(bool but_of_this_machine)
+{
+    (void)but_of_this_machine;
+    return true;
+}
+
+static bool has_seccomp(void)
+{
+    return false;
+}
+#endif
+
+/* ---- on and off ---- */
+
+#define SWITCH "ISOSHADE_SANDBOX"
+
+void iso_sandbox_set(bool on)
+{
+    setenv(SWITCH, on ? "on" : "off", 1);
+}
+
+bool iso_sandbox_is_on(void)
+{
+    const char *said = getenv(SWITCH);
+    return !said || strcmp(said, "off") != 0;
+}
+
+void iso_sandbox_describe(char *text, size_t size)
+{
+    const int version = landlock_version();
+    char writes[120] = "may write anywhere: this kernel has no Landlock";
+    if (!iso_sandbox_is_on()) {
+        snprintf(text, size, "off: other programs have all rights of yours");
+        return;
+    }
+    if (version > 0)
+        snprintf(writes, sizeof writes, "write into folders of their own alone (Landlock %d%s)", version,
+                 version < 3 ? ", which lets them shorten others' files" : "");
+    snprintf(text, size, "other programs %s, %s", writes,
+             has_seccomp() ? "use no network (seccomp)" : "may use the network: seccomp is missing");
+}
+
+/* ---- before the fork ---- */
+
+static const char *const folder_names[] = {"TMPDIR", "TMP", "TEMP", "HOME"}; /* the last only where it is wished */
+enum { FOLDER_NAMES = sizeof folder_names / sizeof *folder_names };
+
+static void free_environment(char **environment, size_t copies)
+{
+    for (size_t i = 0; environment && i < copies; ++i)
+        free(environment[i]);
+    free(environment);
+}
+
+static bool is_named(const char *setting, const char *name)
+{
+    const size_t length = strlen(name);
+    return strncmp(setting, name, length) == 0 && setting[length] == '=';
+}
+
+/* Ours, with names pointing to the folder: they are copies, and come first. NULL: no memory. */
+static char **make_environment(const char *folder, size_t changed)
+{
+    size_t count = 0, used = 0;
+    while (environ[count])
+        ++count;
+    char **all = calloc(count + changed + 1, sizeof *all);
+    for (; all && used < changed; ++used)
+        if (asprintf(&all[used], "%s=%s", folder_names[used], folder) < 0) {
+            all[used] = NULL;
+            free_environment(all, changed);
+            return NULL;
+        }
+    for (size_t i = 0; all && i < count; ++i) {
+        bool is_kept = true;
+        for (size_t k = 0; k < changed; ++k)
+            is_kept = is_kept && !is_named(environ[i], folder_names[k]);
+        if (is_kept)
+            all[used++] = environ[i];
+    }
+    return all;
+}
+
+iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    *box = (iso_sandbox){.rules = -1};
+    if (wish->kind == ISO_SANDBOX_NONE || !iso_sandbox_is_on())
+        return ISO_OK;
+    char *whole = folder ? realpath(folder, NULL) : NULL;
+    if (folder && !whole)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be a program's folder: %s", folder, strerror(errno));
+    box->closes = true;
+    box->has_sockets = wish->kind == ISO_SANDBOX_DEVICE;
+    box->rules = make_rules(wish, whole, &status, err);
+    box->copies = whole ? (size_t)(FOLDER_NAMES - !wish->private_home) : 0;
+    if (whole)
+        box->environment = make_environment(whole, box->copies);
+    if (whole && !box->environment && status == ISO_OK)
+        status = iso_fail(err, ISO_E_MEMORY, "no memory to start a program");
+    free(whole);
+    if (status != ISO_OK)
+        iso_sandbox_release(box);
+    return status;
+}
+
+void iso_sandbox_release(iso_sandbox *box)
+{
+    if (box->closes && box->rules >= 0)
+        close(box->rules);
+    free_environment(box->environment, box->copies);
+    *box = (iso_sandbox){.rules = -1};
+}
+
+/* ---- behind it ---- */
+
+bool iso_sandbox_enter(const iso_sandbox *box)
+{
+    if (!box->closes)
+        return true;
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
+        return false;
+    if (box->rules >= 0 && syscall(LANDLOCK_RESTRICT, box->rules, 0) != 0)
+        return false;
+    return !has_seccomp() || refuse_sockets(box->has_sockets);
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/* sandbox.h - what a program that is started may do: read what its user may, write into its own folder, use no network.
+ *
+ * It is made of what Linux offers to any process, without a helper and without a namespace, so that it works in containers
+ * and for root alike:
+ *
+ *   Landlock             writes, new files, removals and renames outside of the folders named here fail with EACCES or EXDEV;
+ *                        no signals to processes outside (from Linux 6.12 on)
+ *   seccomp              sockets fail with EACCES, io_uring with ENOSYS
+ *   PR_SET_NO_NEW_PRIVS  no program that it starts gets rights which it has not
+ *   the environment      TMPDIR is its own folder
+ *
+ * Where the kernel lacks a part, the others hold all the same, and iso_sandbox_describe() says what is missing.
+ * Reading is not restricted. */
+#ifndef ISO_SANDBOX_H
+#define ISO_SANDBOX_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+
+typedef enum iso_sandbox_kind {
+    ISO_SANDBOX_CLOSED, /* no sockets at all */
+    ISO_SANDBOX_DEVICE, /* for who may draw on a graphics device: sockets of this machine (AF_UNIX), the devices of
+                         * graphics, and the folders in which drivers keep compiled programs (~/.cache, ~/.nv, /var/tmp) */
+    ISO_SANDBOX_NONE    /* as this process: for isoshade itself, which puts what it starts into sandboxes */
+} iso_sandbox_kind;
+
+typedef struct iso_sandbox_wish {
+    iso_sandbox_kind kind;
+    const char *output; /* one more folder or file that is there, to write to; or NULL */
+    bool private_home;  /* HOME is its own folder, too: settings of the user change nothing */
+} iso_sandbox_wish;
+
+/* Prepared before the fork, entered behind it. {0} is none. */
+typedef struct iso_sandbox {
+    bool closes;        /* it is one */
+    bool has_sockets;   /* those of this machine */
+    int rules;          /* of Landlock; below 0: none */
+    char **environment; /* of the program; NULL: as ours */
+    size_t copies;      /* its first settings, which are not ours */
+} iso_sandbox;
+
+/* folder: the program's own, which is there; NULL: it may write nowhere, and TMPDIR stays. ISO_E_MEMORY; ISO_E_IO where the folder or the output is not there. */
+iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err);
+void iso_sandbox_release(iso_sandbox *box);
+
+/* By the process that becomes the program; makes system calls alone. false: a part that the kernel has was refused. */
+bool iso_sandbox_enter(const iso_sandbox *box);
+
+/* false: programs are started as if all wishes were ISO_SANDBOX_NONE; so do programs of isoshade that these start. At the
+ * start it is true unless the environment variable ISOSHADE_SANDBOX is "off". */
+void iso_sandbox_set(bool on);
+bool iso_sandbox_is_on(void);
+
+/* "writes in their own folders only (Landlock 7), no network (seccomp)", and what is missing. */
+void iso_sandbox_describe(char *text, size_t size);
+
+#endif

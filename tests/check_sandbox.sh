@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# What a program that is started may do: no more than its work needs. Planted ones try more, and say what they came to; the
+# same ones without the sandbox succeed.
+. "$(dirname "$0")/lib.sh"
+isoshade() { "$ISOSHADE" "$@"; }
+has_landlock() { isoshade list | grep -q 'into folders of their own alone (Landlock'; }
+shortens() { if isoshade list | grep -q 'lets them shorten'; then echo yes; else echo no; fi; } # before Linux 6.2
+has_seccomp() { isoshade list | grep -q 'use no network (seccomp)'; }
+mkdir outside bin
+isoshade make shells --size 9 -q -o s.nrrd || exit 1
+python_with socket
+
+# What a program could do; a line "error: ..." is what isoshade shows of a program that fails.
+cat >try.sh <<END
+#!/bin/bash
+case "\$*" in *-version*) echo "POV-Ray 3.7.0.10"; exit 0 ;; esac
+outside=$dir/outside
+can() { if "\$@" >/dev/null 2>&1; then echo yes; else echo no; fi; }
+write() { echo x >"\$1"; }
+echo x >own
+echo "error: makes \$(can write \$outside/new.\$\$) shortens \$(can truncate -s 0 \$outside/there)" \\
+     "removes \$(can rm \$outside/gone) renames \$(can mv own \$outside/own) links \$(can ln -s / \$outside/link.\$\$)" \\
+     "own \$(can write \$TMPDIR/own) reads \$(can cat \$outside/there)" \\
+     "network \$(can $python -c 'import socket; socket.socket()')" \\
+     "unix \$(can $python -c 'import socket; socket.socket(socket.AF_UNIX)')" \\
+     "raw \$(can $python -c 'import socket; socket.socket(socket.AF_NETLINK, socket.SOCK_RAW)')" \\
+     "pair \$(can $python -c 'import socket; socket.socketpair()')" \\
+     "tmpdir \$([ \$(realpath "\$TMPDIR") = \$PWD ] && echo own) home \$([ \$(realpath "\$HOME") = \$PWD ] && echo own || echo user)"
+exit 1
+END
+chmod +x try.sh
+cp try.sh bin/povray
+said() { # COMMAND ...: what the program says of itself
+    echo x >outside/there && echo x >outside/gone && rm -f outside/own
+    "$@" 2>&1 >/dev/null | grep -o 'makes .*'
+}
+scene=$top/refscenes/shells.scene.json
+povray() { said env ISOSHADE_POVRAY="$dir/bin/povray" "$ISOSHADE" render s.nrrd --scene "$scene" --with povray --size 8 -q -o o.exr "$@"; }
+cat >r.json <<'END'
+{"schema": "isoshade.renderers/1", "renderers": [
+ {"name": "in", "command": ["./try.sh"], "tier": "limit", "can": ["lights"]},
+ {"name": "out", "command": ["./try.sh"], "tier": "limit", "can": ["lights"], "sandbox": false}]}
+END
+external() { said "$ISOSHADE" render s.nrrd --scene "$scene" --with "$1" --renderers r.json --size 8 -q -o o.exr "${@:2}"; }
+is() { # NAME WANTED IS
+    if [ "$3" = "$2" ]; then ok "$1"; else not_ok "$1" "it says: $3"; fi
+}
+files() { echo "makes $1 shortens $2 removes $1 renames $1 links $1 own yes reads yes"; }
+if has_landlock && has_seccomp; then
+    is povray_may_write_and_talk_nowhere_else "$(files no "$(shortens)") network no unix no raw no pair yes tmpdir own home own" "$(povray)"
+    is a_renderer_of_somebody_may_speak_to_a_display "$(files no "$(shortens)") network no unix yes raw no pair yes tmpdir own home user" "$(external in)"
+    check what_they_tried_left_nothing test "$(ls outside)" = "$(printf 'gone\nthere')"
+else
+    skip a_sandbox_that_holds "$(isoshade list | sed -n '/^sandbox:/{n;s/^ *//p}')"
+fi
+# Planted: the same programs without it, in each of the three ways to say so.
+all="$(files yes yes) network yes unix yes raw yes pair yes"
+without() { sed 's/ tmpdir .*//'; }
+export TMPDIR=$dir # TMPDIR of the caller is kept then
+is without_a_sandbox_povray_may_all "$all" "$(povray --no-sandbox | without)"
+is as_by_the_environment "$all" "$(ISOSHADE_SANDBOX=off povray | without)"
+is a_row_of_renderers_json_says_so "$all" "$(external out | without)"
+check a_sandbox_that_is_off_is_told grep -q 'off: other programs have all rights of yours' <(isoshade list --no-sandbox)
+
+# ---- readers of other libraries' formats are programs, too: a damaged file may make one do anything but write and talk ----
+mkdir beside
+cp "$(readlink -f "$ISOSHADE")" beside/isoshade
+printf '#!/bin/sh\necho x >%s/outside/read\n' "$dir" >beside/isoshade-vdb
+chmod +x beside/isoshade-vdb
+cp "$top/tests/fuzz/seeds/vdb/v.vdb" v.vdb
+if has_landlock; then
+    beside/isoshade info v.vdb >/dev/null 2>&1
+    check a_reader_may_write_nothing test ! -e outside/read
+fi
+beside/isoshade info v.vdb --no-sandbox >/dev/null 2>&1
+check without_a_sandbox_it_may test -e outside/read
+
+# ---- pictures by gnuplot stand outside of its folder, which it may write to alone ----
+isoshade tf show "$top/refscenes/hero.tf.json" -o tf.png -q
+check gnuplot_draws_where_it_was_told test -s tf.png
+exit $failed
