@@ -93,9 +93,11 @@ static void programs_of_two_threads_run_at_once_and_one_signal_ends_both(void **
     (void)state;
     char *fifo = iso_path_join(folder, "fifo");
     assert_int_equal(mkfifo(fifo, 0600), 0);
-    run runs[2] = {{.argv = {"/bin/sh", "-c", "echo up >\"$0\"; exec sleep 3600", fifo, NULL}},
+    const iso_sandbox_wish all_rights = {.kind = ISO_SANDBOX_NONE}; /* the fifo is in no folder of theirs */
+    run runs[2] = {{.argv = {"/bin/sh", "-c", "echo up >\"$0\"; exec sleep 3600", fifo, NULL},
+                    .options = {.sandbox = all_rights}},
                    {.argv = {"/bin/sh", "-c", "read up <\"$0\"; echo ready; exec sleep 3600", fifo, NULL},
-                    .options = {.line = send_interrupt}}};
+                    .options = {.line = send_interrupt, .sandbox = all_rights}}};
     pthread_t threads[2];
     for (int i = 0; i < 2; ++i)
         assert_int_equal(pthread_create(&threads[i], NULL, run_in_a_thread, &runs[i]), 0);
