@@ -69,6 +69,15 @@ check reproduce_commands_give_the_images_of_the_report run_commands < <(commands
 commands report 'gl, limit' | sed 's/ --limit//' >planted
 expect a_command_that_gives_another_image_is_noticed 1 run_commands <planted
 
+# The formula of a ramp does not hold for its coarse levels, which is said; all else is compared.
+mkdir coarse && cp "$suite/negative-ramp.scene.json" coarse
+expect a_level_without_a_formula_does_not_end_a_suite 0 validate --suite coarse --levels 2 --size 8 -o coarse-report
+check it_is_said_of_the_level grep -q 'not compared: negative-ramp, level 1, gl, limit: the scene.s formula does not hold for this level: ' "$dir/out"
+check the_sentence_counts_it grep -q 'not compared: 1 case of a level that no formula holds for' coarse-report/report.json
+check and_the_level_is_compared_by_the_same_samples python3 -c 'import json
+rows = [r for r in json.load(open("coarse-report/report.json"))["agreement"] if r["level"] == 1]
+assert any(r["verdict"] == "agree" for r in rows) and any(r.get("not_compared") == "formula" for r in rows)'
+
 mkdir false bare
 sed 's/"constant --size/"noise --size/' "$suite/constant.scene.json" >false/false.scene.json
 refuse a_closed_form_that_is_none_is_refused 5 "off a linear field" validate --suite false -o no

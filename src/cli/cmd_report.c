@@ -192,7 +192,7 @@ const iso_command iso_command_report = {
         "calibrations a tenth of their limit (half of it in rows with noise), of levels .001. A picture differs by the same tolerance.\n"
         "Times, dates, commands, folders and the machine are no difference. DIR/index.html shows both pictures in turn, parted by\n"
         "a slider, and their difference; DIR/difference.json has all as data.\n"
-        "Exit code 0: no difference; 1: there is one.",
+        "Exit code 0: no difference; 1: there is one, such as a picture that is gone; 3 or 4: a file that is there cannot be read.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 2 --with gl --size 32 -o report-then\n"

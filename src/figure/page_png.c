@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
+
 typedef struct canvas {
     size_t wide, high;
     unsigned char *rgb;
@@ -50,14 +52,21 @@ static void put_over(canvas *c, const unsigned char *rgba)
     }
 }
 
+/* The file is read by ourselves: libpng does not tell a file that cannot be read from one that is no PNG. */
 static iso_status read_overlay(const char *path, const canvas *c, unsigned char **rgba, iso_error *err)
 {
     png_image png = {.version = PNG_IMAGE_VERSION};
+    char *bytes = NULL;
+    size_t size;
     *rgba = NULL;
-    if (!png_image_begin_read_from_file(&png, path))
-        return iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png.message);
+    iso_status status = iso_file_read(path, &bytes, &size, err);
+    if (status == ISO_OK && !png_image_begin_read_from_memory(&png, bytes, size))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png.message);
+    if (status != ISO_OK) {
+        free(bytes);
+        return status;
+    }
     png.format = PNG_FORMAT_RGBA;
-    iso_status status = ISO_OK;
     if (png.width != c->wide || png.height != c->high)
         status = iso_fail(err, ISO_E_FORMAT, "%s: gnuplot drew %u x %u dots of %zu x %zu", path, png.width, png.height,
                           c->wide, c->high);
@@ -66,6 +75,7 @@ static iso_status read_overlay(const char *path, const canvas *c, unsigned char 
     else if (!png_image_finish_read(&png, NULL, *rgba, 0, NULL))
         status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png.message);
     png_image_free(&png);
+    free(bytes);
     return status;
 }
 

@@ -31,7 +31,8 @@ typedef struct iso_difference_source {
 /* The rows and the facts, new: keys as in doc/formats.md, but for the pictures. ISO_E_FORMAT: no report. */
 iso_status iso_difference_of(const json_t *a, const json_t *b, bool results_only, json_t **difference, iso_error *err);
 
-/* Adds "pictures", and to inlined, where it is not NULL, what the page shows of those that differ. */
+/* Adds "pictures", and to inlined, where it is not NULL, what the page shows of those that differ. A picture that is there
+ * and cannot be read is an error, with the reader's status. */
 iso_status iso_difference_add_pictures(json_t *difference, const iso_difference_source *a,
                                        const iso_difference_source *b, json_t *inlined, iso_error *err);
 

@@ -92,20 +92,31 @@ static iso_status inline_pair(const picture_pair *p, const iso_difference_source
     return status;
 }
 
-/* Both pictures; where one cannot be read, the reason is left in *problem, to be freed. */
-static void load(picture_pair *p, const iso_difference_source *const of[2], char **problem)
+/* Both pictures. One that is gone, or two of other sizes, are a difference: the reason is left in *problem, to be freed.
+ * One that is there and cannot be read is none: nobody has looked at it. */
+static iso_status load(picture_pair *p, const iso_difference_source *const of[2], char **problem, iso_error *err)
 {
-    for (int i = 0; i < 2 && !*problem; ++i) {
-        iso_error why = {""};
+    iso_status status = ISO_OK;
+    int wrote = 0;
+    for (int i = 0; i < 2 && !*problem && status == ISO_OK; ++i) {
         char *exr = path_of(of[i]->dir, p->name, "exr");
-        if (!exr || iso_image_load_exr(exr, &p->images[i], &why) != ISO_OK)
-            *problem = strdup(why.text[0] ? why.text : "out of memory");
+        if (!exr)
+            status = iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
+        else if (!iso_path_exists(exr))
+            wrote = asprintf(problem, "%s: no such file", exr);
+        else
+            status = iso_image_load_exr(exr, &p->images[i], err);
         free(exr);
     }
-    if (!*problem && (p->images[0].width != p->images[1].width || p->images[0].height != p->images[1].height) &&
-        asprintf(problem, "%zu x %zu pixels in A, %zu x %zu in B", p->images[0].width, p->images[0].height,
-                 p->images[1].width, p->images[1].height) < 0)
+    if (status == ISO_OK && !*problem && wrote == 0 &&
+        (p->images[0].width != p->images[1].width || p->images[0].height != p->images[1].height))
+        wrote = asprintf(problem, "%zu x %zu pixels in A, %zu x %zu in B", p->images[0].width, p->images[0].height,
+                         p->images[1].width, p->images[1].height);
+    if (wrote < 0) {
         *problem = NULL;
+        status = iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
+    }
+    return status;
 }
 
 /* Adds the picture to list where it differs. */
@@ -114,11 +125,10 @@ static iso_status compare_pair(picture_pair *p, const iso_difference_source *con
 {
     char *problem = NULL;
     iso_metrics m;
-    iso_status status = ISO_OK;
-    load(p, of, &problem);
-    if (problem) {
+    iso_status status = load(p, of, &problem, err);
+    if (status == ISO_OK && problem) {
         json_array_append_new(list, describe_problem(p->name, problem));
-    } else if (!has_the_same_pixels(&p->images[0], &p->images[1])) {
+    } else if (status == ISO_OK && !has_the_same_pixels(&p->images[0], &p->images[1])) {
         status = iso_metrics_measure(&p->images[0], &p->images[1], &m, err);
         json_t *picture = status == ISO_OK ? describe(p, &m) : NULL;
         const size_t number = json_array_size(list);

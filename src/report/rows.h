@@ -43,6 +43,7 @@ iso_verdict iso_row_verdict(const json_t *row);
     X(ISO_UNCOMPARED_FAINT, "signal", "case that shows too little for its limit", "cases that show too little for their limits") \
     X(ISO_UNCOMPARED_TRAIT, "trait", "case that asks for what its renderer does not have", "cases that ask for what their renderer does not have") \
     X(ISO_UNCOMPARED_BUDGET, "budget", "case that the budget left out", "cases that the budget left out") \
+    X(ISO_UNCOMPARED_FORMULA, "formula", "case of a level that no formula holds for", "cases of levels that no formula holds for") \
     X(ISO_UNCOMPARED_STAGE, "stage", "stage that did not run", "stages that did not run")
 /* clang-format on */
 

@@ -37,6 +37,13 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
                                 .why = asked->why};
     if (iso_validate_cannot_compare(v, renderer, &row, why))
         return iso_validate_add_without_images(v, level, row, a->name, renderer, err);
+    iso_error reason = {""};
+    if (iso_validate_has_no_formula(v, level, &reason)) {
+        snprintf(why, sizeof why, "the scene's formula does not hold for this level: %.400s", reason.text);
+        row.uncompared = ISO_UNCOMPARED_FORMULA;
+        row.uncompared_why = why;
+        return iso_validate_add_without_images(v, level, row, a->name, renderer, err);
+    }
     snprintf(what, sizeof what, "%s-limit", renderer->name);
     iso_validate_begin_row(v, level, what);
     iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);

@@ -213,6 +213,12 @@ static iso_status check_reference(iso_validation *v, size_t level, const iso_tru
     return status;
 }
 
+bool iso_validate_has_no_formula(const iso_validation *v, size_t level, iso_error *why)
+{
+    return level > 0 && v->scene->agreement.tier == ISO_TIER_CLOSED_FORM &&
+           iso_closed_form_check(&v->pyramid->levels[level], v->view, why) != ISO_OK;
+}
+
 iso_status iso_validate_find_truths(iso_validation *v, size_t level, iso_level_truths *t, iso_error *err)
 {
     const bool formula = v->scene->agreement.tier == ISO_TIER_CLOSED_FORM;
@@ -220,6 +226,8 @@ iso_status iso_validate_find_truths(iso_validation *v, size_t level, iso_level_t
     *t = (iso_level_truths){.main = {.name = formula ? "closed form" : "reference"},
                             .exported = {.name = "reference, decoded"}};
     t->differ = !formula && iso_validate_exported_source(v) != ISO_FROM_CODES;
+    if (iso_validate_has_no_formula(v, level, NULL))
+        return ISO_OK;
     iso_validate_begin_row(v, level, t->main.name);
     iso_validate_name_image(v, level, formula ? "closed-form" : "reference", t->main.image_name);
     iso_validate_name_image(v, level, "reference-decoded", t->exported.image_name);

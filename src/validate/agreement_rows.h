@@ -56,7 +56,11 @@ iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_repor
 /* intervals: of a quadrature that has them. */
 iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, size_t intervals,
                                          iso_direction_source source, iso_image *image, iso_error *err);
-/* The closed form or the reference of a level; the reference is held to the formula where there is one. */
+/* A formula of level 0 need not hold for the levels that are made of it: voxels at the faces of a ramp are means of fewer
+ * values. Where level 0 itself does not have it, the scene is wrong, which is said when it is drawn. */
+bool iso_validate_has_no_formula(const iso_validation *v, size_t level, iso_error *why);
+/* The closed form or the reference of a level; the reference is held to the formula where there is one. Nothing where the
+ * level has no formula, which rows say. */
 iso_status iso_validate_find_truths(iso_validation *v, size_t level, iso_level_truths *t, iso_error *err);
 
 /* ---- limits (agreement_limits.c) ---- */

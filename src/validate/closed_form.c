@@ -134,6 +134,14 @@ static double optical_depth(const linear_field *f, const iso_geometry *g, const 
     return depth;
 }
 
+iso_status iso_closed_form_check(const iso_level *level, const iso_view *view, iso_error *err)
+{
+    linear_field f = {0};
+    double color[3];
+    const iso_status status = fit_linear(level, &f, err);
+    return status == ISO_OK ? single_color(&view->tf, color, err) : status;
+}
+
 iso_status iso_closed_form_render(const iso_level *level, iso_code code, const iso_view *view, iso_image *image,
                                   iso_error *err)
 {

@@ -14,6 +14,9 @@
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
 
+/* Does the formula hold for this level? ISO_E_RANGE with the reason: as below. */
+iso_status iso_closed_form_check(const iso_level *level, const iso_view *view, iso_error *err);
+
 /* Creates *image. ISO_E_RANGE: the voxels are not linear, or the TF has several colours where it shows something. */
 iso_status iso_closed_form_render(const iso_level *level, iso_code code, const iso_view *view, iso_image *image,
                                   iso_error *err);
