@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Each reader takes damaged files, under the sanitizers: all seeds, then mutations of a fixed seed, ISOSHADE_FUZZ_COUNT or
-# ISOSHADE_FUZZ_SECONDS of processor time a reader, whichever is less. `make fuzz` goes on for as long as one likes.
+# ISOSHADE_FUZZ_SECONDS of processor time a reader, whichever is less: all readers together take about 20 s. `make fuzz` and
+# tests/fuzz/campaign.sh go on for as long as one likes.
 . "$(dirname "$0")/lib.sh"
-count=${ISOSHADE_FUZZ_COUNT:-10000} seconds=${ISOSHADE_FUZZ_SECONDS:-1} seed=${ISOSHADE_FUZZ_SEED:-1}
+count=${ISOSHADE_FUZZ_COUNT:-10000} seconds=${ISOSHADE_FUZZ_SECONDS:-0.3} seed=${ISOSHADE_FUZZ_SEED:-1}
 fuzz=$top/build/sanitize/isoshade-fuzz
 [ -x "$fuzz" ] || { skip fuzz "no program of the sanitizers is built, as make check does"; exit 0; }
 export LSAN_OPTIONS=suppressions=$top/tests/leaks.supp:print_suppressions=0 OMP_NUM_THREADS=1
@@ -25,4 +26,11 @@ check every_reader_has_seeds every_target_has_seeds
 notice a_planted_fault_is_found "$fuzz" planted "$seeds/planted" 20000 10 "$seed"
 check and_its_input_is_kept grep -q '"level"' crash-planted
 notice which_shows_it_again "$fuzz" planted crash-planted
+# A campaign counts what was done, goes on with other seeds, and keeps what was found.
+campaign() { FUZZ_OUT=$dir/fuzzed FUZZ_DRIVER=$fuzz FUZZ_PIECE=5 bash "$top/tests/fuzz/campaign.sh" "$@"; }
+campaign 64 words >campaign.txt && campaign 128 words >campaign.txt
+check a_campaign_goes_on_from_where_it_ended grep -q '^| words | 128 | 0 | ' campaign.txt
+check with_seeds_that_were_not_used test "$(cut -d' ' -f3 fuzzed/counts | sort -u | wc -l)" = 2
+notice and_tells_what_it_found campaign 20000 planted
+check which_it_keeps grep -q '"level"' fuzzed/planted-release-1
 exit $failed

@@ -9,8 +9,9 @@ cd "$(dirname "$0")/../.."
 seconds=$1
 shift
 export LSAN_OPTIONS=suppressions=$PWD/tests/leaks.supp:print_suppressions=0 OMP_NUM_THREADS=1
-has_clang() { echo 'int LLVMFuzzerTestOneInput(const char *d, unsigned long n) { return !d && n; }' |
-    clang -x c -fsanitize=fuzzer,address - -o build/has-clang 2>/dev/null && clang -fopenmp -E -x c - </dev/null >/dev/null 2>&1; }
+# With libFuzzer and with OpenMP's header and library, which are packages of their own.
+has_clang() { printf '#include <omp.h>\nint LLVMFuzzerTestOneInput(const char *d, unsigned long n) { return !d && n > (unsigned long)omp_get_max_threads(); }\n' |
+    "${FUZZ_CC:-clang}" -x c -fsanitize=fuzzer,address -fopenmp - -o build/has-clang 2>/dev/null; }
 make="${MAKE:-make} --no-print-directory -j$(nproc) SETUP=no"
 mkdir -p build
 if has_clang; then
@@ -40,6 +41,8 @@ run_one() {
     local code=$? runs
     runs=$(sed -n 's/^stat::number_of_executed_units: //p; s/.* \([0-9]*\) mutations.*/\1/p' "$log" | tail -n 1)
     [ -n "$runs" ] || runs=$(grep -oE '^#[0-9]+' "$log" | tail -n 1 | tr -d '#')
+    echo "$name sanitizers - ${runs:-0} $seconds" >>"$out/counts"
+    [ $code = 0 ] || echo "$name sanitizers - found" >>"$out/counts"
     printf '%-16s %10s runs%s\n' "$name" "${runs:-0}" "$([ $code = 0 ] || echo "  FOUND: $(grep -m 1 -E 'ERROR|runtime error|a contract' "$log" | cut -c1-100) ($log)")"
     return $code
 }
