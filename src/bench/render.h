@@ -14,6 +14,7 @@ typedef struct bench_render_options {
     iso_volume_input input;
     int size, image, runs, bricks, processor_time;
     double step_voxels;
+    char *tf; /* one alone; or NULL */
     char *transition, *picture; /* --bricks: one transition alone, and its image; or NULL */
 } bench_render_options;
 
