@@ -81,6 +81,9 @@ typedef struct iso_cast {
     /* empty space: each block's distance to the nearest one that the transfer function shows; NULL: not looked at */
     const uint8_t *distance;
     int32_t block_count[3];
+    /* with it: where along their rays the pixels of a tile can show anything (render/screen_reach.h) */
+    const float *reach_mm;
+    size_t reach_columns;
 } iso_cast;
 
 /* Where the rays of a tile stand between two passes over pages (paged.h), in the order of the tile's packets. */

@@ -4,6 +4,6 @@
 #ifdef ISO_CAST_HAS_X86
 #pragma GCC target("arch=x86-64-v4,prefer-vector-width=512")
 #define ISO_CAST_WIDTH 16
-#include "render/cpu/cast_packet.h"
+#include "render/cpu/cast_tile.h"
 #include "render/cpu/cast_paged.h"
 #endif

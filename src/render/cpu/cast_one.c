@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* cast_one.c - the CPU ray caster, a ray at a time: what the others are tested with. */
 #define ISO_CAST_WIDTH 1
-#include "render/cpu/cast_packet.h"
+#include "render/cpu/cast_tile.h"
 #include "render/cpu/cast_paged.h"

@@ -20,6 +20,7 @@ enum { PACKET_ROWS = ISO_CAST_WIDTH / PACKET_COLUMNS };
 
 typedef struct packet {
     vi count;               /* segments */
+    vi end;                 /* the first of them behind which there is nothing to see */
     vf front_cut, back_cut; /* what the box cuts off the first and the last one, in segments */
     points at;              /* the middle of segment k */
     points stride;          /* from one to the next */
@@ -27,6 +28,7 @@ typedef struct packet {
     vi k;
     vi until; /* segments before it are in blocks that show something */
     vec to_viewer;
+    double first[ISO_CAST_WIDTH]; /* segments from the camera to segment 0 */
 } packet;
 
 /* ---- the rays ---- */
@@ -138,7 +140,9 @@ CAST packet begin(const iso_cast *c, size_t x, size_t y)
         p.count[i] = (int32_t)count;
         p.front_cut[i] = hits ? (float)(begin - first[i]) : 0;
         p.back_cut[i] = hits ? (float)(first[i] + count - end) : 0;
+        p.first[i] = first[i];
     }
+    p.end = p.count;
     for (int a = 0; a < 3; ++a) {
         EACH_RAY(i)
         {
@@ -355,136 +359,6 @@ CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
         advance(&p, active & (p.k < p.count));
     }
     EACH_RAY(i) write_pixel(c, &s, i, x + (size_t)(i % PACKET_COLUMNS), y + (size_t)(i / PACKET_COLUMNS), rgba);
-}
-
-/* ---- a tile with empty space ---- */
-
-/* All rays of a tile, and the ones at work: rays that are done leave their place to the next of the tile, because most end
- * early and a packet would wait for its last. */
-typedef struct tile {
-    packet rays[ISO_CAST_TILE * ISO_CAST_TILE / ISO_CAST_WIDTH];
-    int next, count;
-    int at_work[ISO_CAST_WIDTH]; /* which ray; -1: none */
-    packet p;
-    sums s;
-    sample found;
-    vi shows; /* has found a sample, and waits for its light */
-} tile;
-
-enum { PACKETS_A_ROW = ISO_CAST_TILE / PACKET_COLUMNS };
-
-static void take_ray(tile *t, int i, int ray)
-{
-    const packet *from = &t->rays[ray / ISO_CAST_WIDTH];
-    const int j = ray % ISO_CAST_WIDTH;
-    packet *p = &t->p;
-    p->count[i] = from->count[j];
-    p->front_cut[i] = from->front_cut[j];
-    p->back_cut[i] = from->back_cut[j];
-    for (int a = 0; a < 3; ++a) {
-        p->at.cell[a][i] = from->at.cell[a][j];
-        p->at.part[a][i] = from->at.part[a][j];
-        p->stride.cell[a][i] = from->stride.cell[a][j];
-        p->stride.part[a][i] = from->stride.part[a][j];
-        p->step[a][i] = from->step[a][j];
-    }
-    p->k[i] = p->until[i] = 0;
-    p->to_viewer.x[i] = from->to_viewer.x[j];
-    p->to_viewer.y[i] = from->to_viewer.y[j];
-    p->to_viewer.z[i] = from->to_viewer.z[j];
-    for (int k = 0; k < 4; ++k)
-        t->s.sum[k][i] = k == 3, t->s.rest[k][i] = 0;
-    t->at_work[i] = ray;
-}
-
-/* Writes the pixels of the rays that are done, and gives their places to others. */
-static void refill(const iso_cast *c, tile *t, vi done, size_t x, size_t y, float *rgba)
-{
-    EACH_RAY(i)
-    {
-        if (!done[i])
-            continue;
-        if (t->at_work[i] >= 0) {
-            const int ray = t->at_work[i], packet_at = ray / ISO_CAST_WIDTH, j = ray % ISO_CAST_WIDTH;
-            const int column = packet_at % PACKETS_A_ROW * PACKET_COLUMNS + j % PACKET_COLUMNS;
-            const int row = packet_at / PACKETS_A_ROW * PACKET_ROWS + j / PACKET_COLUMNS;
-            write_pixel(c, &t->s, i, x + (size_t)column, y + (size_t)row, rgba);
-        }
-        t->at_work[i] = -1;
-        t->p.count[i] = 0;
-        if (t->next < t->count)
-            take_ray(t, i, t->next++);
-    }
-}
-
-/* Rays that miss the volume are done when they are taken, and still have to be written. */
-static bool is_empty(const tile *t)
-{
-    EACH_RAY(i)
-    if (t->at_work[i] >= 0)
-        return false;
-    return true;
-}
-
-CAST int count_of(vi mask)
-{
-    int count = 0;
-    EACH_RAY(i) count -= mask[i];
-    return count;
-}
-
-/* Each ray by itself: past empty blocks, to its next sample that shows, and then it waits until half of the others have one,
- * too. */
-CAST void cast_sparse_tile(const iso_cast *c, size_t x, size_t y, float *rgba)
-{
-    enum { HALF = (ISO_CAST_WIDTH + 1) / 2 };
-    tile t = {.count = 0};
-    for (size_t row = 0; row < ISO_CAST_TILE; row += PACKET_ROWS)
-        for (size_t column = 0; column < ISO_CAST_TILE; column += PACKET_COLUMNS, t.count += ISO_CAST_WIDTH)
-            t.rays[t.count / ISO_CAST_WIDTH] = begin(c, x + column, y + row);
-    t.s = begin_sums();
-    EACH_RAY(i) t.at_work[i] = -1;
-    for (;;) {
-        vi active = (t.p.k < t.p.count) & (t.s.sum[3] >= 1e-7f);
-        const int idle = ISO_CAST_WIDTH - count_of(active);
-        if (idle >= HALF / 2 + 1 || idle == ISO_CAST_WIDTH) {
-            refill(c, &t, ~(active | t.shows), x, y, rgba);
-            active = (t.p.k < t.p.count) & (t.s.sum[3] >= 1e-7f);
-            if (is_empty(&t))
-                break;
-        }
-        const vi ask = active & ~t.shows & (t.p.k >= t.p.until);
-        if (any(ask))
-            leave_blocks_once(c, &t.p, ask);
-        const vi looks = active & ~t.shows & (t.p.k < t.p.until) & (t.p.k < t.p.count);
-        if (any(looks)) {
-            const sample now = look(c, &t.p, looks);
-            const vi news = looks & (now.depth > 0);
-            keep(&t.found, &now, news);
-            t.shows |= news;
-            advance(&t.p, looks & ~news);
-        }
-        if (any(t.shows) && (count_of(t.shows) >= HALF || !any(active & ~t.shows & (t.p.k < t.p.count)))) {
-            blend(c, &t.p, &t.found, t.shows, &t.s);
-            advance(&t.p, t.shows);
-            t.shows = all_int(0);
-        }
-    }
-}
-
-#define ISO_CAST_TILE_OF(width) ISO_CAST_JOIN(iso_cast_tile_, width)
-#define ISO_CAST_JOIN(a, b) ISO_CAST_PASTE(a, b)
-#define ISO_CAST_PASTE(a, b) a##b
-
-void ISO_CAST_TILE_OF(ISO_CAST_WIDTH)(const iso_cast *c, size_t x, size_t y, float *rgba)
-{
-    if (c->distance) {
-        cast_sparse_tile(c, x, y, rgba);
-        return;
-    }
-    for (size_t row = y; row < y + ISO_CAST_TILE && row < c->height; row += PACKET_ROWS)
-        for (size_t column = x; column < x + ISO_CAST_TILE && column < c->width; column += PACKET_COLUMNS)
-            cast_packet(c, column, row, rgba);
 }
 
 #endif

@@ -3,7 +3,7 @@
  *
  * A ray's place follows from the number of its segment, without rounding (cast_field.h), so that a ray that waited takes the
  * samples of one that did not, and its sums are kept with what rounding left of them: the picture has the same bits. What is
- * hidden by what is opaque is never asked for. Included after cast_packet.h. */
+ * hidden by what is opaque is never asked for. Included after cast_tile.h. */
 #ifndef ISO_RENDER_CPU_CAST_PAGED_H
 #define ISO_RENDER_CPU_CAST_PAGED_H
 

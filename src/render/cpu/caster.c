@@ -10,6 +10,7 @@
 #include "render/cpu/cast_scene.h"
 #include "render/cpu/cast_width.h"
 #include "render/sampler.h"
+#include "render/screen_reach.h"
 
 enum { MOST_ARRAYS = 8, MOST_VOXELS = INT32_MAX - 2 * ISO_CAST_VOXELS };
 
@@ -20,6 +21,7 @@ struct iso_cpu_scene {
     double bytes;
     size_t array_count;
     void *arrays[MOST_ARRAYS]; /* what cast points to, to be freed */
+    iso_screen_reach reach;
 };
 
 iso_cpu_options iso_cpu_defaults(void)
@@ -288,6 +290,10 @@ static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, const iso
         s->cast.distance = distance;
         for (int a = 0; a < 3; ++a)
             s->cast.block_count[a] = (int32_t)count[a];
+        const iso_screen_blocks blocks = {distance, {count[0], count[1], count[2]}, 1 << ISO_CAST_BLOCK_SHIFT, -0.5};
+        status = iso_screen_reach_create(&s->reach, &level->geometry, view, &blocks, err);
+        s->cast.reach_mm = s->reach.mm;
+        s->cast.reach_columns = s->reach.columns;
     }
     iso_tf_table_destroy(&envelope);
     return status;
@@ -370,6 +376,7 @@ void iso_cpu_release(iso_cpu_scene *s)
         return;
     for (size_t i = 0; i < s->array_count; ++i)
         free(s->arrays[i]);
+    iso_screen_reach_destroy(&s->reach);
     free(s);
 }
 

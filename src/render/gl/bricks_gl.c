@@ -300,7 +300,7 @@ static iso_status get_program(const brick_job *job, GLuint *program, iso_error *
 static iso_status draw(const brick_job *job, iso_image *image, iso_gl_brick_stats *stats, iso_error *err)
 {
     const iso_gl_brick_options *opt = job->opt;
-    const iso_gl_repeats repeats = {opt->repeats, opt->repeat_seconds};
+    const iso_gl_repeats repeats = {.count = opt->repeats, .seconds = opt->repeat_seconds};
     GLuint program;
     iso_status status = get_program(job, &program, err);
     if (status == ISO_OK)

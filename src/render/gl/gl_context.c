@@ -46,7 +46,7 @@ static iso_status probe_filter(iso_gl *gl, GLenum format, int *bits, iso_error *
     glUseProgram(program);
     glUniform1i(glGetUniformLocation(program, "texels"), 0);
     glUniform1f(glGetUniformLocation(program, "count"), PROBE_COUNT);
-    status = iso_gl_draw(gl, program, PROBE_COUNT, 1, result, NULL, err);
+    status = iso_gl_draw(gl, program, PROBE_COUNT, 1, (iso_gl_cover){0}, result, NULL, err);
     glDeleteTextures(1, &texture);
     double worst = ldexp(1, -24);
     for (int i = 0; i < PROBE_COUNT; ++i)

@@ -14,6 +14,7 @@
 #include <stddef.h>
 
 #include "render/gl/raycaster.h"
+#include "render/screen_reach.h"
 
 #define ISO_GL_MAX_PROGRAMS 64
 
@@ -54,17 +55,24 @@ iso_status iso_gl_create_occupancy(const iso_gl *gl, const size_t count[3], cons
 iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t height, const float *rgba,
                                          GLuint *texture, iso_error *err);
 
+/* Which tiles of a picture are drawn: those that can show anything, while the others are the background. */
+typedef struct iso_gl_cover {
+    const iso_screen_reach *screen; /* or NULL: all are drawn */
+    const double *background;       /* 3 */
+} iso_gl_cover;
+
 /* Draws the program over a width x height float target and reads it back, first
  * row first; *seconds (may be NULL) is the drawing alone. Textures and uniforms
  * are the caller's. */
-iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, float *rgba, double *seconds,
-                       iso_error *err);
+iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, iso_gl_cover cover, float *rgba,
+                       double *seconds, iso_error *err);
 
 /* How often a program is drawn: `count` times (0: once) while they have taken less than `seconds` (0: all; else after a
  * draw of one pixel). */
 typedef struct iso_gl_repeats {
     size_t count;
     double seconds;
+    iso_gl_cover cover;
 } iso_gl_repeats;
 
 /* Adds the draws to the stats; *least (may be NULL) is the fastest. */

@@ -87,8 +87,32 @@ static double end_timer(GLuint query)
     return 1e-9 * (double)nanoseconds;
 }
 
-iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, float *rgba, double *seconds,
-                       iso_error *err)
+/* Each row of tiles, from the first one that can show anything to the last. */
+static void draw_covered(const iso_gl_cover *cover)
+{
+    const iso_screen_reach *r = cover->screen;
+    const GLfloat nothing[4] = {(GLfloat)cover->background[0], (GLfloat)cover->background[1],
+                                (GLfloat)cover->background[2], 0};
+    glClearBufferfv(GL_COLOR, 0, nothing);
+    glEnable(GL_SCISSOR_TEST);
+    for (size_t row = 0; row < r->rows; ++row) {
+        const float *mm = r->mm + 2 * row * r->columns;
+        size_t first = 0, end = r->columns;
+        while (first < end && mm[2 * first] > mm[2 * first + 1])
+            ++first;
+        while (first < end && mm[2 * end - 2] > mm[2 * end - 1])
+            --end;
+        if (first == end)
+            continue;
+        glScissor((GLint)(first * ISO_SCREEN_TILE), (GLint)(row * ISO_SCREEN_TILE),
+                  (GLsizei)((end - first) * ISO_SCREEN_TILE), ISO_SCREEN_TILE);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+    }
+    glDisable(GL_SCISSOR_TEST);
+}
+
+iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, iso_gl_cover cover, float *rgba,
+                       double *seconds, iso_error *err)
 {
     GLuint target = 0, frame = 0;
     /* Bound to a unit that no program samples: the target must not replace a texture of the caller's. */
@@ -112,7 +136,10 @@ iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, 
         double (*clock)(void) = gl->times_processor ? iso_cpu_seconds : iso_clock_seconds;
         const GLuint timer = begin_timer(gl);
         const double processor = iso_cpu_seconds(), start = clock();
-        glDrawArrays(GL_TRIANGLES, 0, 3);
+        if (cover.screen)
+            draw_covered(&cover);
+        else
+            glDrawArrays(GL_TRIANGLES, 0, 3);
         if (timer != 0)
             glEndQuery(GL_TIME_ELAPSED);
         glFinish();
@@ -136,10 +163,10 @@ iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, const iso_gl_repea
     const bool timed = repeats->seconds > 0;
     float pixel[4];
     double sum = 0, best = INFINITY, least_device = NAN;
-    iso_status status = timed ? iso_gl_draw(gl, program, 1, 1, pixel, NULL, err) : ISO_OK;
+    iso_status status = timed ? iso_gl_draw(gl, program, 1, 1, (iso_gl_cover){0}, pixel, NULL, err) : ISO_OK;
     for (size_t i = 0; status == ISO_OK && i < most && (i == 0 || !timed || sum < repeats->seconds); ++i) {
         double once = 0;
-        status = iso_gl_draw(gl, program, image->width, image->height, image->rgba, &once, err);
+        status = iso_gl_draw(gl, program, image->width, image->height, repeats->cover, image->rgba, &once, err);
         best = fmin(best, once);
         least_device = fmin(least_device, gl->device_seconds); /* of NaN and a number the number */
         sum += once;

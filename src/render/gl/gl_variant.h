@@ -14,6 +14,7 @@ typedef struct iso_gl_variant {
     int output;           /* OUTPUT_... */
     size_t light_count;
     bool specular, shade_table, skip_empty, preintegrated, exact, roi, bricks;
+    int screen_tile;        /* pixels a side of the tiles that know where they can show anything; 0: there are none */
     int tf_2d_rows;         /* of a 2D transfer function; 0: it is 1D */
     int extinction_scale;   /* SCALE_... */
     size_t pages;           /* of the brick cache; 0: one */

@@ -15,6 +15,7 @@
 #include "render/gl/gl_uniforms.h"
 #include "render/gl/gl_variant.h"
 #include "render/sampler.h"
+#include "render/screen_reach.h"
 #include "tf/integral.h"
 
 enum {
@@ -26,6 +27,7 @@ enum {
     UNIT_SECOND_VALUE,
     UNIT_TF_SUMS,
     UNIT_EXTINCTION_SCALE,
+    UNIT_REACH,
     UNIT_ROI_SCALAR,
     UNIT_ROI_TF,
     UNIT_ROI_DIRECTIONS
@@ -36,12 +38,15 @@ typedef struct level_textures {
     GLuint scalar, tf, tf_sums, occupancy, palette, tf_2d, extinction_scale;
     iso_gl_directions directions; /* the indices, with a palette */
     bool skip_empty;
+    iso_screen_reach screen; /* where empty bricks are skipped, of the integral */
+    double screen_seconds, screen_processor_seconds;
+    GLuint reach;
     double value_per_texel; /* value = min + texel * value_per_texel */
 } level_textures;
 
 iso_gl_options iso_gl_defaults(void)
 {
-    return (iso_gl_options){.source = ISO_FROM_CODES, .brick_voxels = 8, .repeats = 1};
+    return (iso_gl_options){.source = ISO_FROM_CODES, .brick_voxels = 4, .repeats = 1};
 }
 
 /* ---- upload ----------------------------------------------------------------- */
@@ -93,14 +98,15 @@ static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_
 static void destroy_textures(level_textures *t)
 {
     const GLuint names[] = {t->scalar, t->directions.texture, t->tf, t->tf_sums, t->occupancy, t->palette,
-                            t->tf_2d,  t->extinction_scale};
+                            t->tf_2d,  t->extinction_scale,   t->reach};
     glDeleteTextures(sizeof names / sizeof *names, names);
+    iso_screen_reach_destroy(&t->screen);
 }
 
 static double bytes_of(const level_textures *t)
 {
     const GLuint solid[] = {t->scalar, t->directions.texture, t->occupancy, t->tf_2d, t->extinction_scale},
-                 flat[] = {t->tf, t->tf_sums, t->palette};
+                 flat[] = {t->tf, t->tf_sums, t->palette, t->reach};
     double bytes = 0;
     for (size_t i = 0; i < sizeof solid / sizeof *solid; ++i)
         bytes += iso_gl_texture_bytes(GL_TEXTURE_3D, solid[i]);
@@ -129,9 +135,30 @@ static iso_status upload_sums(const iso_gl *gl, const iso_tf_table *tf, level_te
     return status;
 }
 
+/* What each tile of pixels can show. It belongs to a picture, not to the volume: its time is the drawing's. */
+static iso_status upload_reach(const iso_gl *gl, const iso_level *level, const iso_view *view,
+                               const iso_screen_blocks *blocks, level_textures *t, iso_error *err)
+{
+    const double start = iso_clock_seconds(), processor = iso_cpu_seconds();
+    iso_status status = iso_screen_reach_create(&t->screen, &level->geometry, view, blocks, err);
+    const size_t count = t->screen.columns * t->screen.rows;
+    float *texels = calloc(count, 4 * sizeof *texels);
+    if (status == ISO_OK && !texels)
+        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu tiles", count);
+    for (size_t i = 0; i < 2 * count && status == ISO_OK; ++i)
+        texels[i / 2 * 4 + i % 2] = t->screen.mm[i];
+    glActiveTexture(GL_TEXTURE0 + UNIT_REACH);
+    if (status == ISO_OK)
+        status = iso_gl_create_texture_rgba32f(gl, t->screen.columns, t->screen.rows, texels, &t->reach, err);
+    free(texels);
+    t->screen_seconds = iso_clock_seconds() - start;
+    t->screen_processor_seconds = iso_cpu_seconds() - processor;
+    return status;
+}
+
 /* Decides whether empty bricks are skipped, and uploads their distances if so. */
 static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
-                                   const iso_tf_table *tf, level_textures *t, iso_error *err)
+                                   const iso_tf_table *tf, const iso_view *view, level_textures *t, iso_error *err)
 {
     if (opt->skip == ISO_GL_SKIP_NEVER)
         return ISO_OK;
@@ -152,6 +179,11 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
         distance[i] = (uint8_t)(distance[i] > reach ? distance[i] - reach : 0);
     if (status == ISO_OK && t->skip_empty)
         status = iso_gl_create_occupancy(gl, r.count, distance, &t->occupancy, err);
+    if (status == ISO_OK && t->skip_empty && !opt->surface)
+        status = upload_reach(gl, level, view,
+                              &(iso_screen_blocks){distance, {r.count[0], r.count[1], r.count[2]},
+                                                   (double)opt->brick_voxels, 0},
+                              t, err);
     free(distance);
     iso_brick_ranges_destroy(&r);
     return status;
@@ -159,8 +191,9 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
 
 /* The rows of a 2D transfer function as rows of one texture, and a byte a voxel. Bricks are skipped by the envelope. */
 static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
-                               const iso_tf_2d *tf_2d, level_textures *t, iso_error *err)
+                               const iso_view *view, level_textures *t, iso_error *err)
 {
+    const iso_tf_2d *tf_2d = view->tf_2d;
     const iso_tf_table *tables = tf_2d->rows;
     size_t row = 4 * tables[0].count;
     iso_tf_table envelope = {0};
@@ -178,7 +211,7 @@ static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const i
         status = iso_gl_upload_bytes(gl, level, tf_2d->bytes, "second value", &t->tf_2d, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
     if (status == ISO_OK)
-        status = upload_occupancy(gl, level, opt, &envelope, t, err);
+        status = upload_occupancy(gl, level, opt, &envelope, view, t, err);
     free(rows);
     iso_tf_table_destroy(&envelope);
     return status == ISO_OK ? iso_gl_check("uploading a 2D transfer function", err) : status;
@@ -226,7 +259,7 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     iso_status status = upload_scalar(gl, level, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
     if (status == ISO_OK && view->tf_2d)
-        status = upload_tf_2d(gl, level, opt, view->tf_2d, t, err);
+        status = upload_tf_2d(gl, level, opt, view, t, err);
     else if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, tf->count, 1, tf->entries, &t->tf, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF_SUMS);
@@ -253,7 +286,7 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     float entries[12];
     iso_tf_table below = opt->surface ? iso_gl_surface_tf(opt->surface, level->min, level->max, entries) : *tf;
     if (status == ISO_OK && !view->tf_2d)
-        status = upload_occupancy(gl, level, opt, &below, t, err);
+        status = upload_occupancy(gl, level, opt, &below, view, t, err);
     if (status != ISO_OK)
         destroy_textures(t);
     return status;
@@ -276,6 +309,7 @@ static void set_field(GLuint program, const iso_level *level, const level_textur
     iso_gl_set_coordinates(program, voxel, iso_v3(0, 0, 0));
     iso_gl_set_vec3(program, "voxel", voxel);
     iso_gl_set_int(program, "occupancy", UNIT_OCCUPANCY);
+    iso_gl_set_int(program, "reach", UNIT_REACH);
     double n = (double)opt->brick_voxels;
     iso_gl_set_vec3(program, "bricks_per_volume",
                     iso_v3((double)g->size[0] / n, (double)g->size[1] / n, (double)g->size[2] / n));
@@ -343,6 +377,7 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
         .specular = view->shading.specular > 0,
         .shade_table = is_from_palette(opt->source) && opt->shade_table,
         .skip_empty = skip_empty,
+        .screen_tile = skip_empty && !opt->surface ? ISO_SCREEN_TILE : 0,
         .preintegrated = opt->preintegrated,
         .exact = opt->exact_lookups,
         .roi = view->roi != NULL,
@@ -415,8 +450,15 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
         glFinish();
         stats.texture_bytes = bytes_of(&textures) + bytes_of(&roi_textures);
         stats.upload_seconds = iso_clock_seconds() - start;
-        status = iso_gl_draw_repeatedly(gl, program, &(iso_gl_repeats){opt->repeats, opt->repeat_seconds}, image,
-                                        &least, &stats, err);
+        const iso_gl_repeats repeats = {opt->repeats,
+                                        opt->repeat_seconds,
+                                        {textures.reach ? &textures.screen : NULL, view->background}};
+        status = iso_gl_draw_repeatedly(gl, program, &repeats, image, &least, &stats, err);
+        least += gl->times_processor ? textures.screen_processor_seconds : textures.screen_seconds;
+    }
+    for (size_t i = 0; i < stats.draw_count; ++i) {
+        stats.draw_seconds[i] += textures.screen_seconds;
+        stats.draw_processor_seconds[i] += textures.screen_processor_seconds;
     }
     if (opt->stats)
         *opt->stats = stats;

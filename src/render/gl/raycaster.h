@@ -74,7 +74,7 @@ typedef struct iso_gl_options {
     iso_direction_source source; /* codes, float or on the fly; decoded uploads decoded floats */
     double step_voxels;          /* 0: the view's */
     iso_gl_skip skip;
-    size_t brick_voxels;   /* of the skipped bricks */
+    size_t brick_voxels;   /* a side of the skipped bricks */
     size_t repeats;        /* draws; the time is that of the fastest */
     double repeat_seconds; /* above 0: draws are repeated until they took so long; a draw of one pixel goes before
                                   * them, because drivers compile in the first one */

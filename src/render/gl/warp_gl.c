@@ -303,7 +303,7 @@ static iso_status draw(const warp_cache *c, const iso_view *view, double step_vo
     stats->seconds = INFINITY;
     for (size_t i = 0; status == ISO_OK && i < (c->opt->repeats ? c->opt->repeats : 1); ++i) {
         double once;
-        status = iso_gl_draw(gl, program, view->width, view->height, image->rgba, &once, err);
+        status = iso_gl_draw(gl, program, view->width, view->height, (iso_gl_cover){0}, image->rgba, &once, err);
         stats->seconds = fmin(stats->seconds, once);
     }
     if (status != ISO_OK)
@@ -367,7 +367,7 @@ iso_status iso_gl_sample_warp(iso_gl *gl, const iso_gl_warp *warp, const double 
     if (status == ISO_OK) {
         glUseProgram(program);
         set_field(program, &cache);
-        status = iso_gl_draw(gl, program, width, height, image, NULL, err);
+        status = iso_gl_draw(gl, program, width, height, (iso_gl_cover){0}, image, NULL, err);
     }
     for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i)
         out[i] = i % 4 ? image[i] : (float)(cache.zero + (double)image[i] * cache.per_texel);

@@ -12,6 +12,7 @@
 //     LIGHT_COUNT, SPECULAR      of the view
 //     SHADE_TABLE                a palette's shades instead of its directions
 //     SKIP_EMPTY                 bricks that the TF does not show are passed over
+//     SCREEN_TILE                with SKIP_EMPTY: tiles of so many pixels a side know where they can show anything, or 0
 //     PREINTEGRATED              the TF's means between the values at both ends of a segment
 //     EXACT                      textures are filtered here and values classified, in double
 //     ROI                        a finer level inside a region: roi.glsl
@@ -56,6 +57,9 @@ uniform sampler2D tf_sums;         // rows: of sigma c and sigma up to each entr
 #if SKIP_EMPTY
 uniform usampler3D occupancy;      // distance of each brick to the nearest one that the TF shows
 uniform vec3 bricks_per_volume;    // p to bricks
+#if SCREEN_TILE
+uniform sampler2D reach;           // a tile's rays show nothing nearer than r and farther than g, in mm
+#endif
 #endif
 
 #if BRICKS
@@ -95,6 +99,7 @@ struct Ray {
     vec3 start_rest, stride_rest; // what float leaves of them: a hundred segments on it would be 1e-5 voxels
     float first_cut;    // what the box cuts off the first segment, in segments
     float length;       // segments to the end of the box, counted from where the first one begins
+    float from, to;     // what can show anything, in segments
     vec3 world;         // unit direction
 };
 
@@ -134,6 +139,13 @@ Ray pixel_ray()
 #endif
     ray.first_cut = float(t0 / step_mm - first);
     ray.length = t1 > t0 ? float(t1 / step_mm - first) : 0.0;
+    ray.from = 0.0;
+    ray.to = ray.length;
+#if SKIP_EMPTY && SCREEN_TILE
+    dvec2 shown = floor(dvec2(texelFetch(reach, ivec2(gl_FragCoord.xy) / SCREEN_TILE, 0).rg) / step_mm) - first;
+    ray.from = max(float(shown.x), 0.0);
+    ray.to = min(float(shown.y) + 1.0, ray.length);
+#endif
     ray.world = vec3(world);
     return ray;
 }
@@ -170,12 +182,13 @@ Segment segment(Ray ray, float k)
 }
 
 #if SKIP_EMPTY
-// Moves k to the first segment from there on whose middle lies in an occupied brick; segments before `until` are known
-// to. The cube of bricks nearer than `distance` is empty; brick ranges reach half a voxel further than the brick, so
-// rounding at its faces does not matter. Software GL passes by a loop that no pixel enters: most samples look nothing up.
-void leave_empty_bricks(Ray ray, inout float k, inout float until)
+// Whether segment k's middle lies in a brick that shows: segments before `until` are known to. If not, k becomes the first
+// segment behind the cube of bricks nearer than `distance`, which is empty. Brick ranges reach half a voxel further than
+// the brick, so rounding at its faces does not matter.
+bool leave_empty_bricks(Ray ray, inout float k, inout float until)
 {
-    while (k >= until && k < ray.length) {
+    bool known = k < until;
+    if (!known) {
         vec3 p = segment(ray, k).p * bricks_per_volume;
         ivec3 brick = clamp(ivec3(p), ivec3(0), textureSize(occupancy, 0) - 1);
         int empty = int(texelFetch(occupancy, brick, 0).r), reach = max(empty, 1);
@@ -184,11 +197,13 @@ void leave_empty_bricks(Ray ray, inout float k, inout float until)
         vec3 steps = (face - p) / mix(stride, vec3(1e-30), equal(stride, vec3(0.0)));
         steps = mix(steps, vec3(1e30), equal(stride, vec3(0.0)));
         float end = k + floor(max(min(steps.x, min(steps.y, steps.z)), 0.0)) + 1.0;
-        if (empty == 0)
+        known = empty == 0;
+        if (known)
             until = end;
         else
             k = end;
     }
+    return known;
 }
 #endif
 
@@ -490,33 +505,19 @@ void main()
     vec3 sum = vec3(0.0);
     float transmittance = 1.0, segment_mm = float(step_mm);
 #if SKIP_EMPTY
-    // Software GL runs both sides of a branch but leaves a loop when all its pixels have: so the search for the next
-    // segment that shows is a loop, with the light outside it. Without light there is nothing to keep out.
+    // A look at the bricks and a sample in each turn: software GL takes 4 or 8 pixels at a time and runs both sides of a
+    // branch, so a pixel that leaves empty bricks would keep the others waiting in a loop of its own.
     float until = 0.0;
-    for (float k = 0.0; transmittance >= 1e-7; k += 1.0) {
-        vec4 c = vec4(0.0);
-        Segment at;
-        vec4 where;
-#if LIGHT_COUNT
-        for (;; k += 1.0) {
-#endif
-            leave_empty_bricks(ray, k, until);
-            if (k >= ray.length)
-                break;
-            at = segment(ray, k);
-            where = address(at.p);
-            c = classify(at, where);
-#if LIGHT_COUNT
-            if (c.a > 0.0)
-                break;
-        }
-#endif
-        if (k >= ray.length)
-            break;
+    for (float k = ray.from; k < ray.to && transmittance >= 1e-7;) {
+        bool shows = leave_empty_bricks(ray, k, until);
+        Segment at = segment(ray, k);
+        vec4 where = address(at.p);
+        vec4 c = shows ? classify(at, where) : vec4(0.0);
         c.a *= extinction_scale_at(where.xyz);
         float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
         sum += weight * shade_at(where.xyz, halfway) * c.rgb;
         transmittance -= weight;
+        k += shows ? 1.0 : 0.0;
     }
 #else
     for (float k = 0.0; k < ray.length && transmittance >= 1e-7; k += 1.0) {

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* screen_reach.h - which pixels can show anything at all, and between which distances along their rays: by tiles of
+ * ISO_SCREEN_TILE x ISO_SCREEN_TILE pixels, from the blocks that a transfer function shows (brick/occupancy.h).
+ *
+ *     image    +----+----+----+----+       each block that shows is drawn as a rectangle around its projection,
+ *              |    | ## | ## |    |       and the tiles that the rectangle touches widen their distances by
+ *              |    | ## | ## |    |       the block's nearest and farthest point
+ *              +----+----+----+----+
+ *
+ * What is said is too much at worst, never too little: all that a tile's rays meet outside its distances is empty. So
+ * leaving it out changes no sample that shows (tests/test_screen_reach.c). Blocks that others surround on all six sides are
+ * passed over, because a ray enters and leaves what shows through one that is not, or begins in what shows: blocks around
+ * the camera count always. */
+#ifndef ISO_SCREEN_REACH_H
+#define ISO_SCREEN_REACH_H
+
+#include <stdint.h>
+
+#include "scene/scene.h"
+
+enum { ISO_SCREEN_TILE = 8 };
+
+/* Blocks of `voxels` a side, x fastest; block b begins at voxels * b + first in index coordinates. distance is 0 where a
+ * block shows. */
+typedef struct iso_screen_blocks {
+    const uint8_t *distance;
+    size_t count[3];
+    double voxels, first;
+} iso_screen_blocks;
+
+typedef struct iso_screen_reach {
+    size_t columns, rows; /* of tiles */
+    /* Two a tile, owned: millimeters along a ray, from the camera or, where that is orthographic, from its plane. The first
+     * is the larger one where nothing shows. */
+    float *mm;
+} iso_screen_reach;
+
+/* ISO_E_MEMORY. */
+iso_status iso_screen_reach_create(iso_screen_reach *r, const iso_geometry *g, const iso_view *view,
+                                   const iso_screen_blocks *blocks, iso_error *err);
+void iso_screen_reach_destroy(iso_screen_reach *r); /* accepts empty and NULL */
+
+#endif
