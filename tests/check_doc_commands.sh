@@ -65,6 +65,8 @@ NOT_RUN = [
     (r"render .*--gl-device 1", "it needs a second device; tests/check_gl_device.sh asks for those that are there"),
     (r"make shells --size 512", "a volume of 512 voxels a side: minutes beside other work, and a gigabyte"),
     (r"validate bonsai_256\.nrrd --quick --size 128", "minutes: the whole job twice; tests/check_job.sh has a small one"),
+    (r"render bonsai_256\.nrrd --scene few|compare (cycles|limit)\.exr", "of the scene that the run before writes; check_pipeline.sh and check_compare.sh have small ones"),
+    (r"validate .*--with povray .*--budget 0\.01", "it ends with 1, since nothing is compared in that time: tests/check_job.sh"),
     (r"validate --suite", "a minute; tests/check_suite_all.sh runs all scenes of the suite"),
     (r"bench consistency --(shading|filters)", "minutes; tests/check_consistency.sh runs them with few voxels and pixels"),
     (r"bench encode", "a minute whatever the options; tests/check_bench_encode.sh runs it"),
