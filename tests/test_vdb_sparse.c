@@ -199,7 +199,7 @@ static void voxels_beyond_what_shows_stay(void **state)
     iso_tf_table tf = {0};
     iso_vdb_activity a;
     band(&tf, l, 0.4, 0.5);
-    assert_ok(iso_vdb_activity_create(&a, l, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 0, &err));
+    assert_ok(iso_vdb_activity_create(&a, l, NULL, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 0, &err));
     size_t beyond = 0, left_out = 0;
     for (size_t z = 0; z < l->geometry.size[2]; ++z)
         for (size_t y = 0; y < l->geometry.size[1]; ++y)
@@ -253,7 +253,7 @@ static void directions_are_kept_where_something_is_seen(void **state)
     opt.shown = &shown;
     assert_ok(iso_vdb_save(&f->pyramid, 0, 1, f->path, &opt, NULL, &err));
     dense sparse = read_back(f->path, "gradient", 3, &l->geometry);
-    assert_ok(iso_vdb_activity_create(&a, l, &shown, 1, 1, &err));
+    assert_ok(iso_vdb_activity_create(&a, l, NULL, &shown, 1, 1, &err));
     assert_true(a.lit_count > 0 && a.lit_count < a.kept_count);
     size_t bad = 0;
     for (size_t z = 0; z < a.size[2]; ++z)
@@ -341,8 +341,8 @@ static void threads_do_not_matter(void **state)
     iso_tf_table tf = {0};
     iso_vdb_activity a, b;
     band(&tf, l, 0.4, 0.5);
-    assert_ok(iso_vdb_activity_create(&a, l, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 1, &err));
-    assert_ok(iso_vdb_activity_create(&b, l, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 3, &err));
+    assert_ok(iso_vdb_activity_create(&a, l, NULL, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 1, &err));
+    assert_ok(iso_vdb_activity_create(&b, l, NULL, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 3, &err));
     assert_memory_equal(a.kept, b.kept, a.row_bytes * a.size[1] * a.size[2]);
     assert_memory_equal(a.lit, b.lit, a.row_bytes * a.size[1] * a.size[2]);
     assert_int_equal(a.kept_count, b.kept_count);

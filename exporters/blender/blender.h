@@ -50,6 +50,7 @@ typedef struct iso_blender_options {
     bool dense;          /* of exports: grids hold all voxels, not only what the transfer functions show (vdb/vdb.h) */
     bool half;           /* of exports: grids in half floats */
     const char *command; /* of exports: noted in the grids' files; or NULL */
+    const iso_volume *volume; /* of exports: level 0's scalars where the pyramid has none (pyramid/narrow.h); or NULL */
     iso_cycles_stats *stats; /* filled by renders, for their first picture; or NULL */
     iso_blender_session *
         *session; /* for pictures: NULL at first, to be ended by the caller; or NULL: a Blender of its own */

@@ -51,6 +51,7 @@ void iso_blender_grid_options(const iso_blender_options *opt, const iso_tf_table
     options->half_float = opt->half;
     options->half_directions = !opt->dense;
     options->command = opt->command;
+    options->volume = opt->volume;
     options->threads = opt->threads;
 }
 

@@ -2,10 +2,11 @@
 #include "povray/df3.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/parallel.h"
 
 static size_t clamped(size_t padded, size_t size)
 {
@@ -19,81 +20,171 @@ static void put_big_endian(uint8_t *out, uint32_t value, unsigned bytes)
         out[b] = (uint8_t)(value >> (8 * (bytes - 1 - b)));
 }
 
-static uint32_t encode_sample(double value, const iso_df3_coding *c)
+/* Values as whole numbers of `bits` bits; those that are not a number are 0. In doubles, in which 32 bits are exact. */
+static void encode_values(const float *restrict values, size_t count, const iso_df3_coding *c, double *restrict out)
 {
-    double most = (double)(UINT32_MAX >> (32 - c->bits));
-    double v = c->hi > c->lo ? (value - c->lo) / (c->hi - c->lo) : 0;
-    return (uint32_t)(fmin(fmax(v, 0), 1) * most + 0.5);
-}
-
-/* One row of the file, `rim` voxels of edge values at either end. */
-static void encode_row(const float *restrict row, size_t count, size_t rim, size_t stride, const iso_df3_coding *c,
-                       uint8_t *restrict out)
-{
-    unsigned bytes = c->bits / 8;
-    for (size_t x = 0; x < count + 2 * rim; ++x) {
-        size_t from = rim ? clamped(x, count) : x;
-        put_big_endian(out + x * bytes, encode_sample((double)row[from * stride], c), bytes);
+    const double most = (double)(UINT32_MAX >> (32 - c->bits)), lo = c->lo, range = c->hi - c->lo;
+    const double used = range > 0 ? most : 0, divisor = range > 0 ? range : 1;
+    for (size_t i = 0; i < count; ++i) {
+        const double v = ((double)values[i] - lo) / divisor;
+        out[i] = (v > 0 ? (v < 1 ? v : 1) : 0) * used + 0.5;
     }
 }
 
-/* What is written: samples of floats, with a rim of so many voxels. */
-typedef struct density {
-    const size_t *size;
-    const float *values;
-    size_t stride, rim;
-    const iso_df3_coding *coding;
-} density;
-
-static iso_status write_samples(FILE *file, const char *path, const density *d, iso_error *err)
+static void put_samples(const double *restrict samples, size_t count, unsigned bits, uint8_t *restrict out)
 {
-    const size_t *size = d->size, rim = d->rim;
-    size_t rows_bytes = (size[0] + 2 * rim) * (d->coding->bits / 8);
-    uint8_t *out = malloc(rows_bytes);
-    if (!out)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a row of %zu bytes", path, rows_bytes);
-    size_t ny = rim ? size[1] + 2 : size[1], nz = rim ? size[2] + 2 : size[2];
-    uint8_t header[6];
-    put_big_endian(header, (uint32_t)(size[0] + 2 * rim), 2);
-    put_big_endian(header + 2, (uint32_t)ny, 2);
-    put_big_endian(header + 4, (uint32_t)nz, 2);
-    bool good = fwrite(header, 1, sizeof header, file) == sizeof header;
-    for (size_t z = 0; z < nz && good; ++z) {
-        for (size_t y = 0; y < ny && good; ++y) {
-            size_t row = (rim ? clamped(z, size[2]) : z) * size[1] + (rim ? clamped(y, size[1]) : y);
-            encode_row(d->values + row * size[0] * d->stride, size[0], rim, d->stride, d->coding, out);
-            good = fwrite(out, 1, rows_bytes, file) == rows_bytes;
+    if (bits == 8)
+        for (size_t i = 0; i < count; ++i)
+            out[i] = (uint8_t)(int)samples[i];
+    else
+        for (size_t i = 0; i < count; ++i)
+            put_big_endian(out + i * (bits / 8), (uint32_t)samples[i], bits / 8);
+}
+
+/* Samples on their way into the files, one a channel. */
+typedef struct plane_writer {
+    const iso_df3_source *source;
+    const iso_df3_coding *coding;
+    const char *const *paths;
+    size_t rim, size[3]; /* of the files */
+    size_t width, row_bytes;
+    uint8_t *planes; /* one a channel */
+    float *values;   /* a row a thread */
+    double *samples; /* a row a thread */
+    int threads;
+    FILE *files[ISO_DF3_MAX_CHANNELS];
+} plane_writer;
+
+static size_t source_index(const plane_writer *w, size_t at, int axis)
+{
+    return w->rim ? clamped(at, w->source->size[axis]) : at;
+}
+
+/* Row y of the file's plane z, with its rim of edge values. */
+static void encode_row(const plane_writer *w, size_t y, size_t z)
+{
+    const iso_df3_source *s = w->source;
+    const size_t n = s->size[0], bytes = w->coding->bits / 8, rim = w->rim;
+    float *values = w->values + (size_t)iso_thread_index() * w->width * s->channels;
+    double *samples = w->samples + (size_t)iso_thread_index() * w->width * 2 * s->channels;
+    s->read(s->user, n * (source_index(w, y, 1) + s->size[1] * source_index(w, z, 2)), n, values);
+    encode_values(values, n * s->channels, w->coding, samples);
+    for (size_t c = 0; c < s->channels; ++c) {
+        uint8_t *row = w->planes + (c * w->size[1] + y) * w->row_bytes;
+        double *of_channel = samples;
+        if (s->channels > 1) {
+            of_channel = samples + n * s->channels;
+            for (size_t x = 0; x < n; ++x)
+                of_channel[x] = samples[x * s->channels + c];
+        }
+        put_samples(of_channel, n, w->coding->bits, row + rim * bytes);
+        if (rim) {
+            memcpy(row, row + bytes, bytes);
+            memcpy(row + (n + 1) * bytes, row + n * bytes, bytes);
         }
     }
-    free(out);
-    return good ? ISO_OK : iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
 }
 
-static iso_status write_file(const char *path, const density *d, iso_error *err)
+static iso_status write_plane(const plane_writer *w, size_t z, iso_error *err)
 {
-    const size_t *size = d->size, rim = d->rim;
-    for (int a = 0; a < 3; ++a)
-        if (size[a] + 2 * rim > UINT16_MAX)
-            return iso_fail(err, ISO_E_RANGE, "%s: size %zu x %zu x %zu, a DF3 file holds at most %zu along an axis",
-                            path, size[0], size[1], size[2], (size_t)UINT16_MAX - 2 * rim);
-    FILE *file = fopen(path, "wb");
-    if (!file)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
-    iso_status status = write_samples(file, path, d, err);
-    if (fclose(file) != 0 && status == ISO_OK)
-        status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
+    const size_t bytes = w->row_bytes * w->size[1];
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t y = 0; y < w->size[1]; ++y)
+        encode_row(w, y, z);
+    for (size_t c = 0; c < w->source->channels; ++c)
+        if (fwrite(w->planes + c * bytes, 1, bytes, w->files[c]) != bytes)
+            return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", w->paths[c], strerror(errno));
+    return ISO_OK;
+}
+
+static iso_status open_files(plane_writer *w, iso_error *err)
+{
+    uint8_t header[6];
+    for (unsigned a = 0; a < 3; ++a)
+        put_big_endian(header + 2 * a, (uint32_t)w->size[a], 2);
+    for (size_t c = 0; c < w->source->channels; ++c) {
+        w->files[c] = fopen(w->paths[c], "wb");
+        if (!w->files[c] || fwrite(header, 1, sizeof header, w->files[c]) != sizeof header)
+            return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", w->paths[c], strerror(errno));
+    }
+    return ISO_OK;
+}
+
+static iso_status close_files(plane_writer *w, iso_status status, iso_error *err)
+{
+    for (size_t c = 0; c < w->source->channels; ++c)
+        if (w->files[c] && fclose(w->files[c]) != 0 && status == ISO_OK)
+            status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", w->paths[c], strerror(errno));
     return status;
+}
+
+static iso_status make_room(plane_writer *w, iso_error *err)
+{
+    const size_t channels = w->source->channels, plane = w->row_bytes * w->size[1];
+    w->width = w->source->size[0] + 1;
+    w->planes = malloc(channels * plane);
+    w->values = malloc((size_t)w->threads * w->width * channels * sizeof *w->values);
+    w->samples = malloc((size_t)w->threads * w->width * 2 * channels * sizeof *w->samples);
+    if (w->planes && w->values && w->samples)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane of %zu bytes", w->paths[0], plane);
+}
+
+static iso_status write_files(const iso_df3_source *s, size_t rim, const char *const *paths,
+                              const iso_df3_coding *coding, int threads, iso_error *err)
+{
+    plane_writer w = {.source = s, .coding = coding, .paths = paths, .rim = rim, .threads = iso_threads(threads)};
+    for (int a = 0; a < 3; ++a) {
+        const size_t size = s->size[a];
+        if (size + 2 * rim > UINT16_MAX)
+            return iso_fail(err, ISO_E_RANGE, "%s: size %zu x %zu x %zu, a DF3 file holds at most %zu along an axis",
+                            paths[0], s->size[0], s->size[1], s->size[2], (size_t)UINT16_MAX - 2 * rim);
+        w.size[a] = size + 2 * rim;
+    }
+    w.row_bytes = w.size[0] * (coding->bits / 8);
+    iso_status status = make_room(&w, err);
+    if (status == ISO_OK)
+        status = open_files(&w, err);
+    for (size_t z = 0; z < w.size[2] && status == ISO_OK; ++z)
+        status = write_plane(&w, z, err);
+    status = close_files(&w, status, err);
+    free(w.planes);
+    free(w.values);
+    free(w.samples);
+    return status;
+}
+
+/* Values in memory. */
+typedef struct array {
+    const float *values;
+    size_t stride;
+} array;
+
+static void read_array(const void *user, size_t first, size_t count, float *out)
+{
+    const array *a = user;
+    for (size_t i = 0; i < count; ++i)
+        out[i] = a->values[(first + i) * a->stride];
+}
+
+iso_status iso_df3_write_from(const iso_df3_source *s, const char *const *paths, const iso_df3_coding *coding,
+                              int threads, iso_error *err)
+{
+    return write_files(s, 1, paths, coding, threads, err);
 }
 
 iso_status iso_df3_write(const char *path, const size_t size[3], const float *values, size_t stride, size_t channel,
                          const iso_df3_coding *coding, iso_error *err)
 {
-    return write_file(path, &(density){size, values + channel, stride, 1, coding}, err);
+    const array a = {values + channel, stride};
+    const iso_df3_source s = {{size[0], size[1], size[2]}, 1, read_array, &a};
+    return write_files(&s, 1, &path, coding, 0, err);
 }
 
 iso_status iso_df3_write_table(const char *path, const size_t size[2], const float *values, size_t stride,
                                size_t channel, const iso_df3_coding *coding, iso_error *err)
 {
-    const size_t whole[3] = {size[0], size[1], 1};
-    return write_file(path, &(density){whole, values + channel, stride, 0, coding}, err);
+    const array a = {values + channel, stride};
+    const iso_df3_source s = {{size[0], size[1], 1}, 1, read_array, &a};
+    return write_files(&s, 0, &path, coding, 1, err);
 }

@@ -23,6 +23,21 @@ typedef struct iso_df3_coding {
     double lo, hi; /* what v = 0 and v = 1 stand for */
 } iso_df3_coding;
 
+enum { ISO_DF3_MAX_CHANNELS = 3 };
+
+/* Where samples come from, in any order and from several threads at once. */
+typedef struct iso_df3_source {
+    size_t size[3], channels;
+    /* `channels` floats of each of `count` voxels from number `first` on; never beyond a row. */
+    void (*read)(const void *user, size_t first, size_t count, float *out);
+    const void *user;
+} iso_df3_source;
+
+/* A file with its rim for each channel, from one reading; beside the source it takes a plane of memory a channel. Values
+ * beyond [lo, hi] are clamped. ISO_E_RANGE: a size above 65533. threads: 0: all cores. */
+iso_status iso_df3_write_from(const iso_df3_source *s, const char *const *paths, const iso_df3_coding *coding,
+                              int threads, iso_error *err);
+
 /* Writes component `channel` of `values` (stride floats a voxel, x fastest) with
  * its rim. Values beyond [lo, hi] are clamped. ISO_E_RANGE: a size above 65533. */
 iso_status iso_df3_write(const char *path, const size_t size[3], const float *values, size_t stride, size_t channel,

@@ -58,6 +58,7 @@ typedef struct iso_povray_options {
     bool isosurface;        /* first hit instead of volume rendering */
     double iso;             /* the value of the isosurface */
     const double (*box)[3]; /* low and high corner of what is shown, in voxels; NULL: 0 to box_index */
+    const iso_volume *volume; /* level 0's scalars where the pyramid has none (pyramid/narrow.h); or NULL */
     int threads;
     iso_povray_stats *stats; /* filled by renders; or NULL */
 } iso_povray_options;

@@ -10,6 +10,8 @@
 #include "base/file.h"
 #include "base/provenance.h"
 #include "base/words.h"
+#include "povray/df3.h"
+#include "pyramid/narrow.h"
 #include "povray/scene_parts.h"
 #include "scene/roi.h"
 
@@ -88,30 +90,66 @@ static double steepest(const iso_level *level)
     return sqrt(most);
 }
 
+/* What a layer's samples are read from. */
+typedef struct layer_reader {
+    iso_code code;
+    const iso_level *level;
+    const iso_volume *volume; /* its scalars where it has none */
+    const uint8_t *bytes;
+} layer_reader;
+
+static void read_scalars(const void *user, size_t first, size_t count, float *out)
+{
+    const layer_reader *r = user;
+    iso_level_scalars(r->level, r->volume, first, count, out);
+}
+
+static void read_codes(const void *user, size_t first, size_t count, float *out)
+{
+    const layer_reader *r = user;
+    iso_code_decode_all(r->code, r->level->codes + 3 * first, out, count);
+}
+
+static void read_directions(const void *user, size_t first, size_t count, float *out)
+{
+    const layer_reader *r = user;
+    memcpy(out, r->level->directions + 3 * first, 3 * count * sizeof *out);
+}
+
+static void read_bytes(const void *user, size_t first, size_t count, float *out)
+{
+    const layer_reader *r = user;
+    for (size_t i = 0; i < count; ++i)
+        out[i] = r->bytes[first + i];
+}
+
+/* One file a suffix. */
+static iso_status write_samples(const iso_povray_scene *s, const layer_reader *r,
+                                void (*read)(const void *, size_t, size_t, float *), const char *const *suffixes,
+                                size_t count, const iso_df3_coding *coding, const char *dir, iso_error *err)
+{
+    const size_t *n = s->voxels->geometry.size;
+    const iso_df3_source source = {{n[0], n[1], n[2]}, count, read, r};
+    char *paths[ISO_DF3_MAX_CHANNELS] = {NULL};
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        if (!(paths[i] = iso_povray_file_path(dir, s->name, suffixes[i])))
+            status = iso_povray_no_memory(err);
+    if (status == ISO_OK)
+        status = iso_df3_write_from(&source, (const char *const *)paths, coding, s->options->threads, err);
+    for (size_t i = 0; i < count; ++i)
+        free(paths[i]);
+    return status;
+}
+
 static iso_status write_directions(iso_code code, const iso_povray_scene *s, const char *dir,
                                    const iso_progress *progress, iso_error *err)
 {
-    const iso_level *level = s->voxels;
-    const size_t count = iso_geometry_voxel_count(&level->geometry);
-    float *decoded = NULL;
-    const float *directions = level->directions;
-    if (!s->options->float_directions) {
-        directions = decoded = malloc(3 * count * sizeof *decoded);
-        if (!decoded)
-            return iso_fail(err, ISO_E_MEMORY, "povray: no memory for %zu directions", count);
-        iso_code_decode_all(code, level->codes, decoded, count);
-    }
-    static const char *const suffix[3] = {"_dx.df3", "_dy.df3", "_dz.df3"};
-    iso_status status = ISO_OK;
-    for (size_t a = 0; a < 3 && status == ISO_OK; ++a) {
-        iso_progress_report(progress, "povray: writing DF3", 0.25 * (double)(a + 1));
-        char *path = iso_povray_file_path(dir, s->name, suffix[a]);
-        status = path ? iso_df3_write(path, level->geometry.size, directions, 3, a, &s->direction, err)
-                      : iso_povray_no_memory(err);
-        free(path);
-    }
-    free(decoded);
-    return status;
+    static const char *const suffixes[3] = {"_dx.df3", "_dy.df3", "_dz.df3"};
+    const layer_reader r = {.code = code, .level = s->voxels};
+    iso_progress_report(progress, "povray: writing DF3", 0.25);
+    return write_samples(s, &r, s->options->float_directions ? read_directions : read_codes, suffixes, 3, &s->direction,
+                         dir, err);
 }
 
 /* The entries of all rows; to be freed. */
@@ -128,18 +166,8 @@ static float *tf_2d_rows(const iso_tf_2d *tf_2d)
 static iso_status write_bytes(const iso_povray_scene *s, const uint8_t *bytes, const char *suffix, const char *dir,
                               iso_error *err)
 {
-    const size_t count = iso_geometry_voxel_count(&s->voxels->geometry);
     const iso_df3_coding coding = {8, 0, 255};
-    float *values = malloc(count * sizeof *values);
-    char *path = iso_povray_file_path(dir, s->name, suffix);
-    iso_status status = values && path ? ISO_OK : iso_povray_no_memory(err);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        values[i] = bytes[i];
-    if (status == ISO_OK)
-        status = iso_df3_write(path, s->voxels->geometry.size, values, 1, 0, &coding, err);
-    free(path);
-    free(values);
-    return status;
+    return write_samples(s, &(layer_reader){.bytes = bytes}, read_bytes, &suffix, 1, &coding, dir, err);
 }
 
 static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, iso_error *err)
@@ -249,10 +277,9 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
 static iso_status write_layer(iso_code code, const iso_povray_scene *s, const char *dir, const iso_progress *progress,
                               iso_error *err)
 {
-    char *path = iso_povray_file_path(dir, s->name, "_scalar.df3");
-    iso_status status = path ? iso_df3_write(path, s->voxels->geometry.size, s->voxels->scalar, 1, 0, &s->scalar, err)
-                             : iso_povray_no_memory(err);
-    free(path);
+    static const char *const suffix = "_scalar.df3";
+    iso_status status = write_samples(s, &(layer_reader){.level = s->voxels, .volume = s->options->volume},
+                                      read_scalars, &suffix, 1, &s->scalar, dir, err);
     if (status == ISO_OK)
         status = write_directions(code, s, dir, progress, err);
     if (status == ISO_OK && !s->options->isosurface)

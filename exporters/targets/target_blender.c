@@ -95,6 +95,7 @@ static void take_grid_options(const iso_export_job *job, iso_blender_options *o)
     o->dense = job->dense;
     o->half = job->half_float;
     o->command = job->command;
+    o->volume = job->volume;
 }
 
 static iso_status write_blender(const iso_export_job *job, iso_error *err)
@@ -178,6 +179,7 @@ const iso_export_target iso_export_target_blender = {
                ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_MATERIAL) | ISO_EXPORT_TAKES(ISO_EXPORT_HALF) |
                ISO_EXPORT_TAKES(ISO_EXPORT_DENSE),
+    .narrow = true,
     .write = write_blender,
     .write_frames = write_blender_frames,
     .write_volumes = write_blender_volumes,

@@ -60,6 +60,7 @@ const iso_export_target iso_export_target_nanovdb = {
                ISO_EXPORT_TAKES(ISO_EXPORT_GRIDS) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_BAKE) | ISO_EXPORT_TAKES(ISO_EXPORT_DENSE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_BACKGROUND) | ISO_EXPORT_TAKES(ISO_EXPORT_SHOWN),
+    .narrow = true,
     .write = write_nanovdb,
     .suffix = ".nvdb",
 };

@@ -46,6 +46,8 @@ static iso_status write_povray(const iso_export_job *job, iso_error *err)
     /* What is rendered with this step, to the last bit: the same samples of the same files. */
     const double step = step_of(job->step_voxels, job->view);
     iso_povray_set_step(&job->pyramid->levels[job->level].geometry, job->view, step, &o);
+    o.threads = job->threads;
+    o.volume = job->volume;
     if (job->planned)
         return write_planned(job, &o, err);
     iso_view view;
@@ -90,6 +92,7 @@ const iso_export_target iso_export_target_povray = {
                ISO_EXPORT_TAKES(ISO_EXPORT_ISOSURFACE) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) | ISO_EXPORT_TAKES(ISO_EXPORT_ROI) |
                ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT) | ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE),
+    .narrow = true,
     .write = write_povray,
     .suffix = "",
     .open = open_povray,

@@ -49,6 +49,7 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
     o.unit = job->pyramid->unit.name;
     o.command = job->command;
     o.threads = job->threads;
+    o.volume = job->volume;
     if (job->planned)
         return write_planned(job, &o, err);
     shown_levels *l = calloc(1, sizeof *l);
@@ -78,6 +79,7 @@ const iso_export_target iso_export_target_vdb = {
                ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) | ISO_EXPORT_TAKES(ISO_EXPORT_BAKE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_DENSE) | ISO_EXPORT_TAKES(ISO_EXPORT_BACKGROUND) |
                ISO_EXPORT_TAKES(ISO_EXPORT_SHOWN),
+    .narrow = true,
     .write = write_vdb,
     .suffix = ".vdb",
 };

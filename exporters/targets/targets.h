@@ -59,6 +59,7 @@ typedef enum iso_export_option {
 /* What is to be written. */
 typedef struct iso_export_job {
     const iso_pyramid *pyramid;
+    const iso_volume *volume; /* of a narrow target: level 0's scalars where the pyramid has none; else NULL */
     size_t level, level_count; /* levels from `level` on */
     const char *output;
     iso_view *
@@ -117,6 +118,7 @@ typedef struct iso_export_target {
      * and reads the picture that it leaves: colors with the background, in linear light. NULL: nothing to start. */
     iso_status (*open)(const char *output, iso_image *picture, iso_error *err);
     const char *renderer; /* its name among the renderers */
+    bool narrow;  /* where a level is written by itself, level 0's scalars may be in job.volume alone (pyramid/narrow.h) */
     bool stamped; /* people edit the output: it ends in a stamp (base/stamp.h), and is not overwritten when changed */
     const char *example; /* what -o may be called */
     /* The samples of a ray in what is written with this step: intervals in each piece, and the planes between pieces. NULL:

@@ -29,6 +29,7 @@ enum { ISO_VDB_MAX_GRIDS = 4 };
 /* What the grids of a level are read from. It stays where it is until the file is written. */
 typedef struct iso_vdb_grids {
     const iso_level *level;
+    const iso_volume *volume; /* its scalars where it has none */
     iso_code code;
     const uint8_t *tf_2d, *extinction_scale;
     float direction_scale;

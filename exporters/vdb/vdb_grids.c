@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "fit/extinction_scale.h"
+#include "pyramid/narrow.h"
 #include "vdb/vdb_file.h"
 
 typedef void read_row(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
@@ -21,7 +22,7 @@ static size_t voxel_at(const iso_geometry *g, size_t x, size_t y, size_t z)
 static void read_scalar(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
 {
     const iso_vdb_grids *s = user;
-    memcpy(out, s->level->scalar + voxel_at(&s->level->geometry, x, y, z), count * sizeof *out);
+    iso_level_scalars(s->level, s->volume, voxel_at(&s->level->geometry, x, y, z), count, out);
 }
 
 static void read_directions(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
@@ -125,12 +126,21 @@ static bool is_half(float value)
     return (bits & 0x1fff) == 0 && ((bits & 0x7fffffff) == 0 || (exponent >= 127 - 14 && exponent <= 127 + 15));
 }
 
-static bool are_halves(const float *values, size_t count)
+static bool are_halves(const iso_level *level, const iso_volume *volume)
 {
-    size_t i = 0;
-    while (i < count && is_half(values[i]))
-        ++i;
-    return i == count;
+    enum { BLOCK = 1024 };
+    const size_t count = iso_geometry_voxel_count(&level->geometry);
+    float values[BLOCK];
+    if (!level->scalar && iso_type_bytes(volume->type) == 1)
+        return true;
+    for (size_t at = 0; at < count; at += BLOCK) {
+        const size_t n = count - at < BLOCK ? count - at : BLOCK;
+        iso_level_scalars(level, volume, at, n, values);
+        for (size_t i = 0; i < n; ++i)
+            if (!is_half(values[i]))
+                return false;
+    }
+    return true;
 }
 
 /* Of all grids but the first: from 0 to 1, or what bytes give. */
@@ -221,6 +231,7 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
     const iso_vdb_options *opt = job->opt;
     const iso_code code = p->options.code;
     *grids = (iso_vdb_grids){.level = level,
+                             .volume = opt->volume,
                              .code = code,
                              .tf_2d = opt->tf_2d,
                              .extinction_scale = opt->extinction_scale,
@@ -234,7 +245,8 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
     source.value_max = level->max;
     const bool sparse = shown && !level->labels;
     if (sparse) {
-        iso_status status = iso_vdb_activity_create(&grids->activity, level, shown, opt->pad_voxels, opt->threads, err);
+        iso_status status = iso_vdb_activity_create(&grids->activity, level, opt->volume, shown,
+                                                    opt->pad_voxels, opt->threads, err);
         if (status != ISO_OK)
             return status;
         source.background = grids->activity.background;
@@ -246,9 +258,7 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
                                   .kept = sparse ? read_kept : NULL,
                                   .lit = sparse ? read_lit : NULL,
                                   .reversed = iso_vdb_reverses_x(&level->geometry),
-                                  .half_scalar = are_halves(level->scalar,
-                                                            iso_geometry_voxel_count(&level->geometry)) &&
-                                                 is_half(source.background)};
+                                  .half_scalar = are_halves(level, opt->volume) && is_half(source.background)};
     if (readers.reversed)
         reverse_x(&source);
     /* Cycles marks one voxel more on each side as its own, and up to Blender 5.1 it bounds a grid wrongly that then has

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "brick/occupancy.h"
+#include "pyramid/narrow.h"
 
 /* ---- what is shown -------------------------------------------------------------- */
 
@@ -111,18 +112,29 @@ static float to_half(float value)
     return (float)ldexp(rint(ldexp((double)value, 11 - exponent)), exponent - 11);
 }
 
+static void count_values(const iso_level *level, const iso_volume *volume, double first, double width, size_t bins[BIN_COUNT])
+{
+    enum { BLOCK = 1024 };
+    const size_t voxels = iso_geometry_voxel_count(&level->geometry);
+    float values[BLOCK];
+    for (size_t at = 0; at < voxels; at += BLOCK) {
+        const size_t n = voxels - at < BLOCK ? voxels - at : BLOCK;
+        iso_level_scalars(level, volume, at, n, values);
+        for (size_t i = 0; i < n; ++i)
+            ++bins[(size_t)within(((double)values[i] - first) / width, BIN_COUNT - 1)];
+    }
+}
+
 /* The value among those that are not shown in whose range most voxels lie, as far as can be from what shows; the least
  * value where all are shown. */
-static float choose_background(const shown_test *t, const iso_level *level)
+static float choose_background(const shown_test *t, const iso_level *level, const iso_volume *volume)
 {
-    const size_t voxels = iso_geometry_voxel_count(&level->geometry);
     const double width = (level->max - level->min) / BIN_COUNT;
     size_t bins[BIN_COUNT] = {0}, most = 0;
     double value = level->min;
     if (!(width > 0))
         return (float)value;
-    for (size_t i = 0; i < voxels; ++i)
-        ++bins[(size_t)within(((double)level->scalar[i] - level->min) / width, BIN_COUNT - 1)];
+    count_values(level, volume, level->min, width, bins);
     for (size_t start = 0; start < BIN_COUNT; ++start) {
         size_t end = start, inside = 0;
         while (end < BIN_COUNT &&
@@ -140,10 +152,10 @@ static float choose_background(const shown_test *t, const iso_level *level)
     return joined(t, exact, rounded) ? rounded : exact;
 }
 
-static iso_status find_background(const shown_test *t, const iso_level *level, const iso_vdb_shown *shown,
-                                  float *background, iso_error *err)
+static iso_status find_background(const shown_test *t, const iso_level *level, const iso_volume *volume,
+                                  const iso_vdb_shown *shown, float *background, iso_error *err)
 {
-    *background = shown->has_background ? (float)shown->background : choose_background(t, level);
+    *background = shown->has_background ? (float)shown->background : choose_background(t, level, volume);
     if (!t->plain && shown->has_background && shows(t, *background, *background))
         return iso_fail(err, ISO_E_RANGE, "a background of %g: the transfer function shows this value",
                         shown->background);
@@ -156,6 +168,7 @@ static iso_status find_background(const shown_test *t, const iso_level *level, c
 typedef struct marker {
     iso_vdb_activity *activity;
     const iso_level *level;
+    const iso_volume *volume; /* its scalars where it has none */
     const shown_test *test;
     size_t pad;
 } marker;
@@ -176,12 +189,12 @@ static size_t clamped(size_t i, size_t pad, size_t size)
 static void read_voxels(const marker *m, size_t y, size_t z, float *out)
 {
     const size_t *n = m->level->geometry.size;
-    const float *row = m->level->scalar + n[0] * (clamped(y, m->pad, n[1]) + n[1] * clamped(z, m->pad, n[2]));
+    float *row = out + m->pad;
+    iso_level_scalars(m->level, m->volume, n[0] * (clamped(y, m->pad, n[1]) + n[1] * clamped(z, m->pad, n[2])), n[0], row);
     for (size_t x = 0; x < m->pad; ++x) {
         out[x] = row[0];
-        out[m->pad + n[0] + x] = row[n[0] - 1];
+        row[n[0] + x] = row[n[0] - 1];
     }
-    memcpy(out + m->pad, row, n[0] * sizeof *row);
 }
 
 /* Least and greatest of each square of four voxels of plane z. Cells along x and y: one fewer than voxels. */
@@ -349,14 +362,14 @@ static bool mark_all(const marker *m, int threads)
     return good;
 }
 
-iso_status iso_vdb_activity_create(iso_vdb_activity *a, const iso_level *level, const iso_vdb_shown *shown, size_t pad,
-                                   int threads, iso_error *err)
+iso_status iso_vdb_activity_create(iso_vdb_activity *a, const iso_level *level, const iso_volume *volume,
+                                   const iso_vdb_shown *shown, size_t pad, int threads, iso_error *err)
 {
     shown_test test;
     *a = (iso_vdb_activity){0};
     iso_status status = shown_test_create(&test, shown, err);
     if (status == ISO_OK)
-        status = find_background(&test, level, shown, &a->background, err);
+        status = find_background(&test, level, volume, shown, &a->background, err);
     if (status != ISO_OK) {
         shown_test_destroy(&test);
         return status;
@@ -370,7 +383,7 @@ iso_status iso_vdb_activity_create(iso_vdb_activity *a, const iso_level *level, 
     const size_t bytes = a->row_bytes * a->size[1] * a->size[2];
     a->kept = calloc(bytes, 1);
     a->lit = calloc(bytes, 1);
-    const marker m = {a, level, &test, rim};
+    const marker m = {a, level, volume, &test, rim};
     if (!a->kept || !a->lit || !mark_all(&m, threads)) {
         iso_vdb_activity_destroy(a);
         status = iso_fail(err, ISO_E_MEMORY, "sparse grids: no memory for %zu bytes of marks", 2 * bytes);

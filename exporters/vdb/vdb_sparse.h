@@ -40,9 +40,9 @@ typedef struct iso_vdb_activity {
     float background;
 } iso_vdb_activity;
 
-/* pad: voxels of the rim. ISO_E_RANGE when the background that was asked for is shown, ISO_E_MEMORY. */
-iso_status iso_vdb_activity_create(iso_vdb_activity *a, const iso_level *level, const iso_vdb_shown *shown, size_t pad,
-                                   int threads, iso_error *err);
+/* pad: voxels of the rim; volume: of the scalars where the level has none (pyramid/narrow.h), or NULL. ISO_E_RANGE when the background that was asked for is shown, ISO_E_MEMORY. */
+iso_status iso_vdb_activity_create(iso_vdb_activity *a, const iso_level *level, const iso_volume *volume,
+                                   const iso_vdb_shown *shown, size_t pad, int threads, iso_error *err);
 void iso_vdb_activity_destroy(iso_vdb_activity *a); /* accepts empty and NULL */
 
 static inline bool iso_vdb_activity_bit(const iso_vdb_activity *a, const uint8_t *bits, const size_t at[3])

@@ -15,6 +15,7 @@
 #include "options/roi.h"
 #include "options/visible.h"
 #include "scene/subject_frames.h"
+#include "scene/subject_narrow.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 #include "volume/frames_all.h"
@@ -47,13 +48,57 @@ static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *v
     return status;
 }
 
+/* The target reads a level's scalars a few at a time, and so does all else that is asked for. */
+static bool is_narrow(const iso_export_arguments *a, const iso_export_target *target)
+{
+    return target->narrow && !a->plan && !a->roi.box && !a->adapted.wanted && !a->adapted.extinction_scale &&
+           !a->isosurface && !a->bake.wanted;
+}
+
+static iso_status load(iso_export_arguments *a, const iso_export_target *target, const iso_subject_look *look,
+                       const double *iso, const iso_progress *progress, iso_pyramid *p, iso_volume *v, iso_view *view,
+                       iso_error *err)
+{
+    const char *path = a->cli->arguments[0];
+    const bool wants_view = iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || iso_export_is_shown(a, target) ||
+                            a->bake.wanted;
+    const bool narrow = is_narrow(a, target);
+    iso_pyramid_options build = iso_pyramid_defaults();
+    iso_subject_sight sight = {0};
+    build.threads = a->cli->threads;
+    build.level_count = (size_t)(a->level + a->level_count);
+    iso_status status = narrow ? iso_subject_load_narrow(path, &a->input, &build, wants_view ? look : NULL, progress, p,
+                                                         v, &sight, err)
+                               : iso_subject_load_pyramid(path, &a->input, &build, progress, p, err);
+    if (status == ISO_OK && (size_t)(a->level + a->level_count) > p->level_count)
+        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", path,
+                          a->level + a->level_count - 1, p->level_count - 1);
+    if (status == ISO_OK && (a->plan || a->roi.box || a->isosurface))
+        status = iso_subject_refuse_labels(p, path,
+                                           a->plan      ? "--plan"
+                                           : a->roi.box ? "--roi"
+                                                        : "--isosurface",
+                                           err);
+    if (narrow)
+        *view = sight.view;
+    else if (status == ISO_OK && wants_view)
+        status = iso_subject_make_view(look, p, view, err);
+    if (status == ISO_OK && view->width > 0) { /* there is a scene */
+        if (narrow)
+            iso_cli_warn_of(a->cli, &sight.visible);
+        else
+            iso_cli_warn_of_view(a->cli, p, view, a->isosurface ? iso : NULL, &(bool){false});
+    }
+    return status;
+}
+
 static iso_status export_it(iso_export_arguments *a, iso_error *err)
 {
     const iso_export_target *target = NULL;
     double iso[3] = {0};
     iso_progress progress = iso_cli_progress(a->cli);
-    iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid pyramid = {0};
+    iso_volume volume = {0};
     iso_view view = {0};
     iso_planned planned = {0};
     iso_subject_look look;
@@ -67,23 +112,7 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     if (status != ISO_OK)
         return status;
     iso_cli_expect_names(a->cli, !iso_pyramid_is_one(a->cli->arguments[0]), target->stages, target->name);
-    build.threads = a->cli->threads;
-    build.level_count = (size_t)(a->level + a->level_count);
-    status = iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
-    if (status == ISO_OK && (size_t)(a->level + a->level_count) > pyramid.level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[0],
-                          a->level + a->level_count - 1, pyramid.level_count - 1);
-    if (status == ISO_OK && (a->plan || a->roi.box || a->isosurface))
-        status = iso_subject_refuse_labels(&pyramid, a->cli->arguments[0],
-                                           a->plan      ? "--plan"
-                                           : a->roi.box ? "--roi"
-                                                        : "--isosurface",
-                                           err);
-    if (status == ISO_OK &&
-        (iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || iso_export_is_shown(a, target) || a->bake.wanted))
-        status = iso_subject_make_view(&look, &pyramid, &view, err);
-    if (status == ISO_OK && view.width > 0) /* there is a scene */
-        iso_cli_warn_of_view(a->cli, &pyramid, &view, a->isosurface ? iso : NULL, &(bool){false});
+    status = load(a, target, &look, iso, &progress, &pyramid, &volume, &view, err);
     if (status == ISO_OK && a->plan)
         status = iso_planned_create(a->plan,
                                     &(iso_planned_subject){&pyramid.levels[0], pyramid.options.code, &view.tf, 1},
@@ -91,6 +120,7 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
     char *command = iso_cli_command_line(a->cli);
     const iso_export_job job = {.pyramid = &pyramid,
+                                .volume = volume.data ? &volume : NULL,
                                 .level = (size_t)a->level,
                                 .level_count = (size_t)a->level_count,
                                 .output = a->output,
@@ -130,6 +160,7 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     iso_planned_destroy(&planned);
     iso_view_destroy(&view);
     iso_pyramid_destroy(&pyramid);
+    iso_volume_destroy(&volume);
     return status;
 }
 

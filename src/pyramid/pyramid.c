@@ -13,6 +13,7 @@
 #include "pyramid/agreement.h"
 #include "pyramid/cascade.h"
 #include "pyramid/filter_kernel.h"
+#include "pyramid/narrow.h"
 #include "pyramid/pyramid_layout.h"
 
 static const struct {
@@ -141,21 +142,24 @@ static iso_status sample_range(const iso_volume *v, const char *source, double *
     return ISO_OK;
 }
 
-static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, const iso_pyramid_options *opt)
+/* narrow: without scalars. */
+static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, bool narrow, const iso_pyramid_options *opt)
 {
     const size_t count = iso_geometry_voxel_count(g);
     *l = (iso_level){.geometry = *g, .stored_type = type, .labels = opt->scalar_filter == ISO_SCALAR_MAJORITY};
-    l->scalar = malloc(count * sizeof *l->scalar);
+    if (!narrow)
+        l->scalar = malloc(count * sizeof *l->scalar);
     l->codes = malloc(3 * count);
     if (opt->keep_float)
         l->directions = malloc(3 * count * sizeof *l->directions);
     if (opt->keep_magnitude)
         l->magnitude = malloc(count * sizeof *l->magnitude);
-    return l->scalar && l->codes && (l->directions || !opt->keep_float) && (l->magnitude || !opt->keep_magnitude);
+    return (l->scalar || narrow) && l->codes && (l->directions || !opt->keep_float) && (l->magnitude || !opt->keep_magnitude);
 }
 
-static iso_status build_levels(const iso_volume *v, double scale, iso_pyramid *p, const iso_progress *progress,
-                               iso_error *err)
+/* narrow: level 0 has no scalars. */
+static iso_status build_levels(const iso_volume *v, double scale, bool narrow, iso_pyramid *p,
+                               const iso_progress *progress, iso_error *err)
 {
     const iso_pyramid_options *opt = &p->options;
     iso_geometry g = v->geometry;
@@ -169,7 +173,7 @@ static iso_status build_levels(const iso_volume *v, double scale, iso_pyramid *p
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k) {
         iso_level *l = &p->levels[k];
         const iso_type type = k == 0 ? iso_layout_type(v->type) : ISO_F32;
-        if (!create_level(l, &g, type, opt))
+        if (!create_level(l, &g, type, narrow && k == 0, opt))
             status = iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for level %zu of %zu x %zu x %zu voxels", k,
                               g.size[0], g.size[1], g.size[2]);
         out[k] = (iso_cascade_out){0, l->scalar, l->codes, l->directions, l->magnitude};
@@ -194,8 +198,8 @@ iso_pyramid_unit iso_pyramid_unit_of(const iso_volume_notes *notes)
     return unit;
 }
 
-iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_pyramid_options *opt, iso_pyramid *out,
-                             const iso_progress *progress, iso_error *err)
+static iso_status build(const iso_volume *v, bool narrow, const char *source, const iso_pyramid_options *opt,
+                        iso_pyramid *out, const iso_progress *progress, iso_error *err)
 {
     double range = 0;
     *out = (iso_pyramid){.options = *opt};
@@ -213,11 +217,23 @@ iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_
     if (!out->source || !out->levels)
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for its levels", source);
     else
-        status = build_levels(v, iso_cascade_scale(&v->geometry, range), out, progress, err);
+        status = build_levels(v, iso_cascade_scale(&v->geometry, range), narrow, out, progress, err);
     iso_pyramid_share_segments(out);
     if (status != ISO_OK)
         iso_pyramid_destroy(out);
     return status;
+}
+
+iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_pyramid_options *opt, iso_pyramid *out,
+                             const iso_progress *progress, iso_error *err)
+{
+    return build(v, false, source, opt, out, progress, err);
+}
+
+iso_status iso_pyramid_build_narrow(const iso_volume *v, const char *source, const iso_pyramid_options *opt,
+                                    iso_pyramid *out, const iso_progress *progress, iso_error *err)
+{
+    return build(v, true, source, opt, out, progress, err);
 }
 
 void iso_pyramid_share_segments(iso_pyramid *p)

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+/* What is exported of a pyramid without floats of level 0 is what is exported of a whole one, byte for byte, and does not
+ * depend on threads. */
+#define _GNU_SOURCE
+#include "test.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "povray/df3.h"
+#include "pyramid/narrow.h"
+#include "tf/tf.h"
+#include "vdb/vdb.h"
+#include "volume/synthetic.h"
+
+enum { NX = 37, NY = 26, NZ = 19, LEVELS = 2 };
+
+typedef struct fixture {
+    char *dir;
+    iso_volume volume;
+    iso_pyramid whole, narrow;
+} fixture;
+
+static void begin(fixture *f, iso_type type)
+{
+    const size_t size[3] = {NX, NY, NZ};
+    iso_field field = {.kind = ISO_FIELD_NOISE,
+                       .geometry = iso_geometry_axis_aligned(size, (double[]){1, 0.7, 1.5}),
+                       .seed = 5};
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = LEVELS;
+    *f = (fixture){.dir = iso_make_temp_dir()};
+    assert_ok(iso_field_sample(&field, type, &f->volume, &err));
+    assert_ok(iso_pyramid_build(&f->volume, "noise", &opt, &f->whole, NULL, &err));
+    assert_ok(iso_pyramid_build_narrow(&f->volume, "noise", &opt, &f->narrow, NULL, &err));
+}
+
+static void end(fixture *f)
+{
+    iso_pyramid_destroy(&f->whole);
+    iso_pyramid_destroy(&f->narrow);
+    iso_volume_destroy(&f->volume);
+    iso_remove_tree(f->dir);
+    free(f->dir);
+}
+
+static const iso_type types[] = {ISO_U8, ISO_I16, ISO_I32, ISO_F32};
+
+static void all_but_the_floats_of_level_0_is_equal(void **state)
+{
+    (void)state;
+    for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
+        fixture f;
+        begin(&f, types[t]);
+        assert_null(f.narrow.levels[0].scalar);
+        float row[NX];
+        for (size_t k = 0; k < LEVELS; ++k) {
+            const iso_level *a = &f.whole.levels[k], *b = &f.narrow.levels[k];
+            const size_t width = a->geometry.size[0], rows = a->geometry.size[1] * a->geometry.size[2];
+            assert_true(a->min == b->min && a->max == b->max);
+            assert_memory_equal(a->codes, b->codes, 3 * width * rows);
+            for (size_t i = 0; i < rows; ++i) {
+                iso_level_scalars(b, &f.volume, i * width, width, row);
+                assert_memory_equal(row, a->scalar + i * width, width * sizeof *row);
+            }
+        }
+        end(&f);
+    }
+}
+
+/* Bytes of the file that is saved, but for the identifier that OpenVDB draws anew for each file. */
+static char *save(const fixture *f, const iso_pyramid *p, const iso_vdb_shown *shown, int threads, size_t *bytes)
+{
+    enum { IDENTIFIER = 21, IDENTIFIER_BYTES = 36 };
+    char *path = iso_path_join(f->dir, "v.vdb"), *data;
+    iso_vdb_options o = iso_vdb_defaults();
+    o.shown = shown;
+    o.half_directions = shown != NULL;
+    o.pad_voxels = 1;
+    o.threads = threads;
+    o.volume = p->levels[0].scalar ? NULL : &f->volume;
+    assert_ok(iso_vdb_save(p, 0, 1, path, &o, NULL, &err));
+    assert_ok(iso_file_read(path, &data, bytes, &err));
+    assert_true(*bytes > IDENTIFIER + IDENTIFIER_BYTES);
+    memset(data + IDENTIFIER, 0, IDENTIFIER_BYTES);
+    free(path);
+    return data;
+}
+
+static bool is_same_file(const fixture *f, const iso_pyramid *a, const iso_pyramid *b, const iso_vdb_shown *shown,
+                         int threads)
+{
+    size_t one_bytes, other_bytes;
+    char *one = save(f, a, shown, 1, &one_bytes), *other = save(f, b, shown, threads, &other_bytes);
+    const bool same = one_bytes == other_bytes && memcmp(one, other, one_bytes) == 0;
+    free(one);
+    free(other);
+    return same;
+}
+
+static void openvdb_files_are_equal_whatever_the_threads(void **state)
+{
+    (void)state;
+    for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
+        fixture f;
+        begin(&f, types[t]);
+        const double lo = f.whole.levels[0].min, hi = f.whole.levels[0].max;
+        float entries[4 * 16] = {0};
+        for (size_t i = 9; i < 12; ++i)
+            entries[4 * i + 3] = 1;
+        const iso_tf_table tf = {.count = 16, .lo = lo, .hi = hi, .entries = entries};
+        const iso_vdb_shown shown = {&tf, 1, false, 0};
+        assert_true(is_same_file(&f, &f.whole, &f.narrow, NULL, 3));
+        assert_true(is_same_file(&f, &f.whole, &f.narrow, &shown, 3));
+        memset((char *)f.volume.data + (size_t)(NX * NY * 9 + NX * 13 + 18) * iso_type_bytes(f.volume.type), 1,
+               iso_type_bytes(f.volume.type));
+        assert_false(is_same_file(&f, &f.whole, &f.narrow, NULL, 3)); /* one voxel is another */
+        end(&f);
+    }
+}
+
+static void read_codes(const void *user, size_t first, size_t count, float *out)
+{
+    const iso_pyramid *p = user;
+    iso_code_decode_all(p->options.code, p->levels[0].codes + 3 * first, out, count);
+}
+
+/* Three files from one reading are those of three readings. */
+static void df3_files_of_several_channels_are_equal(void **state)
+{
+    (void)state;
+    fixture f;
+    begin(&f, ISO_U8);
+    const size_t size[3] = {NX, NY, NZ}, voxels = (size_t)NX * NY * NZ;
+    const iso_df3_source source = {{NX, NY, NZ}, 3, read_codes, &f.narrow};
+    float *decoded = malloc(3 * voxels * sizeof *decoded);
+    read_codes(&f.whole, 0, voxels, decoded);
+    for (unsigned bits = 8; bits <= 32; bits *= 2) {
+        const iso_df3_coding coding = {bits, -128.0 / 127, 1};
+        char *paths[4], *data[4];
+        size_t bytes[4];
+        for (size_t i = 0; i < 4; ++i) {
+            char name[16];
+            snprintf(name, sizeof name, "%zu.df3", i);
+            paths[i] = iso_path_join(f.dir, name);
+        }
+        assert_ok(iso_df3_write_from(&source, (const char *const *)paths, &coding, bits == 8 ? 1 : 3, &err));
+        for (size_t c = 0; c < 3; ++c) {
+            assert_ok(iso_df3_write(paths[3], size, decoded, 3, c, &coding, &err));
+            assert_ok(iso_file_read(paths[c], &data[c], &bytes[c], &err));
+            assert_ok(iso_file_read(paths[3], &data[3], &bytes[3], &err));
+            assert_int_equal(bytes[c], bytes[3]);
+            assert_int_equal(bytes[c], 6 + (NX + 2) * (NY + 2) * (NZ + 2) * bits / 8);
+            assert_memory_equal(data[c], data[3], bytes[3]);
+            assert_false(c > 0 && memcmp(data[c], data[c - 1], bytes[3]) == 0); /* channels are not mixed up */
+            free(data[3]);
+        }
+        for (size_t i = 0; i < 4; ++i) {
+            free(paths[i]);
+            if (i < 3)
+                free(data[i]);
+        }
+    }
+    free(decoded);
+    end(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_but_the_floats_of_level_0_is_equal),
+        cmocka_unit_test(openvdb_files_are_equal_whatever_the_threads),
+        cmocka_unit_test(df3_files_of_several_channels_are_equal),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
