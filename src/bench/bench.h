@@ -31,6 +31,7 @@
     X(reference) \
     X(render) \
     X(roi) \
+    X(scale) \
     X(tf)
 /* clang-format on */
 

@@ -1,0 +1,363 @@
+/* SPDX-License-Identifier: MIT */
+/* scale.c - time and memory of the commands against the number of voxels, each run in a process of its own. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "base/embed.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "base/machine.h"
+#include "base/process.h"
+#include "bench/bench.h"
+#include "report/gnuplot.h"
+
+ISO_EMBED(iso_scale_gp, "src/bench/scale.gp");
+
+enum { MOST_SIZES = 6, MOST_WORDS = 32 };
+
+/* By a factor of 8 in voxels; the last one of 4. */
+static const size_t sizes[MOST_SIZES][3] = {{64, 64, 64},    {128, 128, 128},    {256, 256, 256},
+                                            {512, 512, 512}, {1024, 1024, 1024}, {2048, 2048, 1024}};
+
+/* Commands in a folder with volume.nrrd, in an order in which each finds what it reads. */
+static const struct stage {
+    const char *name, *command;
+    bool is_streamed; /* its memory is to stay, whatever the volume is */
+} stages[] = {
+    {"build", "build volume.nrrd -o volume.iso --levels 4 --memory 256", true},
+    {"histogram", "info volume.nrrd", false},
+    {"render", "render volume.iso --scene scale.scene.json --memory 256 -o paged.exr", true},
+    {"render-whole", "render volume.iso --scene scale.scene.json --with cpu -o whole.exr", false},
+    {"export", "export volume.iso --scene scale.scene.json --to vdb -o volume.vdb", false},
+    {"plan", "plan volume.iso --scene scale.scene.json --size 64 --error 1/64 -o volume.plan.json", false},
+};
+enum { STAGES = sizeof stages / sizeof *stages };
+
+typedef struct point {
+    bool is_measured;
+    double seconds, processor_seconds, peak_bytes;
+    char why[160]; /* it was not measured */
+} point;
+
+typedef struct scale_bench {
+    char program[4096];
+    char *folder;
+    const char *only;    /* names, between commas; or NULL for all */
+    size_t count;        /* of sizes */
+    point start[STAGES]; /* of 16^3 voxels: what a process costs */
+    point points[STAGES][MOST_SIZES];
+    double slope[STAGES];
+} scale_bench;
+
+static double voxels_of(size_t i)
+{
+    return (double)sizes[i][0] * (double)sizes[i][1] * (double)sizes[i][2];
+}
+
+/* ---- one command ---- */
+
+static iso_status run_command(const scale_bench *b, const char *command, point *p, iso_error *err)
+{
+    const char *argv[MOST_WORDS] = {b->program};
+    char *words = strdup(command), *rest = words;
+    size_t count = 1;
+    iso_process_outcome took = {0};
+    const iso_process_options options = {.directory = b->folder, .outcome = &took};
+    for (char *word; count + 2 < MOST_WORDS && (word = strsep(&rest, " "));)
+        argv[count++] = word;
+    argv[count++] = "-q";
+    argv[count] = NULL;
+    const iso_status status = words ? iso_process_run(argv, &options, err)
+                                    : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    *p = (point){status == ISO_OK, took.seconds, took.processor_seconds, took.peak_bytes, ""};
+    free(words);
+    return status;
+}
+
+static iso_status make_volume(const scale_bench *b, const size_t size[3], iso_error *err)
+{
+    char command[160];
+    point unused;
+    snprintf(command, sizeof command, "make shells --size %zux%zux%zu --type uint8 -o volume.nrrd", size[0], size[1],
+             size[2]);
+    return run_command(b, command, &unused, err);
+}
+
+/* ---- all of them ---- */
+
+/* What the last size took says what this one would. */
+static bool fits_memory(const scale_bench *b, size_t stage, size_t i, char why[160])
+{
+    if (i == 0 || stages[stage].is_streamed)
+        return true;
+    const point *last = &b->points[stage][i - 1];
+    const double have = 0.6 * (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE),
+                 need = last->peak_bytes * voxels_of(i) / voxels_of(i - 1);
+    if (!last->is_measured || need > have) {
+        snprintf(why, 160,
+                 last->is_measured ? "memory: %.1f GB would be needed, %.1f are allowed" : "as the size before it",
+                 need / 1e9, have / 1e9);
+        return false;
+    }
+    return true;
+}
+
+static bool is_asked(const scale_bench *b, size_t stage)
+{
+    char list[256], name[64];
+    snprintf(list, sizeof list, ",%s,", b->only ? b->only : "");
+    snprintf(name, sizeof name, ",%s,", stages[stage].name);
+    return !b->only || strstr(list, name);
+}
+
+static void measure_size(scale_bench *b, size_t i, const iso_cli *cli)
+{
+    const iso_progress progress = iso_cli_progress(cli);
+    for (size_t s = 0; s < STAGES; ++s) {
+        point *p = &b->points[s][i];
+        iso_error why = {""};
+        if (!is_asked(b, s))
+            snprintf(p->why, sizeof p->why, "not asked for");
+        else if (fits_memory(b, s, i, p->why) && run_command(b, stages[s].command, p, &why) != ISO_OK)
+            snprintf(p->why, sizeof p->why, "%.150s", why.text);
+        iso_progress_report(&progress, "measure", (double)(i * STAGES + s + 1) / (double)(b->count * STAGES));
+    }
+}
+
+/* A volume of a byte a voxel, its pyramid with codes, and what is exported of it. */
+static bool fits_disk(const scale_bench *b, size_t i, char why[160])
+{
+    struct statvfs disk;
+    const double need = 10 * voxels_of(i);
+    if (statvfs(b->folder, &disk) != 0)
+        return true;
+    const double have = (double)disk.f_bavail * (double)disk.f_frsize;
+    snprintf(why, 160, "disk: %.1f GB would be needed, %.1f are free", need / 1e9, have / 1e9);
+    return need < have;
+}
+
+/* The slope of log(processor seconds less those of a process) by log(voxels): least squares. */
+static double fit_slope(const scale_bench *b, size_t stage)
+{
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+    for (size_t i = 0; i < b->count; ++i) {
+        const double net = b->points[stage][i].processor_seconds - b->start[stage].processor_seconds;
+        if (!b->points[stage][i].is_measured || !(net > 0.25 * b->start[stage].processor_seconds))
+            continue; /* lost in what a process costs */
+        const double lx = log(voxels_of(i)), ly = log(net);
+        ++n, x += lx, y += ly, xx += lx * lx, xy += lx * ly;
+    }
+    return n >= 2 ? (n * xy - x * y) / (n * xx - x * x) : NAN;
+}
+
+static iso_status measure_all(scale_bench *b, const iso_cli *cli, iso_error *err)
+{
+    static const size_t least[3] = {16, 16, 16};
+    static const char scene[] =
+        "{\"schema\": \"isoshade.scene/1\", \"image\": {\"width\": 256, \"height\": 256},\n"
+        " \"camera\": {\"projection\": \"perspective\", \"fit\": true, \"direction\": [0.7, 0.9, -0.5], "
+        "\"up\": [0, 0, 1], \"fov_y_deg\": 25},\n"
+        " \"lights\": [{\"direction\": [-0.4, 0.6, 1], \"space\": \"camera\", \"intensity\": 1}],\n"
+        " \"shading\": {\"ambient\": 0.25, \"diffuse\": 0.75, \"specular\": 0, \"power\": 1},\n"
+        " \"background\": [0, 0, 0], \"step_voxels\": 0.5, \"tf\": \"scale.tf.json\"}\n";
+    static const char tf[] =
+        "{\"schema\": \"isoshade.tf/1\", \"range\": \"fit\", \"unit_distance_voxels\": 1, \"color_space\": "
+        "\"srgb\", \"table_size\": 256, \"points\": [\n"
+        " {\"value\": 0, \"r\": 1, \"g\": 0.8, \"b\": 0.6, \"opacity\": 0},\n"
+        " {\"value\": 0.4, \"r\": 1, \"g\": 0.8, \"b\": 0.6, \"opacity\": 0},\n"
+        " {\"value\": 1, \"r\": 1, \"g\": 0.8, \"b\": 0.6, \"opacity\": 0.3}]}\n";
+    char *scene_path = iso_path_join(b->folder, "scale.scene.json"),
+         *tf_path = iso_path_join(b->folder, "scale.tf.json");
+    iso_status status = scene_path && tf_path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_file_write(scene_path, scene, sizeof scene - 1, err);
+    if (status == ISO_OK)
+        status = iso_file_write(tf_path, tf, sizeof tf - 1, err);
+    free(scene_path);
+    free(tf_path);
+    if (status == ISO_OK)
+        status = make_volume(b, least, err);
+    for (size_t s = 0; s < STAGES && status == ISO_OK; ++s)
+        if (is_asked(b, s))
+            status = run_command(b, stages[s].command, &b->start[s], err);
+    for (size_t i = 0; i < b->count && status == ISO_OK; ++i) {
+        char why[160];
+        if (!fits_disk(b, i, why)) {
+            for (size_t s = 0; s < STAGES; ++s)
+                memcpy(b->points[s][i].why, why, sizeof why);
+            continue;
+        }
+        status = make_volume(b, sizes[i], err);
+        if (status == ISO_OK)
+            measure_size(b, i, cli);
+        if (status == ISO_OK && iso_process_was_stopped())
+            status = iso_fail(err, ISO_E_PROGRAM, "stopped by a signal");
+    }
+    for (size_t s = 0; s < STAGES; ++s)
+        b->slope[s] = fit_slope(b, s);
+    return status;
+}
+
+/* ---- results ---- */
+
+static json_t *point_to_json(const point *p, size_t i)
+{
+    json_t *size = json_pack("[I,I,I]", (json_int_t)sizes[i][0], (json_int_t)sizes[i][1], (json_int_t)sizes[i][2]);
+    if (!p->is_measured)
+        return json_pack("{s:o, s:s}", "size", size, "left_out", p->why);
+    return json_pack("{s:o, s:f, s:f, s:f, s:f}", "size", size, "voxels", voxels_of(i), "seconds", p->seconds,
+                     "processor_seconds", p->processor_seconds, "peak_bytes", p->peak_bytes);
+}
+
+static json_t *to_json(const scale_bench *b, size_t s)
+{
+    json_t *points = json_array();
+    for (size_t i = 0; i < b->count; ++i)
+        json_array_append_new(points, point_to_json(&b->points[s][i], i));
+    json_t *stage = json_pack("{s:s, s:s, s:b, s:f, s:f, s:o}", "name", stages[s].name, "command", stages[s].command,
+                              "is_streamed", stages[s].is_streamed, "process_seconds", b->start[s].processor_seconds,
+                              "process_bytes", b->start[s].peak_bytes, "points", points);
+    json_object_set_new(stage, "slope", iso_json_number(b->slope[s]));
+    json_object_set_new(stage, "met", isnan(b->slope[s]) ? json_null() : json_boolean(fabs(b->slope[s] - 1) <= 0.05));
+    return stage;
+}
+
+static void print(const scale_bench *b)
+{
+    for (size_t s = 0; s < STAGES; ++s) {
+        printf("%s: isoshade %s\n  %16s %10s %12s %12s\n", stages[s].name, stages[s].command, "voxels", "s",
+               "processor s", "peak, MB");
+        for (size_t i = 0; i < b->count; ++i) {
+            const point *p = &b->points[s][i];
+            if (p->is_measured)
+                printf("  %4zux%4zux%4zu %13.2f %12.2f %12.0f\n", sizes[i][0], sizes[i][1], sizes[i][2], p->seconds,
+                       p->processor_seconds, p->peak_bytes / 1e6);
+            else
+                printf("  %4zux%4zux%4zu left out: %s\n", sizes[i][0], sizes[i][1], sizes[i][2], p->why);
+        }
+        printf("  slope of processor time, less %.2f s of a process: %.3f\n", b->start[s].processor_seconds,
+               b->slope[s]);
+    }
+}
+
+static iso_status draw(const scale_bench *b, const char *output, const char *format, iso_error *err)
+{
+    char *csv = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&csv, &size);
+    if (!f)
+        return iso_fail(err, ISO_E_MEMORY, "bench scale: no memory for the chart's data");
+    fprintf(f, "stage,voxels,processor_seconds,peak_bytes\n");
+    for (size_t s = 0; s < STAGES; ++s)
+        for (size_t i = 0; i < b->count; ++i)
+            if (b->points[s][i].is_measured)
+                fprintf(f, "%s,%.9g,%.9g,%.9g\n", stages[s].name, voxels_of(i), b->points[s][i].processor_seconds,
+                        b->points[s][i].peak_bytes);
+    fclose(f);
+    iso_output out = {0};
+    iso_status status = iso_output_begin_dir(&out, output, "scale.csv", err);
+    if (status == ISO_OK)
+        status = iso_gnuplot_draw(out.temp_path, "scale", csv, iso_scale_gp, format, err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
+    free(csv);
+    return status;
+}
+
+static iso_status report(const scale_bench *b, const iso_cli *cli, const char *output, const char *format,
+                         iso_error *err)
+{
+    if (cli->json) {
+        json_t *root = iso_cli_json(cli), *all = json_array();
+        for (size_t s = 0; s < STAGES; ++s)
+            json_array_append_new(all, to_json(b, s));
+        json_object_set_new(root, "machine", iso_machine_describe());
+        json_object_set_new(root, "stages", all);
+        iso_cli_print_json(root);
+    } else {
+        print(b);
+    }
+    return output ? draw(b, output, format, err) : ISO_OK;
+}
+
+/* ---- the command ---- */
+
+static iso_status count_sizes(const char *largest, size_t *count, iso_error *err)
+{
+    for (*count = 1; *count <= MOST_SIZES; ++*count) {
+        char name[40];
+        snprintf(name, sizeof name, "%zu", sizes[*count - 1][0]);
+        if (strcmp(name, largest) == 0)
+            return ISO_OK;
+    }
+    return iso_fail(err, ISO_E_USAGE, "--largest is \"%s\", wanted 64, 128, 256, 512, 1024 or 2048 (2048x2048x1024)",
+                    largest);
+}
+
+static iso_status run_all(scale_bench *b, const iso_cli *cli, const char *output, const char *format, iso_error *err)
+{
+    const ssize_t n = readlink("/proc/self/exe", b->program, sizeof b->program - 1);
+    b->folder = iso_make_temp_dir();
+    iso_status status = n > 0 && b->folder ? ISO_OK : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    if (status == ISO_OK)
+        status = measure_all(b, cli, err);
+    if (status == ISO_OK)
+        status = report(b, cli, output, format, err);
+    if (b->folder)
+        iso_remove_tree(b->folder);
+    free(b->folder);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    static char usual_largest[] = "512", svg[] = "svg";
+    char *largest = usual_largest, *output = NULL, *only = NULL, *format = svg;
+    scale_bench b = {.count = 0};
+    struct poptOption options[] = {
+        {"largest", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &largest, 0,
+         "sizes from 64^3 to this one, by a factor of 8: 128, 256, 512, 1024, and 2048 for 2048x2048x1024", "N"},
+        {"only", 0, POPT_ARG_STRING, &only, 0,
+         "these: build, histogram, render, render-whole, export, plan; most of them read what build wrote", "NAME,..."},
+        {"output", 'o', POPT_ARG_STRING, &output, 0, "a folder for the chart and its data", "FOLDER"},
+        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &format, 0, "of the chart: svg or pdf", "FORMAT"},
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && strcmp(format, "svg") != 0 && strcmp(format, "pdf") != 0)
+        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", format);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = count_sizes(largest, &b.count, err);
+    b.only = only;
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = run_all(&b, &cli, output, format, err);
+    iso_cli_end(&cli);
+    if (largest != usual_largest)
+        free(largest);
+    if (format != svg)
+        free(format);
+    free(output);
+    free(only);
+    return status;
+}
+
+const iso_command iso_bench_scale = {
+    .name = "bench scale",
+    .summary = "time and memory of build, histogram, render, export and plan against the number of voxels",
+    .usage = "[options]",
+    .details =
+        "Each command runs in a process of its own on shells of 8 bits, which are larger and as thick in parts of the box.\n"
+        "The slope is that of the logarithm of processor time, less what a process costs with 16^3 voxels, by that of the\n"
+        "number of voxels: 1 where time grows as the volume does. What does not fit into memory or on the disk is left\n"
+        "out, and says so.",
+    .examples = "isoshade bench scale --largest 64\n",
+    .run = run,
+};
