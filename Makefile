@@ -16,7 +16,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev
 	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
 	teem-apps python3-tifffile python3-mrcfile python3-pydicom python3-nibabel python3-vtk9 \
-	python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools
+	python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev
 
 # ---- compilers -------------------------------------------------------------
 CC := gcc
@@ -157,6 +157,16 @@ fuzz-coverage: $(needs_setup) ## lines of each reader that its seeds, the corpus
 	@bash tests/fuzz/coverage.sh $(FUZZ)
 .PHONY: fuzz fuzz-coverage
 
+# clang's analyzer, a list of findings for each file, which is made anew when the file's object is. Files of strangers and
+# other programs first: `make check` looks at these.
+strangers := base image volume
+analyzed := $(all_c:%.c=build/analyzed/%.txt)
+analyze: $(analyzed) ## what clang's analyzer finds in all C files; tests/analyzed.supp has what is none
+analyze-readers: $(filter $(strangers:%=build/analyzed/src/%/%),$(analyzed))
+.PHONY: analyze analyze-readers
+build/analyzed/%.txt: %.c $(build)/%.o tests/analyze.sh tests/analyzed.h tests/analyzed.supp
+	$(call say,SA )bash tests/analyze.sh $< $@ $(filter-out -W% -MMD -MP,$(CFLAGS)) $(if $(filter src/base/status.c,$<),,-include tests/analyzed.h)
+
 # ---- install ---------------------------------------------------------------
 PREFIX ?= /usr/local
 to := $(DESTDIR)$(PREFIX)
@@ -196,7 +206,7 @@ format: ## lay out the C and C++ files by .clang-format
 .PHONY: format
 
 clean: ## remove what was built
-	rm -rf build/release build/debug build/sanitize build/fuzz build/coverage isoshade
+	rm -rf build/release build/debug build/sanitize build/fuzz build/coverage build/analyzed isoshade
 
 # make V=1 shows the whole commands.
 ifndef V
