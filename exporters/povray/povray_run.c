@@ -307,7 +307,7 @@ double iso_povray_df3_bytes(const char *folder)
 typedef struct prepared_scenes {
     char *dir;
     iso_povray_prepared *scenes;
-    char (*names)[24];
+    char (*names)[32];
     size_t count;
 } prepared_scenes;
 
