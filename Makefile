@@ -18,11 +18,17 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev
 	teem-apps python3-tifffile python3-mrcfile python3-pydicom python3-nibabel python3-vtk9 \
 	python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev
 
+# The rooms that meet files of strangers and other programs.
+strangers := base image volume
+
 # ---- compilers -------------------------------------------------------------
 CC := gcc
 CXX := g++
 warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi $(WERROR)
 flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
+# Copies into buffers whose size the compiler knows stop the program where they would leave them: in what reads files of
+# strangers and starts programs (strangers, below) and in the readers that are programs of their own.
+fortified := -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3
 # Addresses that nobody can foresee, and no table of functions that can be written once the program runs.
 link_release := -pie -Wl,-z,relro,-z,now
 flags_debug := -O0 -g
@@ -159,7 +165,6 @@ fuzz-coverage: $(needs_setup) ## lines of each reader that its seeds, the corpus
 
 # clang's analyzer, a list of findings for each file, which is made anew when the file's object is. Files of strangers and
 # other programs first: `make check` looks at these.
-strangers := base image volume
 analyzed := $(all_c:%.c=build/analyzed/%.txt)
 analyze: $(analyzed) ## what clang's analyzer finds in all C files; tests/analyzed.supp has what is none
 analyze-readers: $(filter $(strangers:%=build/analyzed/src/%/%),$(analyzed))
@@ -236,7 +241,7 @@ $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
 child_h := src/volume/child_stream.h src/volume/child_writer.h src/volume/type.h src/isoshade.h
-child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3 -g -Isrc -pie -fPIE -Wl,-z,relro,-z,now
+child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g -Isrc -pie -fPIE -Wl,-z,relro,-z,now
 $(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) $(child_h) $(build)/child-flags
 	@mkdir -p $(@D)
 	$(call say,ITK)$(CXX) $(child_flags) -isystem /usr/include/$(itk) \
@@ -277,6 +282,12 @@ $(build)/%.o: %.cc $(build)/flags
 $(build)/src/encode/decode_float.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/render/cpu/cast_%.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/encode/encode_region48.o: CFLAGS += -ffp-contract=fast
+fortified_o := $(if $(filter release,$(config)),$(filter $(strangers:%=$(build)/src/%/%.o),$(lib_o)))
+$(fortified_o): CFLAGS += $(fortified)
+$(fortified_o): $(build)/fortified
+$(build)/fortified: FORCE
+	@mkdir -p $(@D)
+	@echo '$(fortified) $(strangers)' | cmp -s - $@ || echo '$(fortified) $(strangers)' >$@
 # Objects that embed text files (base/embed.h) follow them.
 embedders := $(shell grep -ls '^ISO_EMBED' $(all_c))
 $(embedders:%.c=$(build)/%.o): $(embedded)
