@@ -329,6 +329,18 @@ static bool filter_calls(void)
            prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
 }
 
+/* Libraries block signals while they start threads (log4cplus, which OpenVDB loads): SIGSYS stays. */
+int pthread_sigmask(int change, const sigset_t *set, sigset_t *before)
+{
+    int (*real)(int, const sigset_t *, sigset_t *) = (int (*)(int, const sigset_t *, sigset_t *))next("pthread_sigmask");
+    sigset_t others;
+    if (!set || change == SIG_UNBLOCK)
+        return real(change, set, before);
+    others = *set;
+    sigdelset(&others, SIGSYS);
+    return real(change, &others, before);
+}
+
 /* ---- starts of processes and threads ---- */
 
 static bool no_start(void)
