@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "base/file.h"
 #include "base/json.h"
 #include "base/random.h"
 #include "bench/bench.h"
@@ -253,6 +254,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--levels", levels, 1, 8, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_cli_look_check(&asked, cli.threads, &look, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && chart_dir && !iso_path_exists(chart_dir)) /* not after the work */
+        status = iso_fail(err, ISO_E_IO, "%s: the folder does not exist", chart_dir);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         json_t *root = iso_cli_json(&cli);
         json_object_set_new(json_object_get(root, "options"), "count", json_integer(count));
