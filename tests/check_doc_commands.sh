@@ -37,6 +37,8 @@ SMALL = [
     ("validate", "--size 8 --quick --with gl --levels 2"),
     ("palette", "--entries 16 --steps 10"),
     ("atlas", "--case code-poles"),
+    ("figure .*--kind grid", "--dpi 40 --with reference,gl"),
+    ("figure", "--dpi 40"),
     ("bench all", "--quick --repeat 1 --only build-memory"),
     ("bench build", "--size 24 --levels 2 --runs 1"),
     ("bench encode", "--count 200 --size 12"),
