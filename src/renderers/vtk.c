@@ -49,7 +49,8 @@ static const iso_external gpu_program = {.command = gpu_command,
                                          .package = "python3",
                                          .files = files,
                                          .tier = "8 bits",
-                                         .timeout_seconds = 1200};
+                                         .timeout_seconds = 1200,
+                                         .has_all_rights = true}; /* it may start an X server, which writes into /tmp */
 
 static const iso_lock_step gpu_lock_step = {
     .quadrature = ISO_QUADRATURE_CONVERGED,
