@@ -328,7 +328,8 @@ static void run_script(const char *blend, const char *script_text)
     assert_ok(iso_file_write(script, script_text, strlen(script_text), &err));
     assert_ok(iso_process_find("blender", "blender", &blender, &err));
     const char *argv[] = {blender, "-b", "--factory-startup", "--python-exit-code", "9", blend, "-P", script, NULL};
-    assert_ok(iso_process_run(argv, NULL, &err));
+    const iso_process_options options = {.sandbox = {.kind = ISO_SANDBOX_NONE}}; /* as the user would start it */
+    assert_ok(iso_process_run(argv, &options, &err));
     free(blender);
     free(script);
 }
