@@ -8,12 +8,16 @@
 sources() { find "$1"/src "$1"/exporters "$1"/tests "$1"/refscenes "$1"/Makefile "$1"/.ci -type f ! -name '*.json' ! -path '*/__pycache__/*' ! -path '*/node_modules/*' ! -path '*/tests/formats/phantom.*' ! -path '*/tests/fuzz/seeds/*'; }
 
 wrong() { # folder: a line for each file whose licence is not what it should be
-    local file wanted
-    sources "$1" | while read -r file; do
-        wanted=MIT
-        case $file in *.py) grep -qE '^(import|from) bpy' "$file" && wanted=GPL-3.0-or-later ;; esac
-        head -n 2 "$file" | grep -qE "SPDX-License-Identifier: $wanted( |\$)" || echo "${file#"$1"/}: wanted $wanted"
-    done
+    sources "$1" | tr '\n' '\0' | xargs -0 grep -HnE 'SPDX-License-Identifier: |^(import|from) bpy' /dev/null |
+        awk -F: -v folder="$1/" '
+            $3 ~ /^(import|from) bpy/ && $1 ~ /\.py$/ { wanted[$1] = "GPL-3.0-or-later"; next }
+            $2 <= 2 && match($0, /SPDX-License-Identifier: [^ ]+/) { has[$1] = substr($0, RSTART + 25, RLENGTH - 25) }
+            END {
+                while ((getline file < list) > 0) {
+                    wish = file in wanted ? wanted[file] : "MIT"
+                    if (has[file] != wish) print substr(file, length(folder) + 1) ": wanted " wish
+                }
+            }' list=<(sources "$1")
 }
 
 found=$(wrong "$top")
