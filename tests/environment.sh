@@ -7,12 +7,6 @@ umask 022
 unset CDPATH BASH_ENV POSIXLY_CORRECT GREP_OPTIONS GREP_COLORS COLUMNS LINES NO_COLOR DISPLAY XDG_CONFIG_HOME XDG_CACHE_HOME
 unset OMP_DYNAMIC OMP_THREAD_LIMIT OMP_MAX_ACTIVE_LEVELS OMP_PROC_BIND OMP_PLACES OMP_SCHEDULE OMP_STACKSIZE
 unset GNUTERM GNUPLOT_LIB GDFONTPATH POVINI PYTHONPATH PYTHONHOME
-# A python3 that is a script which looks for one (pyenv's) is asked once, not at each of hundreds of starts.
-if [ "$(head -c 2 "$(command -v python3)" 2>/dev/null)" = '#!' ]; then
-    PATH=$(dirname "$(python3 -c 'import sys; print(sys.executable)')"):$PATH
-    export PATH
-fi
-
 # Threads that wait for others sleep: several tests run at a time, and one that spins takes the processor from another.
 export OMP_WAIT_POLICY=passive
 
