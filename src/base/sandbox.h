@@ -42,7 +42,8 @@ typedef struct iso_sandbox {
     size_t copies;      /* its first settings, which are not ours */
 } iso_sandbox;
 
-/* folder: the program's own, which is there; NULL: it may write nowhere, and TMPDIR stays. ISO_E_MEMORY; ISO_E_IO where the folder or the output is not there. */
+/* folder: the program's own, which is there; NULL: it may write nowhere, and TMPDIR stays. ISO_E_MEMORY; ISO_E_IO where
+ * the folder or the output is not there. */
 iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err);
 void iso_sandbox_release(iso_sandbox *box);
 

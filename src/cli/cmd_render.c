@@ -310,6 +310,16 @@ static const char *describe_quadratures(help_texts *h)
     return text;
 }
 
+/* One picture, those of a series, or one within a budget of memory. */
+static iso_status draw(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    if (a->refine && a->memory_mb == 0)
+        return iso_fail(err, ISO_E_USAGE, "--refine needs --memory");
+    if (a->memory_mb != 0)
+        return iso_cli_render_paged(a, cli, err);
+    return a->frames ? render_series(a, cli, err) : render(a, cli, &(frame_of_series){NULL, 0, NULL}, err);
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     help_texts help = {.count = 0};
@@ -400,9 +410,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_cli_take_cycles(&cycles, a.with ? a.with : iso_renderers_usual()->name, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = a.refine && a.memory_mb == 0 ? iso_fail(err, ISO_E_USAGE, "--refine needs --memory")
-                 : a.memory_mb != 0           ? iso_cli_render_paged(&a, &cli, err)
-                 : a.frames                   ? render_series(&a, &cli, err) : render(&a, &cli, &(frame_of_series){NULL, 0, NULL}, err);
+        status = draw(&a, &cli, err);
     iso_cli_end(&cli);
     return status;
 }
