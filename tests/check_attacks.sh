@@ -45,11 +45,18 @@ isoshade build s.nrrd -o s.iso --levels 2 -q >/dev/null
 # ---- closed streams, limits and ends ----
 isoshade make sphere --size 20 --gzip -o closed.nrrd <&- >&- 2>&-
 check closed_streams_do_no_harm isoshade info closed.nrrd
+isoshade build s.nrrd -o closed.iso -q <&- >&- 2>&-
+check nor_in_a_pyramid isoshade info closed.iso --verify
+isoshade export s.iso --to vdb -o closed.vdb -q <&- >&- 2>&-
+check nor_in_a_file_of_grids isoshade info closed.vdb
 check help_that_cannot_be_written_is_an_error ends 3 'cannot be written' bash -c '"$ISOSHADE" render --help >/dev/full'
 too_large() { (ulimit -f 4; exec "$ISOSHADE" make noise --size 40 -o large.nrrd -q); }
 check a_limit_of_sizes_is_an_error_of_writing ends 3 'large.nrrd' too_large
 temporaries() { find . -maxdepth 1 -name '.isoshade-*' | grep -c .; }
-check nothing_is_left_of_it test "$(temporaries)" = 0
+limited() { (ulimit -f 2; exec "$ISOSHADE" "$@" -q); }
+check so_it_is_where_openvdb_writes ends 3 'writing failed' limited export s.iso --to vdb -o large.vdb
+check and_where_openexr_does ends 3 'too large' limited render s.iso --scene "$shells" --with reference --step 1 --size 40 -o large.exr
+check nothing_is_left_of_it test "$(temporaries)" = 0 -a "$(find . -name 'large.*' | grep -c .)" = 0
 # A killed run leaves its temporary; what lives is told from what is dead.
 "$ISOSHADE" make noise --size 300 -o killed.nrrd -q &
 for _ in $(seq 3000); do [ "$(temporaries)" -gt 0 ] && break; sleep 0.01; done
@@ -84,18 +91,38 @@ check and_is_resumed isoshade build large.nrrd -o large.iso --resume -q
 
 # ---- words and files of strangers ----
 check a_name_with_a_line_feed_is_refused ends 2 'control character' isoshade info $'a\nb.nrrd'
-check a_name_that_is_not_utf8_is_refused ends 2 'not UTF-8' isoshade info $'\xff.nrrd'
+odd=$'\xff.nrrd'
+for words in "info $odd --json" "compare $odd s.nrrd --json" "build $odd -o odd.iso" "make sphere --size 4 -o $odd" \
+    "validate s.nrrd --scene $shells --with gl -o $odd" "chart $odd -o c" "view $odd -o v.html" "tf suggest $odd -o t.tf.json"; do
+    check "a_name_that_is_not_utf8_is_refused_by_${words%% *}" ends 2 'not UTF-8' isoshade $words
+done
+# What gnuplot is given is quoted: a name is no command.
+quoted="a'; system('touch PWNED'); print 'x"
+mkdir "$quoted"
+check a_picture_of_any_name isoshade tf show "${shells%.scene.json}.tf.json" -o "$quoted.png" -q
+check so_by_any_command isoshade tf triangle s.iso --level 1 --tf "${shells%.scene.json}.tf.json" -o "$quoted.svg" -q
+check in_any_folder_of_temporaries env TMPDIR="$PWD/$quoted" "$ISOSHADE" tf show "${shells%.scene.json}.tf.json" -o plain.png -q
+check has_that_name test -s "$quoted.png" -a -s "$quoted.svg" -a ! -e PWNED -a ! -e "$quoted/PWNED"
 python_with numpy
 "$python" - "$top/tests" <<'PY'
 import json, shutil, sys
 sys.path.insert(0, sys.argv[1])
 from read_iso import write_description
-for name in ("pov", "range"):
+for name in ("pov", "range", "forged", "boxed", "lower"):
     shutil.copytree("s.iso", f"{name}.iso")
     about = json.load(open(f"{name}.iso/pyramid.json"))
     if name == "pov":
         about["source"] = "a\n#fopen F \"PWNED\" write\n#write (F,1)\n#fclose F\n#local"
         write_description("pov.iso/pyramid.json", about)
+    elif name == "forged":
+        about["levels"][0].update(min=2, max=-2)
+        write_description("forged.iso/pyramid.json", about)
+    elif name == "lower":
+        about["levels"][0]["min"] = -1
+        write_description("lower.iso/pyramid.json", about)
+    elif name == "boxed":
+        about["levels"][0]["geometry"]["box_index"] = [1, 1, 1]
+        write_description("boxed.iso/pyramid.json", about)
     else:
         about["levels"][0]["min"] = 4096
         json.dump(about, open("range.iso/pyramid.json", "w"), indent=2)
@@ -106,6 +133,13 @@ check statements_in_a_source_are_refused ends 4 'control character' isoshade exp
 check a_changed_description_is_refused ends 4 'was changed since it was written' isoshade info range.iso
 check so_it_is_by_what_reads_the_outline_alone ends 4 'was changed since it was written' isoshade tf adapt range.iso \
     --tf "${shells%.scene.json}.tf.json" --level 1 -o adapted.tf.json
+check so_it_is_where_pov_ray_draws ends 4 'control character' isoshade render pov.iso --scene "$shells" --with povray --size 8 -o a.exr
+check and_by_the_main_job ends 4 'control character' isoshade validate pov.iso --scene "$shells" --with povray --size 8 -o report
+check a_forged_range_is_refused ends 4 'more than "max"' isoshade info forged.iso
+check so_is_a_forged_box ends 4 'must be in the last' isoshade info boxed.iso
+notice a_range_that_is_only_wrong_is_found_by_a_look_at_all isoshade info lower.iso --verify
+cp -r s.iso waiting.iso && rm waiting.iso/level_0.nrrd && mkfifo waiting.iso/level_0.nrrd
+check a_pipe_is_no_level ends 3 'not a regular file' timeout 60 "$ISOSHADE" info waiting.iso --verify
 check memory_is_not_taken_for_what_cannot_be_there ends 4 'bytes of bzip2 cannot hold' isoshade info b.nrrd
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 999999999\nencoding: raw\ndata file: %%d.raw 0 999999998 1\n' >many.nhdr
 check a_thousand_million_names_are_not_made ends 5 'names 999999999 data files' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.nhdr'

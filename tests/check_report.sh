@@ -31,8 +31,10 @@ expect json_is_printed 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --js
 has_keys json_has "$dir/out" schema command options worse_count missing_count changes verdict
 expect a_factor_below_1_is_refused 2 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --factor 0.5
 expect another_file_is_no_baseline 4 "$ISOSHADE" baseline "$dir/one" "$dir/one/report.json"
-echo '{"schema": "isoshade.accepted/2", "rows": {}}' >"$dir/empty.json"
-expect a_baseline_without_rows_is_refused 4 "$ISOSHADE" baseline "$dir/one" "$dir/empty.json"
+for rows in '{}' '[]' '[{}]' '{"a": {}}' 'null'; do
+    echo "{\"schema\": \"isoshade.accepted/2\", \"rows\": $rows}" >"$dir/empty.json"
+    expect "a_baseline_of_the_rows_${rows//[ \"]/}_is_refused" 4 "$ISOSHADE" baseline "$dir/one" "$dir/empty.json"
+done
 expect a_folder_without_report_is_refused 3 "$ISOSHADE" baseline "$dir" "$dir/base.json"
 
 expect a_report_without_pictures_gives_no_figure 5 "$ISOSHADE" figure "$dir/one" -o "$dir/f"

@@ -301,6 +301,33 @@ static void the_reference_scenes_load(void **state)
     }
 }
 
+/* The densest that a file can state is read back from what is written of its table; a table that is denser is refused. */
+static void the_densest_table_is_read_back_and_a_denser_one_refused(void **state)
+{
+    (void)state;
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){4, 4, 4}, (double[]){1, 1, 1});
+    iso_tf_point ends[] = {{.value = 0}, {.value = 1, .opacity = 1}};
+    const iso_tf densest = {
+        .point_count = 2, .points = ends, .range = {0, 1}, .unit_distance = ISO_TF_LEAST_UNIT, .table_size = 2};
+    iso_tf_table table, back;
+    iso_tf written, read;
+    iso_error why = {""};
+    assert_ok(iso_tf_tabulate(&densest, 0, 1, &g, &table, &err));
+    assert_ok(iso_tf_from_table(&table, &written, &err));
+    json_t *file = iso_tf_to_json(&written);
+    assert_ok(iso_tf_from_json(file, "densest", &read, &err));
+    assert_ok(iso_tf_tabulate(&read, 0, 1, &g, &back, &err));
+    assert_within(back.entries[7], table.entries[7], 1e-6 * table.entries[7]); /* floats */
+    json_decref(file);
+    iso_tf_destroy(&written);
+    iso_tf_destroy(&read);
+    table.entries[7] *= 1.001f;
+    assert_int_equal(iso_tf_from_table(&table, &written, &why), ISO_E_RANGE);
+    assert_non_null(strstr(why.text, "more than a transfer function can state"));
+    iso_tf_table_destroy(&table);
+    iso_tf_table_destroy(&back);
+}
+
 /* What is written and read comes back as the same table: float entries, and opacities stated in 17 digits. Formats of
  * other programs have display colors on lines, so their own limits hold: nodes within 1/2048 of the table, or bytes. */
 static void each_format_that_is_written_and_read_keeps_the_table(void **state)
@@ -356,6 +383,7 @@ static void each_format_that_is_written_and_read_keeps_the_table(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_densest_table_is_read_back_and_a_denser_one_refused),
         cmocka_unit_test(each_format_that_is_written_and_read_keeps_the_table),
         cmocka_unit_test(opacity_becomes_extinction_over_its_unit_distance),
         cmocka_unit_test(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing),

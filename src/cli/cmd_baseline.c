@@ -98,15 +98,15 @@ static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const
     json_t *accepted = NULL;
     iso_baseline_result r = {0};
     iso_status status = load_accepted(a, path, &accepted, err);
-    if (status == ISO_OK && !a->update && json_object_size(json_object_get(accepted, "rows")) == 0)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: holds no rows, so that nothing would be compared", path);
+    if (status == ISO_OK && !a->update && iso_baseline_figure_count(accepted) == 0)
+        status = iso_fail(err, ISO_E_FORMAT, "%s: holds no figures, so that nothing would be compared", path);
     if (status == ISO_OK)
         status = iso_baseline_compare(now, accepted, a->factor, a->floor, &r, err);
     if (status == ISO_OK && a->update)
         status = accept(cli, path, now, err);
     if (status == ISO_OK && cli->json)
         print_json(cli, a, &r);
-    else if (status == ISO_OK && !(a->update && json_object_size(json_object_get(accepted, "rows")) == 0))
+    else if (status == ISO_OK && !(a->update && iso_baseline_figure_count(accepted) == 0))
         print_changes(&r); /* that all is new needs no list */
     if (status == ISO_OK && !a->update && r.worse + r.missing > 0)
         status =

@@ -174,6 +174,11 @@ static void geometry_from_json(iso_json_reader *r, const json_t *object, iso_geo
         g->size[a] = (size_t)size[a];
     if (r->status == ISO_OK)
         r->status = iso_geometry_check(g, r->path, r->err);
+    /* The box ends in the last voxel, or at its far face. */
+    for (int a = 0; a < 3 && r->status == ISO_OK; ++a)
+        if (!(g->box_index[a] > size[a] - 1 && g->box_index[a] <= size[a]))
+            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"box_index\" holds %g, of %zu voxels must be in the last",
+                                 r->path, g->box_index[a], g->size[a]);
 }
 
 static void options_from_json(iso_json_reader *r, const json_t *object, iso_pyramid_options *o)
@@ -238,6 +243,8 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     iso_json_get_string(r, entry, "stored_type", true, &type);
     iso_json_get_number(r, entry, "min", true, -FLT_MAX, FLT_MAX, &l->min);
     iso_json_get_number(r, entry, "max", true, -FLT_MAX, FLT_MAX, &l->max);
+    if (r->status == ISO_OK && !(l->min <= l->max))
+        r->status = iso_fail(err, ISO_E_FORMAT, "%s: \"min\" is %g, more than \"max\", %g", r->path, l->min, l->max);
     json_t *list = iso_json_get_object(r, entry, "files", true);
     if (r->status == ISO_OK)
         r->status = iso_type_from_name(type, &l->stored_type, err);

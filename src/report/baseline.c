@@ -246,6 +246,15 @@ static void compare_facts(const json_t *now, const json_t *accepted, const char 
     json_decref(both);
 }
 
+size_t iso_baseline_figure_count(const json_t *baseline)
+{
+    const char *name;
+    json_t *row;
+    size_t count = 0;
+    json_object_foreach(json_object_get(baseline, "rows"), name, row) count += json_object_size(row);
+    return count;
+}
+
 iso_status iso_baseline_compare(const json_t *now, const json_t *accepted, double factor, double floor,
                                 iso_baseline_result *result, iso_error *err)
 {

@@ -29,6 +29,9 @@ typedef struct iso_baseline_result {
     json_t *facts; /* [{fact, accepted, now}]: versions and options that are others; owned */
 } iso_baseline_result;
 
+/* Figures and verdicts of all its rows; 0: nothing would be compared. */
+size_t iso_baseline_figure_count(const json_t *baseline);
+
 /* better: below the accepted figure divided by factor, less floor. ISO_E_FORMAT: no baseline; ISO_E_RANGE: factor
  * below 1, floor negative. */
 iso_status iso_baseline_compare(const json_t *now, const json_t *accepted, double factor, double floor,

@@ -142,7 +142,7 @@ iso_status iso_adapt_tf_2d(const iso_pyramid *p, size_t level, iso_second_value 
                            const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err);
 
 /* A table as a TF file's content: a point an entry, an explicit range, so that
- * tabulating it gives the same entries back within rounding. */
+ * tabulating it gives the same entries back within rounding. ISO_E_MEMORY; ISO_E_RANGE beyond ISO_TF_MOST_EXTINCTION. */
 iso_status iso_tf_from_table(const iso_tf_table *table, iso_tf *tf, iso_error *err);
 
 #endif

@@ -165,8 +165,13 @@ iso_status iso_tf_from_table(const iso_tf_table *table, iso_tf *tf, iso_error *e
     float largest = 0;
     for (size_t i = 0; i < table->count; ++i)
         largest = fmaxf(largest, table->entries[4 * i + 3]);
-    /* Opacities are stated for 1 mm, or less where they would come close to the cap. */
-    double unit_mm = largest > 4 ? 4 / (double)largest : 1;
+    if (!(largest <= ISO_TF_MOST_EXTINCTION)) {
+        *tf = (iso_tf){0};
+        return iso_fail(err, ISO_E_RANGE, "an extinction of %g per mm is more than a transfer function can state, %g",
+                        (double)largest, ISO_TF_MOST_EXTINCTION);
+    }
+    /* Opacities are stated for 1 mm, or less where they would come close to the cap; not for less than is read back. */
+    const double unit_mm = largest > 4 ? fmax(4 / (double)largest, ISO_TF_LEAST_UNIT) : 1;
     *tf = (iso_tf){.point_count = table->count,
                    .range = {table->lo, table->hi},
                    .unit_distance = unit_mm,

@@ -199,7 +199,7 @@ static iso_status set_unit(const iso_tf_file *file, iso_tf_curves *c, iso_error 
             file->path, c->unit_is ? ", " : "", c->unit_is ? c->unit_is : "");
     if (said > 0)
         c->unit_mm = said, c->unit_is_voxel = false;
-    if (!(c->unit_mm >= 1e-6 && c->unit_mm <= 1e6))
+    if (!(c->unit_mm >= ISO_TF_LEAST_UNIT && c->unit_mm <= ISO_TF_MOST_UNIT))
         return iso_fail(err, ISO_E_RANGE, "%s: opacities are for %g mm, must be 1e-6 to 1e6", file->path, c->unit_mm);
     return ISO_OK;
 }

@@ -177,10 +177,11 @@ static iso_status take_own(const csv *c, iso_tf *tf, iso_error *err)
     for (size_t i = 0; i < t.count && status == ISO_OK; ++i) {
         const double *v = c->row[i];
         const double even = t.lo + (t.hi - t.lo) * (double)i / (double)(t.count - 1);
-        if (!(fabs(v[VALUE] - even) <= 1e-6 * (t.hi - t.lo)) || !(v[EXTINCTION] >= 0 && v[EXTINCTION] < 1e30))
+        if (!(fabs(v[VALUE] - even) <= 1e-6 * (t.hi - t.lo)) ||
+            !(v[EXTINCTION] >= 0 && v[EXTINCTION] <= ISO_TF_MOST_EXTINCTION))
             status = iso_fail(err, ISO_E_RANGE,
-                              "%s: line %zu of numbers: wanted even values, and an extinction of 0 or more",
-                              c->file->path, i + 1);
+                              "%s: line %zu of numbers: wanted even values, and an extinction of 0 to %g per mm",
+                              c->file->path, i + 1, ISO_TF_MOST_EXTINCTION);
         for (int k = 0; k < 3; ++k)
             t.entries[4 * i + (size_t)k] = (float)fmin(fmax(v[RED + k], 0), 1);
         t.entries[4 * i + 3] = (float)v[EXTINCTION];

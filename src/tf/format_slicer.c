@@ -61,7 +61,8 @@ static void read_component(iso_json_reader *r, const json_t *component, iso_tf_c
 {
     c->unit_is_default = json_object_get(component, "scalarOpacityUnitDistance") == NULL;
     c->unit_mm = 1; /* Slicer's own where it is left out */
-    iso_json_get_number(r, component, "scalarOpacityUnitDistance", false, 1e-6, 1e6, &c->unit_mm);
+    iso_json_get_number(r, component, "scalarOpacityUnitDistance", false, ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT,
+                        &c->unit_mm);
     if (r->status == ISO_OK && json_object_get(component, "transferFunction2D"))
         r->status = iso_fail(r->err, ISO_E_FORMAT,
                              "%s: \"transferFunction2D\" is not supported, only curves of one value", r->path);

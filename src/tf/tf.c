@@ -82,8 +82,8 @@ iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, 
     if (tf->unit_is_voxels && json_object_get(object, "unit_distance_mm") && r.status == ISO_OK)
         r.status = iso_fail(err, ISO_E_FORMAT,
                             "%s: has both \"unit_distance_mm\" and \"unit_distance_voxels\", wanted one", path);
-    iso_json_get_number(&r, object, tf->unit_is_voxels ? "unit_distance_voxels" : "unit_distance_mm", true, 1e-6, 1e6,
-                        &tf->unit_distance);
+    iso_json_get_number(&r, object, tf->unit_is_voxels ? "unit_distance_voxels" : "unit_distance_mm", true,
+                        ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT, &tf->unit_distance);
     read_points(&r, object, space == 1, tf);
     if (r.status != ISO_OK)
         iso_tf_destroy(tf);

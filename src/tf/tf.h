@@ -30,6 +30,13 @@ enum { ISO_TF_MOST_ENTRIES = 16384 }; /* of a table: what textures hold in a row
 /* Opacity is capped here before the logarithm: extinction stays finite. */
 #define ISO_TF_MAX_OPACITY 0.9999
 
+/* The lengths that opacities may be stated for, in mm or in voxels. */
+#define ISO_TF_LEAST_UNIT 1e-6
+#define ISO_TF_MOST_UNIT 1e6
+
+/* Per mm: the densest that can be stated, ISO_TF_MAX_OPACITY of ISO_TF_LEAST_UNIT, rounded up. */
+#define ISO_TF_MOST_EXTINCTION 9.2104e6
+
 /* How far the table of a TF of another program is from what that program shows, in display color and in opacity, each
  * 0 to 1: at the table's entries, and between them, where a curve may be steeper than the table is fine. */
 typedef struct iso_tf_loss {

@@ -59,6 +59,8 @@ COMMANDS = {
     "report diff": ("r", "report diff r r -o o --summary-md o.md -q"),
     "figure report": ("r", "figure r -o o -q"),
     "atlas": ("", "atlas --case code-poles -o o -q"),
+    "render cpu": ("s.iso", "render s.iso --scene {S} --with cpu --size 8 -o o.exr -q"),
+    "render external": ("s.iso s.exr r.json", "render s.iso --scene {S} --with copier --renderers r.json --size 8 -o o.exr -q"),
     "render gl": ("s.iso", "render s.iso --scene {S} --with gl --size 8 -o o.exr -q"),
     "chart": ("s.nrrd", "chart s.nrrd --scene {S} --budget 1 --size 8 -o o -q"),
     "validate": ("s.nrrd", "validate s.nrrd --scene {S} --with reference,gl --quick --levels 1 --size 12 -o o -q"),
@@ -165,12 +167,22 @@ class World:
         if name == ".o.iso.partial":
             self.partial(path)
             return path
+        if name == "r.json":
+            self.renderer(path)
+            return path
         for needed in ("s.nrrd", "s.iso", "r", "l.nrrd"):
             if needed != name and needed in (FIXTURES.get(name) or MADE[name]).split():
                 self.fixture(needed)
         subprocess.run(words(FIXTURES.get(name) or MADE[name]), cwd=self.fixtures, check=True, stdout=subprocess.DEVNULL,
                        env=environment(self.base, self.home))
         return path
+
+    def renderer(self, path):
+        """A program that hands over the picture beside it."""
+        with open(path, "w") as file:
+            json.dump({"schema": "isoshade.renderers/1", "renderers": [
+                {"name": "copier", "command": ["sh", "-c", f"cp {self.fixture('s.exr')} frame0.exr"], "tier": "samples",
+                 "can": ["lights", "orthographic"]}]}, file)
 
     def partial(self, path):
         """A build that was killed in the middle: the first of its folders that has something in it."""
