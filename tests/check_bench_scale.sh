@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # bench scale: every command is measured with the smallest volume; chart and data; what is refused.
 . "$(dirname "$0")/lib.sh"
-expect commands_are_measured 0 "$ISOSHADE" bench scale --largest 64 -o chart --json -q
+expect commands_are_measured 0 "$ISOSHADE" bench scale --largest 64 --repeat 1 -o chart --json -q
 mv out scale.json
 has_keys json_has scale.json machine stages slope is_streamed processor_seconds peak_bytes process_seconds
 has_files chart_has chart scale.csv scale.gp scale.svg style.gp

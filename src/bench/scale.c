@@ -13,12 +13,14 @@
 #include "base/json.h"
 #include "base/machine.h"
 #include "base/process.h"
+#include "base/words.h"
 #include "bench/bench.h"
+#include "bench/growth.h"
 #include "report/gnuplot.h"
 
 ISO_EMBED(iso_scale_gp, "src/bench/scale.gp");
 
-enum { MOST_SIZES = 6, MOST_WORDS = 32 };
+enum { MOST_SIZES = 6, MOST_WORDS = 32, SHORT_SECONDS = 5 };
 
 /* By a factor of 8 in voxels; the last one of 4. */
 static const size_t sizes[MOST_SIZES][3] = {{64, 64, 64},    {128, 128, 128},    {256, 256, 256},
@@ -49,9 +51,11 @@ typedef struct scale_bench {
     char *folder;
     const char *only;    /* names, between commas; or NULL for all */
     size_t count;        /* of sizes */
+    int repeat;          /* of runs that take less than SHORT_SECONDS; the least counts */
     point start[STAGES]; /* of 16^3 voxels: what a process costs */
     point points[STAGES][MOST_SIZES];
     double slope[STAGES];
+    size_t fitted[STAGES]; /* how many sizes a slope is of */
 } scale_bench;
 
 static double voxels_of(size_t i)
@@ -76,6 +80,19 @@ static iso_status run_command(const scale_bench *b, const char *command, point *
                                     : iso_fail(err, ISO_E_MEMORY, "out of memory");
     *p = (point){status == ISO_OK, took.seconds, took.processor_seconds, took.peak_bytes, ""};
     free(words);
+    return status;
+}
+
+/* What else the machine does only adds to a time: of short runs, which it disturbs most, the least counts. */
+static iso_status measure_command(const scale_bench *b, const char *command, point *p, iso_error *err)
+{
+    iso_status status = run_command(b, command, p, err);
+    for (int i = 1; i < b->repeat && status == ISO_OK && p->seconds < SHORT_SECONDS; ++i) {
+        point again;
+        status = run_command(b, command, &again, err);
+        if (status == ISO_OK && again.processor_seconds < p->processor_seconds)
+            *p = again;
+    }
     return status;
 }
 
@@ -123,7 +140,7 @@ static void measure_size(scale_bench *b, size_t i, const iso_cli *cli)
         iso_error why = {""};
         if (!is_asked(b, s))
             snprintf(p->why, sizeof p->why, "not asked for");
-        else if (fits_memory(b, s, i, p->why) && run_command(b, stages[s].command, p, &why) != ISO_OK)
+        else if (fits_memory(b, s, i, p->why) && measure_command(b, stages[s].command, p, &why) != ISO_OK)
             snprintf(p->why, sizeof p->why, "%.150s", why.text);
         iso_progress_report(&progress, "measure", (double)(i * STAGES + s + 1) / (double)(b->count * STAGES));
     }
@@ -141,18 +158,14 @@ static bool fits_disk(const scale_bench *b, size_t i, char why[160])
     return need < have;
 }
 
-/* The slope of log(processor seconds less those of a process) by log(voxels): least squares. */
-static double fit_slope(const scale_bench *b, size_t stage)
+static void fit_slope(scale_bench *b, size_t stage)
 {
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+    double voxels[MOST_SIZES], seconds[MOST_SIZES];
     for (size_t i = 0; i < b->count; ++i) {
-        const double net = b->points[stage][i].processor_seconds - b->start[stage].processor_seconds;
-        if (!b->points[stage][i].is_measured || !(net > 0.25 * b->start[stage].processor_seconds))
-            continue; /* lost in what a process costs */
-        const double lx = log(voxels_of(i)), ly = log(net);
-        ++n, x += lx, y += ly, xx += lx * lx, xy += lx * ly;
+        voxels[i] = voxels_of(i);
+        seconds[i] = b->points[stage][i].processor_seconds;
     }
-    return n >= 2 ? (n * xy - x * y) / (n * xx - x * x) : NAN;
+    b->slope[stage] = iso_growth_slope(voxels, seconds, b->count, b->start[stage].processor_seconds, &b->fitted[stage]);
 }
 
 static iso_status measure_all(scale_bench *b, const iso_cli *cli, iso_error *err)
@@ -184,7 +197,7 @@ static iso_status measure_all(scale_bench *b, const iso_cli *cli, iso_error *err
         status = make_volume(b, least, err);
     for (size_t s = 0; s < STAGES && status == ISO_OK; ++s)
         if (is_asked(b, s))
-            status = run_command(b, stages[s].command, &b->start[s], err);
+            status = measure_command(b, stages[s].command, &b->start[s], err);
     for (size_t i = 0; i < b->count && status == ISO_OK; ++i) {
         char why[160];
         if (!fits_disk(b, i, why)) {
@@ -199,7 +212,7 @@ static iso_status measure_all(scale_bench *b, const iso_cli *cli, iso_error *err
             status = iso_fail(err, ISO_E_PROGRAM, "stopped by a signal");
     }
     for (size_t s = 0; s < STAGES; ++s)
-        b->slope[s] = fit_slope(b, s);
+        fit_slope(b, s);
     return status;
 }
 
@@ -223,26 +236,36 @@ static json_t *to_json(const scale_bench *b, size_t s)
                               "is_streamed", stages[s].is_streamed, "process_seconds", b->start[s].processor_seconds,
                               "process_bytes", b->start[s].peak_bytes, "points", points);
     json_object_set_new(stage, "slope", iso_json_number(b->slope[s]));
+    json_object_set_new(stage, "slope_of_sizes", json_integer((json_int_t)b->fitted[s]));
     json_object_set_new(stage, "met", isnan(b->slope[s]) ? json_null() : json_boolean(fabs(b->slope[s] - 1) <= 0.05));
     return stage;
 }
 
+static void print_stage(const scale_bench *b, size_t s)
+{
+    printf("%s: isoshade %s\n  %16s %10s %12s %12s\n", stages[s].name, stages[s].command, "voxels", "s", "processor s",
+           "peak, MB");
+    for (size_t i = 0; i < b->count; ++i) {
+        const point *p = &b->points[s][i];
+        if (p->is_measured)
+            printf("  %4zux%4zux%4zu %13.2f %12.2f %12.0f\n", sizes[i][0], sizes[i][1], sizes[i][2], p->seconds,
+                   p->processor_seconds, p->peak_bytes / 1e6);
+        else
+            printf("  %4zux%4zux%4zu left out: %s\n", sizes[i][0], sizes[i][1], sizes[i][2], p->why);
+    }
+    if (isnan(b->slope[s]))
+        printf("  no slope: a process costs %.2f s, and %zu sizes take ten times that\n", b->start[s].processor_seconds,
+               b->fitted[s]);
+    else
+        printf("  slope of processor time, less %.2f s of a process, of %zu sizes: %.3f\n",
+               b->start[s].processor_seconds, b->fitted[s], b->slope[s]);
+}
+
 static void print(const scale_bench *b)
 {
-    for (size_t s = 0; s < STAGES; ++s) {
-        printf("%s: isoshade %s\n  %16s %10s %12s %12s\n", stages[s].name, stages[s].command, "voxels", "s",
-               "processor s", "peak, MB");
-        for (size_t i = 0; i < b->count; ++i) {
-            const point *p = &b->points[s][i];
-            if (p->is_measured)
-                printf("  %4zux%4zux%4zu %13.2f %12.2f %12.0f\n", sizes[i][0], sizes[i][1], sizes[i][2], p->seconds,
-                       p->processor_seconds, p->peak_bytes / 1e6);
-            else
-                printf("  %4zux%4zux%4zu left out: %s\n", sizes[i][0], sizes[i][1], sizes[i][2], p->why);
-        }
-        printf("  slope of processor time, less %.2f s of a process: %.3f\n", b->start[s].processor_seconds,
-               b->slope[s]);
-    }
+    for (size_t s = 0; s < STAGES; ++s)
+        if (is_asked(b, s))
+            print_stage(b, s);
 }
 
 static iso_status draw(const scale_bench *b, const char *output, const char *format, iso_error *err)
@@ -319,12 +342,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     static char usual_largest[] = "512", svg[] = "svg";
     char *largest = usual_largest, *output = NULL, *only = NULL, *format = svg;
-    scale_bench b = {.count = 0};
+    scale_bench b = {.repeat = 3};
     struct poptOption options[] = {
         {"largest", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &largest, 0,
          "sizes from 64^3 to this one, by a factor of 8: 128, 256, 512, 1024, and 2048 for 2048x2048x1024", "N"},
         {"only", 0, POPT_ARG_STRING, &only, 0,
          "these: build, histogram, render, render-whole, export, plan; most of them read what build wrote", "NAME,..."},
+        {"repeat", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.repeat, 0,
+         "runs of what takes less than 5 seconds, of which the least processor time counts", "N"},
         {"output", 'o', POPT_ARG_STRING, &output, 0, "a folder for the chart and its data", "FOLDER"},
         {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &format, 0, "of the chart: svg or pdf", "FORMAT"},
         POPT_TABLEEND,
@@ -336,6 +361,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", format);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = count_sizes(largest, &b.count, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_words_check_range("--repeat", b.repeat, 1, 100, err);
     b.only = only;
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = run_all(&b, &cli, output, format, err);
@@ -356,8 +383,8 @@ const iso_command iso_bench_scale = {
     .details =
         "Each command runs in a process of its own on shells of 8 bits, which are larger and as thick in parts of the box.\n"
         "The slope is that of the logarithm of processor time, less what a process costs with 16^3 voxels, by that of the\n"
-        "number of voxels: 1 where time grows as the volume does. What does not fit into memory or on the disk is left\n"
-        "out, and says so.",
+        "number of voxels: 1 where time grows as the volume does. Sizes of whose time a process costs more than a tenth are\n"
+        "not in it. What does not fit into memory or on the disk is left out, and says so.",
     .examples = "isoshade bench scale --largest 64\n",
     .run = run,
 };

@@ -10,6 +10,10 @@ count = words(series)
 stats data skip 1 using 2 nooutput
 least = STATS_min
 most = STATS_max
+stats data skip 1 using 3 nooutput
+set_seconds = sprintf('set yrange [%g:%g]', STATS_min / 2, STATS_max * 30) # room for the key
+stats data skip 1 using 4 nooutput
+set_bytes = sprintf('set yrange [%g:%g]', STATS_min / 2, STATS_max * 2)
 width = 900
 height = 400
 load 'style.gp'
@@ -21,11 +25,13 @@ set xlabel 'voxels'
 set key left top reverse Left
 set multiplot layout 1,2
 set ylabel 'processor time, s'
+@set_seconds
 guide(x, level) = level * (x / least)
-plot for [k = -3:1] guide(x, 10.0 ** k) with lines lc rgb '#dddddd' lw 1 notitle, \
+plot for [k = -4:4] guide(x, 10.0 ** k) with lines lc rgb '#dddddd' lw 1 notitle, \
      for [i = 1:count] data skip 1 using (strcol(1) eq word(series, i) ? $2 : NaN):3 with linespoints lt i title word(series, i)
 unset key
 set ylabel 'peak memory, bytes'
-plot for [k = 6:8] guide(x, 10.0 ** k) with lines lc rgb '#dddddd' lw 1 notitle, \
+@set_bytes
+plot for [k = 5:11] guide(x, 10.0 ** k) with lines lc rgb '#dddddd' lw 1 notitle, \
      for [i = 1:count] data skip 1 using (strcol(1) eq word(series, i) ? $2 : NaN):4 with linespoints lt i notitle
 unset multiplot
