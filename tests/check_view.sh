@@ -59,7 +59,8 @@ check the_page_is_below_400_kB test "$("$ISOSHADE" view eight-lights.nrrd --json
 
 # ---- hands ----
 "$ISOSHADE" make shells --size 34x33x32 -q -o v.nrrd
-"$ISOSHADE" view v.nrrd --scene "$top/refscenes/shells.scene.json" --levels 2 -q -o v.html
+as="--spacing 1x1x1.1" # the file is read so, and the command that the page shows has to say it
+"$ISOSHADE" view v.nrrd $as --scene "$top/refscenes/shells.scene.json" --levels 2 -q -o v.html
 "$ISOSHADE" make noise --size 20x24x18 --type int16 --range -300,900 --spacing 1x1.5x2 --rotate 1,2,3,40 --seed 5 -q -o other.nrrd
 python_with nibabel
 "$python" - <<'END'
@@ -69,22 +70,27 @@ values = (1000 * numpy.exp(-((x - 9) ** 2 + (y - 12) ** 2 + (z - 8) ** 2) / 40))
 turn = numpy.array([[-1.2, 0.3, 0, 10], [0.2, 1.5, 0.1, -20], [0, -0.1, 2, 5], [0, 0, 0, 1]])
 nibabel.save(nibabel.Nifti1Image(values, turn), "other.nii.gz")
 END
+python3 -c 'import sys; sys.path.insert(0, sys.argv[1]); import view_files; view_files.make_files(".")' "$top/tests"
 expect the_page_was_used 0 python3 "$top/tests/view_page.py" hands v.html "$dir"
 cp out findings
 found() { grep -qxE "$1" findings; }
 for name in a_drag_orbits the_right_button_pans the_wheel_zooms arrows_orbit a_point_is_dragged points_come_and_go a_color_is_chosen \
-    a_level_differs_and_the_same_does_not the_joint_histogram_is_drawn; do
+    a_level_differs_and_the_same_does_not the_joint_histogram_is_drawn what_was_edited_comes_back an_empty_field_changes_nothing \
+    the_projection_follows_the_scene the_keyboard_stays_where_it_was a_region_is_outlined_and_goes a_complaint_is_closed a_file_may_miss_the_picture; do
     check "$name" found "$name true"
 done
 check every_control_has_a_name found 'controls_without_a_name 0'
 check nothing_is_fetched found 'fetched 0'
 check it_fits_a_telephone found 'wider_than_a_telephone false'
 check no_script_failed found 'exceptions 0'
-"$ISOSHADE" render v.nrrd --scene scene.json --with reference --quadrature midpoint -q -o saved.exr >/dev/null
+check files_of_strangers_are_placed_or_refused_as_by_info bash -c 'sed -n "s/^files_go_wrong //p" findings; grep -qx "files_go_wrong none" findings'
+check the_command_that_is_shown_runs bash -c "$(sed 's/^isoshade/"$ISOSHADE"/; s/picture.png/shown.exr/' command) -q"
+check and_draws_what_the_page_shows "$ISOSHADE" compare shown.exr saved.page.exr --max-rmse 5e-6 --max-abs 1e-4
+"$ISOSHADE" render v.nrrd $as --scene scene.json --with reference --quadrature midpoint -q -o saved.exr >/dev/null
 check a_saved_scene_renders_the_same "$ISOSHADE" compare saved.exr saved.page.exr --max-rmse 2e-5 --max-abs 5e-4
-"$ISOSHADE" render v.nrrd --scene scene.json --tf tf.json --with reference --quadrature midpoint -q -o tf.exr >/dev/null
+"$ISOSHADE" render v.nrrd $as --scene scene.json --tf tf.json --with reference --quadrature midpoint -q -o tf.exr >/dev/null
 check a_saved_transfer_function_is_that_of_the_scene "$ISOSHADE" compare saved.exr tf.exr
-"$ISOSHADE" render v.nrrd --scene "$top/refscenes/shells.scene.json" --size "$(python3 -c "import json; i = json.load(open(\"scene.json\"))[\"image\"]; print(i[\"width\"], i[\"height\"], sep=\"x\")")" --with reference --quadrature midpoint -q -o unmoved.exr >/dev/null
+"$ISOSHADE" render v.nrrd $as --scene "$top/refscenes/shells.scene.json" --size "$(python3 -c "import json; i = json.load(open(\"scene.json\"))[\"image\"]; print(i[\"width\"], i[\"height\"], sep=\"x\")")" --with reference --quadrature midpoint -q -o unmoved.exr >/dev/null
 notice and_it_is_not_the_scene_it_began_with "$ISOSHADE" compare unmoved.exr saved.page.exr --max-rmse 1e-3
 
 for file in nrrd nii.gz; do # the camera is in millimeters: the page and the program agree where the volume is

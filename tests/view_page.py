@@ -18,6 +18,7 @@ from array import array
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "src", "view"))
 from chromium import Chromium  # noqa: E402
 from exr import write_exr  # noqa: E402
+import view_files  # noqa: E402
 
 READY = "document.documentElement.dataset.ready === 'yes' || document.documentElement.dataset.failed"
 # The bytes of a picture as text: a list of numbers would be ten times as long.
@@ -108,7 +109,9 @@ def hands(path, folder):
             image = json.load(f)["image"]
         page.evaluate("isoshade.frames.settled()")
         take(page, os.path.join(folder, "saved.page.exr"), image["width"], image["height"])
-        say("command", page.evaluate("document.getElementById('command').textContent"))
+        with open(os.path.join(folder, "command"), "w") as f:
+            f.write(page.evaluate("document.getElementById('command').textContent"))
+        controls(page)
 
         # A and B.
         page.evaluate("(e => { e.value = 'difference'; e.dispatchEvent(new Event('change')); })(document.querySelector('#compare select'))")
@@ -123,7 +126,6 @@ def hands(path, folder):
         say("a_level_differs_and_the_same_does_not", other > 0 and same == 0)
 
         # Other volumes, as a file that is chosen; dropped ones go the same way.
-        page.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
         root = page.call("DOM.getDocument")["root"]["nodeId"]
         node = page.call("DOM.querySelector", nodeId=root, selector="#open")["nodeId"]
         for name in ("other.nrrd", "other.nii.gz"):
@@ -140,13 +142,79 @@ def hands(path, folder):
         page.evaluate("document.querySelector('[data-field=joint]').click()")
         say("the_joint_histogram_is_drawn", page.evaluate("document.querySelector('svg image')?.getAttribute('href').length > 1000"))
 
-        say("controls_without_a_name", page.evaluate(
-            "[...document.querySelectorAll('button, select, input, canvas, svg, [role=button], summary')].filter(e =>"
-            " !(e.getAttribute('aria-label') || e.textContent.trim() || e.closest('label'))).length"))
+        say("files_go_wrong", "; ".join(view_files.open_files(page, folder, os.environ["ISOSHADE"])) or "none")
+        drop(page, os.path.join(folder, "text.nii"))
+        said = "document.querySelector('#message span').textContent"
+        page.wait(f"{said}.startsWith('text.nii: ')")
+        page.evaluate("document.getElementById('close-message').click()")
+        say("a_complaint_is_closed", page.evaluate("document.getElementById('message').hidden"))
+        drop(page, os.path.join(folder, "other.nrrd"))
+        page.wait("isoshade.data.title === 'other.nrrd'")
+        say("a_file_may_miss_the_picture", page.evaluate("location.pathname").endswith(os.path.basename(path)))
+        say("controls_without_a_name", len(nameless(page)))
         say("fetched", page.evaluate("performance.getEntriesByType('resource').filter(r => !/^(data|blob):/.test(r.name)).length"))
         page.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
         say("wider_than_a_telephone", page.evaluate("document.documentElement.scrollWidth > 390"))
         say("exceptions", sum(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+
+
+def drop(page, path):
+    """A file, on the panel beside the picture."""
+    x, y = middle(page, "aside")
+    for kind in ("dragEnter", "dragOver", "drop"):
+        page.call("Input.dispatchDragEvent", type=kind, x=x, y=y, data={"items": [], "files": [os.path.abspath(path)], "dragOperationsMask": 1})
+
+
+def nameless(page):
+    """What the keyboard reaches and a screen reader has no name for."""
+    nodes = page.call("Accessibility.getFullAXTree")["nodes"]
+    reached = [n for n in nodes if any(p["name"] == "focusable" and p["value"].get("value") for p in n.get("properties", []))]
+    return [n["role"]["value"] for n in reached if not n.get("name", {}).get("value")] if len(reached) > 20 else ["the tree is empty"]
+
+
+def controls(page):
+    """What a control does to the others, and where the keyboard is afterwards."""
+    state, focused = "isoshade.state", "document.activeElement"
+
+    def change(selector, value):
+        page.evaluate(f"(e => {{ e.focus(); e.value = '{value}'; e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change')); }})"
+                      f"(document.querySelector({json.dumps(selector)}))")
+
+    def press(part, text):
+        page.evaluate(f"(b => {{ b.focus(); b.click(); }})([...document.querySelectorAll('#{part} button')].find(b => b.textContent === '{text}'))")
+
+    page.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
+    edited = page.evaluate(f"JSON.stringify({state}.tf)")
+    change("#preset select", "microscopy")
+    other = page.evaluate(f"JSON.stringify({state}.tf)")
+    change("#preset select", "edited")
+    say("what_was_edited_comes_back", other != edited and page.evaluate(f"JSON.stringify({state}.tf)") == edited)
+    change("[data-field=value]", "")
+    say("an_empty_field_changes_nothing", page.evaluate(f"JSON.stringify({state}.tf)") == edited
+        and page.evaluate("document.querySelector('[data-field=value]').value") != "")
+
+    change("#projection select", "orthographic")
+    press("views", "scene")
+    say("the_projection_follows_the_scene", page.evaluate("document.querySelector('#projection select').value") == "perspective")
+
+    kept = []
+    press("lights", "add a light")
+    kept.append(page.evaluate(f"{focused}.textContent") == "add a light")
+    press("lights", "remove")
+    kept.append(page.evaluate(f"{focused}.closest('#lights') !== null"))
+    change("#shading input[aria-label=ambient]", "0.9")  # the diffuse part gives way
+    kept.append(page.evaluate(f"{focused}.getAttribute('aria-label')") == "ambient")
+    change("#compare select", "split")
+    kept.append(page.evaluate(f"{focused} === document.querySelector('#compare select')"))
+    say("the_keyboard_stays_where_it_was", all(kept))
+    change("#compare select", "none")
+
+    level = page.evaluate(f"{state}.level")
+    page.evaluate("document.querySelector('#roi input').click()")
+    page.evaluate("isoshade.frames.settled()")
+    lines = page.evaluate("document.querySelector('#outline path').getAttribute('d').split('M').length - 1")
+    page.evaluate("document.querySelector('#roi input').click()")
+    say("a_region_is_outlined_and_goes", lines == 12 and page.evaluate(f"{state}.level") == level)
 
 
 def processor_seconds(root):

@@ -236,12 +236,14 @@ static iso_status save_viewers(chart_run *run, iso_error *err)
 {
     iso_chart_result *result = &run->result;
     const iso_pyramid *p = &run->bench.first;
+    char *typed = iso_volume_input_line(&run->arguments->input), *input = typed ? iso_provenance_line(typed) : NULL;
     iso_status status = ISO_OK;
     for (size_t i = 0; i < run->bench.scene_count && status == ISO_OK && run->arguments->viewer; ++i) {
         iso_viewer_size size;
         const iso_viewer page = {.pyramid = p,
                                  .scene = &run->bench.scenes[i].scene,
                                  .title = iso_provenance_title(run->bench.path),
+                                 .input = input,
                                  .folder = run->bench.is_volume ? NULL : run->bench.path,
                                  .first = iso_viewer_finest_level(p, ISO_VIEWER_MOST_VOXELS),
                                  .last = p->level_count - 1,
@@ -254,6 +256,8 @@ static iso_status save_viewers(chart_run *run, iso_error *err)
                       : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
         free(path);
     }
+    free(input);
+    free(typed);
     return status;
 }
 

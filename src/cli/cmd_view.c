@@ -134,6 +134,7 @@ static iso_status check(const view_arguments *a, iso_error *err)
 static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const char *path = cli->arguments[0];
+    char *typed = iso_volume_input_line(&a->input), *input = typed ? iso_provenance_line(typed) : NULL;
     const bool is_pyramid = iso_pyramid_is_one(path);
     const iso_cli_stage stages[] = {{"pyramid", 1}, {"pack", 3}};
     iso_progress progress = iso_cli_progress(cli);
@@ -142,7 +143,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_scene scene = {0};
     iso_subject_look look;
     iso_viewer v = {.pyramid = &pyramid, .scene = &scene, .floats = a->floats, .adapted = a->adapted, .errors = a->errors,
-                    .threads = cli->threads, .title = iso_provenance_title(path), .folder = is_pyramid ? path : NULL};
+                    .threads = cli->threads, .title = iso_provenance_title(path), .input = input, .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
     iso_view_plan plan = {.page = {.name = NULL}};
     iso_status status = check(a, err);
@@ -178,6 +179,8 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_view_plan_close(&plan);
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
+    free(input);
+    free(typed);
     return status;
 }
 

@@ -16,6 +16,7 @@ iso_status iso_validate_save_viewer(const iso_validation *v, iso_error *err)
     iso_viewer page = {.pyramid = v->pyramid,
                        .scene = v->scene,
                        .title = iso_provenance_title(v->volume_path),
+                       .input = v->input_options,
                        .folder = v->loaded ? v->volume_path : NULL,
                        .last = v->pyramid->level_count - 1,
                        .code_count = 1,

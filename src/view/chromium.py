@@ -17,9 +17,11 @@ DRIVERS = {
 
 
 class Chromium:
+    """seconds: how long an answer, or what is waited for, may take."""
+
     def __init__(self, driver="mesa", size=(1200, 800), program=None, seconds=120):
         self.folder = tempfile.mkdtemp(prefix="isoshade-chromium.")
-        self.deadline = time.monotonic() + seconds
+        self.seconds, self.deadline = seconds, time.monotonic() + seconds
         self.number, self.buffer, self.events = 0, b"", []
         program = program or os.environ.get("ISOSHADE_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser") \
             or shutil.which("google-chrome")
@@ -60,6 +62,7 @@ class Chromium:
 
     def call(self, method, **parameters):
         self.number += 1
+        self.deadline = time.monotonic() + self.seconds
         message = {"id": self.number, "method": method, "params": parameters}
         if hasattr(self, "session"):
             message["sessionId"] = self.session
@@ -90,6 +93,7 @@ class Chromium:
         self.wait(f"location.href !== 'about:blank' && ({until})")
 
     def wait(self, expression):
+        end = time.monotonic() + self.seconds
         while True:
             try:
                 # What the page does not have yet may come.
@@ -98,7 +102,7 @@ class Chromium:
             except RuntimeError as problem:
                 if "context" not in str(problem):  # that of the page before
                     raise
-            if time.monotonic() > self.deadline:
+            if time.monotonic() > end:
                 raise TimeoutError(f"the page never came to: {expression}")
             time.sleep(0.02)
 

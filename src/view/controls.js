@@ -14,13 +14,31 @@ const choice = (options, value, chosen) => {
 // A slider with its number beside it, which can be typed.
 const slider = (text, {min, max, step, value}, changed) => {
     const range = element('input', {type: 'range', min, max, step, value}), typed = element('input', {type: 'number', min, max, step, value});
-    const take = (from, to, moving) => { if (from.value === '' || !Number.isFinite(Number(from.value))) return; to.value = from.value; changed(clamp(Number(from.value), min, max), moving); };
+    const take = (from, to, moving) => {
+        if (from.value === '') from.value = to.value; // what is no number changes nothing
+        const taken = clamp(Number(from.value), min, max);
+        if (taken !== Number(from.value)) from.value = taken;
+        to.value = from.value;
+        changed(taken, moving);
+    };
     range.addEventListener('input', () => take(range, typed, true));
     range.addEventListener('change', () => take(range, typed, false));
     typed.addEventListener('change', () => take(typed, range, false));
     range.setAttribute('aria-label', text);
     typed.setAttribute('aria-label', `${text}, number`);
     return element('div', {className: 'slider'}, element('span', {textContent: text}), range, typed);
+};
+
+// Where their number changes, controls are made anew. The keyboard stays where it was: on the control of the same name, or
+// else on its neighbor.
+const refill = (parent, ...children) => {
+    const controls = () => [...parent.querySelectorAll('button, select, input')], before = controls(), at = before.indexOf(document.activeElement);
+    const nameOf = e => e.getAttribute('aria-label') ?? e.closest('label')?.firstElementChild.textContent ?? e.textContent;
+    const name = at < 0 ? '' : nameOf(before[at]), nth = before.slice(0, Math.max(at, 0)).filter(e => nameOf(e) === name).length;
+    parent.replaceChildren(...children);
+    if (at < 0) return;
+    const after = controls().filter(e => !e.disabled), same = after.filter(e => nameOf(e) === name);
+    (same[Math.min(nth, same.length - 1)] ?? after[Math.min(at, after.length - 1)])?.focus();
 };
 
 const makeControls = (data, state, frames, editor) => {
@@ -32,7 +50,7 @@ const makeControls = (data, state, frames, editor) => {
     // What is drawn, for A and for B.
     const what = (side, of) => {
         const adapt = element('input', {type: 'checkbox', checked: of.adapted});
-        const row = labeled('adapted transfer function', adapt);
+        const row = labeled(`adapted transfer function${side}`, adapt);
         row.className = 'check';
         const cost = element('p', {className: 'hint'}), directions = choice(codes, of.code ?? '', v => { of.code = v || null; changed(); });
         const able = () => {
@@ -51,15 +69,18 @@ const makeControls = (data, state, frames, editor) => {
             labeled(`directions${side}`, directions), row, cost,
         ];
     };
-    const drawWhat = () => $('what').replaceChildren(...what('', state));
+    const drawWhat = () => refill($('what'), ...what('', state));
 
     const presets = [['scene', 'of the scene'], ...data.presets.map(p => [p.name, p.name]), ['edited', 'edited']];
     const preset = choice(presets, 'scene', name => {
-        const found = name === 'scene' ? data.scene.tf : (data.presets.find(p => p.name === name) || {}).tf;
-        if (found) editor.take(found, name);
+        const found = name === 'scene' ? data.scene.tf : name === 'edited' ? state.edited : data.presets.find(p => p.name === name).tf;
+        editor.take(found, name);
     });
     $('preset').replaceChildren(labeled('preset', preset));
-    const showPreset = () => { preset.value = state.tfName; };
+    const showPreset = () => {
+        preset.lastElementChild.disabled = !state.edited; // it is kept while others are tried
+        preset.value = state.tfName;
+    };
 
     // Views, and the projection.
     $('views').replaceChildren();
@@ -69,9 +90,9 @@ const makeControls = (data, state, frames, editor) => {
         $('views').append(b);
     }
     const back = element('button', {type: 'button', textContent: 'scene'});
-    back.addEventListener('click', () => { state.camera = cameraOf(data.scene, data.geometry0); changed(); });
+    back.addEventListener('click', () => { state.camera = cameraOf(data.scene, data.geometry0); drawProjection(); changed(); });
     $('views').append(back);
-    $('projection').replaceChildren(labeled('projection', choice([['perspective', 'perspective'], ['orthographic', 'orthographic']], state.camera.orthographic ? 'orthographic' : 'perspective', v => {
+    const drawProjection = () => refill($('projection'), labeled('projection', choice([['perspective', 'perspective'], ['orthographic', 'orthographic']], state.camera.orthographic ? 'orthographic' : 'perspective', v => {
         const c = state.camera, depth = dot(subtract(c.lookAt, c.position), axesOf(c).forward);
         if ((v === 'orthographic') === c.orthographic) return;
         // The middle of the volume keeps its size.
@@ -98,14 +119,14 @@ const makeControls = (data, state, frames, editor) => {
         });
         const more = element('button', {type: 'button', textContent: 'add a light', disabled: state.lights.length >= 8});
         more.addEventListener('click', () => { state.lights.push({direction: [0.5, 0.5, 0.7], space: 'camera', intensity: 0.3}); limit(); drawLights(); changed(); });
-        $('lights').replaceChildren(...list, more);
+        refill($('lights'), ...list, more);
     };
     // A scene asks for ambient + diffuse * (sum of intensities) of at most 1: the diffuse part gives way.
     const limit = () => {
         const sum = state.lights.reduce((s, l) => s + l.intensity, 0), most = sum > 0 ? (1 - state.shading.ambient) / sum : 1;
         if (state.shading.diffuse > most) { state.shading = {...state.shading, diffuse: Math.floor(most * 1000) / 1000}; drawShading(); }
     };
-    const drawShading = () => $('shading').replaceChildren(...[['ambient', 0, 1, 0.01], ['diffuse', 0, 1, 0.001], ['specular', 0, 1, 0.01], ['power', 1, 200, 1]].map(([name, min, max, step]) =>
+    const drawShading = () => refill($('shading'), ...[['ambient', 0, 1, 0.01], ['diffuse', 0, 1, 0.001], ['specular', 0, 1, 0.01], ['power', 1, 200, 1]].map(([name, min, max, step]) =>
         slider(name, {min, max, step, value: state.shading[name]}, (v, m) => { state.shading = {...state.shading, [name]: v}; if (!m) limit(); changed(m); })),
     labeled('background', (() => {
         const e = element('input', {type: 'color', value: hexOf({r: state.background[0], g: state.background[1], b: state.background[2]})});
@@ -126,7 +147,7 @@ const makeControls = (data, state, frames, editor) => {
         });
         const more = element('button', {type: 'button', textContent: 'add a plane', disabled: state.clips.length >= 6});
         more.addEventListener('click', () => { state.clips = [...state.clips, {normal: [1, 0, 0], at: 0.5}]; drawClips(); changed(); });
-        $('clips').replaceChildren(...list, more);
+        refill($('clips'), ...list, more);
     };
 
     // Inside the box a finer level is drawn than around it.
@@ -134,8 +155,11 @@ const makeControls = (data, state, frames, editor) => {
         const on = element('input', {type: 'checkbox', checked: Boolean(state.roi)}), row = labeled('finer level inside a box', on), parts = [row];
         row.className = 'check';
         on.addEventListener('change', () => {
+            const outside = state.roi?.outside; // the level that gave way to a coarser one, which comes back
             state.roi = on.checked ? {level: whole[0], box: [[0.3, 0.3, 0.3], [0.7, 0.7, 0.7]], band: 2} : null;
-            if (state.roi && state.level <= whole[0] && whole.length > 1) { state.level = whole[1]; drawWhat(); }
+            if (state.roi && state.level <= whole[0]) Object.assign(state, {level: whole[1], roi: {...state.roi, outside: state.level}});
+            else if (outside !== undefined && state.level === whole[1]) state.level = outside;
+            drawWhat();
             drawRoi();
             changed();
         });
@@ -152,16 +176,17 @@ const makeControls = (data, state, frames, editor) => {
                 element('p', {className: 'hint', textContent: 'Needs a coarser level outside, and directions by a code. A scene file does not hold the box: the command below does.'}));
         }
         if (whole.length < 2) on.disabled = true;
-        $('roi').replaceChildren(...parts);
+        refill($('roi'), ...parts);
     };
     const drawCompare = () => {
         const parts = [labeled('show', choice([['none', 'A alone'], ['split', 'A and B, side by side'], ['difference', 'their difference']], state.compare, v => { state.compare = v; drawCompare(); changed(); }))];
-        if (state.compare !== 'none') parts.push(...what(' of B', state.b));
+        if (state.compare !== 'none') parts.push(...what(' B', state.b));
         if (state.compare === 'split') parts.push(slider('line', {min: 0, max: 1, step: 0.01, value: state.line}, v => { state.line = v; frames.reshow(); }));
         if (state.compare === 'difference') parts.push(slider('times', {min: 1, max: 100, step: 1, value: state.amplified}, v => { state.amplified = v; frames.reshow(); }));
-        $('compare').replaceChildren(...parts);
+        refill($('compare'), ...parts);
+        $('picture').parentElement.dataset.compare = state.compare;
     };
-    const drawStep = () => $('step').replaceChildren(slider('step, voxels', {min: 0.1, max: 4, step: 0.05, value: state.step}, (v, m) => { state.step = v; changed(m); }));
+    const drawStep = () => refill($('step'), slider('step, voxels', {min: 0.1, max: 4, step: 0.05, value: state.step}, (v, m) => { state.step = v; changed(m); }));
     drawStep();
 
     const pictureSize = () => { const box = document.getElementById('picture').getBoundingClientRect(); return [Math.round(box.width), Math.round(box.height)]; };
@@ -169,8 +194,14 @@ const makeControls = (data, state, frames, editor) => {
     $('save-scene').onclick = () => saveText('scene.json', textOf(sceneNow()));
     $('save-tf').onclick = () => saveText('tf.json', textOf(tfJson(data, state)));
     const showCommand = () => { $('command').textContent = commandOf(data, state); };
-    $('copy').onclick = async () => { await navigator.clipboard?.writeText($('command').textContent); $('copy').textContent = 'copied'; setTimeout(() => { $('copy').textContent = 'copy'; }, 1500); };
+    // Where the browser does not let a page write there, the text is selected.
+    $('copy').onclick = async () => {
+        const copied = await navigator.clipboard?.writeText($('command').textContent).then(() => true, () => false);
+        if (!copied) getSelection().selectAllChildren($('command'));
+        $('copy').textContent = copied ? 'copied' : 'selected';
+        setTimeout(() => { $('copy').textContent = 'copy'; }, 1500);
+    };
 
-    for (const draw of [drawWhat, drawLights, drawShading, drawClips, drawRoi, drawCompare, showCommand]) draw();
+    for (const draw of [drawWhat, drawLights, drawShading, drawClips, drawRoi, drawCompare, drawProjection, showPreset, showCommand]) draw();
     return {sceneNow, tfNow: () => tfJson(data, state), showCommand, showPreset, drawWhat, drawStep};
 };

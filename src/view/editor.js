@@ -12,17 +12,21 @@ const histogramOf = (level, [lo, hi]) => {
 // Value to the right, gradient magnitude upwards: homogeneous materials are spots at the bottom, boundaries are arches
 // [kniss-2002]. As a picture that lies under the curve.
 const jointPicture = (level, [lo, hi]) => {
-    const [width, height] = [256, 96], counts = new Float64Array(width * height), {numbers, scalar, size: [nx, ny, nz]} = level;
-    const least = Math.min(...spacings(level)), [sx, sy, sz] = spacings(level).map(s => 0.5 * least / s), range = (hi - lo) / scalar.step || 1;
-    const step = Math.max(1, Math.round(Math.cbrt(nx * ny * nz / 2e6)));
+    const {numbers, scalar, size: [nx, ny, nz]} = level, whole = scalar.kind === 'integer' && hi - lo < 256;
+    const width = whole ? hi - lo + 1 : 256, height = 48; // rows that are wide beside the steps of whole numbers' gradients
+    const least = Math.min(...spacings(level)), [sx, sy, sz] = spacings(level).map(s => 0.5 * least / s), column = (width - (whole ? 0 : 1)) / ((hi - lo + (whole ? 1 : 0)) || 1);
+    const step = Math.max(1, Math.round(Math.cbrt(nx * ny * nz / 2e6))), columns = [], magnitudes = [];
     for (let z = 1; z < nz - 1; z += step) for (let y = 1; y < ny - 1; y += step) for (let x = 1; x < nx - 1; x += step) {
-        const i = x + nx * (y + ny * z), g = Math.hypot((numbers[i + 1] - numbers[i - 1]) * sx, (numbers[i + nx] - numbers[i - nx]) * sy, (numbers[i + nx * ny] - numbers[i - nx * ny]) * sz);
-        const column = Math.floor((scalar.zero + numbers[i] * scalar.step - lo) / ((hi - lo) || 1) * (width - 1)), row = Math.floor(Math.sqrt(Math.min(2 * g / range, 1)) * (height - 1));
-        ++counts[clamp(column, 0, width - 1) + width * (height - 1 - row)];
+        const i = x + nx * (y + ny * z);
+        columns.push(clamp(Math.floor((scalar.zero + numbers[i] * scalar.step - lo) * column), 0, width - 1));
+        magnitudes.push(Math.hypot((numbers[i + 1] - numbers[i - 1]) * sx, (numbers[i + nx] - numbers[i - nx]) * sy, (numbers[i + nx * ny] - numbers[i - nx * ny]) * sz));
     }
-    const most = Math.log1p(counts.reduce((m, c) => Math.max(m, c), 0)), canvas = Object.assign(document.createElement('canvas'), {width, height});
+    // Up to a gradient that a thousandth of the voxels exceeds: the few largest would leave the rest at the bottom.
+    const most = Float32Array.from(magnitudes).sort()[Math.floor(0.999 * magnitudes.length)] || 1, counts = new Float64Array(width * height);
+    magnitudes.forEach((g, i) => { ++counts[columns[i] + width * (height - 1 - Math.floor(Math.min(g / most, 1) * (height - 1)))]; });
+    const highest = Math.log1p(counts.reduce((m, c) => Math.max(m, c), 0)), canvas = Object.assign(document.createElement('canvas'), {width, height});
     const paint = canvas.getContext('2d'), image = paint.createImageData(width, height);
-    counts.forEach((c, i) => image.data.set([128, 128, 128, 255 * Math.sqrt(Math.log1p(c) / most)], 4 * i));
+    counts.forEach((c, i) => image.data.set([128, 128, 128, 255 * Math.log1p(c) / highest], 4 * i));
     paint.putImageData(image, 0, 0);
     return canvas.toDataURL();
 };
@@ -57,6 +61,7 @@ const makeEditor = (root, data, state, changed) => {
         list.forEach(p => delete p.index);
         state.tf = fineEnough({...state.tf, points: list}, data.value_range);
         state.tfName = 'edited';
+        state.edited = state.tf;
         draw();
         changed(!resting);
     };
@@ -82,13 +87,20 @@ const makeEditor = (root, data, state, changed) => {
         make('path', {d: curve, class: 'curve'});
         make('rect', {x: 8, y: base + 4, width: width - 16, height: 8, fill: 'url(#colors)', class: 'bar'});
         points().forEach((p, i) => {
-            const [cx, cy] = place(p), c = make('circle', {cx, cy, r: 6, fill: hexOf(p), class: 'point', tabindex: 0, role: 'button', 'data-point': i,
-                'aria-label': `point ${i + 1} of ${points().length}: value ${short(valueOf(state.tf, p, data.value_range))}, opacity ${short(p.opacity)}`, 'aria-pressed': i === chosen});
+            const [cx, cy] = place(p), value = short(valueOf(state.tf, p, data.value_range)), c = make('circle', {cx, cy, r: 6, fill: hexOf(p), class: 'point', tabindex: 0, 'data-point': i,
+                role: 'slider', 'aria-label': `point ${i + 1} of ${points().length}, opacity ${short(p.opacity)}, value`,
+                'aria-valuemin': short(lo), 'aria-valuemax': short(hi), 'aria-valuenow': value});
             c.addEventListener('focus', () => { if (chosen !== i) { chosen = i; tell(); mark(); } });
         });
         tell();
+        mark();
     };
-    const mark = () => svg.querySelectorAll('.point').forEach((c, i) => c.setAttribute('aria-pressed', i === chosen));
+    // The chosen point lies above those that stand where it does.
+    const mark = () => {
+        const [cx, cy] = place(points()[chosen]);
+        svg.querySelector('.chosen')?.remove();
+        make('circle', {cx, cy, r: 6, fill: hexOf(points()[chosen]), class: 'chosen', 'aria-hidden': true});
+    };
     const tell = () => {
         const p = points()[chosen], unit = state.tf.unit_distance_mm ? `${short(state.tf.unit_distance_mm)} mm` : state.tf.unit_distance_voxels === 1 ? 'a voxel' : `${short(state.tf.unit_distance_voxels)} voxels`;
         fields.value.value = short(valueOf(state.tf, p, data.value_range));
@@ -135,8 +147,14 @@ const makeEditor = (root, data, state, changed) => {
         e.preventDefault();
         svg.querySelectorAll('.point')[chosen]?.focus();
     });
-    fields.value.addEventListener('change', () => { const v = Number(fields.value.value); if (Number.isFinite(v)) edit(list => put(list, chosen, v, list[chosen].opacity)); });
-    fields.opacity.addEventListener('change', () => { const o = Number(fields.opacity.value); if (Number.isFinite(o)) edit(list => { list[chosen].opacity = clamp(o, 0, 1); }); });
+    // What is no number changes nothing; the field says again what is.
+    const typed = (field, [lo, hi], take) => field.addEventListener('change', () => {
+        const text = field.value.trim(), number = Number(text);
+        if (text === '' || Number.isNaN(number)) tell();
+        else edit(list => take(list, clamp(number, lo(), hi())));
+    });
+    typed(fields.value, [() => domain()[0], () => domain()[1]], (list, value) => put(list, chosen, value, list[chosen].opacity));
+    typed(fields.opacity, [() => 0, () => 1], (list, opacity) => { list[chosen].opacity = opacity; });
     fields.color.addEventListener('input', () => edit(list => Object.assign(list[chosen], linearOfHex(fields.color.value)), false));
     fields.color.addEventListener('change', () => changed(false));
     fields.add.addEventListener('click', () => {

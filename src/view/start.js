@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 // start.js - reads the coarsest level, draws it, then reads the finer ones as the browser gets to them.
+const say = text => {
+    const message = document.getElementById('message');
+    message.firstElementChild.textContent = text;
+    message.hidden = !text;
+};
 const start = async () => {
     const $ = id => document.getElementById(id), data = JSON.parse($('data').textContent), canvas = $('picture');
-    const say = text => { $('message').textContent = text; $('message').hidden = !text; };
+    $('close-message').onclick = () => { say(''); canvas.focus(); };
     // Levels come coarsest first; level 0's geometry stands for the volume even where its voxels are left out.
     data.geometry0 = data.geometry;
     if (data.plan) data.levels.push(levelOfPlan(data.plan, data.geometry0));
@@ -11,18 +16,21 @@ const start = async () => {
     canvas.addEventListener('webglcontextlost', () => say('The graphics card gave up on this page (a picture took too long, or memory ended). Reload it, and choose a coarser level or a larger step.'));
     const state = makeState(data), caster = makeCaster(context, data);
     const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : []), ...(l.layout ? [l.layout] : [])]).reduce((sum, d) => sum + d.packed, 0);
-    const pageBytes = packed() * 4 / 3 + 13e4; // base64; the page itself
-    let controls = null;
+    const pageBytes = packed() * 4 / 3 + 16e4; // base64; the page itself
+    let controls = null, outline = null;
     const status = told => {
         if (told instanceof Error) { say(told.message); document.documentElement.dataset.failed = told.message; throw told; }
         const wait = data.levels.filter(l => !l.numbers).length;
         const quick = told.kind === 'quick' && (told.width !== canvas.width);
-        if (!quick) $('status').textContent = `${told.level === planLevel ? 'level 0 in planned bricks' : `level ${told.level}`} · ${told.width} × ${told.height} pixels in ${told.ms < 10 ? told.ms.toFixed(1) : Math.round(told.ms)} ms · page ${megabytes(pageBytes)}, textures ${megabytes(caster.bytes())}${wait ? ` · reading ${wait} finer level${wait > 1 ? 's' : ''}` : ''}`;
+        const named = level => level === planLevel ? 'level 0 in planned bricks' : `level ${level}`;
+        if (!quick) $('status').textContent = `${told.b ? `A: ${named(told.level)}, B: ${named(told.b.q.level.level)}` : named(told.level)} · ${told.width} × ${told.height} pixels in ${told.ms < 10 ? told.ms.toFixed(1) : Math.round(told.ms)} ms · page ${megabytes(pageBytes)}, textures ${megabytes(caster.bytes())}${wait ? ` · reading ${wait} finer level${wait > 1 ? 's' : ''}` : ''}`;
         document.documentElement.dataset.shown = told.kind;
         if (!document.documentElement.dataset.first) document.documentElement.dataset.first = Math.round(performance.now());
+        outline?.();
         controls?.showCommand();
     };
     const frames = makeFrames(context, caster, data, state, canvas, status);
+    outline = makeOutline($('outline'), data, state, frames);
     const editor = makeEditor($('editor'), data, state, moving => { controls?.showPreset(); frames.ask(moving); });
 
     const readLevel = async level => {
@@ -56,7 +64,7 @@ const start = async () => {
     makeOrbit(canvas, state, frames);
     new ResizeObserver(() => frames.ask()).observe(canvas);
     window.isoshade = {data, state, frames, editor, controls, context, caster}; // for tests and `validate`
-    acceptFiles(canvas.parentElement, async file => {
+    acceptFiles(canvas.parentElement, $('open'), async file => {
         const level = await openFile(file, context.most), old = data.levels;
         await frames.settled();
         caster.forget(old);
@@ -66,7 +74,7 @@ const start = async () => {
         editor.count(level);
         window.isoshade.controls = controls;
         frames.ask();
-    }, say);
+    });
     frames.ask(true); // few pixels first: a picture at once
     await frames.settled();
     if (document.readyState === 'loading') await new Promise(done => document.addEventListener('DOMContentLoaded', done, {once: true}));
@@ -80,4 +88,4 @@ const start = async () => {
     editor.count(data.levels.findLast(l => !l.isPlan));
     document.documentElement.dataset.ready = 'yes';
 };
-start().catch(problem => { const m = document.getElementById('message'); m.hidden = false; m.textContent = `This page could not be shown: ${problem.message}`; document.documentElement.dataset.failed = problem.message; throw problem; });
+start().catch(problem => { say(`This page could not be shown: ${problem.message}`); document.documentElement.dataset.failed = problem.message; throw problem; });

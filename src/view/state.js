@@ -7,6 +7,7 @@ const makeState = data => {
         lights: scene.lights.map(l => ({space: 'world', intensity: 1, ...l})), shading: {specular: 0, power: 20, ...scene.shading},
         background: scene.background || [0, 0, 0], clips: scene.clip_planes || [], step: scene.step_voxels ?? 0.5,
         level: data.levels[0].level, code: data.codes[0] ?? null, adapted: data.adapted,
+        edited: null, // the transfer function that was edited last
         roi: null, compare: 'none', line: 0.5, amplified: 10, b: {level: data.levels[0].level, code: data.codes[0] ?? null, adapted: false},
     };
 };
@@ -33,7 +34,7 @@ const sceneJson = (data, state, camera, width, height) => ({
 });
 const quoted = s => /^[\w.,/:=+-]+$/.test(s) ? s : `'${s.replace(/'/g, "'\\''")}'`;
 const commandOf = (data, state) => {
-    const {level, code, adapted} = state, words = ['isoshade render', quoted(data.title), '--scene', 'scene.json', '--with gl'];
+    const {level, code, adapted} = state, words = ['isoshade render', quoted(data.title) + data.input, '--scene', 'scene.json', '--with gl'];
     const plan = data.levels.find(l => l.isPlan && l.level === level);
     if (plan) return [...words, `--plan-error ${plan.predicted_rmse ?? 1 / 255} --brick ${plan.brick_voxels} --brick-levels ${plan.level_count}`].join(' ') + ' -o picture.png';
     if (level) words.push(`--level ${level}`);

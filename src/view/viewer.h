@@ -32,6 +32,7 @@ typedef struct iso_viewer {
     const iso_pyramid *pyramid;
     const iso_scene *scene;
     const char *title;       /* the volume's name */
+    const char *input;       /* options by which its file was read, as a command line has them: " --frame 3"; NULL: none */
     const char *folder;      /* of the pyramid on disk, which keeps joint histograms; or NULL */
     size_t first, last;      /* levels that go in: the finest and the coarsest */
     size_t code_count;       /* codes that go in; those that are not the pyramid's need its floats */
