@@ -21,19 +21,16 @@ for fault in less more other; do
 done
 
 # Each name has its line in the help of the command that takes it.
-rows() { # WHAT: the names of that table
-    "$ISOSHADE" list --json | python3 -c '
+"$ISOSHADE" list --json | python3 -c '
 import json, sys
 for table in json.load(sys.stdin)["lists"]:
-    if table["what"] == sys.argv[1]:
-        for row in table["rows"]: print(row["name"])' "$1"
-}
-has_rows() { # WHAT, help: each row has a line in the section of the help
-    local name section
-    section=$(sed -n "/^$1s:\$/,/^\$/p" "$2")
-    [ -n "$section" ] && [ "$(rows "$1" | wc -l)" -gt 0 ] || return 1
-    for name in $(rows "$1"); do grep -q "^  $name " <<<"$section" || return 1; done
-    [ "$(grep -c '^  ' <<<"$section")" = "$(rows "$1" | wc -l)" ]
+    for row in table["rows"]: print(table["what"], row["name"], sep="\t")' >rows.txt
+rows() { awk -F'\t' -v what="$1" '$1 == what {print $2}' rows.txt; } # WHAT: the names of that table
+has_rows() { # WHAT, help: each row has a line in the section of the help, and there are no other lines
+    local names section
+    section=$(sed -n "/^$1s:\$/,/^\$/p" "$2") names=$(rows "$1")
+    [ -n "$names" ] && [ "$(sed -n 's/^  \([^ ]*\) .*/\1/p' <<<"$section" | sort)" = "$(sort <<<"$names")" ] &&
+        [ "$(grep -c '^  ' <<<"$section")" = "$(wc -l <<<"$names")" ]
 }
 while read -r command what; do
     "$ISOSHADE" "$command" --help >help.txt
