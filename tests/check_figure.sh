@@ -66,35 +66,38 @@ words_are_all_there() { # pdf, words: each of them is in it
 }
 # The bar's white pixels beside the panel's, at 1200 dpi: the part of the panel that figure.csv says, within a pixel at each end.
 bar_is_right() { # the figure's folder
-    pdftoppm -r 1200 -gray -f 1 -l 1 "$1/figure.pdf" print
-    awk -F, 'NR == 2 {print $5, $6, $7, $8, $12}' "$1/figure.csv" >place
+    local high row
+    high=$(pdfinfo "$1/figure.pdf" | awk '/Page size/ {print $5 / 72 * 1200}')
+    row=$(awk -F, -v high="$high" 'NR == 2 {print int((1 - $7 - 0.05 * ($8 - $7)) * high - 0.25 / 25.4 * 1200)}' "$1/figure.csv")
+    pdftoppm -r 1200 -gray -f 1 -l 1 -x 0 -y "$row" -W 100000 -H 1 "$1/figure.pdf" print
+    awk -F, 'NR == 2 {print $5, $6, $12}' "$1/figure.csv" >place
     python3 - print*.pgm <<'END'
 import re, sys
-left, right, bottom, top, bar = map(float, open('place').read().split())
-magic, size, depth, pixels = open(sys.argv[1], 'rb').read().split(b'\n', 3)
+left, right, bar = map(float, open('place').read().split())
+magic, size, depth, line = open(sys.argv[1], 'rb').read().split(b'\n', 3)
 wide, high = map(int, size.split())
-row = int((1 - bottom - 0.05 * (top - bottom)) * high - 0.25 / 25.4 * 1200)
-line = pixels[row * wide + int(left * wide):row * wide + int(right * wide)]
+assert high == 1
+line = line[int(left * wide):int(right * wide)]
 longest = max(map(len, re.findall(b'\xff+', line)))
 if abs(longest - bar * (right - left) * wide) > 2: print(longest, 'pixels, wanted', bar * (right - left) * wide); sys.exit(1)
 END
 }
-for width in 85 178; do
-    for kind in levels renderers; do
-        for from in four long; do
-            name=${from}_${kind}_$width
-            methods=()
-            [ $kind = levels ] && methods=(--methods "$(sed -n 's/.*"method": "\([^"]*\)".*/\1/p' $from/report.json | uniq | paste -sd,)")
-            expect "$name" 0 "$ISOSHADE" figure $from --formats svg --sources --kind $kind --width $width "${methods[@]}" -o $name
-            read -r wide high <<<"$(millimetres $name/figure.pdf)"
-            check ${name}_fits test "$wide" -le $width -a "$high" -le 230
-            check ${name}_has_its_fonts fonts_are_inside $name/figure.pdf
-            check ${name}_has_300_dpi dense_enough $name/figure.pdf
-            check ${name}_can_be_read readable $name
-            check ${name}_has_its_words_apart words_are_apart $name/figure.pdf
-            keys=$([ $kind = levels ] && echo method || echo b)
-            check ${name}_has_all_its_words words_are_all_there $name/figure.pdf "$(sed -n 's/.*"'$keys'": "\([^"]*\)".*/\1/p' $from/report.json | uniq)"
-        done
+# The most panels on a page, and the longest words in a column.
+for kind in levels renderers; do
+    for from in four_178 long_85; do
+        width=${from#*_} from=${from%_*}
+        name=${from}_${kind}_$width
+        methods=()
+        [ $kind = levels ] && methods=(--methods "$(sed -n 's/.*"method": "\([^"]*\)".*/\1/p' $from/report.json | uniq | paste -sd,)")
+        expect "$name" 0 "$ISOSHADE" figure $from --formats $([ $name = four_levels_178 ] && echo svg || echo pdf) --sources --kind $kind --width $width "${methods[@]}" -o $name
+        read -r wide high <<<"$(millimetres $name/figure.pdf)"
+        check ${name}_fits test "$wide" -le $width -a "$high" -le 230
+        check ${name}_has_its_fonts fonts_are_inside $name/figure.pdf
+        check ${name}_has_300_dpi dense_enough $name/figure.pdf
+        check ${name}_can_be_read readable $name
+        check ${name}_has_its_words_apart words_are_apart $name/figure.pdf
+        keys=$([ $kind = levels ] && echo method || echo b)
+        check ${name}_has_all_its_words words_are_all_there $name/figure.pdf "$(sed -n 's/.*"'$keys'": "\([^"]*\)".*/\1/p' $from/report.json | uniq)"
     done
 done
 # Planted: titles that are twice as large as the layout knows run into each other.
@@ -113,28 +116,28 @@ check renderers_stand_in_order test "$(awk -F, 'NR > 1 && $9 != "-" {print $9}' 
 check the_caption_names_the_file grep -q 'level 0 of v.nrrd (s.scene.json)' four_renderers_178/caption.txt
 check the_caption_says_how_dense_a_reports_pictures_are grep -qE 'Pictures have [0-9]+ x [0-9]+ pixels, [0-9]+ an inch, each drawn as ([0-9]+) x \1 dots' four_renderers_178/caption.txt
 check the_caption_has_the_bar grep -q 'Scale bar: 5 mm' four_renderers_178/caption.txt
-expect renderers_alone 0 "$ISOSHADE" figure methods --formats pdf --kind renderers --sources -o renderers
+expect renderers_alone 0 "$ISOSHADE" figure methods --formats pdf --dpi 72 --kind renderers --sources -o renderers
 check methods_stay_away test "$(cut -d, -f9 renderers/figure.csv | grep gl | paste -sd+)" = "gl+gl; limit"
 check a_limit_keeps_its_comma words_are_all_there renderers/figure.pdf "gl gl, limit"
-expect a_variant_can_be_asked_for 0 "$ISOSHADE" figure methods --formats pdf --kind renderers --variant adapted --sources -o variant
+expect a_variant_can_be_asked_for 0 "$ISOSHADE" figure methods --formats pdf --dpi 72 --kind renderers --variant adapted --sources -o variant
 check it_stands_alone test "$(cut -d, -f9 variant/figure.csv | grep gl)" = "gl; naive; adapted TF"
 check with_its_comma words_are_all_there variant/figure.pdf "gl, naive, adapted TF"
 # Rows that name their renderer are read by that, whatever they are called.
 mkdir -p named && cp -r methods/images named && sed 's/"b": "gl, naive, adapted TF"/"b": "x", "renderer": "gl", "comparison": "limit", "variant": "naive"/; s/"b": "gl"/"b": "y, z", "renderer": "gl", "comparison": "lock-step", "variant": ""/' methods/report.json >named/report.json
-expect rows_that_name_their_renderer 0 "$ISOSHADE" figure named --formats pdf --kind renderers --sources -o named_renderers
+expect rows_that_name_their_renderer 0 "$ISOSHADE" figure named --formats pdf --dpi 72 --kind renderers --sources -o named_renderers
 check are_shown_by_it test "$(cut -d, -f9 named_renderers/figure.csv | grep gl | paste -sd+)" = "gl+gl; limit"
-expect and_a_variant_of_theirs 0 "$ISOSHADE" figure named --formats pdf --kind renderers --variant naive --sources -o named_variant
+expect and_a_variant_of_theirs 0 "$ISOSHADE" figure named --formats pdf --dpi 72 --kind renderers --variant naive --sources -o named_variant
 check is_found_by_it test "$(cut -d, -f9 named_variant/figure.csv | grep gl)" = "gl; limit; naive"
 refuse an_unknown_variant_is_named 5 'name like tensor' "$ISOSHADE" figure methods --kind renderers --variant tensor -o f
 sed '0,/"scene": "s", "level"/s//"scene": "other", "level"/' four/report.json >r.json && cp -r four suite && mv r.json suite/report.json
 refuse a_suite_has_many_scenes 5 'has 2 scenes, --scene chooses one: ' "$ISOSHADE" figure suite --kind renderers -o f
-expect one_scene_of_a_suite 0 "$ISOSHADE" figure suite --formats pdf --kind renderers --scene s --sources -o of_suite
+expect one_scene_of_a_suite 0 "$ISOSHADE" figure suite --formats pdf --dpi 72 --kind renderers --scene s --sources -o of_suite
 check it_has_the_others_only test "$(cut -d, -f9 of_suite/figure.csv | grep -cE 'gl|povray|cycles')" = 2
 refuse no_scene_of_that_name 5 'no pictures of comparisons' "$ISOSHADE" figure suite --kind renderers --scene t -o f
 refuse methods_are_for_levels 2 'kind renderers does not take --methods' "$ISOSHADE" figure four --kind renderers --methods naive -o f
 refuse variants_are_for_renderers 2 'kind levels does not take --variant' "$ISOSHADE" figure four --variant naive -o f
 check the_caption_names_the_scene grep -q 'level 0 of v.nrrd (s)' of_suite/caption.txt
-expect one_level_has_renderers 0 "$ISOSHADE" figure one --formats pdf --kind renderers -o one_renderers
+expect one_level_has_renderers 0 "$ISOSHADE" figure one --formats pdf --dpi 72 --kind renderers -o one_renderers
 refuse one_level_has_no_levels 5 'no pictures of levels' "$ISOSHADE" figure one -o f
 sed 's/"consistency"/"other"/' one/report.json >r.json && mkdir bare && mv r.json bare/report.json
 refuse a_report_without_consistency_is_refused 5 'no pictures of levels' "$ISOSHADE" figure bare -o f

@@ -48,16 +48,19 @@ kind() { # name, options
 }
 forms=latex more=
 kind tf v.nrrd
-kind failure --case noise
+kind failure --case thin-plates
 kind chart tried --letters
-kind plan v.nrrd --error 0.02
+kind plan v.nrrd --error 0.2 --size 48 # the size that plans are measured at
 kind seams v.nrrd
 kind slices v.nrrd --levels 2 --map viridis
+kind levels v.nrrd --levels 2
+kind renderers v.nrrd --with gl
 more=" frames turntable.png"
 kind turntable v.nrrd --frames 3
 forms=svg,png,latex more=" figure.png figure.svg"
 kind methods v.nrrd --level 1 --methods naive,moments --zoom 0.4,0.3,0.25,0.25
-latex_takes latex_takes_each_kind tf failure chart plan seams slices turntable methods
+latex_takes latex_takes_each_kind $kinds_of_volumes
+check all_kinds_are_drawn_by_a_script test "$(printf '%s\n' $kinds_of_volumes $kinds_of_papers | sort)" = "$("$ISOSHADE" list | sed -n '/^kind of figures:/,/^$/s/^  \([a-z-]*\) .*/\1/p' | sort)"
 check the_png_has_the_same_pixels in_the_png methods
 check the_inset_is_told_of grep -q 'rendered again with 4 times as many pixels' methods/caption.txt
 check insets_have_pixels_of_their_own test "$(pdfimages methods/figure.pdf q && md5sum q-*.ppm | cut -d' ' -f1 | sort | uniq -d | wc -l)" = 0
@@ -98,6 +101,10 @@ check a_chart_has_letters test "$(letters chart/figure.pdf)" = ab
 check none_where_none_is_asked_for test -z "$(letters methods/figure.pdf)"
 check the_bar_is_told_of grep -q 'Bar: the transfer function, colors over value, as opaque as' lettered/caption.txt
 check the_bar_is_there test "$(pdfimages -list lettered/figure.pdf | awk 'NR > 2 && $4 > 6 * $5' | wc -l)" = 1
+for name in levels renderers methods failure plan seams turntable; do
+    check "the_bar_is_under_$name" grep -q 'Bar: the transfer function' $name/caption.txt
+done
+check and_is_that_of_level_0_where_others_have_their_own grep -q 'Bar: the transfer function of level 0' failure/caption.txt
 notice a_figure_without_one_is_noticed grep -q 'Bar:' slices/caption.txt
 rm -f l-*.ppm && pdfimages lettered/figure.pdf l
 corner() { tail -c "$(awk 'NR == 2 {print 3 * $1 * $2; exit}' "$1")" "$1" | head -c 3 | od -An -tu1 | tr -d ' '; }

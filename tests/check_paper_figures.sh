@@ -53,6 +53,7 @@ check its_moves_are_those_of_eq_2 holds code-table '0.05 < f["longest_move"] < 0
 
 "$ISOSHADE" make constant --size 8 -q -o constant.nrrd >/dev/null
 "$ISOSHADE" make plate --size 16 -q -o plate.nrrd >/dev/null
+"$ISOSHADE" make plate --size 8 -q -o small.nrrd >/dev/null
 draw joint-histogram constant.nrrd --levels 2 --width 60
 check a_constant_is_one_pair holds joint-histogram 'f["levels"][0]["pairs"] == 1 and f["levels"][0]["rms_of_z_minus_s"] == 0 and f["levels"][0]["voxels"] == 512'
 draw joint-row plate.nrrd --width 60
@@ -60,21 +61,25 @@ check a_plate_is_spread holds joint-row 'f["levels"][0]["voxels"] == 4096 and f[
 
 # Nodes are floats of the range: what is interpolated twice agrees to some of their steps. Unequal faces are seen.
 draw mixed-volume --bricks 8 --width 60 --dpi 36
-draw mixed-surface --bricks 8 --width 60 --dpi 300
+draw mixed-surface --bricks 8 --width 44 --dpi 300
 check smooth_has_no_jump holds mixed-surface 'f["jump_smooth"] < 1e-6'
 check discontinuous_has holds mixed-surface 'f["jump_discontinuous"] > 0.05'
 check it_is_magnified holds mixed-surface 'f["magnification"] > 2'
 check three_pictures_have_300_dpi test "$(pdfimages -list mixed-surface/figure.pdf | awk 'NR > 2 && $3 == "image" && $13 >= 299 && $14 >= 299' | wc -l)" = 3
 check fonts_are_in_the_file fonts_are_inside mixed-surface/figure.pdf
+check a_volume_has_the_bar_of_its_transfer_function grep -q 'Bar: the transfer function' mixed-volume/caption.txt
+check and_a_scale_bar grep -q 'Scale bar: ' mixed-volume/caption.txt
+notice a_surface_has_a_color_and_no_such_bar grep -q 'Bar: the transfer function' mixed-surface/caption.txt
 check the_caption_says_it grep -q 'of the range where each brick keeps its own samples' mixed-surface/caption.txt
-draw palette-views plate.nrrd --entries 60 --width 60 --dpi 36 --surface 0.4
+draw palette-views small.nrrd --entries 60 --width 60 --dpi 36 --surface 0.4
+check wings_have_a_scale_bar grep -q "Scale bar: " palette-views/caption.txt
 check fitted_is_nearer holds palette-views 'f["palettes"][0]["norm1"] < f["palettes"][1]["norm1"] and [p["entries"] for p in f["palettes"]] == [60, 60]'
 
 # Levels downward, renderers across: as many pictures as both say with the reference, and the bar of the transfer function; the first column compared with itself by no figure.
-draw grid plate.nrrd --with gl,cpu --levels 2 --width 60 --dpi 72 --adapt
+draw grid small.nrrd --with gl,cpu --levels 2 --width 60 --dpi 36 --adapt
 check a_picture_for_each_pair test "$(pdfimages -list grid/figure.pdf | awk 'NR > 2 && $3 == "image"' | wc -l)" = 7
 check a_scale_bar_and_the_transfer_function grep -q 'Scale bar: .* Bar: the transfer function of level 0' grid/caption.txt
-latex_takes latex_takes_each_kind code-points code-regions code-dots code-spheres code-table joint-histogram joint-row mixed-volume mixed-surface palette-views grid
+latex_takes latex_takes_each_kind $kinds_of_papers
 check the_first_is_compared_with test "$(grep -o RMSE grid/caption.txt | wc -l)" = 4
 refuse more_rows_than_there_is_room 5 'must be 1 to 4' "$ISOSHADE" figure plate.nrrd --kind grid --with gl --levels 5 -o f -q
 refuse a_grid_of_nothing 2 'needs a volume' "$ISOSHADE" figure --kind grid -o f

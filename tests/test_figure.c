@@ -4,9 +4,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/file.h"
 #include "figure/job.h"
+#include "figure/sheet.h"
 #include "report/report.h"
 #include "scene/scene.h"
 #include "tests/folder.h"
@@ -21,7 +23,8 @@ static iso_figure_job job_of(const char *kind, const char *report, const char *o
                           .cli = &none,
                           .width_mm = 178,
                           .height_mm = 230,
-                          .dpi = 300,
+                          .dpi = 72,
+                          .formats = "pdf",
                           .surface = NAN,
                           .with_sources = true};
     assert_ok(iso_figure_kind_from_name(kind, &job.kind, &err));
@@ -135,6 +138,7 @@ static void panels_lie_inside_and_apart_with_enough_pixels(void **state)
     for (int kind = 0; kind < 2; ++kind) {
         iso_figure_job job = job_of(kind == 0 ? "levels" : "renderers", report, out);
         job.level = kind;
+        job.dpi = 300;
         assert_ok(iso_figure_make(&job, &err));
         size_t count = read_rows(out, rows, 32);
         assert_int_equal(count, kind == 0 ? 2 * 5 : 3); /* two methods: level 0, two levels, two maps */
@@ -171,6 +175,77 @@ static void the_scale_bar_has_its_length(void **state)
     free(report);
     free(unknown);
     free(out);
+}
+
+/* Where the scale bar stands on a picture of 40 x 30 mm whose pixels are opaque where `is_shown` says so: its middle. */
+typedef bool shown_at(size_t x, size_t y);
+static bool nowhere(size_t x, size_t y)
+{
+    return x > 2 * width && y > 2 * height;
+}
+static bool everywhere(size_t x, size_t y)
+{
+    return !nowhere(x, y);
+}
+static bool on_the_left(size_t x, size_t y)
+{
+    return 2 * x < width && y < height;
+}
+static bool below(size_t x, size_t y)
+{
+    return x < width && 2 * y > height;
+}
+
+static void find_bar(shown_at *is_shown, double *x, double *y)
+{
+    char *out = inside("bar"), *text;
+    size_t size;
+    iso_image image;
+    iso_page *page;
+    double left, bottom, right, top;
+    if (!iso_path_exists(out))
+        assert_int_equal(mkdir(out, 0777), 0);
+    assert_ok(iso_image_create(&image, width, height, &err));
+    for (size_t i = 0; i < (size_t)width * height; ++i)
+        image.rgba[4 * i + 3] = is_shown(i % width, i / width) ? 1 : 0;
+    assert_ok(iso_page_create(&page, out, 72, &err));
+    iso_page_set_size(page, 40, 30);
+    iso_page_put_scale_bar(page, &(iso_page_box){.width = 40, .height = 30}, &image, 1);
+    assert_ok(iso_page_finish(page, "pdf", 1, &err));
+    iso_page_destroy(page);
+    iso_image_destroy(&image);
+    read_text(out, "figure.gp", &text, &size);
+    const char *at = strstr(text, "set object rectangle");
+    assert_non_null(at);
+    assert_int_equal(sscanf(at, "set object rectangle from %lf, %lf to %lf, %lf", &left, &bottom, &right, &top), 4);
+    assert_within(right - left, 10, 1e-3); /* a third of 40 at most */
+    *x = 0.5 * (left + right), *y = 0.5 * (bottom + top);
+    free(text);
+    free(out);
+}
+
+static void the_scale_bar_stands_where_little_is_shown(void **state)
+{
+    (void)state;
+    const struct {
+        shown_at *is_shown;
+        bool right, top;
+    } cases[] = {{nowhere, false, false}, {everywhere, false, false}, {on_the_left, true, false}, {below, true, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        double x, y;
+        find_bar(cases[i].is_shown, &x, &y);
+        assert_int_equal(x > 20, cases[i].right);
+        assert_int_equal(y < 15, cases[i].top);
+    }
+}
+
+static void scales_end_at_round_numbers(void **state)
+{
+    (void)state;
+    const double rounded[][2] = {{0.443, 0.5}, {0.25, 0.25}, {0.99, 1}, {1, 1},
+                                 {1.01, 1.2},  {7e-4, 8e-4}, {0, 1},    {NAN, 1}};
+    for (size_t i = 0; i < sizeof rounded / sizeof *rounded; ++i)
+        assert_within(iso_figure_round_up(rounded[i][0]), rounded[i][1], 1e-12);
 }
 
 static void maps_hold_the_differences(void **state)
@@ -235,7 +310,8 @@ static void text_is_vector_and_fonts_are_embedded(void **state)
     (void)state;
     char *report = make_report("r5", 2), *out = inside("f5"), *data;
     size_t size;
-    const iso_figure_job job = job_of("levels", report, out);
+    iso_figure_job job = job_of("levels", report, out);
+    job.formats = "svg";
     assert_ok(iso_figure_make(&job, &err));
     read_text(out, "figure.pdf", &data, &size);
     assert_non_null(memmem(data, size, "FontFile", 8));
@@ -308,6 +384,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(panels_lie_inside_and_apart_with_enough_pixels),
         cmocka_unit_test(the_scale_bar_has_its_length),
+        cmocka_unit_test(the_scale_bar_stands_where_little_is_shown),
+        cmocka_unit_test(scales_end_at_round_numbers),
         cmocka_unit_test(maps_hold_the_differences),
         cmocka_unit_test(the_adapted_tf_can_be_asked_for),
         cmocka_unit_test(text_is_vector_and_fonts_are_embedded),

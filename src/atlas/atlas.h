@@ -97,6 +97,8 @@ static inline bool iso_atlas_is_valid(const iso_atlas_case *c, const iso_atlas_r
 iso_status iso_atlas_volume(const iso_atlas_scene *scene, iso_volume *v, iso_error *err);
 /* What a side of the picture shows. */
 double iso_atlas_picture_mm(const iso_atlas_scene *scene);
+/* Its transfer function, tabulated for a volume of this geometry: created. */
+iso_status iso_atlas_tf(const iso_atlas_scene *scene, const iso_geometry *g, iso_tf_table *tf, iso_error *err);
 /* The scene as a scene file's content; NULL when memory ends. */
 json_t *iso_atlas_scene_to_json(const iso_atlas_scene *scene, const char *comment);
 /* One way: a pyramid of the volume, and a picture of it. draw: the case's, or NULL. */

@@ -76,10 +76,15 @@ double iso_atlas_picture_mm(const iso_atlas_scene *scene)
     return height_of(scene);
 }
 
-static iso_status make_view(const iso_atlas_scene *s, const iso_geometry *g, iso_view *view, iso_error *err)
+iso_status iso_atlas_tf(const iso_atlas_scene *s, const iso_geometry *g, iso_tf_table *tf, iso_error *err)
 {
     iso_tf_point points[5];
-    const iso_tf tf = tf_of(s, points);
+    const iso_tf of_scene = tf_of(s, points);
+    return iso_tf_tabulate(&of_scene, 0, 1, g, tf, err);
+}
+
+static iso_status make_view(const iso_atlas_scene *s, const iso_geometry *g, iso_view *view, iso_error *err)
+{
     const size_t pixels = s->pixels ? s->pixels : ISO_ATLAS_PIXELS;
     *view =
         (iso_view){.width = pixels, .height = pixels, .light_count = 1, .step_voxels = step_voxels, .shading = shading};
@@ -89,7 +94,7 @@ static iso_status make_view(const iso_atlas_scene *s, const iso_geometry *g, iso
     c->right = iso_normalize(iso_cross(c->forward, iso_v3(0, 0, 1)));
     c->up = iso_cross(c->right, c->forward);
     c->position = iso_scale(c->forward, -10);
-    return iso_tf_tabulate(&tf, 0, 1, g, &view->tf, err);
+    return iso_atlas_tf(s, g, &view->tf, err);
 }
 
 static json_t *vector(iso_vec3 v)

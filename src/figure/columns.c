@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "figure/sheet.h"
-#include "figure/tf_bar.h"
 
 typedef struct drawn {
     const iso_figure_columns *c;
@@ -64,7 +63,7 @@ static void lay_out(drawn *w)
 static iso_figure_sheet sheet_of(const drawn *w)
 {
     const iso_figure_columns *c = w->c;
-    const double foot_mm = c->foot_mm + (c->subject ? iso_figure_tf_foot_mm(c->subject) : 0);
+    const double foot_mm = c->foot_mm + iso_figure_tf_foot_mm(&c->tf);
     iso_figure_sheet s = {.panels = w->panels,
                           .count = w->count,
                           .columns = a_row(w) < c->count ? a_row(w) : c->count,
@@ -82,8 +81,8 @@ static iso_figure_sheet sheet_of(const drawn *w)
         if (w->panels[i].against && !c->in_logs)
             s.high = fmax(s.high, w->panels[i].metrics.p99_abs);
     }
-    if (!c->in_logs && !(s.high > 0))
-        s.high = 1;
+    if (!c->in_logs)
+        s.high = iso_figure_round_up(s.high);
     if (c->color_text)
         s.low = c->color_range[0], s.high = c->color_range[1];
     return s;
@@ -201,8 +200,8 @@ static iso_status draw(drawn *w, iso_error *err)
     write_caption(w);
     const iso_figure_sheet sheet = sheet_of(w);
     status = iso_figure_draw(&sheet, w->page, err);
-    if (status == ISO_OK && w->c->subject)
-        iso_figure_put_tf_foot(w->c->subject, w->page, w->c->foot_mm);
+    if (status == ISO_OK)
+        iso_figure_put_tf_foot(&w->c->tf, w->page, w->c->foot_mm);
     return status;
 }
 

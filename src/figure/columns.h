@@ -4,7 +4,7 @@
 #ifndef ISO_FIGURE_COLUMNS_H
 #define ISO_FIGURE_COLUMNS_H
 
-#include "figure/picture.h"
+#include "figure/tf_bar.h"
 
 enum { ISO_FIGURE_MOST_COLUMNS = 64 };
 
@@ -22,7 +22,7 @@ typedef struct iso_figure_columns {
                          iso_error *err);
     void *user;
     const iso_renderer_info *const *drawn_by; /* looked at when pictures are there, for the caption; or NULL */
-    const iso_figure_subject *subject;        /* whose transfer function stands below as a bar; or NULL */
+    iso_figure_tf_foot tf;                    /* stands below as a bar */
 } iso_figure_columns;
 
 /* Pictures and maps, and what a caption says of them: "Name: RMSE .., ...", scale bar, inset, colors. before: what the caption

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* One entry of the failure atlas: what is right, how a method fails, and what helps. */
 #include <stdio.h>
+#include <string.h>
 
 #include "atlas/atlas.h"
 #include "figure/columns.h"
@@ -9,7 +10,7 @@
 typedef struct entry {
     iso_atlas_case one; /* at the figure's size */
     iso_volume volume;
-    double values[ISO_ATLAS_WAYS];
+    iso_tf_table tf; /* empty where the case is no render */
 } entry;
 
 static iso_status render(void *user, size_t column, size_t width, size_t height, iso_image *image, double *mm_per_pixel,
@@ -47,6 +48,15 @@ static iso_status find(const char *id, const iso_atlas_case **found, iso_error *
     return *found ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--case: the atlas has no \"%s\"; it has %s", id, names);
 }
 
+/* Some of the pictures are under another transfer function than the scene's. */
+static bool is_adapted(const iso_atlas_case *c)
+{
+    for (int i = 0; i < ISO_ATLAS_WAYS; ++i)
+        if (c->ways[i].render && strstr(c->ways[i].render, "--adapt"))
+            return true;
+    return false;
+}
+
 static iso_status draw_failure(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     entry e = {0};
@@ -66,15 +76,20 @@ static iso_status draw_failure(const iso_figure_job *job, iso_page *page, iso_er
     status = iso_atlas_run(found, &r, err); /* the figures that the atlas checks are those of its own size */
     if (status == ISO_OK && found->scene.field)
         status = iso_atlas_volume(&found->scene, &e.volume, err);
+    if (status == ISO_OK && found->scene.field && !found->draw)
+        status = iso_atlas_tf(&found->scene, &e.volume.geometry, &e.tf, err);
+    e.tf.unit_mm = iso_geometry_mean_spacing_mm(&e.volume.geometry); /* the atlas' own shows nothing: a micrometer */
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
         fprintf(f, "%s. %s %s: %.3g, with what helps %.3g. What helps: %s. Right: %s; failure: %s; what helps: %s",
                 found->title, found->cause, iso_atlas_measure(found), r.values[ISO_ATLAS_FAILURE],
                 r.values[ISO_ATLAS_FALLBACK], found->advice, found->ways[ISO_ATLAS_RIGHT].what,
                 found->ways[ISO_ATLAS_FAILURE].what, found->ways[ISO_ATLAS_FALLBACK].what);
+        c.tf = (iso_figure_tf_foot){.tf = &e.tf, .range = {0, 1}, .of_level0 = is_adapted(found)};
         status = iso_figure_draw_columns(&c, page, err);
     }
     iso_atlas_clear(&r);
+    iso_tf_table_destroy(&e.tf);
     iso_volume_destroy(&e.volume);
     return status;
 }

@@ -17,6 +17,7 @@ typedef struct grid {
     const iso_renderer_info *with[MOST_COLUMNS];
     size_t columns, levels;
     iso_figure_subject subject;
+    iso_figure_tf_foot tf;
     iso_paper paper;
 } grid;
 
@@ -105,13 +106,15 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
     iso_status status = choose(&g, job, err);
     if (status == ISO_OK)
         status = iso_figure_subject_load(&g.subject, job, g.levels, NULL, err);
+    if (status == ISO_OK)
+        g.tf = iso_figure_tf_foot_of(&g.subject);
     for (size_t i = 0; i < g.levels && status == ISO_OK; ++i)
         rows[i] = (iso_paper_row){.columns = g.columns,
                                   .aspect = (double)g.subject.scene.height / (double)g.subject.scene.width,
                                   .left_mm = side_mm,
                                   .gap_mm = 1,
                                   .most_mm = 60,
-                                  .below_mm = i + 1 == g.levels ? iso_figure_tf_foot_mm(&g.subject) : 0,
+                                  .below_mm = i + 1 == g.levels ? iso_figure_tf_foot_mm(&g.tf) : 0,
                                   .has_titles = i == 0,
                                   .has_notes = g.columns > 1};
     if (status == ISO_OK)
@@ -125,7 +128,7 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
     for (size_t i = 0; i < g.levels && status == ISO_OK; ++i)
         status = draw_level(&g, job, page, i, err);
     if (status == ISO_OK)
-        iso_figure_put_tf_foot(&g.subject, page, 0);
+        iso_figure_put_tf_foot(&g.tf, page, 0);
     iso_figure_subject_end(&g.subject);
     return status;
 }

@@ -71,7 +71,7 @@ static iso_status draw_volume(const iso_figure_job *job, bool of_levels, iso_pag
         else if (job->adapted.wanted)
             fputs(", each under the transfer function adapted to it", f);
         c.drawn_by = of_levels ? &s.subject.drawn_by : NULL;
-        c.subject = &s.subject;
+        c.tf = iso_figure_tf_foot_of(&s.subject);
         c.aspect = iso_figure_aspect(&s.subject);
         status = iso_figure_draw_columns(&c, page, err);
     }
@@ -200,7 +200,7 @@ static iso_status draw_methods(const iso_figure_job *job, iso_page *page, iso_er
         fprintf(f, "Ways to make directions, level %zu", s.level);
         iso_figure_put_subject(&s.subject[0], f);
         c.drawn_by = &s.subject[0].drawn_by;
-        c.subject = &s.subject[0];
+        c.tf = iso_figure_tf_foot_of(&s.subject[0]);
         c.aspect = iso_figure_aspect(&s.subject[0]);
         status = iso_figure_draw_columns(&c, page, err);
     }

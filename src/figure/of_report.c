@@ -346,8 +346,8 @@ static void choose_scale(figure *f)
     for (size_t i = 0; i < f->count && !f->in_logs; ++i)
         if (f->panels[i].against)
             f->high = fmax(f->high, f->panels[i].metrics.p99_abs);
-    if (!f->in_logs && !(f->high > 0))
-        f->high = 1;
+    if (!f->in_logs)
+        f->high = iso_figure_round_up(f->high);
 }
 
 static void notice(const figure *f)

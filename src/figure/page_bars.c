@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Color bars and scale bars, of what page.h has besides. */
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,8 +73,8 @@ void iso_page_put_color_bar(iso_page *p, const iso_page_color_bar *bar)
         iso_colormap_lookup(bar->map, 1 - (i + 0.5) / COLORS, rgb);
         snprintf(color, sizeof color, "#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
         iso_page_put_rectangle(p,
-                               &(iso_page_box){bar->box.left, bar->box.top + bar->box.height * i / COLORS, bar->box.width,
-                                               bar->box.height * (COLORS - i) / COLORS},
+                               &(iso_page_box){bar->box.left, bar->box.top + bar->box.height * i / COLORS,
+                                               bar->box.width, bar->box.height * (COLORS - i) / COLORS},
                                color, NULL);
     }
     for (int i = 0; i < TICKS; ++i) {
@@ -96,15 +97,58 @@ double iso_page_bar_mm(double width_mm)
     return width_mm / 3 >= 5 * decade ? 5 * decade : width_mm / 3 >= 2 * decade ? 2 * decade : decade;
 }
 
-/* Dark on what is bright in the corner that the bar stands in, bright on what is dark. */
-static const char *bar_color(const iso_image *image)
+typedef struct corner {
+    bool right, top;
+} corner;
+
+/* Without the one that letters stand in; what is named first is taken where others are no emptier. */
+static const corner corners[] = {{false, false}, {true, false}, {true, true}};
+enum { CORNERS = sizeof corners / sizeof *corners };
+
+/* What the bar and its text cover in a corner, in millimeters on the page. */
+static iso_page_box covered(const iso_page_box *picture, corner at, double wide, double high)
 {
-    double sum = 0;
+    const double x = 0.05 * picture->width, y = 0.05 * picture->height;
+    return (iso_page_box){picture->left + (at.right ? picture->width - x - wide : x),
+                          picture->top + (at.top ? y : picture->height - y - high), wide, high};
+}
+
+typedef struct below {
+    double opacity, brightness; /* means */
+} below;
+
+/* Of the part of a picture that a box on the page covers. */
+static below look_below(const iso_image *image, const iso_page_box *picture, const iso_page_box *box)
+{
+    const double wide = (double)image->width, high = (double)image->height;
+    const double left = (box->left - picture->left) / picture->width * wide,
+                 top = (box->top - picture->top) / picture->height * high;
+    const double right = left + box->width / picture->width * wide, low = top + box->height / picture->height * high;
+    below sum = {0};
     size_t count = 0;
-    for (size_t y = image->height * 4 / 5; y < image->height; ++y)
-        for (size_t x = 0; x < (image->width + 1) / 2; ++x, ++count)
-            sum += iso_srgb_encode((double)image->rgba[4 * (y * image->width + x) + 1]);
-    return sum > 0.5 * (double)count ? "#000000" : "#ffffff";
+    for (size_t y = (size_t)fmax(top, 0); y < image->height && (double)y < low; ++y)
+        for (size_t x = (size_t)fmax(left, 0); x < image->width && (double)x < right; ++x, ++count) {
+            const float *rgba = image->rgba + 4 * (y * image->width + x);
+            sum.opacity += (double)rgba[3];
+            sum.brightness += iso_srgb_encode((double)rgba[1]);
+        }
+    const double n = fmax((double)count, 1);
+    return (below){sum.opacity / n, sum.brightness / n};
+}
+
+/* The lower left one, unless another covers less of what is shown. */
+static corner emptiest_corner(const iso_image *image, const iso_page_box *picture, double wide, double high)
+{
+    const double little = 0.01;
+    size_t best = 0;
+    double least = INFINITY;
+    for (size_t i = 0; i < CORNERS; ++i) {
+        const iso_page_box box = covered(picture, corners[i], wide, high);
+        const double opacity = look_below(image, picture, &box).opacity;
+        if (opacity < least - little)
+            least = opacity, best = i;
+    }
+    return corners[best];
 }
 
 void iso_page_put_scale_bar(iso_page *p, const iso_page_box *box, const iso_image *image, double mm_per_pixel)
@@ -113,14 +157,24 @@ void iso_page_put_scale_bar(iso_page *p, const iso_page_box *box, const iso_imag
     if (!(mm_per_pixel > 0))
         return;
     const double shown_mm = mm_per_pixel * (double)image->width, length = iso_page_bar_mm(shown_mm);
-    const double x = box->left + 0.05 * box->width, y = box->top + 0.95 * box->height;
-    const char *color = bar_color(image);
+    const double thick = 0.5, gap = 0.4, line = iso_page_line_mm(p, ISO_PAGE_NOTE);
+    const double bar = length / shown_mm * box->width;
     snprintf(text, sizeof text, "%g mm", length);
-    iso_page_put_rectangle(p, &(iso_page_box){x, y - 0.5, length / shown_mm * box->width, 0.5}, color, NULL);
+    const double wide = fmax(bar, iso_page_text_mm(p, ISO_PAGE_NOTE, text)), high = line + gap + thick;
+    const corner at = emptiest_corner(image, box, wide, high);
+    const iso_page_box place = covered(box, at, wide, high);
+    /* Dark on what is bright, bright on what is dark. */
+    const char *color = look_below(image, box, &place).brightness > 0.5 ? "#000000" : "#ffffff";
+    const double x = place.left + (at.right ? place.width : 0);
+    iso_page_put_rectangle(p,
+                           &(iso_page_box){at.right ? x - bar : x, at.top ? place.top : place.top + line + gap, bar,
+                                           thick},
+                           color, NULL);
     iso_page_put_text(p,
                       &(iso_page_text){.x = x,
-                                       .y = y - 0.9 - 0.5 * iso_page_line_mm(p, ISO_PAGE_NOTE),
+                                       .y = place.top + (at.top ? thick + gap : 0) + 0.5 * line,
                                        .role = ISO_PAGE_NOTE,
+                                       .align = at.right ? ISO_PAGE_RIGHT : ISO_PAGE_LEFT,
                                        .color = color},
                       text);
     fprintf(iso_page_caption(p), " Scale bar: %g mm, in the plane through the center of the volume.", length);

@@ -19,7 +19,8 @@ static void draw_table_in_cube(FILE *gp, double panel_mm, const iso_paper_table 
 {
     iso_drawing d = iso_drawing_begin(gp, panel_mm, 0.98);
     const iso_vec3 half = iso_v3(0.5, 0.5, 0.5);
-    static const char *const names[] = {"u", "v", "w"};
+    static const char *const names[] = {"u", "v", "w"}, *const aligned[] = {"right", "left",
+                                                                            "center"}; /* beside lines */
     /* Not from the side that looks along the plane. */
     iso_drawing_look(&d, iso_v3(0.95, 0.42, 0.5));
     const iso_vec3 corners[3] = {iso_sub(iso_v3(1, 0, 0), half), iso_sub(iso_v3(0, 1, 0), half),
@@ -41,9 +42,10 @@ static void draw_table_in_cube(FILE *gp, double panel_mm, const iso_paper_table 
             iso_drawing_put_dot(&d, iso_sub(entry_place(t->size, i, j), half));
     fputs("EOD\n", gp);
     for (int axis = 0; axis < 3; ++axis) {
-        const iso_vec3 at = iso_add(corners[axis], iso_scale(iso_drawing_with(iso_v3(0, 0, 0), axis, 1), 0.1));
-        fprintf(gp, "set label note('%s = 1') at first %.3f,%.3f center front noenhanced font sized(note_pt)\n",
-                names[axis], iso_drawing_x(&d, at), iso_drawing_y(&d, at));
+        const iso_vec3 at = iso_add(corners[axis],
+                                    iso_scale(iso_drawing_with(iso_v3(0, 0, 0), axis, 1), axis == 2 ? 0.1 : 0.05));
+        fprintf(gp, "set label note('%s = 1') at first %.3f,%.3f %s front noenhanced font sized(note_pt)\n",
+                names[axis], iso_drawing_x(&d, at), iso_drawing_y(&d, at), aligned[axis]);
     }
     fprintf(gp,
             "plot $plane with filledcurves closed fc rgb '#e4edf5', $cube with lines lc rgb '#9aa3ab' lw thick(0.14), "

@@ -57,6 +57,9 @@ static double spread(const iso_joint *j)
 
 /* ---- the map ---- */
 
+/* Below the panels: ticks and the label of the axis. On their left and right. */
+static const double foot_mm = 8, axis_room_mm = 9.5, bar_room_mm = 13;
+
 /* The color map the other way round, so that few voxels are pale on the paper and many dark. part: 0 to 1. */
 static void shade(const iso_figure_job *job, double part, unsigned char rgb[3])
 {
@@ -210,10 +213,10 @@ static iso_status draw_histograms(const iso_figure_job *job, iso_page *page, con
 {
     const iso_paper_row shape = {.columns = count,
                                  .aspect = 1,
-                                 .left_mm = 9.5,
-                                 .right_mm = 13,
+                                 .left_mm = axis_room_mm,
+                                 .right_mm = bar_room_mm,
                                  .gap_mm = 3,
-                                 .foot_mm = 6.5,
+                                 .foot_mm = foot_mm,
                                  .most_mm = 74,
                                  .has_titles = true};
     iso_paper p;
@@ -274,7 +277,8 @@ static size_t widest_row(const iso_joint *j)
     return widest;
 }
 
-/* The counts of one row as bars, under the weights that Eq. 7 gives them; heights are parts of the panel's. */
+/* The counts of one row as bars, under the weights that Eq. 7 gives them, the highest of which is drawn as high as the
+ * highest count. */
 static void draw_row(FILE *gp, const iso_joint *j, size_t i)
 {
     const row r = measure_row(j, i);
@@ -284,31 +288,34 @@ static void draw_row(FILE *gp, const iso_joint *j, size_t i)
         top = fmax(top, (double)j->entry_count_of[e]);
     fputs("$bars << EOD\n", gp);
     for (size_t e = j->row_start[i]; e < j->row_start[i + 1]; ++e)
-        fprintf(gp, "%.1f %.5f\n", j->entry_z[e] + 0.5, 0.92 * (double)j->entry_count_of[e] / fmax(top, 1));
+        fprintf(gp, "%.1f %.5f\n", j->entry_z[e] + 0.5, (double)j->entry_count_of[e]);
     fputs("EOD\n$weights << EOD\n", gp);
     for (size_t z = 0; z < 4 * j->z.count; ++z) {
         const double x = ((double)z / 4 - r.mean) / deviation;
         if (fabs(x) <= 3) /* the paper's window */
-            fprintf(gp, "%.2f %.5f\n", (double)z / 4 + 0.5, 0.92 * exp(-0.5 * x * x));
+            fprintf(gp, "%.2f %.5f\n", (double)z / 4 + 0.5, top * exp(-0.5 * x * x));
     }
     fprintf(
         gp,
-        "EOD\nset border 3\nset boxwidth 1\n"
-        "set arrow from %.3f,0 to %.3f,0.98 nohead front lc rgb '#009e73' lw thick(0.35)\n"
-        "set label note('mean') at %.3f,0.97 offset 0.6,0 left front font sized(note_pt) textcolor rgb '#00684c'\n"
+        "EOD\nset border 3\nset boxwidth 1\nset yrange [0:%.5f]\nset ytics %g nomirror out scale 0.4 font note_font offset 0.6, 0\n"
+        "set ylabel note('voxels') offset 1.6, 0\n"
+        "set arrow from %.3f,graph 0 to %.3f,graph 0.98 nohead front lc rgb '#009e73' lw thick(0.35)\n"
+        "set label note('mean') at %.3f,graph 0.97 offset 0.6,0 left front font sized(note_pt) textcolor rgb '#00684c'\n"
+        "set label note('weights') at %.3f,%.5f offset 0.8,0 left front font sized(note_pt) textcolor rgb '#a84a00'\n"
         "plot $bars with boxes fs solid noborder lc rgb '#8fa6bd', $weights with lines lc rgb '#d55e00' lw "
         "thick(0.35)\n",
-        r.mean + 0.5, r.mean + 0.5, r.mean + 0.5);
+        fmax(top, 1) / 0.92, iso_paper_tick_step(fmax(top, 3)), r.mean + 0.5, r.mean + 0.5, r.mean + 0.5,
+        r.mean + deviation + 0.5, top * exp(-0.5));
 }
 
 static iso_status draw_one_row(const iso_figure_job *job, iso_page *page, const iso_joint *j, int level, iso_error *err)
 {
     const iso_paper_row shape = {.columns = 2,
                                  .aspect = 1,
-                                 .left_mm = 9.5,
+                                 .left_mm = axis_room_mm,
                                  .right_mm = 2,
-                                 .gap_mm = 5,
-                                 .foot_mm = 6.5,
+                                 .gap_mm = bar_room_mm + axis_room_mm,
+                                 .foot_mm = foot_mm,
                                  .most_mm = 74,
                                  .has_titles = true};
     iso_paper p;
@@ -319,14 +326,15 @@ static iso_status draw_one_row(const iso_figure_job *job, iso_page *page, const 
     iso_status status = iso_paper_lay_out(&p, job, page, &shape, 1, err);
     if (status != ISO_OK)
         return status;
+    const double most = fmax(most_of(j), 10);
     snprintf(title, sizeof title, "(a) level %d against level 0", level);
     snprintf(upward, sizeof upward, "value of level %d", level);
-    status = put_map(&p, 0, title, j, fmax(most_of(j), 10), upward, (double)i + 0.5, err);
+    status = put_map(&p, 0, title, j, most, upward, (double)i + 0.5, err);
+    put_bar(&p, 0, most);
     snprintf(title, sizeof title, "(b) the row at %.3g", s);
     const iso_page_box box = iso_paper_panel(&p, 0, 1, title, NULL);
     FILE *gp = iso_page_plot_begin(page, &box);
     put_axes(gp, j, NULL);
-    fputs("set yrange [0:1]\n", gp);
     draw_row(gp, j, i);
     iso_page_plot_end(page);
     fprintf(

@@ -7,6 +7,8 @@
 #include "figure/paper.h"
 #include "figure/paper_bricks.h"
 #include "figure/paper_kinds.h"
+#include "figure/sheet.h"
+#include "figure/tf_bar.h"
 #include "render/gl/bricks_gl.h"
 #include "volume/synthetic.h"
 
@@ -45,6 +47,7 @@ typedef struct stage {
     iso_mixed mixed;
     iso_mixed_seen seen;
     iso_gl *gl;
+    iso_tf_table tf;
     double surface, magnification;
 } stage;
 
@@ -53,6 +56,7 @@ static void end(stage *s)
     iso_gl_destroy(s->gl);
     free(s->seen.index);
     iso_mixed_destroy(&s->mixed);
+    iso_tf_table_destroy(&s->tf);
     iso_view_destroy(&s->view);
     iso_scene_destroy(&s->scene);
     iso_pyramid_destroy(&s->pyramid);
@@ -77,6 +81,8 @@ static iso_status begin(const iso_figure_job *job, stage *s, bool of_surface, is
         status = iso_paper_surface(job, level, &s->surface, err);
     if (status == ISO_OK)
         status = iso_paper_scene(job, &own_look, &s->pyramid, &s->scene, err);
+    if (status == ISO_OK)
+        status = iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err);
     if (status == ISO_OK)
         status = iso_mixed_create(&s->mixed, level, brick, coarse, job->cli->threads, err);
     return status == ISO_OK ? iso_gl_create(&s->gl, NULL, err) : status;
@@ -211,6 +217,7 @@ static iso_status put_difference(const iso_paper *p, stage *s, const panel *one,
                 apart[i] = fmaxf(apart[i], fabsf(rough.rgba[4 * i + (size_t)c] - smooth.rgba[4 * i + (size_t)c]));
             most = fmax(most, (double)apart[i]);
         }
+        most = iso_figure_round_up(most);
         const double range[2] = {0, most};
         const iso_page_box box = iso_paper_panel(p, one->row, one->column, one->title, one->note),
                            corner = iso_paper_corner(box);
@@ -276,15 +283,26 @@ static iso_status put_panels(const iso_paper *p, stage *s, const panel *panels, 
     return status;
 }
 
+/* A surface is drawn in the transfer function's color at one value, which takes no bar. */
+static iso_figure_tf_foot tf_foot(const stage *s)
+{
+    iso_figure_tf_foot foot = {.tf = isnan(s->surface) ? &s->tf : NULL};
+    iso_figure_tf_range(&s->tf, &s->pyramid.levels[0], foot.range);
+    return foot;
+}
+
 /* The caption begins with words of the kind. */
 static iso_status draw_mixed(const iso_figure_job *job, iso_page *page, bool surface, const panel *panels, size_t count,
                              iso_error *err)
 {
     stage s;
     iso_paper p;
+    iso_figure_tf_foot foot = {.tf = NULL};
     iso_status status = begin(job, &s, surface, err);
     if (status == ISO_OK) {
-        const iso_paper_row rows[] = {row_of(&s, surface ? 0 : 11.5, true), row_of(&s, surface ? 0 : 11.5, false)};
+        foot = tf_foot(&s);
+        iso_paper_row rows[] = {row_of(&s, surface ? 0 : 11.5, true), row_of(&s, surface ? 0 : 11.5, false)};
+        rows[surface ? 0 : 1].below_mm = iso_figure_tf_foot_mm(&foot);
         status = iso_paper_lay_out(&p, job, page, rows, surface ? 1 : 2, err);
     }
     if (status == ISO_OK)
@@ -306,6 +324,8 @@ static iso_status draw_mixed(const iso_figure_job *job, iso_page *page, bool sur
                 name);
         describe(&p, &s);
         status = put_panels(&p, &s, panels, count, err);
+        if (status == ISO_OK)
+            iso_figure_put_tf_foot(&foot, page, 0);
     }
     end(&s);
     return status;

@@ -192,8 +192,12 @@ static iso_status draw_row(const iso_paper *p, stage *s, size_t row, json_t *row
             snprintf(note, sizeof note, "view %zu", row + 1);
         else
             snprintf(note, sizeof note, "RMSE %.4f", metrics.rmse);
-        if (status == ISO_OK)
-            iso_paper_picture(p, row, (size_t)i, row == 0 ? s->methods[i].title : NULL, note, &images[i]);
+        if (status == ISO_OK) {
+            const iso_page_box box = iso_paper_picture(p, row, (size_t)i, row == 0 ? s->methods[i].title : NULL, note,
+                                                       &images[i]);
+            if (row == 0 && i == 0)
+                iso_page_put_scale_bar(p->page, &box, &images[i], iso_view_mm_per_pixel(&view, g));
+        }
         if (i > 0)
             json_array_append_new(rows, json_pack("{s:i, s:i, s:f}", "view", (int)row + 1, "entries",
                                                   (int)s->methods[i].palette.count - 1, "rmse", metrics.rmse));
@@ -234,13 +238,13 @@ static iso_status palette_views(const iso_figure_job *job, iso_page *page, iso_e
     json_object_set_new(job->facts, "pictures", pictures);
     iso_status status = begin(job, &s, err);
     if (status == ISO_OK)
-        status = draw_rows(job, page, &s, pictures, err);
-    if (status == ISO_OK)
         fprintf(
             iso_page_caption(page),
             "The isosurface of %s at the value %.4g from two sides, shaded by all directions, by a palette fitted to "
             "them by annealing, and by one of a regular subdivision of the sphere.",
             iso_paper_volume_name(job, &own_wing), s.surface);
+    if (status == ISO_OK)
+        status = draw_rows(job, page, &s, pictures, err);
     for (int i = 1; i < METHODS && status == ISO_OK; ++i) {
         const method *m = &s.methods[i];
         fprintf(iso_page_caption(page), " %s: error norm 1 %.4g, rms angle %.3g degrees.", m->title, m->error.norm1,

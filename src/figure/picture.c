@@ -7,14 +7,13 @@
 #include "base/provenance.h"
 #include "scene/subject.h"
 
-/* The transfer function that the scene has for this volume. */
-static iso_status keep_table(iso_figure_subject *s, iso_error *err)
+iso_status iso_figure_scene_tf(const iso_scene *scene, const iso_pyramid *p, iso_tf_table *tf, iso_error *err)
 {
     iso_view view = {0};
-    iso_status status = iso_scene_resolve(&s->scene, &s->pyramid.levels[0].geometry, iso_pyramid_lo(&s->pyramid),
-                                          iso_pyramid_hi(&s->pyramid), &view, err);
+    iso_status status = iso_scene_resolve(scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &view,
+                                          err);
     if (status == ISO_OK)
-        status = iso_tf_table_copy(&view.tf, &s->tf, err);
+        status = iso_tf_table_copy(&view.tf, tf, err);
     iso_view_destroy(&view);
     return status;
 }
@@ -38,7 +37,7 @@ iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *
         status = iso_subject_make_scene(&look, &s->pyramid, &s->scene, err);
     if (job->has_background)
         memcpy(s->scene.background, job->background, sizeof s->scene.background);
-    return status == ISO_OK ? keep_table(s, err) : status;
+    return status == ISO_OK ? iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err) : status;
 }
 
 void iso_figure_subject_end(iso_figure_subject *s)

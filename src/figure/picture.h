@@ -21,6 +21,8 @@ typedef struct iso_figure_subject {
  * has fewer. */
 iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *job, size_t level_count,
                                    const iso_pyramid_options *build, iso_error *err);
+/* The transfer function that a scene has for a pyramid's level 0: created. */
+iso_status iso_figure_scene_tf(const iso_scene *scene, const iso_pyramid *p, iso_tf_table *tf, iso_error *err);
 void iso_figure_subject_end(iso_figure_subject *s); /* accepts empty */
 
 /* --with as one renderer; the fastest where it is not given. */

@@ -63,8 +63,9 @@ static iso_status render_cut(const shown *s, size_t axis, size_t width, size_t h
     double mm[3];
     for (int a = 0; a < 3; ++a)
         mm[a] = iso_norm(iso_column(g->index_to_world, a));
-    const double wide = mm[across] * (double)g->size[across], high = mm[up] * (double)g->size[up];
-    const double mm_per_pixel = fmax(wide / (double)width, high / (double)height);
+    /* All cuts on one scale: the first size goes across, or upward in the cut along it. */
+    const double mm_per_pixel = fmax(fmax(mm[0] * (double)g->size[0], mm[1] * (double)g->size[1]) / (double)width,
+                                     fmax(mm[1] * (double)g->size[1], mm[2] * (double)g->size[2]) / (double)height);
     const iso_status status = iso_image_create(image, width, height, err);
     for (size_t i = 0; i < width * height && status == ISO_OK; ++i) {
         double index[3] = {0};
@@ -122,8 +123,10 @@ static void put_legend(const shown *s, iso_page *page)
         if (level == s->level_count)
             memcpy(rgb, left_out, sizeof left_out);
         snprintf(color, sizeof color, "#%02x%02x%02x", rgb[0], rgb[1], rgb[2]);
-        snprintf(text, sizeof text, level < s->level_count ? "level %zu: %zu" : "left out: %zu",
-                 level < s->level_count ? level : bricks[level], bricks[level]);
+        if (level < s->level_count)
+            snprintf(text, sizeof text, "%zu %s level %zu", bricks[level], level == 0 ? "bricks of" : "of", level);
+        else
+            snprintf(text, sizeof text, "%zu left out", bricks[level]);
         iso_page_put_rectangle(page, &(iso_page_box){x, y - 0.9, 1.8, 1.8}, color, &(iso_page_pen){"#888888", 0.3, 0});
         iso_page_put_text(page, &(iso_page_text){.x = x + 2.5, .y = y, .role = ISO_PAGE_NOTE}, text);
         x += 5 + iso_page_text_mm(page, ISO_PAGE_NOTE, text);
@@ -183,7 +186,7 @@ static iso_status draw_plan(const iso_figure_job *job, iso_page *page, iso_error
     if (status == ISO_OK) {
         write_caption(&s, error, iso_page_caption(page));
         c.aspect = iso_figure_aspect(&s.subject);
-        c.subject = &s.subject;
+        c.tf = iso_figure_tf_foot_of(&s.subject);
         status = iso_figure_draw_columns(&c, page, err);
     }
     if (status == ISO_OK)

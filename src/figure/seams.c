@@ -56,7 +56,7 @@ static iso_status draw_seams(const iso_figure_job *job, iso_page *page, iso_erro
     const size_t level_count = job->levels ? (size_t)job->levels : USUAL_LEVELS;
     iso_figure_columns c = {.job = job,
                             .count = WAYS,
-                            .titles = {"level 0 everywhere", "mixed levels, own faces", "mixed levels, shared faces"},
+                            .titles = {"level 0 everywhere", "mixed, own faces", "mixed, shared faces"},
                             .compared = true,
                             .render = render,
                             .user = &b};
@@ -78,7 +78,7 @@ static iso_status draw_seams(const iso_figure_job *job, iso_page *page, iso_erro
         iso_figure_put_subject(&b.subject, f);
         fputs(", each with the nodes of its own level, whose faces jump, and with shared ones", f);
         c.aspect = iso_figure_aspect(&b.subject);
-        c.subject = &b.subject;
+        c.tf = iso_figure_tf_foot_of(&b.subject);
         status = iso_figure_draw_columns(&c, page, err);
     }
     iso_gl_destroy(b.gl);

@@ -432,6 +432,18 @@ static iso_page_color_bar legend_bar(const iso_figure_sheet *f, const layout *l)
 
 /* ---- the whole ---- */
 
+double iso_figure_round_up(double number)
+{
+    static const double steps[] = {1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8};
+    if (!(number > 0))
+        return 1;
+    const double decade = pow(10, floor(log10(number)));
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; ++i)
+        if (steps[i] * decade >= number * (1 - 1e-9))
+            return steps[i] * decade;
+    return 10 * decade;
+}
+
 void iso_figure_describe(const iso_figure_sheet *f, FILE *caption)
 {
     if (f->legend || first_map_row(f) == f->rows)

@@ -42,6 +42,10 @@ iso_status iso_figure_panel_width(const iso_figure_sheet *sheet, double *width_m
 /* ISO_E_RANGE: the panels do not fit with texts that can be read. */
 iso_status iso_figure_draw(const iso_figure_sheet *sheet, iso_page *page, iso_error *err);
 
+/* The end of a scale of colors for numbers up to this: 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 times a power of ten, no
+ * less than the number; 1 where that is not above 0. */
+double iso_figure_round_up(double number);
+
 /* What a caption says of the colors of maps. */
 void iso_figure_describe(const iso_figure_sheet *sheet, FILE *caption);
 

@@ -67,30 +67,36 @@ void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf
 
 /* ---- under pictures ---- */
 
-double iso_figure_tf_foot_mm(const iso_figure_subject *s)
+iso_figure_tf_foot iso_figure_tf_foot_of(const iso_figure_subject *s)
 {
-    return s->tf.count > 1 && !s->pyramid.levels[0].labels ? foot_mm : 0;
+    const iso_level *level0 = &s->pyramid.levels[0];
+    iso_figure_tf_foot foot = {.tf = level0->labels ? NULL : &s->tf, .of_level0 = s->job->adapted.wanted};
+    iso_figure_tf_range(&s->tf, level0, foot.range);
+    return foot;
 }
 
-void iso_figure_put_tf_foot(const iso_figure_subject *s, iso_page *page, double above_mm)
+double iso_figure_tf_foot_mm(const iso_figure_tf_foot *foot)
+{
+    return foot->tf && foot->tf->count > 1 ? foot_mm : 0;
+}
+
+void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, double above_mm)
 {
     char text[64];
-    double range[2];
-    const double unit_mm = iso_figure_tf_unit_mm(&s->tf), wide = iso_page_width(page);
-    if (!(iso_figure_tf_foot_mm(s) > 0))
+    if (!(iso_figure_tf_foot_mm(foot) > 0))
         return;
-    snprintf(text, sizeof text, "value; colors as opaque as %.3g mm", unit_mm);
+    const double unit_mm = iso_figure_tf_unit_mm(foot->tf), wide = iso_page_width(page);
+    snprintf(text, sizeof text, "value, as opaque as %.3g mm", unit_mm);
     const double room = wide - 2 * edge_mm - 2 - iso_page_text_mm(page, ISO_PAGE_NOTE, text);
     const bool has_text = room >= narrowest_mm;
     const iso_page_box box = {edge_mm, iso_page_height(page) - above_mm - foot_mm + 1,
                               fmin(has_text ? room : wide - 2 * edge_mm, widest_mm), bar_mm};
-    iso_figure_tf_range(&s->tf, &s->pyramid.levels[0], range);
-    iso_figure_put_tf_bar(page, &box, &s->tf, range, (int)fmax(2, box.width / 10));
+    iso_figure_put_tf_bar(page, &box, foot->tf, foot->range, (int)fmax(2, box.width / 10));
     if (has_text)
         iso_page_put_text(
             page, &(iso_page_text){.x = box.left + box.width + 2, .y = box.top + 0.5 * bar_mm, .role = ISO_PAGE_NOTE},
             text);
     fprintf(iso_page_caption(page),
             " Bar: the transfer function%s, colors over value, as opaque as %.3g mm of them, over gray squares.",
-            s->job->adapted.wanted ? " of level 0" : "", unit_mm);
+            foot->of_level0 ? " of level 0" : "", unit_mm);
 }

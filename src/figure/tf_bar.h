@@ -17,9 +17,17 @@ void iso_figure_tf_range(const iso_tf_table *t, const iso_level *level0, double 
 void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2],
                            int wanted_ticks);
 
-/* Under rendered pictures: how high the bar with its texts is, 0 where the subject has none (label maps are no matter of
- * opacity over value). It is put so that it ends above_mm over the page's lower edge, and the caption says what it is. */
-double iso_figure_tf_foot_mm(const iso_figure_subject *s);
-void iso_figure_put_tf_foot(const iso_figure_subject *s, iso_page *page, double above_mm);
+/* The bar under rendered pictures. Zeroed: there is none. */
+typedef struct iso_figure_tf_foot {
+    const iso_tf_table *tf; /* borrowed */
+    double range[2];        /* values at its ends */
+    bool of_level0;         /* coarser levels have other transfer functions */
+} iso_figure_tf_foot;
+/* None for label maps, which are no matter of opacity over value. */
+iso_figure_tf_foot iso_figure_tf_foot_of(const iso_figure_subject *s);
+/* How high the bar with its texts is; 0: there is none. */
+double iso_figure_tf_foot_mm(const iso_figure_tf_foot *foot);
+/* It ends above_mm over the page's lower edge, and the caption says what it is. */
+void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, double above_mm);
 
 #endif

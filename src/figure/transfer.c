@@ -11,20 +11,33 @@
 
 enum { COLUMNS = 400, BINS = 256 };
 
-/* As high as its logarithm, a single voxel above none. */
+static bool are_whole(const float *values, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        if (values[i] != rintf(values[i]))
+            return false;
+    return true;
+}
+
+/* As high as its logarithm, a single voxel above none. Of whole numbers each bin has as many as the others: else empty ones
+ * between them would show a comb. */
 static void put_histogram(FILE *gp, const iso_level *level0)
 {
-    const double lo = level0->min, width = (level0->max - level0->min) / BINS;
-    const size_t count = level0->geometry.size[0] * level0->geometry.size[1] * level0->geometry.size[2];
+    const size_t voxels = iso_geometry_voxel_count(&level0->geometry);
+    const double span = level0->max - level0->min;
+    const bool whole = are_whole(level0->scalar, voxels);
+    const double width = whole ? ceil((span + 1) / BINS) : span / BINS, lo = whole ? level0->min - 0.5 : level0->min;
+    const size_t count = whole ? (size_t)ceil((span + 1) / width) : (size_t)BINS;
     size_t bins[BINS] = {0}, most = 1;
-    for (size_t i = 0; i < count && width > 0; ++i) {
-        const size_t b = (size_t)fmin(((double)level0->scalar[i] - lo) / width, BINS - 1);
+    for (size_t i = 0; i < voxels && width > 0; ++i) {
+        const size_t b = (size_t)fmin(((double)level0->scalar[i] - lo) / width, (double)count - 1);
         most = ++bins[b] > most ? bins[b] : most;
     }
     fputs("$bins << EOD\n", gp);
-    for (size_t b = 0; b < BINS; ++b)
-        fprintf(gp, "%.9g %.5f\n%.9g %.5f\n", lo + width * (double)b, log1p((double)bins[b]) / log1p((double)most),
-                lo + width * (double)(b + 1), log1p((double)bins[b]) / log1p((double)most));
+    for (size_t b = 0; b < count; ++b)
+        fprintf(gp, "%.9g %.5f\n%.9g %.5f\n", fmax(lo + width * (double)b, level0->min),
+                log1p((double)bins[b]) / log1p((double)most), fmin(lo + width * (double)(b + 1), level0->max),
+                log1p((double)bins[b]) / log1p((double)most));
     fprintf(gp, "EOD\nmost = %zu\n", most);
 }
 

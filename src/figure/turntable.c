@@ -69,12 +69,14 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
     return status;
 }
 
-/* Rows that are full, where a count between 4 and 8 allows it. */
-static size_t choose_row(size_t frames)
+/* Rows that are full, where a count between 4 and 8 allows it, and so few frames in each that a scale bar and its text have
+ * room in one. */
+static size_t choose_row(size_t frames, double width_mm)
 {
+    const double least_mm = 18;
     size_t best = frames > 32 ? 8 : frames < 4 ? frames : 4;
     for (size_t n = 4; n <= 8 && n <= frames; ++n)
-        if (frames % n == 0)
+        if (frames % n == 0 && (n == 4 || width_mm / (double)n >= least_mm))
             best = n;
     return best;
 }
@@ -96,7 +98,7 @@ static void write_caption(const turned *t, FILE *f)
 static iso_status draw_frames(turned *t, const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     iso_figure_columns c = {.job = job, .count = t->shown, .render = render, .user = t};
-    c.a_row = choose_row(c.count);
+    c.a_row = choose_row(c.count, job->width_mm);
     for (size_t i = 0; i < c.count; ++i)
         snprintf(c.titles[i], sizeof c.titles[i], "%.4g°", 360.0 * (double)frame_of(t, i) / (double)t->frames);
     iso_status status = iso_figure_subject_load(&t->subject, job, t->level + 1, NULL, err);
@@ -104,7 +106,7 @@ static iso_status draw_frames(turned *t, const iso_figure_job *job, iso_page *pa
         return status;
     write_caption(t, iso_page_caption(page));
     c.drawn_by = &t->subject.drawn_by;
-    c.subject = &t->subject;
+    c.tf = iso_figure_tf_foot_of(&t->subject);
     c.aspect = iso_figure_aspect(&t->subject);
     status = iso_figure_draw_columns(&c, page, err);
     if (status == ISO_OK)
