@@ -32,7 +32,7 @@ static const struct stage {
     bool is_streamed; /* its memory is to stay, whatever the volume is */
 } stages[] = {
     {"build", "build volume.nrrd -o volume.iso --levels 4 --memory 256", true},
-    {"histogram", "info volume.nrrd", false},
+    {"histogram", "info volume.nrrd", true},
     {"render", "render volume.iso --scene scale.scene.json --memory 256 -o paged.exr", true},
     {"render-whole", "render volume.iso --scene scale.scene.json --with cpu -o whole.exr", false},
     {"export", "export volume.iso --scene scale.scene.json --to vdb -o volume.vdb", false},

@@ -16,72 +16,7 @@
 #include "tf/histogram_verify.h"
 #include "volume/format.h"
 #include "volume/segments.h"
-
-#define BINS 64         /* shown */
-#define FINE_BINS 16384 /* counted: percentiles are good to one of them */
-
-typedef struct volume_facts {
-    iso_volume_stats stats;
-    size_t bins[BINS];    /* over [min, max] */
-    double percentile[5]; /* 1, 25, 50, 75, 99 */
-    double loss_max;      /* by rounding to float: largest difference */
-    size_t loss_count;    /* voxels changed by it */
-} volume_facts;
-
-static const double percents[5] = {1, 25, 50, 75, 99};
-
-/* The sample itself, where a row of floats would round it. */
-static double exact_sample(const iso_volume *v, size_t at)
-{
-    switch (v->type) {
-    case ISO_U32: return ((const uint32_t *)v->data)[at];
-    case ISO_I32: return ((const int32_t *)v->data)[at];
-    case ISO_F64: return ((const double *)v->data)[at];
-    default: return NAN;
-    }
-}
-
-static void measure_loss(const iso_volume *v, volume_facts *facts)
-{
-    if (v->type != ISO_U32 && v->type != ISO_I32 && v->type != ISO_F64)
-        return;
-    size_t count = iso_geometry_voxel_count(&v->geometry);
-    for (size_t i = 0; i < count; ++i) {
-        double value = exact_sample(v, i), lost = fabs(value - (double)(float)value);
-        facts->loss_count += lost > 0;
-        facts->loss_max = fmax(facts->loss_max, lost);
-    }
-}
-
-static iso_status measure_histogram(const iso_volume *v, volume_facts *facts, iso_error *err)
-{
-    const size_t *n = v->geometry.size;
-    float *row = malloc(n[0] * sizeof *row);
-    size_t *fine = calloc(FINE_BINS, sizeof *fine);
-    if (!row || !fine) {
-        free(row);
-        free(fine);
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    }
-    double lo = facts->stats.min, width = facts->stats.max - lo;
-    for (size_t r = 0; r < n[1] * n[2]; ++r) {
-        iso_volume_row(v, r % n[1], r / n[1], row);
-        for (size_t x = 0; x < n[0]; ++x) {
-            double at = width > 0 ? ((double)row[x] - lo) / width * FINE_BINS : 0;
-            ++fine[at < 0 ? 0 : at < FINE_BINS ? (size_t)at : FINE_BINS - 1];
-        }
-    }
-    double count = (double)iso_geometry_voxel_count(&v->geometry), below = 0;
-    for (int b = 0, p = 0; b < FINE_BINS; ++b) {
-        facts->bins[b * BINS / FINE_BINS] += fine[b];
-        below += (double)fine[b];
-        for (; p < 5 && below >= percents[p] / 100 * count; ++p)
-            facts->percentile[p] = lo + width / FINE_BINS * b;
-    }
-    free(row);
-    free(fine);
-    return ISO_OK;
-}
+#include "volume/survey.h"
 
 /* What the file says of its lengths. */
 static void print_unit(const iso_volume_notes *n)
@@ -145,8 +80,9 @@ static void print_segments(const json_t *segments)
         printf("  label      and %zu more: --json has all\n", count - LISTED);
 }
 
-static void print_text(const char *path, const iso_volume *v, const volume_facts *f, const iso_value_histogram *shown)
+static void print_text(const char *path, const iso_survey *f)
 {
+    const iso_volume *v = &f->header;
     const iso_geometry *g = &v->geometry;
     double spacing[3];
     iso_geometry_spacing_mm(g, spacing);
@@ -168,13 +104,13 @@ static void print_text(const char *path, const iso_volume *v, const volume_facts
     }
     printf("  range      %.9g to %.9g, mean %.6g\n", f->stats.min, f->stats.max, f->stats.mean);
     printf("  percentiles");
-    for (int p = 0; p < 5; ++p)
-        printf("  %g %%: %.5g", percents[p], f->percentile[p]);
+    for (int p = 0; p < ISO_SURVEY_PERCENTS; ++p)
+        printf("  %g %%: %.5g", iso_survey_percents[p], f->percentile[p]);
     printf("\n  histogram, counts in logs\n");
-    iso_histogram_print(shown, 2, stdout);
+    iso_histogram_print(&f->shown, 2, stdout);
     print_scale(&v->notes);
-    if (f->loss_count > 0)
-        printf("  rounding   to float changes %zu voxels, by at most %.3g\n", f->loss_count, f->loss_max);
+    if (f->rounded > 0)
+        printf("  rounding   to float changes %zu voxels, by at most %.3g\n", f->rounded, f->most_rounded);
 }
 
 static json_t *integers(const size_t *values, size_t count)
@@ -185,8 +121,9 @@ static json_t *integers(const size_t *values, size_t count)
     return list;
 }
 
-static void print_json(const iso_cli *cli, const char *path, const iso_volume *v, const volume_facts *f)
+static void print_json(const iso_cli *cli, const char *path, const iso_survey *f)
 {
+    const iso_volume *v = &f->header;
     const iso_geometry *g = &v->geometry;
     double spacing[3], origin[3] = {g->origin_mm.x, g->origin_mm.y, g->origin_mm.z};
     iso_geometry_spacing_mm(g, spacing);
@@ -204,9 +141,9 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     json_object_set_new(root, "min", json_real(f->stats.min));
     json_object_set_new(root, "max", json_real(f->stats.max));
     json_object_set_new(root, "mean", json_real(f->stats.mean));
-    json_object_set_new(root, "percents", iso_json_numbers(percents, 5));
-    json_object_set_new(root, "percentiles", iso_json_numbers(f->percentile, 5));
-    json_object_set_new(root, "histogram", integers(f->bins, BINS));
+    json_object_set_new(root, "percents", iso_json_numbers(iso_survey_percents, ISO_SURVEY_PERCENTS));
+    json_object_set_new(root, "percentiles", iso_json_numbers(f->percentile, ISO_SURVEY_PERCENTS));
+    json_object_set_new(root, "histogram", integers(f->bins, ISO_SURVEY_BINS));
     json_object_set_new(root, "unit", json_string(unit));
     json_object_set_new(root, "unit_is_named", json_boolean(v->notes.unit[0] != 0));
     json_object_set_new(root, "unit_mm", json_real(v->notes.unit_mm));
@@ -218,49 +155,38 @@ static void print_json(const iso_cli *cli, const char *path, const iso_volume *v
     json_object_set_new(root, "labels", json_integer((json_int_t)v->notes.label_count));
     if (v->notes.label_count && v->segments)
         json_object_set(root, "segments", v->segments);
-    json_object_set_new(root, "float_rounding_voxels", json_integer((json_int_t)f->loss_count));
-    json_object_set_new(root, "float_rounding_max", json_real(f->loss_max));
+    json_object_set_new(root, "float_rounding_voxels", json_integer((json_int_t)f->rounded));
+    json_object_set_new(root, "float_rounding_max", json_real(f->most_rounded));
     iso_cli_print_json(root);
 }
 
 /* --histogram: the same, drawn finer. */
-static iso_status draw_histogram(const char *path, const iso_volume *v, const volume_facts *f, const char *picture,
-                                 iso_error *err)
+static iso_status draw_histogram(const char *path, const iso_survey *f, const char *picture, iso_error *err)
 {
-    enum { DRAWN_BINS = 512 };
-    const size_t *n = v->geometry.size;
+    const size_t *n = f->header.geometry.size;
     char title[512];
-    iso_value_histogram h;
-    iso_status status = iso_value_histogram_count(v, f->stats.min, f->stats.max, DRAWN_BINS, &h, err);
-    if (status != ISO_OK)
-        return status;
-    snprintf(title, sizeof title, "%.200s: %zu x %zu x %zu voxels, %.6g to %.6g", iso_provenance_title(path), n[0], n[1], n[2],
-             f->stats.min, f->stats.max);
-    status = iso_histogram_draw(&h, title, picture, err);
-    iso_value_histogram_destroy(&h);
-    return status;
+    snprintf(title, sizeof title, "%.200s: %zu x %zu x %zu voxels, %.6g to %.6g", iso_provenance_title(path), n[0],
+             n[1], n[2], f->stats.min, f->stats.max);
+    return iso_histogram_draw(&f->drawn, title, picture, err);
 }
 
 static iso_status show(const iso_cli *cli, const iso_volume_input *input, const char *picture, iso_error *err)
 {
-    iso_value_histogram shown = {0};
-    iso_volume v;
-    iso_status status = iso_volume_input_load(cli->arguments[0], input, &v, err);
+    enum { DRAWN_BINS = 512 };
+    const char *path = cli->arguments[0];
+    const iso_progress progress = iso_cli_progress(cli);
+    const iso_survey_options opt = {.drawn_bins = picture ? DRAWN_BINS : 0, .threads = cli->threads};
+    iso_survey facts;
+    iso_status status = iso_survey_run(path, input, &opt, &facts, &progress, err);
     if (status != ISO_OK)
         return status;
-    volume_facts facts = {.stats = iso_volume_measure(&v)};
-    status = measure_histogram(&v, &facts, err);
-    measure_loss(&v, &facts);
-    if (status == ISO_OK)
-        status = iso_value_histogram_count(&v, facts.stats.min, facts.stats.max, BINS, &shown, err);
-    if (status == ISO_OK && picture)
-        status = draw_histogram(cli->arguments[0], &v, &facts, picture, err);
+    if (picture)
+        status = draw_histogram(path, &facts, picture, err);
     if (status == ISO_OK && cli->json)
-        print_json(cli, cli->arguments[0], &v, &facts);
+        print_json(cli, path, &facts);
     else if (status == ISO_OK)
-        print_text(cli->arguments[0], &v, &facts, &shown);
-    iso_value_histogram_destroy(&shown);
-    iso_volume_destroy(&v);
+        print_text(path, &facts);
+    iso_survey_destroy(&facts);
     return status;
 }
 

@@ -169,16 +169,22 @@ static iso_status note_labels(const char *path, const iso_volume_input *in, iso_
     return status == ISO_OK ? count_labels(path, said, &facts, &v->notes.label_count, err) : status;
 }
 
-iso_status iso_volume_input_load(const char *path, const iso_volume_input *in, iso_volume *v, iso_error *err)
+iso_status iso_volume_input_load_source(iso_volume_source *source, const char *path, const iso_volume_input *in,
+                                        iso_volume *v, iso_error *err)
 {
-    iso_volume_source *source;
     *v = (iso_volume){0};
-    iso_status status = iso_volume_input_open(path, in, &source, err);
-    if (status == ISO_OK)
-        status = iso_volume_load_source(source, path, v, err);
+    iso_status status = iso_volume_load_source(source, path, v, err);
     if (status == ISO_OK)
         status = note_labels(path, in, v, err);
     if (status != ISO_OK)
         iso_volume_destroy(v);
     return status;
+}
+
+iso_status iso_volume_input_load(const char *path, const iso_volume_input *in, iso_volume *v, iso_error *err)
+{
+    iso_volume_source *source;
+    *v = (iso_volume){0};
+    const iso_status status = iso_volume_input_open(path, in, &source, err);
+    return status == ISO_OK ? iso_volume_input_load_source(source, path, in, v, err) : status;
 }

@@ -22,6 +22,9 @@ char *iso_volume_input_line(const iso_volume_input *input);
 iso_status iso_volume_input_load(const char *path, const iso_volume_input *input, iso_volume *v, iso_error *err);
 iso_status iso_volume_input_open(const char *path, const iso_volume_input *input, iso_volume_source **source,
                                  iso_error *err);
+/* The rest of iso_volume_input_load() where the source is open already; it is closed. */
+iso_status iso_volume_input_load_source(iso_volume_source *source, const char *path, const iso_volume_input *input,
+                                        iso_volume *v, iso_error *err);
 /* How many labels a volume has that is a label map, by what the caller says or else by its samples; 0: intensities. As much
  * is read as it takes. iso_volume_input_load() leaves it in the notes. */
 iso_status iso_volume_input_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err);

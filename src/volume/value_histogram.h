@@ -12,11 +12,22 @@ typedef struct iso_value_histogram {
     size_t count;     /* bins */
     size_t *bins;     /* owned */
     size_t most;      /* voxels of the fullest */
+    double range[2];  /* that is counted */
 } iso_value_histogram;
 
 /* Values outside [lo, hi] are not counted; hi itself is. Where lo is hi there is one bin. ISO_E_MEMORY. */
 iso_status iso_value_histogram_count(const iso_volume *v, double lo, double hi, size_t most_bins,
                                      iso_value_histogram *h, iso_error *err);
+
+/* The same in parts: empty bins, whole numbers wide where all values are whole numbers; values, in any order; what another
+ * one counted in the same bins; and at last which bin is the fullest. */
+iso_status iso_value_histogram_begin(bool are_whole, double lo, double hi, size_t most_bins, iso_value_histogram *h,
+                                     iso_error *err);
+void iso_value_histogram_add(iso_value_histogram *h, const float *values, size_t count);
+void iso_value_histogram_add_all(iso_value_histogram *h, const iso_value_histogram *other);
+void iso_value_histogram_end(iso_value_histogram *h);
+bool iso_volume_is_whole(const iso_volume *v); /* no value has a fraction, as in Hounsfield units stored as floats */
+
 void iso_value_histogram_destroy(iso_value_histogram *h); /* accepts empty */
 
 #endif

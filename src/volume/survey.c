@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT */
+#include "volume/survey.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include <jansson.h>
+
+#include "base/parallel.h"
+
+enum { FINE_BINS = 16384 };
+#define USUAL_KEPT_BYTES ((size_t)256 << 20)
+#define USUAL_SLAB_BYTES ((size_t)32 << 20)
+
+const double iso_survey_percents[ISO_SURVEY_PERCENTS] = {1, 25, 50, 75, 99};
+
+/* What one thread counted. */
+typedef struct counts {
+    size_t *fine;
+    iso_value_histogram shown, drawn;
+    float *row;
+} counts;
+
+typedef struct surveyor {
+    const char *path;
+    const iso_volume_input *input;
+    const iso_survey_options *opt;
+    const iso_progress *progress;
+    iso_survey *out;
+    iso_volume slab; /* planes that were read; all of them where is_kept */
+    bool is_kept, are_whole;
+    size_t planes; /* that a slab has at most */
+    double sum;
+    int threads;
+    counts *counts; /* of each thread */
+} surveyor;
+
+typedef iso_status slab_visitor(surveyor *s, size_t first_plane, iso_error *err);
+
+/* ---- reading ---- */
+
+static iso_status read_slabs(surveyor *s, iso_volume_source *source, double done, slab_visitor *visit, iso_error *err)
+{
+    const size_t nz = s->out->header.geometry.size[2];
+    iso_status status = ISO_OK;
+    for (size_t z = 0; z < nz && status == ISO_OK; z += s->planes) {
+        s->slab.geometry.size[2] = nz - z < s->planes ? nz - z : s->planes;
+        iso_progress_report(s->progress, "read", done + 0.5 * (double)z / (double)nz);
+        status = iso_source_read(source, s->slab.geometry.size[2], s->slab.data, err);
+        if (status == ISO_OK)
+            status = visit(s, z, err);
+    }
+    return status;
+}
+
+/* done: of all the work, before this half of it. */
+static iso_status each_slab(surveyor *s, double done, slab_visitor *visit, iso_error *err)
+{
+    iso_volume_source *source = NULL;
+    if (s->is_kept)
+        return visit(s, 0, err);
+    iso_status status = iso_volume_input_open(s->path, s->input, &source, err);
+    if (status == ISO_OK)
+        status = read_slabs(s, source, done, visit, err);
+    iso_source_close(source);
+    return status;
+}
+
+/* The samples of one slab of a volume that is too large to be kept. */
+static iso_status make_slab(surveyor *s, const iso_volume *header, size_t plane_bytes, iso_error *err)
+{
+    const size_t bytes = s->opt->slab_bytes ? s->opt->slab_bytes : USUAL_SLAB_BYTES, nz = header->geometry.size[2];
+    s->out->header = *header;
+    s->out->header.segments = json_incref(header->segments);
+    s->planes = bytes / plane_bytes < nz ? bytes / plane_bytes : nz;
+    s->planes = s->planes ? s->planes : 1;
+    s->slab = (iso_volume){.geometry = header->geometry, .type = header->type};
+    s->slab.data = malloc(s->planes * plane_bytes);
+    if (!s->slab.data)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu planes", s->path, s->planes);
+    return iso_volume_input_labels(s->path, s->input, &s->out->header.notes.label_count, err);
+}
+
+static iso_status keep_all(surveyor *s, iso_volume_source *source, iso_error *err)
+{
+    iso_progress_report(s->progress, "read", 0);
+    iso_status status = iso_volume_input_load_source(source, s->path, s->input, &s->slab, err);
+    if (status != ISO_OK)
+        return status;
+    s->is_kept = true;
+    s->out->header = s->slab;
+    s->out->header.data = NULL;
+    s->slab.segments = NULL;
+    return ISO_OK;
+}
+
+static iso_status open_volume(surveyor *s, iso_error *err)
+{
+    const size_t kept = s->opt->kept_bytes ? s->opt->kept_bytes : USUAL_KEPT_BYTES;
+    iso_volume_source *source = NULL;
+    iso_status status = iso_volume_input_open(s->path, s->input, &source, err);
+    if (status != ISO_OK)
+        return status;
+    const iso_volume *header = iso_source_volume(source);
+    const size_t *n = header->geometry.size, plane_bytes = n[0] * n[1] * iso_type_bytes(header->type);
+    if (plane_bytes * n[2] <= kept)
+        return keep_all(s, source, err);
+    status = make_slab(s, header, plane_bytes, err);
+    iso_source_close(source);
+    return status;
+}
+
+/* ---- range and rounding ---- */
+
+/* The sample itself, where a row of floats would round it. */
+static double exact_sample(const iso_volume *v, size_t at)
+{
+    switch (v->type) {
+    case ISO_U32: return ((const uint32_t *)v->data)[at];
+    case ISO_I32: return ((const int32_t *)v->data)[at];
+    case ISO_F64: return ((const double *)v->data)[at];
+    default: return NAN;
+    }
+}
+
+static void measure_rounding(const iso_volume *v, iso_survey *out)
+{
+    if (v->type != ISO_U32 && v->type != ISO_I32 && v->type != ISO_F64)
+        return;
+    const size_t count = iso_geometry_voxel_count(&v->geometry);
+    for (size_t i = 0; i < count; ++i) {
+        const double value = exact_sample(v, i), lost = fabs(value - (double)(float)value);
+        out->rounded += lost > 0;
+        out->most_rounded = fmax(out->most_rounded, lost);
+    }
+}
+
+static iso_status refuse_nonfinite(const surveyor *s, size_t first_plane, const iso_volume_stats *stats, iso_error *err)
+{
+    const size_t *at = stats->first_nonfinite;
+    return iso_fail(err, ISO_E_RANGE, "%s: voxel (%zu, %zu, %zu) is NaN or infinite, none may be", s->path, at[0],
+                    at[1], first_plane + at[2]);
+}
+
+static iso_status measure_slab(surveyor *s, size_t first_plane, iso_error *err)
+{
+    const iso_volume_stats stats = iso_volume_measure(&s->slab);
+    iso_volume_stats *all = &s->out->stats;
+    if (stats.nonfinite_count > 0)
+        return refuse_nonfinite(s, first_plane, &stats, err);
+    all->min = fmin(all->min, stats.min);
+    all->max = fmax(all->max, stats.max);
+    s->sum += stats.mean * (double)iso_geometry_voxel_count(&s->slab.geometry);
+    s->are_whole = s->are_whole && iso_volume_is_whole(&s->slab);
+    measure_rounding(&s->slab, s->out);
+    return ISO_OK;
+}
+
+static iso_status measure(surveyor *s, iso_error *err)
+{
+    s->out->stats = (iso_volume_stats){.min = INFINITY, .max = -INFINITY};
+    s->are_whole = true;
+    const iso_status status = each_slab(s, 0, measure_slab, err);
+    s->out->stats.mean = s->sum / (double)iso_geometry_voxel_count(&s->out->header.geometry);
+    return status;
+}
+
+/* ---- counting ---- */
+
+static iso_status begin_counts(surveyor *s, counts *c, iso_error *err)
+{
+    const iso_volume_stats *stats = &s->out->stats;
+    c->row = malloc(s->out->header.geometry.size[0] * sizeof *c->row);
+    c->fine = calloc(FINE_BINS, sizeof *c->fine);
+    iso_status status = c->row && c->fine ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for counts", s->path);
+    if (status == ISO_OK)
+        status = iso_value_histogram_begin(s->are_whole, stats->min, stats->max, ISO_SURVEY_BINS, &c->shown, err);
+    if (status == ISO_OK && s->opt->drawn_bins)
+        status = iso_value_histogram_begin(s->are_whole, stats->min, stats->max, s->opt->drawn_bins, &c->drawn, err);
+    return status;
+}
+
+static void end_counts(counts *c)
+{
+    free(c->row);
+    free(c->fine);
+    iso_value_histogram_destroy(&c->shown);
+    iso_value_histogram_destroy(&c->drawn);
+}
+
+static void count_row(const surveyor *s, counts *c)
+{
+    const size_t nx = s->out->header.geometry.size[0];
+    const double lo = s->out->stats.min, width = s->out->stats.max - lo;
+    for (size_t x = 0; x < nx; ++x) {
+        const double at = width > 0 ? ((double)c->row[x] - lo) / width * FINE_BINS : 0;
+        ++c->fine[at < 0 ? 0 : at < FINE_BINS ? (size_t)at : FINE_BINS - 1];
+    }
+    iso_value_histogram_add(&c->shown, c->row, nx);
+    if (s->opt->drawn_bins)
+        iso_value_histogram_add(&c->drawn, c->row, nx);
+}
+
+static iso_status count_slab(surveyor *s, size_t first_plane, iso_error *err)
+{
+    (void)first_plane;
+    (void)err;
+    const size_t *n = s->slab.geometry.size, rows = n[1] * n[2];
+#pragma omp parallel for schedule(static) num_threads(s->threads)
+    for (size_t r = 0; r < rows; ++r) {
+        counts *c = &s->counts[iso_thread_index()];
+        iso_volume_row(&s->slab, r % n[1], r / n[1], c->row);
+        count_row(s, c);
+    }
+    return ISO_OK;
+}
+
+static void add_counts(surveyor *s)
+{
+    for (int t = 1; t < s->threads; ++t) {
+        for (size_t b = 0; b < FINE_BINS; ++b)
+            s->counts[0].fine[b] += s->counts[t].fine[b];
+        iso_value_histogram_add_all(&s->counts[0].shown, &s->counts[t].shown);
+        iso_value_histogram_add_all(&s->counts[0].drawn, &s->counts[t].drawn);
+    }
+    iso_value_histogram_end(&s->counts[0].shown);
+    iso_value_histogram_end(&s->counts[0].drawn);
+}
+
+static void find_percentiles(iso_survey *out, const size_t *fine)
+{
+    const double count = (double)iso_geometry_voxel_count(&out->header.geometry),
+                 bin = (out->stats.max - out->stats.min) / FINE_BINS;
+    double below = 0;
+    for (int b = 0, p = 0; b < FINE_BINS; ++b) {
+        out->bins[b * ISO_SURVEY_BINS / FINE_BINS] += fine[b];
+        below += (double)fine[b];
+        for (; p < ISO_SURVEY_PERCENTS && below >= iso_survey_percents[p] / 100 * count; ++p)
+            out->percentile[p] = out->stats.min + bin * b;
+    }
+}
+
+static iso_status count_all(surveyor *s, iso_error *err)
+{
+    s->counts = calloc((size_t)s->threads, sizeof *s->counts);
+    iso_status status = s->counts ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for counts", s->path);
+    for (int t = 0; t < s->threads && status == ISO_OK; ++t)
+        status = begin_counts(s, &s->counts[t], err);
+    if (status == ISO_OK)
+        status = each_slab(s, 0.5, count_slab, err);
+    if (status == ISO_OK) {
+        add_counts(s);
+        find_percentiles(s->out, s->counts[0].fine);
+        s->out->shown = s->counts[0].shown;
+        s->out->drawn = s->counts[0].drawn;
+        s->counts[0].shown = s->counts[0].drawn = (iso_value_histogram){0};
+    }
+    for (int t = 0; s->counts && t < s->threads; ++t)
+        end_counts(&s->counts[t]);
+    free(s->counts);
+    return status;
+}
+
+iso_status iso_survey_run(const char *path, const iso_volume_input *input, const iso_survey_options *opt,
+                          iso_survey *out, const iso_progress *progress, iso_error *err)
+{
+    surveyor s = {.path = path,
+                  .input = input,
+                  .opt = opt,
+                  .progress = progress,
+                  .out = out,
+                  .threads = iso_threads(opt->threads)};
+    *out = (iso_survey){0};
+    iso_status status = open_volume(&s, err);
+    if (status == ISO_OK)
+        status = measure(&s, err);
+    if (status == ISO_OK)
+        status = count_all(&s, err);
+    iso_volume_destroy(&s.slab);
+    if (status != ISO_OK)
+        iso_survey_destroy(out);
+    return status;
+}
+
+void iso_survey_destroy(iso_survey *s)
+{
+    iso_volume_destroy(&s->header);
+    iso_value_histogram_destroy(&s->shown);
+    iso_value_histogram_destroy(&s->drawn);
+}
