@@ -16,7 +16,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev
 	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
 	teem-apps python3-tifffile python3-mrcfile python3-pydicom python3-nibabel python3-vtk9 \
-	python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev
+	python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev cppcheck valgrind
 
 # The rooms that meet files of strangers and other programs.
 strangers := base image volume
@@ -26,8 +26,9 @@ CC := gcc
 CXX := g++
 warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi $(WERROR)
 flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
-# Copies into buffers whose size the compiler knows stop the program where they would leave them: in what reads files of
-# strangers and starts programs (strangers, below) and in the readers that are programs of their own.
+# Copies into buffers whose size the compiler knows stop the program where they would leave them: in all that is installed
+# but the inner loops of these rooms, which copy words of fixed sizes and would call a function for each.
+inner_loops := encode gradient render/cpu
 fortified := -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3
 # Addresses that nobody can foresee, and no table of functions that can be written once the program runs.
 link_release := -pie -Wl,-z,relro,-z,now
@@ -166,7 +167,8 @@ fuzz-coverage: $(needs_setup) ## lines of each reader that its seeds, the corpus
 # clang's analyzer, a list of findings for each file, which is made anew when the file's object is. Files of strangers and
 # other programs first: `make check` looks at these.
 analyzed := $(all_c:%.c=build/analyzed/%.txt)
-analyze: $(analyzed) ## what clang's analyzer finds in all C files; tests/analyzed.supp has what is none
+analyze: $(analyzed) ## what clang's analyzer and cppcheck find in all files; tests/*.supp have what is none
+	@bash tests/cppcheck.sh build/cppchecked
 analyze-readers: $(filter $(strangers:%=build/analyzed/src/%/%),$(analyzed))
 .PHONY: analyze analyze-readers
 build/analyzed/%.txt: %.c $(build)/%.o tests/analyze.sh tests/analyzed.h tests/analyzed.supp
@@ -211,7 +213,7 @@ format: ## lay out the C and C++ files by .clang-format
 .PHONY: format
 
 clean: ## remove what was built
-	rm -rf build/release build/debug build/sanitize build/fuzz build/coverage build/analyzed isoshade
+	rm -rf build/release build/debug build/sanitize build/fuzz build/coverage build/analyzed build/cppchecked isoshade
 
 # make V=1 shows the whole commands.
 ifndef V
@@ -239,7 +241,7 @@ $(openvdb_library): $(openvdb_o)
 	$(call say,VDB)$(CXX) -shared $(flags_$(config)) -Wl,-z,relro,-z,now -o $@ $^ $(openvdb_libs)
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
-	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
+	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 $(fortified) -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
 child_h := src/volume/child_stream.h src/volume/child_writer.h src/volume/type.h src/isoshade.h
 child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g -Isrc -pie -fPIE -Wl,-z,relro,-z,now
 $(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) $(child_h) $(build)/child-flags
@@ -282,12 +284,14 @@ $(build)/%.o: %.cc $(build)/flags
 $(build)/src/encode/decode_float.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/render/cpu/cast_%.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/encode/encode_region48.o: CFLAGS += -ffp-contract=fast
-fortified_o := $(if $(filter release,$(config)),$(filter $(strangers:%=$(build)/src/%/%.o),$(lib_o)))
+fortified_o := $(if $(filter release,$(config)),$(filter-out $(inner_loops:%=$(build)/src/%/%.o),$(lib_o)) $(commands_o) \
+	$(openvdb_o) $(build)/src/cli/main.o)
 $(fortified_o): CFLAGS += $(fortified)
+$(fortified_o): CXXFLAGS += $(fortified)
 $(fortified_o): $(build)/fortified
 $(build)/fortified: FORCE
 	@mkdir -p $(@D)
-	@echo '$(fortified) $(strangers)' | cmp -s - $@ || echo '$(fortified) $(strangers)' >$@
+	@echo '$(fortified)' | cmp -s - $@ || echo '$(fortified)' >$@
 # Objects that embed text files (base/embed.h) follow them.
 embedders := $(shell grep -ls '^ISO_EMBED' $(all_c))
 $(embedders:%.c=$(build)/%.o): $(embedded)

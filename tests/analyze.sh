@@ -7,18 +7,12 @@ file=$1 list=$2
 shift 2
 mkdir -p "$(dirname "$list")"
 clang --analyze --analyzer-output text "$@" -o /dev/null "$file" 2>"$list.all" || { cat "$list.all" >&2; exit 1; }
-grep -E '^[^ ]+:[0-9]+:[0-9]+: warning: .*\]$' "$list.all" | while IFS= read -r line; do
-    known=
-    # FILE CHECKER WORDS OF THE FINDING # reason
-    while read -r in checker words; do
-        [[ $line == "$in":*"${words%% #*}"*"[$checker]" ]] && known=1
-    done < <(grep -v '^#' "$(dirname "$0")/analyzed.supp")
-    [ -n "$known" ] || echo "$line"
-done >"$list.found"
+grep -E '^[^ ]+:[0-9]+:[0-9]+: warning: .*\]$' "$list.all" >"$list.warnings"
+awk -v looked="$file" -f "$(dirname "$0")/known.awk" "$(dirname "$0")/analyzed.supp" "$list.warnings" >"$list.found"
 if [ -s "$list.found" ]; then
     # The way to each, for who reads it.
-    cat "$list.all" >&2
+    cat "$list.all" "$list.found" >&2
     exit 1
 fi
 mv "$list.found" "$list"
-rm -f "$list.all"
+rm -f "$list.all" "$list.warnings"

@@ -197,17 +197,18 @@ static iso_status make_series_view(const iso_export_arguments *a, const iso_subj
 
 /* An output a frame, numbered. */
 static iso_status write_each(const iso_export_arguments *a, const iso_export_target *target,
-                             const iso_subject_frames *frames, iso_export_job *job, iso_error *err)
+                             const iso_subject_frames *frames, const iso_export_job *of_all, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (size_t k = 0; k < frames->count && status == ISO_OK; ++k) {
         iso_pyramid p = {0};
+        iso_export_job job = *of_all;
         char *name = iso_frames_name(a->output, target->suffix, k);
         status = name ? iso_subject_frames_load(frames, k, &p, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-        job->pyramid = &p;
-        job->output = name;
+        job.pyramid = &p;
+        job.output = name;
         if (status == ISO_OK)
-            status = target->write(job, err);
+            status = target->write(&job, err);
         iso_pyramid_destroy(&p);
         free(name);
     }
@@ -241,28 +242,28 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
         status = make_series_view(a, &frames, iso, &view, err);
     json_t *root = status == ISO_OK && a->cli->json ? iso_cli_json(a->cli) : NULL;
     char *command = iso_cli_command_line(a->cli);
-    iso_export_job job = {.level = (size_t)a->level,
-                          .level_count = (size_t)a->level_count,
-                          .output = a->output,
-                          .view = &view,
-                          .step_voxels = a->step,
-                          .half_float = a->half,
-                          .physical = a->material_row == 1,
-                          .dense = a->dense,
-                          .is_shown = iso_export_is_shown(a, target),
-                          .background = a->has_background ? &a->background : NULL,
-                          .command = command,
-                          .isosurface = a->isosurface != NULL,
-                          .iso = iso[0],
-                          .threads = a->cli->threads,
-                          .progress = &progress,
-                          .view_of_level = view_of_level,
-                          .frame_count = frames.count,
-                          .load_frame = load_frame,
-                          .frame_user = &frames,
-                          .user = a,
-                          .results = root,
-                          .notes = root ? NULL : stdout};
+    const iso_export_job job = {.level = (size_t)a->level,
+                                .level_count = (size_t)a->level_count,
+                                .output = a->output,
+                                .view = &view,
+                                .step_voxels = a->step,
+                                .half_float = a->half,
+                                .physical = a->material_row == 1,
+                                .dense = a->dense,
+                                .is_shown = iso_export_is_shown(a, target),
+                                .background = a->has_background ? &a->background : NULL,
+                                .command = command,
+                                .isosurface = a->isosurface != NULL,
+                                .iso = iso[0],
+                                .threads = a->cli->threads,
+                                .progress = &progress,
+                                .view_of_level = view_of_level,
+                                .frame_count = frames.count,
+                                .load_frame = load_frame,
+                                .frame_user = &frames,
+                                .user = a,
+                                .results = root,
+                                .notes = root ? NULL : stdout};
     if (status == ISO_OK)
         status = target->write_frames ? target->write_frames(&job, err) : write_each(a, target, &frames, &job, err);
     if (status == ISO_OK && root) {

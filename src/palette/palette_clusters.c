@@ -136,11 +136,12 @@ iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *
 {
     size_t n = c->item_count;
     float *planes = malloc(5 * n * sizeof *planes);
-    greedy g = {planes, planes + n, planes + 2 * n, planes + 3 * n, planes + 4 * n, malloc(n * sizeof *g.cumulative)};
+    double *cumulative = malloc(n * sizeof *cumulative);
     iso_status status = ISO_OK;
-    if (!planes || !g.cumulative) {
+    if (!planes || !cumulative) {
         status = iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu bundles", n);
     } else {
+        greedy g = {planes, planes + n, planes + 2 * n, planes + 3 * n, planes + 4 * n, cumulative};
         for (size_t i = 0; i < n; ++i) {
             g.x[i] = c->u[3 * i];
             g.y[i] = c->u[3 * i + 1];
@@ -151,7 +152,7 @@ iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *
         seed_greedy(c, &g, random);
     }
     free(planes);
-    free(g.cumulative);
+    free(cumulative);
     return status;
 }
 

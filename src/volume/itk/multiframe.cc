@@ -122,7 +122,7 @@ FramePlanes planes_in(const std::string &path, size_t frames)
         found.is_spaced = found.is_spaced || !bytes_in(&all, tag).empty();
     const Tag groups(0x5200, 0x9230);
     const auto items = all.FindDataElement(groups) ? all.GetDataElement(groups).GetValueAsSQ() : nullptr;
-    if (!items || items->GetNumberOfItems() != frames)
+    if (!items || frames == 0 || items->GetNumberOfItems() != frames)
         return found;
     const DataSet *shared = item_of(&all, Tag(0x5200, 0x9229));
     const DataSet *measures = item_of(shared, Tag(0x0028, 0x9110));
