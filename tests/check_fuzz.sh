@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Each reader takes damaged files, under the sanitizers: all seeds, then mutations of a fixed seed, ISOSHADE_FUZZ_COUNT or
-# ISOSHADE_FUZZ_SECONDS of processor time a reader, whichever is less; readers that start a program for each input (dicom,
-# vdb, hdf5, netcdf, zarr) take longer. `make fuzz` and tests/fuzz/campaign.sh go on for as long as one likes.
+# ISOSHADE_FUZZ_SECONDS of processor time a reader, whichever is less, and 8 at least; readers that start a program for each
+# input (dicom, vdb, hdf5, netcdf, zarr) take longer. `make fuzz` and tests/fuzz/campaign.sh go on for as long as one likes.
 . "$(dirname "$0")/lib.sh"
-count=${ISOSHADE_FUZZ_COUNT:-10000} seconds=${ISOSHADE_FUZZ_SECONDS:-0.3} seed=${ISOSHADE_FUZZ_SEED:-1}
+count=${ISOSHADE_FUZZ_COUNT:-10000} seconds=${ISOSHADE_FUZZ_SECONDS:-0.2} seed=${ISOSHADE_FUZZ_SEED:-1}
 fuzz=$top/build/sanitize/isoshade-fuzz
 [ -x "$fuzz" ] || { skip fuzz "no program of the sanitizers is built, as make check does"; exit 0; }
 export LSAN_OPTIONS=suppressions=$top/tests/leaks.supp:print_suppressions=0 OMP_NUM_THREADS=1

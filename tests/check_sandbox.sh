@@ -76,6 +76,22 @@ fi
 beside/isoshade info v.vdb --no-sandbox >/dev/null 2>&1
 check without_a_sandbox_it_may test -e outside/read
 
+# ---- VTK on a display: what it starts as python3 may no more than draw there; where it starts a server it may all ----
+python_with vtkmodules.vtkRenderingVolumeOpenGL2,numpy
+if command -v xvfb-run >/dev/null && "$python" -c 'import vtkmodules, numpy' 2>/dev/null; then
+    mkdir python && printf '#!/bin/sh\necho x >>%s/outside/python\nexec %s "$@"\n' "$dir" "$(command -v "$python")" >python/python3
+    chmod +x python/python3
+    sed 's/"diffuse": [0-9.]*/"diffuse": 0/; s/"specular": [0-9.]*/"specular": 0/' "$scene" >unlit.scene.json
+    cp "${scene%.scene.json}.tf.json" .
+    by_vtk() { PATH=$dir/python:$PATH "$@" "$ISOSHADE" render s.nrrd --scene unlit.scene.json --with vtk-gpu --size 16 -q -o "vtk.exr"; }
+    check vtk_draws_on_a_display_in_the_sandbox by_vtk xvfb-run -a
+    if has_landlock; then check and_writes_nowhere_else test ! -e outside/python; fi
+    check it_starts_a_server_where_there_is_none by_vtk env -u DISPLAY
+    check and_may_all_then test -s outside/python
+else
+    skip vtk_on_a_display "python3-vtk9 or xvfb is not installed"
+fi
+
 # ---- pictures by gnuplot stand outside of its folder, which it may write to alone ----
 isoshade tf show "$top/refscenes/hero.tf.json" -o tf.png -q
 check gnuplot_draws_where_it_was_told test -s tf.png

@@ -32,7 +32,8 @@ enum { ASK_VERSION = 1, RULE_PATH_BENEATH = 1 };
 #define RENAMES_BETWEEN (UINT64_C(1) << 13)                     /* from version 2 on */
 #define TRUNCATES (UINT64_C(1) << 14)                           /* 3 */
 #define DEVICE_CONTROLS (UINT64_C(1) << 15)                     /* 5 */
-#define SCOPES UINT64_C(3)                                      /* 6: abstract sockets, signals */
+#define ABSTRACT_SOCKETS UINT64_C(1)                            /* 6: of processes outside */
+#define SIGNALS UINT64_C(2)                                     /* 6: to processes outside */
 #define OF_A_FILE (WRITE_FILE | TRUNCATES | DEVICE_CONTROLS)
 
 typedef struct ruleset {
@@ -106,7 +107,9 @@ static int make_rules(const iso_sandbox_wish *wish, const char *folder, iso_stat
     static const char *const streams[] = {"/dev/null", "/dev/zero", "/dev/full"};
     const int version = landlock_version();
     const uint64_t rights = handled(version);
-    const ruleset refused = {.files = rights, .scopes = version >= 6 ? SCOPES : 0};
+    /* An X server's socket is abstract, and who draws on a device may speak to it. */
+    const uint64_t scopes = SIGNALS | (wish->kind == ISO_SANDBOX_DEVICE ? 0 : ABSTRACT_SOCKETS);
+    const ruleset refused = {.files = rights, .scopes = version >= 6 ? scopes : 0};
     const size_t size = version >= 6 ? sizeof refused : version >= 4 ? 2 * sizeof(uint64_t) : sizeof(uint64_t);
     const int rules = version > 0 ? (int)syscall(LANDLOCK_CREATE, &refused, size, 0) : -1;
     if (rules < 0)

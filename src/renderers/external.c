@@ -118,7 +118,8 @@ json_t *iso_external_describe(const iso_renderer_info *self)
                             "tier", e->tier, "limits", limits_json(self->lock_step), "starts", (json_int_t)r->starts,
                             "seconds", r->seconds, "exit_code",
                             r->starts && o->exit_code >= 0 ? json_integer(o->exit_code) : json_null(), "signal",
-                            o->signal, "timed_out", o->timed_out, "output", said_json(&r->said), "failure", iso_provenance_shorten(why));
+                            o->signal, "timed_out", o->timed_out, "output", said_json(&r->said), "failure",
+                            iso_provenance_shorten(why));
     pthread_mutex_unlock(&records_lock);
     return out;
 }
@@ -173,6 +174,13 @@ static iso_status find_program(const iso_external *e, const char *word, char **p
     return *path ? ISO_OK : iso_fail(err, ISO_E_MISSING, "there is no program %s", word);
 }
 
+static iso_sandbox_kind sandbox_of(const iso_external *e)
+{
+    const char *display = getenv("DISPLAY");
+    const bool starts_server = e->starts_server && !(display && display[0]);
+    return e->has_all_rights || starts_server ? ISO_SANDBOX_NONE : ISO_SANDBOX_DEVICE;
+}
+
 /* Runs words, with one more where there is one. */
 static iso_status run(start *s, const char *const *words, const char *last, iso_error *err)
 {
@@ -190,7 +198,7 @@ static iso_status run(start *s, const char *const *words, const char *last, iso_
         argv[0] = program;
         argv[count] = last;
         const iso_process_options options = {.directory = s->dir,
-                                             .sandbox = {.kind = e->has_all_rights ? ISO_SANDBOX_NONE : ISO_SANDBOX_DEVICE},
+                                             .sandbox = {.kind = sandbox_of(e)},
                                              .line = keep_line,
                                              .user = &s->said,
                                              .timeout_seconds = time_limit(e),

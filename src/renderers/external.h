@@ -33,6 +33,7 @@ typedef struct iso_external {
     const char *tier;               /* "samples", "limit" or "8 bits": for reports */
     double timeout_seconds;         /* of a start; 0: --timeout alone */
     bool has_all_rights;            /* it is started without a sandbox, for a reason that stands beside it */
+    bool starts_server;             /* so it is where DISPLAY is not set: it starts an X server, which writes into /tmp */
 } iso_external;
 
 iso_status iso_external_version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size,

@@ -50,7 +50,7 @@ static const iso_external gpu_program = {.command = gpu_command,
                                          .files = files,
                                          .tier = "8 bits",
                                          .timeout_seconds = 1200,
-                                         .has_all_rights = true}; /* it may start an X server, which writes into /tmp */
+                                         .starts_server = true};
 
 static const iso_lock_step gpu_lock_step = {
     .quadrature = ISO_QUADRATURE_CONVERGED,

@@ -25,9 +25,10 @@ HOW = {"memory": [errno.ENOMEM], "read": [errno.EIO, errno.EINTR, 0], "write": [
        "open": [errno.EMFILE, errno.EIO, errno.EINTR], "rename": [errno.EIO], "sync": [errno.EIO], "make": [errno.ENOSPC],
        "look": [errno.EIO], "close": [errno.EIO], "start": [errno.EAGAIN]}
 # The exit codes of `isoshade --help`: a file (3), memory (6), a program or device that is missing (7) or failed (8). Where it
-# cannot be told what a name stands for, it is none of what is wanted (2, 4).
-CODES = {"memory": {6}, "read": {3}, "write": {3}, "open": {3, 7, 8}, "rename": {3}, "sync": {3}, "make": {3},
-         "look": {2, 3, 4, 7, 8}, "close": {3}, "start": {6, 8}}
+# cannot be told what a name stands for, it is none of what is wanted (2, 4). Where Mesa cannot read what it needs there is no
+# device, and what cannot be started to tell its version is no program (7).
+CODES = {"memory": {6}, "read": {3, 7}, "write": {3}, "open": {3, 7, 8}, "rename": {3}, "sync": {3}, "make": {3},
+         "look": {2, 3, 4, 7, 8}, "close": {3}, "start": {6, 7, 8}}
 
 
 def name_of(how):

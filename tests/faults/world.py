@@ -16,7 +16,6 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 TOP = os.path.dirname(os.path.dirname(HERE))
 ISOSHADE = os.path.realpath(os.environ.get("ISOSHADE", f"{TOP}/isoshade"))
 SCENE, TF = f"{TOP}/refscenes/shells.scene.json", f"{TOP}/refscenes/shells.tf.json"
-UNLIT = f"{TOP}/refscenes/marschner-lobb.scene.json"
 PROGRESS = re.compile(r"^[a-z ]+: .* [0-9]+ %(, about .* left)?$|^[a-z ]+: ended after ")
 # An output is a picture, a report ... of one run: what tells when, and how long, differs.
 UUID = re.compile(rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
@@ -66,7 +65,7 @@ COMMANDS = {
     "validate": ("s.nrrd", "validate s.nrrd --scene {S} --with reference,gl --quick --levels 1 --size 12 -o o -q"),
     "render povray": ("s.iso", "render s.iso --scene {S} --with povray --intervals 10 --size 8 -o o.exr -q"),
     "render cycles": ("s.iso", "render s.iso --scene {S} --with cycles --size 8 -o o.exr -q"),
-    "render vtk": ("s.iso", "render s.iso --scene {U} --with vtk --size 8 -o o.exr -q"),
+    "render vtk": ("s.iso u.json", "render s.iso --scene u.json --with vtk --size 8 -o o.exr -q"),
     "render webgl": ("s.iso", "render s.iso --scene {S} --with webgl --size 8 -o o.exr -q"),
     "export blender": ("s.iso", "export s.iso --scene {S} --to blender -o o.blend -q"),
 }
@@ -88,7 +87,7 @@ MADE = {"l.nrrd": "make shells --size 80 -o l.nrrd -q", "l.iso": "build l.nrrd -
 
 
 def words(text):
-    return [ISOSHADE] + text.format(S=SCENE, T=TF, U=UNLIT).split()
+    return [ISOSHADE] + text.format(S=SCENE, T=TF).split()
 
 
 def environment(temporary, home, **more):
@@ -135,7 +134,10 @@ def leaves(value, at=""):
 
 
 def content(path):
-    """What a file says, in parts that can be compared: the leaves of a JSON, else the words between numbers."""
+    """What a file says, in parts that can be compared: the leaves of a JSON, else the words between numbers. What is packed
+    has no words."""
+    if path.endswith((".pdf", ".png")):
+        return {}
     data = open(path, "rb").read()
     if path.endswith(".json"):
         try:
@@ -143,6 +145,15 @@ def content(path):
         except ValueError:
             return {"": data}
     return {"": re.sub(rb"[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]+)?", b"#", data)}
+
+
+def unlit():
+    """The scene without shading, as VTK draws it."""
+    with open(SCENE) as file:
+        scene = json.load(file)
+    scene["shading"].update(diffuse=0, specular=0)
+    scene["tf"] = TF
+    return scene
 
 
 class World:
@@ -167,8 +178,9 @@ class World:
         if name == ".o.iso.partial":
             self.partial(path)
             return path
-        if name == "r.json":
-            self.renderer(path)
+        if name in ("r.json", "u.json"):
+            with open(path, "w") as file:
+                json.dump(self.renderer() if name == "r.json" else unlit(), file)
             return path
         for needed in ("s.nrrd", "s.iso", "r", "l.nrrd"):
             if needed != name and needed in (FIXTURES.get(name) or MADE[name]).split():
@@ -177,12 +189,11 @@ class World:
                        env=environment(self.base, self.home))
         return path
 
-    def renderer(self, path):
-        """A program that hands over the picture beside it."""
-        with open(path, "w") as file:
-            json.dump({"schema": "isoshade.renderers/1", "renderers": [
-                {"name": "copier", "command": ["sh", "-c", f"cp {self.fixture('s.exr')} frame0.exr"], "tier": "samples",
-                 "can": ["lights", "orthographic"]}]}, file)
+    def renderer(self):
+        """A program that hands over a picture that is there."""
+        return {"schema": "isoshade.renderers/1", "renderers": [
+            {"name": "copier", "command": ["sh", "-c", f"cp {self.fixture('s.exr')} frame0.exr"], "tier": "samples",
+             "can": ["lights", "orthographic"]}]}
 
     def partial(self, path):
         """A build that was killed in the middle: the first of its folders that has something in it."""

@@ -4,7 +4,8 @@
  *     isoshade-fuzz NAME [SEEDS [COUNT [SECONDS [SEED]]]]
  *     isoshade-fuzz NAME FILE                              that input alone
  *
- * It ends after COUNT mutations or SECONDS of processor time, whichever is first, and prints how many it was. An input
+ * It ends after COUNT mutations or SECONDS of processor time, whichever is first, but not before the first 8, which are the
+ * same on any machine; and prints how many it was. An input
  * at which it is stopped stays as crash-NAME in the current folder. */
 #define _GNU_SOURCE
 #include <dirent.h>
@@ -26,7 +27,7 @@ typedef struct input {
     size_t size;
 } input;
 
-enum { MOST_SEEDS = 4096, MOST_SECONDS_OF_ONE = 10, MOST_BYTES_ASKED = 384 << 20 };
+enum { MOST_SEEDS = 4096, MOST_SECONDS_OF_ONE = 10, MOST_BYTES_ASKED = 384 << 20, LEAST_MUTATIONS = 8 };
 static input seeds[MOST_SEEDS];
 static size_t seed_count;
 static uint8_t current[FUZZ_MOST_BYTES];
@@ -182,6 +183,24 @@ static double seconds_used(void)
            1e-6 * (double)(children.ru_utime.tv_usec + children.ru_stime.tv_usec);
 }
 
+/* The clock is looked at after each mutation where they take a millisecond and more, as those do that start a program. */
+static uint64_t run_mutations(fuzz_random *random, uint64_t count, double seconds)
+{
+    const double start = seconds_used();
+    uint64_t done = 0, next_look = LEAST_MUTATIONS;
+    while (done < count) {
+        make_input(random);
+        run(current, current_size);
+        if (++done < next_look)
+            continue;
+        const double used = seconds_used() - start;
+        if (used >= seconds)
+            break;
+        next_look = done + (used > 1e-3 * (double)done ? 1 : 16);
+    }
+    return done;
+}
+
 int main(int argc, char **argv)
 {
     running = argc > 1 ? fuzz_find(argv[1]) : NULL;
@@ -209,14 +228,7 @@ int main(int argc, char **argv)
     fuzz_begin(running);
     for (size_t i = 0; i < seed_count; ++i)
         run(seeds[i].data, seeds[i].size);
-    const double start = seconds_used();
-    uint64_t done = 0;
-    while (seed_count > 0 && done < count && seconds_used() - start < seconds) {
-        for (int i = 0; i < 16 && done < count; ++i, ++done) {
-            make_input(&random);
-            run(current, current_size);
-        }
-    }
+    const uint64_t done = seed_count > 0 ? run_mutations(&random, count, seconds) : 0;
     printf("%-16s %4zu seeds %9llu mutations %7.1f s\n", running->name, seed_count, (unsigned long long)done,
            seconds_used());
     return 0;
