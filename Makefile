@@ -137,7 +137,7 @@ addon: $(addon) ## pack the add-on of Blender as a zip that Blender installs
 
 tests: $(tests) $(fuzz) $(openvdb_library) ## build the test programs
 .PHONY: tests
-# FIGURES="hero roi" draws these alone, FIGURES=quick those that take minutes; refscenes/figures.sh has the names.
+# FIGURES="hero sheet" draws these alone, FIGURES=quick those that take minutes; refscenes/figures.sh has the names.
 figures: $(needs_setup) ## draw the pictures of the documentation again
 	@$(again) all
 	@sh refscenes/figures.sh $(FIGURES)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              all of them: hours, since some time a machine
-#   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels roi adaptive-tf seams failures palettes papers kinds
+#   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels adaptive-tf seams failures palettes papers kinds
 #   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity chart chart-page chart-across opened viewer addon
 #                                        first-pictures
 # What needs a volume or a program that is not there says so and is left out: the volume of $ENGINE (256 x 256 x 128, else
@@ -59,12 +59,6 @@ opened() { # doc/blender.md: the window of Blender by Xvfb, and ImageMagick's im
         --python-expr "import bpy; bpy.context.preferences.view.show_splash = False" >/dev/null 2>&1 &
         sleep 90; import -window root -quality 80 "$2"; kill $!' opened "$work/opened.blend" "$out/blender-opened.jpg"
 }
-roi() { # doc/results/adaptive-tf.md
-    region="--scene refscenes/hero.scene.json --size 480x392 --level 3 --roi 0,90,60,90,180,150 -q -o $work/roi.exr"
-    "$isoshade" render $templates/ch2bet.nii.gz $region --adapt --png "$out/roi_blended.png"
-    "$isoshade" render $templates/ch2bet.nii.gz $region --adapt --roi-band 0 --png "$out/roi_hard.png"
-    "$isoshade" render $templates/ch2bet.nii.gz $region --roi-band 0 --png "$out/roi_hard_original.png"
-}
 adaptive_tf() { # doc/method/adaptive-tf.md
     "$isoshade" tf adapt $templates/ch2.nii.gz --tf refscenes/brain.tf.json -o "$work/ch2"
     "$isoshade" tf show refscenes/brain.tf.json "$work/ch2_level_1.tf.json" "$work/ch2_level_2.tf.json" \
@@ -94,14 +88,15 @@ kind() { # picture, words of isoshade figure
     "$isoshade" figure "$@" --dpi 150 --formats png -q -o "$work/kind" >/dev/null
     cp "$work/kind/figure.png" "$out/$picture"
 }
-kinds() { # doc/figures.md
+kinds() { # doc/figures.md, doc/method/adaptive-tf.md
     scene="--scene refscenes/hero.scene.json"
     kind figure-levels.png $templates/ch2bet.nii.gz $scene --levels 3 --zoom 0.35,0.3,0.25,0.25 --letters --background white --width 120
     kind figure-tf.png $templates/ch2bet.nii.gz $scene --kind tf --width 110
     kind figure-plan.png $templates/ch2bet.nii.gz $scene --kind plan --width 120
     kind figure-failure.png --kind failure --case noise --width 110
+    kind figure-roi.png $templates/ch2bet.nii.gz $scene --kind roi --level 3 --roi 0,90,60,90,180,150 --width 170
     kind figure-slices.png $templates/ch2bet.nii.gz --kind slices --levels 3 --width 110
-    kind figure-turntable.png $templates/ch2bet.nii.gz $scene --kind turntable --frames 6 --width 120
+    kind figure-turntable.png $templates/ch2bet.nii.gz $scene --kind turntable --frames 6 --zoom 0.86 --width 120
 }
 
 # Longer ones.
@@ -149,7 +144,7 @@ first_pictures() { # doc/results/first-pictures.md, which says where the volumes
 needs() { # name
     case $1 in
         hero) echo $templates/ch2bet.nii.gz blender povray pdftoppm ;;
-        sheet | roi | adaptive-tf | chart | kinds) echo $templates/ch2bet.nii.gz ;;
+        sheet | adaptive-tf | chart | kinds) echo $templates/ch2bet.nii.gz ;;
         report) echo $templates/ch2bet.nii.gz chromium ;;
         levels) echo $templates/ch2.nii.gz blender ;;
         viewer | chart-page) echo $templates/ch2bet.nii.gz chromium python3 ;;
@@ -169,7 +164,7 @@ missing() { # name: the first thing that it needs and that is not there
     done
 }
 
-quick="hero sheet report levels roi adaptive-tf seams failures palettes papers kinds"
+quick="hero sheet report levels adaptive-tf seams failures palettes papers kinds"
 longer="codes gradients sensitivity chart chart-page chart-across opened viewer addon first-pictures"
 [ $# -gt 0 ] || set -- $quick $longer
 [ "$*" != quick ] || set -- $quick

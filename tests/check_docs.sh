@@ -55,12 +55,19 @@ unlinked() {
     done
 }
 
-# folder: a line for each picture that refscenes/figures.sh does not draw; architecture.svg is written by hand
+# folder: a line for each picture that no function of refscenes/figures.sh draws which `make figures` calls: one whose name
+# stands in its lists; architecture.svg is written by hand
 undrawn() {
-    local picture
+    local picture script=$1/refscenes/figures.sh called function
+    called=$(sed -n 's/^\(quick\|longer\)="\(.*\)"/\2/p' "$script" | tr '\n-' ' _')
     (cd "$1" && find doc/figures -type f) | sort | while read -r picture; do
         case $picture in */architecture.svg) continue ;; esac
-        grep -qF "$(basename "$picture")" "$1/refscenes/figures.sh" || echo "$picture is drawn by no command"
+        function=$(awk -v name="$(basename "$picture")" '/^[a-z_]+\(\) \{/ {split($0, word, "("); function_name = word[1]}
+            !/^ *#/ && index($0, name) {print function_name; exit}' "$script")
+        case " $called " in
+            *" ${function:-none} "*) ;;
+            *) echo "$picture is drawn by no command${function:+ that is called: $function}" ;;
+        esac
     done
 }
 
@@ -93,10 +100,14 @@ printf '[up](../README.md)\n' >planted/doc/a.md
 printf 'nobody links here\n' >planted/doc/lonely.md
 touch planted/doc/figures/p.png
 printf '/* doc/old.md, doc/a.md */\n' >planted/src/x.c
-printf '# nothing\n' >planted/refscenes/figures.sh
+printf '# p.png\n' >planted/refscenes/figures.sh
 check a_long_line_is_found test "$(long_lines planted)" = "README.md:3 has 121 columns"
 check a_broken_link_is_found test "$(broken_links planted)" = "README.md links to doc/gone.md, which is not there"
 check a_lonely_page_is_found test "$(unlinked planted)" = "doc/lonely.md is not linked"
 check a_picture_without_a_command_is_found test "$(undrawn planted)" = "doc/figures/p.png is drawn by no command"
+printf 'draw_p() { # doc/a.md\n    echo >p.png\n}\nquick="other"\n' >planted/refscenes/figures.sh
+check a_picture_that_no_list_has_is_found test "$(undrawn planted)" = "doc/figures/p.png is drawn by no command that is called: draw_p"
+sed -i 's/other/draw-p/' planted/refscenes/figures.sh
+check a_picture_of_a_list_is_not test -z "$(undrawn planted)"
 check a_page_that_is_gone_is_found test "$(lost_pages planted)" = "doc/old.md is named by a comment and is not there"
 exit $failed

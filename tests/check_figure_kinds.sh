@@ -52,6 +52,7 @@ kind failure --case thin-plates
 kind chart tried --letters
 kind plan v.nrrd --error 0.2 --size 48 # the size that plans are measured at
 kind seams v.nrrd
+kind roi v.nrrd --level 1
 kind slices v.nrrd --levels 2 --map viridis
 kind levels v.nrrd --levels 2
 kind renderers v.nrrd --with gl
@@ -101,7 +102,7 @@ check a_chart_has_letters test "$(letters chart/figure.pdf)" = ab
 check none_where_none_is_asked_for test -z "$(letters methods/figure.pdf)"
 check the_bar_is_told_of grep -q 'Bar: the transfer function, colors over value, as opaque as' lettered/caption.txt
 check the_bar_is_there test "$(pdfimages -list lettered/figure.pdf | awk 'NR > 2 && $4 > 6 * $5' | wc -l)" = 1
-for name in levels renderers methods failure plan seams turntable; do
+for name in levels renderers methods failure plan seams roi turntable; do
     check "the_bar_is_under_$name" grep -q 'Bar: the transfer function' $name/caption.txt
 done
 check and_is_that_of_level_0_where_others_have_their_own grep -q 'Bar: the transfer function of level 0' failure/caption.txt
@@ -141,6 +142,8 @@ notice few_pixels_are_noticed dense_enough methods/figure.pdf 144
 # What a kind would pass over is refused, and so is what is no part of a picture.
 refuse frames_are_of_turntables 2 'kind tf does not take --frames' "$ISOSHADE" figure v.nrrd --kind tf --frames 3 -o f
 refuse a_kind_that_is_none 2 'kind of figure' "$ISOSHADE" figure v.nrrd --kind photo -o f
+refuse regions_are_of_their_kind 2 'kind tf does not take --roi' "$ISOSHADE" figure v.nrrd --kind tf --roi 1,1,1,2,2,2 -o f
+refuse a_region_that_is_none 2 'wanted six numbers' "$ISOSHADE" figure v.nrrd --kind roi --roi 1,2 -o f -q
 refuse a_map_that_is_none 2 'color map' "$ISOSHADE" figure v.nrrd --map jet -o f
 refuse an_inset_beyond_the_picture 5 'parts of the picture' "$ISOSHADE" figure v.nrrd --zoom 0.9,0,0.5,0.5 -o f
 refuse a_zoom_that_is_none 2 'wanted X or X,Y,W,H' "$ISOSHADE" figure v.nrrd --zoom 1,2 -o f

@@ -11,6 +11,7 @@
 #include "figure/page.h"
 #include "options/adapted.h"
 #include "options/look.h"
+#include "options/roi.h"
 #include "volume/input.h"
 
 typedef struct iso_figure_info iso_figure_info;
@@ -29,6 +30,7 @@ typedef struct iso_figure_job {
     iso_cli_look look; /* of a report the scene is a name */
     iso_cli_adapted adapted;
     char *with, *methods, *variant, *code, *atlas_case;
+    char *region; /* a box, as --roi has it */
     double error; /* of a plan */
     bool has_background;
     double background[3]; /* instead of the scene's; linear */
@@ -63,6 +65,7 @@ enum {
     ISO_FIGURE_HAS_SURFACE = 1 << 21,
     ISO_FIGURE_HAS_CASE = 1 << 22,
     ISO_FIGURE_HAS_ERROR = 1 << 23,
+    ISO_FIGURE_HAS_REGION = 1 << 24,
 };
 
 struct iso_figure_info {

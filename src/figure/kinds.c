@@ -23,6 +23,7 @@ const iso_figure_info *const iso_figure_kinds[] = {
     &iso_figure_chart,
     &iso_figure_plan,
     &iso_figure_seams,
+    &iso_figure_region,
     &iso_figure_slices,
     &iso_figure_turntable,
     &iso_figure_code_dots,
@@ -106,6 +107,7 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
         {ISO_FIGURE_HAS_ENTRIES, job->entries != 0, "--entries"},
         {ISO_FIGURE_HAS_SURFACE, !isnan(job->surface), "--surface"},
         {ISO_FIGURE_HAS_CASE, job->atlas_case != NULL, "--case"},
+        {ISO_FIGURE_HAS_REGION, job->region != NULL, "--roi"},
         {ISO_FIGURE_HAS_ERROR, job->error != 0, "--error"},
         {ISO_FIGURE_HAS_LOOK, job->has_background, "--background"},
         {ISO_FIGURE_HAS_INSET, job->inset[2] != 0, "--zoom X,Y,W,H"},
@@ -115,10 +117,11 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
             return iso_fail(err, ISO_E_USAGE, "--kind %s does not take %s", job->kind->name, options[i].name);
     if (of_report && (job->with || job->levels || job->adapted.wanted || look->tf || look->view || look->zoom > 0 ||
                       look->size || job->inset[2] != 0 || job->has_background))
-        return iso_fail(err, ISO_E_USAGE,
-                        "%s is a report, which has its pictures; --with, --levels, --adapt, --tf, --view, --zoom, --size "
-                        "and --background are for a figure of a volume",
-                        job->input);
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "%s is a report, which has its pictures; --with, --levels, --adapt, --tf, --view, --zoom, --size "
+            "and --background are for a figure of a volume",
+            job->input);
     if (!of_report && (job->kind->takes & ISO_FIGURE_OF_REPORT) && (job->methods || job->variant))
         return iso_fail(err, ISO_E_USAGE, "--methods and --variant are for a figure of a report");
     if (of_report && look->scene && !strcmp(job->kind->name, "levels"))

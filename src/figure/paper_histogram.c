@@ -59,6 +59,8 @@ static double spread(const iso_joint *j)
 
 /* Below the panels: ticks and the label of the axis. On their left and right. */
 static const double foot_mm = 8, axis_room_mm = 9.5, bar_room_mm = 13;
+/* Two panels stand beside each other in figures of this width; else one below the other. */
+static const double beside_from_mm = 100;
 
 /* The color map the other way round, so that few voxels are pale on the paper and many dark. part: 0 to 1. */
 static void shade(const iso_figure_job *job, double part, unsigned char rgb[3])
@@ -298,7 +300,6 @@ static void draw_row(FILE *gp, const iso_joint *j, size_t i)
     fprintf(
         gp,
         "EOD\nset border 3\nset boxwidth 1\nset yrange [0:%.5f]\nset ytics %g nomirror out scale 0.4 font note_font offset 0.6, 0\n"
-        "set ylabel note('voxels') offset 1.6, 0\n"
         "set arrow from %.3f,graph 0 to %.3f,graph 0.98 nohead front lc rgb '#009e73' lw thick(0.35)\n"
         "set label note('mean') at %.3f,graph 0.97 offset 0.6,0 left front font sized(note_pt) textcolor rgb '#00684c'\n"
         "set label note('weights') at %.3f,%.5f offset 0.8,0 left front font sized(note_pt) textcolor rgb '#a84a00'\n"
@@ -310,10 +311,11 @@ static void draw_row(FILE *gp, const iso_joint *j, size_t i)
 
 static iso_status draw_one_row(const iso_figure_job *job, iso_page *page, const iso_joint *j, int level, iso_error *err)
 {
-    const iso_paper_row shape = {.columns = 2,
+    const bool beside = job->width_mm >= beside_from_mm;
+    const iso_paper_row shape = {.columns = beside ? 2 : 1,
                                  .aspect = 1,
                                  .left_mm = axis_room_mm,
-                                 .right_mm = 2,
+                                 .right_mm = beside ? 2 : bar_room_mm,
                                  .gap_mm = bar_room_mm + axis_room_mm,
                                  .foot_mm = foot_mm,
                                  .most_mm = 74,
@@ -323,7 +325,7 @@ static iso_status draw_one_row(const iso_figure_job *job, iso_page *page, const 
     const row r = measure_row(j, i);
     const double s = j->s.lo + (double)i * j->s.step, mean = j->z.lo + r.mean * j->z.step;
     char title[64], upward[64];
-    iso_status status = iso_paper_lay_out(&p, job, page, &shape, 1, err);
+    iso_status status = iso_paper_lay_out(&p, job, page, (iso_paper_row[]){shape, shape}, beside ? 1 : 2, err);
     if (status != ISO_OK)
         return status;
     const double most = fmax(most_of(j), 10);
@@ -331,8 +333,8 @@ static iso_status draw_one_row(const iso_figure_job *job, iso_page *page, const 
     snprintf(upward, sizeof upward, "value of level %d", level);
     status = put_map(&p, 0, title, j, most, upward, (double)i + 0.5, err);
     put_bar(&p, 0, most);
-    snprintf(title, sizeof title, "(b) the row at %.3g", s);
-    const iso_page_box box = iso_paper_panel(&p, 0, 1, title, NULL);
+    snprintf(title, sizeof title, "(b) voxels at %.3g", s);
+    const iso_page_box box = iso_paper_panel(&p, beside ? 0 : 1, beside ? 1 : 0, title, NULL);
     FILE *gp = iso_page_plot_begin(page, &box);
     put_axes(gp, j, NULL);
     draw_row(gp, j, i);

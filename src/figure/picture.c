@@ -121,6 +121,11 @@ static iso_status make_view(iso_figure_subject *s, const iso_figure_picture *wha
         turn_camera(view, &scene, iso_geometry_box_center_mm(geometry), what->turn_deg);
     iso_cli_adapted adapted = s->job->adapted;
     adapted.wanted = adapted.wanted || what->adapted;
+    if (status == ISO_OK && what->region)
+        status = iso_cli_roi_view(what->region,
+                                  &(iso_cli_roi_place){&adapted, s->job->input, &s->pyramid, what->level,
+                                                       s->job->cli->threads},
+                                  view, err);
     if (status == ISO_OK)
         status = iso_cli_adapt_view(&adapted, s->job->input, &s->pyramid, what->level, view, s->job->cli->threads, err);
     return status;

@@ -37,6 +37,7 @@ typedef struct iso_figure_picture {
     double turn_deg;                    /* the camera, round the scene's up axis */
     size_t turns;                       /* turn_deg is one of so many equal parts of a turn; 0: there are no others */
     const iso_direction_source *source; /* NULL: the renderer's default */
+    const iso_cli_roi *region;          /* a finer level in a box; or NULL */
     bool adapted;                       /* under the transfer function adapted to the level, whatever the job says */
 } iso_figure_picture;
 /* mm_per_pixel may be NULL. */

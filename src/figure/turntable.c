@@ -69,14 +69,14 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
     return status;
 }
 
-/* Rows that are full, where a count between 4 and 8 allows it, and so few frames in each that a scale bar and its text have
+/* Rows that are full, where a count between 3 and 8 allows it, and so few frames in each that a scale bar and its text have
  * room in one. */
 static size_t choose_row(size_t frames, double width_mm)
 {
-    const double least_mm = 18;
+    const double least_mm = 24;
     size_t best = frames > 32 ? 8 : frames < 4 ? frames : 4;
-    for (size_t n = 4; n <= 8 && n <= frames; ++n)
-        if (frames % n == 0 && (n == 4 || width_mm / (double)n >= least_mm))
+    for (size_t n = 3; n <= 8 && n <= frames; ++n)
+        if (frames % n == 0 && (n == 3 || width_mm / (double)n >= least_mm))
             best = n;
     return best;
 }
