@@ -50,6 +50,7 @@ SMALL = [
     ("bench extinction-scale", "--size 16 --levels 2 --runs 1"),
     ("bench tf", "--size 24 --runs 1"),
     ("bench reference", "--size 6"),
+    ("bench cast", "--image 16 --truth 8 --rounds 1"),
     ("bench scale", "--largest 64"),
     ("bench render", "--image 16 --runs 1 --size 32"),
     ("bench convergence", "--steps 2 --size 8"),

@@ -82,7 +82,7 @@ done
 check every_control_has_a_name found 'controls_without_a_name 0'
 check nothing_is_fetched found 'fetched 0'
 check it_fits_a_telephone found 'wider_than_a_telephone false'
-check no_script_failed found 'exceptions 0'
+check no_script_threw found 'exceptions 0'
 check files_of_strangers_are_placed_or_refused_as_by_info bash -c 'sed -n "s/^files_go_wrong //p" findings; grep -qx "files_go_wrong none" findings'
 check the_command_that_is_shown_runs bash -c "$(sed 's/^isoshade/"$ISOSHADE"/; s/picture.png/shown.exr/' command) -q"
 check and_draws_what_the_page_shows "$ISOSHADE" compare shown.exr saved.page.exr --max-rmse 5e-6 --max-abs 1e-4
