@@ -49,7 +49,7 @@ CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) 
 CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
 unpackaged_libs := -lteem -lniftiio -lznz
 LDLIBS = $(unpackaged_libs) $(pkg_libs) -lm
-openvdb_libs = -lopenvdb $(shell pkg-config --libs tbb Imath)
+openvdb_libs = -fopenmp -lopenvdb $(shell pkg-config --libs tbb Imath zlib)
 
 # ---- files -----------------------------------------------------------------
 # The library is what others link with; the rooms that only commands need stand beside it, in an archive of their own.

@@ -47,13 +47,35 @@ typedef struct plane_writer {
     const iso_df3_coding *coding;
     const char *const *paths;
     size_t rim, size[3]; /* of the files */
-    size_t width, row_bytes;
-    uint8_t *planes; /* one a channel */
-    float *values;   /* a row a thread */
-    double *samples; /* a row a thread */
+    size_t row_bytes;
     int threads;
     FILE *files[ISO_DF3_MAX_CHANNELS];
 } plane_writer;
+
+/* What one thread encodes a plane with. */
+typedef struct plane_room {
+    uint8_t *planes; /* one a channel */
+    float *values;   /* a row */
+    double *samples; /* a row as it is read, and one of one channel */
+} plane_room;
+
+static void free_room(plane_room *room)
+{
+    free(room->planes);
+    free(room->values);
+    free(room->samples);
+}
+
+static iso_status make_room(const plane_writer *w, plane_room *room, iso_error *err)
+{
+    const size_t channels = w->source->channels, plane = w->row_bytes * w->size[1], width = w->source->size[0] + 1;
+    *room = (plane_room){.planes = malloc(channels * plane),
+                         .values = malloc(width * channels * sizeof *room->values),
+                         .samples = malloc(width * 2 * channels * sizeof *room->samples)};
+    if (room->planes && room->values && room->samples)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane of %zu bytes", w->paths[0], plane);
+}
 
 static size_t source_index(const plane_writer *w, size_t at, int axis)
 {
@@ -61,21 +83,19 @@ static size_t source_index(const plane_writer *w, size_t at, int axis)
 }
 
 /* Row y of the file's plane z, with its rim of edge values. */
-static void encode_row(const plane_writer *w, size_t y, size_t z)
+static void encode_row(const plane_writer *w, const plane_room *room, size_t y, size_t z)
 {
     const iso_df3_source *s = w->source;
     const size_t n = s->size[0], bytes = w->coding->bits / 8, rim = w->rim;
-    float *values = w->values + (size_t)iso_thread_index() * w->width * s->channels;
-    double *samples = w->samples + (size_t)iso_thread_index() * w->width * 2 * s->channels;
-    s->read(s->user, n * (source_index(w, y, 1) + s->size[1] * source_index(w, z, 2)), n, values);
-    encode_values(values, n * s->channels, w->coding, samples);
+    s->read(s->user, n * (source_index(w, y, 1) + s->size[1] * source_index(w, z, 2)), n, room->values);
+    encode_values(room->values, n * s->channels, w->coding, room->samples);
     for (size_t c = 0; c < s->channels; ++c) {
-        uint8_t *row = w->planes + (c * w->size[1] + y) * w->row_bytes;
-        double *of_channel = samples;
+        uint8_t *row = room->planes + (c * w->size[1] + y) * w->row_bytes;
+        double *of_channel = room->samples;
         if (s->channels > 1) {
-            of_channel = samples + n * s->channels;
+            of_channel += n * s->channels;
             for (size_t x = 0; x < n; ++x)
-                of_channel[x] = samples[x * s->channels + c];
+                of_channel[x] = room->samples[x * s->channels + c];
         }
         put_samples(of_channel, n, w->coding->bits, row + rim * bytes);
         if (rim) {
@@ -85,16 +105,38 @@ static void encode_row(const plane_writer *w, size_t y, size_t z)
     }
 }
 
-static iso_status write_plane(const plane_writer *w, size_t z, iso_error *err)
+static iso_status append_plane(const plane_writer *w, const plane_room *room, iso_error *err)
 {
     const size_t bytes = w->row_bytes * w->size[1];
-#pragma omp parallel for schedule(static) num_threads(w->threads)
-    for (size_t y = 0; y < w->size[1]; ++y)
-        encode_row(w, y, z);
     for (size_t c = 0; c < w->source->channels; ++c)
-        if (fwrite(w->planes + c * bytes, 1, bytes, w->files[c]) != bytes)
+        if (fwrite(room->planes + c * bytes, 1, bytes, w->files[c]) != bytes)
             return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", w->paths[c], strerror(errno));
     return ISO_OK;
+}
+
+/* Each thread encodes a plane; they are written in turn, while other threads encode the next ones. */
+static iso_status write_planes(const plane_writer *w, iso_error *err)
+{
+    iso_status status = ISO_OK; /* of what was made and written so far, in the planes' order */
+#pragma omp parallel num_threads(w->threads)
+    {
+        plane_room room;
+        iso_error trouble;
+        const iso_status own = make_room(w, &room, &trouble);
+#pragma omp for ordered schedule(dynamic)
+        for (size_t z = 0; z < w->size[2]; ++z) {
+            for (size_t y = 0; own == ISO_OK && y < w->size[1]; ++y)
+                encode_row(w, &room, y, z);
+#pragma omp ordered
+            if (status == ISO_OK) {
+                if (own != ISO_OK && err)
+                    *err = trouble;
+                status = own == ISO_OK ? append_plane(w, &room, err) : own;
+            }
+        }
+        free_room(&room);
+    }
+    return status;
 }
 
 static iso_status open_files(plane_writer *w, iso_error *err)
@@ -118,18 +160,6 @@ static iso_status close_files(plane_writer *w, iso_status status, iso_error *err
     return status;
 }
 
-static iso_status make_room(plane_writer *w, iso_error *err)
-{
-    const size_t channels = w->source->channels, plane = w->row_bytes * w->size[1];
-    w->width = w->source->size[0] + 1;
-    w->planes = malloc(channels * plane);
-    w->values = malloc((size_t)w->threads * w->width * channels * sizeof *w->values);
-    w->samples = malloc((size_t)w->threads * w->width * 2 * channels * sizeof *w->samples);
-    if (w->planes && w->values && w->samples)
-        return ISO_OK;
-    return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane of %zu bytes", w->paths[0], plane);
-}
-
 static iso_status write_files(const iso_df3_source *s, size_t rim, const char *const *paths,
                               const iso_df3_coding *coding, int threads, iso_error *err)
 {
@@ -142,16 +172,10 @@ static iso_status write_files(const iso_df3_source *s, size_t rim, const char *c
         w.size[a] = size + 2 * rim;
     }
     w.row_bytes = w.size[0] * (coding->bits / 8);
-    iso_status status = make_room(&w, err);
+    iso_status status = open_files(&w, err);
     if (status == ISO_OK)
-        status = open_files(&w, err);
-    for (size_t z = 0; z < w.size[2] && status == ISO_OK; ++z)
-        status = write_plane(&w, z, err);
-    status = close_files(&w, status, err);
-    free(w.planes);
-    free(w.values);
-    free(w.samples);
-    return status;
+        status = write_planes(&w, err);
+    return close_files(&w, status, err);
 }
 
 /* Values in memory. */

@@ -33,8 +33,8 @@ typedef struct iso_df3_source {
     const void *user;
 } iso_df3_source;
 
-/* A file with its rim for each channel, from one reading; beside the source it takes a plane of memory a channel. Values
- * beyond [lo, hi] are clamped. ISO_E_RANGE: a size above 65533. threads: 0: all cores. */
+/* A file with its rim for each channel, from one reading; beside the source it takes a plane of memory a channel
+ * and thread. Values beyond [lo, hi] are clamped. ISO_E_RANGE: a size above 65533. threads: 0: all cores. */
 iso_status iso_df3_write_from(const iso_df3_source *s, const char *const *paths, const iso_df3_coding *coding,
                               int threads, iso_error *err);
 

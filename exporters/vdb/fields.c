@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/parallel.h"
 #include "base/version.h"
 #include "vdb/vdb_file.h"
 #include "vdb/vdb_openvdb.h"
@@ -68,6 +69,7 @@ static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *fie
                         .y_up = f->convention.y_up,
                         .creator = "isoshade",
                         .made_from = f->made_from,
+                        .threads = iso_threads(f->threads),
                         .meaning = field->meaning,
                         .level = f->level,
                         .value_min = field->value_min,

@@ -36,7 +36,8 @@ typedef struct iso_vdb_field {
     const char *name, *meaning;
     int channels; /* 1: float; 3: vec3s, a color */
     /* Copies `count` values of the row (y, z) from x on, `channels` floats each; and which of at most eight are active,
-     * where x, y and z count from the first point of the rim. */
+     * where x, y and z count from the first point of the rim.
+     * Called by several threads at once. */
     void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
     void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
     const void *user;
@@ -52,6 +53,7 @@ typedef struct iso_vdb_fields {
     const char *made_from; /* a file's name without its folder */
     iso_vdb_convention convention;
     bool half_float;
+    int threads; /* 0: all cores */
 } iso_vdb_fields;
 
 /* All grids into one file: class fog volume, background 0, inactive where they are not active; with the convention in the

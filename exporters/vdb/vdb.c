@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/parallel.h"
 #include "base/provenance.h"
 #include "vdb/vdb_file.h"
 #include "volume/unit.h"
@@ -85,6 +86,7 @@ iso_vdb_source iso_vdb_describe(const iso_geometry *g, const char *made_from, co
 {
     iso_vdb_source source = {.creator = opt->creator ? opt->creator : "isoshade",
                              .made_from = iso_provenance_name(made_from),
+                             .threads = iso_threads(opt->threads),
                              .direction_scale = 1};
     memcpy(source.size, g->size, sizeof source.size);
     memcpy(source.box_index, g->box_index, sizeof source.box_index);

@@ -6,7 +6,8 @@
  *   vdb_sparse.c     which voxels of a level are active
  *   vdb_read.c       reading back, measuring
  *   vdb_library.c    isoshade_openvdb.so, which has the rest, loaded
- *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are written without ever being whole in memory
+ *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are written without ever being whole in memory,
+ *                    vdb_leaves.h: by several threads
  *   vdb_nanovdb.cc   NanoVDB, by its own conversion of OpenVDB grids (nanovdb.h); vdb_guarded.h: exceptions end there */
 #ifndef ISO_VDB_FILE_H
 #define ISO_VDB_FILE_H

@@ -42,6 +42,7 @@ typedef struct iso_vdb_source {
     bool is_color, y_up; /* three channels that axes do not turn; the world is turned (fields.h) */
     double direction_scale;      /* that vectors are multiplied by; 1 else */
     bool half_float, reversed_x; /* reversed_x: what is given runs along x the other way than the volume does */
+    int threads; /* that read and compress values, at least 1; read() is called by all of them at once */
     const char *creator, *made_from, *meaning;
     const char
         *labels; /* of a label map: its segments as JSON (volume/segments.h), "[]" where none are named; else NULL */

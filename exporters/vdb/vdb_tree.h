@@ -8,42 +8,15 @@
 #ifndef ISO_VDB_TREE_H
 #define ISO_VDB_TREE_H
 
-#include <algorithm>
 #include <memory>
+#include <vector>
 
-#include <openvdb/io/Compression.h>
 #include <openvdb/openvdb.h>
 
+#include "vdb/vdb_leaves.h"
 #include "vdb/vdb_openvdb.h"
 
 namespace iso_vdb {
-
-inline long clamp(long v, long size)
-{
-    return v < 0 ? 0 : v < size ? v : size - 1;
-}
-
-/* Row (y, z) of eight voxels from x on, counted from the first one, with edge values where it leaves the volume. */
-inline void read_row(const iso_vdb_source &s, long x, long y, long z, float *row)
-{
-    const long nx = static_cast<long>(s.size[0]);
-    const long first = clamp(x, nx), last = clamp(x + 7, nx);
-    float inside[24];
-    s.read(s.user, static_cast<size_t>(first), static_cast<size_t>(clamp(y, static_cast<long>(s.size[1]))),
-           static_cast<size_t>(clamp(z, static_cast<long>(s.size[2]))), static_cast<size_t>(last - first + 1), inside);
-    for (long i = 0; i < 8; ++i)
-        for (int c = 0; c < s.channels; ++c)
-            row[i * s.channels + c] = inside[(clamp(x + i, nx) - first) * s.channels + c];
-}
-
-inline void take(const float *v, float &out)
-{
-    out = v[0];
-}
-inline void take(const float *v, openvdb::Vec3f &out)
-{
-    out = openvdb::Vec3f(v[0], v[1], v[2]);
-}
 
 /* A tree whose leaves hold which voxels are active and no values: these are read from the source when the tree is written.
  * To the file it is the same as a tree with values. */
@@ -62,16 +35,14 @@ public:
         this->addLeaf(made);
     }
 
-    /* The leaves in the order that the nodes above them have, each as LeafNode::writeBuffers does. */
+    /* The leaves in the order that the nodes above them have. */
     void writeBuffers(std::ostream &out, bool to_half) const override
     {
-        T values[leaf::SIZE];
-        for (auto i = this->cbeginLeaf(); i; ++i) {
-            const mask &active = i->getValueMask();
-            read(i->origin(), active, values);
-            active.save(out);
-            openvdb::io::writeCompressedValues(out, values, leaf::SIZE, active, mask(), to_half);
-        }
+        std::vector<const leaf *> leaves;
+        leaves.reserve(this->leafCount());
+        for (auto i = this->cbeginLeaf(); i; ++i)
+            leaves.push_back(&*i);
+        write_leaves(out, leaves, *source_, to_half);
     }
 
     /* What a program that reads the grid will hold. */
@@ -81,36 +52,6 @@ public:
     }
 
 private:
-    static bool is_active(const mask &active, int x, int y, int z)
-    {
-        return active.isOn(static_cast<openvdb::Index>(64 * x + 8 * y + z));
-    }
-
-    static bool any_active(const mask &active, int y, int z)
-    {
-        bool any = false;
-        for (int x = 0; x < 8; ++x)
-            any = any || is_active(active, x, y, z);
-        return any;
-    }
-
-    /* Voxels of a leaf follow each other along z, then y. */
-    void read(const openvdb::Coord &at, const mask &active, T *values) const
-    {
-        const iso_vdb_source &s = *source_;
-        float row[24];
-        std::fill_n(values, +leaf::SIZE, this->background());
-        for (int z = 0; z < 8; ++z)
-            for (int y = 0; y < 8; ++y) {
-                if (!any_active(active, y, z))
-                    continue;
-                read_row(s, at.x() - s.first[0], at.y() + y - s.first[1], at.z() + z - s.first[2], row);
-                for (int x = 0; x < 8; ++x)
-                    if (is_active(active, x, y, z))
-                        take(row + x * s.channels, values[64 * x + 8 * y + z]);
-            }
-    }
-
     const iso_vdb_source *source_;
 };
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "bench/cast_bound.h"
 #include "bench/render.h"
 #include "compare/metrics.h"
 #include "render/cpu/caster.h"
@@ -177,12 +178,18 @@ static void report(const iso_cli *cli, const cast_options *opt, const cast_case 
                                     "processor_ratio", processor, "wall_ratio", wall));
 }
 
+static iso_status resolve(const iso_pyramid *p, const cast_options *opt, bench_tf tf, bench_gradients gradients,
+                          iso_view *view, iso_error *err)
+{
+    const iso_level *level = &p->levels[0];
+    const iso_scene scene = iso_bench_scene(&opt->render, tf, gradients);
+    return iso_scene_resolve(&scene, &level->geometry, level->min, level->max, view, err);
+}
+
 static iso_status run_case(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const cast_options *opt, cast_case *c,
                            iso_error *err)
 {
-    const iso_level *level = &p->levels[0];
-    const iso_scene scene = iso_bench_scene(&opt->render, c->tf, c->gradients);
-    iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &c->view, err);
+    iso_status status = resolve(p, opt, c->tf, c->gradients, &c->view, err);
     if (status != ISO_OK)
         return status;
     for (int i = 0; i < opt->rounds && status == ISO_OK; ++i)
@@ -191,6 +198,52 @@ static iso_status run_case(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p,
         status = measure_errors(cli, gl, p, opt, c, err);
     iso_view_destroy(&c->view);
     return status;
+}
+
+/* The least processor times of all cases, in seconds. */
+typedef double cast_times[TF_COUNT][GRADIENTS_COUNT][LOOP_COUNT][WHO_COUNT];
+
+static iso_status count_samples(const iso_cli *cli, const iso_pyramid *p, const cast_options *opt,
+                                bench_samples samples[TF_COUNT], iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int tf = 0; tf < TF_COUNT && status == ISO_OK; ++tf) {
+        iso_view view;
+        status = resolve(p, opt, (bench_tf)tf, GRADIENTS_NONE, &view, err);
+        if (status == ISO_OK) {
+            status = iso_bench_count_samples(&p->levels[0], p->options.code, &view, cli->threads, &samples[tf], err);
+            iso_view_destroy(&view);
+        }
+    }
+    return status;
+}
+
+/* How much faster the sparse pictures became by leaving out empty space, and how much faster they can become. */
+static json_t *report_skipping(const iso_cli *cli, const bench_samples samples[TF_COUNT], cast_times times)
+{
+    static const char *const names[WHO_COUNT] = {"gl", "cpu"};
+    json_t *rows = json_array();
+    const double share = (double)samples[TF_SPARSE].shown / (double)samples[TF_SPARSE].looked_up;
+    if (!cli->json)
+        printf(
+            "\nsparse: %zu of %zu samples show something (%.2f %%), dense: %zu of %zu; leaving out the others, if it "
+            "cost nothing,\nwould make the sparse picture faster by `bound`\n%-12s %-4s %8s %8s\n",
+            samples[TF_SPARSE].shown, samples[TF_SPARSE].looked_up, 100 * share, samples[TF_DENSE].shown,
+            samples[TF_DENSE].looked_up, "gradients", "by", "factor", "bound");
+    for (int g = 0; g < GRADIENTS_COUNT; ++g)
+        for (int who = 0; who < WHO_COUNT; ++who) {
+            const double plain = times[TF_SPARSE][g][LOOP_PLAIN][who];
+            const double factor = plain / times[TF_SPARSE][g][LOOP_SKIPPING][who];
+            const double bound = iso_bench_skipping_bound(&samples[TF_DENSE], times[TF_DENSE][g][LOOP_PLAIN][who],
+                                                          &samples[TF_SPARSE], plain);
+            if (!cli->json)
+                printf("%-12s %-4s %8.1f %8.1f\n", iso_bench_gradients_names[g], names[who], factor, bound);
+            json_array_append_new(rows, json_pack("{s:s, s:s, s:f, s:o}", "gradients", iso_bench_gradients_names[g],
+                                                  "by", names[who], "factor", factor, "bound",
+                                                  isfinite(bound) ? json_real(bound) : json_null()));
+        }
+    return json_pack("{s:I, s:I, s:o}", "samples", (json_int_t)samples[TF_SPARSE].looked_up, "shown",
+                     (json_int_t)samples[TF_SPARSE].shown, "cases", rows);
 }
 
 static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const cast_options *opt,
@@ -208,6 +261,8 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
             opt->render.step_voxels, iso_threads(cli->threads), opt->rounds, DRAWS, opt->rounds, opt->truth, opt->truth,
             "", "", "", "processor", "", "wall", "", "ratio", "", "error", "", "tf", "gradients", "loop", "gl", "cpu",
             "gl", "cpu", "proc.", "wall", "gl", "cpu");
+    cast_times times;
+    bench_samples samples[TF_COUNT] = {{0}};
     iso_status status = ISO_OK;
     for (int tf = 0; tf < TF_COUNT; ++tf)
         for (int g = 0; g < GRADIENTS_COUNT; ++g)
@@ -216,8 +271,14 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
                 status = run_case(cli, gl, p, opt, &c, err);
                 if (status == ISO_OK)
                     report(cli, opt, &c, rows);
+                for (int who = 0; who < WHO_COUNT; ++who)
+                    times[tf][g][loop][who] = best_of(&c, who, opt->rounds).processor;
                 fflush(stdout);
             }
+    if (status == ISO_OK)
+        status = count_samples(cli, p, opt, samples, err);
+    if (status == ISO_OK)
+        json_object_set_new(root, "skipping", report_skipping(cli, samples, times));
     json_object_set_new(root, "gl", json_string(iso_gl_describe(gl).renderer));
     json_object_set_new(root, "cpu", json_string(width));
     json_object_set_new(root, "image", json_integer(opt->render.image));
@@ -309,7 +370,9 @@ const iso_command iso_bench_cast = {
     .details =
         "Volumes, transfer functions and loops are those of bench render. Both draw the same samples by turns in one run "
         "with the\nsame number of threads (--threads, which software OpenGL is given as well where LP_NUM_THREADS "
-        "is not set). Times are\nof the drawing alone.",
+        "is not set). Times are\nof the drawing alone. The last lines say how many samples of the pictures show "
+        "something, how many times faster the sparse\nones became by leaving out empty space, and the bound that is "
+        "left if the others cost nothing (processor time).",
     .examples = "  isoshade bench cast --size 32 --image 48 --rounds 1 --truth 16\n",
     .run = run,
 };

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/simd.h"
 
 enum { BINS = ISO_SURVEY_BINS, SLOPES = ISO_SURVEY_SLOPES, SAMPLES = 1 << 20, FEW_LABELS = 24 };
 
@@ -31,12 +32,6 @@ double iso_survey_slope(const iso_survey *s, double slope)
 {
     const double root = (slope + 0.5) / SLOPES;
     return root * root * 0.5 * (s->hi - s->lo);
-}
-
-static int slope_bin(double magnitude, double largest)
-{
-    const double x = magnitude < largest ? SLOPES * sqrt(magnitude / largest) : SLOPES;
-    return x >= SLOPES ? SLOPES - 1 : (int)x;
 }
 
 /* ---- quantiles, padding, labels ------------------------------------------------------------------------------------ */
@@ -167,34 +162,77 @@ static void summarize(const float *sample, size_t count, iso_survey *s)
 
 /* ---- histograms ---------------------------------------------------------------------------------------------------- */
 
-/* The squared gradient of a voxel in values a voxel of the mean spacing; 1 / (2 h) each axis in `scale`. */
-static double squared_slope(const iso_level *l, const size_t at[3], const double scale[3])
+enum { BLOCK = 256 }; /* voxels of a row that are counted at once */
+
+/* Voxels that follow each other in a row, and those beside them: [axis][0] before, [axis][1] behind. */
+typedef struct neighbors {
+    const float *at, *beside[3][2];
+    size_t count;
+} neighbors;
+
+static neighbors find_neighbors(const iso_level *l, size_t x, size_t y, size_t z, size_t count)
 {
-    const size_t *n = l->geometry.size, step[3] = {1, n[0], n[0] * n[1]};
-    const float *p = l->scalar + at[0] + at[1] * step[1] + at[2] * step[2];
-    double sum = 0;
+    const size_t *n = l->geometry.size, step[3] = {1, n[0], n[0] * n[1]}, place[3] = {x, y, z};
+    neighbors v = {.at = l->scalar + x + n[0] * (y + n[1] * z), .count = count};
     for (int a = 0; a < 3; ++a) {
-        const float below = at[a] > 0 ? p[-(ptrdiff_t)step[a]] : *p, above = at[a] + 1 < n[a] ? p[step[a]] : *p;
-        const double d = ((double)above - below) * scale[a];
-        sum += d * d;
+        v.beside[a][0] = place[a] > 0 ? v.at - step[a] : v.at;
+        v.beside[a][1] = place[a] + 1 < n[a] ? v.at + step[a] : v.at;
     }
-    return sum;
+    return v;
 }
 
+/* iso_survey_bin() of each voxel. */
+ISO_SIMD static void bin_values(const neighbors *v, double lo, double hi, int *restrict bins)
+{
+    const double range = hi > lo ? hi - lo : 1, count = hi > lo ? BINS : 0;
+    const float *values = v->at;
+    for (size_t i = 0; i < v->count; ++i) {
+        const double x = ((double)values[i] - lo) / range * count;
+        bins[i] = (int)(x >= BINS ? BINS - 1 : x > 0 ? x : 0);
+    }
+}
+
+/* Of the gradient in values a voxel of the mean spacing; 1 / (2 h) each axis in `scale`. As square roots: iso_survey_slope(). */
+ISO_SIMD static void bin_slopes(const neighbors *v, const double scale[3], double largest, int *restrict bins)
+{
+    const float *x0 = v->beside[0][0], *x1 = v->beside[0][1], *y0 = v->beside[1][0], *y1 = v->beside[1][1];
+    const float *z0 = v->beside[2][0], *z1 = v->beside[2][1];
+    for (size_t i = 0; i < v->count; ++i) {
+        const double dx = ((double)x1[i] - (double)x0[i]) * scale[0];
+        const double dy = ((double)y1[i] - (double)y0[i]) * scale[1];
+        const double dz = ((double)z1[i] - (double)z0[i]) * scale[2];
+        const double magnitude = sqrt(dx * dx + dy * dy + dz * dz);
+        const double bin = magnitude < largest ? SLOPES * sqrt(magnitude / largest) : SLOPES;
+        bins[i] = (int)(bin >= SLOPES ? SLOPES - 1 : bin);
+    }
+}
+
+static void count_block(const neighbors *v, bool face, const double scale[3], double largest, iso_survey *s)
+{
+    int values[BLOCK], slopes[BLOCK];
+    bin_values(v, s->lo, s->hi, values);
+    bin_slopes(v, scale, largest, slopes);
+    s->face_count += face ? v->count : 0;
+    for (size_t i = 0; i < v->count; ++i) {
+        if (s->has_padding && (double)v->at[i] == s->padding)
+            continue;
+        ++s->voxel_count;
+        ++s->count[values[i]];
+        s->face[values[i]] += face;
+        ++s->joint[values[i]][slopes[i]];
+    }
+}
+
+/* Both ends by themselves: they are on faces, and have no voxel on one side. */
 static void count_row(const iso_level *l, size_t y, size_t z, const double scale[3], double largest, iso_survey *s)
 {
     const size_t *n = l->geometry.size;
-    const float *row = l->scalar + (z * n[1] + y) * n[0];
-    for (size_t x = 0; x < n[0]; ++x) {
-        const bool face = is_on_face(n, x, y, z);
-        s->face_count += face;
-        if (s->has_padding && (double)row[x] == s->padding)
-            continue;
-        const int bin = iso_survey_bin(s, row[x]);
-        ++s->voxel_count;
-        ++s->count[bin];
-        s->face[bin] += face;
-        ++s->joint[bin][slope_bin(sqrt(squared_slope(l, (const size_t[3]){x, y, z}, scale)), largest)];
+    for (size_t x = 0, count; x < n[0]; x += count) {
+        const bool is_end = x == 0 || x + 1 == n[0];
+        const size_t left = n[0] - 1 - x;
+        count = is_end ? 1 : left < BLOCK ? left : BLOCK;
+        const neighbors v = find_neighbors(l, x, y, z, count);
+        count_block(&v, is_on_face(n, x, y, z), scale, largest, s);
     }
 }
 
