@@ -131,6 +131,14 @@ static const iso_names method_names = {
     false};
 enum { MOST_METHODS = ISO_NAMES_COUNT(methods), USUAL_LEVEL = 2 };
 
+const char *iso_figure_method_words(const char *name)
+{
+    for (size_t i = 0; i < ISO_NAMES_COUNT(methods); ++i)
+        if (strcmp(methods[i].name, name) == 0)
+            return methods[i].title;
+    return name;
+}
+
 /* Column 0 is level 0; each other one has a pyramid of its own. */
 typedef struct methods_shown {
     const iso_renderer_info *with;

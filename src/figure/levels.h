@@ -7,4 +7,7 @@
 
 extern const iso_figure_info iso_figure_levels, iso_figure_renderers, iso_figure_methods;
 
+/* A way to make directions in words; the name itself where it is none of --kind methods. */
+const char *iso_figure_method_words(const char *name);
+
 #endif

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "compare/metrics.h"
+#include "figure/levels.h"
 #include "figure/sheet.h"
 #include "base/progress_line.h"
 #include "report/report.h"
@@ -173,7 +174,8 @@ static iso_status add_level(figure *f, const json_t *row, size_t at, iso_error *
     snprintf(added->note, sizeof added->note, "RMSE %.3g|1−SSIM %.3g|FLIP %.3g", added->metrics.rmse,
              1 - added->metrics.ssim, added->metrics.flip_mean);
     fprintf(f->caption, " %s%s, level %zu: 1 - SSIM %.3g, FLIP %.3g, direction error %.3g degrees",
-            string_of(row, "method"), is_adapted(row) ? " with the adapted transfer function" : "", level,
+            iso_figure_method_words(string_of(row, "method")),
+            is_adapted(row) ? " with the adapted transfer function" : "", level,
             number_of(row, "ssim_dissimilarity_mean"), number_of(row, "flip_mean"),
             number_of(row, "gradient_angle_mean_deg"));
     fputs(string_of(row, "original_kept")[0] ? " (adapting refused, the original kept)." : ".", f->caption);
@@ -193,17 +195,17 @@ static iso_status add_levels(figure *f, const json_t *rows, const char *method, 
         iso_report_consistency_name(row, name);
         if (strcmp(name, method) != 0 || status != ISO_OK || !string_of(row, "image")[0])
             continue;
-        if (first) { /* level 0 stands before each row of pictures */
-            panel p = {.row = 2 * at, .image = string_of(row, "reference_image"), .scale_bar = at == 0};
-            snprintf(p.side, sizeof p.side, "%.60s%s", string_of(row, "method"),
-                     is_adapted(row) ? " (adapted TF)" : "");
-            if (at == 0)
-                snprintf(p.title, sizeof p.title, "level 0");
+        if (first && at == 0) { /* level 0 once: all methods are of the same volume */
+            panel p = {.image = string_of(row, "reference_image"), .title = "level 0", .scale_bar = true};
             status = add_panel(f, p, err);
         }
-        first = false;
+        const size_t leftmost = at == 0 ? 0 : f->count;
         if (status == ISO_OK)
             status = add_level(f, row, at, err);
+        if (status == ISO_OK && first)
+            snprintf(f->panels[leftmost].side, sizeof f->panels->side, "%.60s%s",
+                     iso_figure_method_words(string_of(row, "method")), is_adapted(row) ? " (adapted TF)" : "");
+        first = false;
     }
     return status;
 }
