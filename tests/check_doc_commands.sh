@@ -23,6 +23,8 @@ STANDS_FOR = [
     (r"(?<=--step )S\b", "0.5"),
     (r"\b(FOLDER|DIR|FILE)\b", "folder"),
     (r" \.\.\.$", ""),
+    (r"v\.nrrd v\.nrrd( v\.nrrd)+", "v.nrrd v.nrrd"),  # several are two
+    (r"v\.nrrd,v\.nrrd(,v\.nrrd)+", "v.nrrd,v.nrrd"),
 ]
 
 # The last of an option that is given twice counts: what makes a command small, by its first words.
@@ -33,7 +35,7 @@ SMALL = [
     ("export .*--to (blender|povray)", "--size 12"),
     ("plan", "--size 12"),
     ("chart .*--across-levels", "--size 16 --views 1 --levels 2"),
-    ("chart", "--size 12 --levels 1 --steps 1 --codes fit --filters moments --estimators central --with gl --budget 0 --want 1"),
+    ("chart", "--size 12 --levels 1 --steps 1 --codes fit --filters moments --estimators central --with gl --plans none --budget 0 --want 1"),
     ("validate", "--size 8 --quick --with gl --levels 2"),
     ("palette", "--entries 16 --steps 10"),
     ("atlas", "--case code-poles"),
