@@ -285,9 +285,9 @@ ISO_INLINE v8i v8_least(v8i a, v8i b)
 /* The least of eight, none of them negative. */
 ISO_INLINE int32_t least_of(v8i k)
 {
-    k = v8_least(k, __builtin_shuffle(k, (v8i){4, 5, 6, 7, 0, 1, 2, 3}));
-    k = v8_least(k, __builtin_shuffle(k, (v8i){2, 3, 0, 1, 6, 7, 4, 5}));
-    k = v8_least(k, __builtin_shuffle(k, (v8i){1, 0, 3, 2, 5, 4, 7, 6}));
+    k = v8_least(k, __builtin_shufflevector(k, k, 4, 5, 6, 7, 0, 1, 2, 3));
+    k = v8_least(k, __builtin_shufflevector(k, k, 2, 3, 0, 1, 6, 7, 4, 5));
+    k = v8_least(k, __builtin_shufflevector(k, k, 1, 0, 3, 2, 5, 4, 7, 6));
     return k[0];
 }
 

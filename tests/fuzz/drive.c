@@ -3,6 +3,8 @@
  *
  *     isoshade-fuzz NAME [SEEDS [COUNT [SECONDS [SEED]]]]
  *     isoshade-fuzz NAME FILE                              that input alone
+ *     isoshade-fuzz --seeds FOLDER NAME ...                the seeds of several, FOLDER/NAME, in a process each that this
+ *                                                          one forks: for what starts slowly (tests/check_memcheck.sh)
  *
  * It ends after COUNT mutations or SECONDS of processor time, whichever is first, but not before the first 8, which are the
  * same on any machine; and prints how many it was. An input
@@ -16,6 +18,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -34,6 +37,7 @@ static uint8_t current[FUZZ_MOST_BYTES];
 static size_t current_size;
 static char crash_path[512];
 static const fuzz_target *running;
+static bool has_limit; /* of time, for one input */
 
 /* ---- what the sanitizers are told ---- */
 
@@ -150,7 +154,7 @@ static void run(const uint8_t *data, size_t size)
     if (data != current)
         memcpy(current, data, size);
     current_size = size;
-    if (runs++ % 16 == 0)
+    if (has_limit && runs++ % 16 == 0)
         wind_up();
     fuzz_run(running, current, size);
 }
@@ -201,8 +205,42 @@ static uint64_t run_mutations(fuzz_random *random, uint64_t count, double second
     return done;
 }
 
+/* All seeds of a target, as they are. */
+static int run_seeds(const fuzz_target *target, const char *seeds_folder)
+{
+    char *path = iso_path_join(seeds_folder, target->name);
+    running = target;
+    read_seeds(path);
+    free(path);
+    fuzz_begin(running);
+    for (size_t i = 0; i < seed_count; ++i)
+        run(seeds[i].data, seeds[i].size);
+    printf("%-16s %4zu seeds\n", running->name, seed_count);
+    return seed_count > 0 ? 0 : 1;
+}
+
+static int run_seeds_of_each(const char *seeds_folder, char **names)
+{
+    int failed = 0;
+    for (; *names; ++names) {
+        const fuzz_target *target = fuzz_find(*names);
+        int status = 1;
+        fflush(stdout);
+        const pid_t child = target ? fork() : -1;
+        if (child == 0)
+            exit(run_seeds(target, seeds_folder));
+        if (child < 0 || waitpid(child, &status, 0) != child || status != 0) {
+            fprintf(stderr, "fuzz: %s: failed\n", *names);
+            failed = 1;
+        }
+    }
+    return failed;
+}
+
 int main(int argc, char **argv)
 {
+    if (argc > 3 && strcmp(argv[1], "--seeds") == 0)
+        return run_seeds_of_each(argv[2], argv + 3);
     running = argc > 1 ? fuzz_find(argv[1]) : NULL;
     if (argc == 2 && strcmp(argv[1], "--list") == 0) {
         for (const fuzz_target *t = fuzz_targets; t->name; ++t)
@@ -225,6 +263,7 @@ int main(int argc, char **argv)
     if (argc > 2)
         read_seeds(argv[2]);
     watch();
+    has_limit = true;
     fuzz_begin(running);
     for (size_t i = 0; i < seed_count; ++i)
         run(seeds[i].data, seeds[i].size);

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/* threads.c - what works with several threads, small, to be watched by the sanitizer of threads (tests/threads/run.sh).
+ *
+ *     isoshade-threads PART        build, stream, reference, cast, progress; race: a fault that is planted
+ */
+#define _GNU_SOURCE
+#include "tests/folder.h"
+#include "tests/test.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#include "base/progress_line.h"
+#include "pyramid/pyramid_stream.h"
+#include "render/cpu/caster.h"
+#include "render/reference.h"
+#include "scene/scene.h"
+#include "volume/stream.h"
+#include "volume/synthetic.h"
+
+enum { THREADS = 3 };
+
+static void make_volume(iso_volume *v)
+{
+    const iso_field field = {.kind = ISO_FIELD_SHELLS,
+                             .geometry = iso_geometry_axis_aligned((size_t[]){21, 18, 24}, (double[]){1, 0.9, 1.2}),
+                             .seed = 1};
+    assert_ok(iso_field_sample(&field, ISO_U16, v, &err));
+}
+
+static iso_pyramid_options options_of(iso_scalar_filter scalar, iso_direction_filter direction)
+{
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 3;
+    opt.threads = THREADS;
+    opt.scalar_filter = scalar;
+    opt.direction_filter = direction;
+    return opt;
+}
+
+static void build_with(iso_scalar_filter scalar, iso_direction_filter direction)
+{
+    iso_volume v;
+    iso_pyramid p;
+    const iso_pyramid_options opt = options_of(scalar, direction);
+    make_volume(&v);
+    assert_ok(iso_pyramid_build(&v, "threads", &opt, &p, NULL, &err));
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
+static void build(void)
+{
+    build_with(ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS);
+    build_with(ISO_SCALAR_GAUSS, ISO_DIRECTION_EQ1);
+    build_with(ISO_SCALAR_LEAST_SQUARES, ISO_DIRECTION_TENSOR);
+    build_with(ISO_SCALAR_DAMPED, ISO_DIRECTION_AUTO);
+}
+
+static iso_status open_path(void *user, iso_volume_source **source, iso_error *err)
+{
+    return iso_source_open(user, source, err);
+}
+
+/* From a file to files, a few planes at a time: threads read and write beside those that compute. */
+static void stream(void)
+{
+    char *source = iso_path_join(folder, "v.nrrd"), *pyramid = iso_path_join(folder, "v.iso");
+    iso_volume v;
+    iso_stream_report report;
+    const iso_pyramid_options opt = options_of(ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS);
+    const iso_stream_options how = {.max_slab = 4};
+    const iso_stream_input in = {open_path, source, source};
+    make_volume(&v);
+    assert_ok(iso_volume_save(&v, source, false, &err));
+    assert_ok(iso_pyramid_stream(&in, &opt, &how, pyramid, &report, NULL, &err));
+    iso_volume_destroy(&v);
+    free(source);
+    free(pyramid);
+}
+
+typedef struct shown {
+    iso_volume volume;
+    iso_pyramid pyramid;
+    iso_view view;
+} shown;
+
+static void make_shown(shown *s)
+{
+    iso_scene scene;
+    const iso_pyramid_options opt = options_of(ISO_SCALAR_MEAN, ISO_DIRECTION_MOMENTS);
+    make_volume(&s->volume);
+    assert_ok(iso_pyramid_build(&s->volume, "threads", &opt, &s->pyramid, NULL, &err));
+    const iso_level *level = &s->pyramid.levels[0];
+    assert_ok(iso_scene_load("refscenes/shells.scene.json", &scene, &err));
+    scene.width = 24, scene.height = 20;
+    assert_ok(iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &s->view, &err));
+    iso_scene_destroy(&scene);
+}
+
+static void destroy_shown(shown *s)
+{
+    iso_view_destroy(&s->view);
+    iso_pyramid_destroy(&s->pyramid);
+    iso_volume_destroy(&s->volume);
+}
+
+static void reference(void)
+{
+    shown s;
+    iso_image image;
+    iso_reference_options opt = iso_reference_defaults();
+    opt.threads = THREADS;
+    make_shown(&s);
+    assert_ok(iso_reference_render(&s.pyramid.levels[0], s.pyramid.options.code, &s.view, &opt, &image, NULL, &err));
+    iso_image_destroy(&image);
+    destroy_shown(&s);
+}
+
+static void cast(void)
+{
+    shown s;
+    iso_image image;
+    iso_cpu_options opt = iso_cpu_defaults();
+    opt.threads = THREADS;
+    make_shown(&s);
+    assert_ok(iso_cpu_render(&s.pyramid.levels[0], s.pyramid.options.code, &s.view, &opt, &image, &err));
+    iso_image_destroy(&image);
+    destroy_shown(&s);
+}
+
+/* The line is written by a thread of its own while the work reports. */
+static void progress(void)
+{
+    iso_progress_line *line = iso_progress_line_create("threads");
+    assert_non_null(line);
+    const iso_progress p = iso_progress_of_line(line);
+    iso_progress_line_begin_phase(line, "work");
+    for (int i = 0; i <= 20; ++i) {
+        iso_progress_report(&p, "work", i / 20.0);
+        usleep(10000);
+    }
+    iso_progress_line_destroy(line);
+}
+
+static void race(void)
+{
+    static int shared;
+#pragma omp parallel for num_threads(THREADS)
+    for (int i = 0; i < 1000; ++i)
+        ++shared;
+    printf("%d\n", shared);
+}
+
+static const struct {
+    const char *name;
+    void (*run)(void);
+} parts[] = {{"build", build}, {"stream", stream},     {"reference", reference},
+             {"cast", cast},   {"progress", progress}, {"race", race}};
+static const char *wanted;
+
+static void the_part(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+        if (strcmp(parts[i].name, wanted) == 0) {
+            parts[i].run();
+            return;
+        }
+    fail_msg("there is no part %s", wanted);
+}
+
+int main(int argc, char **argv)
+{
+    wanted = argc > 1 ? argv[1] : "";
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_part)};
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
