@@ -157,13 +157,27 @@ static char *data_file_of(char *line)
 static iso_status take_line(look *l, char *line, bool *list, bool *any, iso_error *err)
 {
     char *value = *list ? line : data_file_of(line);
-    if (!value || !*value)
+    if (!value)
         return ISO_OK;
+    if (!*value)
+        return iso_fail(err, ISO_E_FORMAT, "%s: names a data file without a name", l->path);
     *any = true;
     if (*list || (strncasecmp(value, "LIST", 4) != 0 && !number_place(value)))
         return add_name(l, value, err);
     *list = strncasecmp(value, "LIST", 4) == 0;
     return *list ? ISO_OK : add_numbered(l, value, err);
+}
+
+/* A comment of bytes that teem leaves out, of which nothing is left: it would look before its begin. */
+static bool is_unprintable_comment(const char *line)
+{
+    const char *text = line + strspn(line, "# ");
+    if (line[0] != '#' || !*text)
+        return false;
+    for (; *text; ++text)
+        if ((*text >= ' ' && *text <= '~') || (*text >= '\t' && *text <= '\r'))
+            return false;
+    return true;
 }
 
 static iso_status look_at(look *l, FILE *header, bool *any, iso_error *err)
@@ -178,6 +192,11 @@ static iso_status look_at(look *l, FILE *header, bool *any, iso_error *err)
                               MOST_LINE);
         else if (!ended) /* teem would take bytes behind it for its end */
             status = iso_fail(err, ISO_E_FORMAT, "%s: its header ends within a line", l->path);
+        else if (strlen(line) != (size_t)n)
+            status = iso_fail(err, ISO_E_FORMAT, "%s: its header holds a byte of 0", l->path);
+        else if (is_unprintable_comment(line))
+            status = iso_fail(err, ISO_E_FORMAT, "%s: a comment of its header holds no character that can be read",
+                              l->path);
         else
             status = take_line(l, line, &list, any, err);
     }

@@ -9,7 +9,8 @@
 
 /* teem prints a name's pattern by sprintf() into a buffer that is 10 bytes longer than it, whatever it holds; it opens pipes,
  * takes "-" for its input, and counts to any number of files; a message of more than 1024 bytes, and a last line without
- * its end, are too much for it. So patterns have one place for a number, of at most two digits' width, files are regular
+ * its end, are too much for it; of an empty name it takes the byte behind, of a comment without a character that can be read
+ * the byte before. So patterns have one place for a number, of at most two digits' width, files are regular
  * ones, and at most ISO_NRRD_MOST_FILES, and lines are short and whole. *bytes: of all of them together; below 0 where the
  * header names none. ISO_E_FORMAT, ISO_E_IO, ISO_E_MEMORY. */
 enum { ISO_NRRD_MOST_FILES = 65536 };
