@@ -108,7 +108,7 @@ static iso_status adapt_one(const adapt_run *run, size_t level, iso_error *err)
 {
     const iso_tf_arguments *a = run->a;
     const char *input = a->cli->arguments[1];
-    iso_adapt_options opt;
+    iso_adapt_options opt = {0};
     iso_adapt_judgment v;
     iso_tf_table table = {0};
     iso_tf file = {0};
