@@ -4,7 +4,7 @@
 # sources of the Debian packages that are installed, with clang's sanitizers and with what libFuzzer is led by. The archive is
 # FOLDER/libreaders.a (build/third_party):
 #
-#   tests/fuzz/third_party.sh && make fuzz FUZZ_LIBS=build/third_party/libreaders.a FUZZ="nrrd nhdr nifti"
+#   tests/fuzz/third_party.sh && make fuzz FUZZ_LIBS="build/third_party/libreaders.a -lbz2" FUZZ="nrrd nhdr nifti"
 #
 # Sources come by apt-get from a list of their own, so that the system's lists stay as they are. For another compiler than
 # clang: FUZZ_CC=gcc FUZZ_FLAGS="-O1 -g -fsanitize=address,undefined".
