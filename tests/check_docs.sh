@@ -105,7 +105,7 @@ check a_long_line_is_found test "$(long_lines planted)" = "README.md:3 has 121 c
 check a_broken_link_is_found test "$(broken_links planted)" = "README.md links to doc/gone.md, which is not there"
 check a_lonely_page_is_found test "$(unlinked planted)" = "doc/lonely.md is not linked"
 check a_picture_without_a_command_is_found test "$(undrawn planted)" = "doc/figures/p.png is drawn by no command"
-printf 'draw_p() { # doc/a.md\n    echo >p.png\n}\nquick="other"\n' >planted/refscenes/figures.sh
+printf 'draw_p() {\n    echo >p.png\n}\nquick="other"\n' >planted/refscenes/figures.sh
 check a_picture_that_no_list_has_is_found test "$(undrawn planted)" = "doc/figures/p.png is drawn by no command that is called: draw_p"
 sed -i 's/other/draw-p/' planted/refscenes/figures.sh
 check a_picture_of_a_list_is_not test -z "$(undrawn planted)"
