@@ -108,7 +108,7 @@ if what == "bit":
 elif what == "range":
     about["levels"][0]["max"] *= 2
 else:
-    level["geometry"]["box_index"][0] -= 1
+    level["geometry"]["box_index"][0] -= 0.25
 write_description(path, about)
 PY
 export TESTS=$top/tests

@@ -408,12 +408,10 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
         iso_report_put(r, "seconds", "total", json_real(iso_clock_seconds() - r->start_seconds));
     iso_error missing = {""};
     status = iso_report_files_charts(r->out.temp_path, r->root, json_object_get(r->inlined, "charts"), &missing);
-    if (status == ISO_E_MISSING) {
+    if (status == ISO_E_MISSING)
         json_object_set_new(r->root, "charts_missing", json_string(missing.text));
-        status = ISO_OK;
-    } else if (status != ISO_OK) {
+    else if (status != ISO_OK)
         return iso_fail(err, status, "%s", missing.text);
-    }
     status = iso_report_files_page(r->out.temp_path, r->root, r->inlined, err);
     if (status == ISO_OK)
         status = iso_output_commit(&r->out, err);
