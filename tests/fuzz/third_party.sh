@@ -21,7 +21,10 @@ done
 # ---- the sources ----
 if ! ls -d teem-*/ >/dev/null 2>&1 || ! ls -d nifti*/ >/dev/null 2>&1; then
     . /etc/os-release
-    printf 'deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] http://deb.debian.org/debian %s main\n' "$VERSION_CODENAME" >sources.list
+    # From where the system has its packages.
+    mirror=$(apt-get indextargets --format '$(REPO_URI)' "Codename: $VERSION_CODENAME" 'Created-By: Packages' 'Component: main' | head -n 1)
+    [ -n "$mirror" ] || { echo "third_party.sh: apt-get knows no mirror of $VERSION_CODENAME" >&2; exit 7; }
+    printf 'deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] %s %s main\n' "$mirror" "$VERSION_CODENAME" >sources.list
     ours=(-q -o Dir::Etc::sourcelist="$folder/sources.list" -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$folder/lists" -o APT::Sandbox::User=root)
     apt-get "${ours[@]}" update
     apt-get "${ours[@]}" source teem nifticlib
