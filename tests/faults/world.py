@@ -19,7 +19,8 @@ SCENE, TF = f"{TOP}/refscenes/shells.scene.json", f"{TOP}/refscenes/shells.tf.js
 PROGRESS = re.compile(r"^[a-z ]+: .* [0-9]+ %(, about .* left)?$|^[a-z ]+: ended after ")
 # An output is a picture, a report ... of one run: what tells when, and how long, differs.
 UUID = re.compile(rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
-PASSING = re.compile(r"second|time|date|_ms$|per_s|speed|version_of|host", re.I)
+# Of a chart also how many frames were timed, and the numbers of the points on its front of time.
+PASSING = re.compile(r"second|time|date|_ms$|per_s|speed|version_of|host|\.cases\[[0-9]+\]\.(frames|number)$", re.I)
 
 # name: (fixtures, arguments); {S}, {T}: scene and transfer function. Fixtures are made once by the commands of their names.
 small = "--size 8"
@@ -61,7 +62,8 @@ COMMANDS = {
     "render cpu": ("s.iso", "render s.iso --scene {S} --with cpu --size 8 -o o.exr -q"),
     "render external": ("s.iso s.exr r.json", "render s.iso --scene {S} --with copier --renderers r.json --size 8 -o o.exr -q"),
     "render gl": ("s.iso", "render s.iso --scene {S} --with gl --size 8 -o o.exr -q"),
-    "chart": ("s.nrrd", "chart s.nrrd --scene {S} --budget 1 --size 8 -o o -q"),
+    "chart": ("s.nrrd", "chart s.nrrd --scene {S} --budget 0 --size 8 --levels 1 --with gl --steps 1 --codes fit --filters moments "
+              "--estimators central --plans none -o o -q"),
     "validate": ("s.nrrd", "validate s.nrrd --scene {S} --with reference,gl --quick --levels 1 --size 12 -o o -q"),
     "render povray": ("s.iso", "render s.iso --scene {S} --with povray --intervals 10 --size 8 -o o.exr -q"),
     "render cycles": ("s.iso", "render s.iso --scene {S} --with cycles --size 8 -o o.exr -q"),
