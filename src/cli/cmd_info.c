@@ -16,7 +16,7 @@
 #include "tf/histogram_verify.h"
 #include "volume/format.h"
 #include "volume/segments.h"
-#include "volume/survey.h"
+#include "volume/overview.h"
 
 /* What the file says of its lengths. */
 static void print_unit(const iso_volume_notes *n)
@@ -80,7 +80,7 @@ static void print_segments(const json_t *segments)
         printf("  label      and %zu more: --json has all\n", count - LISTED);
 }
 
-static void print_text(const char *path, const iso_survey *f)
+static void print_text(const char *path, const iso_overview *f)
 {
     const iso_volume *v = &f->header;
     const iso_geometry *g = &v->geometry;
@@ -104,8 +104,8 @@ static void print_text(const char *path, const iso_survey *f)
     }
     printf("  range      %.9g to %.9g, mean %.6g\n", f->stats.min, f->stats.max, f->stats.mean);
     printf("  percentiles");
-    for (int p = 0; p < ISO_SURVEY_PERCENTS; ++p)
-        printf("  %g %%: %.5g", iso_survey_percents[p], f->percentile[p]);
+    for (int p = 0; p < ISO_OVERVIEW_PERCENTS; ++p)
+        printf("  %g %%: %.5g", iso_overview_percents[p], f->percentile[p]);
     printf("\n  histogram, counts in logs\n");
     iso_histogram_print(&f->shown, 2, stdout);
     print_scale(&v->notes);
@@ -121,7 +121,7 @@ static json_t *integers(const size_t *values, size_t count)
     return list;
 }
 
-static void print_json(const iso_cli *cli, const char *path, const iso_survey *f)
+static void print_json(const iso_cli *cli, const char *path, const iso_overview *f)
 {
     const iso_volume *v = &f->header;
     const iso_geometry *g = &v->geometry;
@@ -141,9 +141,9 @@ static void print_json(const iso_cli *cli, const char *path, const iso_survey *f
     json_object_set_new(root, "min", json_real(f->stats.min));
     json_object_set_new(root, "max", json_real(f->stats.max));
     json_object_set_new(root, "mean", json_real(f->stats.mean));
-    json_object_set_new(root, "percents", iso_json_numbers(iso_survey_percents, ISO_SURVEY_PERCENTS));
-    json_object_set_new(root, "percentiles", iso_json_numbers(f->percentile, ISO_SURVEY_PERCENTS));
-    json_object_set_new(root, "histogram", integers(f->bins, ISO_SURVEY_BINS));
+    json_object_set_new(root, "percents", iso_json_numbers(iso_overview_percents, ISO_OVERVIEW_PERCENTS));
+    json_object_set_new(root, "percentiles", iso_json_numbers(f->percentile, ISO_OVERVIEW_PERCENTS));
+    json_object_set_new(root, "histogram", integers(f->bins, ISO_OVERVIEW_BINS));
     json_object_set_new(root, "unit", json_string(unit));
     json_object_set_new(root, "unit_is_named", json_boolean(v->notes.unit[0] != 0));
     json_object_set_new(root, "unit_mm", json_real(v->notes.unit_mm));
@@ -161,7 +161,7 @@ static void print_json(const iso_cli *cli, const char *path, const iso_survey *f
 }
 
 /* --histogram: the same, drawn finer. */
-static iso_status draw_histogram(const char *path, const iso_survey *f, const char *picture, iso_error *err)
+static iso_status draw_histogram(const char *path, const iso_overview *f, const char *picture, iso_error *err)
 {
     const size_t *n = f->header.geometry.size;
     char title[512];
@@ -175,9 +175,9 @@ static iso_status show(const iso_cli *cli, const iso_volume_input *input, const 
     enum { DRAWN_BINS = 512 };
     const char *path = cli->arguments[0];
     const iso_progress progress = iso_cli_progress(cli);
-    const iso_survey_options opt = {.drawn_bins = picture ? DRAWN_BINS : 0, .threads = cli->threads};
-    iso_survey facts;
-    iso_status status = iso_survey_run(path, input, &opt, &facts, &progress, err);
+    const iso_overview_options opt = {.drawn_bins = picture ? DRAWN_BINS : 0, .threads = cli->threads};
+    iso_overview facts;
+    iso_status status = iso_overview_run(path, input, &opt, &facts, &progress, err);
     if (status != ISO_OK)
         return status;
     if (picture)
@@ -186,7 +186,7 @@ static iso_status show(const iso_cli *cli, const iso_volume_input *input, const 
         print_json(cli, path, &facts);
     else if (status == ISO_OK)
         print_text(path, &facts);
-    iso_survey_destroy(&facts);
+    iso_overview_destroy(&facts);
     return status;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "volume/survey.h"
+#include "volume/overview.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@ enum { FINE_BINS = 16384 };
 #define USUAL_KEPT_BYTES ((size_t)256 << 20)
 #define USUAL_SLAB_BYTES ((size_t)32 << 20)
 
-const double iso_survey_percents[ISO_SURVEY_PERCENTS] = {1, 25, 50, 75, 99};
+const double iso_overview_percents[ISO_OVERVIEW_PERCENTS] = {1, 25, 50, 75, 99};
 
 /* What one thread counted. */
 typedef struct counts {
@@ -21,25 +21,26 @@ typedef struct counts {
     float *row;
 } counts;
 
-typedef struct surveyor {
+typedef struct slab_reading {
     const char *path;
     const iso_volume_input *input;
-    const iso_survey_options *opt;
+    const iso_overview_options *opt;
     const iso_progress *progress;
-    iso_survey *out;
+    iso_overview *out;
     iso_volume slab; /* planes that were read; all of them where is_kept */
     bool is_kept, are_whole;
     size_t planes; /* that a slab has at most */
     double sum;
     int threads;
     counts *counts; /* of each thread */
-} surveyor;
+} slab_reading;
 
-typedef iso_status slab_visitor(surveyor *s, size_t first_plane, iso_error *err);
+typedef iso_status slab_visitor(slab_reading *s, size_t first_plane, iso_error *err);
 
 /* ---- reading ---- */
 
-static iso_status read_slabs(surveyor *s, iso_volume_source *source, double done, slab_visitor *visit, iso_error *err)
+static iso_status read_slabs(slab_reading *s, iso_volume_source *source, double done, slab_visitor *visit,
+                             iso_error *err)
 {
     const size_t nz = s->out->header.geometry.size[2];
     iso_status status = ISO_OK;
@@ -54,7 +55,7 @@ static iso_status read_slabs(surveyor *s, iso_volume_source *source, double done
 }
 
 /* done: of all the work, before this half of it. */
-static iso_status each_slab(surveyor *s, double done, slab_visitor *visit, iso_error *err)
+static iso_status each_slab(slab_reading *s, double done, slab_visitor *visit, iso_error *err)
 {
     iso_volume_source *source = NULL;
     if (s->is_kept)
@@ -67,7 +68,7 @@ static iso_status each_slab(surveyor *s, double done, slab_visitor *visit, iso_e
 }
 
 /* The samples of one slab of a volume that is too large to be kept. */
-static iso_status make_slab(surveyor *s, const iso_volume *header, size_t plane_bytes, iso_error *err)
+static iso_status make_slab(slab_reading *s, const iso_volume *header, size_t plane_bytes, iso_error *err)
 {
     const size_t bytes = s->opt->slab_bytes ? s->opt->slab_bytes : USUAL_SLAB_BYTES, nz = header->geometry.size[2];
     s->out->header = *header;
@@ -81,7 +82,7 @@ static iso_status make_slab(surveyor *s, const iso_volume *header, size_t plane_
     return iso_volume_input_labels(s->path, s->input, &s->out->header.notes.label_count, err);
 }
 
-static iso_status keep_all(surveyor *s, iso_volume_source *source, iso_error *err)
+static iso_status keep_all(slab_reading *s, iso_volume_source *source, iso_error *err)
 {
     iso_progress_report(s->progress, "read", 0);
     iso_status status = iso_volume_input_load_source(source, s->path, s->input, &s->slab, err);
@@ -94,7 +95,7 @@ static iso_status keep_all(surveyor *s, iso_volume_source *source, iso_error *er
     return ISO_OK;
 }
 
-static iso_status open_volume(surveyor *s, iso_error *err)
+static iso_status open_volume(slab_reading *s, iso_error *err)
 {
     const size_t kept = s->opt->kept_bytes ? s->opt->kept_bytes : USUAL_KEPT_BYTES;
     iso_volume_source *source = NULL;
@@ -123,7 +124,7 @@ static double exact_sample(const iso_volume *v, size_t at)
     }
 }
 
-static void measure_rounding(const iso_volume *v, iso_survey *out)
+static void measure_rounding(const iso_volume *v, iso_overview *out)
 {
     if (v->type != ISO_U32 && v->type != ISO_I32 && v->type != ISO_F64)
         return;
@@ -135,14 +136,15 @@ static void measure_rounding(const iso_volume *v, iso_survey *out)
     }
 }
 
-static iso_status refuse_nonfinite(const surveyor *s, size_t first_plane, const iso_volume_stats *stats, iso_error *err)
+static iso_status refuse_nonfinite(const slab_reading *s, size_t first_plane, const iso_volume_stats *stats,
+                                   iso_error *err)
 {
     const size_t *at = stats->first_nonfinite;
     return iso_fail(err, ISO_E_RANGE, "%s: voxel (%zu, %zu, %zu) is NaN or infinite, none may be", s->path, at[0],
                     at[1], first_plane + at[2]);
 }
 
-static iso_status measure_slab(surveyor *s, size_t first_plane, iso_error *err)
+static iso_status measure_slab(slab_reading *s, size_t first_plane, iso_error *err)
 {
     const iso_volume_stats stats = iso_volume_measure(&s->slab);
     iso_volume_stats *all = &s->out->stats;
@@ -156,7 +158,7 @@ static iso_status measure_slab(surveyor *s, size_t first_plane, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status measure(surveyor *s, iso_error *err)
+static iso_status measure(slab_reading *s, iso_error *err)
 {
     s->out->stats = (iso_volume_stats){.min = INFINITY, .max = -INFINITY};
     s->are_whole = true;
@@ -167,14 +169,14 @@ static iso_status measure(surveyor *s, iso_error *err)
 
 /* ---- counting ---- */
 
-static iso_status begin_counts(surveyor *s, counts *c, iso_error *err)
+static iso_status begin_counts(slab_reading *s, counts *c, iso_error *err)
 {
     const iso_volume_stats *stats = &s->out->stats;
     c->row = malloc(s->out->header.geometry.size[0] * sizeof *c->row);
     c->fine = calloc(FINE_BINS, sizeof *c->fine);
     iso_status status = c->row && c->fine ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for counts", s->path);
     if (status == ISO_OK)
-        status = iso_value_histogram_begin(s->are_whole, stats->min, stats->max, ISO_SURVEY_BINS, &c->shown, err);
+        status = iso_value_histogram_begin(s->are_whole, stats->min, stats->max, ISO_OVERVIEW_BINS, &c->shown, err);
     if (status == ISO_OK && s->opt->drawn_bins)
         status = iso_value_histogram_begin(s->are_whole, stats->min, stats->max, s->opt->drawn_bins, &c->drawn, err);
     return status;
@@ -188,7 +190,7 @@ static void end_counts(counts *c)
     iso_value_histogram_destroy(&c->drawn);
 }
 
-static void count_row(const surveyor *s, counts *c)
+static void count_row(const slab_reading *s, counts *c)
 {
     const size_t nx = s->out->header.geometry.size[0];
     const double lo = s->out->stats.min, width = s->out->stats.max - lo;
@@ -201,7 +203,7 @@ static void count_row(const surveyor *s, counts *c)
         iso_value_histogram_add(&c->drawn, c->row, nx);
 }
 
-static iso_status count_slab(surveyor *s, size_t first_plane, iso_error *err)
+static iso_status count_slab(slab_reading *s, size_t first_plane, iso_error *err)
 {
     (void)first_plane;
     (void)err;
@@ -215,7 +217,7 @@ static iso_status count_slab(surveyor *s, size_t first_plane, iso_error *err)
     return ISO_OK;
 }
 
-static void add_counts(surveyor *s)
+static void add_counts(slab_reading *s)
 {
     for (int t = 1; t < s->threads; ++t) {
         for (size_t b = 0; b < FINE_BINS; ++b)
@@ -227,20 +229,20 @@ static void add_counts(surveyor *s)
     iso_value_histogram_end(&s->counts[0].drawn);
 }
 
-static void find_percentiles(iso_survey *out, const size_t *fine)
+static void find_percentiles(iso_overview *out, const size_t *fine)
 {
     const double count = (double)iso_geometry_voxel_count(&out->header.geometry),
                  bin = (out->stats.max - out->stats.min) / FINE_BINS;
     double below = 0;
     for (int b = 0, p = 0; b < FINE_BINS; ++b) {
-        out->bins[b * ISO_SURVEY_BINS / FINE_BINS] += fine[b];
+        out->bins[b * ISO_OVERVIEW_BINS / FINE_BINS] += fine[b];
         below += (double)fine[b];
-        for (; p < ISO_SURVEY_PERCENTS && below >= iso_survey_percents[p] / 100 * count; ++p)
+        for (; p < ISO_OVERVIEW_PERCENTS && below >= iso_overview_percents[p] / 100 * count; ++p)
             out->percentile[p] = out->stats.min + bin * b;
     }
 }
 
-static iso_status count_all(surveyor *s, iso_error *err)
+static iso_status count_all(slab_reading *s, iso_error *err)
 {
     s->counts = calloc((size_t)s->threads, sizeof *s->counts);
     iso_status status = s->counts ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for counts", s->path);
@@ -261,16 +263,16 @@ static iso_status count_all(surveyor *s, iso_error *err)
     return status;
 }
 
-iso_status iso_survey_run(const char *path, const iso_volume_input *input, const iso_survey_options *opt,
-                          iso_survey *out, const iso_progress *progress, iso_error *err)
+iso_status iso_overview_run(const char *path, const iso_volume_input *input, const iso_overview_options *opt,
+                            iso_overview *out, const iso_progress *progress, iso_error *err)
 {
-    surveyor s = {.path = path,
-                  .input = input,
-                  .opt = opt,
-                  .progress = progress,
-                  .out = out,
-                  .threads = iso_threads(opt->threads)};
-    *out = (iso_survey){0};
+    slab_reading s = {.path = path,
+                      .input = input,
+                      .opt = opt,
+                      .progress = progress,
+                      .out = out,
+                      .threads = iso_threads(opt->threads)};
+    *out = (iso_overview){0};
     iso_status status = open_volume(&s, err);
     if (status == ISO_OK)
         status = measure(&s, err);
@@ -278,11 +280,11 @@ iso_status iso_survey_run(const char *path, const iso_volume_input *input, const
         status = count_all(&s, err);
     iso_volume_destroy(&s.slab);
     if (status != ISO_OK)
-        iso_survey_destroy(out);
+        iso_overview_destroy(out);
     return status;
 }
 
-void iso_survey_destroy(iso_survey *s)
+void iso_overview_destroy(iso_overview *s)
 {
     iso_volume_destroy(&s->header);
     iso_value_histogram_destroy(&s->shown);

@@ -6,7 +6,7 @@
 
 #include "tests/folder.h"
 #include "tests/test.h"
-#include "volume/survey.h"
+#include "volume/overview.h"
 
 enum { NX = 7, NY = 5, NZ = 11, COUNT = NX * NY * NZ };
 
@@ -31,7 +31,7 @@ static void write_volume(const char *path, iso_type type, size_t changed)
     iso_volume v;
     iso_volume_sink *sink = NULL;
     const iso_geometry g = iso_geometry_axis_aligned((const size_t[]){NX, NY, NZ}, (const double[]){1, 1, 1});
-    assert_ok(iso_volume_create(&v, &g, type, "survey", &err));
+    assert_ok(iso_volume_create(&v, &g, type, "overview", &err));
     for (size_t i = 0; i < COUNT; ++i)
         put(&v, i, i == changed ? 255 : value_of(i));
     assert_ok(iso_sink_open(path, &v, false, &sink, &err));
@@ -40,16 +40,16 @@ static void write_volume(const char *path, iso_type type, size_t changed)
     iso_volume_destroy(&v);
 }
 
-static iso_survey look(const char *path, size_t kept_bytes, size_t slab_bytes, int threads)
+static iso_overview look(const char *path, size_t kept_bytes, size_t slab_bytes, int threads)
 {
     iso_volume_input input;
-    iso_survey s;
+    iso_overview s;
     iso_volume_input_defaults(&input);
-    const iso_survey_options opt = {.kept_bytes = kept_bytes,
-                                    .slab_bytes = slab_bytes,
-                                    .drawn_bins = 512,
-                                    .threads = threads};
-    assert_ok(iso_survey_run(path, &input, &opt, &s, NULL, &err));
+    const iso_overview_options opt = {.kept_bytes = kept_bytes,
+                                      .slab_bytes = slab_bytes,
+                                      .drawn_bins = 512,
+                                      .threads = threads};
+    assert_ok(iso_overview_run(path, &input, &opt, &s, NULL, &err));
     return s;
 }
 
@@ -59,7 +59,7 @@ static bool are_same_bins(const iso_value_histogram *a, const iso_value_histogra
            memcmp(a->bins, b->bins, a->count * sizeof *a->bins) == 0;
 }
 
-static bool are_same(const iso_survey *a, const iso_survey *b)
+static bool are_same(const iso_overview *a, const iso_overview *b)
 {
     return a->stats.min == b->stats.min && a->stats.max == b->stats.max &&
            fabs(a->stats.mean - b->stats.mean) <= 1e-13 * fabs(a->stats.max) && /* sums in another order */
@@ -77,34 +77,34 @@ static void slabs_of_any_size_say_what_the_whole_volume_says(void **state)
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         char *path = iso_path_join(folder, "volume.nrrd");
         write_volume(path, types[t], COUNT);
-        iso_survey whole = look(path, 0, 0, 1);
+        iso_overview whole = look(path, 0, 0, 1);
         const size_t plane = NX * NY * iso_type_bytes(types[t]);
         for (size_t planes = 1; planes <= NZ; planes += 3)
             for (int threads = 1; threads <= 3; threads += 2) {
-                iso_survey s = look(path, 1, planes * plane, threads);
+                iso_overview s = look(path, 1, planes * plane, threads);
                 assert_true(are_same(&whole, &s));
-                iso_survey_destroy(&s);
+                iso_overview_destroy(&s);
             }
         assert_int_equal(whole.rounded > 0, types[t] == ISO_F64);
         assert_null(whole.header.data);
-        iso_survey_destroy(&whole);
+        iso_overview_destroy(&whole);
         free(path);
     }
 }
 
 /* The planted fault, in the last slab, which has one plane. */
-static void a_changed_voxel_changes_the_survey(void **state)
+static void a_changed_voxel_changes_the_overview(void **state)
 {
     (void)state;
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         char *path = iso_path_join(folder, "volume.nrrd"), *other = iso_path_join(folder, "other.nrrd");
         write_volume(path, types[t], COUNT);
         write_volume(other, types[t], COUNT - 1);
-        iso_survey a = look(path, 1, 2 * NX * NY * iso_type_bytes(types[t]), 2),
-                   b = look(other, 1, 2 * NX * NY * iso_type_bytes(types[t]), 2);
+        iso_overview a = look(path, 1, 2 * NX * NY * iso_type_bytes(types[t]), 2),
+                     b = look(other, 1, 2 * NX * NY * iso_type_bytes(types[t]), 2);
         assert_false(are_same(&a, &b));
-        iso_survey_destroy(&a);
-        iso_survey_destroy(&b);
+        iso_overview_destroy(&a);
+        iso_overview_destroy(&b);
         free(path);
         free(other);
     }
@@ -117,21 +117,21 @@ static void what_is_no_number_is_refused_with_its_place(void **state)
     iso_volume v;
     iso_volume_sink *sink = NULL;
     iso_volume_input input;
-    iso_survey s;
+    iso_overview s;
     const iso_geometry g = iso_geometry_axis_aligned((const size_t[]){NX, NY, NZ}, (const double[]){1, 1, 1});
-    assert_ok(iso_volume_create(&v, &g, ISO_F32, "survey", &err));
+    assert_ok(iso_volume_create(&v, &g, ISO_F32, "overview", &err));
     ((float *)v.data)[NX * NY * 9 + 3] = NAN;
     assert_ok(iso_sink_open(path, &v, false, &sink, &err));
     assert_ok(iso_sink_write(sink, NZ, v.data, &err));
     assert_ok(iso_sink_commit(sink, &err));
     iso_volume_destroy(&v);
     iso_volume_input_defaults(&input);
-    const iso_survey_options slabs = {.kept_bytes = 1, .slab_bytes = 2 * NX * NY * sizeof(float)};
+    const iso_overview_options slabs = {.kept_bytes = 1, .slab_bytes = 2 * NX * NY * sizeof(float)};
     iso_error why = {""};
-    assert_int_equal(iso_survey_run(path, &input, &slabs, &s, NULL, &why), ISO_E_RANGE);
+    assert_int_equal(iso_overview_run(path, &input, &slabs, &s, NULL, &why), ISO_E_RANGE);
     assert_non_null(strstr(why.text, "voxel (3, 0, 9) is NaN"));
-    const iso_survey_options kept = {.drawn_bins = 0};
-    assert_int_equal(iso_survey_run(path, &input, &kept, &s, NULL, &why), ISO_E_RANGE);
+    const iso_overview_options kept = {.drawn_bins = 0};
+    assert_int_equal(iso_overview_run(path, &input, &kept, &s, NULL, &why), ISO_E_RANGE);
     assert_non_null(strstr(why.text, "the first is (3, 0, 9)"));
     free(path);
 }
@@ -140,7 +140,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(slabs_of_any_size_say_what_the_whole_volume_says),
-        cmocka_unit_test(a_changed_voxel_changes_the_survey),
+        cmocka_unit_test(a_changed_voxel_changes_the_overview),
         cmocka_unit_test(what_is_no_number_is_refused_with_its_place),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
