@@ -9,6 +9,9 @@ has_files chart_has chart scale.csv scale.gp scale.svg style.gp
 check six_commands_had_a_volume test "$(grep -c '"voxels": 262144' scale.json)" = 6
 notice one_that_fails_would_be_seen grep -q '"left_out"' scale.json
 check one_size_has_no_slope grep -q '"slope": null' scale.json
+expect grain_is_measured 0 "$ISOSHADE" bench scale --largest 64 --repeat 1 --of grain --only build --json -q
+check grain_was_made grep -q '"of": "grain"' out
+refuse a_content_that_is_none 2 'one of: shells, grain' "$ISOSHADE" bench scale --of ramp
 refuse a_size_that_is_none 2 'wanted 64, 128' "$ISOSHADE" bench scale --largest 100
 refuse a_format_that_is_none 2 'svg or pdf' "$ISOSHADE" bench scale --format bmp
 exit $failed

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/machine.h"
+#include "base/names.h"
 #include "base/process.h"
 #include "base/words.h"
 #include "bench/bench.h"
@@ -25,6 +26,16 @@ enum { MOST_SIZES = 6, MOST_WORDS = 32, SHORT_SECONDS = 5 };
 /* By a factor of 8 in voxels; the last one of 4. */
 static const size_t sizes[MOST_SIZES][3] = {{64, 64, 64},    {128, 128, 128},    {256, 256, 256},
                                             {512, 512, 512}, {1024, 1024, 1024}, {2048, 2048, 1024}};
+
+/* What the volumes hold. Shells are as thick in parts of the box at each size, so that a larger volume has more voxels that
+ * equal their neighbours; grain has the same statistics around each voxel whatever the size. */
+static const struct content {
+    const char *name, *summary, *make;
+} contents[] = {
+    {"shells", "two thin shells: the larger, the more voxels are like their neighbours", "make shells"},
+    {"grain", "noise in each voxel: around a voxel all sizes are alike", "make constant --grain 0.1"},
+};
+static const iso_names content_names = ISO_NAMES_OF_ROWS("content", contents);
 
 /* Commands in a folder with volume.nrrd, in an order in which each finds what it reads. */
 static const struct stage {
@@ -49,6 +60,7 @@ typedef struct point {
 typedef struct scale_bench {
     char program[4096];
     char *folder;
+    const struct content *content;
     const char *only;    /* names, between commas; or NULL for all */
     size_t count;        /* of sizes */
     int repeat;          /* of runs that take less than SHORT_SECONDS; the least counts */
@@ -100,8 +112,8 @@ static iso_status make_volume(const scale_bench *b, const size_t size[3], iso_er
 {
     char command[160];
     point unused;
-    snprintf(command, sizeof command, "make shells --size %zux%zux%zu --type uint8 -o volume.nrrd", size[0], size[1],
-             size[2]);
+    snprintf(command, sizeof command, "%s --size %zux%zux%zu --type uint8 -o volume.nrrd", b->content->make, size[0],
+             size[1], size[2]);
     return run_command(b, command, &unused, err);
 }
 
@@ -298,6 +310,7 @@ static iso_status report(const scale_bench *b, const iso_cli *cli, const char *o
 {
     if (cli->json) {
         json_t *root = iso_cli_json(cli), *all = json_array();
+        json_object_set_new(json_object_get(root, "options"), "of", json_string(b->content->name));
         for (size_t s = 0; s < STAGES; ++s)
             json_array_append_new(all, to_json(b, s));
         json_object_set_new(root, "machine", iso_machine_describe());
@@ -341,11 +354,14 @@ static iso_status run_all(scale_bench *b, const iso_cli *cli, const char *output
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     static char usual_largest[] = "512", svg[] = "svg";
-    char *largest = usual_largest, *output = NULL, *only = NULL, *format = svg;
+    static char shells[] = "shells";
+    char *largest = usual_largest, *of = shells, *output = NULL, *only = NULL, *format = svg;
+    size_t row = 0;
     scale_bench b = {.repeat = 3};
     struct poptOption options[] = {
         {"largest", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &largest, 0,
          "sizes from 64^3 to this one, by a factor of 8: 128, 256, 512, 1024, and 2048 for 2048x2048x1024", "N"},
+        {"of", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &of, 0, "what the volumes hold, see below", "NAME"},
         {"only", 0, POPT_ARG_STRING, &only, 0,
          "these: build, histogram, render, render-whole, export, plan; most of them read what build wrote", "NAME,..."},
         {"repeat", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.repeat, 0,
@@ -363,7 +379,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = count_sizes(largest, &b.count, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_words_check_range("--repeat", b.repeat, 1, 100, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_names_find(&content_names, of, &row, err);
     b.only = only;
+    b.content = &contents[row];
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = run_all(&b, &cli, output, format, err);
     iso_cli_end(&cli);
@@ -371,6 +390,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         free(largest);
     if (format != svg)
         free(format);
+    if (of != shells)
+        free(of);
     free(output);
     free(only);
     return status;
@@ -381,10 +402,13 @@ const iso_command iso_bench_scale = {
     .summary = "time and memory of build, histogram, render, export and plan against the number of voxels",
     .usage = "[options]",
     .details =
-        "Each command runs in a process of its own on shells of 8 bits, which are larger and as thick in parts of the box.\n"
+        "Each command runs in a process of its own, on volumes of 8 bits. Shells are as thick in parts of the box at each\n"
+        "size, so that a larger volume has more voxels that equal their neighbours; grain is alike around each voxel.\n"
         "The slope is that of the logarithm of processor time, less what a process costs with 16^3 voxels, by that of the\n"
         "number of voxels: 1 where time grows as the volume does. Sizes of whose time a process costs more than a tenth are\n"
         "not in it. What does not fit into memory or on the disk is left out, and says so.",
-    .examples = "isoshade bench scale --largest 64\n",
+    .examples = "isoshade bench scale --largest 64\n"
+                "isoshade bench scale --of grain --largest 128 --only build\n",
+    .lists = (const iso_names *const[]){&content_names, NULL},
     .run = run,
 };

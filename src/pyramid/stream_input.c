@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "base/parallel.h"
 
 bool iso_stream_input_create(stream_input *in, iso_volume_source *source, size_t capacity)
@@ -13,7 +14,7 @@ bool iso_stream_input_create(stream_input *in, iso_volume_source *source, size_t
     in->plane_bytes = v->geometry.size[0] * v->geometry.size[1] * iso_type_bytes(v->type);
     bool good = true;
     for (int i = 0; i < STREAM_INPUT_SETS; ++i) {
-        in->set[i].data = malloc(capacity * in->plane_bytes);
+        in->set[i].data = iso_large_alloc(capacity * in->plane_bytes);
         good = good && in->set[i].data;
     }
     return good;

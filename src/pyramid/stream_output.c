@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/large.h"
 #include "base/parallel.h"
 
 /* Hashed, then copied to the file's block while in the cache. */
@@ -49,10 +50,10 @@ size_t iso_stream_level_plane_bytes(const stream_level *l, const iso_pyramid_opt
 static bool create_set(const stream_level *l, const iso_pyramid_options *opt, iso_cascade_out *out)
 {
     const size_t n = l->capacity * l->geometry.size[0] * l->geometry.size[1];
-    out->codes = malloc(3 * n);
-    out->scalar = l->converts ? malloc(n * sizeof(float)) : NULL;
-    out->directions = opt->keep_float ? malloc(3 * n * sizeof(float)) : NULL;
-    out->magnitude = opt->keep_magnitude ? malloc(n * sizeof(float)) : NULL;
+    out->codes = iso_large_alloc(3 * n);
+    out->scalar = l->converts ? iso_large_alloc(n * sizeof(float)) : NULL;
+    out->directions = opt->keep_float ? iso_large_alloc(3 * n * sizeof(float)) : NULL;
+    out->magnitude = opt->keep_magnitude ? iso_large_alloc(n * sizeof(float)) : NULL;
     return out->codes && (out->scalar || !l->converts) && (out->directions || !opt->keep_float) &&
            (out->magnitude || !opt->keep_magnitude);
 }
