@@ -3,7 +3,7 @@
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              all of them: hours, since some time a machine
 #   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels adaptive-tf seams failures palettes papers kinds
-#   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity chart chart-page chart-across opened viewer addon
+#   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity scale chart chart-page chart-across opened viewer addon
 #                                        first-pictures
 # What needs a volume or a program that is not there says so and is left out: the volume of $ENGINE (256 x 256 x 128, else
 # ../shared/data/engine_256x256x128.nrrd), the folder $VOLUMES of doc/results/first-pictures.md, Xvfb, ImageMagick, Chromium.
@@ -113,6 +113,10 @@ sensitivity() { # doc/results/validation.md
     "$isoshade" bench power --sensitivity -q -o "$work/sensitivity"
     cp "$work/sensitivity/sensitivity.svg" "$out/validation-sensitivity.svg"
 }
+scale() { # doc/scale.md: 4 minutes, 12 GB of disk and of memory
+    "$isoshade" bench scale --largest 1024 -q -o "$work/scale" >/dev/null
+    cp "$work/scale/scale.svg" "$out/scale.svg"
+}
 chart() { # doc/results/chart.md
     "$isoshade" chart $templates/ch2bet.nii.gz --scene refscenes/brain.scene.json --size 128 --codes fit --filters moments \
         --estimators central --processor-time --budget 165 --want 1/255 -q -o "$work/chart-brain"
@@ -165,7 +169,7 @@ missing() { # name: the first thing that it needs and that is not there
 }
 
 quick="hero sheet report levels adaptive-tf seams failures palettes papers kinds"
-longer="codes gradients sensitivity chart chart-page chart-across opened viewer addon first-pictures"
+longer="codes gradients sensitivity scale chart chart-page chart-across opened viewer addon first-pictures"
 [ $# -gt 0 ] || set -- $quick $longer
 [ "$*" != quick ] || set -- $quick
 skipped=
