@@ -24,9 +24,7 @@ screenshot() { # page, picture, width, height
 
 hero() { sh refscenes/hero.sh "$out/hero.jpg"; } # README.md
 sheet() { # doc/transfer-functions.md
-    "$isoshade" scenes $templates/ch2bet.nii.gz --tf auto --tf mri-brain --tf ct-vessels --tf angiography --size 160 \
-        -q -o "$work/sheet.png" >/dev/null
-    cp "$work/sheet.png" "$out"
+    kind sheet.png $templates/ch2bet.nii.gz --kind sheet --tf auto --tf mri-brain --tf ct-vessels --tf angiography --width 110
 }
 report() { # doc/method/comparison.md
     "$isoshade" validate $templates/ch2bet.nii.gz --scene refscenes/brain.scene.json --quick --with gl --levels 2 --size 256 \
@@ -60,9 +58,7 @@ opened() { # doc/blender.md: the window of Blender by Xvfb, and ImageMagick's im
         sleep 90; import -window root -quality 80 "$2"; kill $!' opened "$work/opened.blend" "$out/blender-opened.jpg"
 }
 adaptive_tf() { # doc/method/adaptive-tf.md
-    "$isoshade" tf adapt $templates/ch2.nii.gz --tf refscenes/brain.tf.json -o "$work/ch2"
-    "$isoshade" tf show refscenes/brain.tf.json "$work/ch2_level_1.tf.json" "$work/ch2_level_2.tf.json" \
-        "$work/ch2_level_3.tf.json" --volume $templates/ch2.nii.gz -o "$out/adaptive-tf.png"
+    kind adaptive-tf.png $templates/ch2.nii.gz --scene refscenes/brain.scene.json --kind tf --levels 4 --adapt --width 170
 }
 seams() { "$isoshade" bench seams -o "$out/mixed-resolution-seams.png"; } # doc/method/mixed-resolution.md
 failures() { # doc/results/failures.md
@@ -148,7 +144,8 @@ first_pictures() { # doc/results/first-pictures.md, which says where the volumes
 needs() { # name
     case $1 in
         hero) echo $templates/ch2bet.nii.gz blender povray pdftoppm ;;
-        sheet | adaptive-tf | chart | kinds) echo $templates/ch2bet.nii.gz ;;
+        sheet | chart | kinds) echo $templates/ch2bet.nii.gz ;;
+        adaptive-tf) echo $templates/ch2.nii.gz ;;
         report) echo $templates/ch2bet.nii.gz chromium ;;
         levels) echo $templates/ch2.nii.gz blender ;;
         viewer | chart-page) echo $templates/ch2bet.nii.gz chromium python3 ;;

@@ -48,6 +48,7 @@ kind() { # name, options
 }
 forms=latex more=
 kind tf v.nrrd
+kind sheet v.nrrd --tf auto --tf simulation --view front --view 30,20 --view top
 kind failure --case thin-plates
 kind chart tried --letters
 kind plan v.nrrd --error 0.2 --size 48 # the size that plans are measured at
@@ -61,6 +62,16 @@ kind turntable v.nrrd --frames 3
 forms=svg,png,latex more=" figure.png figure.svg"
 kind methods v.nrrd --level 1 --methods naive,moments --zoom 0.4,0.3,0.25,0.25
 latex_takes latex_takes_each_kind $kinds_of_volumes
+# A picture for each pair, and a bar under each row; several levels of one transfer function on one axis.
+count_of() { pdfimages -list "$1/figure.pdf" | awk -v bars="$2" 'NR > 2 && ($4 > 6 * $5) == bars' | wc -l; }
+check a_sheet_has_a_picture_for_each_pair test "$(count_of sheet 0)-$(count_of sheet 1)" = 6-2
+check the_rows_differ test "$(rm -f s-*.ppm && pdfimages sheet/figure.pdf s && md5sum s-*.ppm | cut -d' ' -f1 | sort | uniq -d | wc -l)" = 0
+check a_sheet_names_its_sides test "$(pdftotext sheet/figure.pdf - | grep -cxE 'front|30,20|top')" = 3
+"$ISOSHADE" figure v.nrrd --kind tf --levels 3 --adapt --width 85 --formats pdf --sources -q -o adapted >/dev/null
+check each_level_has_a_transfer_function test "$(pdftotext adapted/figure.pdf - | grep -cE '^level [0-2]')-$(count_of adapted 1)" = 3-3
+curve_of() { awk '$0 == "$curve << EOD" {++n; next} $0 == "EOD" {on = 0} 1 {if (n == k && !done) print} $0 == "EOD" && n == k {done = 1}' k="$1" adapted/figure.gp; }
+check an_adapted_one_is_another_one test "$(curve_of 1 | md5sum)" != "$(curve_of 2 | md5sum)"
+check all_have_one_axis test "$(grep -o '^set xrange [^;]*; set yrange .0:1' adapted/figure.gp | sort | uniq -c | awk '{print $1}')" = 6
 check all_kinds_are_drawn_by_a_script test "$(printf '%s\n' $kinds_of_volumes $kinds_of_papers | sort)" = "$("$ISOSHADE" list | sed -n '/^kind of figures:/,/^$/s/^  \([a-z-]*\) .*/\1/p' | sort)"
 check the_png_has_the_same_pixels in_the_png methods
 check the_inset_is_told_of grep -q 'rendered again with 4 times as many pixels' methods/caption.txt
@@ -142,6 +153,9 @@ notice few_pixels_are_noticed dense_enough methods/figure.pdf 144
 # What a kind would pass over is refused, and so is what is no part of a picture.
 refuse frames_are_of_turntables 2 'kind tf does not take --frames' "$ISOSHADE" figure v.nrrd --kind tf --frames 3 -o f
 refuse a_kind_that_is_none 2 'kind of figure' "$ISOSHADE" figure v.nrrd --kind photo -o f
+refuse several_transfer_functions_are_of_a_sheet 2 'kind tf does not take several of --tf or --view' "$ISOSHADE" figure v.nrrd --kind tf --tf auto --tf simulation -o f
+refuse more_sides_than_there_is_room 5 'more than 8 times' "$ISOSHADE" figure v.nrrd --kind sheet --view={1,2,3,4,5,6,7,8,9},0 -o f
+refuse levels_of_one_transfer_function 2 'goes with --adapt' "$ISOSHADE" figure v.nrrd --kind tf --levels 3 -o f -q
 refuse regions_are_of_their_kind 2 'kind tf does not take --roi' "$ISOSHADE" figure v.nrrd --kind tf --roi 1,1,1,2,2,2 -o f
 refuse a_region_that_is_none 2 'wanted six numbers' "$ISOSHADE" figure v.nrrd --kind roi --roi 1,2 -o f -q
 refuse a_map_that_is_none 2 'color map' "$ISOSHADE" figure v.nrrd --map jet -o f

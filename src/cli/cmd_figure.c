@@ -79,6 +79,13 @@ static void print_result(const figure_arguments *a)
     iso_cli_print_json(root);
 }
 
+static void free_list(char **list)
+{
+    for (size_t i = 0; list && list[i]; ++i)
+        free(list[i]);
+    free(list);
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     figure_arguments a = {.job = {.width_mm = 178, .height_mm = 230, .dpi = 300, .surface = NAN}};
@@ -134,9 +141,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"surface", 0, POPT_ARG_DOUBLE, &job->surface, 0, "the isosurface's value, a part of the volume's range (0.5)",
          "PART"},
         ISO_CLI_SCENE_OPTION(&job->look),
-        ISO_CLI_TF_OPTIONS(&job->look),
-        {"view", 0, POPT_ARG_STRING, &job->look.view, 0,
-         "where to look from: a name of isoshade list, or degrees (the scene's; front of a patient, else iso)",
+        {"tf", 0, POPT_ARG_ARGV, &job->tfs, 0,
+         "transfer function: a file, or a preset of isoshade list (the scene's; auto); of a sheet repeated for several",
+         "FILE|PRESET"},
+        ISO_CLI_TRANSFER_OPTIONS(&job->look.transfer),
+        {"view", 0, POPT_ARG_ARGV, &job->views, 0,
+         "where to look from: a name of isoshade list, or degrees (the scene's; front of a patient, else iso); of a sheet "
+         "repeated for several (front, left, top, iso)",
          "NAME|AZ,EL"},
         {"size", 0, POPT_ARG_STRING, &job->look.size, 0, "the aspect of the pictures instead of the scene's, or of 1x1",
          "WxH"},
@@ -145,6 +156,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     };
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
+        job->look.tf = job->tfs ? job->tfs[0] : NULL;
+        job->look.view = job->views ? job->views[0] : NULL;
         job->input = cli.argument_count ? cli.arguments[0] : NULL;
         job->output = a.output;
         status = take_names(&a, err);
@@ -159,6 +172,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
                      job->with, a.error, a.background, job->code, job->atlas_case, job->formats};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
+    free_list(job->tfs);
+    free_list(job->views);
     return status;
 }
 
@@ -187,6 +202,7 @@ const iso_command iso_command_figure = {
         "  isoshade figure report-fig -o figure-levels --methods naive,moments,moments+adapted\n"
         "  isoshade figure report-fig -o figure-renderers --kind renderers --level 1\n"
         "  isoshade figure shells.nrrd --kind tf --width 85 -o figure-tf\n"
+        "  isoshade figure shells.nrrd --kind sheet --tf auto --tf simulation --view front --view 30,20 --width 85 -o figure-sheet\n"
         "  isoshade figure --kind failure --case thin-plates --width 85 -o figure-failure\n",
     .run = run,
 };

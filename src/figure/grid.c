@@ -10,7 +10,7 @@
 #include "figure/picture.h"
 #include "figure/tf_bar.h"
 
-enum { MOST_COLUMNS = 8, OWN_LEVELS = 3 };
+enum { MOST_COLUMNS = 8, OWN_LEVELS = 3, MOST_LEVELS = 4 };
 static const double side_mm = 8;
 
 typedef struct grid {
@@ -34,9 +34,9 @@ static iso_status choose(grid *g, const iso_figure_job *job, iso_error *err)
             g->with[g->columns++] = iso_renderer_at(i);
     }
     g->levels = job->levels ? (size_t)job->levels : OWN_LEVELS;
-    return g->levels > ISO_PAPER_MOST_ROWS ? iso_fail(err, ISO_E_RANGE, "--levels is %zu, must be 1 to %d: a row each",
-                                                      g->levels, (int)ISO_PAPER_MOST_ROWS)
-                                           : status;
+    return g->levels > MOST_LEVELS
+               ? iso_fail(err, ISO_E_RANGE, "--levels is %zu, must be 1 to %d: a row each", g->levels, (int)MOST_LEVELS)
+               : status;
 }
 
 /* On the left of a row, upright: which level, and what part of the voxels it has. */

@@ -27,7 +27,8 @@ typedef struct iso_figure_job {
     char *formats;              /* beside the PDF: "svg,png,latex"; NULL: all */
     int with_sources, letters;
     iso_volume_input volume;
-    iso_cli_look look; /* of a report the scene is a name */
+    iso_cli_look look;   /* of a report the scene is a name; tf and view: the first of those below */
+    char **tfs, **views; /* all that are given, NULL at the end; or NULL */
     iso_cli_adapted adapted;
     char *with, *methods, *variant, *code, *atlas_case;
     char *region; /* a box, as --roi has it */
@@ -66,6 +67,7 @@ enum {
     ISO_FIGURE_HAS_CASE = 1 << 22,
     ISO_FIGURE_HAS_ERROR = 1 << 23,
     ISO_FIGURE_HAS_REGION = 1 << 24,
+    ISO_FIGURE_HAS_LOOKS = 1 << 25, /* several of --tf and --view */
 };
 
 struct iso_figure_info {

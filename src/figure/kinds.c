@@ -19,6 +19,7 @@ const iso_figure_info *const iso_figure_kinds[] = {
     &iso_figure_grid,
     &iso_figure_methods,
     &iso_figure_tf,
+    &iso_figure_contact,
     &iso_figure_failure,
     &iso_figure_chart,
     &iso_figure_plan,
@@ -109,6 +110,9 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
         {ISO_FIGURE_HAS_CASE, job->atlas_case != NULL, "--case"},
         {ISO_FIGURE_HAS_REGION, job->region != NULL, "--roi"},
         {ISO_FIGURE_HAS_ERROR, job->error != 0, "--error"},
+        {ISO_FIGURE_HAS_LOOKS,
+         (job->tfs && job->tfs[0] && job->tfs[1]) || (job->views && job->views[0] && job->views[1]),
+         "several of --tf or --view"},
         {ISO_FIGURE_HAS_LOOK, job->has_background, "--background"},
         {ISO_FIGURE_HAS_INSET, job->inset[2] != 0, "--zoom X,Y,W,H"},
     };

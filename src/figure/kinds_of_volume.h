@@ -6,6 +6,7 @@
 #include "figure/job.h"
 
 extern const iso_figure_info iso_figure_tf;        /* transfer.c */
+extern const iso_figure_info iso_figure_contact;   /* contact.c */
 extern const iso_figure_info iso_figure_slices;    /* slices.c */
 extern const iso_figure_info iso_figure_turntable; /* turntable.c */
 extern const iso_figure_info iso_figure_plan;      /* planned.c */

@@ -13,6 +13,7 @@
 #include "figure/levels.h"
 #include "figure/sheet.h"
 #include "base/progress_line.h"
+#include "renderers/renderers.h"
 #include "report/report.h"
 
 enum { max_panels = 256 };
@@ -234,16 +235,39 @@ static iso_status plan_levels(figure *f, iso_error *err)
 
 /* ---- renderers -------------------------------------------------------------- */
 
+/* By which pictures a row compares. */
+static const char *words_of_comparison(const json_t *row, iso_comparison comparison)
+{
+    if (comparison == ISO_COMPARISON_LIMIT)
+        return number_of(json_object_get(row, "statistics"), "seeds") > 1 ? "mean over seeds" : "limit of halved steps";
+    if (comparison == ISO_COMPARISON_LOCK_STEP)
+        return strstr(string_of(row, "a"), "same samples") ? "same samples" : "";
+    return iso_comparison_word(comparison);
+}
+
+/* What a row compares, in words: the renderer, by which pictures, and in what they differ from the scene as it is. Renderers
+ * of others are called what they are called. */
+static void name_comparison(const json_t *row, char title[96])
+{
+    const iso_row_identity id = iso_row_identify(row);
+    const iso_renderer_info *info = NULL;
+    const bool known = iso_renderer_from_name(id.renderer, &info, NULL) == ISO_OK;
+    const char *how = words_of_comparison(row, id.comparison), *rest = strchr(id.variant, ',');
+    char method[sizeof id.variant];
+    snprintf(method, sizeof method, "%.*s", (int)strcspn(id.variant, ","), id.variant);
+    const int length = snprintf(title, 96, "%s%s%s%s%s%s", known ? info->title : id.renderer, how[0] ? ", " : "", how,
+                                method[0] ? ", " : "", iso_figure_method_words(method), rest ? rest : "");
+    if (length >= 96)
+        memcpy(title + 92, "...", 4);
+}
+
 static iso_status add_comparison(figure *f, const json_t *row, size_t column, iso_error *err)
 {
-    const char *a = string_of(row, "image_a"), *b = string_of(row, "image_b");
+    const char *a = string_of(row, "image_a"), *b = string_of(row, "image_b"), *against = string_of(row, "a");
     panel top = {.row = 0, .column = column, .image = a, .scale_bar = column == 0};
     panel middle = {.row = 1, .column = column, .image = b},
           bottom = {.row = 2, .column = column, .image = b, .against = a};
-    char name[ISO_ROW_NAME_BYTES];
-    iso_row_name_of(row, name);
-    snprintf(top.title, sizeof top.title, "%.60s%s", name,
-             strstr(string_of(row, "a"), "same samples") ? ", same samples" : "");
+    name_comparison(row, top.title);
     if (column == 0) {
         snprintf(top.side, sizeof top.side, "reference");
         snprintf(middle.side, sizeof middle.side, "renderer");
@@ -258,8 +282,8 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
         return status;
     panel *added = &f->panels[f->count - 1];
     snprintf(added->note, sizeof added->note, "RMSE %.2g|max %.2g", added->metrics.rmse, added->metrics.max_abs);
-    fprintf(f->caption, " %s against %s: RMSE %.3g, largest difference %.3g, FLIP %.3g (%s).", name,
-            string_of(row, "a"), added->metrics.rmse, added->metrics.max_abs, added->metrics.flip_mean,
+    fprintf(f->caption, " %s, against %.*s: RMSE %.3g, largest difference %.3g, FLIP %.3g (%s).", top.title,
+            (int)strcspn(against, ","), against, added->metrics.rmse, added->metrics.max_abs, added->metrics.flip_mean,
             string_of(row, "verdict"));
     return ISO_OK;
 }

@@ -98,6 +98,8 @@ double iso_page_color_bar_right_mm(const iso_page *page, const iso_page_color_ba
 /* A bar of a round length in the lower left corner of a picture that stands in `box`, or in another one where that covers
  * less of what the picture shows (its opacity); in black or white, by what is below it. The caption says what it is. mm_per_pixel 0: none. */
 void iso_page_put_scale_bar(iso_page *page, const iso_page_box *box, const iso_image *image, double mm_per_pixel);
+/* The same without a word in the caption. */
+void iso_page_draw_scale_bar(iso_page *page, const iso_page_box *box, const iso_image *image, double mm_per_pixel);
 /* 1, 2 or 5 times a power of ten, at most a third of the width. */
 double iso_page_bar_mm(double width_mm);
 

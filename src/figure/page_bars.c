@@ -151,7 +151,7 @@ static corner emptiest_corner(const iso_image *image, const iso_page_box *pictur
     return corners[best];
 }
 
-void iso_page_put_scale_bar(iso_page *p, const iso_page_box *box, const iso_image *image, double mm_per_pixel)
+void iso_page_draw_scale_bar(iso_page *p, const iso_page_box *box, const iso_image *image, double mm_per_pixel)
 {
     char text[32];
     if (!(mm_per_pixel > 0))
@@ -165,17 +165,24 @@ void iso_page_put_scale_bar(iso_page *p, const iso_page_box *box, const iso_imag
     const iso_page_box place = covered(box, at, wide, high);
     /* Dark on what is bright, bright on what is dark. */
     const char *color = look_below(image, box, &place).brightness > 0.5 ? "#000000" : "#ffffff";
+    /* The wider one is nearer to the edge, where what is round leaves more room. */
+    const bool bar_first = at.top == (bar >= wide);
     const double x = place.left + (at.right ? place.width : 0);
-    iso_page_put_rectangle(p,
-                           &(iso_page_box){at.right ? x - bar : x, at.top ? place.top : place.top + line + gap, bar,
-                                           thick},
-                           color, NULL);
+    const iso_page_box drawn = {at.right ? x - bar : x, bar_first ? place.top : place.top + line + gap, bar, thick};
+    iso_page_put_rectangle(p, &drawn, color, NULL);
     iso_page_put_text(p,
                       &(iso_page_text){.x = x,
-                                       .y = place.top + (at.top ? thick + gap : 0) + 0.5 * line,
+                                       .y = place.top + (bar_first ? thick + gap : 0) + 0.5 * line,
                                        .role = ISO_PAGE_NOTE,
                                        .align = at.right ? ISO_PAGE_RIGHT : ISO_PAGE_LEFT,
                                        .color = color},
                       text);
-    fprintf(iso_page_caption(p), " Scale bar: %g mm, in the plane through the center of the volume.", length);
+}
+
+void iso_page_put_scale_bar(iso_page *p, const iso_page_box *box, const iso_image *image, double mm_per_pixel)
+{
+    iso_page_draw_scale_bar(p, box, image, mm_per_pixel);
+    if (mm_per_pixel > 0)
+        fprintf(iso_page_caption(p), " Scale bar: %g mm, in the plane through the center of the volume.",
+                iso_page_bar_mm(mm_per_pixel * (double)image->width));
 }

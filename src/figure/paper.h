@@ -20,7 +20,7 @@ typedef struct iso_paper_row {
     bool has_titles, has_notes;
 } iso_paper_row;
 
-enum { ISO_PAPER_MOST_ROWS = 4 };
+enum { ISO_PAPER_MOST_ROWS = 8 };
 typedef struct iso_paper {
     const iso_figure_job *job;
     iso_page *page;

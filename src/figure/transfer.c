@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* A transfer function: opacity over value, filled with its colors, the histogram of the volume behind it, and below a bar of
- * the colors over a checkerboard, as opaque as they are. */
+ * the colors over a checkerboard, as opaque as they are. Of several levels each has its own beside the others. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "figure/kinds_of_volume.h"
 #include "figure/picture.h"
@@ -64,11 +65,9 @@ static void put_data(FILE *gp, const iso_tf_table *t, double unit_mm, const doub
     fprintf(gp, "%.9g %.6g\nEOD\n", range[1], iso_figure_opacity((double)t->entries[4 * t->count - 1], unit_mm));
 }
 
-static void put_plot(iso_page *page, const iso_page_box *box, const iso_level *level0, const iso_tf_table *t,
-                     double unit_mm, const double range[2])
+/* The curve; $bins and most are there. */
+static void put_plot(FILE *gp, const iso_tf_table *t, double unit_mm, const double range[2])
 {
-    FILE *gp = iso_page_plot_begin(page, box);
-    put_histogram(gp, level0);
     put_data(gp, t, unit_mm, range);
     fprintf(
         gp,
@@ -81,63 +80,166 @@ static void put_plot(iso_page *page, const iso_page_box *box, const iso_level *l
         "$bins using 1:2 axes x1y2 with lines lc rgb '#808080' lw pen(0.4), "
         "$curve using 1:2 with lines lc rgb '#202020' lw pen(1)\n",
         range[0], range[1]);
-    iso_page_plot_end(page);
+}
+
+/* ---- layout ---- */
+
+static const double side_mm = 11, above_mm = 2, below_mm = 13, bar_mm = 3.5, least_mm = 26, least_wide_mm = 80;
+
+/* All that is in one place of the page: a title, if any, the curve, the bar, and what the axes are. */
+typedef struct place {
+    iso_page_box box;
+    const char *title;
+    double range[2]; /* of values */
+    const iso_level *level0;
+    bool first; /* the others have its histogram */
+} place;
+
+static void put_upright(iso_page *page, double x, double y, const char *text)
+{
+    iso_page_put_text(page, &(iso_page_text){x, y, ISO_PAGE_NOTE, ISO_PAGE_CENTER, 1, NULL}, text);
+}
+
+static void put_transfer(iso_page *page, const place *at, const iso_tf_table *t)
+{
+    const double unit_mm = iso_figure_tf_unit_mm(t), right = at->box.left + at->box.width,
+                 bottom = at->box.top + at->box.height, wide = at->box.width - 2 * side_mm,
+                 title_mm = at->title ? iso_page_line_mm(page, ISO_PAGE_TITLE) + 0.6 : 0,
+                 top = at->box.top + above_mm + title_mm;
+    const iso_page_box curve = {at->box.left + side_mm, top, wide, bottom - below_mm - top},
+                       bar = {curve.left, bottom - below_mm + 1, wide, bar_mm};
     char opacity[48];
-    const double middle = box->top + 0.5 * box->height;
+    FILE *gp = iso_page_plot_begin(page, &curve);
+    if (at->first)
+        put_histogram(gp, at->level0);
+    put_plot(gp, t, unit_mm, at->range);
+    iso_page_plot_end(page);
+    iso_figure_put_tf_bar(page, &bar, t, at->range, 0);
     snprintf(opacity, sizeof opacity, "opacity of %.3g mm", unit_mm);
-    iso_page_put_text(page, &(iso_page_text){1.7, middle, ISO_PAGE_NOTE, ISO_PAGE_CENTER, 1, NULL}, opacity);
-    iso_page_put_text(page,
-                      &(iso_page_text){iso_page_width(page) - 1.7, middle, ISO_PAGE_NOTE, ISO_PAGE_CENTER, 1, NULL},
-                      "voxels (log)");
+    put_upright(page, at->box.left + 1.7, curve.top + 0.5 * curve.height, opacity);
+    put_upright(page, right - 1.7, curve.top + 0.5 * curve.height, "voxels (log)");
+    iso_page_text text = {curve.left + 0.5 * wide, bottom - 1.7, ISO_PAGE_NOTE, ISO_PAGE_CENTER, 0, NULL};
+    iso_page_put_text(page, &text, "value");
+    text.y = at->box.top + 0.5 * above_mm + 0.5 * title_mm;
+    text.role = ISO_PAGE_TITLE;
+    if (at->title) {
+        iso_page_put_text(page, &text, at->title);
+        iso_page_add_panel(page, &at->box);
+    }
+}
+
+/* ---- levels ---- */
+
+typedef struct curves {
+    iso_figure_subject subject;
+    size_t first, count; /* levels */
+    iso_view views[ISO_FIGURE_MOST_LEVELS];
+} curves;
+
+/* The scene as a level is shown, under the transfer function adapted to it where that is asked for. */
+static iso_status make_view(curves *c, const iso_figure_job *job, size_t level, iso_view *view, iso_error *err)
+{
+    const iso_pyramid *p = &c->subject.pyramid;
+    iso_cli_adapted adapted = job->adapted;
+    adapted.wanted = adapted.wanted && level > 0;
+    const iso_status status = iso_scene_resolve(&c->subject.scene, &p->levels[0].geometry, iso_pyramid_lo(p),
+                                                iso_pyramid_hi(p), view, err);
+    return status == ISO_OK ? iso_cli_adapt_view(&adapted, job->input, p, level, view, job->cli->threads, err) : status;
+}
+
+static bool are_equal(const iso_tf_table *a, const iso_tf_table *b)
+{
+    return a->count == b->count && a->lo == b->lo && a->hi == b->hi &&
+           memcmp(a->entries, b->entries, 4 * a->count * sizeof *a->entries) == 0;
+}
+
+static void name_level(const curves *c, size_t i, char title[64])
+{
+    const size_t level = c->first + i;
+    snprintf(title, 64, "level %zu%s", level,
+             level == 0                                    ? ""
+             : are_equal(&c->views[0].tf, &c->views[i].tf) ? ", the original is kept"
+                                                           : ", adapted");
+}
+
+static iso_status choose(curves *c, const iso_figure_job *job, iso_error *err)
+{
+    if (job->levels > 1 && job->level)
+        return iso_fail(err, ISO_E_USAGE, "--level and --levels: one of them");
+    if (job->levels > 1 && !job->adapted.wanted)
+        return iso_fail(err, ISO_E_USAGE,
+                        "--kind tf --levels goes with --adapt: without it all levels have one transfer function");
+    c->first = job->levels > 1 ? 0 : (size_t)job->level;
+    c->count = job->levels > 1 ? (size_t)job->levels : 1;
+    iso_status status = iso_figure_subject_load(&c->subject, job, c->first + c->count, NULL, err);
+    for (size_t i = 0; i < c->count && status == ISO_OK; ++i)
+        status = make_view(c, job, c->first + i, &c->views[i], err);
+    return status;
+}
+
+/* Below each other, or two in a row where both are wide enough. */
+static iso_status put_all(const curves *c, const iso_figure_job *job, iso_page *page, iso_error *err)
+{
+    const size_t a_row = c->count > 1 && job->width_mm >= 2 * least_wide_mm ? 2 : 1,
+                 rows = (c->count + a_row - 1) / a_row;
+    const double wide = job->width_mm / (double)a_row,
+                 high = fmin((c->count > 1 ? 0.5 : 0.55) * wide, job->height_mm / (double)rows);
+    if (high < least_mm)
+        return iso_fail(err, ISO_E_RANGE,
+                        "figure: --height %g leaves %.1f mm for each of %zu transfer functions, %g are needed",
+                        job->height_mm, high, c->count, least_mm);
+    place at = {.level0 = &c->subject.pyramid.levels[0]};
+    /* Values of a level are means of those of level 0: one axis for all. */
+    iso_figure_tf_range(&c->views[0].tf, at.level0, at.range);
+    iso_page_set_size(page, job->width_mm, high * (double)rows);
+    for (size_t i = 0; i < c->count; ++i) {
+        char title[64];
+        name_level(c, i, title);
+        at.title = c->count > 1 ? title : NULL;
+        at.first = i == 0;
+        at.box = (iso_page_box){wide * (double)(i % a_row), high * (double)(i / a_row), wide, high};
+        put_transfer(page, &at, &c->views[i].tf);
+    }
+    return ISO_OK;
+}
+
+static void write_caption(const curves *c, const iso_figure_job *job, FILE *f)
+{
+    const double unit_mm = iso_figure_tf_unit_mm(&c->views[0].tf);
+    fputs(c->count > 1 ? "Transfer functions" : "Transfer function", f);
+    iso_figure_put_subject(&c->subject, f);
+    if (c->count > 1)
+        fprintf(f, ", as it is and adapted to levels 1 to %zu", c->count - 1);
+    else if (job->adapted.wanted && c->first > 0)
+        fprintf(f, ", adapted to level %zu", c->first);
+    fprintf(f,
+            ": opacity of %.3g mm over value, filled with its colors, over the histogram of level 0. Below: colors as "
+            "opaque as %.3g mm of them are, over gray squares.",
+            unit_mm, unit_mm);
+    for (size_t i = 1; i < c->count; ++i)
+        if (are_equal(&c->views[0].tf, &c->views[i].tf))
+            fprintf(f, " At level %zu small views say that adapting does not help: the original is kept.",
+                    c->first + i);
 }
 
 static iso_status draw_tf(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    iso_figure_subject s = {0};
-    iso_view view = {0};
-    const size_t level = (size_t)job->level;
-    iso_cli_adapted adapted = job->adapted;
-    adapted.wanted = adapted.wanted && level > 0;
-    iso_status status = iso_figure_subject_load(&s, job, level + 1, NULL, err);
+    curves c = {.first = 0};
+    iso_status status = choose(&c, job, err);
     if (status == ISO_OK)
-        status = iso_scene_resolve(&s.scene, &s.pyramid.levels[0].geometry, iso_pyramid_lo(&s.pyramid),
-                                   iso_pyramid_hi(&s.pyramid), &view, err);
+        status = put_all(&c, job, page, err);
     if (status == ISO_OK)
-        status = iso_cli_adapt_view(&adapted, job->input, &s.pyramid, level, &view, job->cli->threads, err);
-    if (status == ISO_OK) {
-        const iso_level *level0 = &s.pyramid.levels[0];
-        const iso_tf_table *t = &view.tf;
-        const double unit_mm = iso_figure_tf_unit_mm(t);
-        double range[2];
-        iso_figure_tf_range(t, level0, range);
-        const double width = job->width_mm, height = fmin(0.55 * width, job->height_mm);
-        iso_page_set_size(page, width, height);
-        const iso_page_box curve = {11, 2, width - 22, height - 15}, bar = {11, height - 12, width - 22, 3.5};
-        put_plot(page, &curve, level0, t, unit_mm, range);
-        iso_figure_put_tf_bar(page, &bar, t, range, 0);
-        iso_page_put_text(page,
-                          &(iso_page_text){bar.left + 0.5 * bar.width, iso_page_height(page) - 1.7, ISO_PAGE_NOTE,
-                                           ISO_PAGE_CENTER, 0, NULL},
-                          "value");
-        FILE *f = iso_page_caption(page);
-        fputs("Transfer function", f);
-        iso_figure_put_subject(&s, f);
-        if (adapted.wanted)
-            fprintf(f, ", adapted to level %zu", level);
-        fprintf(
-            f,
-            ": opacity of %.3g mm over value, filled with its colors, over the histogram of level 0. Below: colors as "
-            "opaque as %.3g mm of them are, over gray squares.",
-            unit_mm, unit_mm);
-    }
-    iso_view_destroy(&view);
-    iso_figure_subject_end(&s);
+        write_caption(&c, job, iso_page_caption(page));
+    for (size_t i = 0; i < c.count; ++i)
+        iso_view_destroy(&c.views[i]);
+    iso_figure_subject_end(&c.subject);
     return status;
 }
 
 const iso_figure_info iso_figure_tf = {
     .name = "tf",
-    .summary = "a transfer function: its curve over the volume's histogram, and a bar of its colors with their opacity",
-    .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_LEVEL | ISO_FIGURE_HAS_ADAPT,
+    .summary = "a transfer function over the volume's histogram, and a bar of its colors; or those adapted to levels",
+    .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_LEVEL | ISO_FIGURE_HAS_LEVELS |
+             ISO_FIGURE_HAS_ADAPT,
     .draw = draw_tf,
 };
