@@ -12,6 +12,7 @@ typedef struct label_probe {
     int32_t value[ROOM + 1];  /* of an id */
     size_t count;
     uint32_t changes[ROOM + 1][ROOM + 1]; /* from id to id, of neighbors along an axis */
+    size_t changed;                       /* all of them */
     size_t once, twice;
     bool is_known; /* not to be labels */
     bool has_too_many, reads_all;
@@ -52,8 +53,10 @@ static void look_at_three(label_probe *p, uint16_t a, uint16_t b, uint16_t c)
     const int changes = (a != b) + (b != c);
     p->once += changes == 1;
     p->twice += changes == 2;
-    if (b != c)
+    if (b != c) {
         ++p->changes[b][c];
+        ++p->changed;
+    }
 }
 
 static void look_at_plane(label_probe *p, size_t z)
@@ -98,17 +101,14 @@ static int by_value(const void *a, const void *b)
 static double part_to_next(label_probe *p)
 {
     int32_t sorted[ROOM + 1];
-    double next = 0, all = 0;
+    double next = 0;
     memcpy(sorted, p->value + 1, p->count * sizeof *sorted);
     qsort(sorted, p->count, sizeof *sorted, by_value);
-    for (size_t a = 1; a <= p->count; ++a)
-        for (size_t b = 1; b <= p->count; ++b)
-            all += p->changes[a][b];
     for (size_t i = 0; i + 1 < p->count; ++i) {
         const uint16_t a = p->id[sorted[i] - LOWEST], b = p->id[sorted[i + 1] - LOWEST];
         next += (double)p->changes[a][b] + (double)p->changes[b][a];
     }
-    return all > 0 ? next / all : 0;
+    return p->changed > 0 ? next / (double)p->changed : 0;
 }
 
 static void conclude(label_probe *p, size_t voxels, iso_label_facts *f)

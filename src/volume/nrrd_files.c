@@ -3,6 +3,8 @@
 #include "volume/nrrd_files.h"
 
 #include <errno.h>
+#include <limits.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,15 +46,16 @@ static iso_status add_name(look *l, const char *name, iso_error *err)
         return iso_fail(err, ISO_E_RANGE, "%s: names more than %d data files", l->path, ISO_NRRD_MOST_FILES);
     char *dir = iso_path_dir(l->path), *file = name[0] == '/' ? strdup(name) : dir ? iso_path_join(dir, name) : NULL;
     struct stat st;
+    const int cause = !file ? ENOMEM : stat(file, &st) != 0 ? errno : 0;
     iso_status status = ISO_OK;
     if (!file)
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", l->path);
-    else if (stat(file, &st) == 0 && !S_ISREG(st.st_mode))
+    else if (cause == 0 && !S_ISREG(st.st_mode))
         status = iso_fail(err, ISO_E_IO, "%s: its data file \"%s\" is not a regular file", l->path, shown);
-    else if (stat(file, &st) != 0 && !l->missing[0])
-        snprintf(l->missing, sizeof l->missing, "\"%s\" cannot be read: %s", shown, strerror(errno));
-    else if (stat(file, &st) == 0)
+    else if (cause == 0)
         l->bytes += (double)st.st_size;
+    else if (!l->missing[0])
+        snprintf(l->missing, sizeof l->missing, "\"%s\" cannot be read: %s", shown, strerror(cause));
     FILE *text = status == ISO_OK && l->is_text ? fopen(file, "rbe") : NULL;
     if (text) {
         status = check_words(l->path, text, err);
@@ -88,7 +91,11 @@ static iso_status add_numbered(look *l, char *pattern, iso_error *err)
                         l->path, shown);
     if (step == 0)
         return ISO_OK; /* as above */
-    const double count = ((double)last - first) / step + 1;
+    /* teem multiplies the first two, and counts until it is beyond the last one, in int. */
+    const double way = (double)last - first, count = way / step + 1;
+    if (fabs(way) > INT_MAX || fabs(way * step) > INT_MAX || fabs((double)last + step) > INT_MAX)
+        return iso_fail(err, ISO_E_RANGE, "%s: the numbers %d to %d by %d of its data files are too large", l->path,
+                        first, last, step);
     if (count > ISO_NRRD_MOST_FILES)
         return iso_fail(err, ISO_E_RANGE, "%s: names %.0f data files, at most %d", l->path, count, ISO_NRRD_MOST_FILES);
     iso_status status = ISO_OK;

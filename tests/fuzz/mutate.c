@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* mutate.c - one change of an input: of its bytes, its numbers and lines, or the values of its JSON tree. */
+/* mutate.c - one change of an input: of its bytes, its numbers and lines, or the values of its JSON text. */
 #define _GNU_SOURCE
 #include <ctype.h>
-#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/mutate.h"
 
 uint64_t fuzz_next(fuzz_random *random) /* splitmix64 */
 {
@@ -68,10 +67,18 @@ void fuzz_read_words(const char *path)
         fclose(f);
 }
 
+const uint8_t *fuzz_some_word(fuzz_random *random, size_t *size)
+{
+    if (word_count == 0)
+        return NULL;
+    const size_t w = fuzz_below(random, word_count);
+    *size = words[w].size;
+    return words[w].bytes;
+}
+
 /* ---- bytes ---- */
 
-/* Puts `with` in place of `count` bytes at `at`; what does not fit is left out. */
-static size_t replace(uint8_t *data, size_t size, size_t most, size_t at, size_t count, const void *with, size_t length)
+size_t fuzz_replace(uint8_t *data, size_t size, size_t most, size_t at, size_t count, const void *with, size_t length)
 {
     if (size - count + length > most)
         return size;
@@ -87,9 +94,9 @@ static size_t change_block(fuzz_random *random, uint8_t *data, size_t size, size
                  n = length < size - from ? length : size - from, to = fuzz_below(random, size + 1);
     memcpy(block, data + from, n);
     switch (fuzz_below(random, 3)) {
-    case 0: return replace(data, size, most, from, n, "", 0);
-    case 1: return replace(data, size, most, to, 0, block, n);
-    default: return replace(data, size, most, to, n < size - to ? n : size - to, block, n);
+    case 0: return fuzz_replace(data, size, most, from, n, "", 0);
+    case 1: return fuzz_replace(data, size, most, to, 0, block, n);
+    default: return fuzz_replace(data, size, most, to, n < size - to ? n : size - to, block, n);
     }
 }
 
@@ -128,6 +135,11 @@ static const uint64_t edges[] = {0,
                                  0x8000000000000000,
                                  UINT64_MAX};
 
+uint64_t fuzz_some_edge(fuzz_random *random)
+{
+    return edges[fuzz_below(random, sizeof edges / sizeof *edges)];
+}
+
 /* A number of 1 to 8 bytes, in either order: an edge, or a little more or less than it was. */
 static size_t change_number(fuzz_random *random, uint8_t *data, size_t size)
 {
@@ -140,7 +152,7 @@ static size_t change_number(fuzz_random *random, uint8_t *data, size_t size)
     for (size_t i = 0; i < width; ++i)
         value |= (uint64_t)at[big ? width - 1 - i : i] << (8 * i);
     if (fuzz_below(random, 2))
-        value = edges[fuzz_below(random, sizeof edges / sizeof *edges)];
+        value = fuzz_some_edge(random);
     else
         value += fuzz_below(random, 33) - 16;
     for (size_t i = 0; i < width; ++i)
@@ -151,7 +163,7 @@ static size_t change_number(fuzz_random *random, uint8_t *data, size_t size)
 static size_t change_bytes(fuzz_random *random, uint8_t *data, size_t size, size_t most)
 {
     if (size == 0)
-        return replace(data, 0, most, 0, 0, "0", 1);
+        return fuzz_replace(data, 0, most, 0, 0, "0", 1);
     switch (fuzz_below(random, 8)) {
     case 0: data[fuzz_below(random, size)] ^= (uint8_t)(1u << fuzz_below(random, 8)); return size;
     case 1: data[fuzz_below(random, size)] = (uint8_t)fuzz_next(random); return size;
@@ -165,7 +177,7 @@ static size_t change_bytes(fuzz_random *random, uint8_t *data, size_t size, size
                          over = fuzz_below(random, 2) ? 0
                                 : n < size - at       ? n
                                                       : size - at;
-            return replace(data, size, most, at, over, words[w].bytes, n);
+            return fuzz_replace(data, size, most, at, over, words[w].bytes, n);
         }
         return change_block(random, data, size, most);
     default: return change_block(random, data, size, most);
@@ -236,12 +248,12 @@ static size_t change_digits(fuzz_random *random, uint8_t *data, size_t size, siz
         return change_bytes(random, data, size, most);
     if (fuzz_below(random, 2)) {
         const char *number = some_number(random);
-        return replace(data, size, most, at, count, number, strlen(number));
+        return fuzz_replace(data, size, most, at, count, number, strlen(number));
     }
     snprintf(text, sizeof text, "%.*s", count < 30 ? (int)count : 30, (const char *)data + at);
     const long long value = strtoll(text, NULL, 10) & 0xFFFFFFFFFFFF;
     const int n = snprintf(text, sizeof text, "%lld", value + (long long)fuzz_below(random, 5) - 2);
-    return replace(data, size, most, at, count, text, (size_t)n);
+    return fuzz_replace(data, size, most, at, count, text, (size_t)n);
 }
 
 static size_t change_line(fuzz_random *random, uint8_t *data, size_t size, size_t most)
@@ -258,152 +270,19 @@ static size_t change_line(fuzz_random *random, uint8_t *data, size_t size, size_
         return change_bytes(random, data, size, most);
     memcpy(line, data + from, length);
     switch (fuzz_below(random, 4)) {
-    case 0: return replace(data, size, most, from, length, "", 0);
-    case 1: return replace(data, size, most, from, 0, line, length);
+    case 0: return fuzz_replace(data, size, most, from, length, "", 0);
+    case 1: return fuzz_replace(data, size, most, from, 0, line, length);
     case 2: { /* behind the next one */
-        const size_t smaller = replace(data, size, most, from, length, "", 0);
+        const size_t smaller = fuzz_replace(data, size, most, from, length, "", 0);
         const uint8_t *next = smaller > from ? memchr(data + from, '\n', smaller - from) : NULL;
-        return replace(data, smaller, most, next ? (size_t)(next - data) + 1 : smaller, 0, line, length);
+        return fuzz_replace(data, smaller, most, next ? (size_t)(next - data) + 1 : smaller, 0, line, length);
     }
     default:
         if (word_count == 0)
-            return replace(data, size, most, from, length - 1, "", 0);
+            return fuzz_replace(data, size, most, from, length - 1, "", 0);
         const size_t w = fuzz_below(random, word_count);
-        return replace(data, size, most, from + fuzz_below(random, length), 0, words[w].bytes, words[w].size);
+        return fuzz_replace(data, size, most, from + fuzz_below(random, length), 0, words[w].bytes, words[w].size);
     }
-}
-
-/* ---- JSON ---- */
-
-enum { MOST_NODES = 4096 };
-/* A value and where it hangs. */
-typedef struct node {
-    json_t *parent, *value;
-    const char *key;
-    size_t index;
-} node;
-
-static size_t list_nodes(json_t *parent, node *nodes, size_t count)
-{
-    const char *key;
-    json_t *value;
-    size_t i;
-    if (json_is_object(parent))
-        json_object_foreach(parent, key, value)
-        {
-            if (count == MOST_NODES)
-                return count;
-            nodes[count++] = (node){parent, value, key, 0};
-            count = list_nodes(value, nodes, count);
-        }
-    else if (json_is_array(parent))
-        json_array_foreach(parent, i, value)
-        {
-            if (count == MOST_NODES)
-                return count;
-            nodes[count++] = (node){parent, value, NULL, i};
-            count = list_nodes(value, nodes, count);
-        }
-    return count;
-}
-
-static json_t *some_text(fuzz_random *random)
-{
-    static const char *const texts[] = {"",          "fit", "../x", "/etc/passwd", "a\nb",       "%s%n",
-                                        "</script>", "nan", "=1+1", "\xC3\xA9",    "a'b\"c`$(d)"};
-    if (word_count > 0 && fuzz_below(random, 2)) {
-        const size_t w = fuzz_below(random, word_count);
-        json_t *text = json_stringn((const char *)words[w].bytes, words[w].size);
-        if (text)
-            return text;
-    }
-    return json_string(texts[fuzz_below(random, sizeof texts / sizeof *texts)]);
-}
-
-static json_t *some_real(fuzz_random *random, const json_t *old)
-{
-    static const double reals[] = {0,     -0.0,  1,     -1,  0.5,       1e-300,    5e-324, 1e308, -1e308, 1e30,
-                                   1e-30, 255.5, 65536, 1e9, 0.9999999, 1.0000001, 3,      16384, 16385};
-    const double value = json_number_value(old);
-    switch (fuzz_below(random, 5)) {
-    case 0: return json_integer((json_int_t)edges[fuzz_below(random, sizeof edges / sizeof *edges)]);
-    case 1: return json_integer((json_int_t)fuzz_below(random, 64) - 8);
-    case 2: return json_real(value * 2);
-    case 3: return json_real(-value);
-    default: return json_real(reals[fuzz_below(random, sizeof reals / sizeof *reals)]);
-    }
-}
-
-/* A value in place of another: mostly of the same kind. */
-static json_t *some_value(fuzz_random *random, const node *at, const node *nodes, size_t count)
-{
-    const size_t kind = fuzz_below(random, 12);
-    if (kind < 6)
-        return json_is_number(at->value)    ? some_real(random, at->value)
-               : json_is_boolean(at->value) ? json_boolean(!json_is_true(at->value))
-               : json_is_string(at->value)  ? some_text(random)
-                                            : json_deep_copy(nodes[fuzz_below(random, count)].value);
-    switch (kind) {
-    case 6: return json_null();
-    case 7: return json_array();
-    case 8: return json_object();
-    case 9: return some_text(random);
-    case 10: return some_real(random, at->value);
-    default: return json_deep_copy(nodes[fuzz_below(random, count)].value);
-    }
-}
-
-static void change_node(fuzz_random *random, const node *nodes, size_t count)
-{
-    const node *at = &nodes[fuzz_below(random, count)];
-    const size_t how = fuzz_below(random, 10);
-    if (json_is_array(at->parent)) {
-        if (how == 0)
-            json_array_remove(at->parent, at->index);
-        else if (how == 1)
-            json_array_insert_new(at->parent, fuzz_below(random, json_array_size(at->parent) + 1),
-                                  json_deep_copy(at->value));
-        else
-            json_array_set_new(at->parent, at->index, some_value(random, at, nodes, count));
-        return;
-    }
-    char *key = strdup(at->key); /* the object may free its own */
-    if (how == 0)
-        json_object_del(at->parent, key);
-    else if (how == 1 && word_count > 0) {
-        json_t *name = some_text(random);
-        if (json_string_length(name) == strlen(json_string_value(name)))
-            json_object_set_new(at->parent, json_string_value(name), json_deep_copy(at->value));
-        json_decref(name);
-    } else
-        json_object_set_new(at->parent, key, some_value(random, at, nodes, count));
-    free(key);
-}
-
-/* The tree is the whole input, or the first of several files. */
-static size_t change_tree(fuzz_random *random, uint8_t *data, size_t size, size_t most)
-{
-    uint8_t *begin = memchr(data, '{', size), *end = data + size;
-    if (size >= 5 && memcmp(data, "==== ", 5) == 0 && begin)
-        end = memmem(begin, (size_t)(end - begin), "\n==== ", 6) ? memmem(begin, (size_t)(end - begin), "\n==== ", 6)
-                                                                 : end;
-    else
-        begin = data;
-    json_t *root = begin ? json_loadb((char *)begin, (size_t)(end - begin), JSON_DISABLE_EOF_CHECK, NULL) : NULL;
-    static node nodes[MOST_NODES];
-    size_t result = 0;
-    char *text = NULL;
-    const size_t changes = fuzz_below(random, 4) ? 1 : 2 + fuzz_below(random, 3);
-    for (size_t i = 0; root && i < changes; ++i) {
-        const size_t count = list_nodes(root, nodes, 0);
-        if (count > 0)
-            change_node(random, nodes, count);
-    }
-    if (root && (text = json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(17))))
-        result = replace(data, size, most, (size_t)(begin - data), (size_t)(end - begin), text, strlen(text));
-    free(text);
-    json_decref(root);
-    return result;
 }
 
 /* ---- all ---- */
@@ -413,7 +292,7 @@ size_t fuzz_mutate_shape(const fuzz_target *target, fuzz_random *random, uint8_t
     if (target->shape == FUZZ_BYTES || size == 0)
         return 0;
     if (target->shape == FUZZ_JSON && fuzz_below(random, 8)) {
-        const size_t changed = change_tree(random, data, size, most);
+        const size_t changed = fuzz_mutate_json(random, data, size, most);
         if (changed > 0)
             return changed;
     }
