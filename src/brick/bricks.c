@@ -25,16 +25,19 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* Scalar and moments (m^2 d, 3 values; m^2 is their length, so S starts as |N|). Gradients are taken in ranges a
- * voxel, so that their squares neither overflow nor vanish. */
-static void fill_level0(iso_node_levels *n, const float *scalar, const float *gradients, float *moment_sums,
-                        int threads)
+/* Scalar and moments (m^2 d, 3 values; m^2 is their length, so S starts as |N|) of the nodes of the planes [z0, z1), of
+ * which the gradients are, or NULL. Gradients are taken in ranges a voxel, so that their squares neither overflow nor
+ * vanish. */
+static void fill_planes(iso_node_levels *n, const float *scalar, const float *gradients, size_t z0, size_t z1,
+                        float *moment_sums, int threads)
 {
     double range = n->max - n->min;
     float unit = (float)(range > 0 ? iso_geometry_min_spacing_mm(&n->geometry) / range : 1);
-    const size_t *size = n->geometry.size, nx = node_count(n, 0, 0), ny = node_count(n, 0, 1), nz = node_count(n, 0, 2);
+    const size_t *size = n->geometry.size, nx = node_count(n, 0, 0), ny = node_count(n, 0, 1);
+    /* The last plane is repeated to fill whole bricks. */
+    const size_t end = z1 < size[2] ? z1 : node_count(n, 0, 2), first = size[0] * size[1] * z0;
 #pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t z = 0; z < nz; ++z)
+    for (size_t z = z0; z < end; ++z)
         for (size_t y = 0; y < ny; ++y)
             for (size_t x = 0; x < nx; ++x) {
                 size_t v = least(x, size[0] - 1) + size[0] * (least(y, size[1] - 1) + size[1] * least(z, size[2] - 1));
@@ -44,7 +47,8 @@ static void fill_level0(iso_node_levels *n, const float *scalar, const float *gr
                 node[1] = node[2] = node[3] = 0;
                 if (!gradients)
                     continue;
-                const float *from = gradients + 3 * v, g[3] = {unit * from[0], unit * from[1], unit * from[2]};
+                const float *from = gradients + 3 * (v - first),
+                            g[3] = {unit * from[0], unit * from[1], unit * from[2]};
                 float m = sqrtf(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
                 for (int a = 0; a < 3; ++a)
                     node[1 + a] = m * g[a];
@@ -135,16 +139,33 @@ static void moments_to_directions(float *nodes, const float *sums, size_t count)
     }
 }
 
-static iso_status gradients_of(const iso_level *level, int threads, float **gradients, iso_error *err)
+/* Level 0: the gradients of some planes at a time, which would else be three times as large as the volume. */
+static iso_status fill_level0(iso_node_levels *n, const iso_level *level, bool with_directions, float *moment_sums,
+                              int threads, iso_error *err)
 {
-    iso_volume v = {.geometry = level->geometry, .type = ISO_F32, .data = level->scalar};
+    enum { SLAB_BYTES = 1 << 24 };
+    const size_t *size = level->geometry.size, plane = 3 * size[0] * size[1];
+    const size_t most = SLAB_BYTES / (plane * sizeof(float)),
+                 slab = most > 4 ? least(most, size[2]) : least(4, size[2]);
+    const iso_volume v = {.geometry = level->geometry, .type = ISO_F32, .data = level->scalar};
     iso_gradient_options opt = iso_gradient_defaults();
     opt.threads = threads;
-    size_t count = iso_geometry_voxel_count(&level->geometry);
-    *gradients = malloc(3 * count * sizeof **gradients);
-    if (!*gradients)
-        return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the gradients of %zu voxels", count);
-    return iso_gradient_compute(&v, &opt, *gradients, err);
+    if (!with_directions) {
+        fill_planes(n, level->scalar, NULL, 0, size[2], moment_sums, threads);
+        return ISO_OK;
+    }
+    float *gradients = malloc(plane * slab * sizeof *gradients);
+    if (!gradients)
+        return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the gradients of %zu planes", slab);
+    iso_status status = ISO_OK;
+    for (size_t z = 0; z < size[2] && status == ISO_OK; z += slab) {
+        const size_t end = least(z + slab, size[2]);
+        status = iso_gradient_slab(&v, &opt, z, end, gradients, err);
+        if (status == ISO_OK)
+            fill_planes(n, level->scalar, gradients, z, end, moment_sums, threads);
+    }
+    free(gradients);
+    return status;
 }
 
 static iso_status check(size_t brick_voxels, size_t level_count, iso_error *err)
@@ -157,13 +178,31 @@ static iso_status check(size_t brick_voxels, size_t level_count, iso_error *err)
     return ISO_OK;
 }
 
-static void fill_levels(iso_node_levels *n, const iso_level *level0, const float *gradients, float **sums, int threads)
+/* A level's moments become directions when the next coarser level has been made from them. */
+static iso_status fill_levels(iso_node_levels *n, const iso_level *level0, bool with_directions, int threads,
+                              iso_error *err)
 {
-    fill_level0(n, level0->scalar, gradients, sums[0], threads);
-    for (size_t l = 1; l < n->level_count; ++l)
-        filter_level(n, l, gradients ? sums[l - 1] : NULL, sums[l], threads);
-    for (size_t l = 0; gradients && l < n->level_count; ++l)
-        moments_to_directions(n->nodes[l], sums[l], all_nodes(n, l));
+    float *fine = NULL, none = 0;
+    iso_status status = ISO_OK;
+    for (size_t l = 0; l < n->level_count && status == ISO_OK; ++l) {
+        float *sums = with_directions ? malloc(all_nodes(n, l) * sizeof *sums) : &none;
+        if (!sums)
+            status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu nodes", all_nodes(n, l));
+        else if (l == 0)
+            status = fill_level0(n, level0, with_directions, sums, threads, err);
+        else
+            filter_level(n, l, fine, sums, threads);
+        if (!with_directions)
+            continue;
+        if (l > 0)
+            moments_to_directions(n->nodes[l - 1], fine, all_nodes(n, l - 1));
+        free(fine);
+        fine = sums;
+    }
+    if (status == ISO_OK && with_directions)
+        moments_to_directions(n->nodes[n->level_count - 1], fine, all_nodes(n, n->level_count - 1));
+    free(fine);
+    return status;
 }
 
 /* Sizes, and room for all nodes. */
@@ -201,25 +240,11 @@ iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, s
 iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, const iso_node_options *opt,
                                      iso_error *err)
 {
-    const size_t level_count = opt->level_count;
-    const bool with_directions = opt->with_directions;
-    iso_status status = lay_out(n, level0, opt->brick_voxels, level_count, err);
+    iso_status status = lay_out(n, level0, opt->brick_voxels, opt->level_count, err);
     if (status != ISO_OK)
         return status;
     n->filter = opt->filter;
-    float *sums[ISO_BRICK_MAX_LEVELS] = {NULL}, *gradients = NULL, unused;
-    for (size_t l = 0; l < level_count && status == ISO_OK; ++l) {
-        sums[l] = with_directions ? malloc(all_nodes(n, l) * sizeof **sums) : &unused;
-        if (!sums[l])
-            status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu nodes", all_nodes(n, l));
-    }
-    if (status == ISO_OK && with_directions)
-        status = gradients_of(level0, opt->threads, &gradients, err);
-    if (status == ISO_OK)
-        fill_levels(n, level0, gradients, sums, iso_threads(opt->threads));
-    free(gradients);
-    for (size_t l = 0; with_directions && l < level_count; ++l)
-        free(sums[l]);
+    status = fill_levels(n, level0, opt->with_directions, iso_threads(opt->threads), err);
     if (status != ISO_OK)
         iso_node_levels_destroy(n);
     return status;
