@@ -2,6 +2,7 @@
 /* Programs that are run: their exit codes, time limits, and what a signal leaves. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -136,6 +137,38 @@ static void nothing_that_it_started_outlives_it(void **state)
     assert_non_null(strstr(err.text, "ended by signal 11"));
 }
 
+/* The ends of pipes that this process has open become a folder, of which no bytes can be read. */
+static void spoil_pipes(void *user, const char *line)
+{
+    const int unreadable = open("/", O_RDONLY | O_DIRECTORY);
+    int *spoiled = user;
+    (void)line;
+    assert_true(unreadable >= 0);
+    for (int fd = 3; fd < 256; ++fd) {
+        struct stat st;
+        if (fstat(fd, &st) == 0 && S_ISFIFO(st.st_mode) && (fcntl(fd, F_GETFL) & O_ACCMODE) == O_RDONLY)
+            *spoiled += dup2(unreadable, fd) == fd;
+    }
+    close(unreadable);
+}
+
+/* It would go on for as long as it likes, since nothing is written that could not be. */
+static void one_whose_output_cannot_be_read_is_ended_and_not_to_blame(void **state)
+{
+    (void)state;
+    const char *argv[] = {"/bin/sh", "-c", "echo ready; exec sleep 3600", NULL};
+    int spoiled = 0;
+    iso_process_outcome outcome = {.exit_code = 0};
+    const iso_process_options options = {
+        .line = spoil_pipes, .user = &spoiled, .timeout_seconds = 20, .outcome = &outcome};
+    iso_error err = {""};
+    assert_int_equal(iso_process_run(argv, &options, &err), ISO_E_IO);
+    assert_true(spoiled >= 1); /* those of a caller that runs tests by pipes, too */
+    assert_non_null(strstr(err.text, "its output cannot be read"));
+    assert_int_equal(outcome.exit_code, -1);
+    assert_false(outcome.timed_out);
+}
+
 static void tell_pid(void *user, const char *line)
 {
     const int *pipe_end = user;
@@ -237,6 +270,7 @@ int main(void)
         cmocka_unit_test(an_exit_code_is_reported_with_the_line_that_speaks_of_an_error),
         cmocka_unit_test(a_program_that_takes_too_long_is_ended),
         cmocka_unit_test(one_that_hangs_in_silence_is_ended_too),
+        cmocka_unit_test(one_whose_output_cannot_be_read_is_ended_and_not_to_blame),
         cmocka_unit_test(nothing_that_it_started_outlives_it),
         cmocka_unit_test(a_signal_ends_the_program_and_is_a_failure),
         cmocka_unit_test(programs_of_two_threads_run_at_once_and_one_signal_ends_both),

@@ -39,13 +39,14 @@ static void run_program(const char *const argv[], const char *directory, const i
     _exit(127);
 }
 
-/* SIGKILL for each child that the kernel lists, in decimal numbers with spaces between them. false: it lists none. */
+/* SIGKILL for each child that the kernel lists, in decimal numbers with spaces between them. false: it does not list all. */
 static bool kill_children(void)
 {
     const int list = open("/proc/thread-self/children", O_RDONLY);
     char digits[256];
     pid_t pid = 0;
-    for (ssize_t n; list >= 0 && (n = read(list, digits, sizeof digits)) > 0;)
+    ssize_t n = list >= 0 ? 1 : -1;
+    while (list >= 0 && ((n = read(list, digits, sizeof digits)) > 0 || (n < 0 && errno == EINTR)))
         for (ssize_t i = 0; i < n; ++i) {
             if (digits[i] >= '0' && digits[i] <= '9') {
                 pid = 10 * pid + (digits[i] - '0');
@@ -57,7 +58,7 @@ static bool kill_children(void)
         }
     if (list >= 0)
         close(list);
-    return list >= 0;
+    return n == 0;
 }
 
 /* Until nothing is left: who loses its parent becomes our child, and may have started others in the meantime. */

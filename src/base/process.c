@@ -162,10 +162,11 @@ static bool has_ended(pid_t pid)
     return waitid(P_PID, (id_t)pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == pid;
 }
 
-typedef enum drain_end { DRAIN_CLOSED, DRAIN_TIMED_OUT, DRAIN_STOPPED, DRAIN_WAITS } drain_end;
+typedef enum drain_end { DRAIN_CLOSED, DRAIN_TIMED_OUT, DRAIN_STOPPED, DRAIN_WAITS, DRAIN_UNREADABLE } drain_end;
 
 /* Reads until the child closes its output, or says the line that is waited for. talking: a child of its own may hold the
- * output while it waits for a line, so that its end counts too. */
+ * output while it waits for a line, so that its end counts too. Output that cannot be read (errno says why) is none that
+ * was closed: the child would write on, and be ended by that, or not at all. */
 static drain_end drain(int fd, pid_t talking, line_log *log, double deadline)
 {
     for (char buffer[4096];;) {
@@ -176,13 +177,15 @@ static drain_end drain(int fd, pid_t talking, line_log *log, double deadline)
         if (iso_clock_seconds() > deadline)
             return DRAIN_TIMED_OUT;
         if (ready < 0 && errno != EINTR)
-            return DRAIN_CLOSED;
+            return DRAIN_UNREADABLE;
         if (ready == 0 && talking && has_ended(talking))
             break;
         if (ready <= 0)
             continue;
         ssize_t n = read(fd, buffer, sizeof buffer);
-        if (n == 0 || (n < 0 && errno != EINTR))
+        if (n < 0 && errno != EINTR)
+            return DRAIN_UNREADABLE;
+        if (n == 0)
             break;
         if (n > 0)
             take_output(log, buffer, (size_t)n);
@@ -346,6 +349,7 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
                  last = last_moment > 0 ? fmax(last_moment, start) : INFINITY,
                  deadline = fmin(limit > 0 ? start + limit : INFINITY, last);
     drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, deadline);
+    const int cause = errno; /* where it could not be read */
     *ended = end != DRAIN_WAITS;
     if (!*ended)
         return ISO_OK;
@@ -354,6 +358,8 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     note_outcome(options, end, result, &used, start);
     if (end == DRAIN_STOPPED)
         return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", p->name, (int)stop_signal);
+    if (end == DRAIN_UNREADABLE)
+        return iso_fail(err, ISO_E_IO, "%s: its output cannot be read: %s", p->name, strerror(cause));
     if (end == DRAIN_TIMED_OUT)
         return iso_fail(err, ISO_E_PROGRAM, "%s: stopped after %g s, the time limit", p->name, limit);
     if (WIFSIGNALED(result))

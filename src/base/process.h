@@ -15,7 +15,7 @@ iso_status iso_process_find(const char *program, const char *debian_package, cha
 
 /* How a program ended. */
 typedef struct iso_process_outcome {
-    int exit_code;  /* -1: it has none, since a signal or the time limit ended it */
+    int exit_code;  /* -1: it has none, since a signal, the time limit or output that could not be read ended it */
     int signal;     /* 0: none */
     bool timed_out; /* it was ended at its time limit */
     double seconds;
@@ -47,7 +47,8 @@ void iso_process_set_deadline(double clock_seconds);
 /* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is
  * captured; on a non-zero exit, a signal or a timeout the status is
  * ISO_E_PROGRAM and the message names the program, the cause and the last
- * lines of the output that look like an error. SIGINT, SIGTERM and SIGHUP end
+ * lines of the output that look like an error. Output that cannot be read ends
+ * the program, and is ISO_E_IO. SIGINT, SIGTERM and SIGHUP end
  * the program and are such a failure, so that callers clean up. Neither the program nor
  * anything that it started outlives the call, or this process (keeper.h). Threads may each run one; a signal ends all. */
 iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err);

@@ -114,13 +114,16 @@ static int make_rules(const iso_sandbox_wish *wish, const char *folder, iso_stat
     const int rules = version > 0 ? (int)syscall(LANDLOCK_CREATE, &refused, size, 0) : -1;
     if (rules < 0)
         return rules;
+    const char *missing = NULL;
     for (size_t i = 0; i < sizeof streams / sizeof *streams; ++i)
-        allow(rules, streams[i], rights);
+        if (!allow(rules, streams[i], rights) && errno != ENOENT)
+            missing = streams[i];
     if (wish->kind == ISO_SANDBOX_DEVICE)
         allow_devices(rules, rights);
-    const char *missing = folder && !allow(rules, folder, rights)               ? folder
-                          : wish->output && !allow(rules, wish->output, rights) ? wish->output
-                                                                                : NULL;
+    if (folder && !allow(rules, folder, rights))
+        missing = folder;
+    else if (wish->output && !allow(rules, wish->output, rights))
+        missing = wish->output;
     if (missing)
         *status = iso_fail(err, ISO_E_IO, "%s: no program can be allowed to write there: %s", missing, strerror(errno));
     return rules;

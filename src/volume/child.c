@@ -19,6 +19,8 @@ typedef struct child {
     const iso_child_program *program;
 } child;
 
+enum { NOT_STARTED = 127 }; /* no exit code of these programs, as with shells */
+
 /* The program itself, by system calls alone: it may write nothing but its output, which is ours to read. What it and its
  * libraries print goes nowhere. */
 static void run_program(const char *const words[], const iso_sandbox *box, int output)
@@ -30,7 +32,12 @@ static void run_program(const char *const words[], const iso_sandbox *box, int o
     close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
     if (nothing >= 0 && iso_sandbox_enter(box))
         execv(words[0], (char *const *)words);
-    _exit(127);
+    _exit(NOT_STARTED);
+}
+
+static iso_status failure(int cause)
+{
+    return cause == ENOMEM ? ISO_E_MEMORY : ISO_E_PROGRAM;
 }
 
 static iso_status start(child *r, const char *const words[], iso_error *err)
@@ -43,7 +50,7 @@ static iso_status start(child *r, const char *const words[], iso_error *err)
     if (status != ISO_OK)
         return status;
     if (pipe2(ends, O_CLOEXEC) != 0) {
-        status = iso_fail(err, ISO_E_IO, "%s: no pipe: %s", words[1], strerror(errno));
+        status = iso_fail(err, failure(errno), "%s: no pipe: %s", words[1], strerror(errno));
         iso_sandbox_release(&box);
         return status;
     }
@@ -56,14 +63,31 @@ static iso_status start(child *r, const char *const words[], iso_error *err)
     r->output = failed ? NULL : fdopen(ends[0], "rb");
     if (!r->output)
         close(ends[0]);
-    return failed ? iso_fail(err, ISO_E_MISSING, "%s: cannot be started: %s", words[0], strerror(failed)) : ISO_OK;
+    if (failed)
+        return iso_fail(err, failure(failed), "%s: cannot be started: %s", words[0], strerror(failed));
+    return r->output ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", words[1]);
+}
+
+/* Of a program whose output has ended. */
+static bool did_not_start(child *r)
+{
+    int result = 0;
+    pid_t ended;
+    while ((ended = waitpid(r->pid, &result, 0)) < 0 && errno == EINTR)
+        ;
+    r->pid = 0;
+    return ended > 0 && WIFEXITED(result) && WEXITSTATUS(result) == NOT_STARTED;
 }
 
 static iso_status get(iso_volume_source *source, void *data, size_t bytes, iso_error *err)
 {
-    const child *r = source->reader;
+    child *r = source->reader;
     if (r && r->output && fread(data, 1, bytes, r->output) == bytes)
         return ISO_OK;
+    if (r && r->output && ferror(r->output))
+        return iso_fail(err, ISO_E_IO, "%s: the output of %s cannot be read", source->path, r->program->library);
+    if (r && r->pid > 0 && did_not_start(r))
+        return iso_fail(err, ISO_E_PROGRAM, "%s: %s cannot be started", source->path, r->program->name);
     return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s ends before the samples do", source->path,
                     r ? r->program->library : "its reader");
 }

@@ -56,8 +56,10 @@ static bool skip_atoms(FILE *f, cube *c)
 static bool is_cube(const char *path)
 {
     cube c;
-    FILE *f = iso_path_ends_with(path, ".cube") || iso_path_ends_with(path, ".cub") ? fopen(path, "rb") : NULL;
-    const bool is_one = f && read_header(f, &c);
+    if (!iso_path_ends_with(path, ".cube") && !iso_path_ends_with(path, ".cub"))
+        return false;
+    FILE *f = fopen(path, "rb");
+    const bool is_one = !f || read_header(f, &c) || ferror(f); /* what cannot be read is told when it is opened */
     if (f)
         fclose(f);
     return is_one;
@@ -100,6 +102,7 @@ static iso_status open_cube(iso_volume_source *source, iso_error *err)
         status = take_geometry(&c, source, err);
     if (status == ISO_OK)
         status = iso_source_take_text(source, f, true, err);
+    status = iso_source_check_read(f, source->path, status, err);
     fclose(f);
     return status;
 }

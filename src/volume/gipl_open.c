@@ -96,7 +96,10 @@ static iso_status open_gipl(iso_volume_source *source, iso_error *err)
     if (!source->gz)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
     if (gzread(source->gz, head, HEADER_BYTES) != HEADER_BYTES)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: a GIPL header has %d bytes", source->path, HEADER_BYTES);
+        return iso_source_check_read_gz(source->gz, source->path,
+                                        iso_fail(err, ISO_E_FORMAT, "%s: truncated: a GIPL header has %d bytes",
+                                                 source->path, HEADER_BYTES),
+                                        err);
     iso_status status = take_type((unsigned)big_endian(head + TYPE, 2), source, err);
     if (status == ISO_OK)
         status = take_geometry(head, source, err);

@@ -20,12 +20,13 @@ static bool has_known_start(const char *path)
     char head[256];
     FILE *f = fopen(path, "rb");
     const size_t size = f ? fread(head, 1, sizeof head, f) : 0;
+    const bool is_unread = !f || ferror(f); /* which is told when it is opened */
     if (f)
         fclose(f);
     for (size_t i = 0; i < sizeof starts / sizeof starts[0]; ++i)
         if (size >= starts[i].at + starts[i].size && memcmp(head + starts[i].at, starts[i].bytes, starts[i].size) == 0)
             return true;
-    return false;
+    return is_unread;
 }
 
 /* A folder of files, whatever they are. */

@@ -113,9 +113,10 @@ static iso_status read_header(const char *path, metaimage *m, iso_error *err)
         take(m, trim(line), trim(equals + 1));
     }
     m->end = (size_t)ftello(f);
+    const iso_status status = iso_source_check_read(f, path, ISO_OK, err);
     fclose(f);
-    return m->file[0]
-               ? ISO_OK
+    return m->file[0] || status != ISO_OK
+               ? status
                : iso_fail(err, ISO_E_FORMAT, "%s: truncated: the MetaImage header ends before ElementDataFile", path);
 }
 

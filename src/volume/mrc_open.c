@@ -2,6 +2,7 @@
 /* mrc_open.c - MRC2014 and CCP4 maps of electron microscopy and crystallography [cheng-2015]: 1024 bytes of header,
  * an extended header, then the samples. Lengths are angstrom; the unit cell may be oblique. */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,9 +45,13 @@ static bool starts_like_mrc(const unsigned char *head, size_t size)
 static iso_status read_header(const char *path, mrc *m, iso_error *err)
 {
     FILE *f = fopen(path, "rb");
-    const size_t n = f ? fread(m->word, 1, HEADER_BYTES, f) : 0;
-    if (f)
-        fclose(f);
+    if (!f)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
+    const size_t n = fread(m->word, 1, HEADER_BYTES, f);
+    const iso_status status = iso_source_check_read(f, path, ISO_OK, err);
+    fclose(f);
+    if (status != ISO_OK)
+        return status;
     if (n != HEADER_BYTES)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %zu bytes, an MRC header has %d", path, n, HEADER_BYTES);
     /* The machine stamp is not always right; a mode or an axis that is large in one order is small in the other. */

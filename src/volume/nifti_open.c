@@ -258,9 +258,14 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
     iso_status status = ISO_OK;
     source->gz = stat(image, &st) == 0 && S_ISREG(st.st_mode) ? gzopen(image, "rb") : NULL;
     size_t offset = (size_t)h->vox_offset;
-    if (source->gz)
+    if (source->gz) {
         gzbuffer(source->gz, 1 << 18); /* before the first look into it */
-    if (!source->gz) {
+        gzdirect(source->gz);
+        status = iso_source_check_read_gz(source->gz, image, ISO_OK, err);
+    }
+    if (status != ISO_OK) {
+        /* it is told already */
+    } else if (!source->gz) {
         status = iso_fail(err, iso_errno_status(), "%s: its samples, %s, cannot be opened: %s", source->path, image,
                           strerror(errno));
     } else if (gzdirect(source->gz)) {
@@ -292,9 +297,13 @@ static iso_status read_header(iso_volume_source *source, nifti_header *out, iso_
     } h;
     memset(&h, 0, sizeof h);
     gzFile gz = gzopen(source->path, "rb");
-    int n = gz ? gzread(gz, &h, sizeof h) : -1;
-    if (gz)
-        gzclose(gz);
+    if (!gz)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
+    const int n = gzread(gz, &h, sizeof h);
+    const iso_status status = iso_source_check_read_gz(gz, source->path, ISO_OK, err);
+    gzclose(gz);
+    if (status != ISO_OK)
+        return status;
     const int32_t swapped = (int32_t)__builtin_bswap32((uint32_t)h.size);
     const bool second = h.size == 540 || swapped == 540;
     const int need = second ? (int)sizeof h.two : (int)sizeof h.one;

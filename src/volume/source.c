@@ -50,6 +50,18 @@ iso_status iso_source_check_regular(const char *path, iso_error *err)
     return S_ISREG(st.st_mode) ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
 }
 
+iso_status iso_source_check_read(FILE *f, const char *path, iso_status status, iso_error *err)
+{
+    return ferror(f) ? iso_fail(err, ISO_E_IO, "%s: cannot be read", path) : status;
+}
+
+iso_status iso_source_check_read_gz(gzFile gz, const char *path, iso_status status, iso_error *err)
+{
+    int code;
+    gzerror(gz, &code);
+    return code == Z_ERRNO ? iso_fail(err, ISO_E_IO, "%s: cannot be read", path) : status;
+}
+
 iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err)
 {
     struct stat st;

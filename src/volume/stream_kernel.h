@@ -44,14 +44,17 @@ iso_status iso_source_take_file(iso_volume_source *source, const char *path, siz
 iso_status iso_source_take_part(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
 /* The same of samples that zlib packed, until the end of what it packed. */
 iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
-/* Reads all samples as decimals from where the file stands. z_fastest: in the file z runs fastest, x slowest. */
+/* ISO_E_IO where reading the file failed, whatever was then found to be missing; else `status`. */
+iso_status iso_source_check_read(FILE *f, const char *path, iso_status status, iso_error *err);
+iso_status iso_source_check_read_gz(gzFile gz, const char *path, iso_status status, iso_error *err);
+/* Reads all samples as decimals from where the file stands; the caller checks whether it could be read. z_fastest: in the file z runs fastest, x slowest. */
 iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_fastest, iso_error *err);
 
 /* Checks header.geometry, and that `available` is the number of bytes of its samples. */
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);
-/* The same of what the plain file holds from where it stands. */
 /* ISO_E_IO where the path names no regular file: a pipe would be waited for. */
 iso_status iso_source_check_regular(const char *path, iso_error *err);
+/* As iso_source_check_bytes(), of what the plain file holds from where it stands. */
 iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err);
 /* Of all samples in the file, and of one of its planes: those of the frames and channels that are not read, too. */
 size_t iso_source_bytes(const iso_volume_source *source);

@@ -2,15 +2,21 @@
 /* tiff_open.c - TIFF and BigTIFF, a slice a page, by libtiff. TIFF itself does not say how far slices are apart: ImageJ's
  * description and OME's XML do, and nothing else is trusted. */
 #define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <tiffio.h>
+#include <unistd.h>
 
 #include "volume/stream_kernel.h"
 
 typedef struct tiff_reader {
     TIFF *tiff;
+    int fd;
+    bool is_unread; /* a call on the file failed: what libtiff says then is about missing bytes, or nothing */
     uint64_t *page; /* offsets of the directories */
     size_t page_count, next;
     size_t first, step; /* of the chosen frame and channel: the first page, and from one to the next */
@@ -39,6 +45,63 @@ static bool starts_like_tiff(const unsigned char *head, size_t size)
     return size >= 4 && (memcmp(head, "II*\0", 4) == 0 || memcmp(head, "MM\0*", 4) == 0 ||
                          memcmp(head, "II+\0", 4) == 0 || memcmp(head, "MM\0+", 4) == 0);
 }
+
+/* ---- the file, as libtiff asks for it ---- */
+
+static tmsize_t read_bytes(thandle_t user, void *to, tmsize_t count)
+{
+    tiff_reader *r = user;
+    tmsize_t done = 0;
+    while (done < count) {
+        const ssize_t n = read(r->fd, (char *)to + done, (size_t)(count - done));
+        if (n == 0)
+            break;
+        r->is_unread = r->is_unread || (n < 0 && errno != EINTR);
+        if (n < 0 && errno != EINTR)
+            return -1;
+        done += n > 0 ? n : 0;
+    }
+    return done;
+}
+
+static tmsize_t write_nothing(thandle_t user, void *from, tmsize_t count)
+{
+    (void)user;
+    (void)from;
+    (void)count;
+    return -1;
+}
+
+static toff_t seek_to(thandle_t user, toff_t offset, int from)
+{
+    tiff_reader *r = user;
+    const off_t at = lseek(r->fd, (off_t)offset, from);
+    r->is_unread = r->is_unread || at < 0;
+    return (toff_t)at;
+}
+
+static int close_nothing(thandle_t user)
+{
+    (void)user;
+    return 0;
+}
+
+static toff_t size_of(thandle_t user)
+{
+    tiff_reader *r = user;
+    struct stat st;
+    if (fstat(r->fd, &st) == 0)
+        return (toff_t)st.st_size;
+    r->is_unread = true;
+    return 0;
+}
+
+static iso_status check_read(const tiff_reader *r, const char *path, iso_status status, iso_error *err)
+{
+    return r->is_unread ? iso_fail(err, ISO_E_IO, "%s: cannot be read", path) : status;
+}
+
+/* ---- a page, and what is said of all ---- */
 
 static tiff_page read_page(TIFF *t)
 {
@@ -301,10 +364,12 @@ static iso_status read_planes(iso_volume_source *source, size_t plane_count, voi
         if (!TIFFSetSubDirectory(r->tiff, r->page[r->first + r->next * r->step]) ||
             !(TIFFIsTiled(r->tiff) ? read_tiles(r->tiff, plane, bytes / n[1], n[1])
                                    : read_strips(r->tiff, plane, bytes)))
-            return iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged in page %zu of %zu", source->path, r->next + 1,
-                            n[2]);
+            return check_read(r, source->path,
+                              iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged in page %zu of %zu", source->path,
+                                       r->next + 1, n[2]),
+                              err);
     }
-    return ISO_OK;
+    return check_read(r, source->path, ISO_OK, err);
 }
 
 static void close_tiff(iso_volume_source *source)
@@ -312,25 +377,36 @@ static void close_tiff(iso_volume_source *source)
     tiff_reader *r = source->reader;
     if (r->tiff)
         TIFFClose(r->tiff);
+    if (r->fd >= 0)
+        close(r->fd);
     free(r->page);
     free(r);
 }
 
-static iso_status open_tiff(iso_volume_source *source, iso_error *err)
+static iso_status start_reader(iso_volume_source *source, iso_error *err)
 {
     tiff_reader *r = calloc(1, sizeof *r);
-    tiff_page page = {0};
-    size_t slices = 0;
     if (!r)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
     source->reader = r;
     source->read_planes = read_planes;
     source->close_reader = close_tiff;
+    r->fd = open(source->path, O_RDONLY | O_CLOEXEC);
+    if (r->fd < 0)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
     TIFFSetErrorHandler(NULL); /* the messages are ours */
     TIFFSetWarningHandler(NULL);
-    r->tiff = TIFFOpen(source->path, "rm");
-    if (!r->tiff)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged: not a good TIFF file", source->path);
+    r->tiff = TIFFClientOpen(source->path, "rm", r, read_bytes, write_nothing, seek_to, close_nothing, size_of, NULL,
+                             NULL);
+    return r->tiff ? ISO_OK
+                   : iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged: not a good TIFF file", source->path);
+}
+
+static iso_status read_header(iso_volume_source *source, iso_error *err)
+{
+    tiff_reader *r = source->reader;
+    tiff_page page = {0};
+    size_t slices = 0;
     tiff_notes notes = read_notes(r->tiff);
     iso_status status = find_pages(r, source->path, &page, err);
     if (status == ISO_OK && page.samples > 1 && page.planar != PLANARCONFIG_CONTIG)
@@ -344,6 +420,15 @@ static iso_status open_tiff(iso_volume_source *source, iso_error *err)
     if (status == ISO_OK)
         status = choose(&notes, &page, source, &slices, err);
     return status == ISO_OK ? take_geometry(source, &page, slices, &notes, err) : status;
+}
+
+static iso_status open_tiff(iso_volume_source *source, iso_error *err)
+{
+    iso_status status = start_reader(source, err);
+    if (status == ISO_OK)
+        status = read_header(source, err);
+    /* A tag that could not be read would be one that is not there. */
+    return source->reader ? check_read(source->reader, source->path, status, err) : status;
 }
 
 const iso_volume_format iso_volume_format_tiff = {

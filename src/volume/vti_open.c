@@ -58,10 +58,15 @@ static iso_status read_text(const char *path, vti *v, iso_error *err)
     FILE *f = fopen(path, "rb");
     v->text = f ? calloc(1, HEAD_BYTES + 1) : NULL;
     v->size = v->text ? fread(v->text, 1, HEAD_BYTES, f) : 0;
+    const int cause = errno;
+    const iso_status status = f ? iso_source_check_read(f, path, ISO_OK, err) : ISO_OK;
     if (f)
         fclose(f);
+    errno = cause;
     if (!v->text)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
+    if (status != ISO_OK)
+        return status;
     if (strstr(v->text, "<AppendedData"))
         return ISO_OK;
     free(v->text);

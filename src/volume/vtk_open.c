@@ -131,6 +131,7 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
         status = iso_source_take_text(source, f, false, err);
     } else if (status == ISO_OK)
         status = iso_source_take_part(source, source->path, (size_t)ftello(f), err);
+    status = iso_source_check_read(f, source->path, status, err);
     fclose(f);
     return status;
 }

@@ -28,8 +28,10 @@ static bool find_grid(FILE *f)
 
 static bool is_xsf(const char *path)
 {
-    FILE *f = iso_path_ends_with(path, ".xsf") ? fopen(path, "rb") : NULL;
-    const bool is_one = f && find_grid(f);
+    if (!iso_path_ends_with(path, ".xsf"))
+        return false;
+    FILE *f = fopen(path, "rb");
+    const bool is_one = !f || find_grid(f) || ferror(f); /* what cannot be read is told when it is opened */
     if (f)
         fclose(f);
     return is_one;
@@ -79,6 +81,7 @@ static iso_status open_xsf(iso_volume_source *source, iso_error *err)
         status = iso_source_take_text(source, f, false, err);
     if (status == ISO_OK && find_grid(f))
         status = iso_fail(err, ISO_E_FORMAT, "%s: has several grids, must be one", source->path);
+    status = iso_source_check_read(f, source->path, status, err);
     fclose(f);
     return status;
 }

@@ -46,7 +46,11 @@ static iso_status read_zlib(iso_volume_source *s, size_t plane_count, void *out,
     const size_t total = iso_source_bytes(s), bytes = iso_source_plane_bytes(s) * plane_count;
     size_t done;
     unsigned char extra;
-    if (!inflate_some(r, out, bytes, &done))
+    const bool well = inflate_some(r, out, bytes, &done);
+    const iso_status status = iso_source_check_read(r->file, s->path, ISO_OK, err);
+    if (status != ISO_OK)
+        return status;
+    if (!well)
         return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path,
                         r->z.msg ? r->z.msg : "not zlib's");
     r->given += done;
@@ -55,12 +59,13 @@ static iso_status read_zlib(iso_volume_source *s, size_t plane_count, void *out,
                         r->given, total);
     if (r->given < total)
         return ISO_OK;
-    if (!inflate_some(r, &extra, 1, &done) || !r->ended)
-        return iso_fail(err, ISO_E_FORMAT,
-                        done ? "%s: too long: compressed samples go on after the %zu bytes that the sizes need"
-                             : "%s: compressed samples are damaged after %zu bytes: the end is missing",
-                        s->path, total);
-    return ISO_OK;
+    if (inflate_some(r, &extra, 1, &done) && r->ended)
+        return ISO_OK;
+    iso_fail(err, ISO_E_FORMAT,
+             done ? "%s: too long: compressed samples go on after the %zu bytes that the sizes need"
+                  : "%s: compressed samples are damaged after %zu bytes: the end is missing",
+             s->path, total);
+    return iso_source_check_read(r->file, s->path, ISO_E_FORMAT, err);
 }
 
 static void close_zlib(iso_volume_source *s)

@@ -164,7 +164,7 @@ static bool meets(enum kind kind)
     return fails;
 }
 
-/* ---- memory ---- */
+/* ---- what is behind ---- */
 
 static void *next(const char *name)
 {
@@ -174,6 +174,30 @@ static void *next(const char *name)
     busy = before;
     return f;
 }
+
+/* All at once, before main(): dlsym() takes the loader's lock, which in a process that was forked nobody may give back. */
+static struct {
+    pid_t (*fork)(void);
+    int (*execv)(const char *, char *const[]);
+    int (*pipe2)(int *, int);
+    int (*socketpair)(int, int, int, int *);
+    int (*create)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
+    int (*mask)(int, const sigset_t *, sigset_t *);
+} libc;
+
+static void find_real(void)
+{
+    if (libc.mask)
+        return;
+    *(void **)&libc.fork = next("fork");
+    *(void **)&libc.execv = next("execv");
+    *(void **)&libc.pipe2 = next("pipe2");
+    *(void **)&libc.socketpair = next("socketpair");
+    *(void **)&libc.create = next("pthread_create");
+    *(void **)&libc.mask = next("pthread_sigmask"); /* the last: it tells that the others are there */
+}
+
+/* ---- memory ---- */
 
 static bool no_memory(size_t bytes)
 {
@@ -332,13 +356,13 @@ static bool filter_calls(void)
 /* Libraries block signals while they start threads (log4cplus, which OpenVDB loads): SIGSYS stays. */
 int pthread_sigmask(int change, const sigset_t *set, sigset_t *before)
 {
-    int (*real)(int, const sigset_t *, sigset_t *) = (int (*)(int, const sigset_t *, sigset_t *))next("pthread_sigmask");
     sigset_t others;
+    find_real();
     if (!set || change == SIG_UNBLOCK)
-        return real(change, set, before);
+        return libc.mask(change, set, before);
     others = *set;
     sigdelset(&others, SIGSYS);
-    return real(change, &others, before);
+    return libc.mask(change, &others, before);
 }
 
 /* ---- starts of processes and threads ---- */
@@ -353,30 +377,28 @@ static bool no_start(void)
 
 pid_t fork(void)
 {
-    pid_t (*real)(void) = (pid_t(*)(void))next("fork");
-    return no_start() ? -1 : real();
+    find_real();
+    return no_start() ? -1 : libc.fork();
 }
 int execv(const char *path, char *const argv[])
 {
-    int (*real)(const char *, char *const[]) = (int (*)(const char *, char *const[]))next("execv");
-    return no_start() ? -1 : real(path, argv);
+    find_real();
+    return no_start() ? -1 : libc.execv(path, argv);
 }
 int pipe2(int fds[2], int flags)
 {
-    int (*real)(int *, int) = (int (*)(int *, int))next("pipe2");
-    return no_start() ? -1 : real(fds, flags);
+    find_real();
+    return no_start() ? -1 : libc.pipe2(fds, flags);
 }
 int socketpair(int domain, int type, int protocol, int fds[2])
 {
-    int (*real)(int, int, int, int *) = (int (*)(int, int, int, int *))next("socketpair");
-    return no_start() ? -1 : real(domain, type, protocol, fds);
+    find_real();
+    return no_start() ? -1 : libc.socketpair(domain, type, protocol, fds);
 }
 int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*routine)(void *), void *argument)
 {
-    int (*real)(pthread_t *, const pthread_attr_t *, void *(*)(void *),
-                void *) = (int (*)(pthread_t *, const pthread_attr_t *, void *(*)(void *),
-                                   void *))next("pthread_create");
-    return no_start() ? EAGAIN : real(thread, attributes, routine, argument);
+    find_real();
+    return no_start() ? EAGAIN : libc.create(thread, attributes, routine, argument);
 }
 
 /* A child that posix_spawn() makes takes no signals, so its calls cannot be met: it is forked here instead. */
@@ -420,10 +442,10 @@ int posix_spawn(pid_t *pid, const char *path, const posix_spawn_file_actions_t *
 {
     (void)list;
     (void)attributes;
-    pid_t (*real)(void) = (pid_t(*)(void))next("fork");
+    find_real();
     if (no_start())
         return errno;
-    *pid = real();
+    *pid = libc.fork();
     if (*pid != 0)
         return *pid < 0 ? errno : 0;
     armed = false;
@@ -453,6 +475,7 @@ static void choose(void)
     const char *path = getenv("FAULTS_STATE"), *at = getenv("FAULTS_AT"), *kind = getenv("FAULTS_KIND");
     const char *error = getenv("FAULTS_HOW"), *frames = getenv("FAULTS_DEPTH"), *bytes = getenv("FAULTS_LEAST");
     void *warm[2];
+    find_real();
     const int fd = path ? open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666) : -1;
     if (fd < 0 || ftruncate(fd, sizeof *state) != 0)
         return;

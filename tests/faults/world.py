@@ -31,6 +31,13 @@ FIXTURES = {
     "b.json": "baseline r b.json --update -q",
     "p.json": "plan s.nrrd --scene {S} --size 16 --error 0.05 -o p.json -q",
 }
+# Volumes of other formats, which are read within isoshade or by a program of its own: of tests/fuzz/seeds.
+SEEDS = {"angstrom.cube": "cube", "phantom.gipl.gz": "gipl", "unit.mha": "metaimage", "multi.dcm": "dicom",
+         "phantom.mrc": "mrc", "nibabel.nii.gz": "nifti", "scaled.nii": "nifti", "gzip.nrrd": "nrrd", "text.nrrd": "nrrd",
+         "imagej.tif": "tiff", "v.vdb": "vdb", "zlib.vti": "vti", "binary.vtk": "vtk", "text.vtk": "vtk",
+         "phantom.xsf": "xsf"}
+WRITTEN = {"list.nhdr": b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: LIST 2\na.raw\nb.raw\n",
+           "a.raw": b"\1\2\3\4", "b.raw": b"\5\6\7\10"}
 COMMANDS = {
     "make": ("", "make shells --size 12x10x11 -o o.nrrd -q"),
     "make gzip": ("", "make sphere --size 12 --gzip -o o.nrrd -q"),
@@ -70,7 +77,11 @@ COMMANDS = {
     "render vtk": ("s.iso u.json", "render s.iso --scene u.json --with vtk --size 8 -o o.exr -q"),
     "render webgl": ("s.iso", "render s.iso --scene {S} --with webgl --size 8 -o o.exr -q"),
     "export blender": ("s.iso", "export s.iso --scene {S} --to blender -o o.blend -q"),
+    "figure levels": ("s.nrrd", "figure s.nrrd --scene {S} --kind levels --levels 2 --width 20 --dpi 100 -o o -q"),
+    "scenes": ("s.nrrd", "scenes s.nrrd --tf angiography --view front --size 32 -o o.png -q"),
 }
+COMMANDS.update({f"info {name}": (name, f"info {name} --json -q") for name in SEEDS})
+COMMANDS["info list.nhdr"] = ("list.nhdr a.raw b.raw", "info list.nhdr --json -q")
 LARGE = {
     "make": ("", "make shells --size 80 -o o.nrrd -q"),
     "build": ("l.nrrd", "build l.nrrd -o o.iso --levels 2 -q"),
@@ -179,6 +190,13 @@ class World:
             return path
         if name == ".o.iso.partial":
             self.partial(path)
+            return path
+        if name in SEEDS:
+            shutil.copy(f"{TOP}/tests/fuzz/seeds/{SEEDS[name]}/{name}", path)
+            return path
+        if name in WRITTEN:
+            with open(path, "wb") as file:
+                file.write(WRITTEN[name])
             return path
         if name in ("r.json", "u.json"):
             with open(path, "w") as file:
