@@ -9,6 +9,12 @@ if [ "$(uname -m)" != x86_64 ] || ! gcc --version >/dev/null 2>&1; then
 fi
 sampled() { python3 tests/faults/faults.py --sample 3 --only "make gzip,info pyramid,build again,render reference,compare,tf adapt" "$@"; }
 check calls_that_fail_once_end_well sampled
+read_once() { python3 tests/faults/faults.py --kinds read "$@"; }
+check reads_that_fail_are_no_damage read_once --only "info angstrom,info imagej,info phantom.mrc,info text.vtk"
+check programs_that_read_cannot_be_started python3 tests/faults/faults.py --kinds open,start --only "info v.vdb"
+if command -v povray >/dev/null; then
+    check a_picture_that_cannot_be_read_is_not_povrays_fault read_once --only "render povray"
+fi
 check so_do_large_allocations python3 tests/faults/faults.py --large --sample 3 --only "build,render reference,export vdb"
 check kills_leave_nothing_broken python3 tests/faults/kills.py --count 6 --only "build again,render reference"
 check pipelines_lose_nothing python3 tests/pipelines.py --count 5 --seed 7

@@ -277,13 +277,14 @@ json_t *iso_blender_describe_frames(double voxel, const char *folder, const iso_
     return list;
 }
 
-/* A picture that Blender has left. Without one, or with a broken one, it is the program that failed. */
+/* A picture that Blender has left. Without one, or with a broken one, it is the program that failed;
+ * not where one cannot be read. */
 static iso_status load_picture(const char *path, const iso_view *view, iso_image *picture, iso_error *err)
 {
     iso_error why = {""};
-    const iso_status status = iso_path_exists(path) ? iso_image_load_exr(path, picture, &why)
-                                                    : iso_fail(&why, ISO_E_IO, "it left no picture");
-    if (status == ISO_E_MEMORY)
+    const iso_status status = iso_path_is_file(path) ? iso_image_load_exr(path, picture, &why)
+                                                    : iso_fail(&why, ISO_E_PROGRAM, "it left no picture");
+    if (status == ISO_E_MEMORY || status == ISO_E_IO)
         return iso_fail(err, status, "%s", why.text);
     if (status != ISO_OK)
         return iso_fail(err, ISO_E_PROGRAM, "blender: %s", why.text);

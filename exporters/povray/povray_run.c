@@ -169,7 +169,8 @@ static char *pass_path(const render_job *job, size_t frame)
     return iso_path_join(job->dir, name);
 }
 
-/* The picture that a frame has left. Without one, or with a broken one, it is the program that failed. */
+/* The picture that a frame has left. Without one, or with a broken one, it is the program that failed;
+ * not where one cannot be read. */
 static iso_status load_pass(const render_job *job, size_t frame, iso_image *image, iso_error *err)
 {
     const iso_view *view = job->pictures[frame / PASSES].scene->view;
@@ -177,10 +178,10 @@ static iso_status load_pass(const render_job *job, size_t frame, iso_image *imag
     char *path = pass_path(job, frame);
     if (!path)
         return iso_povray_no_memory(err);
-    const iso_status status = iso_path_exists(path) ? iso_image_load_ppm(path, image, &why)
-                                                    : iso_fail(&why, ISO_E_IO, "it left no picture");
+    const iso_status status = iso_path_is_file(path) ? iso_image_load_ppm(path, image, &why)
+                                                    : iso_fail(&why, ISO_E_PROGRAM, "it left no picture");
     free(path);
-    if (status == ISO_E_MEMORY)
+    if (status == ISO_E_MEMORY || status == ISO_E_IO)
         return iso_fail(err, status, "%s", why.text);
     if (status != ISO_OK)
         return iso_fail(err, ISO_E_PROGRAM, "povray: %s", why.text);

@@ -46,6 +46,12 @@ bool iso_path_exists(const char *path)
     return look_at(path, &st);
 }
 
+bool iso_path_is_file(const char *path)
+{
+    struct stat st;
+    return look_at(path, &st) && S_ISREG(st.st_mode);
+}
+
 bool iso_path_is_dir(const char *path)
 {
     struct stat st;

@@ -69,6 +69,7 @@ char *iso_path_dir(const char *path);
 const char *iso_path_base(const char *path);
 bool iso_path_exists(const char *path);
 bool iso_path_is_dir(const char *path);
+bool iso_path_is_file(const char *path); /* no folder, pipe or device */
 bool iso_path_ends_with(const char *path, const char *suffix);
 
 /* Reads a whole file; a terminating 0 is added behind *size bytes. To be freed. */

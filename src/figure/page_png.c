@@ -79,6 +79,18 @@ static iso_status read_overlay(const char *path, const canvas *c, unsigned char 
     return status;
 }
 
+/* libpng prints its own messages, unless these are there: the one that counts is ours. */
+static void stop(png_structp png, png_const_charp text)
+{
+    (void)text;
+    png_longjmp(png, 1);
+}
+
+static void pass_over(png_structp png, png_const_charp text)
+{
+    (void)png, (void)text;
+}
+
 /* By the library's plain calls, which jump on errors: nothing is kept in variables that change after setjmp(). */
 static int write_rows(FILE *f, png_structp png, png_infop info, const canvas *c, double dpi)
 {
@@ -100,7 +112,7 @@ static int write_rows(FILE *f, png_structp png, png_infop info, const canvas *c,
 static iso_status write_png(const char *path, const canvas *c, double dpi, iso_error *err)
 {
     FILE *f = fopen(path, "wb");
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, stop, pass_over);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     int whole = f && info && write_rows(f, png, info, c, dpi);
     png_destroy_write_struct(&png, &info);

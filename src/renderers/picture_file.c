@@ -3,9 +3,11 @@
 
 #include <math.h>
 
-static iso_status refuse(const char *file, iso_error *err, const char *what)
+/* What is wrong with a picture is the program's fault; that it could not be read is not. */
+static iso_status refuse(iso_status status, const iso_error *why, const char *file, iso_error *err, const char *what)
 {
-    return iso_fail(err, ISO_E_PROGRAM, "%s %s", file, what);
+    return status == ISO_E_MEMORY || status == ISO_E_IO ? iso_fail(err, status, "%s", why->text)
+                                                        : iso_fail(err, ISO_E_PROGRAM, "%s %s", file, what);
 }
 
 static iso_status check_header(const char *path, const char *file, const iso_view *view, iso_error *err)
@@ -13,8 +15,9 @@ static iso_status check_header(const char *path, const char *file, const iso_vie
     static const char *const names[] = {"R", "G", "B", "A"};
     iso_exr_header header;
     iso_error why = {""};
-    if (iso_image_read_exr_header(path, &header, &why) != ISO_OK)
-        return refuse(file, err, "is no OpenEXR picture");
+    const iso_status status = iso_image_read_exr_header(path, &header, &why);
+    if (status != ISO_OK)
+        return refuse(status, &why, file, err, "is no OpenEXR picture");
     if (header.width != view->width || header.height != view->height || header.is_cropped)
         return iso_fail(err, ISO_E_PROGRAM, "%s has %zu x %zu pixels%s, wanted %zu x %zu", file, header.width,
                         header.height, header.is_cropped ? " of another window" : "", view->width, view->height);
@@ -42,8 +45,8 @@ iso_status iso_picture_load(const char *path, const char *name, const iso_view *
 {
     iso_error why = {""};
     iso_status status = check_header(path, name, view, err);
-    if (status == ISO_OK && iso_image_load_exr(path, image, &why) != ISO_OK)
-        status = refuse(name, err, "is a damaged OpenEXR picture");
+    if (status == ISO_OK && (status = iso_image_load_exr(path, image, &why)) != ISO_OK)
+        return refuse(status, &why, name, err, "is a damaged OpenEXR picture");
     if (status == ISO_OK && (status = check_values(image, name, err)) != ISO_OK)
         iso_image_destroy(image);
     return status;
