@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is exported of a pyramid without floats of level 0 is what is exported of a whole one, byte for byte, and does not
- * depend on threads. */
+/* What is exported of a pyramid without level 0 is what is exported of a whole one, byte for byte, and does not depend on
+ * threads. */
 #define _GNU_SOURCE
 #include "test.h"
 
@@ -10,11 +10,14 @@
 #include "base/file.h"
 #include "povray/df3.h"
 #include "pyramid/narrow.h"
+#include "scene/subject.h"
+#include "scene/visible.h"
 #include "tf/tf.h"
 #include "vdb/vdb.h"
 #include "volume/synthetic.h"
 
-enum { NX = 37, NY = 26, NZ = 19, LEVELS = 2 };
+/* More voxels along x than a node of OpenVDB above the leaves has. */
+enum { NX = 150, NY = 40, NZ = 30, LEVELS = 2 };
 
 typedef struct fixture {
     char *dir;
@@ -30,6 +33,8 @@ static void begin(fixture *f, iso_type type)
                        .seed = 5};
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = LEVELS;
+    if (type == ISO_I16) /* rows are stored in reverse */
+        field.geometry.index_to_world = iso_mat3_scale(field.geometry.index_to_world, -1);
     *f = (fixture){.dir = iso_make_temp_dir()};
     assert_ok(iso_field_sample(&field, type, &f->volume, &err));
     assert_ok(iso_pyramid_build(&f->volume, "noise", &opt, &f->whole, NULL, &err));
@@ -47,24 +52,116 @@ static void end(fixture *f)
 
 static const iso_type types[] = {ISO_U8, ISO_I16, ISO_I32, ISO_F32};
 
-static void all_but_the_floats_of_level_0_is_equal(void **state)
+static void all_but_level_0_is_equal(void **state)
 {
     (void)state;
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         fixture f;
         begin(&f, types[t]);
         assert_null(f.narrow.levels[0].scalar);
+        assert_null(f.narrow.levels[0].codes);
         float row[NX];
         for (size_t k = 0; k < LEVELS; ++k) {
             const iso_level *a = &f.whole.levels[k], *b = &f.narrow.levels[k];
             const size_t width = a->geometry.size[0], rows = a->geometry.size[1] * a->geometry.size[2];
             assert_true(a->min == b->min && a->max == b->max);
-            assert_memory_equal(a->codes, b->codes, 3 * width * rows);
+            if (k > 0)
+                assert_memory_equal(a->codes, b->codes, 3 * width * rows);
             for (size_t i = 0; i < rows; ++i) {
                 iso_level_scalars(b, &f.volume, i * width, width, row);
                 assert_memory_equal(row, a->scalar + i * width, width * sizeof *row);
             }
         }
+        end(&f);
+    }
+}
+
+/* The range of a pyramid of one level, which is not built but measured. */
+static void the_range_of_one_level_is_equal(void **state)
+{
+    (void)state;
+    for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
+        fixture f;
+        iso_pyramid one;
+        begin(&f, types[t]);
+        iso_pyramid_options opt = f.whole.options;
+        opt.level_count = 1;
+        assert_ok(iso_pyramid_build_narrow(&f.volume, "noise", &opt, &one, NULL, &err));
+        assert_int_equal(one.level_count, 1);
+        assert_true(one.levels[0].min == f.whole.levels[0].min && one.levels[0].max == f.whole.levels[0].max);
+        assert_int_equal(one.levels[0].stored_type, f.whole.levels[0].stored_type);
+        iso_pyramid_destroy(&one);
+        end(&f);
+    }
+}
+
+static size_t wrong_rows(const iso_narrow_codes *c, const iso_level *whole, const size_t first[3], const size_t end[3])
+{
+    size_t wrong = 0;
+    for (size_t z = first[2]; z < end[2]; ++z)
+        for (size_t y = first[1]; y < end[1]; ++y)
+            wrong += memcmp(iso_narrow_codes_at(c, first[0], y, z), whole->codes + 3 * (first[0] + NX * (y + NY * z)),
+                            3 * (end[0] - first[0])) != 0;
+    return wrong;
+}
+
+/* Of each estimator, at each border and away from it. */
+static void codes_of_a_box_are_those_of_the_level(void **state)
+{
+    (void)state;
+    const size_t boxes[][2][3] = {{{0, 0, 0}, {NX, NY, NZ}},  {{0, 0, 0}, {1, 1, 1}},      {{8, 0, 5}, {16, 8, 6}},
+                                  {{NX - 1, NY - 2, NZ - 1}, {NX, NY, NZ}}, {{17, 9, 8}, {20, 11, 12}}, {{0, 0, 7}, {NX, NY, 9}}};
+    for (int method = 0; method < ISO_GRADIENT_COUNT; ++method) {
+        fixture f;
+        iso_pyramid whole;
+        iso_narrow_codes codes;
+        begin(&f, method % 2 ? ISO_U8 : ISO_F32);
+        f.narrow.options.gradient.method = (iso_gradient_method)method;
+        assert_ok(iso_pyramid_build(&f.volume, "noise", &f.narrow.options, &whole, NULL, &err));
+        assert_ok(iso_narrow_codes_begin(&codes, &f.narrow, &f.volume, &err));
+        for (size_t b = 0; b < sizeof boxes / sizeof *boxes; ++b) {
+            const size_t *first = boxes[b][0], *last = boxes[b][1];
+            assert_ok(iso_narrow_codes_make(&codes, first, last, &err));
+            assert_int_equal(wrong_rows(&codes, &whole.levels[0], first, last), 0);
+        }
+        /* The last box has been made: a voxel that is another is seen. */
+        codes.codes[3 * (NX * NY * (7 - codes.first[2]) + NX * 12 + 20)] ^= 1;
+        assert_int_equal(wrong_rows(&codes, &whole.levels[0], boxes[5][0], boxes[5][1]), 1);
+        iso_narrow_codes_destroy(&codes);
+        iso_pyramid_destroy(&whole);
+        end(&f);
+    }
+}
+
+/* What a scene shows of samples is what it shows of their floats: the transfer function that is suggested, the camera, and
+ * what is warned of. */
+static void samples_are_seen_as_their_floats(void **state)
+{
+    (void)state;
+    for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
+        fixture f;
+        begin(&f, types[t]);
+        iso_level level = f.whole.levels[0];
+        iso_pyramid of_samples = f.whole;
+        level.scalar = NULL;
+        level.samples = &f.volume;
+        of_samples.level_count = 1;
+        of_samples.levels = &level;
+        const iso_subject_look look = {.size = "24"};
+        iso_view a, b;
+        assert_ok(iso_subject_make_view(&look, &f.whole, &a, &err));
+        assert_ok(iso_subject_make_view(&look, &of_samples, &b, &err));
+        assert_int_equal(a.tf.count, b.tf.count);
+        assert_memory_equal(a.tf.entries, b.tf.entries, 4 * a.tf.count * sizeof *a.tf.entries);
+        assert_true(a.camera.position.x == b.camera.position.x && a.camera.position.z == b.camera.position.z);
+        const iso_visible one = iso_visible_measure(&f.whole.levels[0], &a, NULL, 1);
+        const iso_visible other = iso_visible_measure(&level, &b, NULL, 2);
+        assert_true(one.voxels > 0 && one.voxels < 1 && one.picture > 0);
+        assert_true(one.voxels == other.voxels && one.faces == other.faces && one.picture == other.picture);
+        memset(f.volume.data, 0, iso_geometry_voxel_count(&f.volume.geometry) * iso_type_bytes(types[t]) / 2);
+        assert_true(iso_visible_measure(&level, &b, NULL, 2).voxels != one.voxels); /* other samples are seen */
+        iso_view_destroy(&a);
+        iso_view_destroy(&b);
         end(&f);
     }
 }
@@ -122,20 +219,34 @@ static void openvdb_files_are_equal_whatever_the_threads(void **state)
 
 static void read_codes(const void *user, size_t first, size_t count, float *out)
 {
-    const iso_pyramid *p = user;
-    iso_code_decode_all(p->options.code, p->levels[0].codes + 3 * first, out, count);
+    const iso_narrow_codes *c = user;
+    iso_code_decode_all(c->options.code, iso_narrow_codes_at(c, first % NX, first / NX % NY, first / (NX * NY)), out,
+                        count);
 }
 
-/* Three files from one reading are those of three readings. */
+static iso_status make_codes(void *user, size_t first, size_t end, iso_error *why)
+{
+    return iso_narrow_codes_make(user, (const size_t[]){0, 0, first}, (const size_t[]){NX, NY, end}, why);
+}
+
+/* Three files from one reading, whose codes are made a few planes after the other, are those of three readings. */
 static void df3_files_of_several_channels_are_equal(void **state)
 {
     (void)state;
     fixture f;
     begin(&f, ISO_U8);
     const size_t size[3] = {NX, NY, NZ}, voxels = (size_t)NX * NY * NZ;
-    const iso_df3_source source = {{NX, NY, NZ}, 3, read_codes, &f.narrow};
+    iso_narrow_codes codes;
+    assert_ok(iso_narrow_codes_begin(&codes, &f.narrow, &f.volume, &err));
+    const iso_df3_source source = {.size = {NX, NY, NZ},
+                                   .channels = 3,
+                                   .read = read_codes,
+                                   .user = &codes,
+                                   .prepare = make_codes,
+                                   .prepare_user = &codes,
+                                   .planes = 7};
     float *decoded = malloc(3 * voxels * sizeof *decoded);
-    read_codes(&f.whole, 0, voxels, decoded);
+    iso_code_decode_all(f.whole.options.code, f.whole.levels[0].codes, decoded, voxels);
     for (unsigned bits = 8; bits <= 32; bits *= 2) {
         const iso_df3_coding coding = {bits, -128.0 / 127, 1};
         char *paths[4], *data[4];
@@ -163,13 +274,17 @@ static void df3_files_of_several_channels_are_equal(void **state)
         }
     }
     free(decoded);
+    iso_narrow_codes_destroy(&codes);
     end(&f);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_but_the_floats_of_level_0_is_equal),
+        cmocka_unit_test(all_but_level_0_is_equal),
+        cmocka_unit_test(the_range_of_one_level_is_equal),
+        cmocka_unit_test(codes_of_a_box_are_those_of_the_level),
+        cmocka_unit_test(samples_are_seen_as_their_floats),
         cmocka_unit_test(openvdb_files_are_equal_whatever_the_threads),
         cmocka_unit_test(df3_files_of_several_channels_are_equal),
     };

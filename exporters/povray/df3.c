@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include "povray/df3.h"
 
 #include <errno.h>
-#include <stdio.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/parallel.h"
 
@@ -49,7 +51,7 @@ typedef struct plane_writer {
     size_t rim, size[3]; /* of the files */
     size_t row_bytes;
     int threads;
-    FILE *files[ISO_DF3_MAX_CHANNELS];
+    int files[ISO_DF3_MAX_CHANNELS];
 } plane_writer;
 
 /* What one thread encodes a plane with. */
@@ -105,57 +107,95 @@ static void encode_row(const plane_writer *w, const plane_room *room, size_t y, 
     }
 }
 
-static iso_status append_plane(const plane_writer *w, const plane_room *room, iso_error *err)
+enum { HEADER_BYTES = 6 };
+
+static iso_status write_at(const plane_writer *w, size_t channel, const uint8_t *bytes, size_t count, size_t at,
+                           iso_error *err)
 {
-    const size_t bytes = w->row_bytes * w->size[1];
-    for (size_t c = 0; c < w->source->channels; ++c)
-        if (fwrite(room->planes + c * bytes, 1, bytes, w->files[c]) != bytes)
-            return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", w->paths[c], strerror(errno));
+    for (size_t done = 0; done < count;) {
+        const ssize_t n = pwrite(w->files[channel], bytes + done, count - done, (off_t)(at + done));
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return iso_fail(err, n < 0 ? iso_errno_status() : ISO_E_IO, "%s: cannot be written: %s", w->paths[channel],
+                            n < 0 ? strerror(errno) : "nothing was taken");
+        done += (size_t)n;
+    }
     return ISO_OK;
 }
 
-/* Each thread encodes a plane; they are written in turn, while other threads encode the next ones. */
-static iso_status write_planes(const plane_writer *w, iso_error *err)
+static iso_status write_plane(const plane_writer *w, const plane_room *room, size_t z, iso_error *err)
 {
-    iso_status status = ISO_OK; /* of what was made and written so far, in the planes' order */
+    const size_t bytes = w->row_bytes * w->size[1];
+    iso_status status = ISO_OK;
+    for (size_t c = 0; c < w->source->channels && status == ISO_OK; ++c)
+        status = write_at(w, c, room->planes + c * bytes, bytes, HEADER_BYTES + z * bytes, err);
+    return status;
+}
+
+/* Each thread encodes a plane and writes it where it belongs: none waits for another. */
+static iso_status write_slab(const plane_writer *w, size_t begin, size_t end, iso_error *err)
+{
+    iso_status status = ISO_OK; /* of the first plane that could not be made or written */
 #pragma omp parallel num_threads(w->threads)
     {
         plane_room room;
         iso_error trouble;
-        const iso_status own = make_room(w, &room, &trouble);
-#pragma omp for ordered schedule(dynamic)
-        for (size_t z = 0; z < w->size[2]; ++z) {
+        iso_status own = make_room(w, &room, &trouble);
+#pragma omp for schedule(dynamic)
+        for (size_t z = begin; z < end; ++z) {
             for (size_t y = 0; own == ISO_OK && y < w->size[1]; ++y)
                 encode_row(w, &room, y, z);
-#pragma omp ordered
-            if (status == ISO_OK) {
-                if (own != ISO_OK && err)
-                    *err = trouble;
-                status = own == ISO_OK ? append_plane(w, &room, err) : own;
-            }
+            if (own == ISO_OK)
+                own = write_plane(w, &room, z, &trouble);
+        }
+#pragma omp critical(iso_df3_status)
+        if (own != ISO_OK && status == ISO_OK) {
+            status = own;
+            if (err)
+                *err = trouble;
         }
         free_room(&room);
     }
     return status;
 }
 
+static iso_status write_planes(const plane_writer *w, iso_error *err)
+{
+    const iso_df3_source *s = w->source;
+    const size_t depth = w->size[2], slab = s->prepare ? s->planes : depth;
+    iso_status status = ISO_OK;
+    for (size_t z = 0; z < depth && status == ISO_OK; z += slab) {
+        const size_t end = z + slab < depth ? z + slab : depth;
+        if (s->prepare)
+            status = s->prepare(s->prepare_user, source_index(w, z, 2), source_index(w, end - 1, 2) + 1, err);
+        if (status == ISO_OK)
+            status = write_slab(w, z, end, err);
+    }
+    return status;
+}
+
 static iso_status open_files(plane_writer *w, iso_error *err)
 {
-    uint8_t header[6];
+    uint8_t header[HEADER_BYTES];
+    iso_status status = ISO_OK;
     for (unsigned a = 0; a < 3; ++a)
         put_big_endian(header + 2 * a, (uint32_t)w->size[a], 2);
-    for (size_t c = 0; c < w->source->channels; ++c) {
-        w->files[c] = fopen(w->paths[c], "wb");
-        if (!w->files[c] || fwrite(header, 1, sizeof header, w->files[c]) != sizeof header)
+    for (size_t c = 0; c < ISO_DF3_MAX_CHANNELS; ++c)
+        w->files[c] = -1;
+    for (size_t c = 0; c < w->source->channels && status == ISO_OK; ++c) {
+        w->files[c] = open(w->paths[c], O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+        if (w->files[c] < 0)
             return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", w->paths[c], strerror(errno));
+        status = write_at(w, c, header, sizeof header, 0, err);
     }
-    return ISO_OK;
+    return status;
 }
 
 static iso_status close_files(plane_writer *w, iso_status status, iso_error *err)
 {
     for (size_t c = 0; c < w->source->channels; ++c)
-        if (w->files[c] && fclose(w->files[c]) != 0 && status == ISO_OK)
+        if (w->files[c] >= 0 && close(w->files[c]) != 0 && status == ISO_OK)
             status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", w->paths[c], strerror(errno));
     return status;
 }
@@ -201,7 +241,7 @@ iso_status iso_df3_write(const char *path, const size_t size[3], const float *va
                          const iso_df3_coding *coding, iso_error *err)
 {
     const array a = {values + channel, stride};
-    const iso_df3_source s = {{size[0], size[1], size[2]}, 1, read_array, &a};
+    const iso_df3_source s = {.size = {size[0], size[1], size[2]}, .channels = 1, .read = read_array, .user = &a};
     return write_files(&s, 1, &path, coding, 0, err);
 }
 
@@ -209,6 +249,6 @@ iso_status iso_df3_write_table(const char *path, const size_t size[2], const flo
                                size_t channel, const iso_df3_coding *coding, iso_error *err)
 {
     const array a = {values + channel, stride};
-    const iso_df3_source s = {{size[0], size[1], 1}, 1, read_array, &a};
+    const iso_df3_source s = {.size = {size[0], size[1], 1}, .channels = 1, .read = read_array, .user = &a};
     return write_files(&s, 0, &path, coding, 1, err);
 }

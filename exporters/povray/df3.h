@@ -31,6 +31,11 @@ typedef struct iso_df3_source {
     /* `channels` floats of each of `count` voxels from number `first` on; never beyond a row. */
     void (*read)(const void *user, size_t first, size_t count, float *out);
     const void *user;
+    /* Called before planes from `first` to `end`, which is not included, are read, and by nobody else meanwhile: planes are
+     * asked for in their order, `planes` at once or fewer. NULL: all can be read at any time. */
+    iso_status (*prepare)(void *user, size_t first, size_t end, iso_error *err);
+    void *prepare_user;
+    size_t planes;
 } iso_df3_source;
 
 /* A file with its rim for each channel, from one reading; beside the source it takes a plane of memory a channel

@@ -96,6 +96,7 @@ typedef struct layer_reader {
     const iso_level *level;
     const iso_volume *volume; /* its scalars where it has none */
     const uint8_t *bytes;
+    iso_narrow_codes *made; /* its codes, planes after planes, where it has none */
 } layer_reader;
 
 static void read_scalars(const void *user, size_t first, size_t count, float *out)
@@ -108,6 +109,21 @@ static void read_codes(const void *user, size_t first, size_t count, float *out)
 {
     const layer_reader *r = user;
     iso_code_decode_all(r->code, r->level->codes + 3 * first, out, count);
+}
+
+static void read_made_codes(const void *user, size_t first, size_t count, float *out)
+{
+    const layer_reader *r = user;
+    const size_t *n = r->level->geometry.size;
+    iso_code_decode_all(r->code, iso_narrow_codes_at(r->made, first % n[0], first / n[0] % n[1], first / (n[0] * n[1])),
+                        out, count);
+}
+
+static iso_status make_codes(void *user, size_t first, size_t end, iso_error *err)
+{
+    iso_narrow_codes *made = user;
+    const size_t *n = made->volume->geometry.size;
+    return iso_narrow_codes_make(made, (const size_t[]){0, 0, first}, (const size_t[]){n[0], n[1], end}, err);
 }
 
 static void read_directions(const void *user, size_t first, size_t count, float *out)
@@ -129,7 +145,14 @@ static iso_status write_samples(const iso_povray_scene *s, const layer_reader *r
                                 size_t count, const iso_df3_coding *coding, const char *dir, iso_error *err)
 {
     const size_t *n = s->voxels->geometry.size;
-    const iso_df3_source source = {{n[0], n[1], n[2]}, count, read, r};
+    const size_t most = (size_t)32 << 20, planes = most / (3 * n[0] * n[1]);
+    const iso_df3_source source = {.size = {n[0], n[1], n[2]},
+                                   .channels = count,
+                                   .read = read,
+                                   .user = r,
+                                   .prepare = r->made ? make_codes : NULL,
+                                   .prepare_user = r->made,
+                                   .planes = planes > 4 ? planes : 4};
     char *paths[ISO_DF3_MAX_CHANNELS] = {NULL};
     iso_status status = ISO_OK;
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
@@ -142,14 +165,23 @@ static iso_status write_samples(const iso_povray_scene *s, const layer_reader *r
     return status;
 }
 
-static iso_status write_directions(iso_code code, const iso_povray_scene *s, const char *dir,
+static iso_status write_directions(const iso_pyramid *p, const iso_povray_scene *s, const char *dir,
                                    const iso_progress *progress, iso_error *err)
 {
     static const char *const suffixes[3] = {"_dx.df3", "_dy.df3", "_dz.df3"};
-    const layer_reader r = {.code = code, .level = s->voxels};
+    const bool floats = s->options->float_directions, makes = !floats && !s->voxels->codes;
+    iso_narrow_codes made = {0};
+    const layer_reader r = {.code = p->options.code, .level = s->voxels, .made = makes ? &made : NULL};
     iso_progress_report(progress, "povray: writing DF3", 0.25);
-    return write_samples(s, &r, s->options->float_directions ? read_directions : read_codes, suffixes, 3, &s->direction,
-                         dir, err);
+    iso_status status = makes ? iso_narrow_codes_begin(&made, p, s->options->volume, err) : ISO_OK;
+    if (status == ISO_OK)
+        status = write_samples(s, &r,
+                               floats  ? read_directions
+                               : makes ? read_made_codes
+                                       : read_codes,
+                               suffixes, 3, &s->direction, dir, err);
+    iso_narrow_codes_destroy(&made);
+    return status;
 }
 
 /* The entries of all rows; to be freed. */
@@ -248,7 +280,7 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
                               const iso_povray_options *opt, iso_povray_prepared *s, iso_error *err)
 {
     const iso_roi *f = opt->isosurface ? NULL : view->roi;
-    *s = (iso_povray_prepared){.code = p->options.code};
+    *s = (iso_povray_prepared){.pyramid = p};
     const iso_tf_2d *tf_2d = opt->isosurface ? NULL : view->tf_2d; /* a surface takes its colour from the view's TF */
     iso_status status = tf_2d ? iso_tf_2d_envelope(tf_2d, &s->envelope, err) : ISO_OK;
     if (status == ISO_OK && f && asprintf(&s->roi_name, "%s_roi", name) < 0) {
@@ -274,14 +306,14 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
 }
 
 /* The data of one layer: values, directions, and tables where the TF needs them. */
-static iso_status write_layer(iso_code code, const iso_povray_scene *s, const char *dir, const iso_progress *progress,
-                              iso_error *err)
+static iso_status write_layer(const iso_pyramid *p, const iso_povray_scene *s, const char *dir,
+                              const iso_progress *progress, iso_error *err)
 {
     static const char *const suffix = "_scalar.df3";
     iso_status status = write_samples(s, &(layer_reader){.level = s->voxels, .volume = s->options->volume},
                                       read_scalars, &suffix, 1, &s->scalar, dir, err);
     if (status == ISO_OK)
-        status = write_directions(code, s, dir, progress, err);
+        status = write_directions(p, s, dir, progress, err);
     if (status == ISO_OK && !s->options->isosurface)
         status = write_tf_tables(s, dir, err);
     if (status == ISO_OK && s->extinction_scale)
@@ -293,9 +325,9 @@ iso_status iso_povray_write_files(const iso_povray_prepared *s, const char *dir,
                                   iso_error *err)
 {
     iso_progress_report(progress, "povray: writing DF3", 0);
-    iso_status status = write_layer(s->code, &s->scene, dir, progress, err);
+    iso_status status = write_layer(s->pyramid, &s->scene, dir, progress, err);
     if (status == ISO_OK && s->scene.roi)
-        status = write_layer(s->code, s->scene.roi, dir, progress, err);
+        status = write_layer(s->pyramid, s->scene.roi, dir, progress, err);
     if (status == ISO_OK && iso_povray_has_editable_map(&s->scene))
         status = write_text(&s->scene, dir, "_tf.inc", iso_povray_write_map, err);
     if (status == ISO_OK && s->scene.roi && iso_povray_has_editable_map(s->scene.roi))

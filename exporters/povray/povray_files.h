@@ -14,7 +14,7 @@ typedef struct iso_povray_prepared {
     iso_povray_scene scene, roi;
     iso_tf_table envelope; /* of the view's 2D transfer function */
     char *roi_name;
-    iso_code code; /* of the directions */
+    const iso_pyramid *pyramid; /* borrowed: its code and estimator make the directions */
 } iso_povray_prepared;
 
 /* Free it by iso_povray_release(); it is empty after an error. */

@@ -12,6 +12,7 @@
 #ifndef ISO_VDB_FILE_H
 #define ISO_VDB_FILE_H
 
+#include "pyramid/narrow.h"
 #include "vdb/vdb.h"
 #include "vdb/vdb_openvdb.h"
 #include "vdb/vdb_sparse.h"
@@ -21,6 +22,8 @@ typedef struct iso_vdb_reversed {
     void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
     void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
     const void *user, *active_user;
+    bool (*prepare)(void *user, const size_t first[3], const size_t end[3]);
+    void *prepare_user;
     size_t width, wide; /* of rows; with the rim */
     size_t channels;
 } iso_vdb_reversed;
@@ -31,6 +34,7 @@ enum { ISO_VDB_MAX_GRIDS = 4 };
 typedef struct iso_vdb_grids {
     const iso_level *level;
     const iso_volume *volume; /* its scalars where it has none */
+    iso_narrow_codes made;    /* owned: its codes, a box after the other, where it has none */
     iso_code code;
     const uint8_t *tf_2d, *extinction_scale;
     float direction_scale;

@@ -28,9 +28,16 @@ static void read_scalar(const void *user, size_t x, size_t y, size_t z, size_t c
 static void read_directions(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
 {
     const iso_vdb_grids *s = user;
-    iso_code_decode_all(s->code, s->level->codes + 3 * voxel_at(&s->level->geometry, x, y, z), out, count);
+    const uint8_t *codes = s->level->codes ? s->level->codes + 3 * voxel_at(&s->level->geometry, x, y, z)
+                                           : iso_narrow_codes_at(&s->made, x, y, z);
+    iso_code_decode_all(s->code, codes, out, count);
     for (size_t i = 0; i < 3 * count && s->direction_scale != 1; ++i)
         out[i] *= s->direction_scale;
+}
+
+static bool prepare_directions(void *user, const size_t first[3], const size_t end[3])
+{
+    return iso_narrow_codes_make(user, first, end, NULL) == ISO_OK;
 }
 
 static void read_tf_2d(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
@@ -109,6 +116,13 @@ static void read_reversed_activity(const void *user, size_t x, size_t y, size_t 
     }
 }
 
+static bool prepare_reversed(void *user, const size_t first[3], const size_t end[3])
+{
+    const iso_vdb_reversed *r = user;
+    return r->prepare(r->prepare_user, (const size_t[]){r->width - end[0], first[1], first[2]},
+                      (const size_t[]){r->width - first[0], end[1], end[2]});
+}
+
 /* ---- grids -------------------------------------------------------------------------- */
 
 double iso_vdb_direction_scale(iso_code code)
@@ -156,13 +170,23 @@ static void set_range(iso_vdb_source *s, bool is_log2_scale)
 typedef struct grid_readers {
     read_row *scalar, *directions, *tf_2d, *log2_scale;
     read_activity *kept, *lit; /* of the scalar, of the others */
+    bool (*prepare)(void *user, const size_t first[3], const size_t end[3]); /* of the directions, or NULL */
     bool reversed, half_scalar;
 } grid_readers;
 
 static void reverse_rows(iso_vdb_source *s, iso_vdb_reversed *r)
 {
-    *r = (iso_vdb_reversed){
-        s->read, s->read_active, s->user, s->active_user, s->size[0], s->size[0] + 2 * s->pad, (size_t)s->channels};
+    *r = (iso_vdb_reversed){.read = s->read,
+                            .read_active = s->read_active,
+                            .user = s->user,
+                            .active_user = s->active_user,
+                            .prepare = s->prepare,
+                            .prepare_user = s->prepare_user,
+                            .width = s->size[0],
+                            .wide = s->size[0] + 2 * s->pad,
+                            .channels = (size_t)s->channels};
+    s->prepare = r->prepare ? prepare_reversed : NULL;
+    s->prepare_user = r;
     s->read = read_reversed;
     s->user = r;
     s->read_active = r->read_active ? read_reversed_activity : NULL;
@@ -195,6 +219,8 @@ static iso_status add_grids(const iso_vdb_job *job, const iso_vdb_source *common
         source.read = grids[i].read;
         source.read_active = i == SCALAR ? readers->kept : readers->lit;
         source.meaning = grids[i].meaning;
+        source.prepare = i == GRADIENT ? readers->prepare : NULL;
+        source.prepare_user = &owner->made;
         source.direction_scale = i == GRADIENT ? (double)owner->direction_scale : 1;
         source.half_float = job->opt->half_float || (i == SCALAR && readers->half_scalar) ||
                             (i == GRADIENT && job->opt->half_directions);
@@ -251,12 +277,19 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
             return status;
         source.background = grids->activity.background;
     }
+    const bool makes_codes = opt->gradient && !level->codes;
+    if (makes_codes) {
+        const iso_status status = iso_narrow_codes_begin(&grids->made, p, opt->volume, err);
+        if (status != ISO_OK)
+            return status;
+    }
     const grid_readers readers = {.scalar = read_scalar,
                                   .directions = opt->gradient ? read_directions : NULL,
                                   .tf_2d = opt->tf_2d ? read_tf_2d : NULL,
                                   .log2_scale = opt->extinction_scale ? read_log2_scale : NULL,
                                   .kept = sparse ? read_kept : NULL,
                                   .lit = sparse ? read_lit : NULL,
+                                  .prepare = makes_codes ? prepare_directions : NULL,
                                   .reversed = iso_vdb_reverses_x(&level->geometry),
                                   .half_scalar = are_halves(level, opt->volume) && is_half(source.background)};
     if (readers.reversed)
@@ -276,6 +309,7 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
 void iso_vdb_grids_destroy(iso_vdb_grids *grids)
 {
     iso_vdb_activity_destroy(&grids->activity);
+    iso_narrow_codes_destroy(&grids->made);
 }
 
 /* ---- lattices ------------------------------------------------------------------ */

@@ -5,12 +5,16 @@
 #define ISO_VDB_LEAVES_H
 
 #include <algorithm>
+#include <condition_variable>
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
+#include <map>
+#include <mutex>
 #include <new>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <openvdb/io/Compression.h>
@@ -122,9 +126,12 @@ public:
     {
     }
 
-    std::string &bytes()
+    /* What has been written since they were taken. */
+    std::string take_bytes()
     {
-        return buffer_.bytes;
+        std::string taken = std::move(buffer_.bytes);
+        buffer_.bytes.clear();
+        return taken;
     }
 
     /* All that is not active is background, so that a leaf is its mask, a byte that says so, and its active values. */
@@ -183,61 +190,137 @@ private:
     half_value halves_[Leaf::SIZE];
 };
 
-/* The first exception that a thread meets, to be thrown where the threads have met again: none may leave its thread. */
-class thread_failure {
+/* Pieces of a file that threads hand in as they finish them, and that are written in their order. A piece that is too early
+ * waits here and not its thread, unless there are many: threads that wait for their turn in a loop of OpenMP spin, which took
+ * two thirds of an export's processor time where the machine has other work. The first exception is kept, to be thrown
+ * where the threads have met again: none may leave its thread. */
+class ordered_output {
 public:
-    template <typename Work> void guard(const Work &work)
+    ordered_output(std::ostream &out, size_t most) : out_(out), most_(most) {}
+
+    /* Makes and hands in piece `number`; `make` returns its bytes. */
+    template <typename Make> void piece(size_t number, const Make &make)
     {
         try {
-            if (!happened())
-                work();
+            if (!has_failed())
+                put(number, make());
         } catch (...) {
-#pragma omp critical(iso_vdb_thread_failure)
-            if (!first_)
-                first_ = std::current_exception();
+            const std::lock_guard<std::mutex> lock(mutex_);
+            if (!failure_)
+                failure_ = std::current_exception();
+            room_.notify_all();
         }
     }
+
     void rethrow() const
     {
-        if (first_)
-            std::rethrow_exception(first_);
+        if (failure_)
+            std::rethrow_exception(failure_);
     }
 
 private:
-    bool happened() const
+    bool has_failed()
     {
-        bool any;
-#pragma omp critical(iso_vdb_thread_failure)
-        any = first_ != nullptr;
-        return any;
+        const std::lock_guard<std::mutex> lock(mutex_);
+        return failure_ != nullptr;
     }
 
-    std::exception_ptr first_;
+    void put(size_t number, std::string bytes)
+    {
+        std::unique_lock<std::mutex> lock(mutex_);
+        room_.wait(lock, [&] { return failure_ || number == next_ || early_.size() < most_; });
+        early_.emplace(number, std::move(bytes));
+        if (is_writing_)
+            return; /* who writes takes this one, too, when it is its turn */
+        is_writing_ = true;
+        for (auto first = early_.begin(); !failure_ && first != early_.end() && first->first == next_;
+             first = early_.begin()) {
+            const std::string ready = std::move(first->second);
+            early_.erase(first);
+            lock.unlock();
+            out_.write(ready.data(), static_cast<std::streamsize>(ready.size()));
+            lock.lock();
+            ++next_;
+            room_.notify_all();
+        }
+        is_writing_ = false;
+    }
+
+    std::ostream &out_;
+    size_t most_, next_ = 0;
+    bool is_writing_ = false;
+    std::map<size_t, std::string> early_;
+    std::mutex mutex_;
+    std::condition_variable room_;
+    std::exception_ptr failure_;
 };
+
+/* Leaves in the order of the file. */
+template <typename Leaf> struct leaf_run {
+    const Leaf *const *at;
+    size_t count;
+};
+
+template <typename Leaf>
+void write_run(std::ostream &out, const leaf_run<Leaf> &leaves, const iso_vdb_source &source, bool to_half)
+{
+    const size_t piece = 32; /* leaves that a thread takes at once */
+    const size_t pieces = (leaves.count + piece - 1) / piece;
+    const uint32_t compression = openvdb::io::getDataCompression(out);
+    ordered_output ordered(out, 4 * static_cast<size_t>(source.threads));
+#pragma omp parallel num_threads(source.threads)
+    {
+        leaf_writer<Leaf> writer(source, compression, to_half);
+#pragma omp for schedule(dynamic)
+        for (size_t number = 0; number < pieces; ++number)
+            ordered.piece(number, [&] {
+                const size_t first = number * piece;
+                for (size_t i = first; i < std::min(first + piece, leaves.count); ++i)
+                    writer.write(*leaves.at[i]);
+                return writer.take_bytes();
+            });
+    }
+    ordered.rethrow();
+}
+
+/* The node above the leaves: the file has all of its leaves, then those of the next one. */
+template <typename Leaf> openvdb::Coord node_of(const Leaf &leaf)
+{
+    const int voxels = 128;
+    return leaf.origin() & ~(voxels - 1);
+}
+
+/* The voxels that leaves are read from, edges for what lies beyond them. */
+template <typename Leaf> void prepare_run(const leaf_run<Leaf> &leaves, const iso_vdb_source &s)
+{
+    openvdb::Coord lo = leaves.at[0]->origin(), hi = lo;
+    size_t first[3], end[3];
+    for (size_t i = 1; i < leaves.count; ++i) {
+        lo.minComponent(leaves.at[i]->origin());
+        hi.maxComponent(leaves.at[i]->origin());
+    }
+    for (int a = 0; a < 3; ++a) {
+        const long size = static_cast<long>(s.size[a]);
+        first[a] = static_cast<size_t>(clamp(lo[a] - s.first[a], size));
+        end[a] = static_cast<size_t>(clamp(hi[a] + 7 - s.first[a], size)) + 1;
+    }
+    if (!s.prepare(s.prepare_user, first, end))
+        throw std::bad_alloc();
+}
 
 template <typename Leaf>
 void write_leaves(std::ostream &out, const std::vector<const Leaf *> &leaves, const iso_vdb_source &source,
                   bool to_half)
 {
-    const size_t piece = 32; /* leaves that a thread takes at once */
-    const uint32_t compression = openvdb::io::getDataCompression(out);
-    thread_failure failure;
-#pragma omp parallel num_threads(source.threads)
-    {
-        leaf_writer<Leaf> writer(source, compression, to_half);
-#pragma omp for ordered schedule(dynamic)
-        for (size_t first = 0; first < leaves.size(); first += piece) {
-            failure.guard([&] {
-                writer.bytes().clear();
-                for (size_t i = first; i < std::min(first + piece, leaves.size()); ++i)
-                    writer.write(*leaves[i]);
-            });
-#pragma omp ordered
-            failure.guard(
-                [&] { out.write(writer.bytes().data(), static_cast<std::streamsize>(writer.bytes().size())); });
-        }
+    for (size_t first = 0, end = 0; first < leaves.size(); first = end) {
+        const openvdb::Coord node = node_of(*leaves[first]);
+        while (end < leaves.size() && (!source.prepare || node_of(*leaves[end]) == node))
+            ++end;
+        const leaf_run<Leaf> run = {leaves.data() + first, end - first};
+        if (source.prepare)
+            prepare_run(run, source);
+        write_run(out, run, source, to_half);
     }
-    failure.rethrow();
 }
 
 } // namespace iso_vdb

@@ -33,6 +33,10 @@ typedef struct iso_vdb_source {
     /* Copies `count` voxels of the row (y, z) from x on, `channels` floats each. */
     void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
     const void *user;
+    /* Called before voxels from `first` to `end`, which is not included, are read, and by nobody else meanwhile: those
+     * before are not read again. False when memory ends. NULL: all can be read at any time. */
+    bool (*prepare)(void *user, const size_t first[3], const size_t end[3]);
+    void *prepare_user;
     /* Which voxels are active, a byte each, of the row (y, z) from x on, counted with the rim; NULL: all. Others are
      * background. */
     void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
@@ -66,8 +70,8 @@ typedef struct iso_vdb_grid_info {
 typedef struct iso_openvdb {
     /* NULL when memory ends. */
     iso_vdb_file *(*create)(void);
-    /* Asks which voxels are active. Their values are read by write(), in no order, so that what the source's users point
-     * to has to stay until then. */
+    /* Asks which voxels are active. Their values are read by write(), in no order within what is prepared, so that what the
+     * source's users point to has to stay until then. */
     int (*add)(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message);
     /* An entry of the file's own metadata. */
     int (*note)(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message);

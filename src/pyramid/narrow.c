@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "pyramid/narrow.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+#include "pyramid/cascade.h"
 
 void iso_level_scalars(const iso_level *level, const iso_volume *volume, size_t first, size_t count,
                        float *restrict out)
@@ -23,4 +26,91 @@ void iso_level_scalars(const iso_level *level, const iso_volume *volume, size_t 
         ISO_TYPE_LIST(ISO_TYPE_CASE)
 #undef ISO_TYPE_CASE
     }
+}
+
+/* ---- codes of a box ---- */
+
+iso_status iso_narrow_codes_begin(iso_narrow_codes *c, const iso_pyramid *p, const iso_volume *v, iso_error *err)
+{
+    double range = 0;
+    *c = (iso_narrow_codes){.volume = v, .options = p->options};
+    c->options.level_count = 1;
+    c->options.keep_float = c->options.keep_magnitude = false;
+    /* Level 0 does not depend on filters: these are cheap. */
+    c->options.scalar_filter = ISO_SCALAR_MEAN;
+    c->options.direction_filter = ISO_DIRECTION_NAIVE;
+    const iso_status status = iso_pyramid_sample_range(v, p->source, &range, err);
+    c->scale = iso_cascade_scale(&v->geometry, range);
+    return status;
+}
+
+/* The box with what its gradients are made of, but never so few voxels that a border would meet the one across. */
+static void widen(const iso_narrow_codes *c, const size_t first[3], const size_t end[3], size_t from[3], size_t size[3])
+{
+    enum { LEAST = 2 * ISO_GRADIENT_MOST_REACH };
+    const size_t reach = iso_gradient_describe(c->options.gradient.method)->reach;
+    for (int a = 0; a < 3; ++a) {
+        const size_t n = c->volume->geometry.size[a];
+        size_t to = end[a] + reach < n ? end[a] + reach : n;
+        from[a] = first[a] > reach ? first[a] - reach : 0;
+        if (to - from[a] < LEAST)
+            to = from[a] + LEAST < n ? from[a] + LEAST : n;
+        if (to - from[a] < LEAST)
+            from[a] = to > LEAST ? to - LEAST : 0;
+        size[a] = to - from[a];
+    }
+}
+
+/* The samples of the box: those of whole planes stay where they are, others are copied to `*own`. */
+static const void *box_samples(const iso_narrow_codes *c, void **own)
+{
+    const size_t *n = c->volume->geometry.size, *size = c->size, bytes = iso_type_bytes(c->volume->type);
+    const char *data = c->volume->data;
+    *own = NULL;
+    if (size[0] == n[0] && size[1] == n[1])
+        return data + bytes * n[0] * n[1] * c->first[2];
+    char *to = *own = malloc(bytes * size[0] * size[1] * size[2]);
+    for (size_t z = 0; to && z < size[2]; ++z)
+        for (size_t y = 0; y < size[1]; ++y, to += bytes * size[0])
+            memcpy(to, data + bytes * (c->first[0] + n[0] * (c->first[1] + y + n[1] * (c->first[2] + z))), bytes * size[0]);
+    return *own;
+}
+
+static iso_status make_codes(iso_narrow_codes *c, const void *samples, iso_error *err)
+{
+    const size_t *size = c->size;
+    const iso_planes planes = {samples, c->volume->type, {size[0], size[1], size[2]}, 0, size[2]};
+    const iso_cascade_out out = {.codes = c->codes};
+    iso_geometry g = c->volume->geometry;
+    iso_cascade *cascade;
+    memcpy(g.size, size, sizeof g.size);
+    iso_status status = iso_cascade_create(&g, c->volume->type, &c->options, c->scale, &cascade, err);
+    if (status == ISO_OK)
+        status = iso_cascade_feed(cascade, &planes, 0, size[2], &out, err);
+    iso_cascade_destroy(cascade);
+    return status;
+}
+
+iso_status iso_narrow_codes_make(iso_narrow_codes *c, const size_t first[3], const size_t end[3], iso_error *err)
+{
+    void *own = NULL;
+    widen(c, first, end, c->first, c->size);
+    const size_t bytes = 3 * c->size[0] * c->size[1] * c->size[2];
+    if (bytes > c->codes_bytes) {
+        free(c->codes);
+        c->codes = malloc(bytes);
+        c->codes_bytes = c->codes ? bytes : 0;
+    }
+    const void *samples = c->codes ? box_samples(c, &own) : NULL;
+    const iso_status status = samples ? make_codes(c, samples, err)
+                                      : iso_fail(err, ISO_E_MEMORY, "no memory for directions of %zu x %zu x %zu voxels",
+                                                 c->size[0], c->size[1], c->size[2]);
+    free(own);
+    return status;
+}
+
+void iso_narrow_codes_destroy(iso_narrow_codes *c)
+{
+    free(c->codes);
+    *c = (iso_narrow_codes){0};
 }

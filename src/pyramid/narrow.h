@@ -1,17 +1,55 @@
 /* SPDX-License-Identifier: MIT */
-/* narrow.h - a pyramid without the floats of level 0, whose scalars are read from the volume itself: a quarter of the memory
- * where samples are bytes. For what reads scalars a few at a time, such as exports. */
+/* narrow.h - a pyramid without level 0, whose scalars and codes are read from the volume itself: an eighth of the memory
+ * where samples are bytes. For what reads scalars a few at a time, and codes a box after the other, such as exports. */
 #ifndef ISO_PYRAMID_NARROW_H
 #define ISO_PYRAMID_NARROW_H
 
 #include "pyramid/pyramid.h"
 
-/* As iso_pyramid_build(), but levels[0].scalar is NULL. */
+/* As iso_pyramid_build(), but levels[0] has neither scalars nor codes. */
 iso_status iso_pyramid_build_narrow(const iso_volume *v, const char *source, const iso_pyramid_options *opt,
                                     iso_pyramid *out, const iso_progress *progress, iso_error *err);
 
 /* The scalars of `count` voxels from number `first` on: the level's own, or where it has none the volume's. */
 void iso_level_scalars(const iso_level *level, const iso_volume *volume, size_t first, size_t count,
                        float *restrict out);
+
+/* Those of a level that has its own or `samples`: where they are, or in `room` for as many. */
+static inline const float *iso_level_floats(const iso_level *level, size_t first, size_t count, float *room)
+{
+    if (level->scalar)
+        return level->scalar + first;
+    iso_level_scalars(level, level->samples, first, count, room);
+    return room;
+}
+
+static inline double iso_level_value(const iso_level *level, size_t voxel)
+{
+    float room;
+    return (double)*iso_level_floats(level, voxel, 1, &room);
+}
+
+/* Codes of a box of level 0, made from the volume: the same bytes as those of a whole level. */
+typedef struct iso_narrow_codes {
+    const iso_volume *volume;
+    iso_pyramid_options options;
+    double scale;             /* of gradients, as the whole volume has it (cascade.h) */
+    size_t first[3], size[3]; /* of what `codes` holds: the box, and voxels around it whose codes may be wrong */
+    uint8_t *codes;           /* owned */
+    size_t codes_bytes;       /* that there is room for */
+} iso_narrow_codes;
+
+/* p: as iso_pyramid_build_narrow() made it of v. No codes are made yet. */
+iso_status iso_narrow_codes_begin(iso_narrow_codes *c, const iso_pyramid *p, const iso_volume *v, iso_error *err);
+/* From voxel `first` to `end`, which is not included; those made before are gone. By several threads; not to be called by
+ * several. ISO_E_MEMORY. */
+iso_status iso_narrow_codes_make(iso_narrow_codes *c, const size_t first[3], const size_t end[3], iso_error *err);
+void iso_narrow_codes_destroy(iso_narrow_codes *c); /* accepts empty */
+
+/* Of a voxel within the box, counted in level 0; those of its row follow. */
+static inline const uint8_t *iso_narrow_codes_at(const iso_narrow_codes *c, size_t x, size_t y, size_t z)
+{
+    return c->codes + 3 * (x - c->first[0] + c->size[0] * (y - c->first[1] + c->size[1] * (z - c->first[2])));
+}
 
 #endif

@@ -122,9 +122,7 @@ iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *
     return ISO_OK;
 }
 
-/* The largest difference that the samples can have: from the type where it is
- * narrow, else measured. */
-static iso_status sample_range(const iso_volume *v, const char *source, double *range, iso_error *err)
+iso_status iso_pyramid_sample_range(const iso_volume *v, const char *source, double *range, iso_error *err)
 {
     size_t bytes = iso_type_bytes(v->type);
     *range = bytes == 1 ? 255 : 65535;
@@ -142,22 +140,40 @@ static iso_status sample_range(const iso_volume *v, const char *source, double *
     return ISO_OK;
 }
 
-/* narrow: without scalars. */
+/* narrow: without scalars and codes. */
 static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, bool narrow, const iso_pyramid_options *opt)
 {
     const size_t count = iso_geometry_voxel_count(g);
     *l = (iso_level){.geometry = *g, .stored_type = type, .labels = opt->scalar_filter == ISO_SCALAR_MAJORITY};
     if (!narrow)
         l->scalar = malloc(count * sizeof *l->scalar);
-    l->codes = malloc(3 * count);
+    if (!narrow)
+        l->codes = malloc(3 * count);
     if (opt->keep_float)
         l->directions = malloc(3 * count * sizeof *l->directions);
     if (opt->keep_magnitude)
         l->magnitude = malloc(count * sizeof *l->magnitude);
-    return (l->scalar || narrow) && l->codes && (l->directions || !opt->keep_float) && (l->magnitude || !opt->keep_magnitude);
+    return (narrow || (l->scalar && l->codes)) && (l->directions || !opt->keep_float) && (l->magnitude || !opt->keep_magnitude);
 }
 
-/* narrow: level 0 has no scalars. */
+/* Not inline: of two that stand beside each other gcc 12 makes a vector, and then rounds neither. */
+__attribute__((noinline)) static float nearest_float(double value)
+{
+    return (float)value;
+}
+
+/* Of a level that keeps nothing: as the cascade has them, which takes samples for floats. */
+static void measure_level0(const iso_volume *v, const iso_pyramid_options *opt, iso_level *l)
+{
+    const iso_volume_stats stats = iso_volume_measure(v);
+    *l = (iso_level){.geometry = v->geometry,
+                     .stored_type = iso_layout_type(v->type),
+                     .labels = opt->scalar_filter == ISO_SCALAR_MAJORITY,
+                     .min = (double)nearest_float(stats.min),
+                     .max = (double)nearest_float(stats.max)};
+}
+
+/* narrow: level 0 has no scalars and codes. */
 static iso_status build_levels(const iso_volume *v, double scale, bool narrow, iso_pyramid *p,
                                const iso_progress *progress, iso_error *err)
 {
@@ -205,7 +221,7 @@ static iso_status build(const iso_volume *v, bool narrow, const char *source, co
     *out = (iso_pyramid){.options = *opt};
     iso_status status = iso_pyramid_check_options(opt, err);
     if (status == ISO_OK)
-        status = sample_range(v, source, &range, err);
+        status = iso_pyramid_sample_range(v, source, &range, err);
     if (status != ISO_OK)
         return status;
     out->source = strdup(source);
@@ -216,6 +232,8 @@ static iso_status build(const iso_volume *v, bool narrow, const char *source, co
     out->levels = calloc(out->level_count, sizeof *out->levels);
     if (!out->source || !out->levels)
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for its levels", source);
+    else if (narrow && out->level_count == 1 && !opt->keep_float && !opt->keep_magnitude)
+        measure_level0(v, opt, &out->levels[0]);
     else
         status = build_levels(v, iso_cascade_scale(&v->geometry, range), narrow, out, progress, err);
     iso_pyramid_share_segments(out);

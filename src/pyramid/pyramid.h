@@ -91,6 +91,10 @@ iso_pyramid_options iso_pyramid_defaults(void);
 /* ISO_E_RANGE with the value and its limits. */
 iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *err);
 
+/* The largest difference that the samples can have: from the type where it is narrow, else measured. ISO_E_RANGE: values
+ * that are not finite, or too large for differences in floats. source: for messages. */
+iso_status iso_pyramid_sample_range(const iso_volume *v, const char *source, double *range, iso_error *err);
+
 extern const iso_names iso_scalar_filter_names, iso_direction_filter_names;
 const char *iso_scalar_filter_name(iso_scalar_filter f);
 static inline bool iso_scalar_filter_is_spline(iso_scalar_filter f)
@@ -106,7 +110,8 @@ iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter
 typedef struct iso_level {
     iso_geometry geometry;
     iso_type stored_type; /* of the scalar on disk */
-    float *scalar;        /* NULL in an outline */
+    float *scalar;        /* NULL in an outline, and where `samples` has it */
+    const iso_volume *samples; /* borrowed: of a level whose scalars are read from there (narrow.h); else NULL */
     uint8_t *codes;       /* 3 bytes a voxel; NULL in an outline */
     float *directions;    /* 3 floats a voxel before encoding, or NULL */
     float *magnitude;     /* 1 float a voxel, or NULL */

@@ -124,7 +124,7 @@ iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyrami
         iso_tf_destroy(&scene->tf);
         status = iso_tf_of_level(look->tf, &look->request, look->survey, level0, look->threads, &scene->tf, err);
     }
-    if (status == ISO_OK && !look->scene && !look->frames_box && level0->scalar)
+    if (status == ISO_OK && !look->scene && !look->frames_box && (level0->scalar || level0->samples))
         status = frame_visible(look, p, scene, err);
     if (status != ISO_OK)
         iso_scene_destroy(scene);

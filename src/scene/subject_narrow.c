@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/subject_narrow.h"
 
-#include <stdlib.h>
-
 #include "pyramid/narrow.h"
 #include "volume/input.h"
 
@@ -16,17 +14,16 @@ static iso_status see(const iso_subject_look *look, const iso_pyramid *p, iso_su
     return status;
 }
 
-/* A pyramid of level 0's floats alone, which are gone afterwards. */
+/* A pyramid of a level whose scalars are the volume's samples. */
 static iso_status see_volume(const iso_subject_look *look, const iso_volume *v, const char *path,
                              const iso_pyramid_options *opt, iso_subject_sight *sight, iso_error *err)
 {
     if (!look)
         return ISO_OK;
     const iso_volume_stats stats = iso_volume_measure(v);
-    float *own = v->type == ISO_F32 ? NULL : malloc(iso_geometry_voxel_count(&v->geometry) * sizeof *own);
     iso_level level = {.geometry = v->geometry,
                        .stored_type = v->type,
-                       .scalar = own ? own : v->data,
+                       .samples = v,
                        .min = stats.min,
                        .max = stats.max};
     const iso_pyramid p = {.options = *opt,
@@ -34,13 +31,7 @@ static iso_status see_volume(const iso_subject_look *look, const iso_volume *v, 
                            .unit = iso_pyramid_unit_of(&v->notes),
                            .level_count = 1,
                            .levels = &level};
-    if (!own && v->type != ISO_F32)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for its voxels in floats", path);
-    if (own)
-        iso_volume_floats(v, own);
-    const iso_status status = see(look, &p, sight, err);
-    free(own);
-    return status;
+    return see(look, &p, sight, err);
 }
 
 static iso_status load_whole(iso_volume *v, const char *path, const iso_pyramid_options *opt,

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "pyramid/narrow.h"
 
 static const struct {
     const char *name, *summary;
@@ -131,7 +132,7 @@ static void sum_opacities(const iso_level *l, const iso_tf_table *tf, int thread
         for (size_t y = 0; y < ny; y += stride)
             for (size_t x = 0; x < nx; x += stride) {
                 double rgbs[4];
-                iso_tf_lookup(tf, (double)l->scalar[(z * ny + y) * nx + x], rgbs);
+                iso_tf_lookup(tf, iso_level_value(l, (z * ny + y) * nx + x), rgbs);
                 const uint64_t opacity = rgbs[3] > 0 ? (uint64_t)(65535 * -expm1(-rgbs[3] * length)) : 0;
                 of_y[z * ny + y] += opacity;
                 of_x[z * nx + x] += opacity;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "pyramid/narrow.h"
 #include "tf/color_space.h"
 
 static const double one_step = 1.0 / 255;
@@ -34,14 +35,40 @@ static void box_sides_mm(const iso_geometry *g, double *longest, double *mean)
     }
 }
 
+/* Of samples of 8 bits: each value is looked up once. */
+static size_t count_bytes(const uint8_t *bytes, size_t count, const bool is_seen[256])
+{
+    size_t seen = 0;
+    for (size_t i = 0; i < count; ++i)
+        seen += is_seen[bytes[i]];
+    return seen;
+}
+
+static size_t count_values(const iso_level *l, size_t first, size_t count, const threshold *t)
+{
+    enum { BLOCK = 1024 };
+    float room[BLOCK];
+    size_t seen = 0;
+    for (size_t at = 0; at < count; at += BLOCK) {
+        const size_t n = count - at < BLOCK ? count - at : BLOCK;
+        const float *values = iso_level_floats(l, first + at, n, room);
+        for (size_t i = 0; i < n; ++i)
+            seen += counts(t, (double)values[i]);
+    }
+    return seen;
+}
+
 static double visible_voxels(const iso_level *l, const threshold *seen, int threads)
 {
     const size_t slice = l->geometry.size[0] * l->geometry.size[1], slices = l->geometry.size[2];
+    const uint8_t *bytes = !l->scalar && l->samples->type == ISO_U8 ? l->samples->data : NULL;
+    bool is_seen[256];
     size_t count = 0;
+    for (int i = 0; i < 256; ++i)
+        is_seen[i] = counts(seen, i);
 #pragma omp parallel for schedule(static) num_threads(iso_threads(threads)) reduction(+ : count)
     for (size_t z = 0; z < slices; ++z)
-        for (size_t i = 0; i < slice; ++i)
-            count += counts(seen, (double)l->scalar[z * slice + i]);
+        count += bytes ? count_bytes(bytes + z * slice, slice, is_seen) : count_values(l, z * slice, slice, seen);
     return (double)count / (double)(slice * slices);
 }
 
@@ -53,9 +80,9 @@ static size_t opaque_on_faces(const iso_level *l, int axis, const threshold *hid
     size_t count = 0;
     for (size_t j = 0; j < n[v]; ++j)
         for (size_t i = 0; i < n[u]; ++i) {
-            const float *first = l->scalar + i * stride[u] + j * stride[v];
-            count += counts(hides, (double)first[0]);
-            count += counts(hides, (double)first[(n[axis] - 1) * stride[axis]]);
+            const size_t first = i * stride[u] + j * stride[v];
+            count += counts(hides, iso_level_value(l, first));
+            count += counts(hides, iso_level_value(l, first + (n[axis] - 1) * stride[axis]));
         }
     return count;
 }
@@ -116,7 +143,7 @@ static bool shows_something(const marching *m, const iso_ray *ray, double t0, do
             const double last = (double)(g->size[a] - 1);
             i = i * g->size[a] + (size_t)fmin(fmax(index[a], 0), last);
         }
-        const double value = (double)m->level->scalar[i];
+        const double value = iso_level_value(m->level, i);
         if (m->is_isosurface) {
             if (value >= m->isosurface)
                 return true;

@@ -197,15 +197,9 @@ iso_status iso_tf_of_volume(const char *name, const iso_tf_request *request, con
     if (name && !iso_tf_preset_find(name, &row))
         return iso_tf_load_as(name, request, tf, err);
     const iso_volume_stats stats = iso_volume_measure(v);
-    iso_level level = {.geometry = v->geometry, .stored_type = v->type, .min = stats.min, .max = stats.max};
-    level.scalar = malloc(iso_geometry_voxel_count(&v->geometry) * sizeof *level.scalar);
-    if (!level.scalar)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the values of %zu voxels",
-                        iso_geometry_voxel_count(&v->geometry));
-    iso_volume_floats(v, level.scalar);
-    const iso_status status = iso_tf_of_level(name, request, NULL, &level, threads, tf, err);
-    free(level.scalar);
-    return status;
+    const iso_level level = {
+        .geometry = v->geometry, .stored_type = v->type, .samples = v, .min = stats.min, .max = stats.max};
+    return iso_tf_of_level(name, request, NULL, &level, threads, tf, err);
 }
 
 iso_status iso_tf_check_name(const char *name, const iso_tf_request *request, iso_error *err)

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/simd.h"
+#include "pyramid/narrow.h"
 
 enum { BINS = ISO_SURVEY_BINS, SLOPES = ISO_SURVEY_SLOPES, SAMPLES = 1 << 20, FEW_LABELS = 24 };
 
@@ -52,7 +53,7 @@ static float *sorted_samples(const iso_level *l, size_t *count)
     float *samples = malloc((n / stride + 1) * sizeof *samples);
     *count = 0;
     for (size_t i = 0; samples && i < n; i += stride)
-        samples[(*count)++] = l->scalar[i];
+        samples[(*count)++] = (float)iso_level_value(l, i);
     if (samples)
         qsort(samples, *count, sizeof *samples, ascending);
     return samples;
@@ -70,10 +71,9 @@ static uint64_t count_on_faces(const iso_level *l, float value)
     uint64_t count = 0;
     for (size_t z = 0; z < n[2]; ++z)
         for (size_t y = 0; y < n[1]; ++y) {
-            const float *row = l->scalar + (z * n[1] + y) * n[0];
             const bool whole = z == 0 || y == 0 || z + 1 == n[2] || y + 1 == n[1];
             for (size_t x = 0; x < n[0]; x += whole || n[0] == 1 ? 1 : n[0] - 1)
-                count += row[x] == value;
+                count += (float)iso_level_value(l, (z * n[1] + y) * n[0] + x) == value;
         }
     return count;
 }
@@ -104,9 +104,11 @@ static iso_status take_labels(const iso_level *l, iso_survey *s, iso_error *err)
     char *seen = calloc(SPAN, 1);
     if (!seen)
         return iso_fail(err, ISO_E_MEMORY, "no memory for labels");
-    for (size_t i = 0; i < count; ++i)
-        if (l->scalar[i] >= LEAST && l->scalar[i] < LEAST + SPAN)
-            seen[(int)l->scalar[i] - LEAST] = 1;
+    for (size_t i = 0; i < count; ++i) {
+        const double value = iso_level_value(l, i);
+        if (value >= LEAST && value < LEAST + SPAN)
+            seen[(int)value - LEAST] = 1;
+    }
     s->label_count = 0;
     s->is_label_map = true;
     s->segments = l->segments;
@@ -170,14 +172,35 @@ typedef struct neighbors {
     size_t count;
 } neighbors;
 
-static neighbors find_neighbors(const iso_level *l, size_t x, size_t y, size_t z, size_t count)
+/* A row and those beside it along y and z: the row itself at the borders. */
+typedef struct neighbor_rows {
+    const float *at, *beside[3][2]; /* beside[0]: not used */
+} neighbor_rows;
+
+enum { ROWS = 5 };
+
+/* room: for so many rows, of a level whose floats are not there. */
+static neighbor_rows find_rows(const iso_level *l, size_t y, size_t z, float *room)
 {
-    const size_t *n = l->geometry.size, step[3] = {1, n[0], n[0] * n[1]}, place[3] = {x, y, z};
-    neighbors v = {.at = l->scalar + x + n[0] * (y + n[1] * z), .count = count};
-    for (int a = 0; a < 3; ++a) {
-        v.beside[a][0] = place[a] > 0 ? v.at - step[a] : v.at;
-        v.beside[a][1] = place[a] + 1 < n[a] ? v.at + step[a] : v.at;
+    const size_t *n = l->geometry.size, place[3] = {0, y, z}, step[3] = {0, n[0], n[0] * n[1]};
+    const size_t first = n[0] * (y + n[1] * z);
+    neighbor_rows r = {.at = iso_level_floats(l, first, n[0], room)};
+    for (int a = 1; a < 3; ++a) {
+        float *own = room + (size_t)(2 * a - 1) * n[0];
+        r.beside[a][0] = place[a] > 0 ? iso_level_floats(l, first - step[a], n[0], own) : r.at;
+        r.beside[a][1] = place[a] + 1 < n[a] ? iso_level_floats(l, first + step[a], n[0], own + n[0]) : r.at;
     }
+    return r;
+}
+
+static neighbors find_neighbors(const neighbor_rows *r, size_t x, size_t nx, size_t count)
+{
+    neighbors v = {.at = r->at + x, .count = count};
+    v.beside[0][0] = x > 0 ? v.at - 1 : v.at;
+    v.beside[0][1] = x + 1 < nx ? v.at + 1 : v.at;
+    for (int a = 1; a < 3; ++a)
+        for (int i = 0; i < 2; ++i)
+            v.beside[a][i] = r->beside[a][i] + x;
     return v;
 }
 
@@ -224,14 +247,16 @@ static void count_block(const neighbors *v, bool face, const double scale[3], do
 }
 
 /* Both ends by themselves: they are on faces, and have no voxel on one side. */
-static void count_row(const iso_level *l, size_t y, size_t z, const double scale[3], double largest, iso_survey *s)
+static void count_row(const iso_level *l, size_t y, size_t z, float *room, const double scale[3], double largest,
+                      iso_survey *s)
 {
     const size_t *n = l->geometry.size;
+    const neighbor_rows rows = find_rows(l, y, z, room);
     for (size_t x = 0, count; x < n[0]; x += count) {
         const bool is_end = x == 0 || x + 1 == n[0];
         const size_t left = n[0] - 1 - x;
         count = is_end ? 1 : left < BLOCK ? left : BLOCK;
-        const neighbors v = find_neighbors(l, x, y, z, count);
+        const neighbors v = find_neighbors(&rows, x, n[0], count);
         count_block(&v, is_on_face(n, x, y, z), scale, largest, s);
     }
 }
@@ -260,6 +285,11 @@ static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_
 #pragma omp parallel num_threads(iso_threads(threads))
     {
         iso_survey *mine = calloc(1, sizeof *mine);
+        float *room = l->scalar ? NULL : malloc(ROWS * n[0] * sizeof *room);
+        if (!room && !l->scalar) {
+            free(mine);
+            mine = NULL;
+        }
         if (mine) {
             mine->lo = s->lo, mine->hi = s->hi;
             mine->has_padding = s->has_padding, mine->padding = s->padding;
@@ -267,7 +297,7 @@ static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_
 #pragma omp for schedule(static)
         for (size_t z = 0; z < n[2]; ++z)
             for (size_t y = 0; mine && y < n[1]; ++y)
-                count_row(l, y, z, scale, largest, mine);
+                count_row(l, y, z, room, scale, largest, mine);
 #pragma omp critical
         {
             complete = complete && mine;
@@ -275,6 +305,7 @@ static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_
                 add_counts(s, mine);
         }
         free(mine);
+        free(room);
     }
     return complete ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for a histogram of value and gradient");
 }
@@ -376,7 +407,7 @@ static void find_background(iso_survey *s)
 iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **survey, iso_error *err)
 {
     *survey = NULL;
-    if (!level0->scalar)
+    if (!level0->scalar && !level0->samples)
         return iso_fail(err, ISO_E_RANGE, "a level without its values cannot be surveyed");
     size_t count = 0;
     iso_survey *s = calloc(1, sizeof *s);
