@@ -76,7 +76,7 @@ cp out findings
 found() { grep -qxE "$1" findings; }
 for name in a_drag_orbits the_right_button_pans the_wheel_zooms arrows_orbit a_point_is_dragged points_come_and_go a_color_is_chosen \
     a_level_differs_and_the_same_does_not the_joint_histogram_is_drawn what_was_edited_comes_back an_empty_field_changes_nothing \
-    the_projection_follows_the_scene the_keyboard_stays_where_it_was a_region_is_outlined_and_goes a_complaint_is_closed a_file_may_miss_the_picture; do
+    the_projection_follows_the_scene the_keyboard_stays_where_it_was a_narrow_window_shows_the_scenes_sides the_scale_of_a_difference_is_told a_region_is_outlined_and_goes a_complaint_is_closed a_file_may_miss_the_picture; do
     check "$name" found "$name true"
 done
 check every_control_has_a_name found 'controls_without_a_name 0'

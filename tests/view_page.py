@@ -120,6 +120,10 @@ def hands(path, folder):
               " p = new Uint8Array(4 * c.width * c.height); gl.bindFramebuffer(gl.FRAMEBUFFER, null);" \
               " gl.readPixels(0, 0, c.width, c.height, gl.RGBA, gl.UNSIGNED_BYTE, p); return p.filter((v, i) => i % 4 === 0 && v > 40).length; })()"
         other = page.evaluate(lit)
+        said = "document.querySelector('#compare .hint:last-child').textContent"
+        ten = page.evaluate(said)
+        page.evaluate("(e => { e.value = 40; e.dispatchEvent(new Event('input')); })(document.querySelector('#compare input[type=range]'))")
+        say("the_scale_of_a_difference_is_told", "of 0.1 or more" in ten and "of 0.025 or more" in page.evaluate(said))
         page.evaluate(f"Object.assign({state}.b, {{level: {state}.level, code: {state}.code, adapted: {state}.adapted}}); isoshade.frames.ask()")
         page.evaluate("isoshade.frames.settled()")
         same = page.evaluate(lit)
@@ -196,6 +200,15 @@ def controls(page):
     change("#projection select", "orthographic")
     press("views", "scene")
     say("the_projection_follows_the_scene", page.evaluate("document.querySelector('#projection select').value") == "perspective")
+
+    # In a window that is narrower than the scene's picture all of that is seen; a view of the box takes no more than it needs.
+    seen = "(() => { const c = isoshade.frames.camera(0.5); return c.half * 0.5; })()"
+    page.evaluate(f"{state}.sceneAspect = 1.5")
+    sides = page.evaluate(seen) >= page.evaluate(f"{state}.camera.half") * 1.5 * 0.9999
+    press("views", "front")
+    framed = page.evaluate(seen) <= page.evaluate(f"{state}.camera.half") * 1.0001
+    press("views", "scene")
+    say("a_narrow_window_shows_the_scenes_sides", sides and framed)
 
     kept = []
     press("lights", "add a light")

@@ -24,7 +24,7 @@ const axesOf = c => {
     return {forward, right, up: cross(right, forward)};
 };
 // For a picture of another shape than the scene's, so that nothing is cut off at the sides.
-const widened = (c, sceneAspect, aspect) => ({...c, half: c.half * Math.max(1, Math.min(1, sceneAspect) / aspect)});
+const widened = (c, sceneAspect, aspect) => ({...c, half: c.half * Math.max(1, sceneAspect / aspect)});
 
 const orbited = (c, dx, dy) => {
     const {right, up} = axesOf(c), turn = v => rotate(rotate(v, up, -dx), right, -dy);

@@ -86,11 +86,20 @@ const makeControls = (data, state, frames, editor) => {
     $('views').replaceChildren();
     for (const [name, direction, up] of viewpoints) {
         const b = element('button', {type: 'button', textContent: name});
-        b.addEventListener('click', () => { state.camera = lookingFrom(state.camera, data.geometry0, direction, up, state.sceneAspect); changed(); });
+        // The box is framed by the shorter side: no more of a wide scene's sides has to be in the window.
+        b.addEventListener('click', () => {
+            state.sceneAspect = Math.min(1, state.sceneAspect);
+            state.camera = lookingFrom(state.camera, data.geometry0, direction, up, state.sceneAspect);
+            changed();
+        });
         $('views').append(b);
     }
     const back = element('button', {type: 'button', textContent: 'scene'});
-    back.addEventListener('click', () => { state.camera = cameraOf(data.scene, data.geometry0); drawProjection(); changed(); });
+    back.addEventListener('click', () => {
+        Object.assign(state, {camera: cameraOf(data.scene, data.geometry0), sceneAspect: aspectOf(data.scene)});
+        drawProjection();
+        changed();
+    });
     $('views').append(back);
     const drawProjection = () => refill($('projection'), labeled('projection', choice([['perspective', 'perspective'], ['orthographic', 'orthographic']], state.camera.orthographic ? 'orthographic' : 'perspective', v => {
         const c = state.camera, depth = dot(subtract(c.lookAt, c.position), axesOf(c).forward);
@@ -182,7 +191,9 @@ const makeControls = (data, state, frames, editor) => {
         const parts = [labeled('show', choice([['none', 'A alone'], ['split', 'A and B, side by side'], ['difference', 'their difference']], state.compare, v => { state.compare = v; drawCompare(); changed(); }))];
         if (state.compare !== 'none') parts.push(...what(' B', state.b));
         if (state.compare === 'split') parts.push(slider('line', {min: 0, max: 1, step: 0.01, value: state.line}, v => { state.line = v; frames.reshow(); }));
-        if (state.compare === 'difference') parts.push(slider('times', {min: 1, max: 100, step: 1, value: state.amplified}, v => { state.amplified = v; frames.reshow(); }));
+        const scale = element('p', {className: 'hint'}), tell = () => { scale.textContent = `Black: equal; brightest: a difference of ${Number((1 / state.amplified).toPrecision(2))} or more, where 1 is white against black.`; };
+        tell();
+        if (state.compare === 'difference') parts.push(slider('times', {min: 1, max: 100, step: 1, value: state.amplified}, v => { state.amplified = v; tell(); frames.reshow(); }), scale);
         refill($('compare'), ...parts);
         $('picture').parentElement.dataset.compare = state.compare;
     };

@@ -40,8 +40,9 @@ const replaceVolume = (data, state, level, name) => {
     // The program may take whole numbers for labels, which are not interpolated.
     Object.assign(data, {title: name, input: ' --no-labels', levels: [level], codes: [], presets, geometry: level, geometry0: level, value_range: [level.min, level.max], mean_spacing_mm: spacing});
     Object.assign(state, {level: 0, code: null, adapted: false, compare: 'none', clips: [], roi: null, tfName: 'scene', edited: null, b: {level: 0, code: null, adapted: false}});
+    state.sceneAspect = Math.min(1, state.sceneAspect);
     state.camera = lookingFrom(state.camera, level, viewpoints[0][1], viewpoints[0][2], state.sceneAspect);
-    data.scene = {...data.scene, camera: {...cameraJson(state.camera)}, clip_planes: [], tf: state.tf};
+    data.scene = {...data.scene, image: {width: state.sceneAspect, height: 1}, camera: {...cameraJson(state.camera)}, clip_planes: [], tf: state.tf};
 };
 
 // A file that misses the picture would take the place of the page, with all that was edited: it may be dropped anywhere.

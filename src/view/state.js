@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // state.js - what the page shows, and the files that say it: scene.json and tf.json, as every command takes them.
+const aspectOf = scene => scene.image.width / scene.image.height;
 const makeState = data => {
     const scene = data.scene, tf = linearTf(scene.tf);
     return {
-        camera: cameraOf(scene, data.geometry0), sceneAspect: scene.image.width / scene.image.height, tf, tfName: 'scene',
+        camera: cameraOf(scene, data.geometry0), sceneAspect: aspectOf(scene), tf, tfName: 'scene',
         lights: scene.lights.map(l => ({space: 'world', intensity: 1, ...l})), shading: {specular: 0, power: 20, ...scene.shading},
         background: scene.background || [0, 0, 0], clips: scene.clip_planes || [], step: scene.step_voxels ?? 0.5,
         level: data.levels[0].level, code: data.codes[0] ?? null, adapted: data.adapted,
