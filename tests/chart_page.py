@@ -79,6 +79,9 @@ def findings(path):
         size(page, 390, 844, "dark")
         page.open(path, READY)
         say("dark_is_dark", page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(23, 24, 27)")
+        say("labels_are_whole", page.evaluate("(() => { const edge = document.querySelector('#plot svg').getBoundingClientRect();"
+            " return [...document.querySelectorAll('#plot text')].every(t => { const b = t.getBoundingClientRect();"
+            " return b.left >= edge.left - 0.5 && b.right <= edge.right + 0.5; }); })()"))
         say("wider_than_a_telephone", page.evaluate("document.documentElement.scrollWidth > 390"))
         say("every_control_has_a_name", page.evaluate(
             "[...document.querySelectorAll('button, select, input, a, svg[tabindex], img')].every(e =>"

@@ -50,7 +50,7 @@ check the_fastest_is_named_with_a_command_a_scene test "$(sed -n '/^fastest with
 check each_scene_has_a_row_of_panels test "$(grep -c '>bytes that the renderer holds<' "$dir/s/pareto.svg")" = 2
 expect the_page_is_used 0 python3 "$top/tests/chart_page.py" "$dir/s/index.html"
 for name in the_plot_has_every_setting pointing_shows_its_picture_and_command keys_go_along_the_front a_scene_is_chosen fronts_of_renderers_are_drawn \
-    bytes_are_drawn it_links_to_the_viewer_at_its_level every_control_has_a_name dark_is_dark; do
+    bytes_are_drawn it_links_to_the_viewer_at_its_level every_control_has_a_name dark_is_dark labels_are_whole; do
     check "$name" grep -qx "$name true" "$dir/out"
 done
 check the_page_fetches_nothing grep -qx 'fetched 0' "$dir/out"

@@ -56,7 +56,7 @@ kind seams v.nrrd
 kind roi v.nrrd --level 1
 kind slices v.nrrd --levels 2 --map viridis
 kind levels v.nrrd --levels 2
-kind renderers v.nrrd --with gl
+kind renderers v.nrrd --with gl --level 1 --size 48x24
 more=" frames turntable.png"
 kind turntable v.nrrd --frames 3
 forms=svg,png,latex more=" figure.png figure.svg"
@@ -86,7 +86,7 @@ check and_the_first_of_the_files cmp first.png turntable/frames/000.png
 check each_frame_has_a_file test "$(ls turntable/frames | tr '\n' ' ')" = "000.png 001.png 002.png "
 
 # More frames than a page shows: all move, 32 stand on the page, the last one is near the end of the turn.
-"$ISOSHADE" figure v.nrrd --kind turntable --frames 65 --width 100 --dpi 36 --formats pdf -q -o many >/dev/null
+"$ISOSHADE" figure v.nrrd --kind turntable --frames 65 --size 8x6 --width 100 --dpi 36 --formats pdf -q -o many >/dev/null
 check all_frames_are_files test "$(ls many/frames | wc -l)-$(grep -ao fcTL many/turntable.png | wc -l)" = 65-65
 check some_of_them_are_shown test "$(pdftotext many/figure.pdf - | grep -o '[0-9.]*°' | wc -l)-$(pdftotext many/figure.pdf - | grep -o '343.4°')" = 32-343.4°
 # Titles of lower rows stand between the pictures, not on them.

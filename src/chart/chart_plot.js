@@ -44,8 +44,9 @@ function drawPlot(chart) {
     for (const p of points) { p.x = left + w * x.place(p.cost); p.y = top + h * (1 - y.place(p.error)); }
     const parts = [];
     const apart = Math.ceil(x.ticks.length / (w / 58)); // labels that would touch each other are left out
+    const half = 27; // of the widest label: the last one ends where the picture does
     for (const [i, [at, value]] of x.ticks.entries()) parts.push(svg('line', {class: 'grid', x1: left + w * at, x2: left + w * at, y1: top, y2: top + h}),
-        svg('text', {class: 'tick', x: left + w * at, y: top + h + 18, 'text-anchor': 'middle'}, i % apart ? '' : shown(value, chart.unit)));
+        svg('text', {class: 'tick', x: Math.min(left + w * at, wide - half), y: top + h + 18, 'text-anchor': 'middle'}, i % apart ? '' : shown(value, chart.unit)));
     for (const [at, value] of y.ticks) parts.push(svg('line', {class: 'grid', x1: left, x2: left + w, y1: top + h * (1 - at), y2: top + h * (1 - at)}),
         svg('text', {class: 'tick', x: left - 8, y: top + h * (1 - at) + 4, 'text-anchor': 'end'}, value >= 0.001 ? String(Number(value.toPrecision(2))) : value.toExponential(0)));
     parts.push(svg('path', {class: 'axis', fill: 'none', d: `M${left} ${top}V${top + h}H${left + w}`}),
