@@ -109,6 +109,14 @@ check titles_stand_on_paper titles_stand_clear many/figure.pdf
 "$ISOSHADE" figure v.nrrd --levels 2 --width 85 --dpi 72 --zoom 0.4,0.3,0.25,0.25 --letters --background white --formats png -q -o lettered >/dev/null
 letters() { pdftotext -bbox "$1" - | sed -n 's/.*xMin="\([0-9.]*\)" yMin="\([0-9.]*\)".*>(\(.\))<.*/\2 \1 \3/p' | awk '{printf "%d %d %s\n", $1 / 6, $2, $3}' | sort -n -k1,1 -k2,2 | awk '{printf "%s", $3}'; }
 check letters_are_in_reading_order test "$(letters lettered/figure.pdf)" = abcde
+check a_chart_has_plain_numbers test "$(pdftotext chart/figure.pdf - | tr ' ' '\n' | grep -xE '10|100|1000|0.1|0.05' | sort -u | paste -sd' ')" = "0.05 0.1 10 100 1000"
+notice and_no_powers_of_ten grep -qE '[0-9]e[-0-9]' <(pdftotext chart/figure.pdf -)
+check and_names_its_renderers_in_words grep -q 'OpenGL ray caster' <(pdftotext chart/figure.pdf - | tr '\n' ' ')
+# Two settings nearly on each other: one number for both.
+mkdir crowded && sed 's/"milliseconds": 8, "device_bytes": 9000, "rmse": 0.002/"milliseconds": 1.01, "device_bytes": 1010, "rmse": 0.099/' tried/chart.json >crowded/chart.json
+"$ISOSHADE" figure crowded --kind chart --width 85 --formats pdf --sources -q -o crowd >/dev/null
+numbers_of() { awk '/^\$rows1/ {on = 1} $0 == "EOD" {on = 0} on && NF == 5 && $5 > 0' "$1/figure.gp" | wc -l; }
+check numbers_that_would_meet_are_one test "$(numbers_of crowd)" = 1
 check a_chart_has_letters test "$(letters chart/figure.pdf)" = ab
 check none_where_none_is_asked_for test -z "$(letters methods/figure.pdf)"
 check the_bar_is_told_of grep -q 'Bar: the transfer function, colors over value, as opaque as' lettered/caption.txt

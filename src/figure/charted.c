@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "figure/kinds_of_volume.h"
+#include "renderers/renderers.h"
 
 enum { MOST_SERIES = 8, MOST_LISTED = 40 };
 static const char *const colors[MOST_SERIES] = {"#0072b2", "#d55e00", "#009e73", "#e69f00",
@@ -91,56 +92,122 @@ static void put_front(FILE *gp, const charted *c, bool of_time)
     free(corners);
 }
 
-/* Cost, error, level, series, whether on the front, number: a row a setting. The range holds all with a margin. */
-static void put_data(FILE *gp, const charted *c, bool of_time)
+/* ---- a panel ---- */
+
+/* One axis each: of costs, of errors. */
+typedef struct axes {
+    double range[2][2], mm[2];
+    bool of_time;
+} axes;
+
+static bool place_of(const charted *c, const axes *a, const json_t *one, double at[2])
 {
+    at[0] = number_of(one, a->of_time ? "milliseconds" : c->bytes_key);
+    at[1] = error_of(c, one);
+    return at[0] > 0 && at[1] > 0;
+}
+
+/* All settings with a margin. */
+static void find_ranges(const charted *c, axes *a)
+{
+    static const double before[2] = {1.5, 1.6}, behind[2] = {1.3, 1.6};
     double least[2] = {INFINITY, INFINITY}, most[2] = {0, 0};
     json_t *one;
     size_t i;
-    fprintf(gp, "$rows%d << EOD\n", of_time);
     json_array_foreach(c->cases, i, one)
     {
-        const double at[2] = {number_of(one, of_time ? "milliseconds" : c->bytes_key), error_of(c, one)};
-        if (!(at[0] > 0 && at[1] > 0))
-            continue;
-        for (int k = 0; k < 2; ++k)
+        double at[2];
+        for (int k = 0; k < 2 && place_of(c, a, one, at); ++k)
             least[k] = fmin(least[k], at[k]), most[k] = fmax(most[k], at[k]);
-        fprintf(gp, "%.9g %.9g %g %zu %d %g\n", at[0], at[1], number_of(one, "level"), series_of(c, one),
-                json_is_true(json_object_get(one, of_time ? "on_time_front" : "on_bytes_front")),
-                fmax(number_of(one, "number"), 0));
     }
-    fprintf(gp, "EOD\nset xrange [%.6g:%.6g]; set yrange [%.6g:%.6g]\n", least[0] / 1.5, most[0] * 1.3, least[1] / 1.6,
-            most[1] * 1.6);
-    put_front(gp, c, of_time);
+    for (int k = 0; k < 2; ++k)
+        a->range[k][0] = least[k] / before[k], a->range[k][1] = most[k] * behind[k];
+}
+
+/* A number that would lie on another one is left out. placed: millimeters of those that do not. */
+static bool has_room(const axes *a, const double at[2], double (*placed)[2], size_t *count)
+{
+    const double wide_mm = 3.2, high_mm = 2.4;
+    double mm[2];
+    for (int k = 0; k < 2; ++k)
+        mm[k] = log(at[k] / a->range[k][0]) / log(a->range[k][1] / a->range[k][0]) * a->mm[k];
+    for (size_t i = 0; i < *count; ++i)
+        if (fabs(placed[i][0] - mm[0]) < wide_mm && fabs(placed[i][1] - mm[1]) < high_mm)
+            return false;
+    memcpy(placed[(*count)++], mm, sizeof mm);
+    return true;
+}
+
+/* Cost, error, level, series, and the number where it is shown: a row a setting. */
+static void put_data(FILE *gp, const charted *c, const axes *a)
+{
+    double(*placed)[2] = calloc(json_array_size(c->cases) + 1, sizeof *placed);
+    json_t *one;
+    size_t i, count = 0;
+    fprintf(gp, "$rows%d << EOD\n", a->of_time);
+    json_array_foreach(c->cases, i, one)
+    {
+        double at[2];
+        if (!place_of(c, a, one, at))
+            continue;
+        const bool on_front = json_is_true(json_object_get(one, a->of_time ? "on_time_front" : "on_bytes_front"));
+        const double number = on_front ? fmax(number_of(one, "number"), 0) : 0;
+        fprintf(gp, "%.9g %.9g %g %zu %g\n", at[0], at[1], number_of(one, "level"), series_of(c, one),
+                number > 0 && placed && has_room(a, at, placed, &count) ? number : 0);
+    }
+    fputs("EOD\n", gp);
+    free(placed);
+    put_front(gp, c, a->of_time);
+}
+
+/* Ticks at 1, 2 and 5 of each decade, or at decades alone where there are many; in units of so many. Below a thousandth as a
+ * power of ten. */
+static void put_ticks(FILE *gp, char axis, const double range[2], double unit)
+{
+    const bool many = log10(range[1] / range[0]) > 2.4;
+    const char *before = "";
+    fprintf(gp, "set %crange [%.6g:%.6g]; set m%ctics default; set %ctics (", axis, range[0], range[1], axis, axis);
+    for (int decade = (int)floor(log10(range[0])); decade <= (int)ceil(log10(range[1])); ++decade)
+        for (int m = 1; m <= (many ? 1 : 5); m = m == 1 ? 2 : m + 3) {
+            const double at = m * pow(10, decade);
+            if (at < range[0] || at > range[1])
+                continue;
+            if (at / unit < 0.00099)
+                fprintf(gp, "%snote('%de%d') %.9g", before, m, decade - (int)lrint(log10(unit)), at);
+            else
+                fprintf(gp, "%snote('%g') %.9g", before, at / unit, at);
+            before = ", ";
+        }
+    fprintf(gp, ") offset %s\n", axis == 'x' ? "0, 0.4" : "0.8, 0");
 }
 
 static void put_panel(iso_page *page, const charted *c, const iso_page_box *box, bool of_time, bool named)
 {
+    axes a = {.of_time = of_time, .mm = {box->width, box->height}};
     FILE *gp = iso_page_plot_begin(page, box);
     iso_page_add_panel(page, &(iso_page_box){box->left - 10, box->top - 3, box->width, box->height});
-    put_data(gp, c, of_time);
-    fprintf(
-        gp,
-        "set logscale xy; set format x powers; set format y powers; set xtics offset 0, 0.4; set ytics offset 0.8, 0\n"
-        "set grid lc rgb '#e8e8e8' lw pen(0.4) lt 1\nplot $front%d using 1:2 with lines lc rgb '#b0b0b0' lw pen(1)",
-        of_time);
+    find_ranges(c, &a);
+    put_data(gp, c, &a);
+    fputs("set logscale xy; set grid lc rgb '#e8e8e8' lw pen(0.4) lt 1\n", gp);
+    put_ticks(gp, 'x', a.range[0], of_time ? 1 : 1e6);
+    put_ticks(gp, 'y', a.range[1], 1);
+    fprintf(gp, "plot $front%d using 1:2 with lines lc rgb '#b0b0b0' lw pen(1)", of_time);
     for (size_t i = 0; i < c->series; ++i)
         fprintf(
             gp,
             ", $rows%d using ($4 == %zu ? $1 : NaN):2:(pen(0.5 * 0.75 ** $3)) with points pt %d ps variable lc rgb '%s'",
             of_time, i, points[i], colors[i]);
-    fprintf(
-        gp,
-        ", $rows%d using ($5 == 1 && $6 > 0 ? $1 : NaN):2:(note(sprintf('%%d', $6))) with labels right offset -0.6, -0.3 "
-        "font note_font textcolor rgb '#222222'\n",
-        of_time);
+    fprintf(gp,
+            ", $rows%d using ($5 > 0 ? $1 : NaN):2:(note(sprintf('%%d', $5))) with labels right offset -0.6, -0.3 "
+            "font note_font textcolor rgb '#222222'\n",
+            of_time);
     iso_page_plot_end(page);
     iso_page_put_text(page,
                       &(iso_page_text){box->left + 0.5 * box->width, box->top + box->height + 7.5, ISO_PAGE_NOTE,
                                        ISO_PAGE_CENTER, 0, NULL},
                       of_time                                 ? "time of a frame, ms"
-                      : !strcmp(c->bytes_key, "stored_bytes") ? "bytes of the level in files"
-                                                              : "bytes that the renderer holds");
+                      : !strcmp(c->bytes_key, "stored_bytes") ? "megabytes of the level in files"
+                                                              : "megabytes that the renderer holds");
     if (named)
         iso_page_put_text(page,
                           &(iso_page_text){1.7, box->top + 0.5 * box->height, ISO_PAGE_NOTE, ISO_PAGE_CENTER, 1, NULL},
@@ -149,26 +216,43 @@ static void put_panel(iso_page *page, const charted *c, const iso_page_box *box,
                                                        : "1 − SSIM to level 0");
 }
 
+static const char *title_of(const char *renderer)
+{
+    const iso_renderer_info *info = NULL;
+    return iso_renderer_from_name(renderer, &info, NULL) == ISO_OK ? info->title : renderer;
+}
+
 /* Renderers by color and shape. */
 static void put_legend(iso_page *page, const charted *c, double left, double y)
 {
     for (size_t i = 0; i < c->series; ++i) {
         const iso_page_box square = {left, y - 0.8, 1.6, 1.6};
         iso_page_put_rectangle(page, &square, colors[i], NULL);
-        iso_page_put_text(page, &(iso_page_text){.x = left + 2.2, .y = y, .role = ISO_PAGE_NOTE}, c->names[i]);
-        left += 6 + iso_page_text_mm(page, ISO_PAGE_NOTE, c->names[i]);
+        iso_page_put_text(page, &(iso_page_text){.x = left + 2.2, .y = y, .role = ISO_PAGE_NOTE},
+                          title_of(c->names[i]));
+        left += 6 + iso_page_text_mm(page, ISO_PAGE_NOTE, title_of(c->names[i]));
     }
     iso_page_put_text(page, &(iso_page_text){.x = left, .y = y, .role = ISO_PAGE_NOTE}, "smaller: coarser levels");
 }
 
+static int by_number(const void *a, const void *b)
+{
+    const double x = number_of(*(json_t *const *)a, "number"), y = number_of(*(json_t *const *)b, "number");
+    return (x > y) - (x < y);
+}
+
 static void write_caption(const charted *c, FILE *f)
 {
-    json_t *one;
-    size_t i, listed = 0;
+    json_t *one, **numbered = calloc(json_array_size(c->cases) + 1, sizeof *numbered);
+    size_t i, count = 0;
     fprintf(f, "Error against cost of the settings that were tried for %s (%s), %zu of them: stairs join the front.",
             string_of(c->options, "volume"), string_of(c->options, "scene"), json_array_size(c->cases));
-    json_array_foreach(c->cases, i, one) if (number_of(one, "number") > 0 && listed++ < MOST_LISTED)
-        fprintf(f, " %g: %s.", number_of(one, "number"), string_of(one, "setting"));
+    json_array_foreach(c->cases, i, one) if (numbered && number_of(one, "number") > 0) numbered[count++] = one;
+    if (numbered)
+        qsort(numbered, count, sizeof *numbered, by_number);
+    for (i = 0; i < count && i < MOST_LISTED; ++i)
+        fprintf(f, " %g: %s.", number_of(numbered[i], "number"), string_of(numbered[i], "setting"));
+    free(numbered);
 }
 
 static iso_status draw_loaded(const iso_figure_job *job, charted *c, iso_page *page, iso_error *err)
