@@ -74,7 +74,7 @@ python3 -c 'import sys; sys.path.insert(0, sys.argv[1]); import view_files; view
 expect the_page_was_used 0 python3 "$top/tests/view_page.py" hands v.html "$dir"
 cp out findings
 found() { grep -qxE "$1" findings; }
-for name in a_drag_orbits the_right_button_pans the_wheel_zooms arrows_orbit a_point_is_dragged points_come_and_go a_color_is_chosen \
+for name in a_drag_orbits the_right_button_pans the_wheel_zooms arrows_orbit a_point_is_dragged keys_move_what_was_dragged points_come_and_go a_color_is_chosen \
     a_level_differs_and_the_same_does_not the_joint_histogram_is_drawn what_was_edited_comes_back an_empty_field_changes_nothing \
     the_projection_follows_the_scene the_keyboard_stays_where_it_was a_narrow_window_shows_the_scenes_sides the_scale_of_a_difference_is_told a_region_is_outlined_and_goes a_complaint_is_closed a_file_may_miss_the_picture; do
     check "$name" found "$name true"

@@ -66,6 +66,7 @@ const makeEditor = (root, data, state, changed) => {
         changed(!resting);
     };
     const draw = () => {
+        const focused = svg.contains(document.activeElement); // the keyboard stays at the points, which are made anew
         svg.replaceChildren();
         const gradient = make('linearGradient', {id: 'colors'}, make('defs', {})), [lo, hi] = domain();
         for (let i = 0; i <= 64; ++i) {
@@ -94,6 +95,7 @@ const makeEditor = (root, data, state, changed) => {
         });
         tell();
         mark();
+        if (focused) svg.querySelectorAll('.point')[chosen]?.focus({preventScroll: true});
     };
     // The chosen point lies above those that stand where it does.
     const mark = () => {
