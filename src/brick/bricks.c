@@ -101,8 +101,8 @@ static float filter_scalar(const size_t size[3], const float *fine, const size_t
                 const float value = row[ISO_NODE_CHANNELS * p[0][x]];
                 along += weights[x] * value;
                 if (near && x > 0 && x < 4) {
-                    lowest = fminf(lowest, value);
-                    highest = fmaxf(highest, value);
+                    lowest = value < lowest ? value : lowest; /* fminf() is a call */
+                    highest = value > highest ? value : highest;
                 }
             }
             sum += weights[y] * weights[z] * along;

@@ -113,29 +113,71 @@ static void round_sampled(const iso_node_levels *n, double value[ISO_NODE_CHANNE
         value[c] = rint(1024 * value[c]) / 1024;
 }
 
-static void fill_nodes(const builder *b)
+/* Of any brick that holds the node: they agree. */
+static void sample_node(const builder *b, const size_t at[3])
+{
+    const iso_node_levels *n = b->field->nodes;
+    iso_lattice *l = b->lattice;
+    double q[3], value[ISO_NODE_CHANNELS];
+    size_t brick[3];
+    for (int a = 0; a < 3; ++a) {
+        size_t node = level0_node(b, a, l->first[a] + (long)at[a]);
+        brick[a] = brick_of(b, a, node);
+        q[a] = (double)node;
+    }
+    iso_brick_sample_in(b->field, brick, q, value);
+    if (b->opt->merged && b->field->levels[iso_brick_index(n, brick)] > l->level)
+        round_sampled(n, value);
+    float *to = l->nodes + ISO_NODE_CHANNELS * node_at(l, at[0], at[1], at[2]);
+    for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
+        to[c] = (float)value[c];
+}
+
+/* Whether the nodes that brick_of() says are the brick's may be corners of a cell that belongs: those on its lower faces are
+ * also corners of the bricks below. */
+static bool has_corners(const builder *b, size_t brick)
+{
+    const size_t *count = b->field->nodes->count;
+    const size_t at[3] = {brick % count[0], brick / count[0] % count[1], brick / (count[0] * count[1])};
+    const size_t step[3] = {1, count[0], count[0] * count[1]};
+    for (int o = 0; o < 8; ++o) {
+        size_t below = brick;
+        bool is_there = true;
+        for (int a = 0; a < 3; ++a)
+            if (o >> a & 1) {
+                is_there = is_there && at[a] > 0;
+                below -= is_there ? step[a] : 0;
+            }
+        if (is_there && belongs(b, below))
+            return true;
+    }
+    return false;
+}
+
+/* Corners of the cells that belong. Others are sampled when they become active, which few do. */
+static void fill_nodes(const builder *b, const uint8_t *has)
 {
     const iso_node_levels *n = b->field->nodes;
     iso_lattice *l = b->lattice;
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(b->opt->threads))
     for (size_t z = 0; z < l->size[2]; ++z)
-        for (size_t y = 0; y < l->size[1]; ++y)
-            for (size_t x = 0; x < l->size[0]; ++x) {
-                const size_t at[3] = {x, y, z};
-                double q[3], value[ISO_NODE_CHANNELS];
-                size_t brick[3];
-                for (int a = 0; a < 3; ++a) {
-                    size_t node = level0_node(b, a, l->first[a] + (long)at[a]);
-                    brick[a] = brick_of(b, a, node);
-                    q[a] = (double)node;
-                }
-                iso_brick_sample_in(b->field, brick, q, value); /* any brick that holds the node: they agree */
-                if (b->opt->merged && b->field->levels[iso_brick_index(n, brick)] > l->level)
-                    round_sampled(n, value);
-                float *to = l->nodes + ISO_NODE_CHANNELS * node_at(l, x, y, z);
-                for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
-                    to[c] = (float)value[c];
-            }
+        for (size_t y = 0; y < l->size[1]; ++y) {
+            const size_t row = n->count[0] * (brick_of(b, 1, level0_node(b, 1, l->first[1] + (long)y)) +
+                                              n->count[1] * brick_of(b, 2, level0_node(b, 2, l->first[2] + (long)z)));
+            for (size_t x = 0; x < l->size[0]; ++x)
+                if (has[row + brick_of(b, 0, level0_node(b, 0, l->first[0] + (long)x))])
+                    sample_node(b, (const size_t[]){x, y, z});
+        }
+}
+
+/* A byte a brick: has_corners(). To be freed. */
+static uint8_t *find_corners(const builder *b)
+{
+    const size_t count = iso_brick_count(b->field->nodes);
+    uint8_t *has = malloc(count);
+    for (size_t i = 0; has && i < count; ++i)
+        has[i] = has_corners(b, i);
+    return has;
 }
 
 /* ---- which nodes are needed ------------------------------------------------------- */
@@ -160,16 +202,16 @@ static size_t activate(const builder *b, bool mixed)
 {
     iso_lattice *l = b->lattice;
     const iso_lattice_options *o = b->opt;
+    const size_t *count = b->field->nodes->count;
     size_t changed = 0;
     for (size_t z = 0; z + 1 < l->size[2]; ++z)
-        for (size_t y = 0; y + 1 < l->size[1]; ++y)
+        for (size_t y = 0; y + 1 < l->size[1]; ++y) {
+            const size_t row = count[0] * (brick_of(b, 1, level0_node(b, 1, l->first[1] + (long)y)) +
+                                           count[1] * brick_of(b, 2, level0_node(b, 2, l->first[2] + (long)z)));
             for (size_t x = 0; x + 1 < l->size[0]; ++x) {
-                const size_t at[3] = {x, y, z};
-                size_t brick[3], corners[8];
+                const size_t index = row + brick_of(b, 0, level0_node(b, 0, l->first[0] + (long)x));
+                size_t corners[8];
                 double min, max;
-                for (int a = 0; a < 3; ++a)
-                    brick[a] = brick_of(b, a, level0_node(b, a, l->first[a] + (long)at[a]));
-                size_t index = iso_brick_index(b->field->nodes, brick);
                 bool matters = mixed && o->merged ? o->drawn[index] || !o->seen || o->seen[index] : belongs(b, index);
                 if (!matters)
                     continue;
@@ -178,10 +220,14 @@ static size_t activate(const builder *b, bool mixed)
                 int active = cell_range(l, corners, mixed, &min, &max);
                 if (active == 8 || (mixed && active == 0) || !any_shows(o->tfs, o->tf_count, min, max))
                     continue;
-                for (int c = 0; c < 8; ++c)
+                for (size_t c = 0; c < 8; ++c) {
+                    if (mixed && !l->active[corners[c]])
+                        sample_node(b, (const size_t[]){x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)});
                     l->active[corners[c]] = 1;
+                }
                 ++changed;
             }
+        }
     return changed;
 }
 
@@ -252,12 +298,15 @@ iso_status iso_lattice_create(iso_lattice *l, const iso_brick_field *f, const is
     size_t count = l->size[0] * l->size[1] * l->size[2];
     l->nodes = malloc(ISO_NODE_CHANNELS * count * sizeof *l->nodes);
     l->active = calloc(count, 1);
-    if (!l->nodes || !l->active) {
+    uint8_t *has = find_corners(&b);
+    if (!l->nodes || !l->active || !has) {
+        free(has);
         iso_lattice_destroy(l);
         return iso_fail(err, ISO_E_MEMORY, "lattice: no memory for %zu nodes", count);
     }
     l->background = iso_lattice_background(f->nodes, opt->tfs, opt->tf_count);
-    fill_nodes(&b);
+    fill_nodes(&b, has);
+    free(has);
     activate(&b, false);
     while (activate(&b, true) > 0)
         ;
