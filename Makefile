@@ -89,7 +89,8 @@ array_pkgs := hdf5-serial netcdf blosc libzstd jansson zlib
 hdf5_hl := $(or $(shell pkg-config --silence-errors --libs hdf5_serial_hl),-lhdf5_hl)
 arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) && echo yes),$(build)/isoshade-arrays)
 vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb)
-beside := $(openvdb_library) $(mpi_library) $(itk_program) $(arrays_program) $(vdb_program)
+reader_programs := $(itk_program) $(arrays_program) $(vdb_program)
+beside := $(openvdb_library) $(mpi_library) $(reader_programs)
 test_c := $(wildcard tests/test_*.c)
 tests := $(test_c:tests/%.c=$(build)/tests/%)
 # Readers on damaged files: targets and a driver with mutations of its own, for `make check`.
@@ -272,10 +273,11 @@ $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml
 	$(call say,ZIP)cd $(build)/addon && python3 -m zipfile -c ../$(@F) isoshade
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
-$(fuzz): $(fuzz_c:%.c=$(build)/%.o) $(commands) $(lib)
+# The readers that are programs of their own lie beside it, or nothing is read of their formats.
+$(fuzz): $(fuzz_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_programs)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ $(LDLIBS)
 # FUZZ_LIBS: archives of libraries that were built with the same flags, such as teem's.
-$(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib)
+$(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_programs)
 	$(call say,LD )$(CXX) -fsanitize=fuzzer,address,undefined -fopenmp -o $@ $^ $(FUZZ_LIBS) $(LDLIBS)
 $(threads_program): $(build)/tests/threads/threads.o $(lib_o)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)

@@ -16,6 +16,30 @@ if memcheck "$top/tests/fuzz/seeds" "${names[@]}"; then
 else
     not_ok readers_under_memcheck "$(grep -E 'fuzz:|==' err | head -n 20)"
 fi
+# One log a process. Programs that were left out of the build are not asked for.
+memcheck_programs() { # SEEDS NAME ...: true where nothing is found in any
+    rm -f log.*
+    ISOSHADE_SANDBOX=off OMP_NUM_THREADS=1 valgrind --trace-children=yes --vgdb=no --leak-check=no --log-file="$dir/log.%p" "$fuzz" \
+        --seeds "$@" >out 2>err || return 1
+    ! grep -h 'ERROR SUMMARY' log.* | grep -qv ' 0 errors'
+}
+watched() { grep -q "Command: .*/$1 " log.*; } # and it came to its end
+for program in isoshade-arrays:hdf5,netcdf,zarr isoshade-itk:dicom isoshade-vdb:vdb; do
+    name=${program%:*} formats=${program#*:}
+    [ -x "$(dirname "$fuzz")/$name" ] || { skip "$name" "it is not built"; continue; }
+    check "$name" memcheck_programs "$top/tests/fuzz/seeds" ${formats//,/ }
+    check "${name}_is_watched" watched "$name"
+done
+# In the place of one, a program that decides by a value that nobody set.
+mkdir -p beside && cp "$fuzz" beside/ && cat >unset.c <<'END'
+#include <stdlib.h>
+int main(void) { int *volatile unset = malloc(sizeof *unset); return unset && *unset == 12; }
+END
+if cc -g -o beside/isoshade-vdb unset.c; then
+    planted_program() { local fuzz=$dir/beside/isoshade-fuzz; memcheck_programs "$top/tests/fuzz/seeds" vdb; }
+    notice what_a_planted_program_decides_by_is_found planted_program
+    check and_nothing_else_failed test ! -s err
+fi
 # A value that nobody set decides; the same reader without it is quiet.
 mkdir -p planted quiet/planted && echo '{"level": 12}' >planted/a.json && cp "$top/tests/fuzz/seeds/planted/"* quiet/planted/
 notice a_planted_value_that_nobody_set_is_found memcheck "$dir" planted

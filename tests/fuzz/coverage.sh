@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # coverage.sh [READER ...]: which part of each reader's lines is reached by its seeds, what `make fuzz` left in build/fuzzed,
-# and 20000 mutations (ISOSHADE_FUZZ_COUNT), by gcov.
+# and 20000 mutations (ISOSHADE_FUZZ_COUNT) in at most 20 s (ISOSHADE_FUZZ_SECONDS), by gcov.
 set -u
 cd "$(dirname "$0")/../.."
 fuzz=$PWD/build/coverage/isoshade-fuzz
@@ -9,7 +9,7 @@ export OMP_NUM_THREADS=1
 "$fuzz" --list | while read -r name sources; do
     [ "$name" != planted ] && { [ $# = 0 ] || [[ " $* " == *" $name "* ]]; } || continue
     find build/coverage -name '*.gcda' -delete
-    "$fuzz" "$name" "tests/fuzz/seeds/$name" "${ISOSHADE_FUZZ_COUNT:-20000}" 20 >/dev/null 2>&1
+    "$fuzz" "$name" "tests/fuzz/seeds/$name" "${ISOSHADE_FUZZ_COUNT:-20000}" "${ISOSHADE_FUZZ_SECONDS:-20}" >/dev/null 2>&1
     [ ! -d "build/fuzzed/$name" ] || "$fuzz" "$name" "build/fuzzed/$name" >/dev/null 2>&1
     for source in $sources; do
         object=build/coverage/${source%.c}.o

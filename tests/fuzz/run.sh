@@ -9,6 +9,8 @@ cd "$(dirname "$0")/../.."
 seconds=$1
 shift
 export LSAN_OPTIONS=suppressions=$PWD/tests/leaks.supp:print_suppressions=0 OMP_NUM_THREADS=1
+# What libraries of tests/fuzz/third_party.sh do wrong stops it too.
+export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1:suppressions=$PWD/tests/fuzz/third_party.supp
 # With libFuzzer and with OpenMP's header and library, which are packages of their own.
 has_clang() { printf '#include <omp.h>\nint LLVMFuzzerTestOneInput(const char *d, unsigned long n) { return !d && n > (unsigned long)omp_get_max_threads(); }\n' |
     "${FUZZ_CC:-clang}" -x c -fsanitize=fuzzer,address -fopenmp - -o build/has-clang 2>/dev/null; }
