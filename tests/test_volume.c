@@ -275,6 +275,46 @@ static void text_samples_and_slices_in_files_of_their_own_are_read(void **state)
     iso_volume_destroy(&v);
 }
 
+static iso_status load_vti_text(const char *type, const char *numbers, iso_volume *v, iso_error *error)
+{
+    char text[600];
+    const int n =
+        snprintf(text, sizeof text,
+                 "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+                 "<ImageData WholeExtent=\"0 1 0 0 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\">\n"
+                 "<Piece Extent=\"0 1 0 0 0 1\"><PointData Scalars=\"s\">\n"
+                 "<DataArray type=\"%s\" Name=\"s\" format=\"ascii\">%s</DataArray>\n"
+                 "</PointData></Piece></ImageData>\n</VTKFile>\n",
+                 type, numbers);
+    write_bytes("t.vti", text, (size_t)n);
+    *v = (iso_volume){0};
+    return iso_volume_load(in_dir("t.vti"), v, error);
+}
+
+/* A tag may follow the last of them; what C does with a number beyond a type differs by machine. */
+static void numbers_of_a_text_end_at_a_tag_and_are_of_their_type(void **state)
+{
+    (void)state;
+    iso_volume v;
+    assert_ok(load_vti_text("UInt8", "0 255.5 -0.5 7", &v, &err));
+    assert_memory_equal(v.data, ((uint8_t[]){0, 255, 0, 7}), 4);
+    iso_volume_destroy(&v);
+    assert_ok(load_vti_text("Int16", "-32768 32767 0 1", &v, &err));
+    assert_memory_equal(v.data, ((int16_t[]){-32768, 32767, 0, 1}), 8);
+    iso_volume_destroy(&v);
+    static const char *const beyond[][2] = {{"UInt8", "0 0 0 256"},
+                                            {"UInt8", "0 0 0 -1"},
+                                            {"UInt8", "nan 0 0 0"},
+                                            {"Int16", "0 0 0 -32769"},
+                                            {"UInt32", "0 0 0 4294967296"}};
+    for (size_t i = 0; i < sizeof beyond / sizeof *beyond; ++i) {
+        iso_error error = {""};
+        assert_int_equal(load_vti_text(beyond[i][0], beyond[i][1], &v, &error), ISO_E_FORMAT);
+        assert_non_null(strstr(error.text, beyond[i][0][0] == 'I' ? "which no int16 can be" : "which no uint"));
+        iso_volume_destroy(&v);
+    }
+}
+
 static iso_geometry geometry_of(const char *header)
 {
     iso_volume v;
@@ -549,6 +589,7 @@ int main(void)
         cmocka_unit_test(a_sink_that_lacks_planes_leaves_no_file),
         cmocka_unit_test(both_byte_orders_and_detached_headers_are_read),
         cmocka_unit_test(text_samples_and_slices_in_files_of_their_own_are_read),
+        cmocka_unit_test(numbers_of_a_text_end_at_a_tag_and_are_of_their_type),
         cmocka_unit_test(the_space_origin_is_the_center_of_the_first_sample),
         cmocka_unit_test(anatomical_spaces_become_right_anterior_superior),
         cmocka_unit_test(spacings_axis_mins_and_units_are_kept),

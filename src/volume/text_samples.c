@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,16 +26,25 @@ static bool next_number(FILE *f, double *value)
     return n > 0 && *end == 0;
 }
 
-static void store(char *data, iso_type type, size_t at, double value)
+/* Cut to an integer where the type is one; false where that is beyond the type, whose conversion C leaves open. */
+static bool store(char *data, iso_type type, size_t at, double value)
 {
 /* clang-format off */
-#define ISO_STORE_CASE(name, text, ctype) \
-    case name: ((ctype *)(void *)data)[at] = (ctype)value; break;
+#define ISO_STORE_CASE(name, text, ctype)                                                                        \
+    case name: {                                                                                                 \
+        const bool is_integer = (ctype)0.5 == 0, is_signed = (ctype)-1 < (ctype)1;                                      \
+        const double room = ldexp(1, 8 * (int)sizeof(ctype) - is_signed), lowest = is_signed ? -room : 0;        \
+        if (is_integer && !(value > lowest - 1 && value < room))                                                 \
+            return false;                                                                                        \
+        ((ctype *)(void *)data)[at] = (ctype)value;                                                              \
+        return true;                                                                                             \
+    }
     switch (type) {
         ISO_TYPE_LIST(ISO_STORE_CASE)
     }
 #undef ISO_STORE_CASE
     /* clang-format on */
+    return false;
 }
 
 iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_fastest, iso_error *err)
@@ -57,7 +67,9 @@ iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_faste
             return iso_fail(err, ISO_E_FORMAT, "%s: %s after %zu of %zu numbers", source->path,
                             feof(f) ? "truncated" : "no number", i, count);
         const size_t z = i % n[2], y = i / n[2] % n[1], x = i / n[2] / n[1];
-        store(source->preloaded, source->header.type, z_fastest ? (z * n[1] + y) * n[0] + x : i, value);
+        if (!store(source->preloaded, source->header.type, z_fastest ? (z * n[1] + y) * n[0] + x : i, value))
+            return iso_fail(err, ISO_E_FORMAT, "%s: sample %zu is %g, which no %s can be", source->path, i, value,
+                            iso_type_name(source->header.type));
     }
     return ISO_OK;
 }

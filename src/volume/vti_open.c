@@ -279,7 +279,11 @@ static iso_status take_base64(const vti *v, iso_volume_source *source, const cha
 
 static iso_status take_text(const vti *v, iso_volume_source *source, iso_error *err)
 {
-    FILE *f = fmemopen((void *)(size_t)(v->array + 1), v->size - (size_t)(v->array + 1 - v->text), "r");
+    /* Up to the next tag, which may follow the last number without a space. */
+    const char *text = v->array + 1;
+    const size_t rest = v->size - (size_t)(text - v->text);
+    const char *tag = memchr(text, '<', rest);
+    FILE *f = fmemopen((void *)(size_t)text, tag > text ? (size_t)(tag - text) : rest, "r");
     const iso_status status = f ? iso_source_take_text(source, f, false, err)
                                 : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
     if (f)

@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* threads.c - what works with several threads, small, to be watched by the sanitizer of threads (tests/threads/run.sh).
  *
- *     isoshade-threads PART        build, stream, reference, cast, progress; race: a fault that is planted
+ *     isoshade-threads PART        build, stream, reference, cast, progress, programs, signal; race: a fault that is planted
  */
 #define _GNU_SOURCE
 #include "tests/folder.h"
 #include "tests/test.h"
 
+#include <pthread.h>
+#include <signal.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/process.h"
 #include "base/progress_line.h"
 #include "pyramid/pyramid_stream.h"
 #include "render/cpu/caster.h"
@@ -143,6 +146,82 @@ static void progress(void)
     iso_progress_line_destroy(line);
 }
 
+/* ---- other programs, that several threads run ---- */
+
+static void count_line(void *user, const char *line)
+{
+    (void)line;
+    ++*(int *)user;
+}
+
+static void *run_programs(void *user)
+{
+    const char *argv[] = {"/bin/sh", "-c", "echo one; echo two; exit 3", NULL};
+    int *lines = user;
+    for (int i = 0; i < 4; ++i) {
+        iso_error error = {""};
+        iso_process_outcome outcome = {0};
+        const iso_process_options options = {.line = count_line, .user = lines, .outcome = &outcome};
+        const iso_status status = iso_process_run(argv, &options, &error);
+        *lines += 100 * (status == ISO_E_PROGRAM && outcome.exit_code == 3);
+    }
+    return NULL;
+}
+
+/* Two threads run programs while this one talks with a third. */
+static void programs(void)
+{
+    pthread_t threads[2];
+    int lines[2] = {0, 0}, told = 0;
+    for (int i = 0; i < 2; ++i)
+        assert_int_equal(pthread_create(&threads[i], NULL, run_programs, &lines[i]), 0);
+    const char *argv[] = {"/bin/sh", "-c", "while read line; do echo $line; echo ready; done", NULL};
+    const iso_sandbox_wish wish = {0};
+    const iso_process_options options = {.line = count_line, .user = &told};
+    iso_process *p;
+    assert_ok(iso_process_start(argv, NULL, &wish, &p, &err));
+    for (int i = 0; i < 4; ++i) {
+        bool ended;
+        iso_process_say(p, "a line");
+        assert_ok(iso_process_listen(p, "ready", &options, &ended, &err));
+        assert_false(ended);
+    }
+    iso_process_end(p);
+    for (int i = 0; i < 2; ++i) {
+        pthread_join(threads[i], NULL);
+        assert_int_equal(lines[i], 4 * (100 + 2));
+    }
+    assert_int_equal(told, 4 * 2);
+}
+
+static void send_signal(void *user, const char *line)
+{
+    (void)user, (void)line;
+    raise(SIGTERM);
+}
+
+static void *run_until_stopped(void *user)
+{
+    const char *argv[] = {"/bin/sh", "-c", "echo ready; exec sleep 60", NULL};
+    const iso_process_options options = {.line = user ? send_signal : NULL, .timeout_seconds = 50};
+    iso_error error = {""};
+    const iso_status status = iso_process_run(argv, &options, &error);
+    static char yes;
+    return status == ISO_E_PROGRAM && strstr(error.text, "stopped by signal 15") ? &yes : NULL;
+}
+
+/* A handler runs in the one, and the other asks whether it did. */
+static void stop_by_signal(void)
+{
+    pthread_t other;
+    void *stopped = NULL;
+    assert_int_equal(pthread_create(&other, NULL, run_until_stopped, NULL), 0);
+    usleep(300000);
+    assert_non_null(run_until_stopped(""));
+    pthread_join(other, &stopped);
+    assert_non_null(stopped);
+}
+
 static void race(void)
 {
     static int shared;
@@ -155,8 +234,8 @@ static void race(void)
 static const struct {
     const char *name;
     void (*run)(void);
-} parts[] = {{"build", build}, {"stream", stream},     {"reference", reference},
-             {"cast", cast},   {"progress", progress}, {"race", race}};
+} parts[] = {{"build", build},       {"stream", stream},     {"reference", reference},   {"cast", cast},
+             {"progress", progress}, {"programs", programs}, {"signal", stop_by_signal}, {"race", race}};
 static const char *wanted;
 
 static void the_part(void **state)
