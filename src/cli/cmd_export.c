@@ -48,11 +48,26 @@ static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *v
     return status;
 }
 
-/* The target reads a level's scalars a few at a time, and so does all else that is asked for. */
+/* The target reads a level's scalars a few at a time, and so does all else that is asked for. A plan has nodes of its own. */
 static bool is_narrow(const iso_export_arguments *a, const iso_export_target *target)
 {
-    return target->narrow && !a->plan && !a->roi.box && !a->adapted.wanted && !a->adapted.extinction_scale &&
-           !a->isosurface && !a->bake.wanted;
+    return target->narrow && !a->roi.box && !a->adapted.wanted && !a->adapted.extinction_scale && !a->isosurface &&
+           !a->bake.wanted;
+}
+
+/* What a plan's nodes are made of: level 0's floats, without its codes. */
+static iso_status take_floats(iso_pyramid *p, iso_volume *v, iso_error *err)
+{
+    iso_level *level = &p->levels[0];
+    if (level->scalar)
+        return ISO_OK;
+    const size_t count = iso_geometry_voxel_count(&level->geometry);
+    level->scalar = malloc(count * sizeof *level->scalar);
+    if (!level->scalar)
+        return iso_fail(err, ISO_E_MEMORY, "export: no memory for %zu voxels in floats", count);
+    iso_volume_floats(v, level->scalar);
+    iso_volume_destroy(v);
+    return ISO_OK;
 }
 
 static iso_status load(iso_export_arguments *a, const iso_export_target *target, const iso_subject_look *look,
@@ -79,6 +94,8 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
                                            : a->roi.box ? "--roi"
                                                         : "--isosurface",
                                            err);
+    if (status == ISO_OK && a->plan)
+        status = take_floats(p, v, err);
     if (narrow)
         *view = sight.view;
     else if (status == ISO_OK && wants_view)
