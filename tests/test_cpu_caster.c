@@ -181,6 +181,73 @@ static void it_has_clip_planes_cameras_inside_and_any_step(void **state)
     iso_pyramid_destroy(&p);
 }
 
+/* Along z, a ray through each voxel's center and one between every two: on faces of cells all along, where a place in floats
+ * does not tell the cell. */
+static void look_along_z(iso_pyramid *p, iso_view *view, double tilt)
+{
+    const size_t *size = p->levels[0].geometry.size;
+    p->levels[0].geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1});
+    const iso_vec3 middle = iso_geometry_box_center_mm(&p->levels[0].geometry);
+    view->width = 41; /* inside the box: on its own face a ray may as well miss it */
+    view->height = 33;
+    view->camera.orthographic = true;
+    view->camera.half_height = 0.25 * (double)view->height;
+    view->camera.forward = iso_v3(tilt, 0, 1);
+    view->camera.right = iso_v3(1, 0, 0);
+    view->camera.up = iso_v3(0, 1, 0);
+    view->camera.position = iso_sub(middle, iso_v3(0, 0, 40));
+}
+
+static void rays_on_faces_of_cells_miss_nothing(void **state)
+{
+    const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
+    iso_pyramid p = make_pyramid(&of);
+    iso_view view = make_view(&p, true);
+    (void)state;
+    look_along_z(&p, &view, 0);
+    expect_picture(&p, &view, ISO_FROM_CODES, "on faces of cells");
+    expect_picture(&p, &view, ISO_FROM_ON_THE_FLY, "on faces of cells, on the fly");
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+/* Next to a face behind which all is empty, so near that a float is on the other side: 301 - 1.2e-5 is 301. What is empty is
+ * so by five thousandths of the table's entry, and the rays' samples are seven into the next one. */
+static void rays_next_to_what_is_empty_miss_nothing(void **state)
+{
+    const volume_case of = {ISO_F32, ISO_CODE_FIT, {600, 5, 4}, false};
+    iso_pyramid p = make_pyramid(&of);
+    iso_view view = make_view(&p, true);
+    const iso_tf_table *tf = &view.tf;
+    size_t last = 0; /* entry before the first one that shows */
+    (void)state;
+    while (!(tf->entries[4 * (last + 1) + 3] > 0))
+        ++last;
+    const double entry = (tf->hi - tf->lo) / (double)(tf->count - 1);
+    for (size_t i = 0; i < 600 * 5 * 4; ++i)
+        p.levels[0].scalar[i] = (float)(tf->lo + entry * ((double)last + (i % 600 < 300 ? 999.995 : -0.005)));
+    look_along_z(&p, &view, 0);
+    view.camera.position = iso_sub(view.camera.position, iso_v3(1.2e-5, 0.1, 0));
+    expect_picture(&p, &view, ISO_FROM_CODES, "next to what is empty");
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
+/* A camera's axes are sines and cosines: one that should be 0 is 1e-17. Below 0, that was a step of a whole voxel in numbers
+ * of 32 bits before and 32 bits behind the point. */
+static void a_direction_just_below_zero_is_next_to_zero(void **state)
+{
+    const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
+    iso_pyramid p = make_pyramid(&of);
+    iso_view view = make_view(&p, true);
+    (void)state;
+    look_along_z(&p, &view, -1e-17);
+    view.camera.position.x += 0.1; /* off the faces of cells */
+    expect_picture(&p, &view, ISO_FROM_CODES, "a direction just below 0");
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
 static void it_has_labels(void **state)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, true};
@@ -280,6 +347,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_has_the_samples_of_the_reference),
         cmocka_unit_test(it_has_clip_planes_cameras_inside_and_any_step),
+        cmocka_unit_test(rays_on_faces_of_cells_miss_nothing),
+        cmocka_unit_test(rays_next_to_what_is_empty_miss_nothing),
+        cmocka_unit_test(a_direction_just_below_zero_is_next_to_zero),
         cmocka_unit_test(it_has_labels),
         cmocka_unit_test(it_has_2d_transfer_functions_and_extinction_scales),
         cmocka_unit_test(what_is_a_little_wrong_is_beyond_the_limits),

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/random.h"
 #include "brick/occupancy.h"
@@ -100,6 +101,78 @@ static void bricks_of_no_voxel_are_refused(void **state)
     assert_status(iso_brick_ranges_create(&r, &scalar, &g, 0, &err), ISO_E_RANGE);
 }
 
+/* The largest empty cube, block by block, that begins at b and goes the octant's way. */
+static int side_of_cube(const uint8_t *occupied, const long b[3], int octant)
+{
+    for (int side = 0; side < ISO_OCTANT_MOST; ++side)
+        for (long i = 0; i < (side + 1) * (side + 1) * (side + 1); ++i) {
+            const long off[3] = {i % (side + 1), i / (side + 1) % (side + 1), i / ((side + 1) * (side + 1))};
+            long at[3];
+            bool inside = true;
+            for (int a = 0; a < 3; ++a) {
+                at[a] = b[a] + (octant >> a & 1 ? -off[a] : off[a]);
+                inside = inside && at[a] >= 0 && at[a] < (long)size[a];
+            }
+            if (inside && occupied[at[0] + 21 * (at[1] + 9 * at[2])] == 0)
+                return side;
+            if (side > 21) /* beyond the volume on all sides */
+                return ISO_OCTANT_MOST;
+        }
+    return ISO_OCTANT_MOST;
+}
+
+static size_t count_wrong_sides(const uint8_t *occupied, const uint8_t *octants)
+{
+    const size_t count = size[0] * size[1] * size[2];
+    size_t wrong = 0;
+    for (int octant = 0; octant < ISO_OCTANTS; ++octant)
+        for (size_t i = 0; i < count; ++i) {
+            const long b[3] = {(long)(i % 21), (long)(i / 21 % 9), (long)(i / (21 * 9))};
+            wrong += octants[(size_t)octant * count + i] != side_of_cube(occupied, b, octant);
+        }
+    return wrong;
+}
+
+/* Planted: the map of another octant. */
+static void octants_hold_the_largest_empty_cubes_ahead(void **state)
+{
+    const size_t count = size[0] * size[1] * size[2];
+    uint8_t *occupied = malloc(count), *octants = malloc(ISO_OCTANTS * count);
+    iso_random random = {11};
+    (void)state;
+    assert_non_null(occupied);
+    assert_non_null(octants);
+    for (size_t i = 0; i < count; ++i)
+        occupied[i] = iso_random_below(&random, 100) > 0;
+    iso_occupancy_octants(size, occupied, 3, octants);
+    assert_int_equal(count_wrong_sides(occupied, octants), 0);
+    memcpy(octants + 2 * count, octants + 5 * count, count);
+    assert_true(count_wrong_sides(occupied, octants) > 0);
+    free(octants);
+    free(occupied);
+}
+
+/* What is asked of the list is what the table says; planted: a list that forgets the last entry that shows. */
+static void a_list_of_what_shows_next_says_the_same(void **state)
+{
+    float entries[4 * 40] = {0};
+    uint32_t next[40];
+    entries[4 * 7 + 3] = entries[4 * 8 + 3] = entries[4 * 31 + 3] = 1;
+    const iso_tf_table tf = {.count = 40, .lo = -3, .hi = 36, .entries = entries};
+    size_t wrong[2] = {0, 0};
+    (void)state;
+    for (int planted = 0; planted < 2; ++planted) {
+        iso_tf_next_shown(&tf, next);
+        for (int i = 0; i < 40 && planted; ++i)
+            next[i] = next[i] == 31 ? 40 : next[i];
+        for (double min = -6; min < 40; min += 0.5)
+            for (double max = min; max < 42; max += 0.5)
+                wrong[planted] += iso_tf_shows(&tf, min, max) != iso_tf_shows_by(&tf, next, min, max);
+    }
+    assert_int_equal(wrong[0], 0);
+    assert_true(wrong[1] > 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -107,6 +180,8 @@ int main(void)
         cmocka_unit_test(tf_shows_what_any_value_of_the_range_shows),
         cmocka_unit_test(distance_is_to_the_nearest_occupied_brick),
         cmocka_unit_test(bricks_of_no_voxel_are_refused),
+        cmocka_unit_test(octants_hold_the_largest_empty_cubes_ahead),
+        cmocka_unit_test(a_list_of_what_shows_next_says_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

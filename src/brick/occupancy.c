@@ -56,18 +56,43 @@ void iso_brick_ranges_destroy(iso_brick_ranges *r)
     *r = (iso_brick_ranges){0};
 }
 
-bool iso_tf_shows(const iso_tf_table *tf, double min, double max)
+/* The entries that the values of [min, max] are made of: wider by a thousandth of an entry, since renderers look values up
+ * in float. */
+static void entries_of(const iso_tf_table *tf, double min, double max, size_t *from, size_t *to)
 {
-    /* Wider by a thousandth of an entry: renderers look values up in float. */
     double scale = (double)(tf->count - 1) / (tf->hi - tf->lo), last = (double)(tf->count - 1);
     double first = (min - tf->lo) * scale - 1e-3, end = (max - tf->lo) * scale + 1e-3;
     first = first > 0 ? (first < last ? first : last) : 0;
     end = end > 0 ? (end < last ? end : last) : 0;
-    size_t to = (size_t)end + ((double)(size_t)end < end);
-    for (size_t i = (size_t)first; i <= to; ++i)
+    *from = (size_t)first;
+    *to = (size_t)end + ((double)(size_t)end < end);
+}
+
+bool iso_tf_shows(const iso_tf_table *tf, double min, double max)
+{
+    size_t from, to;
+    entries_of(tf, min, max, &from, &to);
+    for (size_t i = from; i <= to; ++i)
         if (tf->entries[4 * i + 3] > 0)
             return true;
     return false;
+}
+
+void iso_tf_next_shown(const iso_tf_table *tf, uint32_t *next)
+{
+    uint32_t found = (uint32_t)tf->count;
+    for (size_t i = tf->count; i-- > 0;) {
+        if (tf->entries[4 * i + 3] > 0)
+            found = (uint32_t)i;
+        next[i] = found;
+    }
+}
+
+bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, double max)
+{
+    size_t from, to;
+    entries_of(tf, min, max, &from, &to);
+    return next[from] <= to;
 }
 
 /* The chessboard distance is the least over the 26 neighbours plus one: exact after a forward and a backward sweep,
@@ -95,6 +120,53 @@ void iso_occupancy_distance(const size_t count[3], uint8_t *distance)
 {
     sweep(count, distance, 1);
     sweep(count, distance, -1);
+}
+
+static int least_of(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* A row of an octant's map from the rows ahead of it along y, along z and along both, NULL outside the volume. */
+static void fill_octant_row(size_t n, bool down, const uint8_t *occupied, const uint8_t *const ahead[3], uint8_t *out)
+{
+    int corner = ISO_OCTANT_MOST, side = ISO_OCTANT_MOST; /* ahead along x: of the rows ahead, of this one */
+    for (size_t j = 0; j < n; ++j) {
+        const size_t x = down ? j : n - 1 - j;
+        int beside = ISO_OCTANT_MOST;
+        for (int i = 0; i < 3; ++i)
+            beside = ahead[i] ? least_of(beside, ahead[i][x]) : beside;
+        const int least = least_of(beside, least_of(corner, side));
+        side = occupied[x] == 0 ? 0 : least_of(least + 1, ISO_OCTANT_MOST);
+        corner = beside;
+        out[x] = (uint8_t)side;
+    }
+}
+
+/* An empty cube of side n + 1 in the corner b is b and the seven cubes of side n in the corners next to b. */
+static void fill_octant(const size_t count[3], int octant, const uint8_t *occupied, uint8_t *out)
+{
+    const size_t nx = count[0], ny = count[1], nz = count[2];
+    const bool down_y = octant & 2, down_z = octant & 4;
+    for (size_t j = 0; j < ny * nz; ++j) {
+        const size_t i = j % ny, k = j / ny;
+        const size_t y = down_y ? i : ny - 1 - i, z = down_z ? k : nz - 1 - k, row = nx * (y + ny * z);
+        const size_t next_y = down_y ? row - nx : row + nx, step_z = nx * ny;
+        const uint8_t *const ahead[3] = {
+            i > 0 ? out + next_y : NULL,
+            k > 0 ? out + (down_z ? row - step_z : row + step_z) : NULL,
+            i > 0 && k > 0 ? out + (down_z ? next_y - step_z : next_y + step_z) : NULL,
+        };
+        fill_octant_row(nx, octant & 1, occupied + row, ahead, out + row);
+    }
+}
+
+void iso_occupancy_octants(const size_t count[3], const uint8_t *occupied, int threads, uint8_t *restrict octants)
+{
+    const size_t bricks = count[0] * count[1] * count[2];
+#pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
+    for (int octant = 0; octant < ISO_OCTANTS; ++octant)
+        fill_octant(count, octant, occupied, octants + (size_t)octant * bricks);
 }
 
 double iso_occupancy_compute(const iso_brick_ranges *r, const iso_tf_table *tf, uint8_t *restrict distance)

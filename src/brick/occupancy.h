@@ -40,6 +40,10 @@ static inline size_t iso_brick_ranges_count(const iso_brick_ranges *r)
 
 /* False when the table's extinction is 0 on all of [min, max]. */
 bool iso_tf_shows(const iso_tf_table *tf, double min, double max);
+/* The same for those who ask of millions of ranges. next: of each entry, the first from there on that has an extinction,
+ * tf->count where there is none; iso_tf_next_shown() fills as many numbers as there are entries. */
+void iso_tf_next_shown(const iso_tf_table *tf, uint32_t *next);
+bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, double max);
 
 /* Fills distance (one byte a brick, at most 255) and returns the part of the
  * bricks that are occupied. */
@@ -47,5 +51,19 @@ double iso_occupancy_compute(const iso_brick_ranges *r, const iso_tf_table *tf, 
 
 /* Turns 0 (occupied) and 255 (empty) into distances, in place. */
 void iso_occupancy_distance(const size_t count[3], uint8_t *distance);
+
+/* Distances for rays that are known to go up or down along each axis: a map for each of the eight octants of directions,
+ * the one of bit a of its number 0 for those that go up along axis a. Of an empty brick b it has the side of the largest empty
+ * cube that has b in the corner where such rays enter it, at most ISO_OCTANT_MOST; what is outside the volume is empty.
+ *
+ *     . . . # .      a ray up and to the right from b leaves a cube of side 3; whatever is behind it or beside it,
+ *     c c c . .      as what it has just left, does not count, while it holds the chessboard distance at 1
+ *     c c c . #
+ *     b c c . .
+ *     # # # . .
+ *
+ * occupied: 0 where a brick is; octants: eight times as many bytes, the octant slowest. */
+enum { ISO_OCTANTS = 8, ISO_OCTANT_MOST = 63 };
+void iso_occupancy_octants(const size_t count[3], const uint8_t *occupied, int threads, uint8_t *restrict octants);
 
 #endif

@@ -58,7 +58,8 @@ typedef struct iso_cast {
     double clips[ISO_MAX_CLIP_PLANES][4]; /* index coordinates */
     /* the volume, in bricks; NULL where it is not read */
     int32_t size[3], brick_stride[3]; /* from a brick to the next, in voxels; in bricks where there are slots */
-    const int32_t *slots; /* where bricks are pages (paged.h): the first voxel of each, below 0: it has to be loaded. Else NULL */
+    const int32_t
+        *slots; /* where bricks are pages (paged.h): the first voxel of each, below 0: it has to be loaded. Else NULL */
     const uint16_t *integers;       /* the scalar less its least value, where it has at most 16 bits ... */
     const float *floats;            /* ... or its part of the range */
     bool labels;                    /* not filtered */
@@ -78,10 +79,17 @@ typedef struct iso_cast {
     iso_cast_light lights[ISO_MAX_LIGHTS];
     bool specular;
     float ambient, power, background[3];
-    /* empty space: each block's distance to the nearest one that the transfer function shows; NULL: not looked at */
+    /* Empty space: NULL where it is not looked at. Of rays whose bricks are pages: each block's distance to the nearest one
+     * that the transfer function shows. */
     const uint8_t *distance;
     int32_t block_count[3];
-    /* with it: where along their rays the pixels of a tile can show anything (render/screen_reach.h) */
+    /* Of all others: such distances for each octant of directions (brick/occupancy.h); of each block two words whose bits
+     * are cells that can show something, x fastest, the first word of the cells with the lesser z. */
+    const uint8_t *octants;
+    const int32_t *cells;
+    int32_t blocks;
+    float margin; /* cells; how far a place may be off that is known in floats alone */
+    /* with them: where along their rays the pixels of a tile can show anything (render/screen_reach.h) */
     const float *reach_mm;
     size_t reach_columns;
 } iso_cast;
@@ -98,7 +106,8 @@ typedef struct iso_cast_rays {
 enum { ISO_CAST_WANTED, ISO_CAST_AHEAD, ISO_CAST_ASKED };
 
 /* Takes each ray of a tile as far as its bricks are there. Returns how many rays wait. */
-typedef size_t iso_cast_paged_tile(const iso_cast *c, size_t x, size_t y, iso_cast_rays *rays, uint8_t *asked, float *rgba);
+typedef size_t iso_cast_paged_tile(const iso_cast *c, size_t x, size_t y, iso_cast_rays *rays, uint8_t *asked,
+                                   float *rgba);
 iso_cast_paged_tile iso_cast_paged_tile_1, iso_cast_paged_tile_4, iso_cast_paged_tile_8, iso_cast_paged_tile_16;
 
 /* Pixels [x, x + ISO_CAST_TILE) of rows [y, y + ISO_CAST_TILE), as far as the image goes. One function a width, the same

@@ -113,51 +113,100 @@ float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sa
 
 /* ---- blocks ---- */
 
-enum { BLOCK = 1 << ISO_CAST_BLOCK_SHIFT };
+enum {
+    BLOCK = 1 << ISO_CAST_BLOCK_SHIFT,
+    VOXELS = BLOCK + 1,
+    ALL = VOXELS * VOXELS * VOXELS,
+    WORD = BLOCK * BLOCK * 2
+};
 
-/* The level's voxels that block b of an axis reaches. */
-static void reach(size_t b, size_t size, size_t *lo, size_t *hi)
-{
-    *lo = iso_cast_inner(b * BLOCK, size);
-    *hi = iso_cast_inner(b * BLOCK + BLOCK, size);
-}
-
-static bool block_shows(const iso_level *level, const iso_tf_table *tf, const size_t b[3])
+/* The voxels that block b's cells are made of, VOXELS a side. */
+static void read_block(const iso_level *level, const size_t b[3], float *out)
 {
     const size_t *size = level->geometry.size;
-    size_t lo[3], hi[3];
-    for (int a = 0; a < 3; ++a)
-        reach(b[a], size[a], &lo[a], &hi[a]);
-    float min = level->scalar[lo[0] + size[0] * (lo[1] + size[1] * lo[2])], max = min;
-    for (size_t z = lo[2]; z <= hi[2]; ++z)
-        for (size_t y = lo[1]; y <= hi[1]; ++y) {
-            const float *row = level->scalar + size[0] * (y + size[1] * z);
-            for (size_t x = lo[0]; x <= hi[0]; ++x) {
-                min = row[x] < min ? row[x] : min;
-                max = row[x] > max ? row[x] : max;
-            }
+    for (size_t z = 0; z < VOXELS; ++z)
+        for (size_t y = 0; y < VOXELS; ++y) {
+            const float *row = level->scalar + size[0] * (iso_cast_inner(b[1] * BLOCK + y, size[1]) +
+                                                          size[1] * iso_cast_inner(b[2] * BLOCK + z, size[2]));
+            for (size_t x = 0; x < VOXELS; ++x)
+                *out++ = row[iso_cast_inner(b[0] * BLOCK + x, size[0])];
         }
-    return iso_tf_shows(tf, (double)min, (double)max);
 }
 
-iso_status iso_cast_blocks(const iso_level *level, const iso_tf_table *tf, int threads, uint8_t **distance,
-                           size_t count[3], double *occupied, iso_error *err)
+/* Turns values into the least and the largest one of each and of the next along an axis: three times, and they are those of
+ * the cells. */
+static void reach_next(float *min, float *max, size_t step)
 {
-    size_t all = 1, shown = 0;
-    for (int a = 0; a < 3; ++a)
-        all *= count[a] = level->geometry.size[a] / BLOCK + 1;
-    uint8_t *out = *distance = malloc(all + 4); /* four bytes are fetched for one */
-    if (!out)
-        return iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu blocks", all);
-    memset(out + all, 0, 4);
-#pragma omp parallel for schedule(static) num_threads(iso_threads(threads)) reduction(+ : shown)
-    for (size_t i = 0; i < all; ++i) {
-        const size_t b[3] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
-        const bool shows = block_shows(level, tf, b);
-        out[i] = shows ? 0 : 255;
-        shown += shows;
+    for (size_t i = 0; i + step < ALL; ++i) {
+        min[i] = min[i] < min[i + step] ? min[i] : min[i + step];
+        max[i] = max[i] > max[i + step] ? max[i] : max[i + step];
     }
-    iso_occupancy_distance(count, out);
-    *occupied = (double)shown / (double)all;
-    return ISO_OK;
+}
+
+/* The bits of the cells that show. */
+static void find_cells(const iso_tf_table *tf, const uint32_t *next, const float *voxels, uint32_t words[2])
+{
+    float min[ALL], max[ALL];
+    memcpy(min, voxels, sizeof min);
+    memcpy(max, voxels, sizeof max);
+    for (size_t step = 1; step < ALL; step *= VOXELS)
+        reach_next(min, max, step);
+    words[0] = words[1] = 0;
+    for (size_t i = 0; i < 2 * WORD; ++i) {
+        const size_t x = i % BLOCK, y = i / BLOCK % BLOCK, z = i / (BLOCK * BLOCK), at = x + VOXELS * (y + VOXELS * z);
+        if (iso_tf_shows_by(tf, next, (double)min[at], (double)max[at]))
+            words[i / WORD] |= (uint32_t)1 << i % WORD;
+    }
+}
+
+static void find_in_block(const iso_level *level, const iso_tf_table *tf, const uint32_t *next, const size_t b[3],
+                          uint32_t words[2])
+{
+    float voxels[ALL];
+    read_block(level, b, voxels);
+    float min = voxels[0], max = min;
+    for (size_t i = 1; i < ALL; ++i) {
+        min = voxels[i] < min ? voxels[i] : min;
+        max = voxels[i] > max ? voxels[i] : max;
+    }
+    words[0] = words[1] = 0;
+    if (iso_tf_shows_by(tf, next, (double)min, (double)max))
+        find_cells(tf, next, voxels, words);
+}
+
+iso_status iso_cast_blocks_create(iso_cast_blocks *b, const iso_level *level, const iso_tf_table *tf, int threads,
+                                  iso_error *err)
+{
+    size_t shown = 0;
+    *b = (iso_cast_blocks){.blocks = 1};
+    for (int a = 0; a < 3; ++a)
+        b->blocks *= b->count[a] = level->geometry.size[a] / BLOCK + 1;
+    const size_t blocks = b->blocks, *count = b->count;
+    uint32_t *next = malloc(tf->count * sizeof *next), *cells = b->cells = malloc(2 * blocks * sizeof *cells);
+    uint8_t *empty = malloc(blocks);
+    b->octants = malloc(ISO_OCTANTS * blocks + 4); /* four bytes are fetched for one */
+    const bool has_all = next && cells && empty && b->octants;
+    if (has_all) {
+        iso_tf_next_shown(tf, next);
+#pragma omp parallel for schedule(static) num_threads(iso_threads(threads)) reduction(+ : shown)
+        for (size_t i = 0; i < blocks; ++i) {
+            const size_t at[3] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
+            find_in_block(level, tf, next, at, cells + 2 * i);
+            empty[i] = !(cells[2 * i] | cells[2 * i + 1]);
+            shown += !empty[i];
+        }
+        memset(b->octants + ISO_OCTANTS * blocks, 0, 4);
+        iso_occupancy_octants(count, empty, threads, b->octants);
+    }
+    free(empty);
+    free(next);
+    b->occupied = (double)shown / (double)blocks;
+    return has_all ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu blocks", blocks);
+}
+
+void iso_cast_blocks_destroy(iso_cast_blocks *b)
+{
+    free(b->octants);
+    free(b->cells);
+    *b = (iso_cast_blocks){0};
 }

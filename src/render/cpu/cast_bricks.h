@@ -40,9 +40,17 @@ uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes);
 uint32_t *iso_cast_brick_codes(const iso_cast_grid *grid, const uint8_t *codes, bool is_signed);
 float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sampler, int component);
 
-/* Distances of the blocks to the nearest one that the table shows (brick/occupancy.h), to be freed; *occupied: which part of
- * them shows. */
-iso_status iso_cast_blocks(const iso_level *level, const iso_tf_table *tf, int threads, uint8_t **distance,
-                           size_t count[3], double *occupied, iso_error *err);
+/* What of a level's blocks a table shows: `octants` and `cells` of cast.h. */
+typedef struct iso_cast_blocks {
+    size_t count[3], blocks;
+    uint8_t *octants; /* owned, both */
+    uint32_t *cells;
+    double occupied; /* which part of the blocks shows */
+} iso_cast_blocks;
+
+/* ISO_E_MEMORY. Destroy after a failure, too. */
+iso_status iso_cast_blocks_create(iso_cast_blocks *b, const iso_level *level, const iso_tf_table *tf, int threads,
+                                  iso_error *err);
+void iso_cast_blocks_destroy(iso_cast_blocks *b); /* accepts empty */
 
 #endif

@@ -85,8 +85,11 @@ CAST vf filter_integers(const uint16_t *values, const place *at)
 CAST vf filter_floats(const float *values, const place *at)
 {
     vf v[8];
-    for (int i = 0; i < 8; ++i)
-        v[i] = gather_floats(values + CELL_ROW(i / 2) + (i & 1), at->voxel);
+    for (int i = 0; i < 4; ++i) {
+        const word_pair pair = gather_pairs(values + CELL_ROW(i), at->voxel);
+        v[2 * i] = (vf)pair.first;
+        v[2 * i + 1] = (vf)pair.second;
+    }
     return lerp_in_cell(v, at->part);
 }
 
@@ -125,9 +128,8 @@ CAST entry entry_at(const iso_cast *c, const points *p, const place *at)
 
 CAST vf row_component(const iso_cast *c, vi at, vf part, int component)
 {
-    const float *base = c->entries + component;
-    const vi word = at * ISO_CAST_ENTRY;
-    return gather_floats(base, word) + part * gather_floats(base + 1, word);
+    const word_pair pair = gather_pairs(c->entries + component, at * ISO_CAST_ENTRY);
+    return (vf)pair.first + part * (vf)pair.second;
 }
 
 CAST vf entry_component(const iso_cast *c, const entry *e, int component)
@@ -182,8 +184,11 @@ CAST vec lattice_at(const iso_cast *c, const place *at, bool is_signed)
 {
     vi word[8];
     vf component[3];
-    for (int i = 0; i < 8; ++i)
-        word[i] = GATHER(c->codes + CELL_ROW(i / 2) + (i & 1), at->voxel, 4);
+    for (int i = 0; i < 4; ++i) {
+        const word_pair pair = gather_pairs(c->codes + CELL_ROW(i), at->voxel);
+        word[2 * i] = pair.first;
+        word[2 * i + 1] = pair.second;
+    }
     for (int a = 0; a < 3; ++a) {
         vf v[8];
         for (int i = 0; i < 8; ++i)
@@ -222,22 +227,79 @@ CAST vec flipped_at(const iso_cast *c, const place *at)
     return sum;
 }
 
+/* The two voxels of a row of a cell, filtered along x. */
+CAST vf filter_row(const iso_cast *c, vi voxel, vf x)
+{
+    if (c->integers) {
+        const vi pair = GATHER(c->integers, voxel, 2);
+        return lerp(to_float(pair & 0xffff), to_float((vi)((vu)pair >> 16)), x);
+    }
+    const word_pair pair = gather_pairs(c->floats, voxel);
+    return lerp((vf)pair.first, (vf)pair.second, x);
+}
+
 /* The scalar a voxel to each side along each axis: at the same part of the neighboring cells, of those that there are. */
+CAST void sides_of_labels(const iso_cast *c, const points *p, vi there[3][2], vf side[3][2])
+{
+    for (int a = 0; a < 3; ++a)
+        for (int s = 0; s < 2; ++s) {
+            const place at = {.voxel = there[a][s]};
+            side[a][s] = label_at(c, &at, p);
+        }
+}
+
+/* Cells beside each other along y or z have two rows in common, which are filtered along x but once:
+ *
+ *     z + 2        o o
+ *     z + 1      o # # o        #: rows of the point's own cell
+ *     z          o # # o
+ *     z - 1        o o
+ *            y - 1 y   y + 2
+ */
+CAST void sides_of(const iso_cast *c, const place *at, vi there[3][2], vi is_edge[3][2], vf side[3][2])
+{
+    const vf *f = at->part;
+    vf own[2][2]; /* z, y */
+    for (int i = 0; i < 4; ++i)
+        own[i >> 1][i & 1] = filter_row(c, at->voxel + CELL_ROW(i), f[0]);
+    const vf center = lerp(lerp(own[0][0], own[0][1], f[1]), lerp(own[1][0], own[1][1], f[1]), f[2]);
+    for (int s = 0; s < 2; ++s) {
+        vf row[4];
+        for (int i = 0; i < 4; ++i)
+            row[i] = filter_row(c, there[0][s] + CELL_ROW(i), f[0]);
+        side[0][s] = lerp(lerp(row[0], row[1], f[1]), lerp(row[2], row[3], f[1]), f[2]);
+        vf y[2], z[2];
+        for (int i = 0; i < 2; ++i) {
+            const vf beyond = filter_row(c, there[1][s] + i * CELL_Z + s * CELL_Y, f[0]);
+            y[i] = s ? lerp(own[i][1], beyond, f[1]) : lerp(beyond, own[i][0], f[1]);
+        }
+        side[1][s] = lerp(y[0], y[1], f[2]);
+        for (int i = 0; i < 2; ++i)
+            z[i] = filter_row(c, there[2][s] + i * CELL_Y + s * CELL_Z, f[0]);
+        const vf beyond = lerp(z[0], z[1], f[1]), face = lerp(own[s][0], own[s][1], f[1]);
+        side[2][s] = s ? lerp(face, beyond, f[2]) : lerp(beyond, face, f[2]);
+        for (int a = 0; a < 3; ++a)
+            side[a][s] = select_float(is_edge[a][s], center, side[a][s]);
+    }
+}
+
 CAST vec on_the_fly_at(const iso_cast *c, const points *p, const place *at, vi mask)
 {
-    vf g[3];
-    for (int a = 0; a < 3; ++a) {
-        vf side[2];
+    vf g[3], side[3][2];
+    vi there[3][2], is_edge[3][2]; /* first voxels of the neighboring cells; there is none */
+    for (int a = 0; a < 3; ++a)
         for (int s = 0; s < 2; ++s) {
             vi cell[3] = {p->cell[0], p->cell[1], p->cell[2]};
-            const vi moved = cell[a] + (s ? 1 : -1);
-            cell[a] = select_int(moved < 0, all_int(0), select_int(moved > c->size[a], all_int(c->size[a]), moved));
-            place there = *at;
-            there.voxel = first_voxel(c, cell, mask);
-            side[s] = c->labels ? label_at(c, &there, p) : scalar_at(c, &there);
+            is_edge[a][s] = s ? cell[a] >= c->size[a] : cell[a] <= 0;
+            cell[a] += (s ? 1 : -1) + (s ? is_edge[a][s] : -is_edge[a][s]);
+            there[a][s] = first_voxel(c, cell, mask);
         }
-        g[a] = side[1] - side[0];
-    }
+    if (c->labels)
+        sides_of_labels(c, p, there, side);
+    else
+        sides_of(c, at, there, is_edge, side);
+    for (int a = 0; a < 3; ++a)
+        g[a] = side[a][1] - side[a][0];
     const float *m = c->gradient_to_world;
     const vec w = {m[0] * g[0] + m[1] * g[1] + m[2] * g[2], m[3] * g[0] + m[4] * g[1] + m[5] * g[2],
                    m[6] * g[0] + m[7] * g[1] + m[8] * g[2]};

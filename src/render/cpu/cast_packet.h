@@ -116,9 +116,9 @@ CAST void to_fixed(const double *x, vi *whole, vu *part)
     uint32_t p[ISO_CAST_WIDTH];
     EACH_RAY(i)
     {
-        const double low = floor(x[i]);
-        w[i] = (int32_t)low;
-        p[i] = (uint32_t)(int64_t)((x[i] - low) * 0x1p32);
+        const int64_t fixed = (int64_t)floor(x[i] * 0x1p32); /* as one number: what is just below 0 is -2^-32, not -1 */
+        w[i] = (int32_t)(fixed >> 32);
+        p[i] = (uint32_t)fixed;
     }
     memcpy(whole, w, sizeof w);
     memcpy(part, p, sizeof p);
@@ -172,6 +172,7 @@ CAST void add(points *p, int a, vi cell, vu part)
     p->part[a] = sum;
 }
 
+
 /* One segment on, where the mask says so. */
 CAST void advance(packet *p, vi mask)
 {
@@ -192,22 +193,26 @@ CAST void advance_by(packet *p, vi n)
     p->k += n;
 }
 
+/* The middles of segments of which the box cuts off parts at the front and at the back; returns what is left of them. */
+CAST vf cut(points *at, vf front, vf back, const vf step[3])
+{
+    const vf shift = 0.5f * (front - back);
+    for (int a = 0; a < 3; ++a) {
+        const vf delta = shift * step[a], low = round_down(delta);
+        add(at, a, to_int(low), (vu)to_int(most((delta - low) * 0x1p31f - 64.0f, all_float(0))) << 1);
+    }
+    return 1.0f - front - back;
+}
+
 /* The middles of the segments, of those that the box cuts as well; what is left of them. */
 CAST points middles(const packet *p, vf *whole)
 {
     points at = p->at;
     const vi is_first = p->k == 0, is_last = p->k == p->count - 1;
     *whole = all_float(1);
-    if (any(is_first | is_last)) {
-        const vf front = select_float(is_first, p->front_cut, all_float(0));
-        const vf back = select_float(is_last, p->back_cut, all_float(0));
-        const vf shift = 0.5f * (front - back);
-        *whole = 1.0f - front - back;
-        for (int a = 0; a < 3; ++a) {
-            const vf delta = shift * p->step[a], low = round_down(delta);
-            add(&at, a, to_int(low), (vu)to_int(most((delta - low) * 0x1p31f - 64.0f, all_float(0))) << 1);
-        }
-    }
+    if (any(is_first | is_last))
+        *whole = cut(&at, select_float(is_first, p->front_cut, all_float(0)),
+                     select_float(is_last, p->back_cut, all_float(0)), p->step);
     return at;
 }
 
@@ -244,14 +249,20 @@ typedef struct sample {
     vf depth; /* of the whole segment */
 } sample;
 
+/* At s->at; whole: what is left of the segment. */
+CAST void look_there(const iso_cast *c, sample *s, vf whole, vi mask)
+{
+    s->place = place_of(c, &s->at, mask);
+    s->entry = entry_at(c, &s->at, &s->place);
+    s->depth = (vf)((vi)(entry_component(c, &s->entry, ISO_CAST_DEPTH) * whole) & mask);
+}
+
 CAST sample look(const iso_cast *c, const packet *p, vi mask)
 {
     sample s;
     vf whole;
     s.at = middles(p, &whole);
-    s.place = place_of(c, &s.at, mask);
-    s.entry = entry_at(c, &s.at, &s.place);
-    s.depth = (vf)((vi)(entry_component(c, &s.entry, ISO_CAST_DEPTH) * whole) & mask);
+    look_there(c, &s, whole, mask);
     return s;
 }
 
@@ -270,7 +281,7 @@ CAST void keep(sample *kept, const sample *now, vi mask)
     kept->depth = select_float(mask, now->depth, kept->depth);
 }
 
-CAST vf shade(const iso_cast *c, const packet *p, const sample *s, vi mask)
+CAST vf shade(const iso_cast *c, const vec *to_viewer, const sample *s, vi mask)
 {
     vf sum = all_float(c->ambient);
     if (c->normals == ISO_CAST_UNLIT)
@@ -281,7 +292,7 @@ CAST vf shade(const iso_cast *c, const packet *p, const sample *s, vi mask)
         const float l[3] = {(float)light->direction[0], (float)light->direction[1], (float)light->direction[2]};
         sum += light->diffuse * absolute(n.x * l[0] + n.y * l[1] + n.z * l[2]);
         if (c->specular) {
-            const vec h = {p->to_viewer.x + l[0], p->to_viewer.y + l[1], p->to_viewer.z + l[2]};
+            const vec h = {to_viewer->x + l[0], to_viewer->y + l[1], to_viewer->z + l[2]};
             const vf length = most(root(h.x * h.x + h.y * h.y + h.z * h.z), all_float(1e-30f));
             sum += light->specular * power_of(absolute(n.x * h.x + n.y * h.y + n.z * h.z) / length, c->power);
         }
@@ -308,7 +319,7 @@ CAST void blend(const iso_cast *c, const packet *p, sample *found, vi shows, sum
     if (c->scale)
         found->depth *= extinction_scale_at(c, &found->place);
     const vf weight = s->sum[3] * opacity_of(found->depth);
-    const vf light = weight * shade(c, p, found, shows);
+    const vf light = weight * shade(c, &p->to_viewer, found, shows);
     for (int i = 0; i < 3; ++i)
         add_to(s, i, light * entry_component(c, &found->entry, ISO_CAST_RED + 2 * i), shows);
     add_to(s, 3, -weight, shows);

@@ -10,6 +10,13 @@
 /* Bricks ahead of a ray that waits, which are loaded as well where there is room. */
 enum { BRICKS_AHEAD = 3 };
 
+CAST int count_of(vi mask)
+{
+    int count = 0;
+    EACH_RAY(i) count -= mask[i];
+    return count;
+}
+
 CAST vi brick_at(const iso_cast *c, const vi cell[3])
 {
     const int shift = ISO_CAST_BRICK_SHIFT;

@@ -1,171 +1,367 @@
 /* SPDX-License-Identifier: MIT */
-/* cast_tile.h - a tile of pixels with empty space left out, by the packets of cast_packet.h.
+/* cast_tile.h - a tile of pixels with empty space left out: packet by packet, in four stages.
  *
- * Pixels that can show nothing are written at once; the others' rays begin where their part of the picture can show
- * something and end behind it (render/screen_reach.h). */
+ *     seek     along each ray, the segments whose cell can show something        cells' bits, floats
+ *     look     the transfer function at their samples, those that show are kept  exact places
+ *     shade    their light
+ *     add      in the order of each ray, until no light is left
+ *
+ * Rays that go different ways leave places empty in a packet. So the first two stages write lists without holes, and looking
+ * and shading, which cost most, take as many samples at once as the machine can, whatever their rays. Lists are short, because
+ * what lies behind something opaque was sought in vain.
+ *
+ * Seeking decides by a place in floats. Where that may be wrong, beside a face of a cell or where the box cuts a segment, it
+ * asks the exact one: no sample that shows is left out. Each stage's operations are those of cast_packet.h, lane by lane, so
+ * that the bits are the same. Pixels that can show nothing are written at once; the others' rays begin where their part of the
+ * picture can show something and end behind it (render/screen_reach.h). */
 #ifndef ISO_RENDER_CPU_CAST_TILE_H
 #define ISO_RENDER_CPU_CAST_TILE_H
 
 #include "render/cpu/cast_packet.h"
 #include "render/screen_reach.h"
 
-/* All rays of a tile, and the ones at work: rays that are done leave their place to the next of the tile, because most end
- * early and a packet would wait for its last. */
-typedef struct tile {
-    packet rays[ISO_CAST_TILE * ISO_CAST_TILE / ISO_CAST_WIDTH];
-    uint8_t column[ISO_CAST_TILE * ISO_CAST_TILE / ISO_CAST_WIDTH], row[ISO_CAST_TILE * ISO_CAST_TILE / ISO_CAST_WIDTH];
-    int next, count; /* rays */
-    int at_work[ISO_CAST_WIDTH]; /* which ray; -1: none */
-    packet p;
-    sums s;
-    sample found;
-    vi shows; /* has found a sample, and waits for its light */
-} tile;
+/* AT_ONCE: segments that a ray seeks at once in a block that shows something; they wait for the memory together. */
+enum { AT_ONCE = 2, SPOTS = 32 * ISO_CAST_WIDTH, SPOT_ROOM = SPOTS + ISO_CAST_WIDTH };
+
+/* Segments to look at: of the packet's ray `lane`. In the order of each ray. */
+typedef struct spots {
+    int count;
+    int32_t lane[SPOT_ROOM], k[SPOT_ROOM];
+} spots;
+
+/* Samples that show something. */
+typedef struct finds {
+    int count;
+    int32_t lane[SPOT_ROOM], voxel[SPOT_ROOM], cell[3][SPOT_ROOM], entry[SPOT_ROOM];
+    float part[3][SPOT_ROOM], entry_part[SPOT_ROOM], entry_row[SPOT_ROOM], depth[SPOT_ROOM];
+    float opacity[SPOT_ROOM], light[SPOT_ROOM], color[3][SPOT_ROOM];
+} finds;
+
+/* Red, green, blue, transmittance. */
+typedef float quad __attribute__((vector_size(16)));
+
+/* A packet's rays and what they have seen. */
+typedef struct walk {
+    packet p; /* at segment 0 */
+    vi k, end;
+    /* Its places in floats, in cells: origin + k step. */
+    vf origin[3], per_cell[3]; /* segments a cell, with the sign of the step; 0 where it does not move */
+    vf first_exit[3];          /* the segment that leaves through the face at 0 */
+    vi is_down[3];             /* mask */
+    vi map;                    /* where the map of its octant begins */
+    quad sum[ISO_CAST_WIDTH], rest[ISO_CAST_WIDTH];
+    spots spots;
+    finds finds;
+} walk;
+
+/* ---- begin ---- */
 
 /* Leaves out the segments in front of what a tile of pixels can show, and ends behind it. */
-CAST void narrow(const iso_cast *c, const float reach_mm[2], packet *p)
+CAST void narrow(const iso_cast *c, const float reach_mm[2], walk *w)
 {
-    int32_t skip[ISO_CAST_WIDTH], end[ISO_CAST_WIDTH];
     const double from = floor(reach_mm[0] / c->step_mm), to = floor(reach_mm[1] / c->step_mm) + 1;
     EACH_RAY(i)
     {
-        const double first = p->first[i], count = p->count[i];
+        const double first = w->p.first[i], count = w->p.count[i];
         const double begin = from - first, stop = to - first;
-        end[i] = (int32_t)(stop < count ? (stop > 0 ? stop : 0) : count);
-        skip[i] = (int32_t)(begin > 0 ? (begin < end[i] ? begin : end[i]) : 0);
-        skip[i] = skip[i] < 32000 ? skip[i] : 32000; /* what advance_by() takes; the rest is found empty */
+        w->end[i] = (int32_t)(stop < count ? (stop > 0 ? stop : 0) : count);
+        w->k[i] = (int32_t)(begin > 0 ? (begin < count ? begin : count) : 0);
     }
-    vi n;
-    memcpy(&n, skip, sizeof n);
-    memcpy(&p->end, end, sizeof end);
-    advance_by(p, n);
 }
 
-static void take_ray(tile *t, int i, int ray)
+CAST void begin_walk(const iso_cast *c, size_t x, size_t y, const float reach_mm[2], walk *w)
 {
-    const packet *from = &t->rays[ray / ISO_CAST_WIDTH];
-    const int j = ray % ISO_CAST_WIDTH;
-    packet *p = &t->p;
-    p->count[i] = from->count[j];
-    p->front_cut[i] = from->front_cut[j];
-    p->back_cut[i] = from->back_cut[j];
+    w->p = begin(c, x, y);
+    narrow(c, reach_mm, w);
+    vi octant = all_int(0);
     for (int a = 0; a < 3; ++a) {
-        p->at.cell[a][i] = from->at.cell[a][j];
-        p->at.part[a][i] = from->at.part[a][j];
-        p->stride.cell[a][i] = from->stride.cell[a][j];
-        p->stride.part[a][i] = from->stride.part[a][j];
-        p->step[a][i] = from->step[a][j];
+        const vf step = w->p.step[a];
+        const vi rests = step == 0;
+        w->origin[a] = to_float(w->p.at.cell[a]) + to_float((vi)(w->p.at.part[a] >> 8)) * 0x1p-24f;
+        w->per_cell[a] = select_float(rests, all_float(0), 1.0f / step);
+        w->first_exit[a] = select_float(rests, all_float(1e9f),
+                                        -w->origin[a] * w->per_cell[a] - c->margin * absolute(w->per_cell[a]));
+        w->is_down[a] = step < 0;
+        octant |= w->is_down[a] & (1 << a);
     }
-    p->end[i] = from->end[j];
-    p->k[i] = from->k[j];
-    p->until[i] = 0;
-    p->to_viewer.x[i] = from->to_viewer.x[j];
-    p->to_viewer.y[i] = from->to_viewer.y[j];
-    p->to_viewer.z[i] = from->to_viewer.z[j];
-    for (int k = 0; k < 4; ++k)
-        t->s.sum[k][i] = k == 3, t->s.rest[k][i] = 0;
-    t->at_work[i] = ray;
-}
-
-/* Writes the pixels of the rays that are done, and gives their places to others. */
-static void refill(const iso_cast *c, tile *t, vi done, size_t x, size_t y, float *rgba)
-{
+    w->map = octant * c->blocks;
     EACH_RAY(i)
     {
-        if (!done[i])
-            continue;
-        if (t->at_work[i] >= 0) {
-            const int ray = t->at_work[i], packet_at = ray / ISO_CAST_WIDTH, j = ray % ISO_CAST_WIDTH;
-            const int column = t->column[packet_at] + j % PACKET_COLUMNS;
-            const int row = t->row[packet_at] + j / PACKET_COLUMNS;
-            write_pixel(c, &t->s, i, x + (size_t)column, y + (size_t)row, rgba);
-        }
-        t->at_work[i] = -1;
-        t->p.end[i] = 0;
-        if (t->next < t->count)
-            take_ray(t, i, t->next++);
+        w->sum[i] = (quad){0, 0, 0, 1};
+        w->rest[i] = (quad){0};
     }
 }
 
-/* Rays that miss the volume are done when they are taken, and still have to be written. */
-static bool is_empty(const tile *t)
+/* ---- seek ---- */
+
+/* The sample of segment k of the ray `lane` of the packet, and what the box leaves of the segment. */
+CAST points sample_at(const walk *w, vi lane, vi k, vf *whole)
+{
+    const packet *p = &w->p;
+    points at;
+    for (int a = 0; a < 3; ++a) {
+        const vu stride = PICK(p->stride.part[a], lane);
+        at.cell[a] = PICK(p->at.cell[a], lane);
+        at.part[a] = PICK(p->at.part[a], lane);
+        add(&at, a, k * PICK(p->stride.cell[a], lane) + (vi)multiply_high((vu)k, stride), (vu)k * stride);
+    }
+    const vi is_first = k == 0, is_last = k == PICK(p->count, lane) - 1;
+    *whole = all_float(1);
+    if (any(is_first | is_last)) {
+        const vf step[3] = {PICK(p->step[0], lane), PICK(p->step[1], lane), PICK(p->step[2], lane)};
+        *whole = cut(&at, select_float(is_first, PICK(p->front_cut, lane), all_float(0)),
+                     select_float(is_last, PICK(p->back_cut, lane), all_float(0)), step);
+    }
+    return at;
+}
+
+/* The cells of the samples k of the rays of the mask. */
+CAST void find_cells(const iso_cast *c, const walk *w, vi mask, vi k, vi cell[3])
+{
+    const vf from_start = to_float(k);
+    vf off = all_float(0); /* from the middle of the cell */
+    for (int a = 0; a < 3; ++a) {
+        const vf at = w->origin[a] + from_start * w->p.step[a];
+        cell[a] = to_int(at);
+        off = most(off, absolute(at - to_float(cell[a]) - 0.5f));
+    }
+    const vi unsure = mask & ((off > 0.5f - c->margin) | (k == 0) | (k == w->p.count - 1));
+    if (any(unsure)) {
+        vf whole;
+        const points exact = sample_at(w, lane_numbers(), k, &whole);
+        for (int a = 0; a < 3; ++a)
+            cell[a] = select_int(unsure, exact.cell[a], cell[a]);
+    }
+}
+
+/* The segment that leaves the cube of `side` blocks that begins at the block. */
+CAST vi leave_cube(const walk *w, const vi block[3], vi side, vi k)
+{
+    vf last = all_float(1e9f);
+    for (int a = 0; a < 3; ++a) {
+        const vi face = block[a] + select_int(w->is_down[a], 1 - side, side);
+        last = least(last, to_float(face << ISO_CAST_BLOCK_SHIFT) * w->per_cell[a] + w->first_exit[a]);
+    }
+    const vi next = to_int(last) + 1, after = k + 1;
+    return select_int(next > after, next, after);
+}
+
+/* Notes the segments of the rays of the mask that have to be looked at. */
+CAST void note(spots *s, vi mask, vi k)
+{
+    int count;
+    const vi lane = pack_lanes(mask, &count), at = PICK(k, lane);
+    memcpy(s->lane + s->count, &lane, sizeof lane);
+    memcpy(s->k + s->count, &at, sizeof at);
+    s->count += count;
+}
+
+CAST vi block_of(const iso_cast *c, const vi cell[3], vi mask, vi block[3])
+{
+    for (int a = 0; a < 3; ++a)
+        block[a] = cell[a] >> ISO_CAST_BLOCK_SHIFT;
+    return (block[0] + c->block_count[0] * (block[1] + c->block_count[1] * block[2])) & mask;
+}
+
+/* Which of the cells can show something: bits of their block's words. Those of an empty block are 0. */
+CAST vi can_show(const iso_cast *c, const vi cell[3], vi block)
+{
+    const vi word = GATHER(c->cells, 2 * block + ((cell[2] >> 1) & 1), 4);
+    const vi bit = (cell[0] & 3) + ((cell[1] & 3) << 2) + ((cell[2] & 1) << 4);
+    return (word << (31 - bit)) < 0;
+}
+
+/* The cells of the next segments of rays that are in a block that shows something; returns the segment behind them. */
+CAST vi seek_in_cells(const iso_cast *c, walk *w, vi mask, vi k, const vi first_cell[3], vi first_block)
+{
+    vi shows[AT_ONCE];
+    shows[0] = mask & can_show(c, first_cell, first_block);
+    for (int i = 1; i < AT_ONCE; ++i) {
+        const vi active = mask & (k + i < w->end);
+        vi cell[3], block[3];
+        find_cells(c, w, active, k + i, cell);
+        shows[i] = active & can_show(c, cell, block_of(c, cell, active, block));
+    }
+    for (int i = 0; i < AT_ONCE; ++i)
+        if (any(shows[i]))
+            note(&w->spots, shows[i], k + i);
+    return k + AT_ONCE;
+}
+
+/* As far as there is room for what is found. */
+CAST void seek(const iso_cast *c, walk *w)
+{
+    vi k = w->k;
+    w->spots.count = 0;
+    while (w->spots.count <= SPOTS - AT_ONCE * ISO_CAST_WIDTH) {
+        const vi active = k < w->end;
+        if (!any(active))
+            break;
+        vi cell[3], block[3], next = k;
+        find_cells(c, w, active, k, cell);
+        const vi index = block_of(c, cell, active, block);
+        const vi side = GATHER(c->octants, index + (w->map & active), 1) & 0xff;
+        const vi is_occupied = active & (side == 0), is_empty = active & ~is_occupied;
+        if (any(is_occupied))
+            next = select_int(is_occupied, seek_in_cells(c, w, is_occupied, k, cell, index), next);
+        if (any(is_empty))
+            next = select_int(is_empty, leave_cube(w, block, side, k), next);
+        k = next;
+    }
+    const vi none = all_int(0);
+    memcpy(w->spots.lane + w->spots.count, &none, sizeof none);
+    memcpy(w->spots.k + w->spots.count, &none, sizeof none);
+    w->k = k;
+}
+
+/* ---- look ---- */
+
+CAST void put(void *list, int at, vi v)
+{
+    memcpy((int32_t *)list + at, &v, sizeof v);
+}
+CAST vi take(const void *list, int at, vi mask)
+{
+    vi v;
+    memcpy(&v, (const int32_t *)list + at, sizeof v);
+    return v & mask;
+}
+CAST vf take_floats(const float *list, int at, vi mask)
+{
+    return (vf)take(list, at, mask);
+}
+
+CAST void look_at_spots(const iso_cast *c, walk *w)
+{
+    const spots *s = &w->spots;
+    finds *f = &w->finds;
+    f->count = 0;
+    for (int i = 0; i < s->count; i += ISO_CAST_WIDTH) {
+        int count;
+        vf whole;
+        const vi mask = lane_numbers() + i < s->count, lane = take(s->lane, i, mask);
+        sample now = {.at = sample_at(w, lane, take(s->k, i, mask), &whole)};
+        look_there(c, &now, whole, mask);
+        const vi shows = mask & (now.depth > 0), from = pack_lanes(shows, &count);
+        const int at = f->count;
+        put(f->lane, at, PICK(lane, from));
+        put(f->voxel, at, PICK(now.place.voxel, from));
+        put(f->entry, at, PICK(now.entry.at, from));
+        put(f->entry_part, at, (vi)PICK(now.entry.part, from));
+        put(f->depth, at, (vi)PICK(now.depth, from));
+        for (int a = 0; a < 3; ++a) {
+            put(f->part[a], at, (vi)PICK(now.place.part[a], from));
+            if (c->normals == ISO_CAST_ON_THE_FLY)
+                put(f->cell[a], at, PICK(now.at.cell[a], from));
+        }
+        if (c->row_count)
+            put(f->entry_row, at, (vi)PICK(now.entry.row, from));
+        f->count += count;
+    }
+}
+
+/* ---- shade ---- */
+
+/* What look_at_spots() kept. Of the parts of a cell 24 bits are left, which tell as well which voxel is the nearest. */
+CAST sample take_sample(const iso_cast *c, const finds *f, int i, vi mask)
+{
+    sample s;
+    s.place.voxel = take(f->voxel, i, mask);
+    s.entry = (entry){take(f->entry, i, mask), take_floats(f->entry_part, i, mask), all_float(0)};
+    if (c->row_count)
+        s.entry.row = take_floats(f->entry_row, i, mask);
+    s.depth = take_floats(f->depth, i, mask);
+    for (int a = 0; a < 3; ++a) {
+        s.place.part[a] = take_floats(f->part[a], i, mask);
+        s.at.part[a] = (vu)to_int(s.place.part[a] * 0x1p24f) << 8;
+        s.at.cell[a] = c->normals == ISO_CAST_ON_THE_FLY ? take(f->cell[a], i, mask) : all_int(0);
+    }
+    return s;
+}
+
+CAST void shade_finds(const iso_cast *c, walk *w)
+{
+    const vec *v = &w->p.to_viewer;
+    finds *f = &w->finds;
+    for (int i = 0; i < f->count; i += ISO_CAST_WIDTH) {
+        const vi mask = lane_numbers() + i < f->count, lane = take(f->lane, i, mask);
+        sample s = take_sample(c, f, i, mask);
+        if (c->scale)
+            s.depth *= extinction_scale_at(c, &s.place);
+        const vec to_viewer = {PICK(v->x, lane), PICK(v->y, lane), PICK(v->z, lane)};
+        put(f->opacity, i, (vi)opacity_of(s.depth));
+        put(f->light, i, (vi)shade(c, &to_viewer, &s, mask));
+        for (int a = 0; a < 3; ++a)
+            put(f->color[a], i, (vi)entry_component(c, &s.entry, ISO_CAST_RED + 2 * a));
+    }
+}
+
+/* ---- add ---- */
+
+/* Sums with their rests, as add_to() makes them. */
+static inline void add_finds(walk *w)
+{
+    const finds *f = &w->finds;
+    for (int i = 0; i < f->count; ++i) {
+        const int lane = f->lane[i];
+        const quad sum = w->sum[lane];
+        if (!(sum[3] >= 1e-7f))
+            continue;
+        const float weight = sum[3] * f->opacity[i], light = weight * f->light[i];
+        const quad term = {light * f->color[0][i], light * f->color[1][i], light * f->color[2][i], -weight};
+        const quad y = term + w->rest[lane], now = sum + y;
+        w->rest[lane] = y - (now - sum);
+        w->sum[lane] = now;
+    }
+}
+
+CAST void end_opaque_rays(walk *w)
 {
     EACH_RAY(i)
-    if (t->at_work[i] >= 0)
-        return false;
-    return true;
+    w->end[i] = w->sum[i][3] >= 1e-7f ? w->end[i] : 0;
 }
 
-CAST int count_of(vi mask)
+/* ---- a tile ---- */
+
+CAST void write_walk(const iso_cast *c, const walk *w, size_t x, size_t y, float *rgba)
 {
-    int count = 0;
-    EACH_RAY(i) count -= mask[i];
-    return count;
+    sums s;
+    EACH_RAY(i)
+    for (int a = 0; a < 4; ++a)
+        s.sum[a][i] = w->sum[i][a];
+    EACH_RAY(i) write_pixel(c, &s, i, x + (size_t)(i % PACKET_COLUMNS), y + (size_t)(i / PACKET_COLUMNS), rgba);
 }
 
-/* The rays of the tile that can show anything; the pixels of the others are written. */
-CAST void begin_tile(const iso_cast *c, tile *t, size_t x, size_t y, float *rgba)
+CAST void cast_sparse_packet(const iso_cast *c, size_t x, size_t y, const float reach_mm[2], walk *w, float *rgba)
+{
+    begin_walk(c, x, y, reach_mm, w);
+    for (;;) {
+        seek(c, w);
+        if (w->spots.count == 0)
+            break;
+        look_at_spots(c, w);
+        shade_finds(c, w);
+        add_finds(w);
+        end_opaque_rays(w);
+    }
+    write_walk(c, w, x, y, rgba);
+}
+
+CAST void cast_sparse_tile(const iso_cast *c, size_t x, size_t y, float *rgba)
 {
     const sums nothing = begin_sums();
-    t->count = 0;
-    for (size_t row = 0; row < ISO_CAST_TILE && y + row < c->height; row += PACKET_ROWS)
-        for (size_t column = 0; column < ISO_CAST_TILE && x + column < c->width; column += PACKET_COLUMNS) {
-            const int at = t->count / ISO_CAST_WIDTH;
-            const float *mm = c->reach_mm +
-                              2 * ((y + row) / ISO_SCREEN_TILE * c->reach_columns + (x + column) / ISO_SCREEN_TILE);
+    walk w;
+    for (size_t row = y; row < y + ISO_CAST_TILE && row < c->height; row += PACKET_ROWS)
+        for (size_t column = x; column < x + ISO_CAST_TILE && column < c->width; column += PACKET_COLUMNS) {
+            const float *mm = c->reach_mm + 2 * (row / ISO_SCREEN_TILE * c->reach_columns + column / ISO_SCREEN_TILE);
             if (mm[0] <= mm[1]) {
-                t->rays[at] = begin(c, x + column, y + row);
-                narrow(c, mm, &t->rays[at]);
-                t->column[at] = (uint8_t)column;
-                t->row[at] = (uint8_t)row;
-                t->count += ISO_CAST_WIDTH;
+                cast_sparse_packet(c, column, row, mm, &w, rgba);
                 continue;
             }
             EACH_RAY(i)
-            write_pixel(c, &nothing, i, x + column + (size_t)(i % PACKET_COLUMNS),
-                        y + row + (size_t)(i / PACKET_COLUMNS), rgba);
+            write_pixel(c, &nothing, i, column + (size_t)(i % PACKET_COLUMNS), row + (size_t)(i / PACKET_COLUMNS),
+                        rgba);
         }
-}
-
-/* Each ray by itself: past empty blocks, to its next sample that shows, and then it waits until half of the others have one,
- * too. */
-CAST void cast_sparse_tile(const iso_cast *c, size_t x, size_t y, float *rgba)
-{
-    enum { HALF = (ISO_CAST_WIDTH + 1) / 2 };
-    tile t;
-    t.next = 0;
-    t.p = (packet){0};
-    t.found = (sample){0}; /* rays that wait for nothing yet are filtered with the others */
-    t.shows = all_int(0);
-    begin_tile(c, &t, x, y, rgba);
-    t.s = begin_sums();
-    EACH_RAY(i) t.at_work[i] = -1;
-    for (;;) {
-        vi active = (t.p.k < t.p.end) & (t.s.sum[3] >= 1e-7f);
-        const int idle = ISO_CAST_WIDTH - count_of(active);
-        if (idle >= HALF / 2 + 1 || idle == ISO_CAST_WIDTH) {
-            refill(c, &t, ~(active | t.shows), x, y, rgba);
-            active = (t.p.k < t.p.end) & (t.s.sum[3] >= 1e-7f);
-            if (is_empty(&t))
-                break;
-        }
-        const vi ask = active & ~t.shows & (t.p.k >= t.p.until);
-        if (any(ask))
-            leave_blocks_once(c, &t.p, ask);
-        const vi looks = active & ~t.shows & (t.p.k < t.p.until) & (t.p.k < t.p.end);
-        if (any(looks)) {
-            const sample now = look(c, &t.p, looks);
-            const vi news = looks & (now.depth > 0);
-            keep(&t.found, &now, news);
-            t.shows |= news;
-            advance(&t.p, looks & ~news);
-        }
-        if (any(t.shows) && (count_of(t.shows) >= HALF || !any(active & ~t.shows & (t.p.k < t.p.end)))) {
-            blend(c, &t.p, &t.found, t.shows, &t.s);
-            advance(&t.p, t.shows);
-            t.shows = all_int(0);
-        }
-    }
 }
 
 #define ISO_CAST_TILE_OF(width) ISO_CAST_JOIN(iso_cast_tile_, width)
@@ -174,7 +370,7 @@ CAST void cast_sparse_tile(const iso_cast *c, size_t x, size_t y, float *rgba)
 
 void ISO_CAST_TILE_OF(ISO_CAST_WIDTH)(const iso_cast *c, size_t x, size_t y, float *rgba)
 {
-    if (c->distance) {
+    if (c->octants) {
         cast_sparse_tile(c, x, y, rgba);
         return;
     }

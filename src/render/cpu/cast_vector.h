@@ -143,6 +143,88 @@ CAST vi gather_words(const void *base, vi at, ptrdiff_t bytes)
 #define GATHER(base, at, bytes) gather_words(base, at, bytes)
 #endif
 
+/* ---- lanes that change places ---- */
+
+/* v[from[i]] in lane i. */
+#if ISO_CAST_WIDTH == 1
+#define PICK(v, from) ((void)(from), (v))
+#else
+#define PICK(v, from) __builtin_shuffle(v, from)
+#endif
+
+CAST vi lane_numbers(void)
+{
+    vi numbers;
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i)
+        numbers[i] = i;
+    return numbers;
+}
+
+#if ISO_CAST_WIDTH == 16
+/* The lanes of the mask, first ones first, and 0 behind them; how many there are. */
+CAST vi pack_lanes(vi mask, int *count)
+{
+    const __mmask16 bits = _mm512_test_epi32_mask((__m512i)mask, (__m512i)mask);
+    *count = __builtin_popcount(bits);
+    return (vi)_mm512_maskz_compress_epi32(bits, (__m512i)lane_numbers());
+}
+/* The upper halves of the products. */
+CAST vu multiply_high(vu a, vu b)
+{
+    const __m512i x = (__m512i)a, y = (__m512i)b;
+    const __m512i even = _mm512_srli_epi64(_mm512_mul_epu32(x, y), 32);
+    const __m512i odd = _mm512_mul_epu32(_mm512_srli_epi64(x, 32), _mm512_srli_epi64(y, 32));
+    return (vu)_mm512_mask_blend_epi32(0xaaaa, even, odd);
+}
+#else
+CAST vi pack_lanes(vi mask, int *count)
+{
+    int32_t lanes[ISO_CAST_WIDTH];
+    vi packed;
+    int n = 0;
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i) {
+        lanes[n] = i;
+        n -= mask[i];
+    }
+    memcpy(&packed, lanes, sizeof packed);
+    *count = n;
+    return packed & (lane_numbers() < n);
+}
+CAST vu multiply_high(vu a, vu b)
+{
+    vu high;
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i)
+        high[i] = (uint32_t)((uint64_t)a[i] * b[i] >> 32);
+    return high;
+}
+#endif
+
+/* ---- words and their neighbors ---- */
+
+/* The words base[at] and base[at + 1]: a fetch of 8 bytes takes no longer than one of 4. */
+typedef struct word_pair {
+    vi first, second;
+} word_pair;
+
+CAST word_pair gather_pairs(const void *base, vi at)
+{
+#if ISO_CAST_WIDTH == 16
+    const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    const __m512i odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    const __m512i x = _mm512_i32gather_epi64(_mm512_castsi512_si256((__m512i)at), base, 4);
+    const __m512i y = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64((__m512i)at, 1), base, 4);
+    return (word_pair){(vi)_mm512_permutex2var_epi32(x, even, y), (vi)_mm512_permutex2var_epi32(x, odd, y)};
+#elif ISO_CAST_WIDTH == 8
+    const __m256i at_8 = (__m256i)at;
+    const __m256 x = (__m256)_mm256_i32gather_epi64(base, _mm256_castsi256_si128(at_8), 4);
+    const __m256 y = (__m256)_mm256_i32gather_epi64(base, _mm256_extracti128_si256(at_8, 1), 4);
+    const __m256i first = (__m256i)_mm256_shuffle_ps(x, y, 0x88), second = (__m256i)_mm256_shuffle_ps(x, y, 0xdd);
+    return (word_pair){(vi)_mm256_permute4x64_epi64(first, 0xd8), (vi)_mm256_permute4x64_epi64(second, 0xd8)};
+#else
+    return (word_pair){GATHER(base, at, 4), GATHER((const char *)base + 4, at, 4)};
+#endif
+}
+
 CAST vf gather_floats(const float *base, vi at)
 {
     return (vf)GATHER(base, at, 4);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/parallel.h"
+#include "brick/occupancy.h"
 #include "render/cpu/cast.h"
 #include "render/cpu/cast_bricks.h"
 #include "render/cpu/cast_scene.h"
@@ -12,7 +13,7 @@
 #include "render/sampler.h"
 #include "render/screen_reach.h"
 
-enum { MOST_ARRAYS = 8, MOST_VOXELS = INT32_MAX - 2 * ISO_CAST_VOXELS };
+enum { MOST_ARRAYS = 9, MOST_VOXELS = INT32_MAX - 2 * ISO_CAST_VOXELS };
 
 struct iso_cpu_scene {
     iso_cast cast;
@@ -149,8 +150,8 @@ static bool is_small_integer(iso_type type)
 
 bool iso_cast_takes_integers(const iso_level *level)
 {
-    return is_small_integer(level->stored_type) && level->max - level->min <= 65535 && level->min == floor(level->min) &&
-           !level->made_for_scene;
+    return is_small_integer(level->stored_type) && level->max - level->min <= 65535 &&
+           level->min == floor(level->min) && !level->made_for_scene;
 }
 
 /* Integers of at most 16 bits as they are; all else in parts of the range. *unit: what one of them is. */
@@ -273,28 +274,51 @@ static iso_status set_tf(iso_cpu_scene *s, const iso_level *level, const iso_vie
     return own(s, entries, bytes, err);
 }
 
+/* Five roundings of floats along the way to a place and nine to where a ray leaves a cube of blocks, each of the volume's
+ * length or that of the largest cube: 16 leave room. */
+static float margin_of(const iso_geometry *g)
+{
+    double most = ISO_OCTANT_MOST << ISO_CAST_BLOCK_SHIFT;
+    for (int a = 0; a < 3; ++a)
+        most = fmax(most, (double)g->size[a] + 2);
+    return (float)(16 * 0x1p-24 * most);
+}
+
+static iso_status use_blocks(iso_cpu_scene *s, const iso_level *level, const iso_view *view, iso_cast_blocks *b,
+                             iso_error *err)
+{
+    iso_cast *c = &s->cast;
+    const iso_screen_blocks blocks = {b->octants,
+                                      {b->count[0], b->count[1], b->count[2]},
+                                      1 << ISO_CAST_BLOCK_SHIFT,
+                                      -0.5};
+    const iso_status status = iso_screen_reach_create(&s->reach, &level->geometry, view, &blocks, err);
+    for (int a = 0; a < 3; ++a)
+        c->block_count[a] = (int32_t)b->count[a];
+    c->blocks = (int32_t)b->blocks;
+    c->octants = b->octants;
+    c->cells = (const int32_t *)b->cells;
+    c->margin = margin_of(&level->geometry);
+    c->reach_mm = s->reach.mm;
+    c->reach_columns = s->reach.columns;
+    iso_status owned = own(s, b->octants, ISO_OCTANTS * b->blocks, err);
+    if (owned == ISO_OK)
+        owned = own(s, b->cells, 2 * sizeof *b->cells * b->blocks, err);
+    *b = (iso_cast_blocks){0};
+    return status == ISO_OK ? owned : status;
+}
+
 static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, const iso_view *view, const iso_cpu_options *opt,
                              iso_error *err)
 {
     iso_tf_table envelope = {0};
-    uint8_t *distance = NULL;
-    size_t count[3];
-    double occupied = 1;
+    iso_cast_blocks blocks = {0};
     iso_status status = view->tf_2d ? iso_tf_2d_envelope(view->tf_2d, &envelope, err) : ISO_OK;
     if (status == ISO_OK)
-        status = iso_cast_blocks(level, view->tf_2d ? &envelope : &view->tf, s->threads, &distance, count, &occupied,
-                                 err);
-    if (status == ISO_OK)
-        status = own(s, distance, count[0] * count[1] * count[2], err);
-    if (status == ISO_OK && (opt->skip == ISO_CPU_SKIP_ALWAYS || occupied <= ISO_CPU_SKIP_OCCUPIED)) {
-        s->cast.distance = distance;
-        for (int a = 0; a < 3; ++a)
-            s->cast.block_count[a] = (int32_t)count[a];
-        const iso_screen_blocks blocks = {distance, {count[0], count[1], count[2]}, 1 << ISO_CAST_BLOCK_SHIFT, -0.5};
-        status = iso_screen_reach_create(&s->reach, &level->geometry, view, &blocks, err);
-        s->cast.reach_mm = s->reach.mm;
-        s->cast.reach_columns = s->reach.columns;
-    }
+        status = iso_cast_blocks_create(&blocks, level, view->tf_2d ? &envelope : &view->tf, s->threads, err);
+    if (status == ISO_OK && (opt->skip == ISO_CPU_SKIP_ALWAYS || blocks.occupied <= ISO_CPU_SKIP_OCCUPIED))
+        status = use_blocks(s, level, view, &blocks, err);
+    iso_cast_blocks_destroy(&blocks);
     iso_tf_table_destroy(&envelope);
     return status;
 }
