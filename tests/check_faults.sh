@@ -15,6 +15,10 @@ check programs_that_read_cannot_be_started python3 tests/faults/faults.py --kind
 if command -v povray >/dev/null; then
     check a_picture_that_cannot_be_read_is_not_povrays_fault read_once --only "render povray"
 fi
+if command -v gnuplot >/dev/null; then
+    check a_script_with_a_hole_is_not_drawn python3 tests/faults/faults.py --kinds write --only "tf show"
+fi
+check what_a_build_goes_on_from_stays python3 tests/faults/faults.py --only "build --resume" --kinds memory,read --sample 12
 check so_do_large_allocations python3 tests/faults/faults.py --large --sample 3 --only "build,render reference,export vdb"
 check kills_leave_nothing_broken python3 tests/faults/kills.py --count 6 --only "build again,render reference"
 check pipelines_lose_nothing python3 tests/pipelines.py --count 5 --seed 7

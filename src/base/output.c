@@ -162,7 +162,7 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
     const bool is_new = mkdir(temp, 0777) == 0;
     if (!is_new && errno != EEXIST) {
         status = iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", path, strerror(errno));
-        iso_output_abandon(out);
+        iso_output_keep(out); /* of an earlier run */
         return status;
     }
     int fd = open(temp, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -178,8 +178,9 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
         *out = (iso_output){0};
         return status;
     }
-    iso_unfinished_add(temp, true);
     *resumed = resume && !is_new;
+    if (!*resumed) /* what an earlier run has left is not ours to remove */
+        iso_unfinished_add(temp, true);
     out->lock = fd + 1;
     if (!*resumed)
         iso_output_clear(out);

@@ -51,9 +51,12 @@ static iso_status set_up(pyramid_build *s, double *scale, const iso_progress *pr
 }
 
 /* Where the build begins: 0, or where a killed one stood. */
-static iso_status begin(pyramid_build *s, const json_t *job, bool resumed, size_t *done, iso_error *err)
+static iso_status begin(pyramid_build *s, const json_t *job, size_t *done, iso_error *err)
 {
-    const bool same = resumed && iso_stream_read_progress(s, job, done);
+    bool same = false;
+    const iso_status read = s->resumed ? iso_stream_read_progress(s, job, &same, done, err) : ISO_OK;
+    if (read != ISO_OK)
+        return read;
     if (!same) {
         *done = 0;
         iso_output_clear(&s->output);
@@ -80,15 +83,14 @@ static iso_status begin(pyramid_build *s, const json_t *job, bool resumed, size_
 static iso_status begin_all(pyramid_build *s, const char *dir, double scale, json_t **job, size_t *done, iso_error *err)
 {
     iso_status status = ISO_OK;
-    bool resumed = false;
     if (stream_is_first(s)) {
-        status = iso_output_resume_dir(&s->output, dir, ISO_PYRAMID_MARKER, s->how->resume, &resumed, err);
+        status = iso_output_resume_dir(&s->output, dir, ISO_PYRAMID_MARKER, s->how->resume, &s->resumed, err);
         *job = iso_stream_describe_job(s, scale);
         if (status == ISO_OK &&
             snprintf(s->plan.folder, sizeof s->plan.folder, "%s", s->output.temp_path) >= (int)sizeof s->plan.folder)
             status = iso_fail(err, ISO_E_IO, "%s: the path is too long", dir);
         if (status == ISO_OK)
-            status = begin(s, *job, resumed, done, err);
+            status = begin(s, *job, done, err);
     }
     status = iso_ranks_agree(s->how->ranks, status, err);
     if (status != ISO_OK)
@@ -181,7 +183,9 @@ iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_opti
     if (status != ISO_OK)
         iso_output_rename_in(s->plan.folder, dir, err);
     json_decref(job);
-    clean_up(s, status == ISO_E_PROGRAM);
+    /* A later run goes on where a stop was asked for, and with what was there already and is not to blame. */
+    const bool stays = s->resumed && (status == ISO_E_IO || status == ISO_E_MEMORY);
+    clean_up(s, status == ISO_E_PROGRAM || stays);
     free(s);
     report->seconds_total = iso_clock_seconds() - start;
     return status;

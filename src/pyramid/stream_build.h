@@ -42,6 +42,7 @@ typedef struct pyramid_build {
     const iso_stream_options *how;
     iso_stream_report *report;
     iso_output output; /* rank 0's */
+    bool resumed;      /* the folder was there, left by an earlier run */
     iso_volume_source *source;
     iso_volume header;
     iso_cascade *cascade;
@@ -115,8 +116,9 @@ iso_status iso_stream_close_in_turns(pyramid_build *s, iso_error *err);
 
 /* What identifies this job: input, geometry, options. */
 json_t *iso_stream_describe_job(const pyramid_build *s, double scale);
-/* Whether an earlier build in the folder was the same job, and how many planes it finished. */
-bool iso_stream_read_progress(pyramid_build *s, const json_t *job, size_t *planes);
+/* Whether an earlier build in the folder was the same job, and how many planes it finished. ISO_E_IO where that is noted and
+ * cannot be read. */
+iso_status iso_stream_read_progress(pyramid_build *s, const json_t *job, bool *is_same, size_t *planes, iso_error *err);
 /* Reads the cascade's carry up to plane z from the folder's file. */
 iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t z, iso_error *err);
 /* Whether to write progress.json now. Not after every small slab, because each time the last blocks of the files are

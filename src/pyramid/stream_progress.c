@@ -59,12 +59,13 @@ iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t
     return status;
 }
 
-/* Whether an earlier build's progress is of this very job, and how far it came. */
-bool iso_stream_read_progress(pyramid_build *s, const json_t *job, size_t *planes)
+iso_status iso_stream_read_progress(pyramid_build *s, const json_t *job, bool *is_same, size_t *planes, iso_error *err)
 {
     char *path = iso_path_join(s->output.temp_path, PROGRESS_NAME);
     json_t *found = NULL;
-    bool same = path && iso_json_load(path, &found, NULL) == ISO_OK;
+    iso_error why;
+    const iso_status status = path && iso_path_exists(path) ? iso_json_load(path, &found, &why) : ISO_E_FORMAT;
+    bool same = status == ISO_OK;
     const char *key;
     json_t *value;
     if (same)
@@ -79,9 +80,10 @@ bool iso_stream_read_progress(pyramid_build *s, const json_t *job, size_t *plane
             iso_cascade_set_range(s->cascade, k, json_number_value(json_array_get(range, 0)),
                                   json_number_value(json_array_get(range, 1)));
     }
+    *is_same = same;
     json_decref(found);
     free(path);
-    return same;
+    return status == ISO_E_IO ? iso_fail(err, status, "%s", why.text) : ISO_OK;
 }
 
 /* Up to plane z of the input. */

@@ -155,7 +155,8 @@ static iso_status write_script(const char *path, const char *format, const char 
     iso_gnuplot_put_quoted(gp, picture);
     fputc('\n', gp);
     iso_status status = write(gp, user, err);
-    if (fclose(gp) != 0 && status == ISO_OK)
+    const bool failed = ferror(gp) != 0; /* a script with a hole would draw another picture */
+    if ((fclose(gp) != 0 || failed) && status == ISO_OK)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
     return status;
 }

@@ -6,11 +6,12 @@ result, or one line of error and the documented exit code, with nothing left and
   tests/faults/faults.py [--only WORDS] [--kinds KIND,..] [--sample N] [--seed S] [--depth N] [--jobs N] [--verbose]
 
 A call's site is told by its innermost return addresses (--depth). Each site is visited once, in the first command of the
-table that comes there; --sample takes N of each command at random. Prints a line a command, and a line a finding."""
+table that comes there; --sample takes N of each command at random, of all kinds alike. Prints a line a command, and a line a finding."""
 import argparse
 import collections
 import concurrent.futures
 import errno
+import itertools
 import os
 import random
 import shutil
@@ -29,7 +30,7 @@ HOW = {"memory": [errno.ENOMEM], "read": [errno.EIO, errno.EINTR, 0], "write": [
 CODES = {"memory": {6}, "read": {3}, "write": {3}, "open": {3, 7, 8}, "rename": {3}, "sync": {3}, "make": {3},
          "look": {2, 3, 4, 7, 8}, "close": {3}, "start": {6, 8}}
 # Where Mesa cannot read what it needs there is no device; what cannot be started to tell its version is no program.
-MISSING = {"read": {"render gl", "chart", "validate"}, "start": {"render vtk"}}
+MISSING = {"read": {"render gl", "chart", "validate", "plan"}, "start": {"render vtk"}}
 
 
 def codes_of(command, kind):
@@ -89,13 +90,18 @@ def judge(w, t, here, code, out, err):
         if why:
             return "WRONG", f"exit code 0, but {why}" + (f"; it said: {err[0]}" if err else "")
         return "right", ""
-    why = w.is_untouched(t.command, here)
+    why = w.is_untouched(t.command, here, code)
     if why and w.is_right(t.command, here):
         return "LEFT", f"exit code {code}, {why}"
     if code not in codes_of(t.command, t.kind):
         return "CODE", f"exit code {code}: {err[-1] if err else ''}"
     if len([line for line in err if line]) != 1:
         return "LINES", f"exit code {code}, {len(err)} lines on stderr: {' | '.join(err[:4])}"
+    if t.command == "build --resume": # what was there before is still there to go on with
+        again, _, said = w.run(t.command, here)
+        why = f"the next run ends with {again}: {said}" if again != 0 else w.is_right(t.command, here)
+        if why:
+            return "LOST", why
     if out and right["out"] != out and not all(line in (right["out"] or out) for line in out):
         return "OUTPUT", f"exit code {code}, stdout: {out[0]}"
     return "told", ""
@@ -108,6 +114,9 @@ def attempt(w, t, library):
                            FAULTS_AT=str(t.number), LD_PRELOAD=library)
     state = State(path)
     outcome, why = judge(w, t, here, code, out, err)
+    # What is all made, and cannot be put in place, is made again: its last step removes the notes to go on by.
+    if outcome == "LEFT" and why.endswith(".o.iso.partial is lost") and "describe_and_commit" in place(state.frames, 16):
+        outcome = "told"
     if not state.failed and outcome in ("right", "told"):
         outcome = "not met"
     shutil.rmtree(here, ignore_errors=True)
@@ -129,6 +138,15 @@ def sites_of(w, command, library, depth, seen, kinds):
             new.append((kind, first))
     shutil.rmtree(here)
     return sum(state.calls[k] for k in kinds), new
+
+
+def sample_of(trials, count, dice):
+    """As many of each kind as there are: most calls of some libraries are allocations."""
+    of_kind = collections.defaultdict(list)
+    for t in dice.sample(trials, len(trials)):
+        of_kind[t.kind].append(t)
+    turns = [t for turn in itertools.zip_longest(*of_kind.values()) for t in turn if t]
+    return turns[:count]
 
 
 def main():
@@ -160,7 +178,7 @@ def main():
             calls, new = sites_of(w, command, library, a.depth, seen, kinds)
             trials = [Trial(command, kind, first, how) for kind, first in new for how in HOW[kind]]
             if a.sample and len(trials) > a.sample:
-                trials = random.Random(f"{a.seed} {command}").sample(trials, a.sample)
+                trials = sample_of(trials, a.sample, random.Random(f"{a.seed} {command}"))
             counts = collections.Counter()
             with concurrent.futures.ThreadPoolExecutor(a.jobs) as pool:
                 for t, outcome, why, frames in pool.map(lambda t: attempt(w, t, library), trials):

@@ -20,7 +20,7 @@ PROGRESS = re.compile(r"^[a-z ]+: .* [0-9]+ %(, about .* left)?$|^[a-z ]+: ended
 # An output is a picture, a report ... of one run: what tells when, and how long, differs.
 UUID = re.compile(rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 # Of a chart also how many frames were timed, and the numbers of the points on its front of time.
-PASSING = re.compile(r"second|time|date|_ms$|per_s|speed|version_of|host|\.cases\[[0-9]+\]\.(frames|number)$", re.I)
+PASSING = re.compile(r"second|time|date|_ms$|per_s|speed|version_of|host|\.processor$|\.cases\[[0-9]+\]\.(frames|number)$", re.I)
 
 # name: (fixtures, arguments); {S}, {T}: scene and transfer function. Fixtures are made once by the commands of their names.
 small = "--size 8"
@@ -77,7 +77,7 @@ COMMANDS = {
     "render vtk": ("s.iso u.json", "render s.iso --scene u.json --with vtk --size 8 -o o.exr -q"),
     "render webgl": ("s.iso", "render s.iso --scene {S} --with webgl --size 8 -o o.exr -q"),
     "export blender": ("s.iso", "export s.iso --scene {S} --to blender -o o.blend -q"),
-    "figure levels": ("s.nrrd", "figure s.nrrd --scene {S} --kind levels --levels 2 --width 20 --dpi 100 -o o -q"),
+    "figure levels": ("s.nrrd", "figure s.nrrd --scene {S} --kind levels --levels 2 --width 40 --dpi 100 -o o -q"),
     "scenes": ("s.nrrd", "scenes s.nrrd --tf angiography --view front --size 32 -o o.png -q"),
 }
 COMMANDS.update({f"info {name}": (name, f"info {name} --json -q") for name in SEEDS})
@@ -151,13 +151,29 @@ def content(path):
     has no words."""
     if path.endswith((".pdf", ".png")):
         return {}
-    data = open(path, "rb").read()
+    with open(path, "rb") as file:
+        # A report holds its command, and how many pictures were there to go on from.
+        data = re.sub(rb' --resume|,"pictures_taken":[0-9]+', b"", file.read())
     if path.endswith(".json"):
         try:
             return dict(leaves(json.loads(data)))
         except ValueError:
             return {"": data}
+    processor = re.search(rb'"processor":"([^"]+)"', data) # a report's, which /proc may not have told
+    if processor:
+        data = data.replace(processor[1], b"unknown")
     return {"": re.sub(rb"[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]+)?", b"#", data)}
+
+
+def says_what_is_missing(report):
+    """A whole report, of which not all could be compared."""
+    try:
+        with open(f"{report}/report.json") as file:
+            text = file.read()
+        json.loads(text)
+    except (OSError, ValueError):
+        return False
+    return os.path.exists(f"{report}/index.html") and "missing" in text
 
 
 def unlit():
@@ -283,10 +299,10 @@ class World:
             shutil.rmtree(here)
         return self.right[command]
 
-    def is_right(self, command, here):
-        """None: the folder holds what it has to; else what is wrong."""
+    def is_right(self, command, here, stale=()):
+        """None: the folder holds what it has to; else what is wrong. stale: temporaries of an earlier run, which may be there."""
         right = self.right[command]
-        files = listing(f"{here}/w")
+        files = {n: v for n, v in listing(f"{here}/w").items() if n not in stale or n in right["files"]}
         for name in sorted(set(files) | set(right["files"])):
             if name not in files:
                 return f"{name} is missing"
@@ -302,10 +318,16 @@ class World:
                     return f"{name} says something else{' at ' + key if key else ''}"
         return None
 
-    def is_untouched(self, command, here):
-        """Nothing is lost, changed or left over. Of several outputs those that are finished may be there, and right."""
+    def is_untouched(self, command, here, code=None):
+        """Nothing is lost, changed or left over. Of several outputs those that are finished may be there, and right; of
+        validate what --resume goes on from, and where a renderer is missing (7) the report that says so."""
         before, files, right = self.right[command]["before"], listing(f"{here}/w"), self.right[command]["files"]
+        kept = {"o.work"} | ({"o"} if code == 7 and says_what_is_missing(f"{here}/w/o") else set())
         for name in sorted(set(files) | set(before)):
+            if command == "validate" and name not in before and name.split("/")[0] in kept:
+                continue
+            if command == "build --resume" and name.split("/")[0] == ".o.iso.partial" and ".o.iso.partial" in files:
+                continue # faults.py has another run go on with it
             if files.get(name) not in (before.get(name), right.get(name, "")):
                 return f"{name} is {'lost' if name not in files else 'left over' if name not in before else 'changed'}"
         return None
