@@ -20,7 +20,7 @@ PROGRESS = re.compile(r"^[a-z ]+: .* [0-9]+ %(, about .* left)?$|^[a-z ]+: ended
 # An output is a picture, a report ... of one run: what tells when, and how long, differs.
 UUID = re.compile(rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 # Of a chart also how many frames were timed, and the numbers of the points on its front of time.
-PASSING = re.compile(r"second|time|date|_ms$|per_s|speed|version_of|host|\.processor$|\.cases\[[0-9]+\]\.(frames|number)$", re.I)
+PASSING = re.compile(r"second|time|date|_ms$|per_s|speed|version_of|host|\.processor$|^\.work\.|\.cases\[[0-9]+\]\.(frames|number)$", re.I)
 
 # name: (fixtures, arguments); {S}, {T}: scene and transfer function. Fixtures are made once by the commands of their names.
 small = "--size 8"
@@ -152,8 +152,9 @@ def content(path):
     if path.endswith((".pdf", ".png")):
         return {}
     with open(path, "rb") as file:
-        # A report holds its command, and how many pictures were there to go on from.
-        data = re.sub(rb' --resume|,"pictures_taken":[0-9]+', b"", file.read())
+        # A report holds its command, how many pictures were there to go on from, and which renderer drew how many, the first
+        # to draw first.
+        data = re.sub(rb' --resume|,"pictures_taken":[0-9]+|"renderers":\{("\w+":\{[^{}]*\},?)+\}', b"", file.read())
     if path.endswith(".json"):
         try:
             return dict(leaves(json.loads(data)))
