@@ -53,9 +53,16 @@ chart_page() { # doc/results/chart.md
 opened() { # doc/blender.md: the window of Blender by Xvfb, and ImageMagick's import
     "$isoshade" export $templates/ch2bet.nii.gz --to blender --scene refscenes/hero.scene.json --level 1 --size 400x330 \
         --force -q -o "$work/opened.blend"
+    # Shown is a view with many colors in its middle that no longer changes, however long its shaders take.
     xvfb-run -a -s '-screen 0 1280x800x24' sh -c 'blender --factory-startup -p 0 0 1280 800 "$1" \
         --python-expr "import bpy; bpy.context.preferences.view.show_splash = False" >/dev/null 2>&1 &
-        sleep 90; import -window root -quality 80 "$2"; kill $!' opened "$work/opened.blend" "$out/blender-opened.jpg"
+        for try in $(seq 60); do
+            sleep 10; import -window root "ppm:$2.now"
+            [ "$(convert "ppm:$2.now" -crop 400x300+330+230 -format %k info:)" -gt 5000 ] && cmp -s "$2.now" "$2" && break
+            mv "$2.now" "$2"
+        done
+        kill $!; [ -e "$2.now" ]' opened "$work/opened.blend" "$work/opened.ppm"
+    convert "$work/opened.ppm" -quality 80 "$out/blender-opened.jpg"
 }
 adaptive_tf() { # doc/method/adaptive-tf.md
     kind adaptive-tf.png $templates/ch2.nii.gz --scene refscenes/brain.scene.json --kind tf --levels 4 --adapt --width 170
