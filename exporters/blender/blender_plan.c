@@ -74,7 +74,8 @@ static json_t *describe_plan(const plan_job *job, const char *name)
         free(path);
     }
     json_object_set_new(about, "levels", levels);
-    json_object_set_new(about, "bricks", describe_bricks(plan));
+    if (plan->count > 1) /* one has no other's bricks to leave out */
+        json_object_set_new(about, "bricks", describe_bricks(plan));
     json_object_set_new(about, "tf", iso_blender_describe_tf(view, 0, 1, space.units));
     json_object_set_new(about, "film_transparent", json_boolean(!job->relative));
     json_object_set_new(about, "source", iso_blender_text(iso_provenance_name(plan->source), 1000));

@@ -68,7 +68,8 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
 {
     const iso_node_levels *n = &job->planned->nodes;
     iso_planned_lattices lattices;
-    iso_status status = iso_planned_lattices_create(job->planned, false, true, job->threads, &lattices, err);
+    /* One grid: of volumes that overlap Cycles evaluates all materials at each step, which took several times as long. */
+    iso_status status = iso_planned_lattices_create(job->planned, true, true, job->threads, &lattices, err);
     if (status != ISO_OK)
         return status;
     uint8_t *pieces = iso_planned_pieces(job->planned, &lattices);

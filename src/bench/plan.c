@@ -108,7 +108,7 @@ static iso_status measure_cycles(bench_state *s, const iso_progress *progress, i
     if (status == ISO_OK)
         status = iso_cycles_render(s->pyramid, 0, &view, &o, &s->entries[FULL].image, progress, err);
     if (status == ISO_OK)
-        status = iso_planned_lattices_create(&s->planned, false, true, o.threads, &lattices, err);
+        status = iso_planned_lattices_create(&s->planned, true, true, o.threads, &lattices, err);
     uint8_t *pieces = status == ISO_OK ? iso_planned_pieces(&s->planned, &lattices) : NULL;
     if (status == ISO_OK && !pieces)
         status = iso_fail(err, ISO_E_MEMORY, "bench plan: out of memory");

@@ -439,7 +439,7 @@ const iso_command iso_command_export = {
         "povray: run `povray NAME.ini` in the folder. Without --scene it is a first picture, as render\n"
         "makes it. Grids hold what the transfer function shows and what filtering touches beside it; vdb does so with --scene\n"
         "or --tf. A transfer function that is edited later may need the rest: --dense. With --plan only what the scene\n"
-        "needs is written: active voxels and a transparent background, a volume a level for blender, cropped DF3 files.\n"
+        "needs is written: active voxels and a transparent background, a volume of one grid for blender, cropped DF3 files.\n"
         "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is exported.",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
