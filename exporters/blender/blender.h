@@ -144,20 +144,16 @@ typedef struct iso_blender_frames {
 iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const iso_view *view,
                                     const iso_blender_frames *frames, const iso_progress *progress, iso_error *err);
 
-/* A planned volume (brick/lattice.h): a volume object for each lattice, with grids of its own, and one material that
- * decides by the brick of a point which object shows it. The objects meet at the faces of bricks without a seam,
- * because the bricks do. Lattices have to be made with whole_box. */
+/* A planned volume (brick/lattice.h): one lattice, in which all bricks are merged. Of a volume object a level, which overlap,
+ * Cycles evaluates all materials at each step. The lattice has to be made with whole_box. */
 typedef struct iso_blender_plan {
     const iso_geometry *geometry; /* of level 0 */
-    size_t bricks[3], brick_voxels;
-    const uint8_t *piece; /* a byte a brick, x fastest: number of its lattice and 1; 0: left out */
-    const iso_lattice *lattices;
-    size_t count;       /* at least 1 */
+    const iso_lattice *lattice;
     const char *source; /* what it was made from */
     const char *unit;   /* of the lengths of its file; NULL or "": not named */
 } iso_blender_plan;
 
-/* NAME.blend and NAME_level_K.vdb beside it (NAME.vdb when there is one lattice). step_voxels: of level 0. */
+/* NAME.blend and NAME.vdb beside it. step_voxels: of level 0. */
 iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view *view, const char *blend_path,
                                    const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *view, const iso_blender_options *opt,

@@ -21,30 +21,19 @@ static iso_status check_plan(const iso_blender_plan *plan, const iso_view *view,
     return iso_blender_check(&p, 0, 1, opt, err);
 }
 
-static char *plan_vdb_path(const iso_blender_plan *plan, size_t i, const char *blend_path)
+static char *plan_vdb_path(const iso_blender_plan *plan, const char *blend_path)
 {
-    return iso_blender_vdb_path(blend_path, plan->lattices[i].level, plan->count, false);
+    return iso_blender_vdb_path(blend_path, plan->lattice->level, 1, false);
 }
 
-static iso_status save_lattice(const iso_blender_plan *plan, size_t i, const char *path, iso_vdb_options options,
+static iso_status save_lattice(const iso_blender_plan *plan, const char *path, iso_vdb_options options,
                                const iso_progress *progress, iso_error *err)
 {
     const iso_blender_space space = iso_blender_space_of(plan->geometry);
-    iso_lattice lattice = plan->lattices[i];
+    iso_lattice lattice = *plan->lattice;
     iso_blender_note_space(&space, &options);
     lattice.geometry = iso_blender_in_space(&lattice.geometry, &space);
     return iso_vdb_save_lattices(&lattice, 1, plan->source, path, &options, progress, err);
-}
-
-static json_t *describe_bricks(const iso_blender_plan *p)
-{
-    const size_t *size = p->geometry->size;
-    json_t *pieces = json_array();
-    for (size_t i = 0; i < p->bricks[0] * p->bricks[1] * p->bricks[2]; ++i)
-        json_array_append_new(pieces, json_integer(p->piece[i]));
-    return json_pack("{s[III] sI s[III] so}", "count", (json_int_t)p->bricks[0], (json_int_t)p->bricks[1],
-                     (json_int_t)p->bricks[2], "voxels", (json_int_t)p->brick_voxels, "size", (json_int_t)size[0],
-                     (json_int_t)size[1], (json_int_t)size[2], "piece", pieces);
 }
 
 /* What is made of a plan: a picture, or a .blend whose grids have paths relative to it. */
@@ -56,7 +45,6 @@ typedef struct plan_job {
     const iso_blender_options *opt;
 } plan_job;
 
-/* Volumes that overlap are walked together by the shortest step of them, so all have the same. */
 static json_t *describe_plan(const plan_job *job, const char *name)
 {
     const iso_blender_plan *plan = job->plan;
@@ -64,18 +52,13 @@ static json_t *describe_plan(const plan_job *job, const char *name)
     const iso_blender_space space = iso_blender_space_of(plan->geometry);
     const double step = job->opt->step_voxels * space.units * iso_geometry_min_spacing_mm(plan->geometry);
     json_t *about = iso_blender_describe_scene(view, &space, plan->geometry, name, job->opt), *levels = json_array();
-    for (size_t i = 0; i < plan->count; ++i) {
-        const iso_geometry g = iso_blender_in_space(&plan->lattices[i].geometry, &space);
-        char *path = plan_vdb_path(plan, i, job->blend_path), text[PATH_MAX];
-        snprintf(text, sizeof text, "%s%s", job->relative ? "//" : "", job->relative ? iso_path_base(path) : path);
-        json_t *level = iso_blender_describe_level(&g, plan->lattices[i].level, 0, text, step);
-        json_object_set_new(level, "piece", json_integer((json_int_t)i + 1));
-        json_array_append_new(levels, level);
-        free(path);
-    }
+    const iso_geometry g = iso_blender_in_space(&plan->lattice->geometry, &space);
+    char *path = plan_vdb_path(plan, job->blend_path), text[PATH_MAX];
+    snprintf(text, sizeof text, "%s%s", job->relative ? "//" : "", job->relative ? iso_path_base(path) : path);
+    json_array_append_new(levels, iso_blender_describe_level(&g, plan->lattice->level, 0, text, step));
+    free(path);
     json_object_set_new(about, "levels", levels);
-    if (plan->count > 1) /* one has no other's bricks to leave out */
-        json_object_set_new(about, "bricks", describe_bricks(plan));
+    json_object_set_new(about, "planned", json_true());
     json_object_set_new(about, "tf", iso_blender_describe_tf(view, 0, 1, space.units));
     json_object_set_new(about, "film_transparent", json_boolean(!job->relative));
     json_object_set_new(about, "source", iso_blender_text(iso_provenance_name(plan->source), 1000));
@@ -94,11 +77,9 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
     if (!stem)
         return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
     const iso_blender_space space = iso_blender_space_of(plan->geometry);
-    for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
-        char *path = plan_vdb_path(plan, i, stem);
-        status = save_lattice(plan, i, path, iso_vdb_defaults(), progress, err);
-        free(path);
-    }
+    char *path = plan_vdb_path(plan, stem);
+    status = save_lattice(plan, path, iso_vdb_defaults(), progress, err);
+    free(path);
     if (status == ISO_OK) {
         const plan_job job = {plan, view, stem, false, opt};
         json_t *about = describe_plan(&job, "isoshade");
@@ -115,30 +96,27 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
     return status;
 }
 
-/* The grids beside the .blend, then itself: outs holds count + 1. */
-static iso_status write_plan(const plan_job *job, const char *folder, iso_output *outs, const iso_progress *progress,
+/* The grids beside the .blend, then itself. */
+static iso_status write_plan(const plan_job *job, const char *folder, iso_output outs[2], const iso_progress *progress,
                              iso_error *err)
 {
     const iso_blender_plan *plan = job->plan;
     const char *blend_path = job->blend_path;
-    iso_status status = ISO_OK;
     const char *base = iso_path_base(blend_path);
     char name[NAME_MAX + 1];
     iso_vdb_options options = iso_vdb_defaults();
     iso_vdb_shown shown; /* has no meaning for lattices, which are sparse */
     iso_blender_grid_options(job->opt, &job->view->tf, NULL, &shown, &options);
-    for (size_t i = 0; i < plan->count && status == ISO_OK; ++i) {
-        char *path = plan_vdb_path(plan, i, blend_path);
-        status = iso_output_begin(&outs[i], path, err);
-        if (status == ISO_OK)
-            status = save_lattice(plan, i, outs[i].temp_path, options, progress, err);
-        free(path);
-    }
+    char *path = plan_vdb_path(plan, blend_path);
+    iso_status status = iso_output_begin(&outs[0], path, err);
+    if (status == ISO_OK)
+        status = save_lattice(plan, outs[0].temp_path, options, progress, err);
+    free(path);
     if (status == ISO_OK) {
         snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
         json_t *about = describe_plan(job, name);
         iso_blender_scale_directions(about, job->opt, ISO_VDB_LINEAR_SCALE);
-        status = iso_blender_save(about, blend_path, &outs[plan->count], folder, job->opt, progress, err);
+        status = iso_blender_save(about, blend_path, &outs[1], folder, job->opt, progress, err);
     }
     return status;
 }
@@ -152,17 +130,16 @@ iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view 
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
-    iso_output *outs = calloc(plan->count + 1, sizeof *outs);
+    iso_output outs[2] = {0};
     const plan_job job = {plan, view, blend_path, true, opt};
-    status = folder && outs ? write_plan(&job, folder, outs, progress, err)
-                            : iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
-    for (size_t i = 0; i <= plan->count && status == ISO_OK; ++i)
+    status = folder ? write_plan(&job, folder, outs, progress, err)
+                    : iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
         status = iso_output_commit(&outs[i], err);
-    for (size_t i = 0; outs && i <= plan->count; ++i)
+    for (size_t i = 0; i < 2; ++i)
         iso_output_abandon(&outs[i]);
     if (folder)
         iso_remove_tree(folder);
-    free(outs);
     free(folder);
     return status;
 }

@@ -32,7 +32,7 @@ def play(volume, count):
 
 def add_levels(about, shift, frame, look, collection):
     levels = about["levels"]
-    several = len({level["level"] for level in levels}) > 1 and "bricks" not in about
+    several = len({level["level"] for level in levels}) > 1
     if several:
         frame["level"] = levels[0]["level"]
         frame.id_properties_ui("level").update(min=levels[0]["level"], max=levels[-1]["level"],
@@ -54,7 +54,6 @@ def add_levels(about, shift, frame, look, collection):
         thing["isoshade_row"] = float(sum(table["rows"] for table in tables[:level["table"]]))
         thing["isoshade_last_row"] = float(tables[level["table"]]["rows"] - 1)
         thing["isoshade_step"] = float(level["step"])
-        thing["isoshade_piece"] = float(level.get("piece", 0))
         for key, value in level.get("labels", {}).items():
             thing[f"isoshade_labels_{key}"] = [float(v) for v in value]
         for key, value in roi.items() if "roi" in level or several else ():

@@ -93,12 +93,12 @@ def tell_ramps(ramps):
 def explain(about, shift):
     ramps = about["tf"]["ramps"]
     several = ('Its property "level" chooses the level of the pyramid that is seen.\n'
-               if len({level["level"] for level in about["levels"]}) > 1 and "bricks" not in about else "")
+               if len({level["level"] for level in about["levels"]}) > 1 else "")
     if "sequence" in about:
         several = (f"Frames 1 to {about['sequence']} are those of a series, counted from 0 in the names of their files: one colour map and\n"
                    "one range for all of them.\n")
-    if "bricks" in about:
-        several = 'A plan left only what the scene needs, a volume a level; the image "isoshade bricks" tells whose a point is.\n'
+    if "planned" in about:
+        several = "A plan left only what the scene needs, finer where it shows and coarser where it does not.\n"
     if "more" in about:
         several += ("Several volumes: each has a box, a material and a collection of its own, and the property \"show\" of its box, 0 or 1,\n"
                     "hides it. Where they overlap they add up. They are {}.\n"

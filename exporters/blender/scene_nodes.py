@@ -176,40 +176,6 @@ def roi_group(to_box):
     return group.finish(Weight=group.math('MULTIPLY', group.math('MULTIPLY', u, u), steep, label="u u (3 - 2 u)"))
 
 
-def piece_table(bricks):
-    """The piece of each brick as an image: a column a brick along x, a row for each of the others; 0 is left out."""
-    nx, ny, nz = bricks["count"]
-    image = bpy.data.images.new("isoshade bricks", nx, ny * nz, alpha=False, float_buffer=True, is_data=True)
-    image.colorspace_settings.name = 'Non-Color'
-    image.alpha_mode = 'CHANNEL_PACKED'
-    pixels = numpy.ones((nx * ny * nz, 4), numpy.float32)
-    pixels[:, :3] = numpy.array(bricks["piece"], numpy.float32)[:, None]
-    image.pixels.foreach_set(pixels.ravel())
-    image.pack()
-    return image
-
-
-def piece_group(about):
-    """Whose brick a position lies in. Bricks begin at the centre of the first voxel and meet at centres of voxels;
-    their fields agree on the faces, so it does not matter to which side rounding puts a point."""
-    bricks = about["bricks"]
-    (nx, ny, nz), side = bricks["count"], bricks["voxels"]
-    group = Group("isoshade bricks", [('NodeSocketVector', "Position", (0, 0, 0))], [('NodeSocketFloat', "Piece")])
-    scaled = [[v * n / side for v in row] for row, n in zip(about["world_to_box"], bricks["size"])]
-    q = group.vector('ADD', dots(group, [row[:3] for row in scaled], group.given["Position"], "in bricks"),
-                     [row[3] - 0.5 / side for row in scaled], label="from the first voxel's centre")
-    q = group.vector('MINIMUM', group.vector('MAXIMUM', group.vector('FLOOR', q), (0, 0, 0)), (nx - 1, ny - 1, nz - 1),
-                     label="brick")
-    brick = group.split(q)
-    u = group.math('MULTIPLY_ADD', brick[0], 1 / nx, 0.5 / nx)
-    row = group.math('MULTIPLY_ADD', brick[2], float(ny), brick[1], label="row of the table")
-    v = group.math('MULTIPLY_ADD', row, 1 / (ny * nz), 0.5 / (ny * nz))
-    where = group.join(u, v)
-    texel = group.node('ShaderNodeTexImage', "", {"Vector": where}, image=piece_table(bricks), interpolation='Closest',
-                       extension='EXTEND', projection='FLAT').outputs
-    return group.finish(Piece=texel["Color"])
-
-
 def label_image(path):
     """Class numbers, red + 256 green, as bytes that nothing changes on their way to the shader; packed."""
     image = bpy.data.images.load(path)
@@ -355,11 +321,6 @@ def isoshade_group(about, frame):
     volume = group.call(physical_group(), Color=color, Shade=shade, Extinction=sigma, Physical=group.given["Physical"],
                         Anisotropy=group.given["Anisotropy"])["Volume"]
     volume = where_positive(group, sigma, volume, "where something is seen")
-    if "bricks" in about:
-        piece = group.attribute("number of the piece", 'OBJECT', "isoshade_piece", "Fac")
-        here = group.call(piece_group(about), Position=position)["Piece"]
-        own = group.math('COMPARE', here, piece, 0.5, label="of this piece")
-        volume = where_positive(group, own, volume, "in its own bricks")
     return group.finish(Volume=volume)
 
 

@@ -72,20 +72,13 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
     iso_status status = iso_planned_lattices_create(job->planned, true, true, job->threads, &lattices, err);
     if (status != ISO_OK)
         return status;
-    uint8_t *pieces = iso_planned_pieces(job->planned, &lattices);
     const iso_blender_plan plan = {.geometry = &n->geometry,
-                                   .bricks = {n->count[0], n->count[1], n->count[2]},
-                                   .brick_voxels = n->brick_voxels,
-                                   .piece = pieces,
-                                   .lattices = lattices.items,
-                                   .count = lattices.count,
+                                   .lattice = &lattices.items[0],
                                    .source = job->pyramid->source,
                                    .unit = job->pyramid->unit.name};
-    status = pieces ? iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err)
-                    : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
+    status = iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err);
     if (status == ISO_OK)
         tell_ramps(job, job->view, 1);
-    free(pieces);
     iso_planned_lattices_destroy(&lattices);
     return status;
 }

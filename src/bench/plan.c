@@ -109,15 +109,7 @@ static iso_status measure_cycles(bench_state *s, const iso_progress *progress, i
         status = iso_cycles_render(s->pyramid, 0, &view, &o, &s->entries[FULL].image, progress, err);
     if (status == ISO_OK)
         status = iso_planned_lattices_create(&s->planned, true, true, o.threads, &lattices, err);
-    uint8_t *pieces = status == ISO_OK ? iso_planned_pieces(&s->planned, &lattices) : NULL;
-    if (status == ISO_OK && !pieces)
-        status = iso_fail(err, ISO_E_MEMORY, "bench plan: out of memory");
-    const iso_blender_plan plan = {.geometry = &n->geometry,
-                                   .bricks = {n->count[0], n->count[1], n->count[2]},
-                                   .brick_voxels = n->brick_voxels,
-                                   .piece = pieces,
-                                   .lattices = lattices.items,
-                                   .count = lattices.count};
+    const iso_blender_plan plan = {.geometry = &n->geometry, .lattice = lattices.items};
     o.stats = &s->entries[LEVELS].cycles;
     if (status == ISO_OK)
         status = iso_cycles_render_plan(&plan, &view, &o, &s->entries[LEVELS].image, progress, err);
@@ -125,7 +117,6 @@ static iso_status measure_cycles(bench_state *s, const iso_progress *progress, i
         status = iso_metrics_measure(&s->entries[LEVELS].image, &s->entries[FULL].image, &measured, err);
     s->cycles_rmse = measured.rmse;
     s->cycles_max = measured.max_abs;
-    free(pieces);
     iso_planned_lattices_destroy(&lattices);
     return status;
 }

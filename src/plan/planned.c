@@ -189,17 +189,6 @@ iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool w
     return status;
 }
 
-uint8_t *iso_planned_pieces(const iso_planned *p, const iso_planned_lattices *lattices)
-{
-    size_t count = iso_brick_count(&p->nodes);
-    uint8_t *pieces = calloc(count, 1);
-    for (size_t i = 0; pieces && i < count; ++i)
-        for (size_t k = 0; k < lattices->count && p->plan.drawn[i]; ++k)
-            if (lattices->items[k].level == p->plan.levels[i])
-                pieces[i] = (uint8_t)(k + 1);
-    return pieces;
-}
-
 void iso_planned_lattices_destroy(iso_planned_lattices *lattices)
 {
     for (size_t i = 0; i < lattices->count; ++i)

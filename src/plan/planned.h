@@ -54,9 +54,6 @@ typedef struct iso_planned_lattices {
 /* One merged lattice, or one a level that is in use, finest first. whole_box as in lattice.h. */
 iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool whole_box, int threads,
                                        iso_planned_lattices *lattices, iso_error *err);
-/* For each brick one byte: 1 + the number of the lattice that it belongs to, or 0 when it is left out. To be freed;
- * NULL when memory ends. */
-uint8_t *iso_planned_pieces(const iso_planned *p, const iso_planned_lattices *lattices);
 void iso_planned_lattices_destroy(iso_planned_lattices *lattices);
 
 /* The merged lattice as a level, dense, for programs that know no sparse grids: cropped to what is needed, directions
