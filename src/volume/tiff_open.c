@@ -268,7 +268,8 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
 {
     tiff_reader *r = source->reader;
     const size_t frames = n->frames > 1 ? n->frames : 1, all = n->channels > 1 ? n->channels : 1;
-    const size_t inside = p->samples, channels = all % inside == 0 ? all / inside : all; /* OME counts both */
+    const size_t inside = p->samples > 0 ? p->samples : 1,
+                 channels = all % inside == 0 ? all / inside : all; /* OME counts both */
     *slices = n->slices > 0 ? n->slices : r->page_count / frames / channels;
     if (*slices == 0 || *slices > r->page_count ||
         (double)*slices * (double)frames * (double)channels != (double)r->page_count)
