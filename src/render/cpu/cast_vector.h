@@ -148,6 +148,16 @@ CAST vi gather_words(const void *base, vi at, ptrdiff_t bytes)
 /* v[from[i]] in lane i. */
 #if ISO_CAST_WIDTH == 1
 #define PICK(v, from) ((void)(from), (v))
+#elif defined(__clang__) /* which has no shuffle by lanes that are known at run time */
+#define PICK(v, from) \
+    __extension__({ \
+        const __typeof__(v) pick_of = (v); \
+        __typeof__(+(v)) picked = pick_of; \
+        const vi pick_from = (from); \
+        for (int pick_i = 0; pick_i < ISO_CAST_WIDTH; ++pick_i) \
+            picked[pick_i] = pick_of[pick_from[pick_i]]; \
+        picked; \
+    })
 #else
 #define PICK(v, from) __builtin_shuffle(v, from)
 #endif
