@@ -320,6 +320,18 @@ static iso_status draw(const iso_render_arguments *a, const iso_cli *cli, iso_er
     return a->frames ? render_series(a, cli, err) : render(a, cli, &(frame_of_series){NULL, 0, NULL}, err);
 }
 
+/* What options name or say in words, then the picture. */
+static iso_status take_and_draw(iso_render_arguments *a, const iso_cli_cycles *cycles, const iso_cli *cli,
+                                iso_error *err)
+{
+    iso_status status = iso_renderers_load(a->renderers, err);
+    if (status == ISO_OK && a->plan_error_text)
+        status = iso_words_parse_error("--plan-error", a->plan_error_text, &a->plan_error, err);
+    if (status == ISO_OK)
+        status = iso_cli_take_cycles(cycles, a->with ? a->with : iso_renderers_usual()->name, err);
+    return status == ISO_OK ? draw(a, cli, err) : status;
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     help_texts help = {.count = 0};
@@ -404,13 +416,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (a.gl_device)
         setenv(ISO_GL_DEVICE_VARIABLE, a.gl_device, 1);
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_renderers_load(a.renderers, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && a.plan_error_text)
-        status = iso_words_parse_error("--plan-error", a.plan_error_text, &a.plan_error, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_take_cycles(&cycles, a.with ? a.with : iso_renderers_usual()->name, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = draw(&a, &cli, err);
+        status = take_and_draw(&a, &cycles, &cli, err);
     iso_cli_end(&cli);
     return status;
 }
