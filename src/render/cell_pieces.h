@@ -102,7 +102,8 @@ double iso_cubic_solve(const double p[4], double value, double a, double b);
 typedef struct cell_section {
     double middle, half; /* u */
     double x;            /* X in the middle */
-    lanes x_far, shade;  /* |X - x| and |shade| at most */
+    lanes x_far, shade;  /* |X - x| and |shade| at most, the latter without ... */
+    lanes rough;         /* ... highlights that are not analytic on the disc, at most within the section */
 } cell_section;
 
 /* A cubic's coefficients in z, u = middle + half z */
@@ -121,7 +122,29 @@ ISO_LANES_INLINE lanes reach(const double z[4])
     return ((r * fabs(z[3]) + fabs(z[2])) * r + fabs(z[1])) * r;
 }
 
-ISO_LANES_INLINE lanes bound_shade(const cell_pieces *w, const cell_section *s)
+/* One light's highlight. A power that is no whole number branches where n.h is 0: discs that hold such a place bound nothing,
+ * but on the ray itself the highlight is small there, which is what they have in *rough. */
+ISO_LANES_INLINE lanes bound_highlight(const cell_pieces *w, const cell_section *s, size_t light, lanes root,
+                                       lanes *rough)
+{
+    const iso_cell_scene *c = w->scene;
+    double z[4];
+    shift_cubic(w->nh[light], s->middle, s->half, z);
+    const lanes far = reach(z), most = (far + fabs(z[0])) * root;
+    if (c->power >= 0)
+        return lanes_power(most, c->power) * w->specular[light];
+    /* Within the section |n.h| is at most 1, and the largest root is that of the smallest disc. */
+    const double inside = (fabs(z[0]) + fabs(z[1]) + fabs(z[2]) + fabs(z[3])) * root[0];
+    const double small = w->specular[light] * pow(inside < 1 ? inside : 1, c->view->shading.power);
+    /* x^p is at most the whole power below p where x is below 1, and that above it elsewhere. */
+    const lanes below = lanes_power(most, c->whole_power);
+    const lanes power = lanes_select(most < lanes_all(1), below, below * most) * w->specular[light];
+    const lane_bits analytic = far < lanes_all(fabs(z[0]));
+    *rough += lanes_select(analytic, lanes_all(0), lanes_all(small));
+    return lanes_select(analytic, power, lanes_all(0));
+}
+
+ISO_LANES_INLINE void bound_shade(const cell_pieces *w, cell_section *s)
 {
     const iso_cell_scene *c = w->scene;
     double d[3][4], turn[4] = {0};
@@ -142,20 +165,10 @@ ISO_LANES_INLINE lanes bound_shade(const cell_pieces *w, const cell_section *s)
         double z[4];
         shift_cubic(w->nl[l], s->middle, s->half, z);
         shade += (reach(z) + fabs(z[0])) * root * w->diffuse[l];
-        if (w->specular[l] > 0) {
-            shift_cubic(w->nh[l], s->middle, s->half, z);
-            const lanes far = reach(z), most = (far + fabs(z[0])) * root;
-            lanes power;
-            if (c->power >= 0) {
-                power = lanes_power(most, c->power);
-            } else { /* a branch point at 0 has to stay outside */
-                for (int i = 0; i < LANES; ++i)
-                    power[i] = far[i] < fabs(z[0]) ? pow(most[i], c->view->shading.power) : INFINITY;
-            }
-            shade += power * w->specular[l];
-        }
+        if (w->specular[l] > 0)
+            shade += bound_highlight(w, s, l, root, &s->rough);
     }
-    return lanes_select(there, shade, lanes_all(INFINITY));
+    s->shade = lanes_select(there, shade, lanes_all(INFINITY));
 }
 
 ISO_LANES_INLINE cell_section make_section(const cell_pieces *w, double from, double to)
@@ -165,7 +178,10 @@ ISO_LANES_INLINE cell_section make_section(const cell_pieces *w, double from, do
     shift_cubic(w->x, s.middle, s.half, z);
     s.x = z[0];
     s.x_far = reach(z);
-    s.shade = w->scene->lit ? bound_shade(w, &s) : lanes_all(w->scene->view->shading.ambient);
+    s.shade = lanes_all(w->scene->view->shading.ambient);
+    s.rough = lanes_all(0);
+    if (w->scene->lit)
+        bound_shade(w, &s);
     return s;
 }
 
@@ -185,7 +201,9 @@ ISO_LANES_INLINE int choose_rule(const cell_pieces *w, const cell_section *s, co
     const lanes sigma = s->x_far * fabs(line->slope[3]) + fabs(line->base[3] + line->slope[3] * (s->x - line->entry));
     const lanes m = sigma * most * s->shade * lanes_exp(sigma * (a + 1) * half_mm);
     const lanes scale = m / (1 - q) * (64.0 / 15 * through * half_mm), q2 = q * q, q4 = q2 * q2;
-    const lanes of_rule[CELL_RULES] = {scale * (q2 * q), scale * (q4 * q), scale * (q4 * q4)};
+    /* The integral and the rule's sum, whose weights are positive, can each take the largest value. */
+    const lanes rest = sigma * most * s->rough * (4 * through * half_mm);
+    const lanes of_rule[CELL_RULES] = {scale * (q2 * q) + rest, scale * (q4 * q) + rest, scale * (q4 * q4) + rest};
     for (int r = 0; r < CELL_RULES; ++r) {
         double least = INFINITY;
         for (int i = 0; i < LANES; ++i)
@@ -291,7 +309,7 @@ ISO_LANES_INLINE bool line_at(const iso_tf_table *tf, double x, cell_line *line)
 /* [from, to], within which the table does not bend. whole: a section that holds it, or NULL. */
 ISO_LANES_INLINE void add_stretch(cell_pieces *w, double from, double to, const cell_section *whole)
 {
-    const double least_width = 0x1p-40;
+    const double least_width = 0x1p-40, most_growth = 4;
     cell_line line;
     if (!(to > from) || !line_at(w->scene->tf, cubic_at(w->x, 0.5 * (from + to)), &line))
         return;
@@ -318,8 +336,9 @@ ISO_LANES_INLINE void add_stretch(cell_pieces *w, double from, double to, const 
         add_piece(w, rule, &line, from, width);
         w->error += bound;
         w->pool -= bound > 0.5 * w->pool ? 0.5 * w->pool : bound;
+        /* Towards a place where the shading is not analytic pieces become small; away from it they grow again. */
         from = end;
-        end = to;
+        end = from + most_growth * width < to ? from + most_growth * width : to;
     }
     w->left = lane_exp(-w->depth) * w->scene->brightest;
 }

@@ -164,6 +164,7 @@ iso_status iso_cell_scene_create(iso_cell_scene *c, const iso_sampler *s, const 
                           .empty = empty,
                           .lit = iso_view_is_lit(view),
                           .power = power > 0 && power <= 4096 && power == floor(power) ? (int)power : -1,
+                          .whole_power = (int)fmin(floor(power), 1 << 20),
                           .eps_2 = eps * eps,
                           .brightest = brightest(tf, view)};
     c->bends = calloc(tf->count + 1, sizeof *c->bends);

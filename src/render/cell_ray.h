@@ -42,6 +42,7 @@ typedef struct iso_cell_scene {
     size_t *bends; /* owned; bends[i]: how many of the entries below i bend the table where it shows something */
     bool lit;
     int power;        /* of the highlights, or -1 where it is no whole number */
+    int whole_power;  /* the largest that is not above it */
     double eps_2;     /* of n = d / sqrt(|d|^2 + eps^2) */
     double brightest; /* color times shade, at most */
 } iso_cell_scene;
