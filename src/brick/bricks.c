@@ -127,8 +127,9 @@ static void filter_level(iso_node_levels *n, size_t level, const float *fine_sum
 }
 
 /* Moments to directions, once every level has been made from them. */
-static void moments_to_directions(float *nodes, const float *sums, size_t count)
+static void moments_to_directions(float *nodes, const float *sums, size_t count, int threads)
 {
+#pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < count; ++i) {
         float *d = nodes + ISO_NODE_CHANNELS * i + 1;
         double norm = sqrt((double)d[0] * d[0] + (double)d[1] * d[1] + (double)d[2] * d[2]);
@@ -195,12 +196,12 @@ static iso_status fill_levels(iso_node_levels *n, const iso_level *level0, bool 
         if (!with_directions)
             continue;
         if (l > 0)
-            moments_to_directions(n->nodes[l - 1], fine, all_nodes(n, l - 1));
+            moments_to_directions(n->nodes[l - 1], fine, all_nodes(n, l - 1), threads);
         free(fine);
         fine = sums;
     }
     if (status == ISO_OK && with_directions)
-        moments_to_directions(n->nodes[n->level_count - 1], fine, all_nodes(n, n->level_count - 1));
+        moments_to_directions(n->nodes[n->level_count - 1], fine, all_nodes(n, n->level_count - 1), threads);
     free(fine);
     return status;
 }
@@ -327,13 +328,16 @@ iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyram
 void iso_node_levels_round(iso_node_levels *n)
 {
     double step = n->max > n->min ? (n->max - n->min) / 65535 : 1;
-    for (size_t l = 0; l < n->level_count; ++l)
-        for (size_t i = 0; i < all_nodes(n, l); ++i) {
+    for (size_t l = 0; l < n->level_count; ++l) {
+        const size_t count = all_nodes(n, l);
+#pragma omp parallel for schedule(static) num_threads(iso_threads(0))
+        for (size_t i = 0; i < count; ++i) {
             float *node = n->nodes[l] + ISO_NODE_CHANNELS * i;
             node[0] = (float)(n->min + step * rint(((double)node[0] - n->min) / step));
             for (int a = 1; a < ISO_NODE_CHANNELS; ++a)
                 node[a] = (float)(rint(32767 * (double)node[a]) / 32767);
         }
+    }
 }
 
 void iso_node_levels_encode(iso_node_levels *n, iso_code code)
@@ -393,6 +397,34 @@ static bool coarsest_at(const iso_brick_field *f, const size_t p[3], size_t leve
     return found;
 }
 
+const float *iso_brick_own_row(const iso_brick_field *f, const size_t brick[3], size_t y, size_t z)
+{
+    const iso_node_levels *n = f->nodes;
+    const size_t level = f->levels[iso_brick_index(n, brick)], cells = n->brick_voxels >> level;
+    const size_t nx = node_count(n, level, 0), ny = node_count(n, level, 1);
+    return n->nodes[level] +
+           ISO_NODE_CHANNELS * (brick[0] * cells + nx * (brick[1] * cells + y + ny * (brick[2] * cells + z)));
+}
+
+bool iso_brick_has_foreign_nodes(const iso_brick_field *f, const size_t brick[3])
+{
+    const iso_node_levels *n = f->nodes;
+    const uint8_t level = f->levels[iso_brick_index(n, brick)];
+    size_t first[3], last[3];
+    if (f->faces != ISO_FACES_BAKED)
+        return false;
+    for (int a = 0; a < 3; ++a) {
+        first[a] = brick[a] > 0 ? brick[a] - 1 : 0;
+        last[a] = least(brick[a] + 1, n->count[a] - 1);
+    }
+    for (size_t z = first[2]; z <= last[2]; ++z)
+        for (size_t y = first[1]; y <= last[1]; ++y)
+            for (size_t x = first[0]; x <= last[0]; ++x)
+                if (f->levels[iso_brick_index(n, (const size_t[3]){x, y, z})] > level)
+                    return true;
+    return false;
+}
+
 void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_t node[3],
                     double out[ISO_NODE_CHANNELS])
 {
@@ -418,24 +450,33 @@ void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const 
 {
     const iso_node_levels *n = f->nodes;
     size_t level = f->levels[iso_brick_index(n, brick)], cells = n->brick_voxels >> level, lo[3];
+    const double spacing = 1 / (double)((size_t)1 << level); /* a power of two: no rounding */
+    bool own = f->faces == ISO_FACES_OWN, inside = true;
     double part[3];
     for (int a = 0; a < 3; ++a) {
-        double u = ldexp(q[a] - (double)(brick[a] * n->brick_voxels), -(int)level);
+        double u = spacing * (q[a] - (double)(brick[a] * n->brick_voxels));
         u = u > 0 ? (u < (double)cells ? u : (double)cells) : 0;
         lo[a] = least((size_t)u, cells - 1);
         part[a] = u - (double)lo[a];
+        inside = inside && lo[a] > 0 && lo[a] + 1 < cells;
     }
+    /* No coarser brick has a say in what lies within. */
+    own = own || inside;
+    const size_t nx = node_count(n, level, 0), ny = node_count(n, level, 1);
+    const float *corner = iso_brick_own_row(f, brick, lo[1], lo[2]) + ISO_NODE_CHANNELS * lo[0];
     memset(out, 0, ISO_NODE_CHANNELS * sizeof *out);
-    for (int c = 0; c < 8; ++c) {
+    for (size_t c = 0; c < 8; ++c) {
+        const size_t node[3] = {lo[0] + (c & 1), lo[1] + (c >> 1 & 1), lo[2] + (c >> 2)};
         double weight = 1, value[ISO_NODE_CHANNELS];
-        size_t node[3];
-        for (int a = 0; a < 3; ++a) {
+        for (int a = 0; a < 3; ++a)
             weight *= c >> a & 1 ? part[a] : 1 - part[a];
-            node[a] = lo[a] + (size_t)(c >> a & 1);
-        }
         if (weight == 0)
             continue;
-        iso_brick_node(f, brick, node, value);
+        if (own)
+            for (size_t k = 0; k < ISO_NODE_CHANNELS; ++k)
+                value[k] = (double)corner[ISO_NODE_CHANNELS * ((c & 1) + nx * ((c >> 1 & 1) + ny * (c >> 2))) + k];
+        else
+            iso_brick_node(f, brick, node, value);
         for (int k = 0; k < ISO_NODE_CHANNELS; ++k)
             out[k] += weight * value[k];
     }

@@ -111,6 +111,12 @@ typedef struct iso_brick_field {
 void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_t node[3],
                     double out[ISO_NODE_CHANNELS]);
 
+/* The first of a row of nodes along x, by the brick's own level: iso_brick_side() of them, ISO_NODE_CHANNELS a node. */
+const float *iso_brick_own_row(const iso_brick_field *f, const size_t brick[3], size_t y, size_t z);
+
+/* Do nodes on the brick's faces take values of a coarser brick? Else all are those of iso_brick_own_row(). */
+bool iso_brick_has_foreign_nodes(const iso_brick_field *f, const size_t brick[3]);
+
 /* The function of one brick at node coordinates q in its closed box: on a face this
  * is the limit from that brick's side. */
 void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const double q[3],

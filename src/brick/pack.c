@@ -145,23 +145,86 @@ void iso_brick_pack_destroy(iso_brick_pack *pack)
     *pack = (iso_brick_pack){0};
 }
 
-void iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *restrict out)
+/* Nodes on the faces, which may be those of a coarser brick. */
+static bool on_face(size_t side, size_t x, size_t y, size_t z)
 {
-    size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
-    for (size_t z = 0; z < side; ++z)
-        for (size_t y = 0; y < side; ++y)
-            for (size_t x = 0; x < side; ++x) {
-                double value[ISO_NODE_CHANNELS];
-                iso_brick_node(f, brick, (const size_t[3]){x, y, z}, value);
-                for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
-                    *out++ = (float)value[c];
-            }
+    return x == 0 || y == 0 || z == 0 || x + 1 == side || y + 1 == side || z + 1 == side;
 }
 
-/* The range of what a brick shows: all of it is between its nodes' values. */
-static bool shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3])
+void iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *restrict out)
 {
-    size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
+    const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
+    const bool foreign = iso_brick_has_foreign_nodes(f, brick);
+    for (size_t z = 0; z < side; ++z)
+        for (size_t y = 0; y < side; ++y) {
+            float *row = out + ISO_NODE_CHANNELS * side * (y + side * z);
+            memcpy(row, iso_brick_own_row(f, brick, y, z), ISO_NODE_CHANNELS * side * sizeof *row);
+            for (size_t x = 0; foreign && x < side; x += on_face(side, 1, y, z) ? 1 : side - 1) {
+                double value[ISO_NODE_CHANNELS];
+                iso_brick_node(f, brick, (const size_t[3]){x, y, z}, value);
+                for (size_t c = 0; c < ISO_NODE_CHANNELS; ++c)
+                    row[ISO_NODE_CHANNELS * x + c] = (float)value[c];
+            }
+        }
+}
+
+/* A range of each channel: of the scalar alone would take as long. */
+typedef struct node_range {
+    float lowest[ISO_NODE_CHANNELS], highest[ISO_NODE_CHANNELS];
+} node_range;
+
+static node_range empty_range(void)
+{
+    node_range r;
+    for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
+        r.lowest[c] = INFINITY, r.highest[c] = -INFINITY;
+    return r;
+}
+
+static void widen(node_range *r, const float *restrict row, size_t count)
+{
+    for (size_t i = 0; i < count; ++i, row += ISO_NODE_CHANNELS)
+        for (size_t c = 0; c < ISO_NODE_CHANNELS; ++c) {
+            r->lowest[c] = row[c] < r->lowest[c] ? row[c] : r->lowest[c]; /* fminf() is a call */
+            r->highest[c] = row[c] > r->highest[c] ? row[c] : r->highest[c];
+        }
+}
+
+/* The nodes of a brick's own level, without the outermost `border` of them. */
+static void widen_by_own(node_range *r, const iso_brick_field *f, const size_t brick[3], size_t border)
+{
+    const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
+    for (size_t z = border; z + border < side; ++z)
+        for (size_t y = border; y + border < side; ++y)
+            widen(r, iso_brick_own_row(f, brick, y, z) + ISO_NODE_CHANNELS * border, side - 2 * border);
+}
+
+static bool range_shows(const node_range *r, const iso_tf_table *tf)
+{
+    return iso_tf_shows(tf, (double)r->lowest[0], (double)r->highest[0]);
+}
+
+/* All values that a brick's nodes can be interpolated among: its own, and those of coarser bricks around. */
+static void widen_by_coarser(node_range *r, const iso_brick_field *f, const size_t brick[3])
+{
+    const iso_node_levels *n = f->nodes;
+    const uint8_t level = f->levels[iso_brick_index(n, brick)];
+    for (size_t i = 0; i < 27; ++i) {
+        const size_t step[3] = {i % 3, i / 3 % 3, i / 9};
+        size_t at[3];
+        bool there = true;
+        for (int a = 0; a < 3; ++a) {
+            at[a] = brick[a] + step[a] - 1; /* before the first: beyond the last */
+            there = there && at[a] < n->count[a];
+        }
+        if (there && f->levels[iso_brick_index(n, at)] > level)
+            widen_by_own(r, f, at, 0);
+    }
+}
+
+static bool baked_shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3])
+{
+    const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
     double min = INFINITY, max = -INFINITY;
     for (size_t i = 0; i < side * side * side; ++i) {
         double value[ISO_NODE_CHANNELS];
@@ -170,6 +233,23 @@ static bool shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t
         max = fmax(max, value[0]);
     }
     return iso_tf_shows(tf, min, max);
+}
+
+/* Does the range of what a brick holds show? All of it is between its nodes' values. Most bricks are told by their inside,
+ * or by the wider range of all that their faces might take, without the baked faces. */
+static bool shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3])
+{
+    node_range r = empty_range();
+    if (!iso_brick_has_foreign_nodes(f, brick)) {
+        widen_by_own(&r, f, brick, 0);
+        return range_shows(&r, tf);
+    }
+    widen_by_own(&r, f, brick, 1);
+    if (r.lowest[0] <= r.highest[0] && range_shows(&r, tf))
+        return true;
+    widen_by_own(&r, f, brick, 0);
+    widen_by_coarser(&r, f, brick);
+    return range_shows(&r, tf) && baked_shows(f, tf, brick);
 }
 
 double iso_brick_cull(const iso_brick_field *f, const iso_tf_table *tf, int threads, uint8_t *restrict visible)

@@ -58,10 +58,10 @@ static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const s
 
 /* Adds the errors of one node at every level: at the node, and on a face also half-way to the next brick's node, whose
  * cell takes the face with it. */
-static void add_errors(const iso_node_levels *n, const iso_view *view, const iso_brick_field *f, uint8_t *level,
-                       const size_t brick[3], const size_t local[3], double *sum)
+static void add_errors(const iso_node_levels *n, const iso_view *view, double voxel_mm, const iso_brick_field *f,
+                       uint8_t *level, const size_t brick[3], const size_t local[3], double *sum)
 {
-    double voxel_mm = iso_geometry_mean_spacing_mm(&n->geometry), q[3], exact[2][4], beyond[ISO_NODE_CHANNELS];
+    double q[3], exact[2][4], beyond[ISO_NODE_CHANNELS];
     bool on_face = node_beyond(n, brick, local, beyond);
     for (int a = 0; a < 3; ++a)
         q[a] = (double)(brick[a] * n->brick_voxels + local[a]);
@@ -89,12 +89,13 @@ static void estimate_brick(const iso_node_levels *n, const iso_view *view, uint8
                              index / (n->count[0] * n->count[1])};
     /* levels[index] alone is looked at: faces of its own. */
     const iso_brick_field f = {.nodes = n, .levels = levels, .faces = ISO_FACES_OWN};
+    const double voxel_mm = iso_geometry_mean_spacing_mm(&n->geometry);
     double sum[ISO_BRICK_MAX_LEVELS] = {0};
     size_t count = 0, side = n->brick_voxels;
     for (size_t z = 0; z <= side; ++z)
         for (size_t y = 0; y <= side; ++y)
             for (size_t x = (y + 2 * z) % 4; x <= side; x += 4, ++count)
-                add_errors(n, view, &f, &levels[index], brick, (const size_t[3]){x, y, z}, sum);
+                add_errors(n, view, voxel_mm, &f, &levels[index], brick, (const size_t[3]){x, y, z}, sum);
     /* A mean over the brick, times the voxels of a ray through it; no pixel is wrong by more than 1. */
     for (size_t l = 0; l < n->level_count; ++l)
         errors[l] = (float)fmin(1, sum[l] / (double)count * (double)side);
