@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "brick/occupancy.h"
 #include "brick/pack.h"
 
 /* Every choice of levels for the eight bricks round a corner: all faces, edges and corners there are. */
@@ -80,6 +81,54 @@ static void a_face_of_own_nodes_is_found_out(void **state)
     assert_at_most(jump_at(&f, q), CONTINUOUS);
     f.faces = ISO_FACES_OWN;
     assert_more_than(jump_at(&f, q), 1e-3);
+    iso_node_levels_destroy(&n);
+}
+
+/* Baking copies rows, and bricks are told by ranges of several; node by node gives the same. */
+static size_t bricks_unlike_their_nodes(const iso_brick_field *told, const iso_brick_field *f, const iso_tf_table *tf)
+{
+    const iso_node_levels *n = f->nodes;
+    float baked[9 * 9 * 9 * ISO_NODE_CHANNELS];
+    uint8_t visible[3 * 4 * 3];
+    size_t unlike = 0;
+    iso_brick_cull(told, tf, 1, visible);
+    for (size_t i = 0; i < iso_brick_count(n); ++i) {
+        const size_t brick[3] = {i % 3, i / 3 % 4, i / 12}, side = iso_brick_side(n, f->levels[i]);
+        double min = INFINITY, max = -INFINITY;
+        bool same = true;
+        iso_brick_bake(told, brick, baked);
+        for (size_t k = 0; k < side * side * side; ++k) {
+            double value[ISO_NODE_CHANNELS];
+            iso_brick_node(f, brick, (const size_t[3]){k % side, k / side % side, k / (side * side)}, value);
+            min = fmin(min, value[0]), max = fmax(max, value[0]);
+            for (size_t c = 0; c < ISO_NODE_CHANNELS; ++c)
+                same = same && baked[ISO_NODE_CHANNELS * k + c] == (float)value[c];
+        }
+        unlike += !same || visible[i] != iso_tf_shows(tf, min, max);
+    }
+    return unlike;
+}
+
+static void bricks_are_baked_and_told_by_their_nodes(void **state)
+{
+    (void)state;
+    random_state = (iso_random){6};
+    static const size_t size[3] = {25, 33, 18};
+    iso_node_levels n = noise_levels(size, 8, 4, true);
+    size_t found = 0;
+    for (int layout = 0; layout < 200; ++layout) {
+        float entries[4 * 32] = {0};
+        uint8_t levels[3 * 4 * 3];
+        for (size_t i = 0; i < iso_brick_count(&n); ++i)
+            levels[i] = (uint8_t)(4 * random_unit());
+        entries[4 * (size_t)(32 * random_unit()) + 3] = 1; /* what shows is a narrow band */
+        const iso_tf_table tf = {.count = 32, .lo = n.min, .hi = n.max, .entries = entries};
+        const iso_brick_field f = {&n, levels, ISO_FACES_BAKED}, own = {&n, levels, ISO_FACES_OWN};
+        if (bricks_unlike_their_nodes(&f, &f, &tf) > 0)
+            fail_msg("seed 6, layout %d", layout);
+        found += bricks_unlike_their_nodes(&own, &f, &tf) > 0; /* the fault: faces of its own */
+    }
+    assert_int_equal(found, 200);
     iso_node_levels_destroy(&n);
 }
 
@@ -371,6 +420,7 @@ int main(void)
         cmocka_unit_test(every_configuration_of_three_levels_is_continuous),
         cmocka_unit_test(random_layouts_of_four_levels_are_continuous_in_scalar_and_direction),
         cmocka_unit_test(a_face_of_own_nodes_is_found_out),
+        cmocka_unit_test(bricks_are_baked_and_told_by_their_nodes),
         cmocka_unit_test(interior_of_a_fine_brick_is_the_volume_itself),
         cmocka_unit_test(any_layout_reproduces_a_ramp_away_from_the_continued_edge),
         cmocka_unit_test(packed_bricks_do_not_overlap_and_give_the_field),

@@ -61,7 +61,7 @@ static void make_scene(scene *s, uint64_t seed)
                     .step_voxels = 0.25,
                     .background = {0.1, 0.2, 0.3},
                     .shading = {.ambient = 0.3, .diffuse = 0.5, .specular = 0.4}};
-    v->shading.power = random_in(0, 1) < 0.3 ? random_in(2, 9) : floor(random_in(1, 21));
+    v->shading.power = random_in(0, 1) < 0.3 ? random_in(0.2, 5) : floor(random_in(1, 21));
     for (size_t l = 0; l < v->light_count; ++l)
         v->lights[l] = (iso_light){.direction = iso_normalize(
                                        iso_v3(random_in(-1, 1), random_in(-1, 1), random_in(-1, 1))),
