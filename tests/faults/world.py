@@ -155,9 +155,10 @@ def content(path):
         # A report holds its command, how many pictures were there to go on from, and which renderer drew how many, the first
         # to draw first.
         data = re.sub(rb' --resume|,"pictures_taken":[0-9]+|"renderers":\{("\w+":\{[^{}]*\},?)+\}', b"", file.read())
-    if path.endswith(".json"):
+    if path.endswith((".json", ".jsonl")):
         try:
-            return dict(leaves(json.loads(data)))
+            lines = path.endswith(".jsonl")
+            return dict(leaves([json.loads(line) for line in data.splitlines()] if lines else json.loads(data)))
         except ValueError:
             return {"": data}
     processor = re.search(rb'"processor":"([^"]+)"', data) # a report's, which /proc may not have told
