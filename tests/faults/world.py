@@ -157,8 +157,10 @@ def content(path):
         data = re.sub(rb' --resume|,"pictures_taken":[0-9]+|"renderers":\{("\w+":\{[^{}]*\},?)+\}', b"", file.read())
     if path.endswith((".json", ".jsonl")):
         try:
-            lines = path.endswith(".jsonl")
-            return dict(leaves([json.loads(line) for line in data.splitlines()] if lines else json.loads(data)))
+            if path.endswith(".json"):
+                return dict(leaves(json.loads(data)))
+            lines = [json.loads(line) for line in data.splitlines()] # of a chart, which measures what is fast first
+            return dict(leaves({f"{x.get('scene')}, {x.get('setting')}": x for x in lines}))
         except ValueError:
             return {"": data}
     processor = re.search(rb'"processor":"([^"]+)"', data) # a report's, which /proc may not have told
