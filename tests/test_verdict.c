@@ -108,6 +108,32 @@ static void rows_of_older_reports_are_read_by_their_name(void **state)
     }
 }
 
+static void rows_are_named_in_words(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *a, *b;
+        double seeds; /* 0: the row has none */
+        const char *words;
+    } rows[] = {
+        {"reference", "gl, limit, naive, adapted TF", 0, "gl, limit of halved steps, naive, adapted TF"},
+        {"reference", "gl, limit", 1, "gl, limit of halved steps"},
+        {"reference", "cycles, limit", 4, "cycles, mean over seeds"},
+        {"reference, same samples", "povray", 0, "povray, same samples"},
+        {"reference", "povray, naive", 0, "povray, naive"},
+        {"reference", "gl, exact lookups", 0, "gl, exact lookups"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        json_t *row = json_pack("{s:s, s:s}", "a", rows[i].a, "b", rows[i].b);
+        char words[ISO_ROW_NAME_BYTES];
+        if (rows[i].seeds > 0)
+            json_object_set_new(row, "statistics", json_pack("{s:f}", "seeds", rows[i].seeds));
+        iso_row_words_of(row, words);
+        assert_string_equal(words, rows[i].words);
+        json_decref(row);
+    }
+}
+
 /* ---- signal ---- */
 
 /* So many of 100 pixels show this color and alpha before a background. */
@@ -377,6 +403,7 @@ int main(void)
         cmocka_unit_test(every_word_of_a_verdict_is_read_again),
         cmocka_unit_test(a_row_holds_what_it_is_of_in_fields),
         cmocka_unit_test(rows_of_older_reports_are_read_by_their_name),
+        cmocka_unit_test(rows_are_named_in_words),
         cmocka_unit_test(a_signal_is_measured_above_the_background),
         cmocka_unit_test(both_color_and_alpha_have_to_show),
         cmocka_unit_test(an_empty_image_is_its_background_in_every_bit),

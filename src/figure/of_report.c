@@ -235,16 +235,6 @@ static iso_status plan_levels(figure *f, iso_error *err)
 
 /* ---- renderers -------------------------------------------------------------- */
 
-/* By which pictures a row compares. */
-static const char *words_of_comparison(const json_t *row, iso_comparison comparison)
-{
-    if (comparison == ISO_COMPARISON_LIMIT)
-        return number_of(json_object_get(row, "statistics"), "seeds") > 1 ? "mean over seeds" : "limit of halved steps";
-    if (comparison == ISO_COMPARISON_LOCK_STEP)
-        return strstr(string_of(row, "a"), "same samples") ? "same samples" : "";
-    return iso_comparison_word(comparison);
-}
-
 /* What a row compares, in words: the renderer, by which pictures, and in what they differ from the scene as it is. Renderers
  * of others are called what they are called. */
 static void name_comparison(const json_t *row, char title[96])
@@ -252,7 +242,7 @@ static void name_comparison(const json_t *row, char title[96])
     const iso_row_identity id = iso_row_identify(row);
     const iso_renderer_info *info = NULL;
     const bool known = iso_renderer_from_name(id.renderer, &info, NULL) == ISO_OK;
-    const char *how = words_of_comparison(row, id.comparison), *rest = strchr(id.variant, ',');
+    const char *how = iso_row_comparison_words(row), *rest = strchr(id.variant, ',');
     char method[sizeof id.variant];
     snprintf(method, sizeof method, "%.*s", (int)strcspn(id.variant, ","), id.variant);
     const int length = snprintf(title, 96, "%s%s%s%s%s%s", known ? info->title : id.renderer, how[0] ? ", " : "", how,

@@ -21,7 +21,7 @@ struct iso_report {
     iso_output out;
     pthread_mutex_t lock; /* of what is below */
     json_t *root;         /* report.json */
-    json_t *inlined;      /* what only the page needs: pictures as text, differences of the agreement's rows */
+    json_t *inlined;      /* what only the page needs: pictures as text, differences and words of agreement's rows */
     size_t *orders;       /* of the agreement's rows */
     double start_seconds;
     bool finished;
@@ -60,7 +60,7 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     struct tm utc;
     strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     r->start_seconds = iso_clock_seconds();
-    r->inlined = json_pack("{s:{}, s:[], s:{}}", "images", "differences", "charts");
+    r->inlined = json_pack("{s:{}, s:[], s:[], s:{}}", "images", "differences", "words", "charts");
     r->root = json_pack(
         "{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:s, s:[], s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}", "schema",
         "isoshade.validate/1", "command", text(about->command), "options", "title", text(about->title), "volume",
@@ -366,10 +366,10 @@ static int worst_first(const void *a, const void *b)
     return (kx < ky) - (kx > ky);
 }
 
-/* Rows carry their number, since pictures of differences are kept under it. */
+/* Rows carry their number, since pictures of differences, and what the page calls a row, are kept under it. */
 static iso_status sort_rows(iso_report *r, iso_error *err)
 {
-    json_t *rows = json_object_get(r->root, "agreement");
+    json_t *rows = json_object_get(r->root, "agreement"), *words = json_object_get(r->inlined, "words");
     size_t count = json_array_size(rows), i;
     json_t **order = calloc(count + 1, sizeof *order), *row, *sorted = json_array();
     if (!order || !sorted) {
@@ -379,6 +379,9 @@ static iso_status sort_rows(iso_report *r, iso_error *err)
     }
     json_array_foreach(rows, i, row)
     {
+        char name[ISO_ROW_NAME_BYTES];
+        iso_row_words_of(row, name);
+        json_array_append_new(words, json_string(name));
         order[i] = row;
         json_object_set_new(row, "number", json_integer((json_int_t)i));
     }

@@ -62,7 +62,9 @@ function command(line) {
     return el('div', {class: 'command'}, code, button);
 }
 const level = row => row.level === 0 ? 'level 0' : `level ${row.level}`;
-const title = row => row.comparison === 'stage' ? `${row.scene}: the stage ${row.variant}` : `${row.scene}, ${level(row)}: ${row.a} against ${row.b}`;
+// What a row is called here; row.b is its name in report.json, and all that a page of two reports has.
+const nameOf = row => inlined.words ? inlined.words[row.number] : row.b;
+const title = row => row.comparison === 'stage' ? `${row.scene}: the stage ${row.variant}` : `${row.scene}, ${level(row)}: ${row.a} against ${nameOf(row)}`;
 const uncompared = row => row.verdict === 'not compared', style = verdict => verdict.replaceAll(' ', '-');
 const ratio = (row, digits) => row.severity === null ? '∞' : row.severity < 0.01 ? '< 0.01' : row.severity < 1e4 ? String(Number(row.severity.toPrecision(digits))) : row.severity.toExponential(0);
 const names = {rmse: 'RMSE', max_abs: 'max', p99_abs: 'p99', ssim_dissimilarity: '1 − SSIM', flip_mean: 'FLIP'};

@@ -150,8 +150,8 @@ function show() {
     parts.slider.value = view.threshold;
     parts.value.replaceChildren(view.threshold <= -9 ? 'any' : brief(10 ** view.threshold));
     if (!parts.a.box.hidden) draw(parts.a, a.canvas, row.a, 'a');
-    if (!parts.b.box.hidden) draw(parts.b, b.canvas, row.b, 'b');
-    if (!parts.p.box.hidden) draw(parts.p, a.canvas, row.a, `to the left, ${row.b} to the right`, b.canvas, view.part);
+    if (!parts.b.box.hidden) draw(parts.b, b.canvas, nameOf(row), 'b');
+    if (!parts.p.box.hidden) draw(parts.p, a.canvas, row.a, `to the left, ${nameOf(row)} to the right`, b.canvas, view.part);
     if (!parts.d.box.hidden) {
         const threshold = view.threshold <= -9 ? -Infinity : view.threshold;
         if (!loaded.painted || loaded.painted.threshold !== threshold) loaded.painted = {threshold, ...paintDifference(d, a, threshold)};

@@ -63,7 +63,7 @@ const severityOf = row => uncompared(row) ? -1 : row.severity ?? Infinity;
 const verdicts = ['agree', 'not compared', 'refused', 'differ'];
 // heading, what it sorts by (numbers: the largest first), numeric
 const columns = [['verdict', row => verdicts.indexOf(row.verdict) * 1e3 + Math.min(severityOf(row), 900)], ['of limit', severityOf, true],
-    ['level', row => row.level, true], ['scene', row => row.scene], ['b against a', row => row.b],
+    ['level', row => row.level, true], ['scene', row => row.scene], ['b against a', nameOf],
     ['RMSE', row => row.rmse, true], ['error bar', row => row.error_bar, true], ['max', row => row.max_abs, true], ['p99', row => row.p99_abs, true],
     ['1 − SSIM', row => valueOf(row, 'ssim_dissimilarity'), true], ['FLIP', row => row.flip_mean, true], ['seconds', row => row.seconds, true]]
     .filter(([name]) => name !== 'seconds' || data.agreement.some(row => row.seconds));
@@ -81,14 +81,14 @@ function agreementRow(row, at) {
     const seconds = columns.at(-1)[0] === 'seconds' ? cell(row.seconds ? String(Number(row.seconds.toPrecision(2))) : '–', true) : null;
     return el('tr', {class: row.image_a && row.image_b ? 'pick' : null, id: `row-${row.number}`, onclick: () => { if (!String(getSelection())) inspect(at, true); }},
         cell(row.verdict, false, style(row.verdict)), limit, cell(String(row.level), true),
-        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), el('td', {class: 'pair'}, row.b, el('small', {}, row.a ? ` ${row.a}` : '')),
+        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), el('td', {class: 'pair'}, nameOf(row), el('small', {}, row.a ? ` ${row.a}` : '')),
         withLimit(row, 'rmse', row.rmse), cell(brief(row.error_bar), true, (row.gates || []).some(g => g.gate === 'error_bar' && !(g.value <= g.limit)) ? 'differ' : ''), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
         withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean), seconds || []);
 }
 function arrange() {
     const wanted = order.text.toLowerCase().split(/\s+/).filter(Boolean);
     const passes = row => filters.every(([name, of]) => !order.filter[name] || of(row) === order.filter[name]) &&
-        wanted.every(w => `${row.scene} level ${row.level} ${row.tier || ''} ${row.a || ''} ${row.b} ${row.verdict}`.toLowerCase().includes(w));
+        wanted.every(w => `${row.scene} level ${row.level} ${row.tier || ''} ${row.a || ''} ${row.b} ${nameOf(row)} ${row.verdict}`.toLowerCase().includes(w));
     order.rows = data.agreement.map((row, at) => at).filter(at => passes(data.agreement[at]));
     if (order.column >= 0) {
         const key = at => columns[order.column][1](data.agreement[at]) ?? -Infinity, sign = order.down ? -1 : 1;
@@ -191,7 +191,7 @@ function failures() {
     for (const row of bad.slice(0, shown)) {
         const panels = el('div', {class: 'panels'});
         if (row.image_a) panels.append(still(inlined.images[row.image_a], row.a, 'a'));
-        if (row.image_b) panels.append(still(inlined.images[row.image_b], row.b, 'b'));
+        if (row.image_b) panels.append(still(inlined.images[row.image_b], nameOf(row), 'b'));
         if (inlined.differences[row.number]) differencePanel(row).then(p => panels.append(p));
         $('failed').append(el('div', {class: 'failure'}, el('h3', {}, title(row)), el('p', {}, explain(row)), panels, command(row.command) || '',
             inlined.differences[row.number] ? el('button', {type: 'button', onclick: () => inspect(data.agreement.indexOf(row), true)}, 'look closer') : null));

@@ -205,3 +205,22 @@ void iso_row_name_of(const json_t *row, char name[ISO_ROW_NAME_BYTES])
     const iso_row_identity id = iso_row_identify(row);
     iso_row_name(id.renderer, id.comparison, id.variant, name);
 }
+
+const char *iso_row_comparison_words(const json_t *row)
+{
+    const iso_comparison comparison = iso_row_identify(row).comparison;
+    if (comparison == ISO_COMPARISON_LIMIT)
+        return iso_row_number(json_object_get(row, "statistics"), "seeds") > 1 ? "mean over seeds"
+                                                                               : "limit of halved steps";
+    if (comparison == ISO_COMPARISON_LOCK_STEP)
+        return strstr(iso_row_text(row, "a"), "same samples") ? "same samples" : "";
+    return iso_comparison_word(comparison);
+}
+
+void iso_row_words_of(const json_t *row, char words[ISO_ROW_NAME_BYTES])
+{
+    const iso_row_identity id = iso_row_identify(row);
+    const char *how = iso_row_comparison_words(row);
+    snprintf(words, ISO_ROW_NAME_BYTES, "%s%s%s%s%s", id.renderer, id.renderer[0] && how[0] ? ", " : "", how,
+             id.variant[0] ? ", " : "", id.variant);
+}

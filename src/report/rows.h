@@ -99,6 +99,11 @@ enum { ISO_ROW_NAME_BYTES = 192 };
 void iso_row_name(const char *renderer, iso_comparison comparison, const char *variant, char name[ISO_ROW_NAME_BYTES]);
 void iso_row_name_of(const json_t *row, char name[ISO_ROW_NAME_BYTES]);
 
+/* By which pictures a row compares, in a reader's words: "limit of halved steps"; "" where there is nothing to say. */
+const char *iso_row_comparison_words(const json_t *row);
+/* "gl, limit of halved steps, naive, adapted TF": its name in a reader's words. */
+void iso_row_words_of(const json_t *row, char words[ISO_ROW_NAME_BYTES]);
+
 /* Of a row: "" and NaN where there is none; gnuplot leaves NaN out. */
 const char *iso_row_text(const json_t *row, const char *key);
 double iso_row_number(const json_t *row, const char *key);
