@@ -1,31 +1,177 @@
 /* SPDX-License-Identifier: MIT */
-/* Large buffers are whole. */
+/* Large buffers are whole, apart from each other, begin where a huge page does and are advised to have some; allocators
+ * that do not keep this are noticed. */
+#define _GNU_SOURCE
+#include <malloc.h>
+#include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #include "base/large.h"
 #include "tests/test.h"
 
-enum { MIB = 1 << 20 };
+enum { MIB = 1 << 20, HUGE_PAGE = 2 * MIB };
 
-static void every_byte_can_be_written(void **state)
+typedef void *allocator(size_t bytes);
+
+/* Of the mapping that holds p: whether the kernel was asked for huge pages there; -1 when it does not tell. */
+static int is_advised(const void *p)
 {
-    (void)state;
-    static const size_t sizes[] = {1, 4095, 2 * MIB, 4 * MIB - 1, 4 * MIB, 4 * MIB + 1, 7 * MIB + 3};
+    FILE *maps = fopen("/proc/self/smaps", "r");
+    char line[4096];
+    bool inside = false;
+    int advised = -1;
+    while (maps && advised < 0 && fgets(line, sizeof line, maps)) {
+        uintmax_t from, to;
+        if (sscanf(line, "%jx-%jx ", &from, &to) == 2)
+            inside = from <= (uintptr_t)p && (uintptr_t)p < to;
+        else if (inside && strncmp(line, "VmFlags:", 8) == 0)
+            advised = strstr(line, " hg") != NULL;
+    }
+    if (maps)
+        fclose(maps);
+    return advised;
+}
+
+/* Kernels without huge pages refuse the advice, and then show none. */
+static bool kernel_takes_advice(void)
+{
+    void *p = aligned_alloc(HUGE_PAGE, 2 * HUGE_PAGE);
+    const bool takes = p && madvise(p, 2 * HUGE_PAGE, MADV_HUGEPAGE) == 0 && is_advised(p) == 1;
+    free(p);
+    return takes;
+}
+
+/* From 4 MiB on. */
+static bool begins_on_a_huge_page(allocator *alloc)
+{
+    static const size_t sizes[] = {4 * MIB, 4 * MIB + 1, 7 * MIB + 3};
+    bool aligned = true;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
-        unsigned char *p = iso_large_alloc(sizes[i]);
-        assert_non_null(p);
-        memset(p, (int)i + 1, sizes[i]);
-        assert_int_equal(p[0], i + 1);
-        assert_int_equal(p[sizes[i] - 1], i + 1);
+        void *p = alloc(sizes[i]);
+        aligned = aligned && p && (uintptr_t)p % HUGE_PAGE == 0;
         free(p);
     }
+    return aligned;
+}
+
+/* Its first and last whole huge page; of both, since advice may end early. */
+static bool asks_for_huge_pages(allocator *alloc)
+{
+    const size_t bytes = 9 * MIB + 5;
+    char *p = alloc(bytes);
+    const bool asks = p && is_advised(p) == 1 && is_advised(p + bytes / HUGE_PAGE * HUGE_PAGE - 1) == 1;
+    free(p);
+    return asks;
+}
+
+/* Every byte is there and is no other buffer's. */
+static bool gives_whole_buffers(allocator *alloc)
+{
+    static const size_t sizes[] = {1, 4095, 2 * MIB, 4 * MIB - 1, 4 * MIB, 4 * MIB + 1, 7 * MIB + 3};
+    enum { COUNT = sizeof sizes / sizeof *sizes };
+    unsigned char *p[COUNT];
+    bool whole = true;
+    for (size_t i = 0; i < COUNT; ++i) {
+        p[i] = alloc(sizes[i]);
+        whole = whole && p[i] && malloc_usable_size(p[i]) >= sizes[i];
+    }
+    for (size_t i = 0; i < COUNT && whole; ++i)
+        memset(p[i], (int)i + 1, sizes[i]);
+    for (size_t i = 0; i < COUNT; ++i) {
+        for (size_t k = 0; k < sizes[i] && whole; ++k)
+            whole = p[i][k] == i + 1;
+        free(p[i]);
+    }
+    return whole;
+}
+
+static void buffers_are_whole(void **state)
+{
+    (void)state;
+    assert_true(gives_whole_buffers(iso_large_alloc));
+}
+
+static void large_ones_begin_on_a_huge_page(void **state)
+{
+    (void)state;
+    assert_true(begins_on_a_huge_page(iso_large_alloc));
+}
+
+static void large_ones_are_advised_to_be_of_huge_pages(void **state)
+{
+    (void)state;
+    if (!kernel_takes_advice())
+        skip();
+    assert_true(asks_for_huge_pages(iso_large_alloc));
+}
+
+/* A sanitizer's allocator ends the program where others return NULL, unless it is told not to; the rest of its options stay. */
+const char *__asan_default_options(void);
+const char *__asan_default_options(void)
+{
+    return "allocator_may_return_null=1";
+}
+
+static void too_much_is_refused(void **state)
+{
+    (void)state;
+    static const size_t sizes[] = {SIZE_MAX, SIZE_MAX - HUGE_PAGE, SIZE_MAX - HUGE_PAGE + 1, SIZE_MAX / 2 + 1};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i)
+        assert_null(iso_large_alloc(sizes[i]));
+}
+
+/* ---- planted faults ---- */
+
+/* Whole huge pages alone: the end is missing. */
+static void *rounded_down(size_t bytes)
+{
+    return bytes < 2 * HUGE_PAGE ? malloc(bytes) : aligned_alloc(HUGE_PAGE, bytes / HUGE_PAGE * HUGE_PAGE);
+}
+
+/* Half of what was asked for. */
+static void *too_short(size_t bytes)
+{
+    return malloc(bytes / 2);
+}
+
+static void *never_there(size_t bytes)
+{
+    (void)bytes;
+    return NULL;
+}
+
+/* For its first huge page only. */
+static void *half_advised(size_t bytes)
+{
+    void *p = aligned_alloc(HUGE_PAGE, (bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE);
+    if (p)
+        (void)madvise(p, HUGE_PAGE, MADV_HUGEPAGE);
+    return p;
+}
+
+static void faults_are_noticed(void **state)
+{
+    (void)state;
+    assert_false(gives_whole_buffers(rounded_down));
+    assert_false(gives_whole_buffers(too_short));
+    assert_false(gives_whole_buffers(never_there));
+    assert_false(begins_on_a_huge_page(malloc)); /* glibc keeps a header before it */
+    assert_false(begins_on_a_huge_page(never_there));
+    assert_false(asks_for_huge_pages(half_advised));
+    assert_false(asks_for_huge_pages(rounded_down));
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_byte_can_be_written),
+        cmocka_unit_test(buffers_are_whole),
+        cmocka_unit_test(large_ones_begin_on_a_huge_page),
+        cmocka_unit_test(large_ones_are_advised_to_be_of_huge_pages),
+        cmocka_unit_test(too_much_is_refused),
+        cmocka_unit_test(faults_are_noticed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

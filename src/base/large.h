@@ -9,7 +9,8 @@
 
 #include <stddef.h>
 
-/* As malloc(); freed by free(). */
+/* As malloc(); freed by free(). From 4 MiB on it begins on a multiple of 2 MiB, and its whole huge pages are asked for.
+ * NULL: there is no such memory. */
 void *iso_large_alloc(size_t bytes);
 
 #endif
