@@ -81,7 +81,7 @@ function agreementRow(row, at) {
     const seconds = columns.at(-1)[0] === 'seconds' ? cell(row.seconds ? String(Number(row.seconds.toPrecision(2))) : '–', true) : null;
     return el('tr', {class: row.image_a && row.image_b ? 'pick' : null, id: `row-${row.number}`, onclick: () => { if (!String(getSelection())) inspect(at, true); }},
         cell(row.verdict, false, style(row.verdict)), limit, cell(String(row.level), true),
-        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : '']), el('td', {class: 'pair'}, nameOf(row), el('small', {}, row.a ? ` ${row.a}` : '')),
+        cell([row.image_a && row.image_b ? open : row.scene, row.tier ? el('small', {}, ` ${row.tier}`) : ''], false, 'two-lines'), el('td', {class: 'pair two-lines'}, nameOf(row), el('small', {}, row.a ? ` ${row.a}` : '')),
         withLimit(row, 'rmse', row.rmse), cell(brief(row.error_bar), true, (row.gates || []).some(g => g.gate === 'error_bar' && !(g.value <= g.limit)) ? 'differ' : ''), withLimit(row, 'max_abs', row.max_abs), withLimit(row, 'p99_abs', row.p99_abs),
         withLimit(row, 'ssim_dissimilarity', valueOf(row, 'ssim_dissimilarity')), withLimit(row, 'flip_mean', row.flip_mean), seconds || []);
 }
