@@ -6,7 +6,8 @@
 #   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity scale chart chart-page chart-across opened viewer addon
 #                                        first-pictures
 # What needs a volume or a program that is not there says so and is left out: the volume of $ENGINE (256 x 256 x 128, else
-# ../shared/data/engine_256x256x128.nrrd), the folder $VOLUMES of doc/results/first-pictures.md, Xvfb, ImageMagick, Chromium.
+# ../shared/data/engine_256x256x128.nrrd), the folder $VOLUMES of doc/results/first-pictures.md, Xvfb, ImageMagick,
+# Chromium, teem-unu (of teem-apps).
 # What is made on the way stays in build/figures.
 set -eu
 cd "$(dirname "$0")/.."
@@ -126,7 +127,7 @@ chart() { # doc/results/chart.md
     cp "$work/chart-brain/pareto.svg" "$out/chart-brain.svg"
 }
 chart_across() { # doc/results/chart.md
-    unu crop -min 80 80 16 -max 175 175 111 -i "$engine" -o "$work/engine.nrrd"
+    teem-unu crop -min 80 80 16 -max 175 175 111 -i "$engine" -o "$work/engine.nrrd"
     "$isoshade" chart "$work/engine.nrrd" --across-levels --scene refscenes/shells.scene.json --size 128 --views 3 --levels 4 \
         -q -o "$work/chart-engine"
     cp "$work/chart-engine/across.svg" "$out/chart-across.svg"
@@ -158,7 +159,7 @@ needs() { # name
         viewer | chart-page) echo $templates/ch2bet.nii.gz chromium python3 ;;
         opened) echo $templates/ch2bet.nii.gz blender xvfb-run import ;;
         failures) echo chromium ;;
-        chart-across) echo "$engine" unu ;;
+        chart-across) echo "$engine" teem-unu ;;
         addon) echo blender xvfb-run convert ;;
         first-pictures) echo "${VOLUMES:-./\$VOLUMES}" montage ;;
     esac
