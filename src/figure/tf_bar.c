@@ -86,7 +86,7 @@ void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, doub
     if (!(iso_figure_tf_foot_mm(foot) > 0))
         return;
     const double unit_mm = iso_figure_tf_unit_mm(foot->tf), wide = iso_page_width(page);
-    snprintf(text, sizeof text, "value, as opaque as %.3g mm", unit_mm);
+    snprintf(text, sizeof text, "value (opacity of %.3g mm)", unit_mm);
     const double room = wide - 2 * edge_mm - 2 - iso_page_text_mm(page, ISO_PAGE_NOTE, text);
     const bool has_text = room >= narrowest_mm;
     const iso_page_box box = {edge_mm, iso_page_height(page) - above_mm - foot_mm + 1,
