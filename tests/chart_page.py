@@ -71,7 +71,8 @@ def findings(path):
                       % data["cases"].index(coarse))
         href = page.evaluate("document.querySelector('#setting a').getAttribute('href')")
         there = os.path.exists(os.path.join(os.path.dirname(path), href.split("#")[0]))
-        page.evaluate("document.querySelector('#setting a').click()")
+        # Later, since an answer may not come from a page that is left.
+        page.evaluate("void setTimeout(() => document.querySelector('#setting a').click())")
         page.wait("window.isoshade && document.documentElement.dataset.ready === 'yes'")
         state = page.evaluate("[isoshade.state.level, isoshade.state.step]")
         say("it_links_to_the_viewer_at_its_level", there and state == [1, coarse["step_voxels"]])

@@ -42,7 +42,7 @@ set_rate() {
     done
 }
 sent_bytes() { # by all hosts
-    for h in 0 1 2 3 4 5 6 7; do ip netns exec "$prefix$h" cat /sys/class/net/eth0/statistics/tx_bytes; done | paste -sd+ | bc
+    for h in 0 1 2 3 4 5 6 7; do ip netns exec "$prefix$h" cat /sys/class/net/eth0/statistics/tx_bytes; done | awk '{sum += $1} END {print sum}'
 }
 
 # What mpirun calls in place of ssh: AGENT HOST COMMAND.

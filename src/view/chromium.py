@@ -100,7 +100,8 @@ class Chromium:
                 if self.evaluate(f"(() => {{ try {{ return Boolean({expression}); }} catch {{ return false; }} }})()"):
                     return
             except RuntimeError as problem:
-                if "context" not in str(problem):  # that of the page before
+                # Of the page before, which went away with its context while it was asked.
+                if not any(word in str(problem) for word in ("context", "target navigated")):
                     raise
             if time.monotonic() > end:
                 raise TimeoutError(f"the page never came to: {expression}")

@@ -17,6 +17,8 @@ TOP = os.path.dirname(os.path.dirname(HERE))
 ISOSHADE = os.path.realpath(os.environ.get("ISOSHADE", f"{TOP}/isoshade"))
 SCENE, TF = f"{TOP}/refscenes/shells.scene.json", f"{TOP}/refscenes/shells.tf.json"
 PROGRESS = re.compile(r"^[a-z ]+: .* [0-9]+ %(, about .* left)?$|^[a-z ]+: ended after ")
+# How long it took stands in what commands print, and may be the same in two runs by chance.
+DURATION = re.compile(r"(?<![0-9a-z.])[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)? (s|ms)\b")
 # An output is a picture, a report ... of one run: what tells when, and how long, differs.
 UUID = re.compile(rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 # Of a chart also how many frames were timed, and the numbers of the points on its front of time.
@@ -189,6 +191,10 @@ def unlit():
     return scene
 
 
+def without_durations(text):
+    return DURATION.sub(r"# \3", text)
+
+
 class World:
     """A folder with fixtures, copies of it to run in, and what each command leaves when nothing disturbs it."""
 
@@ -275,7 +281,7 @@ class World:
             child.communicate()
             return "hangs", [], []
         said = [line for line in err.decode(errors="replace").splitlines() if line and not PROGRESS.match(line) and ": warning: " not in line]
-        return child.returncode, out.decode(errors="replace").splitlines(), said
+        return child.returncode, without_durations(out.decode(errors="replace")).splitlines(), said
 
     def learn(self, command):
         """What is right: runs it twice; what differs between the two is compared by its words alone."""
