@@ -8,6 +8,7 @@
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -113,7 +114,8 @@ static void take_output(line_log *log, const char *bytes, size_t count)
 
 /* Ctrl-C and the like, while programs run: they are ended and the calls fail, so that the callers remove what is half
  * made. A handler can speak through nothing but a global; the first of several calls watches, the last restores. */
-static volatile sig_atomic_t stop_signal, was_stopped;
+static _Atomic int stop_signal, was_stopped; /* lock-free, for the handler; _Atomic, for threads that look */
+_Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a signal's handler may store to atomics without a lock alone");
 static const int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
 enum { stop_count = sizeof stop_signals / sizeof *stop_signals };
 static struct {
@@ -357,7 +359,7 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     const int result = reap(p, deadline, &end, &used);
     note_outcome(options, end, result, &used, start);
     if (end == DRAIN_STOPPED)
-        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", p->name, (int)stop_signal);
+        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", p->name, stop_signal);
     if (end == DRAIN_UNREADABLE)
         return iso_fail(err, ISO_E_IO, "%s: its output cannot be read: %s", p->name, strerror(cause));
     if (end == DRAIN_TIMED_OUT)
