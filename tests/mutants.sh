@@ -91,11 +91,11 @@ copy() { # FOLDER
 }
 build() { make --no-print-directory SETUP=no "$@" >"$logs/build" 2>&1; }
 
-# passes TEST: builds it, and runs it against the program of the copy
+# passes TEST: builds it, and runs it against the program of the copy, with the libraries that lie beside that
 passes() {
     case $1 in
     check_*) build all && timeout 900 env ISOSHADE="$PWD/build/release/isoshade" bash "tests/$1.sh" >"$logs/test" 2>&1 ;;
-    *) build "build/release/tests/$1" && timeout 900 "build/release/tests/$1" >"$logs/test" 2>&1 ;;
+    *) build all "build/release/tests/$1" && timeout 900 "build/release/tests/$1" >"$logs/test" 2>&1 ;;
     esac </dev/null
 }
 
