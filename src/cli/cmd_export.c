@@ -109,6 +109,43 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
     return status;
 }
 
+/* What the command line says, before anything is read. iso: the surface's value, as it was without one. */
+static iso_status check_arguments(iso_export_arguments *a, const iso_export_target **target, iso_subject_look *look,
+                                  double iso[3], iso_error *err)
+{
+    iso_status status = iso_export_check(a, target, err);
+    if (status == ISO_OK)
+        status = iso_cli_look_check(&a->look, a->cli->threads, look, err);
+    if (status == ISO_OK && a->isosurface)
+        status = iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err);
+    return status;
+}
+
+/* What one volume and a series have alike. root: for --json, or NULL. */
+static iso_export_job job_of(iso_export_arguments *a, const iso_export_target *target, iso_view *view, double iso,
+                             const iso_progress *progress, const char *command, json_t *root)
+{
+    return (iso_export_job){.level = (size_t)a->level,
+                            .level_count = (size_t)a->level_count,
+                            .output = a->output,
+                            .view = view,
+                            .step_voxels = a->step,
+                            .half_float = a->half,
+                            .physical = a->material_row == 1,
+                            .dense = a->dense,
+                            .is_shown = iso_export_is_shown(a, target),
+                            .background = a->has_background ? &a->background : NULL,
+                            .command = command,
+                            .isosurface = a->isosurface != NULL,
+                            .iso = iso,
+                            .threads = a->cli->threads,
+                            .progress = progress,
+                            .view_of_level = view_of_level,
+                            .user = a,
+                            .results = root,
+                            .notes = root ? NULL : stdout};
+}
+
 static iso_status export_it(iso_export_arguments *a, iso_error *err)
 {
     const iso_export_target *target = NULL;
@@ -119,13 +156,7 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     iso_view view = {0};
     iso_planned planned = {0};
     iso_subject_look look;
-    iso_status status = iso_export_check(a, &target, err);
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
-    if (status != ISO_OK)
-        return status;
-    if (a->isosurface)
-        status = iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err);
+    iso_status status = check_arguments(a, &target, &look, iso, err);
     if (status != ISO_OK)
         return status;
     iso_cli_expect_names(a->cli, !iso_pyramid_is_one(a->cli->arguments[0]), target->stages, target->name);
@@ -136,32 +167,14 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
                                     a->cli->threads, &planned, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
     char *command = iso_cli_command_line(a->cli);
-    const iso_export_job job = {.pyramid = &pyramid,
-                                .volume = volume.data ? &volume : NULL,
-                                .level = (size_t)a->level,
-                                .level_count = (size_t)a->level_count,
-                                .output = a->output,
-                                .view = &view,
-                                .planned = a->plan ? &planned : NULL,
-                                .merged = iso_export_wants_merged(a),
-                                .step_voxels = a->step,
-                                .half_float = a->half,
-                                .physical = a->material_row == 1,
-                                .dense = a->dense,
-                                .is_shown = iso_export_is_shown(a, target),
-                                .background = a->has_background ? &a->background : NULL,
-                                .command = command,
-                                .extinction_scale = a->adapted.extinction_scale,
-                                .bake = a->bake.wanted ? &a->bake : NULL,
-                                .lattice = a->bake.lattice,
-                                .isosurface = a->isosurface != NULL,
-                                .iso = iso[0],
-                                .threads = a->cli->threads,
-                                .progress = &progress,
-                                .view_of_level = view_of_level,
-                                .user = a,
-                                .results = root,
-                                .notes = root ? NULL : stdout};
+    iso_export_job job = job_of(a, target, &view, iso[0], &progress, command, root);
+    job.pyramid = &pyramid;
+    job.volume = volume.data ? &volume : NULL;
+    job.planned = a->plan ? &planned : NULL;
+    job.merged = iso_export_wants_merged(a);
+    job.extinction_scale = a->adapted.extinction_scale;
+    job.bake = a->bake.wanted ? &a->bake : NULL;
+    job.lattice = a->bake.lattice;
     if (status == ISO_OK)
         status = target->write(&job, err);
     if (status == ISO_OK && root) {
@@ -241,11 +254,7 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
     iso_subject_frames frames = {0};
     iso_view view = {0};
     iso_subject_look look;
-    iso_status status = iso_export_check(a, &target, err);
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
-    if (status == ISO_OK && a->isosurface)
-        status = iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err);
+    iso_status status = check_arguments(a, &target, &look, iso, err);
     if (status != ISO_OK)
         return status;
     build.threads = a->cli->threads;
@@ -259,28 +268,10 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
         status = make_series_view(a, &frames, iso, &view, err);
     json_t *root = status == ISO_OK && a->cli->json ? iso_cli_json(a->cli) : NULL;
     char *command = iso_cli_command_line(a->cli);
-    const iso_export_job job = {.level = (size_t)a->level,
-                                .level_count = (size_t)a->level_count,
-                                .output = a->output,
-                                .view = &view,
-                                .step_voxels = a->step,
-                                .half_float = a->half,
-                                .physical = a->material_row == 1,
-                                .dense = a->dense,
-                                .is_shown = iso_export_is_shown(a, target),
-                                .background = a->has_background ? &a->background : NULL,
-                                .command = command,
-                                .isosurface = a->isosurface != NULL,
-                                .iso = iso[0],
-                                .threads = a->cli->threads,
-                                .progress = &progress,
-                                .view_of_level = view_of_level,
-                                .frame_count = frames.count,
-                                .load_frame = load_frame,
-                                .frame_user = &frames,
-                                .user = a,
-                                .results = root,
-                                .notes = root ? NULL : stdout};
+    iso_export_job job = job_of(a, target, &view, iso[0], &progress, command, root);
+    job.frame_count = frames.count;
+    job.load_frame = load_frame;
+    job.frame_user = &frames;
     if (status == ISO_OK)
         status = target->write_frames ? target->write_frames(&job, err) : write_each(a, target, &frames, &job, err);
     if (status == ISO_OK && root) {
