@@ -182,19 +182,24 @@ static uint8_t *find_corners(const builder *b)
 
 /* ---- which nodes are needed ------------------------------------------------------- */
 
-/* The range of a cell's corners, those that are not active as background if mixed; returns how many are active. */
-static int cell_range(const iso_lattice *l, const size_t corners[8], bool mixed, double *min, double *max)
+static int active_corners(const iso_lattice *l, const size_t corners[8])
 {
     int active = 0;
+    for (int c = 0; c < 8; ++c)
+        active += l->active[corners[c]] != 0;
+    return active;
+}
+
+/* The range of a cell's corners, those that are not active as background if mixed. */
+static void cell_range(const iso_lattice *l, const size_t corners[8], bool mixed, double *min, double *max)
+{
     *min = INFINITY, *max = -INFINITY;
     for (int c = 0; c < 8; ++c) {
-        bool is_active = l->active[corners[c]] != 0;
-        double value = mixed && !is_active ? l->background : (double)l->nodes[ISO_NODE_CHANNELS * corners[c]];
-        active += is_active;
+        double value = mixed && !l->active[corners[c]] ? l->background
+                                                       : (double)l->nodes[ISO_NODE_CHANNELS * corners[c]];
         *min = value < *min ? value : *min;
         *max = value > *max ? value : *max;
     }
-    return active;
 }
 
 /* One pass over the cells: first those that show, then (mixed) those that would show with background in them. */
@@ -217,8 +222,11 @@ static size_t activate(const builder *b, bool mixed)
                     continue;
                 for (size_t c = 0; c < 8; ++c)
                     corners[c] = node_at(l, x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
-                int active = cell_range(l, corners, mixed, &min, &max);
-                if (active == 8 || (mixed && active == 0) || !any_shows(o->tfs, o->tf_count, min, max))
+                const int active = active_corners(l, corners); /* of most cells all or none, whose range is not asked for */
+                if (active == 8 || (mixed && active == 0))
+                    continue;
+                cell_range(l, corners, mixed, &min, &max);
+                if (!any_shows(o->tfs, o->tf_count, min, max))
                     continue;
                 for (size_t c = 0; c < 8; ++c) {
                     if (mixed && !l->active[corners[c]])
