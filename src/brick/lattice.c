@@ -222,7 +222,7 @@ static size_t activate(const builder *b, bool mixed)
                     continue;
                 for (size_t c = 0; c < 8; ++c)
                     corners[c] = node_at(l, x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
-                const int active = active_corners(l, corners); /* of most cells all or none, whose range is not asked for */
+                const int active = active_corners(l, corners); /* of most cells all, or none */
                 if (active == 8 || (mixed && active == 0))
                     continue;
                 cell_range(l, corners, mixed, &min, &max);

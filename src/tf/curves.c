@@ -25,8 +25,9 @@ static iso_status check_node(const iso_tf_node *node, int components, const char
                      {what, node->y[components - 1]},
                      {"midpoint", node->midpoint},
                      {"sharpness", node->sharpness}};
-    if (!(fabs(node->x) <= 1e30))
-        return iso_fail(err, ISO_E_RANGE, "%s: a %s is at %g, must be at -1e30 to 1e30", path, what, node->x);
+    if (!(fabs(node->x) <= ISO_TF_MOST_VALUE))
+        return iso_fail(err, ISO_E_RANGE, "%s: a %s is at %g, must be at %g to %g", path, what, node->x,
+                        -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE);
     for (size_t i = 0; i < sizeof fractions / sizeof *fractions; ++i)
         if (!(fractions[i].value >= 0 && fractions[i].value <= 1))
             return iso_fail(err, ISO_E_RANGE, "%s: at %g a %s is %g, must be 0 to 1", path, node->x, fractions[i].name,

@@ -174,6 +174,9 @@ static iso_status take_own(const csv *c, iso_tf *tf, iso_error *err)
     iso_status status = t.entries ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", c->file->path);
     if (status == ISO_OK && (!c->has[VALUE] || !(t.hi > t.lo) || t.count > 4096))
         status = iso_fail(err, ISO_E_RANGE, "%s: values must rise over at most 4096 lines", c->file->path);
+    if (status == ISO_OK && !(t.lo >= -ISO_TF_MOST_VALUE && t.hi <= ISO_TF_MOST_VALUE))
+        status = iso_fail(err, ISO_E_RANGE, "%s: values are %g to %g, must be %g to %g", c->file->path, t.lo, t.hi,
+                          -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE);
     for (size_t i = 0; i < t.count && status == ISO_OK; ++i) {
         const double *v = c->row[i];
         const double even = t.lo + (t.hi - t.lo) * (double)i / (double)(t.count - 1);

@@ -40,8 +40,8 @@ static void read_lists(iso_json_reader *r, const json_t *root, bytes *b, iso_tf_
     if (!read_bytes(r, root, "I", false, b->count, b->place))
         for (size_t i = 0; i < b->count; ++i)
             b->place[i] = 255.0 * (double)i / (double)(b->count - 1);
-    iso_json_get_number(r, root, "min", false, -1e30, 1e30, &lo);
-    iso_json_get_number(r, root, "max", false, -1e30, 1e30, &hi);
+    iso_json_get_number(r, root, "min", false, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE, &lo);
+    iso_json_get_number(r, root, "max", false, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE, &hi);
     c->are_fractions = !(hi > lo); /* NiiVue then takes the volume's own window */
     for (size_t i = 0; i < b->count && r->status == ISO_OK; ++i) {
         const double t = b->place[i] / 255, x = c->are_fractions ? t : lo + t * (hi - lo);

@@ -16,7 +16,7 @@ static bool looks_like_slicer(const iso_tf_file *file)
 static void read_node(iso_json_reader *r, const json_t *item, int components, iso_tf_curve *curve)
 {
     iso_tf_node node = {.midpoint = 0.5};
-    iso_json_get_number(r, item, "x", true, -1e30, 1e30, &node.x);
+    iso_json_get_number(r, item, "x", true, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE, &node.x);
     if (components == 3)
         iso_json_get_numbers(r, item, "color", true, &(iso_json_list){node.y, 3, 0, 1});
     else

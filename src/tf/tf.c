@@ -16,7 +16,7 @@ static void read_point(iso_json_reader *r, const json_t *item, bool srgb, iso_tf
         return;
     }
     iso_json_only_keys(r, item, "a point", keys);
-    iso_json_get_number(r, item, "value", true, -1e30, 1e30, &p->value);
+    iso_json_get_number(r, item, "value", true, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE, &p->value);
     for (int c = 0; c < 3; ++c) {
         iso_json_get_number(r, item, keys[1 + c], true, 0, 1, &p->rgb_linear[c]);
         if (srgb)
@@ -57,7 +57,8 @@ static void read_range(iso_json_reader *r, const json_t *object, iso_tf *tf)
         tf->fit_range = true;
         return;
     }
-    iso_json_get_numbers(r, object, "range", true, &(iso_json_list){tf->range, 2, -1e30, 1e30});
+    iso_json_get_numbers(r, object, "range", true,
+                         &(iso_json_list){tf->range, 2, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE});
     if (r->status == ISO_OK && !(tf->range[1] > tf->range[0]))
         r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"range\" is [%g, %g], its end must exceed its start", r->path,
                              tf->range[0], tf->range[1]);

@@ -27,6 +27,8 @@
 
 enum { ISO_TF_MOST_ENTRIES = 16384 }; /* of a table: what textures hold in a row */
 
+/* Values of a transfer function's points and range: from minus this to this. */
+#define ISO_TF_MOST_VALUE 1e30
 /* Opacity is capped here before the logarithm: extinction stays finite. */
 #define ISO_TF_MAX_OPACITY 0.9999
 

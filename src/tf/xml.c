@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const double iso_xml_any[2] = {-1e30, 1e30}, iso_xml_fraction[2] = {0, 1}, iso_xml_byte[2] = {0, 255};
+const double iso_xml_any[2] = {-ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE}, iso_xml_fraction[2] = {0, 1},
+             iso_xml_byte[2] = {0, 255};
 
 iso_status iso_xml_parse(const iso_tf_file *file, xmlDocPtr *doc, iso_error *err)
 {
