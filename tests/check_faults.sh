@@ -16,6 +16,7 @@ check calls_that_fail_once_end_well sampled
 read_once() { python3 tests/faults/faults.py --kinds read "$@"; }
 check reads_that_fail_are_no_damage read_once --only "info angstrom,info imagej,info phantom.mrc,info text.vtk"
 check programs_that_read_cannot_be_started python3 tests/faults/faults.py --kinds open,start --only "info v.vdb"
+check a_folder_that_cannot_be_made_is_no_want_of_memory python3 tests/faults/faults.py --kinds make --only scenes
 if command -v povray >/dev/null; then
     check a_picture_that_cannot_be_read_is_not_povrays_fault read_once --only "render povray"
 fi

@@ -111,7 +111,11 @@ iso_status iso_contact_sheet_draw(iso_contact_sheet *s, size_t group, const char
     char *dir = iso_make_temp_dir(), *raw = dir ? iso_path_join(dir, "sheet.raw") : NULL;
     m.raw = raw;
     m.rgb = malloc(3 * (m.columns * (s->side + 1 + GAP) + GAP) * (HEAD + rows * (s->side + 1 + LABEL + GAP)));
-    iso_status status = raw && m.rgb ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "sheet: out of memory");
+    iso_status status = ISO_OK;
+    if (!dir)
+        status = iso_fail(err, ISO_E_IO, "sheet: no temporary folder can be made");
+    else if (!raw || !m.rgb)
+        status = iso_fail(err, ISO_E_MEMORY, "sheet: out of memory");
     if (status == ISO_OK) {
         place(s, &m);
         status = iso_file_write(raw, m.rgb, 3 * m.width * m.height, err);
