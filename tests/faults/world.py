@@ -195,6 +195,11 @@ def without_durations(text):
     return DURATION.sub(r"# \3", text)
 
 
+def wait_for_another_second():
+    """What is dated, a PDF in a manifest by its checksum too, then differs between two runs."""
+    time.sleep(1 - time.time() % 1)
+
+
 class World:
     """A folder with fixtures, copies of it to run in, and what each command leaves when nothing disturbs it."""
 
@@ -289,6 +294,7 @@ class World:
             return self.right[command]
         runs = []
         for _ in range(2):
+            wait_for_another_second()
             here = self.folder(command)
             before = listing(f"{here}/w")
             code, out, err = self.run(command, here)
