@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -135,6 +136,54 @@ static void nothing_that_it_started_outlives_it(void **state)
     const char *killed[] = {"/bin/sh", "-c", "kill -SEGV $$", NULL};
     assert_int_equal(iso_process_run(killed, NULL, &err), ISO_E_PROGRAM);
     assert_non_null(strstr(err.text, "ended by signal 11"));
+}
+
+/* What cannot be started is told as such, with the system's reason: not as an exit code, which a program may have too. */
+static void one_that_cannot_be_started_says_why(void **state)
+{
+    (void)state;
+    const char *echo[] = {"/bin/sh", "-c", "exit 127", NULL};
+    iso_error err = {""};
+    assert_int_equal(iso_process_run(echo, NULL, &err), ISO_E_PROGRAM);
+    assert_non_null(strstr(err.text, "exit code 127"));
+    /* A script whose interpreter is not there. */
+    char *script = iso_path_join(folder, "script");
+    const int fd = open(script, O_WRONLY | O_CREAT, 0700);
+    assert_true(fd >= 0 && write(fd, "#!/no/such/program\n", 19) == 19);
+    close(fd);
+    const char *argv[] = {script, NULL};
+    iso_process_outcome outcome = {.exit_code = -1};
+    const iso_process_options options = {.outcome = &outcome};
+    assert_int_equal(iso_process_run(argv, &options, &err), ISO_E_MISSING);
+    assert_non_null(strstr(err.text, "cannot be started: No such file"));
+    assert_int_equal(outcome.exit_code, -1);
+    free(script);
+}
+
+/* As a user whose processes are as many as may be: root may have any number. A process of its own, since rights do not come
+ * back. The keeper may be there and the program not, or neither. */
+static void where_no_process_can_be_had_it_is_told_so(void **state)
+{
+    (void)state;
+    enum { NOBODY = 54321 };
+    if (getuid() != 0)
+        skip();
+    for (rlim_t most = 1; most <= 2; ++most) {
+        const pid_t user = fork();
+        if (user == 0) {
+            const struct rlimit limit = {most, most};
+            const char *argv[] = {"/bin/sh", "-c", ":", NULL};
+            const iso_process_options options = {.sandbox = {.kind = ISO_SANDBOX_NONE}};
+            iso_error err = {""};
+            if (setuid(NOBODY) != 0 || setrlimit(RLIMIT_NPROC, &limit) != 0)
+                _exit(1);
+            const iso_status status = iso_process_run(argv, &options, &err);
+            _exit(status == ISO_E_PROGRAM && strstr(err.text, "sh: cannot be started: Resource") ? 0 : 2);
+        }
+        int how = 1;
+        assert_int_equal(waitpid(user, &how, 0), user);
+        assert_int_equal(how, 0);
+    }
 }
 
 /* The ends of pipes that this process has open become a folder, of which no bytes can be read. */
@@ -271,6 +320,8 @@ int main(void)
         cmocka_unit_test(a_program_that_takes_too_long_is_ended),
         cmocka_unit_test(one_that_hangs_in_silence_is_ended_too),
         cmocka_unit_test(one_whose_output_cannot_be_read_is_ended_and_not_to_blame),
+        cmocka_unit_test(one_that_cannot_be_started_says_why),
+        cmocka_unit_test(where_no_process_can_be_had_it_is_told_so),
         cmocka_unit_test(nothing_that_it_started_outlives_it),
         cmocka_unit_test(a_signal_ends_the_program_and_is_a_failure),
         cmocka_unit_test(programs_of_two_threads_run_at_once_and_one_signal_ends_both),

@@ -15,28 +15,61 @@
 
 extern char **environ;
 
+/* Ends this process and says why the program could not be started. */
+static void give_up(int told)
+{
+    const int cause = errno;
+    while (write(told, &cause, sizeof cause) < 0 && errno == EINTR)
+        ;
+    _exit(127);
+}
+
+/* What is said is errno, or nothing where the program was started: the pipe closes then. 0, or the cause. */
+static int listen_for_cause(int told)
+{
+    int cause = 0;
+    size_t had = 0;
+    while (had < sizeof cause) {
+        const ssize_t n = read(told, (char *)&cause + had, sizeof cause - had);
+        if (n < 0 && errno != EINTR)
+            return errno;
+        if (n == 0)
+            return 0;
+        had += n > 0 ? (size_t)n : 0;
+    }
+    return cause;
+}
+
+/* What is to be started, and how. */
+typedef struct order {
+    const char *const *argv;
+    const char *directory;
+    const iso_sandbox *box;
+    int in, out;
+    int told;      /* closes when the program begins */
+    sigset_t mask; /* the caller's */
+} order;
+
 /* The program itself. */
-static void run_program(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out,
-                        const sigset_t *mask)
+static void run_program(const order *o)
 {
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    sigprocmask(SIG_SETMASK, mask, NULL);
-    if (directory && chdir(directory) != 0)
-        _exit(126);
+    sigprocmask(SIG_SETMASK, &o->mask, NULL);
+    if (o->directory && chdir(o->directory) != 0)
+        give_up(o->told);
+    const int in = o->in >= 0 ? o->in : open("/dev/null", O_RDONLY);
     if (in < 0)
-        in = open("/dev/null", O_RDONLY);
-    if (in < 0)
-        _exit(126);
+        give_up(o->told);
     dup2(in, STDIN_FILENO);
-    dup2(out, STDOUT_FILENO);
-    dup2(out, STDERR_FILENO);
-    close(out);
+    dup2(o->out, STDOUT_FILENO);
+    dup2(o->out, STDERR_FILENO);
+    close(o->out);
     close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
-    if (!iso_sandbox_enter(box))
-        _exit(126);
-    execve(argv[0], (char *const *)argv, box->environment ? box->environment : environ);
-    _exit(127);
+    if (!iso_sandbox_enter(o->box))
+        give_up(o->told);
+    execve(o->argv[0], (char *const *)o->argv, o->box->environment ? o->box->environment : environ);
+    give_up(o->told);
 }
 
 /* SIGKILL for each child that the kernel lists, in decimal numbers with spaces between them. false: it does not list all. */
@@ -108,22 +141,9 @@ static void keep(pid_t program, const sigset_t *wanted)
     end_like(result);
 }
 
-pid_t iso_keeper_start(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out)
+/* The keeper itself, from the fork on. */
+static void be_keeper(const order *o, pid_t caller, const sigset_t *wanted)
 {
-    sigset_t wanted, before;
-    sigemptyset(&wanted);
-    sigaddset(&wanted, SIGCHLD);
-    sigaddset(&wanted, SIGTERM);
-    const pid_t caller = getpid();
-    /* Blocked before the fork: no order may come before the keeper can take it. */
-    pthread_sigmask(SIG_BLOCK, &wanted, &before);
-    const pid_t keeper = fork();
-    if (keeper != 0) {
-        const int cause = errno;
-        pthread_sigmask(SIG_SETMASK, &before, NULL);
-        errno = cause;
-        return keeper;
-    }
     setpgid(0, 0);
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -132,13 +152,53 @@ pid_t iso_keeper_start(const char *const argv[], const char *directory, const is
         _exit(127);
     const pid_t program = fork();
     if (program < 0)
-        _exit(127);
+        give_up(o->told);
     if (program == 0)
-        run_program(argv, directory, box, in, out, &before);
+        run_program(o);
     /* Pipes of other programs that are run at the same time may be open here: they would not see their end. */
     close_range(0, ~0U, 0);
-    keep(program, &wanted);
-    return -1; /* not reached */
+    keep(program, wanted);
+}
+
+/* Waits until the program has been started. -1 with errno where it could not be; then the keeper is no more. */
+static pid_t started(pid_t keeper, int told)
+{
+    const int cause = listen_for_cause(told);
+    close(told);
+    if (cause == 0)
+        return keeper;
+    iso_keeper_stop(keeper);
+    while (waitpid(keeper, NULL, 0) < 0 && errno == EINTR)
+        ;
+    errno = cause;
+    return -1;
+}
+
+pid_t iso_keeper_start(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out)
+{
+    order o = {.argv = argv, .directory = directory, .box = box, .in = in, .out = out};
+    sigset_t wanted;
+    int told[2];
+    if (pipe2(told, O_CLOEXEC) != 0)
+        return -1;
+    o.told = told[1];
+    sigemptyset(&wanted);
+    sigaddset(&wanted, SIGCHLD);
+    sigaddset(&wanted, SIGTERM);
+    const pid_t caller = getpid();
+    /* Blocked before the fork: no order may come before the keeper can take it. */
+    pthread_sigmask(SIG_BLOCK, &wanted, &o.mask);
+    const pid_t keeper = fork();
+    if (keeper == 0)
+        be_keeper(&o, caller, &wanted);
+    const int cause = errno;
+    pthread_sigmask(SIG_SETMASK, &o.mask, NULL);
+    close(told[1]);
+    if (keeper > 0)
+        return started(keeper, told[0]);
+    close(told[0]);
+    errno = cause;
+    return -1;
 }
 
 void iso_keeper_stop(pid_t keeper)

@@ -11,9 +11,9 @@
 
 #include "base/sandbox.h"
 
-/* The keeper's number, which is its process group's; -1 with errno. box: what the program may do; the keeper stays outside.
- * in: what the program reads from, below 0: nothing. out: its stdout and stderr. Exit codes of its own: 126 where the
- * folder, stdin or the sandbox cannot be had, 127 where the program cannot be started. */
+/* The keeper's number, which is its process group's, once the program has begun; -1 with errno where it cannot: a fork
+ * fails, its folder, stdin or the sandbox cannot be had, or the kernel refuses the file. box: what the program may do; the
+ * keeper stays outside. in: what the program reads from, below 0: nothing. out: its stdout and stderr. */
 pid_t iso_keeper_start(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out);
 
 /* Tells it to end everything now. It has to be waited for all the same. */

@@ -213,9 +213,10 @@ static void close_both(const int fds[2])
             close(fds[i]);
 }
 
+/* ENOENT of a file that is there: what the file names to run it, such as an interpreter, is not. */
 static iso_status failure(void)
 {
-    return errno == ENOMEM ? ISO_E_MEMORY : ISO_E_PROGRAM;
+    return errno == ENOMEM ? ISO_E_MEMORY : errno == ENOENT ? ISO_E_MISSING : ISO_E_PROGRAM;
 }
 
 /* talks: it can be told lines. A socket, since writing to a pipe that nobody reads would end this process. */
