@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # isoshade: make demo, make check; make help lists the rest.
 #
-#   config=release (default) | debug | sanitize | fuzz | coverage | threads      objects under build/$(config)
+#   config=release (default) | avx2 | debug | sanitize | fuzz | coverage | threads      objects under build/$(config)
 #   WERROR=-Werror      warnings stop the build, as in our own checks (make check)
 #   PREFIX=/usr/local   where make install puts things; DESTDIR= is put before it, for packagers
 #   SETUP=no            make demo and make check install nothing: what they need is there
@@ -32,6 +32,8 @@ inner_loops := encode gradient render/cpu
 fortified := -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3
 # Addresses that nobody can foresee, and no table of functions that can be written once the program runs.
 link_release := -pie -Wl,-z,relro,-z,now
+# The kernels without AVX-512, to measure on a machine that has it.
+flags_avx2 := $(flags_release) -DISO_WITHOUT_AVX512
 flags_debug := -O0 -g
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 # By clang, for `make fuzz`; by gcc, for the lines that fuzzing reaches.
@@ -96,6 +98,8 @@ tests := $(test_c:tests/%.c=$(build)/tests/%)
 # Readers on damaged files: targets and a driver with mutations of its own, for `make check`.
 fuzz_c := $(filter-out tests/fuzz/libfuzzer.c,$(wildcard tests/fuzz/*.c))
 fuzz := $(build)/isoshade-fuzz
+# The same, with the reader of one of these programs within it: without a program started for each input.
+fuzz_programs := $(reader_programs:$(build)/isoshade-%=$(build)/isoshade-fuzz-%)
 libfuzzer_c := $(filter-out tests/fuzz/drive.c,$(wildcard tests/fuzz/*.c))
 libfuzzer := $(build)/isoshade-libfuzzer
 threads_program := $(build)/isoshade-threads
@@ -139,7 +143,7 @@ addon := $(build)/isoshade-blender-addon.zip
 addon: $(addon) ## pack the add-on of Blender as a zip that Blender installs
 .PHONY: addon
 
-tests: $(tests) $(fuzz) $(openvdb_library) ## build the test programs
+tests: $(tests) $(fuzz) $(fuzz_programs) $(openvdb_library) ## build the test programs
 .PHONY: tests
 # FIGURES="hero sheet" draws these alone, FIGURES=quick those that take minutes; refscenes/figures.sh has the names.
 figures: $(needs_setup) ## draw the pictures of the documentation again
@@ -225,7 +229,7 @@ format: ## lay out the C and C++ files by .clang-format
 .PHONY: format
 
 clean: ## remove what was built
-	rm -rf build/release build/debug build/sanitize build/fuzz build/coverage build/threads build/analyzed build/cppchecked isoshade
+	rm -rf build/release build/avx2 build/debug build/sanitize build/fuzz build/coverage build/threads build/analyzed build/cppchecked isoshade
 
 # make V=1 shows the whole commands.
 ifndef V
@@ -254,20 +258,25 @@ $(openvdb_library): $(openvdb_o)
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 $(fortified) -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
+# Each is its own files and a main(); fuzzing takes the files alone.
 child_h := src/volume/child_stream.h src/volume/child_writer.h src/volume/type.h src/isoshade.h
+child_main := src/volume/child_main.cc
 child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g -Isrc -pie -fPIE -Wl,-z,relro,-z,now
-$(build)/isoshade-itk: $(wildcard src/volume/itk/*.cc src/volume/itk/*.h) $(child_h) $(build)/child-flags
+itk_cc := $(wildcard src/volume/itk/*.cc)
+arrays_cc := $(wildcard src/volume/arrays/*.cc)
+vdb_cc := src/volume/vdb/vdb_read.cc
+itk_flags := -isystem /usr/include/$(itk) $(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*)))
+arrays_flags = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(array_pkgs)))
+vdb_flags = $(pkg_cflags)
+itk_libs := $(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon
+arrays_libs = $(shell pkg-config --libs $(array_pkgs)) $(hdf5_hl)
+vdb_libs = $(openvdb_libs)
+$(build)/isoshade-itk: $(itk_cc) $(wildcard src/volume/itk/*.h)
+$(build)/isoshade-arrays: $(arrays_cc) $(wildcard src/volume/arrays/*.h)
+$(build)/isoshade-vdb: $(vdb_cc)
+$(reader_programs): $(build)/isoshade-%: $(child_main) $(child_h) $(build)/child-flags
 	@mkdir -p $(@D)
-	$(call say,ITK)$(CXX) $(child_flags) -isystem /usr/include/$(itk) \
-		$(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*))) -o $@ $(filter %.cc,$^) \
-		$(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon
-$(build)/isoshade-arrays: $(wildcard src/volume/arrays/*.cc src/volume/arrays/*.h) $(child_h) $(build)/child-flags
-	@mkdir -p $(@D)
-	$(call say,HDF)$(CXX) $(child_flags) $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(array_pkgs))) -o $@ \
-		$(filter %.cc,$^) $(shell pkg-config --libs $(array_pkgs)) $(hdf5_hl)
-$(build)/isoshade-vdb: src/volume/vdb/vdb_read.cc $(child_h) $(build)/child-flags
-	@mkdir -p $(@D)
-	$(call say,VDB)$(CXX) $(child_flags) $(pkg_cflags) -o $@ $(filter %.cc,$^) $(openvdb_libs)
+	$(call say,CXX)$(CXX) $(child_flags) $($*_flags) -o $@ $(filter %.cc,$^) $($*_libs)
 $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE
 	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade && cp $^ $(build)/addon/isoshade/
 	$(call say,ZIP)cd $(build)/addon && python3 -m zipfile -c ../$(@F) isoshade
@@ -276,6 +285,12 @@ $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 # The readers that are programs of their own lie beside it, or nothing is read of their formats.
 $(fuzz): $(fuzz_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_programs)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ $(LDLIBS)
+# Without the program's malloc(), which ends it where a library of others asks in vain.
+$(build)/isoshade-fuzz-itk: $(itk_cc) $(wildcard src/volume/itk/*.h)
+$(build)/isoshade-fuzz-arrays: $(arrays_cc) $(wildcard src/volume/arrays/*.h)
+$(build)/isoshade-fuzz-vdb: $(vdb_cc)
+$(fuzz_programs): $(build)/isoshade-fuzz-%: tests/fuzz/in_process.cc src/volume/child_start.h $(fuzz_c:%.c=$(build)/%.o) $(filter-out $(build)/src/cli/%,$(commands_o)) $(lib) $(child_h) | $(reader_programs)
+	$(call say,CXX)$(CXX) -std=c++17 -Wall -Wextra $(WERROR) $(flags_$(config)) $(if $(filter release,$(config)),-O2) -fopenmp -DFUZZ_PROGRAM='"isoshade-$*"' -I. -Isrc $($*_flags) -o $@ $(filter %.cc %.o %.a,$^) $($*_libs) $(LDLIBS)
 # FUZZ_LIBS: archives of libraries that were built with the same flags, such as teem's.
 $(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_programs)
 	$(call say,LD )$(CXX) -fsanitize=fuzzer,address,undefined -fopenmp -o $@ $^ $(FUZZ_LIBS) $(LDLIBS)

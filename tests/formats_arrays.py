@@ -183,6 +183,46 @@ def netcdf():
     refused("packed.nc", 4, 'its unit is "degrees_north"', ["--spacing", "1"])
 
 
+def classic(version, name_bytes=1, axes=3, attribute_bytes=1):
+    """A classic netCDF file, byte by byte: a dimension of 2, and a variable of eight bytes with it along each axis."""
+    def number(n):
+        return n.to_bytes(8 if version == 5 else 4, "big")
+
+    def name(letter, n):
+        return number(n) + letter * n + b"\0" * (-n % 4)
+
+    def word(n):
+        return n.to_bytes(4, "big")
+
+    place_bytes = 4 if version == 1 else 8
+    head = b"".join([b"CDF", bytes([version]), number(0),
+                     word(10), number(1), name(b"d", name_bytes), number(2),
+                     word(12), number(1), name(b"a", attribute_bytes), word(1), number(1), b"x\0\0\0",
+                     word(11), number(1), name(b"v", 1), number(axes), number(0) * axes,
+                     word(0), number(0), word(1), number(8)])
+    return head + (len(head) + place_bytes).to_bytes(place_bytes, "big") + bytes(range(8))
+
+
+@case
+def netcdf_headers():
+    """Names and lists that netCDF's library would copy into buffers of 256 bytes and 1024 numbers."""
+    def written(*args, **more):
+        with open("header.nc", "wb") as file:
+            file.write(classic(*args, **more))
+        return "header.nc"
+
+    cube, spacing = np.arange(8, dtype=np.uint8).reshape(2, 2, 2), ["--spacing", "1"]
+    for version in 1, 2, 5:
+        for name_bytes in 1, 5, 256:
+            same(written(version, name_bytes, attribute_bytes=name_bytes), cube, np.eye(3), None, False, spacing)
+        refused(written(version, 257), 4, "damaged netCDF header: 257 bytes in a name, at most 256")
+        refused(written(version, attribute_bytes=5000), 4, "5000 bytes in a name, at most 256")
+        refused(written(version, axes=1025), 4, "1025 dimensions of a variable, at most 1024")
+        with open("header.nc", "wb") as file:
+            file.write(classic(version)[:60])
+        refused("header.nc", 4, "damaged netCDF header: ")
+
+
 @case
 def minc():
     values = phantom()

@@ -2,6 +2,7 @@
 """Formats of medicine: DICOM, MetaImage, GIPL, NRRD, NIfTI, raw. Cases of formats_in.py."""
 import gzip
 import os
+import resource
 import subprocess
 
 import numpy as np
@@ -52,6 +53,22 @@ def dicom_series(folder, values, uid="1.2.3.4", steps=STEPS, leave_out=(), **mor
 def dicom():
     dicom_series("dicom", phantom())
     same("dicom", phantom(), unit="mm")
+
+
+@case
+def dicom_of_a_length():
+    """An element that says it is of 3 GB, in a file of some kB: no more memory is asked for than a file of its size may."""
+    dicom_series("length", phantom())
+    path = next(entry.path for entry in os.scandir("length"))
+    with open(path, "rb") as file:
+        data = file.read()
+    at = data.index(b"\xe0\x7f\x10\0OW\0\0") + 8
+    with open("length.dcm", "wb") as file:
+        file.write(data[:at] + (3 << 30).to_bytes(4, "little") + data[at + 4:])
+    got = run("info", "length.dcm")
+    expect(got.returncode in (4, 6), f"length.dcm: exit code {got.returncode}: {got.stderr.strip()}")
+    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+    expect(peak < 300 + 16 * os.cpu_count(), f"length.dcm: {peak:.0f} MB were touched")
 
 
 @case

@@ -3,90 +3,38 @@
 #include "volume/child.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include "base/beside.h"
-#include "base/sandbox.h"
+#include "volume/child_start.h"
 #include "volume/child_stream.h"
 
 typedef struct child {
-    pid_t pid;
-    FILE *output;
+    iso_child_process process;
     const iso_child_program *program;
 } child;
-
-enum { NOT_STARTED = 127 }; /* no exit code of these programs, as with shells */
-
-/* The program itself, by system calls alone: it may write nothing but its output, which is ours to read. What it and its
- * libraries print goes nowhere. */
-static void run_program(const char *const words[], const iso_sandbox *box, int output)
-{
-    const int nothing = open("/dev/null", O_RDWR);
-    dup2(nothing, STDIN_FILENO);
-    dup2(nothing, STDERR_FILENO);
-    dup2(output, STDOUT_FILENO);
-    close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
-    if (nothing >= 0 && iso_sandbox_enter(box))
-        execv(words[0], (char *const *)words);
-    _exit(NOT_STARTED);
-}
-
-static iso_status failure(int cause)
-{
-    return cause == ENOMEM ? ISO_E_MEMORY : ISO_E_PROGRAM;
-}
-
-static iso_status start(child *r, const char *const words[], iso_error *err)
-{
-    int ends[2];
-    iso_sandbox box;
-    if (access(words[0], X_OK) != 0)
-        return iso_fail(err, ISO_E_MISSING, "%s: cannot be started: %s", words[0], strerror(errno));
-    iso_status status = iso_sandbox_prepare(&(iso_sandbox_wish){.kind = ISO_SANDBOX_CLOSED}, NULL, &box, err);
-    if (status != ISO_OK)
-        return status;
-    if (pipe2(ends, O_CLOEXEC) != 0) {
-        status = iso_fail(err, failure(errno), "%s: no pipe: %s", words[1], strerror(errno));
-        iso_sandbox_release(&box);
-        return status;
-    }
-    r->pid = fork();
-    if (r->pid == 0)
-        run_program(words, &box, ends[1]);
-    const int failed = r->pid < 0 ? errno : 0;
-    iso_sandbox_release(&box);
-    close(ends[1]);
-    r->output = failed ? NULL : fdopen(ends[0], "rb");
-    if (!r->output)
-        close(ends[0]);
-    if (failed)
-        return iso_fail(err, failure(failed), "%s: cannot be started: %s", words[0], strerror(failed));
-    return r->output ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", words[1]);
-}
 
 /* Of a program whose output has ended. */
 static bool did_not_start(child *r)
 {
     int result = 0;
     pid_t ended;
-    while ((ended = waitpid(r->pid, &result, 0)) < 0 && errno == EINTR)
+    while ((ended = waitpid(r->process.pid, &result, 0)) < 0 && errno == EINTR)
         ;
-    r->pid = 0;
-    return ended > 0 && WIFEXITED(result) && WEXITSTATUS(result) == NOT_STARTED;
+    r->process.pid = 0;
+    return ended > 0 && WIFEXITED(result) && WEXITSTATUS(result) == ISO_CHILD_NOT_STARTED;
 }
 
 static iso_status get(iso_volume_source *source, void *data, size_t bytes, iso_error *err)
 {
     child *r = source->reader;
-    if (r && r->output && fread(data, 1, bytes, r->output) == bytes)
+    if (r && r->process.output && fread(data, 1, bytes, r->process.output) == bytes)
         return ISO_OK;
-    if (r && r->output && ferror(r->output))
+    if (r && r->process.output && ferror(r->process.output))
         return iso_fail(err, ISO_E_IO, "%s: the output of %s cannot be read", source->path, r->program->library);
-    if (r && r->pid > 0 && did_not_start(r))
+    if (r && r->process.pid > 0 && did_not_start(r))
         return iso_fail(err, ISO_E_PROGRAM, "%s: %s cannot be started", source->path, r->program->name);
     return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s ends before the samples do", source->path,
                     r ? r->program->library : "its reader");
@@ -117,10 +65,10 @@ static iso_status read_planes(iso_volume_source *source, size_t plane_count, voi
 static void close_reader(iso_volume_source *source)
 {
     child *r = source->reader;
-    if (r && r->output)
-        fclose(r->output);
-    if (r && r->pid > 0)
-        while (waitpid(r->pid, NULL, 0) < 0 && errno == EINTR)
+    if (r && r->process.output)
+        fclose(r->process.output);
+    if (r && r->process.pid > 0)
+        while (waitpid(r->process.pid, NULL, 0) < 0 && errno == EINTR)
             ;
     free(r);
     source->reader = NULL;
@@ -173,7 +121,7 @@ static iso_status start_reader(iso_volume_source *source, const iso_child_progra
                                               "%s: files of this kind are read by %s, which is missing (built without "
                                               "%s?)",
                                               source->path, p->name, p->package)
-                                   : start(r, words, err);
+                                   : iso_child_start(&r->process, words, err);
     free(program);
     return status;
 }

@@ -8,8 +8,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <string>
@@ -64,6 +67,9 @@ struct ChildProgram {
     std::string (*cause)(const std::exception &e);
 };
 
+/* The program's own. */
+extern const ChildProgram child_program;
+
 /* A library's message may quote bytes of a damaged file: as one short line of plain text. */
 inline std::string plain(const std::string &message)
 {
@@ -87,7 +93,7 @@ template <typename Work> iso_child_answer guarded(const ChildProgram &program, c
     } catch (const Failure &f) {
         answer.status = f.status, text = f.text;
     } catch (const std::bad_alloc &) {
-        answer.status = ISO_E_MEMORY, text = path + ": out of memory";
+        answer.status = ISO_E_MEMORY, text = path + ": out of memory, or damaged: it asks for more than a file of its size may";
     } catch (const std::exception &e) {
         answer.status = ISO_E_FORMAT, text = path + ": " + plain(program.cause(e));
     }
@@ -126,12 +132,42 @@ inline int write_volume(const ChildProgram &program, const char *path, const Wan
     return fflush(out) == 0 ? answer.status : ISO_E_IO;
 }
 
-/* A damaged header may ask for any amount: more than the machine has is refused at once. */
-inline void limit_memory()
+/* ---- a limit of memory, which a damaged header may ask any amount of ---- */
+
+/* The bytes of a file, or of those in a folder until they are more than `most`. */
+inline double bytes_of_input(const std::string &path, double most)
 {
-    const rlim_t memory = static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
-    const rlimit limit{memory, memory};
-    setrlimit(RLIMIT_AS, &limit);
+    namespace fs = std::filesystem;
+    std::error_code failed;
+    double bytes = static_cast<double>(fs::file_size(path, failed));
+    if (!failed)
+        return bytes;
+    bytes = 0;
+    fs::recursive_directory_iterator at(path, failed);
+    for (; !failed && bytes <= most && at != fs::recursive_directory_iterator(); at.increment(failed)) {
+        std::error_code is_none;
+        const std::uintmax_t size = at->file_size(is_none);
+        bytes += is_none ? 0 : static_cast<double>(size);
+    }
+    return bytes;
+}
+
+/* What a file of its size may ask for: deflate packs at most 1032 bytes into one, and libraries hold what they unpack up to
+ * three times, and have a stack for each core. At most what the machine has. */
+inline rlim_t memory_for(const std::string &path)
+{
+    const double base = 192e6 + 16e6 * static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), a_byte = 3100,
+                 machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    return static_cast<rlim_t>(std::min(machine, base + a_byte * bytes_of_input(path, machine / a_byte)));
+}
+
+/* Of memory that can be written to: threads reserve more addresses than they use. */
+inline void limit_memory(const std::string &path)
+{
+    rlimit limit{};
+    getrlimit(RLIMIT_DATA, &limit);
+    limit.rlim_cur = std::min(limit.rlim_max, memory_for(path));
+    setrlimit(RLIMIT_DATA, &limit);
 }
 
 /* ---- a limit of time, for libraries that a damaged file keeps busy ---- */
@@ -178,7 +214,7 @@ inline int run_child(const ChildProgram &program, int argc, char **argv)
     FILE *out = fdopen(dup(STDOUT_FILENO), "wb");
     if (argc != 5 || !out || !freopen("/dev/null", "w", stdout))
         return ISO_E_USAGE;
-    limit_memory();
+    limit_memory(argv[1]);
     late_output = fileno(out);
     return write_volume(program, argv[1], {argv[2], std::stoul(argv[3]), std::stoul(argv[4])}, out);
 }

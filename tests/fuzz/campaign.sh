@@ -2,24 +2,34 @@
 # SPDX-License-Identifier: MIT
 # campaign.sh GOAL [READER ...]: each reader in turn until it took GOAL damaged files, in pieces of FUZZ_PIECE seconds (30).
 # By the release's driver, which has no sanitizers and takes many times as many a second as `make fuzz`: it meets crashes,
-# broken contracts and inputs that take too long. Every piece has a seed of its own; what was done stands in
+# broken contracts and inputs that take too long. Readers that are programs of their own are called within the driver; what
+# would end such a program is counted. Every piece has a seed of its own; what was done stands in
 # build/fuzzed/counts, so that a run that is ended goes on from there. FUZZ_UNTIL=HHMM begins no piece after that time.
 #
 # campaign.sh --table: a row a reader of what was done, with the runs of `make fuzz`. Exit code 1: something was found.
 set -u
 cd "$(dirname "$0")/../.."
-top=$PWD out=${FUZZ_OUT:-$PWD/build/fuzzed} fuzz=${FUZZ_DRIVER:-$PWD/build/release/isoshade-fuzz}
+top=$PWD out=${FUZZ_OUT:-$PWD/build/fuzzed} fuzz=$PWD/build/release/isoshade-fuzz
+driver_of() {
+    case $1 in
+    hdf5 | netcdf | zarr) echo "$fuzz-arrays" ;;
+    dicom) echo "$fuzz-itk" ;;
+    vdb) echo "$fuzz-vdb" ;;
+    *) echo "$fuzz" ;;
+    esac
+}
 counts=$out/counts
 mkdir -p "$out"
 touch "$counts"
 export OMP_NUM_THREADS=1
 
-# Lines of counts: READER HOW SEED EXECUTIONS SECONDS, or READER HOW SEED found.
+# Lines of counts: READER HOW SEED EXECUTIONS SECONDS, and how many ended the reader's program; or READER HOW SEED found.
 table() {
-    echo '| reader | executions, release | with sanitizers | seconds | found |'
-    echo '|---|---|---|---|---|'
-    awk '{ if ($4 == "found") found[$1]++; else if ($2 == "release") plain[$1] += $4; else checked[$1] += $4; seconds[$1] += $5; names[$1] = 1 }
-         END { for (n in names) printf "| %s | %d | %d | %.0f | %d |\n", n, plain[n], checked[n], seconds[n], found[n] }' "$counts" | sort
+    echo '| reader | executions, release | with sanitizers | seconds | ended its program | found |'
+    echo '|---|---|---|---|---|---|'
+    awk '{ if ($4 == "found") found[$1]++; else if ($2 == "release") plain[$1] += $4; else checked[$1] += $4
+           seconds[$1] += $5; names[$1] = 1; if ($6 != "") ended[$1] += $6 }
+         END { for (n in names) printf "| %s | %d | %d | %.0f | %s | %d |\n", n, plain[n], checked[n], seconds[n], ended[n], found[n] }' "$counts" | sort
     ! grep -q ' found$' "$counts"
 }
 [ "${1-}" != --table ] || { table; exit; }
@@ -31,11 +41,12 @@ total_of() { awk -v name="$1" '$1 == name && $2 == "release" && $4 != "found" { 
 seed_of() { awk -v name="$1" '$1 == name && $2 == "release" { n++ } END { print n + 1 }' "$counts"; }
 # An input that stops the driver stays as build/fuzzed/READER-release-SEED; the next run goes on with the next seed.
 piece() { # READER EXECUTIONS
-    local seed line
+    local seed said ended=
     seed=$(seed_of "$1")
-    line=$(cd "$out" && "$fuzz" "$1" "$top/tests/fuzz/seeds/$1" "$2" "${FUZZ_PIECE:-30}" "$seed" 2>"$out/$1-release.log" | tail -n 1)
-    if [[ $line =~ ([0-9]+)\ mutations\ +([0-9.]+)\ s$ ]]; then
-        echo "$1 release $seed ${BASH_REMATCH[1]} ${BASH_REMATCH[2]}" >>"$counts"
+    said=$(cd "$out" && "${FUZZ_DRIVER:-$(driver_of "$1")}" "$1" "$top/tests/fuzz/seeds/$1" "$2" "${FUZZ_PIECE:-30}" "$seed" 2>"$out/$1-release.log")
+    [[ $said =~ ([0-9]+)\ inputs\ ended ]] && ended=" ${BASH_REMATCH[1]}"
+    if [[ $said =~ ([0-9]+)\ mutations\ +([0-9.]+)\ s$ ]]; then
+        echo "$1 release $seed ${BASH_REMATCH[1]} ${BASH_REMATCH[2]}$ended" >>"$counts"
         [ "${BASH_REMATCH[1]}" -gt 0 ]
     else
         echo "$1 release $seed found" >>"$counts"

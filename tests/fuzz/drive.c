@@ -8,14 +8,17 @@
  *
  * It ends after COUNT mutations or SECONDS of processor time, whichever is first, but not before the first 8, which are the
  * same on any machine; and prints how many it was. An input
- * at which it is stopped stays as crash-NAME in the current folder. */
+ * at which it is stopped stays as crash-NAME in the current folder. Where the reader may end its program (fuzz.h), the last
+ * one that did by an assertion stays there, too. */
 #define _GNU_SOURCE
 #include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -30,7 +33,7 @@ typedef struct input {
     size_t size;
 } input;
 
-enum { MOST_SEEDS = 4096, MOST_SECONDS_OF_ONE = 10, MOST_BYTES_ASKED = 384 << 20, LEAST_MUTATIONS = 8 };
+enum { MOST_SEEDS = 4096, MOST_SECONDS_OF_ONE = 10, MOST_BYTES_ASKED = 384 << 20, LEAST_MUTATIONS = 8, BROKEN = 99 };
 static input seeds[MOST_SEEDS];
 static size_t seed_count;
 static uint8_t current[FUZZ_MOST_BYTES];
@@ -56,18 +59,27 @@ const char *__ubsan_default_options(void)
 int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void *, size_t),
                                               void (*on_free)(const volatile void *)) __attribute__((weak));
 
+static bool may_end(void)
+{
+    return &fuzz_reader_may_end && fuzz_reader_may_end;
+}
+
 static void keep_input(void)
 {
     const int fd = open(crash_path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    if (fd >= 0 && write(fd, current, current_size) == (ssize_t)current_size)
+    if (fd >= 0 && write(fd, current, current_size) == (ssize_t)current_size && !may_end())
         fprintf(stderr, "fuzz: %s: the input is kept as %s\n", running->name, crash_path);
 }
 
 static void on_signal(int number)
 {
-    if (number == SIGVTALRM)
+    if (number == SIGVTALRM) {
+        fuzz_has_failed = true;
         fprintf(stderr, "fuzz: a contract is broken: one input takes more than %d s\n", MOST_SECONDS_OF_ONE);
+    }
     keep_input();
+    if (fuzz_has_failed && may_end())
+        _exit(BROKEN);
     signal(number, SIG_DFL);
     raise(number);
     _exit(1);
@@ -96,16 +108,17 @@ static void watch(void)
         __sanitizer_install_malloc_and_free_hooks(on_malloc, on_free);
 }
 
+static bool has_timer;
+
 /* The limit of one input. */
 static void wind_up(void)
 {
     static timer_t timer;
-    static bool is_made;
     struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGVTALRM};
     const struct itimerspec limit = {.it_value.tv_sec = MOST_SECONDS_OF_ONE};
-    if (!is_made)
-        is_made = timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &timer) == 0;
-    if (is_made)
+    if (!has_timer)
+        has_timer = timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &timer) == 0;
+    if (has_timer)
         timer_settime(timer, 0, &limit, NULL);
 }
 
@@ -205,6 +218,57 @@ static uint64_t run_mutations(fuzz_random *random, uint64_t count, double second
     return done;
 }
 
+/* ---- readers that may end their program ---- */
+
+/* What processes that are forked one after the other go on from. */
+typedef struct relay {
+    fuzz_random random;
+    uint64_t seeds, mutations;
+} relay;
+
+enum { INPUTS_OF_ONE_PROCESS = 1 << 14 };
+
+/* Inputs until the run's end, or so many that what libraries lose does not add up. */
+static void run_some(relay *r, uint64_t count)
+{
+    const struct rlimit none = {0, 0};
+    setrlimit(RLIMIT_CORE, &none);
+    has_timer = false;
+    for (int i = 0; i < INPUTS_OF_ONE_PROCESS && clock() < CLOCKS_PER_SEC; ++i)
+        if (r->seeds < seed_count) {
+            const input *seed = &seeds[r->seeds++];
+            run(seed->data, seed->size);
+        } else if (r->mutations < count) {
+            make_input(&r->random);
+            ++r->mutations;
+            run(current, current_size);
+        }
+}
+
+/* As main() has it for others. Of the programs that ended, *ended is the number. */
+static relay run_in_processes(uint64_t seed, uint64_t count, double seconds, uint64_t *ended)
+{
+    relay *r = mmap(NULL, sizeof *r, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (r == MAP_FAILED)
+        fuzz_fail("no memory to share");
+    *r = (relay){.random = {seed}};
+    while (r->seeds < seed_count || (r->mutations < count && (r->mutations < LEAST_MUTATIONS || seconds_used() < seconds))) {
+        int how = 0;
+        fflush(NULL);
+        const pid_t child = fork();
+        if (child == 0) {
+            run_some(r, count);
+            _exit(0);
+        }
+        if (child < 0 || waitpid(child, &how, 0) != child)
+            fuzz_fail("no process can be started: %s", strerror(errno));
+        if (WIFEXITED(how) && WEXITSTATUS(how) == BROKEN)
+            exit(1);
+        *ended += !(WIFEXITED(how) && WEXITSTATUS(how) == 0);
+    }
+    return *r;
+}
+
 /* All seeds of a target, as they are. */
 static int run_seeds(const fuzz_target *target, const char *seeds_folder)
 {
@@ -265,9 +329,15 @@ int main(int argc, char **argv)
     watch();
     has_limit = true;
     fuzz_begin(running);
-    for (size_t i = 0; i < seed_count; ++i)
-        run(seeds[i].data, seeds[i].size);
-    const uint64_t done = seed_count > 0 ? run_mutations(&random, count, seconds) : 0;
+    uint64_t done = 0, ended = 0;
+    if (may_end()) {
+        done = run_in_processes(random.state, count, seconds, &ended).mutations;
+        printf("%-16s %4llu inputs ended the reader\n", running->name, (unsigned long long)ended);
+    } else {
+        for (size_t i = 0; i < seed_count; ++i)
+            run(seeds[i].data, seeds[i].size);
+        done = seed_count > 0 ? run_mutations(&random, count, seconds) : 0;
+    }
     printf("%-16s %4zu seeds %9llu mutations %7.1f s\n", running->name, seed_count, (unsigned long long)done,
            seconds_used());
     return 0;

@@ -47,6 +47,12 @@ const char *fuzz_beside(const char *name);
 
 /* ---- what drivers use ---- */
 
+/* Whether a contract was found broken: what ends the program is then no library's doing. */
+extern bool fuzz_has_failed;
+/* Where it is defined, the reader's libraries may end their program, as they end a program of their own when isoshade runs
+ * (in_process.cc): that is counted, and the run goes on. */
+extern const bool fuzz_reader_may_end __attribute__((weak));
+
 const fuzz_target *fuzz_find(const char *name);
 /* The folder, and the limit of memory. */
 void fuzz_begin(const fuzz_target *target);

@@ -52,15 +52,26 @@ static void check_round_trip(const iso_tf *tf)
     iso_tf_destroy(&again);
 }
 
+static iso_status load_tf(const char *path, const iso_tf_request *request)
+{
+    iso_tf tf = {0};
+    iso_error err = {""};
+    const iso_status status = iso_tf_load_as(path, request, &tf, &err);
+    fuzz_check_status(status, &err);
+    if (status == ISO_OK) {
+        check_table(&tf);
+        check_round_trip(&tf);
+    }
+    iso_tf_destroy(&tf);
+    return status;
+}
+
+/* Without a name, then by the first name that the file has, and by what it leaves open. */
 void fuzz_tf(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
 {
     (void)target, (void)data, (void)size;
     char *names = NULL;
-    iso_error err = {""};
-    const iso_tf_request list = {.names = &names};
-    iso_tf tf = {0};
-    fuzz_check_status(iso_tf_load_as(path, &list, &tf, &err), &err);
-    iso_tf_destroy(&tf);
+    iso_status status = load_tf(path, &(iso_tf_request){.names = &names});
     if (names)
         names[strcspn(names, "\n")] = 0;
     const iso_tf_request requests[] = {
@@ -68,17 +79,8 @@ void fuzz_tf(const fuzz_target *target, const char *path, const uint8_t *data, s
         {.name = names, .unit_mm = 2, .has_opacity = true, .opacity = {0, 0.5}, .has_range = true, .range = {0, 10}},
         {.name = names, .unit_mm = 1},
         {.name = names, .has_range = true, .fit = true}};
-    iso_status status = ISO_E_USAGE;
-    for (size_t i = 0; i < sizeof requests / sizeof *requests && status == ISO_E_USAGE; ++i) {
-        tf = (iso_tf){0};
-        status = iso_tf_load_as(path, &requests[i], &tf, &err);
-        fuzz_check_status(status, &err);
-        if (status == ISO_OK) {
-            check_table(&tf);
-            check_round_trip(&tf);
-        }
-        iso_tf_destroy(&tf);
-    }
+    for (size_t i = 0; i < sizeof requests / sizeof *requests && status == ISO_E_USAGE; ++i)
+        status = load_tf(path, &requests[i]);
     free(names);
 }
 

@@ -68,9 +68,12 @@ const fuzz_target fuzz_targets[] = {
 
 static char folder[128], file_path[256];
 
+bool fuzz_has_failed;
+
 void fuzz_fail(const char *format, ...)
 {
     va_list args;
+    fuzz_has_failed = true;
     va_start(args, format);
     fputs("fuzz: a contract is broken: ", stderr);
     vfprintf(stderr, format, args);

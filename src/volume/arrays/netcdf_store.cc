@@ -5,22 +5,41 @@
 #include <cmath>
 #include <filesystem>
 
+#include "volume/arrays/netcdf_header.h"
 #include "volume/arrays/store.h"
 
 namespace {
 
-class NetCdf : public Store {
+/* An open file, which is closed also where what is in it is refused. */
+class OpenFile {
 public:
-    explicit NetCdf(const std::string &path) : path_(path)
+    explicit OpenFile(const std::string &path)
     {
-        const int code = nc_open(path.c_str(), NC_NOWRITE, &file_);
+        check_netcdf_header(path);
+        const int code = nc_open(path.c_str(), NC_NOWRITE, &id_);
         if (code != NC_NOERR)
             fail(ISO_E_FORMAT, path + ": netCDF: " + nc_strerror(code));
-        check_bytes();
     }
-    ~NetCdf() override
+    OpenFile(const OpenFile &) = delete;
+    OpenFile &operator=(const OpenFile &) = delete;
+    ~OpenFile()
     {
-        nc_close(file_);
+        nc_close(id_);
+    }
+    operator int() const
+    {
+        return id_;
+    }
+
+private:
+    int id_ = -1;
+};
+
+class NetCdf : public Store {
+public:
+    explicit NetCdf(const std::string &path) : path_(path), file_(path)
+    {
+        check_bytes();
     }
 
     std::vector<Array> arrays() override
@@ -92,7 +111,7 @@ public:
 
 private:
     std::string path_;
-    int file_ = -1;
+    OpenFile file_;
 
     void check(int code, const std::string &what) const
     {

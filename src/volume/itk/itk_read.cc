@@ -349,13 +349,10 @@ void be_silent()
 
 std::unique_ptr<PlaneReader> open_reader(const std::string &path, const Wanted &wanted)
 {
+    be_silent();
     return std::make_unique<Reader>(path, wanted.part.empty() ? nullptr : wanted.part.c_str(), wanted.frame);
 }
 
 } // namespace
 
-int main(int argc, char **argv)
-{
-    be_silent();
-    return run_child({open_reader, cause_of}, argc, argv);
-}
+const ChildProgram child_program = {open_reader, cause_of};

@@ -236,7 +236,4 @@ std::string cause_of(const std::exception &e)
 
 } // namespace
 
-int main(int argc, char **argv)
-{
-    return run_child({open_reader, cause_of}, argc, argv);
-}
+const ChildProgram child_program = {open_reader, cause_of};

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/* netcdf_header.h - the header of a classic netCDF file, before netCDF's library sees it: the library copies names and lists
+ * of dimensions of any length into its callers' buffers, which its documentation lets be of NC_MAX_NAME and NC_MAX_VAR_DIMS
+ * (libsrc/var.c, dim.c and attr.m4 of 4.9). */
+#ifndef ISO_VOLUME_NETCDF_HEADER_H
+#define ISO_VOLUME_NETCDF_HEADER_H
+
+#include <string>
+
+/* Throws Failure (child_writer.h): ISO_E_FORMAT where a name, a list or the header itself is longer than it may be. What is
+ * no classic file is left to the library. Format: the netCDF Classic Format Specification, versions 1, 2 and 5. */
+void check_netcdf_header(const std::string &path);
+
+#endif
