@@ -137,9 +137,14 @@ void iso_tf_destroy(iso_tf *tf)
 static void sample_points(const iso_tf *tf, double value, double rgba[4])
 {
     const iso_tf_point *p = tf->points;
-    size_t above = 0;
-    while (above < tf->point_count && p[above].value <= value)
-        ++above;
+    size_t above = 0; /* how many points are not above the value */
+    for (size_t end = tf->point_count; above < end;) {
+        const size_t middle = above + (end - above) / 2;
+        if (p[middle].value <= value)
+            above = middle + 1;
+        else
+            end = middle;
+    }
     const iso_tf_point *lo = &p[above > 0 ? above - 1 : 0];
     const iso_tf_point *hi = &p[above < tf->point_count ? above : tf->point_count - 1];
     double span = hi->value - lo->value;
