@@ -14,6 +14,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -229,12 +230,12 @@ typedef struct relay {
 enum { INPUTS_OF_ONE_PROCESS = 1 << 14 };
 
 /* Inputs until the run's end, or so many that what libraries lose does not add up. */
-static void run_some(relay *r, uint64_t count)
+static void run_some(relay *r, uint64_t count, double seconds)
 {
     const struct rlimit none = {0, 0};
     setrlimit(RLIMIT_CORE, &none);
     has_timer = false;
-    for (int i = 0; i < INPUTS_OF_ONE_PROCESS && clock() < CLOCKS_PER_SEC; ++i)
+    for (int i = 0; i < INPUTS_OF_ONE_PROCESS && (double)clock() < seconds * CLOCKS_PER_SEC; ++i)
         if (r->seeds < seed_count) {
             const input *seed = &seeds[r->seeds++];
             run(seed->data, seed->size);
@@ -252,12 +253,14 @@ static relay run_in_processes(uint64_t seed, uint64_t count, double seconds, uin
     if (r == MAP_FAILED)
         fuzz_fail("no memory to share");
     *r = (relay){.random = {seed}};
-    while (r->seeds < seed_count || (r->mutations < count && (r->mutations < LEAST_MUTATIONS || seconds_used() < seconds))) {
+    for (double left = seconds;
+         r->seeds < seed_count || (r->mutations < count && (r->mutations < LEAST_MUTATIONS || left > 0));
+         left = seconds - seconds_used()) {
         int how = 0;
         fflush(NULL);
         const pid_t child = fork();
         if (child == 0) {
-            run_some(r, count);
+            run_some(r, count, fmin(fmax(left, 0.1), 1));
             _exit(0);
         }
         if (child < 0 || waitpid(child, &how, 0) != child)

@@ -347,6 +347,10 @@ void fuzz_planted(const fuzz_target *target, const char *path, const uint8_t *da
     const json_t *level = json_object_get(root, "level");
     if (json_is_integer(level) && json_integer_value(level) >= 0 && json_integer_value(level) <= 8) /* < 8 */
         ++levels[json_integer_value(level)];
+    if (json_integer_value(level) == 9)
+        fuzz_fail("level 9, planted");
+    if (json_integer_value(level) == 10) /* as a library's assertion */
+        abort();
     if (json_integer_value(level) == 12) { /* decides by a value that nobody set, as memcheck sees */
         static volatile int *volatile unset;
         unset = malloc(sizeof *unset);
