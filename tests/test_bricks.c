@@ -398,6 +398,87 @@ static void nodes_from_cells_are_continuous_and_linear_fields_stay_linear(void *
     free(values);
 }
 
+/* ---- bricks by themselves -------------------------------------------------------- */
+
+/* A volume of bytes that is read as it is, and levels for its bricks. */
+typedef struct narrow_case {
+    iso_volume volume;
+    iso_level level;
+    uint8_t levels[5 * 4 * 3];
+} narrow_case;
+
+static narrow_case make_narrow(void)
+{
+    const size_t size[3] = {37, 30, 21};
+    narrow_case c = {.volume = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 0.8, 1.7}), .type = ISO_U8}};
+    const size_t count = iso_geometry_voxel_count(&c.volume.geometry);
+    uint8_t *bytes = malloc(count);
+    assert_non_null(bytes);
+    for (size_t i = 0; i < count; ++i)
+        bytes[i] = (uint8_t)(256 * random_unit());
+    for (size_t i = 0; i < sizeof c.levels; ++i)
+        c.levels[i] = (uint8_t)(4 * random_unit());
+    c.volume.data = bytes;
+    c.level = (iso_level){.geometry = c.volume.geometry, .stored_type = ISO_U8, .min = 0, .max = 255};
+    return c;
+}
+
+/* Bricks that differ from those of all nodes, in any bit. */
+static size_t bricks_made_otherwise(narrow_case *c, const iso_node_levels *all, const iso_node_options *opt)
+{
+    iso_node_levels made;
+    size_t different = 0;
+    c->level.samples = &c->volume;
+    assert_ok(iso_node_levels_create_for(&made, &c->level, c->levels, NULL, opt, &err));
+    assert_int_equal(iso_brick_count(&made), sizeof c->levels);
+    const iso_brick_field a = {all, c->levels, ISO_FACES_OWN}, b = {&made, c->levels, ISO_FACES_OWN};
+    for (size_t i = 0; i < sizeof c->levels; ++i) {
+        const size_t at[3] = {i % 5, i / 5 % 4, i / 20}, side = iso_brick_side(all, c->levels[i]);
+        const size_t bytes = side * side * side * ISO_NODE_CHANNELS * sizeof(float);
+        float baked[2][9 * 9 * 9 * ISO_NODE_CHANNELS];
+        assert_ok(iso_brick_make(&made, i, &err));
+        iso_brick_bake(&a, at, baked[0]);
+        iso_brick_bake(&b, at, baked[1]);
+        different += memcmp(baked[0], baked[1], bytes) != 0;
+        iso_brick_forget(&made, i);
+    }
+    iso_node_levels_destroy(&made);
+    return different;
+}
+
+/* The planted faults: another filter; and a plane of voxels that other bricks have, as far from a brick of level 3 as its
+ * nodes reach: 2 (1 + 2 + 4) voxels, by the smooth filter 1 + 2 + 4 and a gradient's one. */
+static void bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit(void **state)
+{
+    (void)state;
+    random_state = (iso_random){7};
+    for (int round = 0; round < 8; ++round) {
+        narrow_case c = make_narrow();
+        iso_node_options opt = {8, 4, round % 2 ? ISO_NODES_SMOOTH : ISO_NODES_SHARP, round % 4 < 2, 1 + round % 2};
+        const size_t count = iso_geometry_voxel_count(&c.level.geometry);
+        float *scalar = malloc(count * sizeof *scalar);
+        iso_node_levels all;
+        assert_non_null(scalar);
+        iso_volume_floats(&c.volume, scalar);
+        c.level.scalar = scalar;
+        assert_ok(iso_node_levels_create_by(&all, &c.level, &opt, &err));
+        c.level.scalar = NULL;
+        assert_int_equal(bricks_made_otherwise(&c, &all, &opt), 0);
+        opt.filter = opt.filter == ISO_NODES_SHARP ? ISO_NODES_SMOOTH : ISO_NODES_SHARP;
+        assert_true(bricks_made_otherwise(&c, &all, &opt) > 30); /* all but those of level 0 */
+        opt.filter = round % 2 ? ISO_NODES_SMOOTH : ISO_NODES_SHARP;
+        memset(c.levels, 0, sizeof c.levels);
+        c.levels[2] = 3; /* nodes 16 to 24 along x */
+        const size_t far = opt.filter == ISO_NODES_SHARP ? 14 : opt.with_directions ? 8 : 7;
+        for (size_t i = 16 - far; i < count; i += c.level.geometry.size[0])
+            ((uint8_t *)c.volume.data)[i] ^= 0x80;
+        assert_int_equal(bricks_made_otherwise(&c, &all, &opt), (16 - far == 8 ? 24 : 12) + 1);
+        free(scalar);
+        iso_node_levels_destroy(&all);
+        iso_volume_destroy(&c.volume);
+    }
+}
+
 static void bad_bricks_are_refused(void **state)
 {
     (void)state;
@@ -427,6 +508,7 @@ int main(void)
         cmocka_unit_test(eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none),
         cmocka_unit_test(sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_range),
         cmocka_unit_test(nodes_from_cells_are_continuous_and_linear_fields_stay_linear),
+        cmocka_unit_test(bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit),
         cmocka_unit_test(bad_bricks_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -50,7 +50,9 @@ typedef struct iso_node_levels {
     size_t count[3];       /* bricks along x, y, z */
     size_t level_count;
     iso_node_filter filter;
-    float *nodes[ISO_BRICK_MAX_LEVELS]; /* owned; ISO_NODE_CHANNELS a node, x fastest */
+    float *nodes[ISO_BRICK_MAX_LEVELS]; /* owned; ISO_NODE_CHANNELS a node, x fastest; NULL where bricks have their own */
+    float **bricks;                     /* owned; NULL, or a brick's nodes of its level, NULL where none have been made */
+    struct iso_brick_maker *maker;      /* owned; of bricks */
 } iso_node_levels;
 
 /* ISO_E_RANGE: brick_voxels that is no power of two from 2 to 64, or more levels
@@ -65,6 +67,18 @@ typedef struct iso_node_options {
 } iso_node_options;
 iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, const iso_node_options *opt,
                                      iso_error *err);
+/* The same nodes, but only those that bricks of given levels are drawn by, a brick's by itself: of each brick that is coarser
+ * than level 0 at once, since finer ones take the nodes of their faces from it; of the others when iso_brick_make() is asked.
+ * Level 0 may be narrow (pyramid/narrow.h). code: directions are taken through it and back; NULL: they are not. The level's
+ * samples and `levels`, a number a brick, are kept, not copied; fields of these nodes have the same levels.
+ * iso_node_levels_round() and iso_node_levels_encode() are not for them. */
+iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
+                                      const iso_code *code, const iso_node_options *opt, iso_error *err);
+/* Makes a brick's nodes where there are none. Of several bricks by several threads. ISO_E_MEMORY. */
+iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_error *err);
+/* Forgets nodes that iso_brick_make() would make again. */
+void iso_brick_forget(const iso_node_levels *n, size_t brick);
+
 /* From the levels of a pyramid instead of its level 0: a node of level l is interpolated among that level's voxels,
  * cubic in the scalar (kept within the range of the eight voxels around) and linear in the decoded directions. Bricks
  * are as continuous and as fast to draw as with the filters above, but more blurred, because the voxels are means
@@ -88,6 +102,11 @@ static inline size_t iso_brick_index(const iso_node_levels *n, const size_t bric
 {
     return brick[0] + n->count[0] * (brick[1] + n->count[1] * brick[2]);
 }
+/* Nodes of a level along an axis: bricks share their faces. */
+static inline size_t iso_node_count(const iso_node_levels *n, size_t level, int axis)
+{
+    return n->count[axis] * (n->brick_voxels >> level) + 1;
+}
 /* Nodes along a side of a brick at a level. */
 static inline size_t iso_brick_side(const iso_node_levels *n, size_t level)
 {
@@ -110,6 +129,14 @@ typedef struct iso_brick_field {
 /* The value of a brick's node (0 .. n / 2^l along each axis, l the brick's level). */
 void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_t node[3],
                     double out[ISO_NODE_CHANNELS]);
+
+/* A brick's nodes of its own level, whatever its faces take from others: the first, and how many floats lie between rows and
+ * between planes. */
+typedef struct iso_own_nodes {
+    const float *first;
+    size_t row, plane;
+} iso_own_nodes;
+iso_own_nodes iso_brick_own_nodes(const iso_brick_field *f, const size_t brick[3]);
 
 /* The first of a row of nodes along x, by the brick's own level: iso_brick_side() of them, ISO_NODE_CHANNELS a node. */
 const float *iso_brick_own_row(const iso_brick_field *f, const size_t brick[3], size_t y, size_t z);

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT */
+#include "brick/bricks.h"
+
+#include <assert.h>
+#include <string.h>
+
+static size_t least(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+/* The coarsest brick whose closed box holds node p of level 0 (p in whole nodes), if it is coarser than `level`. All
+ * of the same level agree there, so the first one found will do. */
+static bool coarsest_at(const iso_brick_field *f, const size_t p[3], size_t level, size_t brick[3])
+{
+    const iso_node_levels *n = f->nodes;
+    size_t first[3], last[3];
+    bool found = false;
+    for (int a = 0; a < 3; ++a) {
+        size_t b = p[a] / n->brick_voxels;
+        last[a] = least(b, n->count[a] - 1);
+        first[a] = p[a] % n->brick_voxels == 0 && b > 0 ? b - 1 : last[a];
+    }
+    for (size_t z = first[2]; z <= last[2]; ++z)
+        for (size_t y = first[1]; y <= last[1]; ++y)
+            for (size_t x = first[0]; x <= last[0]; ++x) {
+                const size_t candidate[3] = {x, y, z};
+                size_t there = f->levels[iso_brick_index(n, candidate)];
+                if (there <= level)
+                    continue;
+                level = there;
+                memcpy(brick, candidate, sizeof candidate);
+                found = true;
+            }
+    return found;
+}
+
+iso_own_nodes iso_brick_own_nodes(const iso_brick_field *f, const size_t brick[3])
+{
+    const iso_node_levels *n = f->nodes;
+    const size_t index = iso_brick_index(n, brick), level = f->levels[index], cells = n->brick_voxels >> level;
+    if (n->bricks) {
+        assert(n->bricks[index]); /* iso_brick_make() */
+        return (iso_own_nodes){n->bricks[index], ISO_NODE_CHANNELS * (cells + 1),
+                               ISO_NODE_CHANNELS * (cells + 1) * (cells + 1)};
+    }
+    const size_t nx = iso_node_count(n, level, 0), ny = iso_node_count(n, level, 1);
+    return (iso_own_nodes){n->nodes[level] +
+                               ISO_NODE_CHANNELS * cells * (brick[0] + nx * (brick[1] + ny * brick[2])),
+                           ISO_NODE_CHANNELS * nx, ISO_NODE_CHANNELS * nx * ny};
+}
+
+const float *iso_brick_own_row(const iso_brick_field *f, const size_t brick[3], size_t y, size_t z)
+{
+    const iso_own_nodes own = iso_brick_own_nodes(f, brick);
+    return own.first + y * own.row + z * own.plane;
+}
+
+bool iso_brick_has_foreign_nodes(const iso_brick_field *f, const size_t brick[3])
+{
+    const iso_node_levels *n = f->nodes;
+    const uint8_t level = f->levels[iso_brick_index(n, brick)];
+    size_t first[3], last[3];
+    if (f->faces != ISO_FACES_BAKED)
+        return false;
+    for (int a = 0; a < 3; ++a) {
+        first[a] = brick[a] > 0 ? brick[a] - 1 : 0;
+        last[a] = least(brick[a] + 1, n->count[a] - 1);
+    }
+    for (size_t z = first[2]; z <= last[2]; ++z)
+        for (size_t y = first[1]; y <= last[1]; ++y)
+            for (size_t x = first[0]; x <= last[0]; ++x)
+                if (f->levels[iso_brick_index(n, (const size_t[3]){x, y, z})] > level)
+                    return true;
+    return false;
+}
+
+void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_t node[3],
+                    double out[ISO_NODE_CHANNELS])
+{
+    const iso_node_levels *n = f->nodes;
+    size_t level = f->levels[iso_brick_index(n, brick)], cells = n->brick_voxels >> level, p[3], coarser[3];
+    bool on_face = false;
+    for (int a = 0; a < 3; ++a) {
+        p[a] = brick[a] * n->brick_voxels + (node[a] << level);
+        on_face = on_face || node[a] == 0 || node[a] == cells;
+    }
+    if (on_face && f->faces == ISO_FACES_BAKED && coarsest_at(f, p, level, coarser)) {
+        iso_brick_sample_in(f, coarser, (const double[3]){(double)p[0], (double)p[1], (double)p[2]}, out);
+        return;
+    }
+    const iso_own_nodes own = iso_brick_own_nodes(f, brick);
+    const float *value = own.first + ISO_NODE_CHANNELS * node[0] + node[1] * own.row + node[2] * own.plane;
+    for (size_t c = 0; c < ISO_NODE_CHANNELS; ++c)
+        out[c] = (double)value[c];
+}
+
+void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const double q[3],
+                         double out[ISO_NODE_CHANNELS])
+{
+    const iso_node_levels *n = f->nodes;
+    size_t level = f->levels[iso_brick_index(n, brick)], cells = n->brick_voxels >> level, lo[3];
+    const double spacing = 1 / (double)((size_t)1 << level); /* a power of two: no rounding */
+    bool own = f->faces == ISO_FACES_OWN, inside = true;
+    double part[3];
+    for (int a = 0; a < 3; ++a) {
+        double u = spacing * (q[a] - (double)(brick[a] * n->brick_voxels));
+        u = u > 0 ? (u < (double)cells ? u : (double)cells) : 0;
+        lo[a] = least((size_t)u, cells - 1);
+        part[a] = u - (double)lo[a];
+        inside = inside && lo[a] > 0 && lo[a] + 1 < cells;
+    }
+    /* No coarser brick has a say in what lies within. */
+    own = own || inside;
+    const iso_own_nodes nodes = iso_brick_own_nodes(f, brick);
+    const float *corner = nodes.first + ISO_NODE_CHANNELS * lo[0] + lo[1] * nodes.row + lo[2] * nodes.plane;
+    memset(out, 0, ISO_NODE_CHANNELS * sizeof *out);
+    for (size_t c = 0; c < 8; ++c) {
+        const size_t node[3] = {lo[0] + (c & 1), lo[1] + (c >> 1 & 1), lo[2] + (c >> 2)};
+        double weight = 1, value[ISO_NODE_CHANNELS];
+        for (int a = 0; a < 3; ++a)
+            weight *= c >> a & 1 ? part[a] : 1 - part[a];
+        if (weight == 0)
+            continue;
+        if (own)
+            for (size_t k = 0; k < ISO_NODE_CHANNELS; ++k)
+                value[k] = (double)corner[ISO_NODE_CHANNELS * (c & 1) + (c >> 1 & 1) * nodes.row + (c >> 2) * nodes.plane + k];
+        else
+            iso_brick_node(f, brick, node, value);
+        for (int k = 0; k < ISO_NODE_CHANNELS; ++k)
+            out[k] += weight * value[k];
+    }
+}
+
+void iso_brick_sample(const iso_brick_field *f, iso_vec3 index, double out[ISO_NODE_CHANNELS])
+{
+    const iso_node_levels *n = f->nodes;
+    double q[3] = {index.x - 0.5, index.y - 0.5, index.z - 0.5};
+    size_t brick[3];
+    for (int a = 0; a < 3; ++a) {
+        double last = (double)(n->geometry.size[a] - 1);
+        q[a] = q[a] > 0 ? (q[a] < last ? q[a] : last) : 0;
+        brick[a] = least((size_t)(q[a] / (double)n->brick_voxels), n->count[a] - 1);
+    }
+    iso_brick_sample_in(f, brick, q, out);
+}

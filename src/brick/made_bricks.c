@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: MIT */
+/* A coarse brick's nodes are made of those of the level below around them, and these of the level below that. Each level is
+ * divided into blocks where bricks begin, and a block holds the box of those of its nodes that anything needs:
+ *
+ *     level 2   | # # # |       |       |     # a brick's nodes, the last ones in the next block
+ *     level 1   |   # # # # # # # # # # |     two more on both sides, and so on down to the voxels
+ */
+#include "brick/made_bricks.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "brick/node_box.h"
+
+struct iso_brick_maker {
+    iso_level level0;
+    iso_node_voxels voxels;
+    const uint8_t *levels;
+    iso_code code;
+    bool has_code;
+};
+
+static void brick_at(const iso_node_levels *n, size_t i, size_t at[3])
+{
+    at[0] = i % n->count[0];
+    at[1] = i / n->count[0] % n->count[1];
+    at[2] = i / (n->count[0] * n->count[1]);
+}
+
+/* A brick's nodes from a box of them. */
+static bool keep_brick(const iso_node_levels *n, size_t brick, const iso_node_box *box)
+{
+    const size_t count = iso_node_box_count(box);
+    float *nodes = malloc(ISO_NODE_CHANNELS * count * sizeof *nodes);
+    if (!nodes)
+        return false;
+    iso_node_box_finish(box, nodes);
+    if (n->maker->has_code && n->maker->voxels.directed)
+        iso_nodes_encode(n->maker->code, nodes, count);
+    n->bricks[brick] = nodes;
+    return true;
+}
+
+/* ---- blocks ---------------------------------------------------------------------- */
+
+typedef struct block {
+    uint8_t lo[3], hi[3]; /* of its nodes those that are needed, hi not included; hi[0] == 0: none */
+    float *values;        /* of a node box */
+} block;
+
+typedef struct block_level {
+    size_t cells;    /* nodes of a block along an axis */
+    size_t count[3]; /* blocks: one more than bricks, for the last nodes */
+    size_t last[3];  /* node */
+    block *blocks;
+    size_t channels;
+} block_level;
+
+static iso_node_box box_of(const block_level *l, const block *b)
+{
+    return (iso_node_box){.size = {(size_t)(b->hi[0] - b->lo[0]), (size_t)(b->hi[1] - b->lo[1]), (size_t)(b->hi[2] - b->lo[2])},
+                          .channels = l->channels,
+                          .values = b->values};
+}
+
+static bool block_level_create(block_level *l, const iso_node_levels *n, size_t level)
+{
+    l->cells = n->brick_voxels >> level;
+    l->channels = n->maker->voxels.directed ? ISO_BOX_CHANNELS : 1;
+    for (int a = 0; a < 3; ++a) {
+        l->count[a] = n->count[a] + 1;
+        l->last[a] = iso_node_count(n, level, a) - 1;
+    }
+    l->blocks = calloc(l->count[0] * l->count[1] * l->count[2], sizeof *l->blocks);
+    return l->blocks != NULL;
+}
+
+static size_t block_count(const block_level *l)
+{
+    return l->count[0] * l->count[1] * l->count[2];
+}
+
+static void block_level_destroy(block_level *l)
+{
+    for (size_t i = 0; l->blocks && i < block_count(l); ++i)
+        free(l->blocks[i].values);
+    free(l->blocks);
+    *l = (block_level){0};
+}
+
+static block *block_at(const block_level *l, size_t x, size_t y, size_t z)
+{
+    return &l->blocks[x + l->count[0] * (y + l->count[1] * z)];
+}
+
+/* Where block i lies, in nodes. */
+static void block_first(const block_level *l, size_t i, size_t first[3])
+{
+    first[0] = l->cells * (i % l->count[0]);
+    first[1] = l->cells * (i / l->count[0] % l->count[1]);
+    first[2] = l->cells * (i / (l->count[0] * l->count[1]));
+}
+
+/* Widens what a block along an axis holds to the part of [lo, hi] that lies in it. */
+static void widen(block *b, int axis, size_t first, size_t cells, size_t lo, size_t hi)
+{
+    const uint8_t from = (uint8_t)(lo > first ? lo - first : 0), to = (uint8_t)((hi < first + cells ? hi + 1 : first + cells) - first);
+    const bool is_new = b->hi[axis] == 0;
+    b->lo[axis] = is_new || from < b->lo[axis] ? from : b->lo[axis];
+    b->hi[axis] = to > b->hi[axis] ? to : b->hi[axis];
+}
+
+/* Nodes [lo, hi] of the level, hi included, are needed. */
+static void need(block_level *l, const long lo[3], const long hi[3])
+{
+    size_t from[3], to[3];
+    for (int a = 0; a < 3; ++a) {
+        from[a] = lo[a] > 0 ? (size_t)lo[a] : 0;
+        to[a] = (size_t)hi[a] < l->last[a] ? (size_t)hi[a] : l->last[a];
+    }
+    for (size_t z = from[2] / l->cells; z <= to[2] / l->cells; ++z)
+        for (size_t y = from[1] / l->cells; y <= to[1] / l->cells; ++y)
+            for (size_t x = from[0] / l->cells; x <= to[0] / l->cells; ++x) {
+                block *b = block_at(l, x, y, z);
+                const size_t at[3] = {x, y, z};
+                for (int a = 0; a < 3; ++a)
+                    widen(b, a, at[a] * l->cells, l->cells, from[a], to[a]);
+            }
+}
+
+/* What a level's blocks need of the level below: two nodes around each. */
+static void need_below(const block_level *l, block_level *below)
+{
+    for (size_t i = 0; i < block_count(l); ++i) {
+        const block *b = &l->blocks[i];
+        size_t first[3];
+        long lo[3], hi[3];
+        if (b->hi[0] == 0)
+            continue;
+        block_first(l, i, first);
+        for (int a = 0; a < 3; ++a) {
+            lo[a] = 2 * (long)(first[a] + b->lo[a]) - 2;
+            hi[a] = 2 * (long)(first[a] + b->hi[a] - 1) + 2;
+        }
+        need(below, lo, hi);
+    }
+}
+
+/* What the bricks of a level need: their own nodes. */
+static void need_own(const iso_node_levels *n, size_t level, block_level *l)
+{
+    const long cells = (long)l->cells;
+    for (size_t i = 0; i < iso_brick_count(n); ++i) {
+        size_t at[3];
+        if (n->maker->levels[i] != level)
+            continue;
+        brick_at(n, i, at);
+        const long lo[3] = {cells * (long)at[0], cells * (long)at[1], cells * (long)at[2]};
+        need(l, lo, (const long[]){lo[0] + cells, lo[1] + cells, lo[2] + cells});
+    }
+}
+
+/* ---- making them ------------------------------------------------------------------ */
+
+/* Nodes of a row that lie in blocks which hold them. */
+static void read_blocks(const void *user, size_t x, size_t y, size_t z, size_t count, float *const rows[ISO_BOX_CHANNELS])
+{
+    const block_level *l = user;
+    for (size_t done = 0, run; done < count; done += run) {
+        const size_t at = x + done, in[3] = {at % l->cells, y % l->cells, z % l->cells};
+        const block *b = block_at(l, at / l->cells, y / l->cells, z / l->cells);
+        const iso_node_box box = box_of(l, b);
+        run = l->cells - in[0] < count - done ? l->cells - in[0] : count - done;
+        for (size_t c = 0; c < l->channels; ++c)
+            memcpy(rows[c] + done, iso_node_box_row(&box, c, in[1] - b->lo[1], in[2] - b->lo[2]) + in[0] - b->lo[0],
+                   run * sizeof *rows[c]);
+    }
+}
+
+static iso_node_rows rows_of(const block_level *l)
+{
+    return (iso_node_rows){read_blocks, l, {l->last[0], l->last[1], l->last[2]}};
+}
+
+/* A block from the level below, NULL: from the voxels. */
+static bool make_block(const iso_node_levels *n, const block_level *l, size_t i, const block_level *below)
+{
+    block *b = &l->blocks[i];
+    iso_node_box box = box_of(l, b), fine;
+    size_t at[3], fine_size[3];
+    long first[3];
+    block_first(l, i, at);
+    for (int a = 0; a < 3; ++a) {
+        first[a] = 2 * (long)(at[a] + b->lo[a]) - 2;
+        fine_size[a] = 2 * box.size[a] + 3;
+    }
+    const bool directed = n->maker->voxels.directed;
+    box.values = b->values = malloc(box.channels * iso_node_box_count(&box) * sizeof *b->values);
+    bool good = iso_node_box_create(&fine, fine_size, directed) && b->values;
+    if (good && below) {
+        const iso_node_rows rows = rows_of(below);
+        iso_node_box_fill(&fine, &rows, first);
+    } else if (good) {
+        good = iso_node_box_read(&fine, &n->maker->voxels, first);
+    }
+    good = good && iso_node_box_filter(&fine, n->filter, &box);
+    iso_node_box_destroy(&fine);
+    return good;
+}
+
+static bool make_own(const iso_node_levels *n, const block_level *l, size_t brick)
+{
+    const iso_node_rows rows = rows_of(l);
+    const size_t side = l->cells + 1, size[3] = {side, side, side};
+    iso_node_box box;
+    size_t at[3];
+    brick_at(n, brick, at);
+    bool good = iso_node_box_create(&box, size, n->maker->voxels.directed);
+    if (good)
+        iso_node_box_fill(&box, &rows,
+                          (const long[]){(long)(l->cells * at[0]), (long)(l->cells * at[1]), (long)(l->cells * at[2])});
+    good = good && keep_brick(n, brick, &box);
+    iso_node_box_destroy(&box);
+    return good;
+}
+
+/* The blocks of a level, and of them the bricks of that level. */
+static bool make_level(const iso_node_levels *n, size_t level, const block_level *l, const block_level *below, int threads)
+{
+    bool failed = false;
+#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(|| : failed)
+    for (size_t i = 0; i < block_count(l); ++i)
+        if (l->blocks[i].hi[0] > 0 && !make_block(n, l, i, below))
+            failed = true;
+    if (failed)
+        return false;
+#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(|| : failed)
+    for (size_t i = 0; i < iso_brick_count(n); ++i)
+        if (n->maker->levels[i] == level && !make_own(n, l, i))
+            failed = true;
+    return !failed;
+}
+
+/* All bricks that are coarser than level 0. */
+static iso_status make_coarse(const iso_node_levels *n, int threads, iso_error *err)
+{
+    block_level levels[ISO_BRICK_MAX_LEVELS] = {{0}};
+    bool good = true;
+    for (size_t k = n->level_count; k-- > 1 && good;) {
+        good = block_level_create(&levels[k], n, k);
+        if (!good)
+            break;
+        need_own(n, k, &levels[k]);
+        if (k + 1 < n->level_count)
+            need_below(&levels[k + 1], &levels[k]);
+    }
+    for (size_t k = 1; k < n->level_count && good; ++k) {
+        good = make_level(n, k, &levels[k], k > 1 ? &levels[k - 1] : NULL, threads);
+        block_level_destroy(&levels[k - 1]);
+    }
+    for (size_t k = 1; k < n->level_count; ++k)
+        block_level_destroy(&levels[k]);
+    return good ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the nodes of coarse bricks");
+}
+
+/* ---- the interface ------------------------------------------------------------------ */
+
+iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
+                                      const iso_code *code, const iso_node_options *opt, iso_error *err)
+{
+    iso_status status = iso_node_levels_measure(n, level0, opt->brick_voxels, opt->level_count, err);
+    if (status != ISO_OK)
+        return status;
+    n->filter = opt->filter;
+    n->bricks = calloc(iso_brick_count(n), sizeof *n->bricks);
+    n->maker = malloc(sizeof *n->maker);
+    if (n->maker) {
+        *n->maker = (struct iso_brick_maker){.level0 = *level0, .levels = levels, .has_code = code != NULL};
+        n->maker->code = code ? *code : n->maker->code;
+        n->maker->voxels = iso_node_voxels_of(&n->maker->level0, opt->with_directions);
+    }
+    status = n->bricks && n->maker ? make_coarse(n, iso_threads(opt->threads), err)
+                                   : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu bricks", iso_brick_count(n));
+    if (status != ISO_OK)
+        iso_node_levels_destroy(n);
+    return status;
+}
+
+iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_error *err)
+{
+    if (!n->bricks || n->bricks[brick])
+        return ISO_OK;
+    const size_t side = n->brick_voxels + 1, size[3] = {side, side, side};
+    iso_node_box box;
+    size_t at[3];
+    brick_at(n, brick, at);
+    const long first[3] = {(long)(n->brick_voxels * at[0]), (long)(n->brick_voxels * at[1]),
+                           (long)(n->brick_voxels * at[2])};
+    const bool good = iso_node_box_create(&box, size, n->maker->voxels.directed) &&
+                      iso_node_box_read(&box, &n->maker->voxels, first) && keep_brick(n, brick, &box);
+    iso_node_box_destroy(&box);
+    return good ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a brick of %zu voxels a side", n->brick_voxels);
+}
+
+void iso_brick_forget(const iso_node_levels *n, size_t brick)
+{
+    if (!n->bricks || n->maker->levels[brick] > 0)
+        return;
+    free(n->bricks[brick]);
+    n->bricks[brick] = NULL;
+}
+
+void iso_made_bricks_destroy(iso_node_levels *n)
+{
+    for (size_t i = 0; n->bricks && i < iso_brick_count(n); ++i)
+        free(n->bricks[i]);
+    free(n->bricks);
+    free(n->maker);
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/* node_box.h - boxes of nodes on their way from level to level: an array of floats a channel, so that rows are filtered at
+ * once. Private to src/brick.
+ *
+ * A node's direction comes from moments, so that there are five channels: the scalar, N = sum w m^2 d, and S = sum w m^2 of
+ * the gradients m d of level 0 (bricks.h). Without directions there is the scalar alone.
+ *
+ *     fine     o o o o o o o o o      2 m + 3 nodes along each axis, positions beyond the level's ends clamped to them
+ *     coarse       O   O   O          m; node i stands at fine node 2 i + 2 */
+#ifndef ISO_NODE_BOX_H
+#define ISO_NODE_BOX_H
+
+#include <math.h>
+
+#include "brick/bricks.h"
+#include "gradient/gradient_kernel.h"
+
+enum { ISO_BOX_SCALAR, ISO_BOX_MOMENTS, ISO_BOX_SUM = 4, ISO_BOX_CHANNELS };
+
+typedef struct iso_node_box {
+    size_t size[3], channels;
+    float *values; /* owned; a channel after the other, x fastest */
+} iso_node_box;
+
+static inline size_t iso_node_box_count(const iso_node_box *b)
+{
+    return b->size[0] * b->size[1] * b->size[2];
+}
+static inline float *iso_node_box_row(const iso_node_box *b, size_t channel, size_t y, size_t z)
+{
+    return b->values + b->size[0] * (y + b->size[1] * (z + b->size[2] * channel));
+}
+
+bool iso_node_box_create(iso_node_box *b, const size_t size[3], bool directed); /* false: no memory */
+void iso_node_box_destroy(iso_node_box *b);                                     /* accepts empty */
+
+/* Where a box's nodes come from: `count` nodes of the row (y, z) of a level from x on, to a row a channel. */
+typedef struct iso_node_rows {
+    void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *const rows[ISO_BOX_CHANNELS]);
+    const void *user;
+    size_t last[3]; /* node of the level along each axis: what lies beyond is like it */
+} iso_node_rows;
+/* The box that begins at node `first`, which may lie before the level. */
+void iso_node_box_fill(const iso_node_box *b, const iso_node_rows *rows, const long first[3]);
+
+/* Level 0 as nodes. Gradients are taken in ranges a voxel, so that their squares neither overflow nor vanish. */
+typedef struct iso_node_voxels {
+    const iso_level *level;
+    float unit;
+    iso_gradient_matrix matrix;
+    bool directed;
+} iso_node_voxels;
+iso_node_voxels iso_node_voxels_of(const iso_level *level, bool directed);
+/* False: no memory. */
+bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3]);
+
+/* The coarse box of a fine one of 2 m + 3 nodes. False: no memory. */
+bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse);
+
+/* Moments to a direction, in place: d = N/|N| L^2, L = |N| / S. */
+static inline void iso_node_to_direction(float moments[3], float sum)
+{
+    const double x = (double)moments[0], y = (double)moments[1], z = (double)moments[2];
+    const double norm = sqrt(x * x + y * y + z * z), length = sum > 0 ? norm / (double)sum : 0;
+    const double scale = norm > 0 ? length * length / norm : 0;
+    for (int a = 0; a < 3; ++a)
+        moments[a] = (float)((double)moments[a] * scale);
+}
+
+/* Nodes of ISO_NODE_CHANNELS: moments become directions. */
+void iso_node_box_finish(const iso_node_box *b, float *restrict nodes);
+
+#endif
