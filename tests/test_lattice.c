@@ -88,12 +88,10 @@ static void sample_lattice(const iso_lattice *l, const double q[3], double out[I
             inside = inside && i >= 0 && i < (long)l->size[a];
             at[a] = inside ? (size_t)i : 0;
         }
-        size_t node = at[0] + l->size[0] * (at[1] + l->size[1] * at[2]);
-        inside = inside && l->active[node];
+        inside = inside && iso_lattice_use_of(l, at[0], at[1], at[2]) != ISO_LATTICE_UNUSED;
+        const float *node = iso_lattice_node(l, at[0], at[1], at[2]);
         for (int k = 0; k < ISO_NODE_CHANNELS; ++k)
-            out[k] += weight * (inside   ? (double)l->nodes[ISO_NODE_CHANNELS * node + (size_t)k]
-                                : k == 0 ? l->background
-                                         : 0);
+            out[k] += weight * (inside ? (double)node[k] : k == 0 ? l->background : 0);
     }
 }
 
@@ -185,6 +183,15 @@ static void lattice_of_a_level_has_its_bricks_to_the_last_bit_of_a_float(void **
     assert_true(all > 1000);
 }
 
+/* Node i of a lattice, x fastest. */
+static uint8_t *activity_of(const iso_lattice *l, size_t i)
+{
+    size_t in;
+    iso_lattice_block *block = *iso_lattice_block_of(l, i % l->size[0], i / l->size[0] % l->size[1],
+                                                     i / (l->size[0] * l->size[1]), &in);
+    return block ? &block->use[in] : NULL;
+}
+
 /* Planted faults: without the halo values between an active node and the background show; without one needed node the
  * field is another. */
 static void lattice_without_its_halo_or_a_node_is_seen_to_differ(void **state)
@@ -205,10 +212,12 @@ static void lattice_without_its_halo_or_a_node_is_seen_to_differ(void **state)
                 size_t corners[8];
                 bool complete = true;
                 for (size_t c = 0; c < 8; ++c) {
-                    corners[c] = x + (c & 1) + l.size[0] * (y + (c >> 1 & 1) + l.size[1] * (z + (c >> 2)));
-                    min = fmin(min, (double)l.nodes[ISO_NODE_CHANNELS * corners[c]]);
-                    max = fmax(max, (double)l.nodes[ISO_NODE_CHANNELS * corners[c]]);
-                    complete = complete && l.active[corners[c]];
+                    const size_t at[3] = {x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)};
+                    const double value = (double)*iso_lattice_node(&l, at[0], at[1], at[2]);
+                    corners[c] = at[0] + l.size[0] * (at[1] + l.size[1] * at[2]);
+                    min = fmin(min, value);
+                    max = fmax(max, value);
+                    complete = complete && iso_lattice_use_of(&l, at[0], at[1], at[2]) != ISO_LATTICE_UNUSED;
                 }
                 bool shows = false;
                 for (size_t i = 0; i + 1 < s.tf.count; ++i) {
@@ -220,16 +229,24 @@ static void lattice_without_its_halo_or_a_node_is_seen_to_differ(void **state)
                 for (int c = 0; c < 8 && complete && shows; ++c)
                     needed[corners[c]] = 1;
             }
-    for (size_t i = 0; i < count; ++i)
-        halo += l.active[i] && !needed[i];
+    uint8_t *all = calloc(count, 1);
+    assert_non_null(all);
+    for (size_t i = 0; i < count; ++i) {
+        uint8_t *active = activity_of(&l, i);
+        all[i] = active && *active;
+        halo += all[i] && !needed[i];
+        if (active)
+            *active = needed[i];
+    }
     assert_true(halo > 0);
-    uint8_t *all = l.active;
-    l.active = needed;
     assert_more_than(largest_difference(&s, &l, true, &shown), 0.05);
-    l.active = all;
-    for (size_t i = 0; i < count; i += 50) /* one in fifty */
-        l.active[i] = 0;
+    for (size_t i = 0; i < count; ++i) {
+        uint8_t *active = activity_of(&l, i);
+        if (active)
+            *active = all[i] && i % 50 != 0; /* one in fifty */
+    }
     assert_more_than(largest_difference(&s, &l, true, &shown), 0.05);
+    free(all);
     free(needed);
     iso_lattice_destroy(&l);
     destroy_scene(&s);
@@ -252,7 +269,8 @@ static void nodes_of_a_lattice_stand_where_the_volume_has_them(void **state)
         assert_within(index.y, step * (double)(l.first[1] + 1) + 0.5, 1e-12);
         assert_within(index.z, step * (double)(l.first[2] + 2) + 0.5, 1e-12);
         if (o.whole_box)
-            assert_true(l.active[0] && l.active[l.size[0] * l.size[1] * l.size[2] - 1]);
+            assert_true(iso_lattice_use_of(&l, 0, 0, 0) != ISO_LATTICE_UNUSED &&
+                        iso_lattice_use_of(&l, l.size[0] - 1, l.size[1] - 1, l.size[2] - 1) != ISO_LATTICE_UNUSED);
         iso_lattice_destroy(&l);
     }
     destroy_scene(&s);
@@ -270,7 +288,7 @@ static void what_has_no_lattice_is_refused(void **state)
     s.field.faces = ISO_FACES_BAKED;
     memset(s.drawn, 0, iso_brick_count(&s.nodes));
     assert_status(iso_lattice_create(&l, &s.field, &o, &err), ISO_E_RANGE);
-    assert_null(l.nodes);
+    assert_null(l.blocks);
     destroy_scene(&s);
 }
 

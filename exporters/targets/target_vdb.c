@@ -5,8 +5,9 @@
 #include "targets/target_vdb_baked.h"
 #include "vdb/vdb.h"
 
-static iso_status write_planned(const iso_export_job *job, const iso_vdb_options *o, iso_error *err)
+static iso_status write_planned(const iso_export_job *job, iso_vdb_options *o, iso_error *err)
 {
+    o->half_directions = !job->dense && !job->float_directions;
     iso_planned_lattices lattices;
     iso_status status = iso_planned_lattices_create(job->planned, job->merged, false, job->threads, &lattices, err);
     if (status != ISO_OK)

@@ -32,6 +32,7 @@ enum { ISO_VDB_MAX_GRIDS = 4 };
 
 /* What the grids of a level are read from. It stays where it is until the file is written. */
 typedef struct iso_vdb_grids {
+    const iso_lattice *lattice; /* or a level: */
     const iso_level *level;
     const iso_volume *volume; /* its scalars where it has none */
     iso_narrow_codes made;    /* owned: its codes, a box after the other, where it has none */

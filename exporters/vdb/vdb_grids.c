@@ -314,29 +314,60 @@ void iso_vdb_grids_destroy(iso_vdb_grids *grids)
 
 /* ---- lattices ------------------------------------------------------------------ */
 
-static const float *lattice_row(const iso_lattice *l, size_t x, size_t y, size_t z)
+/* How many of `count` nodes from (x, y, z) on lie in one block, and which: of its nodes from `in` on. */
+static size_t run_of(const iso_lattice *l, size_t x, size_t y, size_t z, size_t count, const iso_lattice_block **block,
+                     size_t *in)
 {
-    return l->nodes + ISO_NODE_CHANNELS * (x + l->size[0] * (y + l->size[1] * z));
+    *block = *iso_lattice_block_of(l, x, y, z, in);
+    const size_t left = ISO_LATTICE_SIDE - *in % ISO_LATTICE_SIDE;
+    return left < count ? left : count;
 }
 
 static void read_node_scalars(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
 {
-    const float *row = lattice_row(user, x, y, z);
-    for (size_t i = 0; i < count; ++i)
-        out[i] = row[ISO_NODE_CHANNELS * i];
+    const iso_vdb_grids *s = user;
+    const iso_lattice_block *block;
+    for (size_t i = 0, in; i < count;)
+        for (size_t run = run_of(s->lattice, x + i, y, z, count - i, &block, &in); run > 0; --run, ++in)
+            out[i++] = block ? block->nodes[in][0] : s->lattice->empty[0];
 }
 
 static void read_node_directions(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
 {
-    const float *row = lattice_row(user, x, y, z);
-    for (size_t i = 0; i < count; ++i)
-        memcpy(out + 3 * i, row + ISO_NODE_CHANNELS * i + 1, 3 * sizeof *out);
+    const iso_vdb_grids *s = user;
+    const iso_lattice_block *block;
+    for (size_t i = 0, in; i < count;)
+        for (size_t run = run_of(s->lattice, x + i, y, z, count - i, &block, &in); run > 0; --run, ++in, ++i)
+            for (size_t c = 0; c < 3; ++c)
+                out[3 * i + c] = block ? s->direction_scale * block->nodes[in][1 + c] : 0;
+}
+
+static void read_use(const iso_lattice *l, const size_t at[3], size_t count, iso_lattice_use least, unsigned char *out)
+{
+    const iso_lattice_block *block;
+    for (size_t i = 0, in; i < count;)
+        for (size_t run = run_of(l, at[0] + i, at[1], at[2], count - i, &block, &in); run > 0; --run, ++in)
+            out[i++] = block && block->use[in] >= (uint8_t)least;
 }
 
 static void read_node_activity(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
 {
-    const iso_lattice *l = user;
-    memcpy(out, l->active + x + l->size[0] * (y + l->size[1] * z), count);
+    read_use(((const iso_vdb_grids *)user)->lattice, (const size_t[]){x, y, z}, count, ISO_LATTICE_HALO, out);
+}
+
+static void read_node_light(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
+{
+    read_use(((const iso_vdb_grids *)user)->lattice, (const size_t[]){x, y, z}, count, ISO_LATTICE_LIT, out);
+}
+
+/* As whole numbers of a byte are, where no node is sampled between others. */
+static bool lattice_is_half(const iso_lattice *l)
+{
+    for (size_t i = 0; i < l->block_count[0] * l->block_count[1] * l->block_count[2]; ++i)
+        for (size_t k = 0; l->blocks[i] && k < ISO_LATTICE_CUBE; ++k)
+            if (!is_half(l->blocks[i]->nodes[k][0]))
+                return false;
+    return true;
 }
 
 /* A multiple of the leaves' size, and of the coarsest bricks', that makes all indices of a lattice positive. */
@@ -351,9 +382,10 @@ iso_status iso_vdb_add_lattice(const iso_vdb_job *job, const iso_lattice *l, con
 {
     enum { LEAF = 8 };
     const iso_vdb_options *opt = job->opt;
-    *grids = (iso_vdb_grids){.direction_scale = opt->half_directions ? (float)ISO_VDB_LINEAR_SCALE : 1};
+    *grids = (iso_vdb_grids){.lattice = l,
+                             .direction_scale = opt->half_directions ? (float)ISO_VDB_LINEAR_SCALE : 1};
     iso_vdb_source source = iso_vdb_describe(&l->geometry, made_from, opt);
-    source.user = source.active_user = l;
+    source.user = source.active_user = grids;
     source.level = (int)l->level;
     source.value_min = l->min;
     source.value_max = l->max;
@@ -370,7 +402,8 @@ iso_status iso_vdb_add_lattice(const iso_vdb_job *job, const iso_lattice *l, con
     const grid_readers readers = {.scalar = read_node_scalars,
                                   .directions = opt->gradient ? read_node_directions : NULL,
                                   .kept = read_node_activity,
-                                  .lit = read_node_activity,
-                                  .reversed = reversed};
+                                  .lit = read_node_light,
+                                  .reversed = reversed,
+                                  .half_scalar = opt->half_directions && lattice_is_half(l)};
     return add_grids(job, &source, &readers, grids, err);
 }

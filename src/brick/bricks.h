@@ -79,6 +79,9 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_error *err
 /* Forgets nodes that iso_brick_make() would make again. */
 void iso_brick_forget(const iso_node_levels *n, size_t brick);
 
+/* `count` voxels of the row (y, z) of level 0 from x on, in whichever way the nodes were made of it. */
+void iso_node_levels_voxels(const iso_node_levels *n, size_t x, size_t y, size_t z, size_t count, float *restrict row);
+
 /* From the levels of a pyramid instead of its level 0: a node of level l is interpolated among that level's voxels,
  * cubic in the scalar (kept within the range of the eight voxels around) and linear in the decoded directions. Bricks
  * are as continuous and as fast to draw as with the filters above, but more blurred, because the voxels are means
@@ -143,6 +146,13 @@ const float *iso_brick_own_row(const iso_brick_field *f, const size_t brick[3], 
 
 /* Do nodes on the brick's faces take values of a coarser brick? Else all are those of iso_brick_own_row(). */
 bool iso_brick_has_foreign_nodes(const iso_brick_field *f, const size_t brick[3]);
+/* The same of each part of the brick: corners, edges, faces and the inside (13, never), as iso_brick_part() numbers them. */
+enum { ISO_BRICK_PARTS = 27 };
+void iso_brick_foreign_parts(const iso_brick_field *f, const size_t brick[3], bool parts[ISO_BRICK_PARTS]);
+static inline size_t iso_brick_part(size_t side, size_t x, size_t y, size_t z)
+{
+    return (x > 0) + (x + 1 == side) + 3 * ((size_t)(y > 0) + (y + 1 == side)) + 9 * ((size_t)(z > 0) + (z + 1 == side));
+}
 
 /* The function of one brick at node coordinates q in its closed box: on a face this
  * is the limit from that brick's side. */

@@ -58,21 +58,39 @@ const float *iso_brick_own_row(const iso_brick_field *f, const size_t brick[3], 
 
 bool iso_brick_has_foreign_nodes(const iso_brick_field *f, const size_t brick[3])
 {
+    bool parts[ISO_BRICK_PARTS], any = false;
+    iso_brick_foreign_parts(f, brick, parts);
+    for (size_t i = 0; i < ISO_BRICK_PARTS; ++i)
+        any = any || parts[i];
+    return any;
+}
+
+/* A brick beside it touches the parts on its side: along an axis where it lies below the first of three, where it lies above
+ * the last, else all. */
+void iso_brick_foreign_parts(const iso_brick_field *f, const size_t brick[3], bool parts[ISO_BRICK_PARTS])
+{
     const iso_node_levels *n = f->nodes;
     const uint8_t level = f->levels[iso_brick_index(n, brick)];
-    size_t first[3], last[3];
+    memset(parts, 0, ISO_BRICK_PARTS * sizeof *parts);
     if (f->faces != ISO_FACES_BAKED)
-        return false;
-    for (int a = 0; a < 3; ++a) {
-        first[a] = brick[a] > 0 ? brick[a] - 1 : 0;
-        last[a] = least(brick[a] + 1, n->count[a] - 1);
+        return;
+    for (size_t i = 0; i < ISO_BRICK_PARTS; ++i) {
+        const size_t step[3] = {i % 3, i / 3 % 3, i / 9};
+        size_t at[3], first[3], last[3];
+        bool there = true;
+        for (int a = 0; a < 3; ++a) {
+            at[a] = brick[a] + step[a] - 1; /* before the first: beyond the last */
+            there = there && at[a] < n->count[a];
+            first[a] = step[a] == 2 ? 2 : 0;
+            last[a] = step[a] == 0 ? 0 : 2;
+        }
+        if (!there || f->levels[iso_brick_index(n, at)] <= level)
+            continue;
+        for (size_t z = first[2]; z <= last[2]; ++z)
+            for (size_t y = first[1]; y <= last[1]; ++y)
+                for (size_t x = first[0]; x <= last[0]; ++x)
+                    parts[x + 3 * (y + 3 * z)] = true;
     }
-    for (size_t z = first[2]; z <= last[2]; ++z)
-        for (size_t y = first[1]; y <= last[1]; ++y)
-            for (size_t x = first[0]; x <= last[0]; ++x)
-                if (f->levels[iso_brick_index(n, (const size_t[3]){x, y, z})] > level)
-                    return true;
-    return false;
 }
 
 void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_t node[3],

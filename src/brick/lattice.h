@@ -12,7 +12,7 @@
  * Active are the corners of every cell that a transfer function shows in a brick that is drawn, so that what is
  * interpolated there is exact. All other nodes are `background`, which the TF does not show. Where a cell has corners
  * of both kinds, values between them occur that are nowhere in the field; where the TF would show one of these,
- * the cell's other corners are active too, though nothing is seen in it (halo).
+ * the cell's other corners are active too, though nothing is seen in it and so nothing is lit (halo).
  *
  *     o---o---o---o---o        o active   . background     the TF shows cells marked #
  *     | # | # |   |   |
@@ -20,24 +20,63 @@
  *     | # |   |   |   |
  *     o---o---.---.---.
  *
- * Bricks that no view sees may be left out without a halo: nobody sees their faces either. */
+ * Bricks that no view sees may be left out without a halo: nobody sees their faces either.
+ *
+ * Nodes are held in blocks, those of active nodes alone, so that memory follows what is left of a volume. Bricks that
+ * have their own nodes (iso_node_levels_create_for) are made when they are read, and forgotten. */
 #ifndef ISO_LATTICE_H
 #define ISO_LATTICE_H
 
 #include "brick/bricks.h"
 #include "tf/tf.h"
 
+/* What a node is active for: its scalar and its direction; its scalar alone (halo), and its direction is 0. */
+typedef enum iso_lattice_use { ISO_LATTICE_UNUSED, ISO_LATTICE_HALO, ISO_LATTICE_LIT } iso_lattice_use;
+
+/* Nodes of a cube; those that are not active are background. */
+enum { ISO_LATTICE_SIDE = 8, ISO_LATTICE_CUBE = ISO_LATTICE_SIDE * ISO_LATTICE_SIDE * ISO_LATTICE_SIDE };
+typedef struct iso_lattice_block {
+    float nodes[ISO_LATTICE_CUBE][ISO_NODE_CHANNELS]; /* x fastest */
+    uint8_t use[ISO_LATTICE_CUBE];
+} iso_lattice_block;
+
 typedef struct iso_lattice {
     size_t level;
     long first[3];         /* of its nodes, counted in nodes of the level from node (0, 0, 0); may be -1 */
     size_t size[3];        /* the box of the active nodes */
     iso_geometry geometry; /* its voxels have the nodes as centres; the box is all of them */
-    float *nodes;          /* owned; ISO_NODE_CHANNELS a node, x fastest */
-    uint8_t *active;       /* owned; one byte a node */
+    long corner[3];        /* the first node of the first block: multiples of ISO_LATTICE_SIDE */
+    size_t block_count[3];
+    iso_lattice_block **blocks; /* owned, x fastest; NULL where no node is active */
     size_t active_count;
-    double background; /* of the scalar; directions are 0 */
-    double min, max;   /* of the scalar, background included */
+    double background;               /* of the scalar; directions are 0 */
+    float empty[ISO_NODE_CHANNELS]; /* what a node that is not active holds */
+    double min, max;                 /* of the scalar, background included */
 } iso_lattice;
+
+/* Which block holds node (x, y, z) of the box, and where in it. */
+static inline iso_lattice_block **iso_lattice_block_of(const iso_lattice *l, size_t x, size_t y, size_t z, size_t *in)
+{
+    const size_t at[3] = {x + (size_t)(l->first[0] - l->corner[0]), y + (size_t)(l->first[1] - l->corner[1]),
+                          z + (size_t)(l->first[2] - l->corner[2])};
+    *in = at[0] % ISO_LATTICE_SIDE +
+          ISO_LATTICE_SIDE * (at[1] % ISO_LATTICE_SIDE + ISO_LATTICE_SIDE * (at[2] % ISO_LATTICE_SIDE));
+    return &l->blocks[at[0] / ISO_LATTICE_SIDE +
+                      l->block_count[0] * (at[1] / ISO_LATTICE_SIDE + l->block_count[1] * (at[2] / ISO_LATTICE_SIDE))];
+}
+/* The ISO_NODE_CHANNELS values of a node. */
+static inline const float *iso_lattice_node(const iso_lattice *l, size_t x, size_t y, size_t z)
+{
+    size_t in;
+    const iso_lattice_block *block = *iso_lattice_block_of(l, x, y, z, &in);
+    return block ? block->nodes[in] : l->empty;
+}
+static inline iso_lattice_use iso_lattice_use_of(const iso_lattice *l, size_t x, size_t y, size_t z)
+{
+    size_t in;
+    const iso_lattice_block *block = *iso_lattice_block_of(l, x, y, z, &in);
+    return block ? (iso_lattice_use)block->use[in] : ISO_LATTICE_UNUSED;
+}
 
 typedef struct iso_lattice_options {
     const uint8_t *drawn;    /* one byte a brick: what pack.h's cull and the plan leave */
@@ -50,7 +89,7 @@ typedef struct iso_lattice_options {
     int threads;
 } iso_lattice_options;
 
-/* ISO_E_RANGE when nothing would be left, or the field's faces are not baked; ISO_E_MEMORY. */
+/* The result does not depend on the number of threads. ISO_E_RANGE when nothing would be left, or the field's faces are not baked; ISO_E_MEMORY. */
 iso_status iso_lattice_create(iso_lattice *l, const iso_brick_field *f, const iso_lattice_options *opt, iso_error *err);
 void iso_lattice_destroy(iso_lattice *l); /* accepts empty and NULL */
 

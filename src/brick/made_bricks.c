@@ -12,6 +12,7 @@
 
 #include "base/parallel.h"
 #include "brick/node_box.h"
+#include "pyramid/narrow.h"
 
 struct iso_brick_maker {
     iso_level level0;
@@ -309,6 +310,20 @@ void iso_brick_forget(const iso_node_levels *n, size_t brick)
         return;
     free(n->bricks[brick]);
     n->bricks[brick] = NULL;
+}
+
+void iso_node_levels_voxels(const iso_node_levels *n, size_t x, size_t y, size_t z, size_t count, float *restrict row)
+{
+    if (n->maker) {
+        const size_t *size = n->geometry.size;
+        const float *from = iso_level_floats(&n->maker->level0, x + size[0] * (y + size[1] * z), count, row);
+        if (from != row)
+            memcpy(row, from, count * sizeof *row);
+        return;
+    }
+    const float *from = n->nodes[0] + ISO_NODE_CHANNELS * (x + iso_node_count(n, 0, 0) * (y + iso_node_count(n, 0, 1) * z));
+    for (size_t i = 0; i < count; ++i)
+        row[i] = from[ISO_NODE_CHANNELS * i];
 }
 
 void iso_made_bricks_destroy(iso_node_levels *n)

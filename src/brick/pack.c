@@ -154,13 +154,16 @@ static bool on_face(size_t side, size_t x, size_t y, size_t z)
 void iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *restrict out)
 {
     const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
-    const bool foreign = iso_brick_has_foreign_nodes(f, brick);
+    bool foreign[ISO_BRICK_PARTS];
+    iso_brick_foreign_parts(f, brick, foreign);
     for (size_t z = 0; z < side; ++z)
         for (size_t y = 0; y < side; ++y) {
             float *row = out + ISO_NODE_CHANNELS * side * (y + side * z);
             memcpy(row, iso_brick_own_row(f, brick, y, z), ISO_NODE_CHANNELS * side * sizeof *row);
-            for (size_t x = 0; foreign && x < side; x += on_face(side, 1, y, z) ? 1 : side - 1) {
+            for (size_t x = 0; x < side; x += on_face(side, 1, y, z) ? 1 : side - 1) {
                 double value[ISO_NODE_CHANNELS];
+                if (!foreign[iso_brick_part(side, x, y, z)])
+                    continue;
                 iso_brick_node(f, brick, (const size_t[3]){x, y, z}, value);
                 for (size_t c = 0; c < ISO_NODE_CHANNELS; ++c)
                     row[ISO_NODE_CHANNELS * x + c] = (float)value[c];
@@ -237,7 +240,7 @@ static bool baked_shows(const iso_brick_field *f, const iso_tf_table *tf, const 
 
 /* Does the range of what a brick holds show? All of it is between its nodes' values. Most bricks are told by their inside,
  * or by the wider range of all that their faces might take, without the baked faces. */
-static bool shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3])
+bool iso_brick_shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3])
 {
     node_range r = empty_range();
     if (!iso_brick_has_foreign_nodes(f, brick)) {
@@ -259,7 +262,7 @@ double iso_brick_cull(const iso_brick_field *f, const iso_tf_table *tf, int thre
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(+ : shown)
     for (size_t i = 0; i < count; ++i) {
         const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
-        visible[i] = shows(f, tf, brick);
+        visible[i] = iso_brick_shows(f, tf, brick);
         shown += visible[i];
     }
     return (double)shown / (double)count;

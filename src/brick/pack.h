@@ -58,6 +58,8 @@ size_t iso_brick_pack_texels(const iso_node_levels *n, const uint8_t *levels, co
  * iso_brick_side()^3 of them. */
 void iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *restrict out);
 
+/* Whether the TF shows anything in the range of a brick's own baked values. */
+bool iso_brick_shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3]);
 /* Which bricks the TF shows: marks visible[b] by the range of the brick's own baked
  * values, and returns the part that it shows. */
 double iso_brick_cull(const iso_brick_field *f, const iso_tf_table *tf, int threads, uint8_t *restrict visible);

@@ -48,26 +48,11 @@ static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *v
     return status;
 }
 
-/* The target reads a level's scalars a few at a time, and so does all else that is asked for. A plan has nodes of its own. */
+/* The target reads a level's scalars a few at a time, and so does all else that is asked for. So does a plan. */
 static bool is_narrow(const iso_export_arguments *a, const iso_export_target *target)
 {
     return target->narrow && !a->roi.box && !a->adapted.wanted && !a->adapted.extinction_scale && !a->isosurface &&
            !a->bake.wanted;
-}
-
-/* What a plan's nodes are made of: level 0's floats, without its codes. */
-static iso_status take_floats(iso_pyramid *p, iso_volume *v, iso_error *err)
-{
-    iso_level *level = &p->levels[0];
-    if (level->scalar)
-        return ISO_OK;
-    const size_t count = iso_geometry_voxel_count(&level->geometry);
-    level->scalar = malloc(count * sizeof *level->scalar);
-    if (!level->scalar)
-        return iso_fail(err, ISO_E_MEMORY, "export: no memory for %zu voxels in floats", count);
-    iso_volume_floats(v, level->scalar);
-    iso_volume_destroy(v);
-    return ISO_OK;
 }
 
 static iso_status load(iso_export_arguments *a, const iso_export_target *target, const iso_subject_look *look,
@@ -94,8 +79,6 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
                                            : a->roi.box ? "--roi"
                                                         : "--isosurface",
                                            err);
-    if (status == ISO_OK && a->plan)
-        status = take_floats(p, v, err);
     if (narrow)
         *view = sight.view;
     else if (status == ISO_OK && wants_view)
@@ -146,6 +129,17 @@ static iso_export_job job_of(iso_export_arguments *a, const iso_export_target *t
                             .notes = root ? NULL : stdout};
 }
 
+/* A plan's nodes are made of level 0, or of the samples where it has no scalars. */
+static iso_status load_plan(const iso_export_arguments *a, const iso_pyramid *p, const iso_volume *v, const iso_view *view,
+                            iso_planned *planned, iso_error *err)
+{
+    iso_level level0 = p->levels[0];
+    if (!level0.scalar)
+        level0.samples = v;
+    return iso_planned_create(a->plan, &(iso_planned_subject){&level0, p->options.code, &view->tf, 1}, a->cli->threads,
+                              planned, err);
+}
+
 static iso_status export_it(iso_export_arguments *a, iso_error *err)
 {
     const iso_export_target *target = NULL;
@@ -162,9 +156,7 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     iso_cli_expect_names(a->cli, !iso_pyramid_is_one(a->cli->arguments[0]), target->stages, target->name);
     status = load(a, target, &look, iso, &progress, &pyramid, &volume, &view, err);
     if (status == ISO_OK && a->plan)
-        status = iso_planned_create(a->plan,
-                                    &(iso_planned_subject){&pyramid.levels[0], pyramid.options.code, &view.tf, 1},
-                                    a->cli->threads, &planned, err);
+        status = load_plan(a, &pyramid, &volume, &view, &planned, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
     char *command = iso_cli_command_line(a->cli);
     iso_export_job job = job_of(a, target, &view, iso[0], &progress, command, root);

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "plan/planned.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/json.h"
 #include "base/parallel.h"
+#include "base/simd.h"
+#include "brick/occupancy.h"
 #include "brick/pack.h"
 
 /* ---- the file ------------------------------------------------------------------ */
@@ -92,22 +95,88 @@ static iso_brick_field field_of(const iso_planned *p)
     return (iso_brick_field){.nodes = &p->nodes, .levels = p->plan.levels, .faces = ISO_FACES_BAKED};
 }
 
+/* Widens the ranges along a row by those of its voxels. */
+ISO_SIMD static void widen(const float *restrict row, size_t count, float *restrict least, float *restrict most)
+{
+    for (size_t x = 0; x < count; ++x) {
+        least[x] = row[x] < least[x] ? row[x] : least[x];
+        most[x] = row[x] > most[x] ? row[x] : most[x];
+    }
+}
+
+/* The ranges of the voxels that the bricks (., by, bz) are made of: two numbers each. columns: three rows. */
+static void row_ranges(const iso_node_levels *n, size_t by, size_t bz, float *columns, float *ranges)
+{
+    const size_t *size = n->geometry.size, side = n->brick_voxels;
+    const size_t end_y = (by + 1) * side < size[1] ? (by + 1) * side + 1 : size[1];
+    const size_t end_z = (bz + 1) * side < size[2] ? (bz + 1) * side + 1 : size[2];
+    float *row = columns, *least = columns + size[0], *most = columns + 2 * size[0];
+    for (size_t x = 0; x < size[0]; ++x)
+        least[x] = INFINITY, most[x] = -INFINITY;
+    for (size_t z = bz * side; z < end_z; ++z)
+        for (size_t y = by * side; y < end_y; ++y) {
+            iso_node_levels_voxels(n, 0, y, z, size[0], row);
+            widen(row, size[0], least, most);
+        }
+    for (size_t bx = 0; bx < n->count[0]; ++bx) {
+        float *range = ranges + 2 * iso_brick_index(n, (const size_t[]){bx, by, bz});
+        range[0] = INFINITY, range[1] = -INFINITY;
+        for (size_t x = bx * side; x <= (bx + 1) * side && x < size[0]; ++x) {
+            range[0] = fminf(range[0], least[x]);
+            range[1] = fmaxf(range[1], most[x]);
+        }
+    }
+}
+
+/* Two numbers a brick; to be freed. NULL: no memory. */
+static float *find_ranges(const iso_node_levels *n, int threads)
+{
+    float *ranges = malloc(2 * iso_brick_count(n) * sizeof *ranges);
+    bool failed = !ranges;
+#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(|| : failed)
+    for (size_t i = 0; i < n->count[1] * n->count[2]; ++i) {
+        float *columns = ranges ? malloc(3 * n->geometry.size[0] * sizeof *columns) : NULL;
+        failed = failed || !columns;
+        if (columns)
+            row_ranges(n, i % n->count[1], i / n->count[1], columns, ranges);
+        free(columns);
+    }
+    if (failed) {
+        free(ranges);
+        ranges = NULL;
+    }
+    return ranges;
+}
+
+/* Does the transfer function show a brick that the plan hides? Its voxels tell of most that it does not; few have to be
+ * made to know. */
+static bool is_wrong(const iso_planned *p, const iso_tf_table *tf, size_t i, const float *ranges)
+{
+    const iso_brick_field field = field_of(p);
+    const size_t *count = p->nodes.count, brick[3] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
+    if (!p->plan.seen[i] || p->plan.drawn[i] ||
+        (p->plan.levels[i] == 0 && !iso_tf_shows(tf, (double)ranges[2 * i], (double)ranges[2 * i + 1])))
+        return false;
+    const bool shows = iso_brick_make(&p->nodes, i, NULL) == ISO_OK && iso_brick_shows(&field, tf, brick);
+    iso_brick_forget(&p->nodes, i);
+    return shows;
+}
+
 /* A plan for other transfer functions has bricks marked as hidden that these show. Rounding alone moves a few. */
 static iso_status check_match(const char *path, const iso_planned *p, int threads, iso_error *err)
 {
-    const iso_brick_field field = field_of(p);
-    size_t count = iso_brick_count(&p->nodes), wrong = 0, drawn = 0;
-    uint8_t *visible = malloc(count);
-    if (!visible)
+    const size_t count = iso_brick_count(&p->nodes);
+    size_t wrong = 0, drawn = 0;
+    float *ranges = find_ranges(&p->nodes, threads);
+    if (!ranges)
         return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
-    for (size_t t = 0; t < p->tf_count; ++t) {
-        iso_brick_cull(&field, &p->tfs[t], threads, visible);
+    for (size_t t = 0; t < p->tf_count; ++t)
+#pragma omp parallel for schedule(dynamic, 16) num_threads(iso_threads(threads)) reduction(+ : wrong)
         for (size_t i = 0; i < count; ++i)
-            wrong += visible[i] && p->plan.seen[i] && !p->plan.drawn[i];
-    }
+            wrong += is_wrong(p, &p->tfs[t], i, ranges);
+    free(ranges);
     for (size_t i = 0; i < count; ++i)
         drawn += p->plan.drawn[i];
-    free(visible);
     if (100 * wrong > drawn)
         return iso_fail(err, ISO_E_RANGE,
                         "%s: this scene shows %zu bricks that the plan hides: it was made for another one", path,
@@ -115,12 +184,16 @@ static iso_status check_match(const char *path, const iso_planned *p, int thread
     return ISO_OK;
 }
 
-static iso_status check_bricks(const char *path, const iso_planned *p, iso_error *err)
+/* Before the nodes are made: a plan says how many bricks a volume of its size has. */
+static iso_status check_bricks(const char *path, const iso_plan_file *plan, const iso_geometry *g, iso_error *err)
 {
-    const size_t *have = p->nodes.count, *want = p->plan.count;
-    if (memcmp(have, want, sizeof p->plan.count) != 0)
+    size_t have[3];
+    for (int a = 0; a < 3; ++a)
+        have[a] = g->size[a] > 1 ? (g->size[a] - 2) / plan->brick_voxels + 1 : 1;
+    if (memcmp(have, plan->count, sizeof have) != 0)
         return iso_fail(err, ISO_E_RANGE, "%s: %zu x %zu x %zu bricks of %zu voxels, the volume has %zu x %zu x %zu",
-                        path, want[0], want[1], want[2], p->plan.brick_voxels, have[0], have[1], have[2]);
+                        path, plan->count[0], plan->count[1], plan->count[2], plan->brick_voxels, have[0], have[1],
+                        have[2]);
     return ISO_OK;
 }
 
@@ -131,14 +204,13 @@ iso_status iso_planned_create(const char *path, const iso_planned_subject *subje
     *p = (iso_planned){.tfs = subject->tfs, .tf_count = subject->tf_count};
     iso_status status = iso_plan_file_load(path, &p->plan, err);
     if (status == ISO_OK)
-        status = iso_node_levels_create(&p->nodes, subject->level0, p->plan.brick_voxels, p->plan.level_count, true,
-                                        threads, err);
-    if (status == ISO_OK)
-        status = check_bricks(path, p, err);
+        status = check_bricks(path, &p->plan, &subject->level0->geometry, err);
+    if (status == ISO_OK) {
+        const iso_node_options opt = {p->plan.brick_voxels, p->plan.level_count, ISO_NODES_SHARP, true, threads};
+        status = iso_node_levels_create_for(&p->nodes, subject->level0, p->plan.levels, &subject->code, &opt, err);
+    }
     if (status == ISO_OK)
         status = check_match(path, p, threads, err);
-    if (status == ISO_OK)
-        iso_node_levels_encode(&p->nodes, subject->code);
     p->build_seconds = iso_clock_seconds() - start;
     if (status != ISO_OK)
         iso_planned_destroy(p);
@@ -210,6 +282,23 @@ static void find_box(const iso_lattice *l, const iso_geometry *g, double box[2][
     }
 }
 
+/* Row by row: directions in floats would be as much again. */
+static bool fill_crop(const iso_lattice *l, iso_code code, iso_level *level)
+{
+    const size_t *n = l->size;
+    float *directions = malloc(3 * n[0] * sizeof *directions);
+    for (size_t i = 0; directions && i < n[1] * n[2]; ++i) {
+        for (size_t x = 0; x < n[0]; ++x) {
+            const float *node = iso_lattice_node(l, x, i % n[1], i / n[1]);
+            level->scalar[n[0] * i + x] = node[0];
+            memcpy(directions + 3 * x, node + 1, 3 * sizeof *directions);
+        }
+        iso_code_encode(code, directions, level->codes + iso_code_describe(code)->bytes * n[0] * i, n[0]);
+    }
+    free(directions);
+    return directions != NULL;
+}
+
 iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, iso_code code, int threads,
                                    iso_planned_crop *crop, iso_error *err)
 {
@@ -228,19 +317,11 @@ iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0
                               .min = l->min,
                               .max = l->max,
                               .scalar = malloc(count * sizeof(float)),
-                              .codes = malloc(6 * count)};
-    float *directions = malloc(3 * count * sizeof *directions);
-    if (!crop->level.scalar || !crop->level.codes || !directions)
+                              .codes = malloc(iso_code_describe(code)->bytes * count)};
+    if (!crop->level.scalar || !crop->level.codes || !fill_crop(l, code, &crop->level))
         status = iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu voxels", count);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-        crop->level.scalar[i] = l->nodes[ISO_NODE_CHANNELS * i];
-        memcpy(directions + 3 * i, l->nodes + ISO_NODE_CHANNELS * i + 1, 3 * sizeof *directions);
-    }
-    if (status == ISO_OK) {
-        iso_code_encode(code, directions, crop->level.codes, count);
+    if (status == ISO_OK)
         find_box(l, &p->nodes.geometry, crop->box);
-    }
-    free(directions);
     iso_planned_lattices_destroy(&merged);
     if (status != ISO_OK)
         iso_planned_crop_destroy(crop);

@@ -28,7 +28,7 @@ void iso_plan_file_destroy(iso_plan_file *plan); /* accepts empty and NULL */
 /* What a plan leaves of a volume. */
 typedef struct iso_planned {
     iso_plan_file plan;
-    iso_node_levels nodes; /* directions as the pyramid's code has them */
+    iso_node_levels nodes; /* of single bricks; directions as the pyramid's code has them */
     const iso_tf_table *tfs;
     size_t tf_count;
     double build_seconds;
@@ -36,7 +36,7 @@ typedef struct iso_planned {
 
 /* What a plan is of: a volume, the code of its directions, and the transfer functions that show it. */
 typedef struct iso_planned_subject {
-    const iso_level *level0;
+    const iso_level *level0; /* its scalars or samples are kept, not copied */
     iso_code code;
     const iso_tf_table *tfs; /* kept, not copied */
     size_t tf_count;

@@ -20,13 +20,18 @@ typedef struct brick_scratch {
     uint8_t *codes;
 } brick_scratch;
 
-static void put_brick(const iso_viewer *v, const iso_brick_field *f, size_t i, brick_scratch *s, brick_cache *c)
+static iso_status put_brick(const iso_viewer *v, const iso_brick_field *f, size_t i, brick_scratch *s, brick_cache *c,
+                            iso_error *err)
 {
     const iso_node_levels *n = f->nodes;
     const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / n->count[0] / n->count[1]},
                  side = iso_brick_side(n, f->levels[i]), count = side * side * side;
     const double step = n->max > n->min ? (n->max - n->min) / 65535 : 1;
+    const iso_status status = iso_brick_make(n, i, err);
+    if (status != ISO_OK)
+        return status;
     iso_brick_bake(f, brick, s->nodes);
+    iso_brick_forget(n, i);
     for (size_t k = 0; k < count; ++k)
         for (size_t a = 0; a < 3; ++a)
             s->directions[3 * k + a] = s->nodes[ISO_NODE_CHANNELS * k + 1 + a];
@@ -43,6 +48,7 @@ static void put_brick(const iso_viewer *v, const iso_brick_field *f, size_t i, b
                 for (size_t a = 0; a < 3; ++a)
                     c->codes[3 * at + a] = s->codes[3 * k + a];
             }
+    return ISO_OK;
 }
 
 static iso_status fill_cache(const iso_viewer *v, brick_cache *c, iso_error *err)
@@ -65,7 +71,7 @@ static iso_status fill_cache(const iso_viewer *v, brick_cache *c, iso_error *err
         status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu texels of a plan", c->texel_count);
     for (size_t i = 0; status == ISO_OK && i < iso_brick_count(plan->nodes); ++i)
         if (c->pack.layout[4 * i + 3] > 0)
-            put_brick(v, &field, i, &s, c);
+            status = put_brick(v, &field, i, &s, c, err);
     free(s.nodes);
     free(s.directions);
     free(s.codes);

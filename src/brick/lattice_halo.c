@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: MIT */
+#include "brick/lattice_build.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A block's cells have their first corners in it, their last ones up to one node beyond: nine along each axis. The cells
+ * before the first blocks have corners in these, so that there is a row of blocks more. */
+enum { SIDE = ISO_LATTICE_SIDE + 1, CORNERS = SIDE * SIDE * SIDE };
+
+typedef struct cell_block {
+    long first[3]; /* its first corner, counted from the lattice's first node; may lie outside */
+    uint8_t active[CORNERS];
+    float values[CORNERS];
+} cell_block;
+
+/* Cells that have to be looked at, and look again at those around when a node becomes active. */
+typedef struct halo {
+    const iso_lattice_builder *builder;
+    size_t count[3];
+    uint8_t *wanted;
+} halo;
+
+/* The corners in one block of nodes: those from `from` on in the cells' count. */
+static void gather_block(const iso_lattice_block *block, const size_t shift[3], cell_block *c)
+{
+    size_t size[3];
+    for (int a = 0; a < 3; ++a)
+        size[a] = shift[a] ? 1 : ISO_LATTICE_SIDE;
+    for (size_t z = 0; z < size[2]; ++z)
+        for (size_t y = 0; y < size[1]; ++y)
+            for (size_t x = 0; x < size[0]; ++x) {
+                const size_t from = x + ISO_LATTICE_SIDE * (y + ISO_LATTICE_SIDE * z);
+                const size_t to = x + shift[0] * ISO_LATTICE_SIDE +
+                                  SIDE * (y + shift[1] * ISO_LATTICE_SIDE + SIDE * (z + shift[2] * ISO_LATTICE_SIDE));
+                c->active[to] = block->use[from] != ISO_LATTICE_UNUSED;
+                c->values[to] = block->nodes[from][0];
+            }
+}
+
+/* False when no corner is active. */
+static bool gather(const iso_lattice *l, const long at[3], cell_block *c)
+{
+    bool any = false;
+    for (int a = 0; a < 3; ++a)
+        c->first[a] = at[a] * ISO_LATTICE_SIDE + l->corner[a] - l->first[a];
+    for (size_t i = 0; i < 8; ++i) {
+        const size_t shift[3] = {i & 1, i >> 1 & 1, i >> 2};
+        size_t b[3];
+        bool there = true;
+        for (int a = 0; a < 3; ++a) {
+            b[a] = (size_t)(at[a] + (long)shift[a]); /* before the first: beyond the last */
+            there = there && b[a] < l->block_count[a];
+        }
+        const iso_lattice_block *block = there ? l->blocks[b[0] + l->block_count[0] * (b[1] + l->block_count[1] * b[2])]
+                                               : NULL;
+        if (block && !any) {
+            memset(c->active, 0, sizeof c->active);
+            for (size_t k = 0; k < CORNERS; ++k)
+                c->values[k] = l->empty[0];
+        }
+        any = any || block;
+        if (block)
+            gather_block(block, shift, c);
+    }
+    return any;
+}
+
+/* Whether it matters what a cell shows: nobody sees those that were left out because no view does. */
+static bool matters(const iso_lattice_builder *b, const size_t at[3])
+{
+    const iso_lattice_options *o = b->opt;
+    size_t brick[3];
+    for (int a = 0; a < 3; ++a)
+        brick[a] = iso_lattice_brick(b, a, iso_lattice_level0(b, a, b->lattice->first[a] + (long)at[a]));
+    const size_t index = iso_brick_index(b->field->nodes, brick);
+    return o->merged ? o->drawn[index] || !o->seen || o->seen[index] : iso_lattice_has(b, index);
+}
+
+/* Of any brick that holds the node: they agree. */
+static iso_status sample(const iso_lattice_builder *b, const size_t at[3], float *node, iso_error *err)
+{
+    const iso_node_levels *n = b->field->nodes;
+    double q[3], value[ISO_NODE_CHANNELS];
+    size_t brick[3];
+    for (int a = 0; a < 3; ++a) {
+        const size_t at_level0 = iso_lattice_level0(b, a, b->lattice->first[a] + (long)at[a]);
+        brick[a] = iso_lattice_brick(b, a, at_level0);
+        q[a] = (double)at_level0;
+    }
+    const size_t index = iso_brick_index(n, brick);
+    const iso_status status = iso_brick_make(n, index, err);
+    if (status != ISO_OK)
+        return status;
+    iso_brick_sample_in(b->field, brick, q, value);
+    iso_lattice_round(b, index, value, node);
+    return ISO_OK;
+}
+
+static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t cell, const size_t at[3], iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < 8 && status == ISO_OK; ++i) {
+        const size_t corner = cell + (i & 1) + SIDE * ((i >> 1 & 1) + SIDE * (i >> 2));
+        const size_t node[3] = {at[0] + (i & 1), at[1] + (i >> 1 & 1), at[2] + (i >> 2)};
+        float value[ISO_NODE_CHANNELS];
+        if (c->active[corner])
+            continue;
+        status = sample(b, node, value, err);
+        if (status == ISO_OK)
+            status = iso_lattice_put(b->lattice, node, value, ISO_LATTICE_HALO, err);
+        c->active[corner] = 1;
+        c->values[corner] = value[0];
+    }
+    return status;
+}
+
+/* Some corners of a cell are active and some are background: is anything between them seen? */
+static bool is_seen(const iso_lattice_builder *b, const cell_block *c, size_t cell)
+{
+    float lowest = INFINITY, highest = -INFINITY;
+    int active = 0;
+    for (size_t i = 0; i < 8; ++i) {
+        const size_t corner = cell + (i & 1) + SIDE * ((i >> 1 & 1) + SIDE * (i >> 2));
+        active += c->active[corner];
+        lowest = c->values[corner] < lowest ? c->values[corner] : lowest;
+        highest = c->values[corner] > highest ? c->values[corner] : highest;
+    }
+    return active > 0 && active < 8 && iso_lattice_shows(b, (double)lowest, (double)highest);
+}
+
+static iso_status look(const iso_lattice_builder *b, cell_block *c, bool *changed, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    *changed = false;
+    for (size_t i = 0; i < ISO_LATTICE_CUBE && status == ISO_OK; ++i) {
+        const size_t in[3] = {i % ISO_LATTICE_SIDE, i / ISO_LATTICE_SIDE % ISO_LATTICE_SIDE,
+                              i / (ISO_LATTICE_SIDE * ISO_LATTICE_SIDE)};
+        const size_t cell = in[0] + SIDE * (in[1] + SIDE * in[2]);
+        size_t at[3];
+        bool inside = true;
+        for (int a = 0; a < 3; ++a) {
+            const long node = c->first[a] + (long)in[a];
+            inside = inside && node >= 0 && node + 1 < (long)b->lattice->size[a];
+            at[a] = (size_t)node;
+        }
+        if (!inside || !is_seen(b, c, cell) || !matters(b, at))
+            continue;
+        status = activate(b, c, cell, at, err);
+        *changed = true;
+    }
+    return status;
+}
+
+static bool is_mixed(const cell_block *c)
+{
+    return memchr(c->active, 0, CORNERS) && memchr(c->active, 1, CORNERS);
+}
+
+static void want_around(const halo *h, const size_t at[3])
+{
+    for (size_t i = 0; i < 27; ++i) {
+        const size_t x = at[0] + i % 3 - 1, y = at[1] + i / 3 % 3 - 1, z = at[2] + i / 9 - 1;
+        if (x < h->count[0] && y < h->count[1] && z < h->count[2])
+            h->wanted[x + h->count[0] * (y + h->count[1] * z)] = 1;
+    }
+}
+
+/* Activity only grows, and with it what shows: the result does not depend on the order. */
+static iso_status settle(const halo *h, cell_block *c, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    bool again = true;
+    while (again && status == ISO_OK) {
+        again = false;
+        for (size_t i = 0; i < h->count[0] * h->count[1] * h->count[2] && status == ISO_OK; ++i) {
+            const size_t at[3] = {i % h->count[0], i / h->count[0] % h->count[1], i / (h->count[0] * h->count[1])};
+            bool changed = false;
+            if (!h->wanted[i])
+                continue;
+            h->wanted[i] = 0;
+            if (gather(h->builder->lattice, (const long[]){(long)at[0] - 1, (long)at[1] - 1, (long)at[2] - 1}, c) &&
+                is_mixed(c))
+                status = look(h->builder, c, &changed, err);
+            if (changed)
+                want_around(h, at);
+            again = again || changed;
+        }
+    }
+    return status;
+}
+
+iso_status iso_lattice_add_halo(const iso_lattice_builder *b, iso_error *err)
+{
+    halo h = {.builder = b};
+    for (int a = 0; a < 3; ++a)
+        h.count[a] = b->lattice->block_count[a] + 1;
+    const size_t count = h.count[0] * h.count[1] * h.count[2];
+    cell_block *c = malloc(sizeof *c);
+    h.wanted = malloc(count);
+    iso_status status = c && h.wanted ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "lattice: no memory for %zu blocks", count);
+    if (status == ISO_OK) {
+        memset(h.wanted, 1, count);
+        status = settle(&h, c, err);
+    }
+    free(h.wanted);
+    free(c);
+    return status;
+}
