@@ -436,7 +436,7 @@ static size_t bricks_made_otherwise(narrow_case *c, const iso_node_levels *all, 
         const size_t at[3] = {i % 5, i / 5 % 4, i / 20}, side = iso_brick_side(all, c->levels[i]);
         const size_t bytes = side * side * side * ISO_NODE_CHANNELS * sizeof(float);
         float baked[2][9 * 9 * 9 * ISO_NODE_CHANNELS];
-        assert_ok(iso_brick_make(&made, i, &err));
+        assert_ok(iso_brick_make(&made, i, ISO_BRICK_WHOLE, &err));
         iso_brick_bake(&a, at, baked[0]);
         iso_brick_bake(&b, at, baked[1]);
         different += memcmp(baked[0], baked[1], bytes) != 0;

@@ -54,6 +54,7 @@ typedef struct iso_povray_options {
     size_t planes;          /* cutting planes across the view: 0 to 100 */
     bool extrapolate;       /* Richardson from intervals / 2 and intervals */
     unsigned df3_bits;      /* 16 or 32, for what is not exact in 8 or 16 */
+    double quantum;         /* scalars are whole multiples of it, and exact in 16 bits where these hold as many; 0: not known */
     bool float_directions;  /* iso_level.directions instead of the codes */
     bool isosurface;        /* first hit instead of volume rendering */
     double iso;             /* the value of the isosurface */

@@ -37,9 +37,18 @@ static iso_df3_coding label_coding(const iso_level *level)
     return level->max <= 32767 ? (iso_df3_coding){16, -32768, 32767} : (iso_df3_coding){32, -32768, 4294934527.0};
 }
 
-/* Whole samples where the type has them. */
-static iso_df3_coding scalar_coding(const iso_level *level, unsigned bits)
+/* Multiples of a quantum, as many as 16 bits hold. */
+static bool quantum_coding(const iso_level *level, double quantum, iso_df3_coding *coding)
 {
+    const double lo = quantum > 0 ? floor(level->min / quantum) * quantum : 0;
+    *coding = (iso_df3_coding){16, lo, lo + 65535 * quantum};
+    return quantum > 0 && level->max <= coding->hi;
+}
+
+/* Whole samples where the type has them. */
+static iso_df3_coding scalar_coding(const iso_level *level, double quantum, unsigned bits)
+{
+    iso_df3_coding coding;
     if (level->labels)
         return label_coding(level);
     switch (level->stored_type) {
@@ -47,8 +56,11 @@ static iso_df3_coding scalar_coding(const iso_level *level, unsigned bits)
     case ISO_I8: return (iso_df3_coding){8, -128, 127};
     case ISO_U16: return (iso_df3_coding){16, 0, 65535};
     case ISO_I16: return (iso_df3_coding){16, -32768, 32767};
-    default: return (iso_df3_coding){bits, level->min, level->max > level->min ? level->max : level->min + 1};
+    default: break;
     }
+    if (quantum_coding(level, quantum, &coding))
+        return coding;
+    return (iso_df3_coding){bits, level->min, level->max > level->min ? level->max : level->min + 1};
 }
 
 /* A whole sample stands for 0: 128 of 255, 32768 of 65535, 2^31 of 2^32 - 1. */
@@ -259,7 +271,7 @@ static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_
                           .tf = tf,
                           .options = opt};
     iso_words_copy_line(iso_provenance_title(p->source), s.source, sizeof s.source);
-    s.scalar = scalar_coding(level, opt->df3_bits);
+    s.scalar = scalar_coding(level, opt->quantum, opt->df3_bits);
     s.direction = direction_coding(!opt->float_directions && is_byte_lattice(p->options.code) ? 8 : opt->df3_bits);
     s.center_mm = iso_geometry_box_center_mm(g);
     s.units_per_mm = 0.5 * ISO_POVRAY_UNITS_ACROSS / iso_geometry_box_radius_mm(g);

@@ -21,6 +21,7 @@ static iso_status write_planned(const iso_export_job *job, iso_povray_options *o
                                  .level_count = 1,
                                  .levels = &crop.level};
     o->box = (const double(*)[3])crop.box;
+    o->quantum = crop.quantum;
     status = iso_povray_export(&cropped, 0, job->view, job->output, o, job->progress, err);
     iso_planned_crop_destroy(&crop);
     return status;

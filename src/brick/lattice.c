@@ -67,6 +67,13 @@ bool iso_lattice_shows(const iso_lattice_builder *b, double min, double max)
     return false;
 }
 
+double iso_lattice_step(const iso_node_levels *n)
+{
+    int exponent;
+    frexp(n->max - n->min, &exponent);
+    return ldexp(1, exponent - 16);
+}
+
 /* Sampled values have more digits than they need, and do not compress: 1/65536 of the range is enough, a power of two, so
  * that the last bits are 0; and of a direction 1/2032, which half floats hold once exporters have scaled it by 127/128.
  * One grid stays as continuous as it was. */
@@ -234,9 +241,7 @@ static iso_status build(iso_lattice_builder *b, iso_error *err)
 {
     iso_lattice *l = b->lattice;
     const iso_node_levels *n = b->field->nodes;
-    int exponent;
-    frexp(n->max - n->min, &exponent);
-    b->step = ldexp(1, exponent - 16);
+    b->step = iso_lattice_step(n);
     l->blocks = calloc(block_count(l), sizeof *l->blocks);
     if (!l->blocks || !note_shown(b))
         return iso_fail(err, ISO_E_MEMORY, "lattice: no memory for %zu blocks", block_count(l));

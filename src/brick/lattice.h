@@ -93,6 +93,9 @@ typedef struct iso_lattice_options {
 iso_status iso_lattice_create(iso_lattice *l, const iso_brick_field *f, const iso_lattice_options *opt, iso_error *err);
 void iso_lattice_destroy(iso_lattice *l); /* accepts empty and NULL */
 
+/* What sampled scalars are rounded to: 1/65536 of the next power of two above the range. */
+double iso_lattice_step(const iso_node_levels *n);
+
 /* A value in [min, max] that no TF shows, in the range that most of the field's level 0 lies in; min when they show
  * all. */
 double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs, size_t tf_count);

@@ -12,8 +12,8 @@ typedef struct cell_box {
     size_t brick[3], index;
     long first[3]; /* node of the lattice's level */
     size_t size[3];
-    float *nodes;           /* owned; ISO_NODE_CHANNELS a node */
-    uint8_t *active;        /* in the same allocation */
+    float *nodes;            /* owned; ISO_NODE_CHANNELS a node */
+    uint8_t *active, *coded; /* in the same allocation; not coded: its direction is to be taken through the code */
     float *lowest, *highest; /* of the squares of four nodes of two planes */
 } cell_box;
 
@@ -34,13 +34,15 @@ static bool cell_box_create(cell_box *c, const iso_lattice_builder *b, size_t in
         c->size[a] = cells + 1 + begins + ends;
     }
     const size_t plane = c->size[0] * c->size[1];
-    c->nodes = malloc((ISO_NODE_CHANNELS * nodes_of(c) + 4 * plane) * sizeof *c->nodes + nodes_of(c));
+    c->nodes = malloc((ISO_NODE_CHANNELS * nodes_of(c) + 4 * plane) * sizeof *c->nodes + 2 * nodes_of(c));
     if (!c->nodes)
         return false;
     c->lowest = c->nodes + ISO_NODE_CHANNELS * nodes_of(c);
     c->highest = c->lowest + 2 * plane;
     c->active = (uint8_t *)(c->highest + 2 * plane);
+    c->coded = c->active + nodes_of(c);
     memset(c->active, 0, nodes_of(c));
+    memset(c->coded, 1, nodes_of(c));
     return true;
 }
 
@@ -131,6 +133,7 @@ static bool fill_baked(const iso_lattice_builder *b, const cell_box *c)
         free(baked);
         return false;
     }
+    const bool is_coded = !n->maker || b->lattice->level > 0;
     bool foreign[ISO_BRICK_PARTS];
     iso_brick_foreign_parts(b->field, c->brick, foreign);
     iso_brick_bake(b->field, c->brick, baked);
@@ -145,8 +148,10 @@ static bool fill_baked(const iso_lattice_builder *b, const cell_box *c)
             const node_place place[3] = {along[x], y, z};
             const size_t at_x = along[x].cell + (along[x].part > 0);
             memcpy(to + ISO_NODE_CHANNELS * x, row + ISO_NODE_CHANNELS * at_x, ISO_NODE_CHANNELS * sizeof *to);
-            if (!foreign[iso_brick_part(side, at_x, at_y, at_z)])
+            if (!foreign[iso_brick_part(side, at_x, at_y, at_z)]) {
+                c->coded[c->size[0] * i + x] = is_coded;
                 continue;
+            }
             const size_t owner = owner_of(n, c, place);
             if (b->field->levels[owner] > b->lattice->level) {
                 double value[ISO_NODE_CHANNELS];
@@ -210,6 +215,26 @@ static bool mark(const iso_lattice_builder *b, const cell_box *c)
     return any;
 }
 
+/* The directions of the active nodes that are not coded. */
+static void code_active(const iso_lattice_builder *b, const cell_box *c)
+{
+    enum { BATCH = 256 };
+    float directions[3 * BATCH];
+    size_t places[BATCH], m = 0;
+    for (size_t i = 0; i < nodes_of(c); ++i) {
+        if (c->active[i] && !c->coded[i]) {
+            memcpy(directions + 3 * m, c->nodes + ISO_NODE_CHANNELS * i + 1, 3 * sizeof *directions);
+            places[m++] = i;
+        }
+        if (m < BATCH && (i + 1 < nodes_of(c) || m == 0))
+            continue;
+        iso_brick_code(b->field->nodes, directions, m);
+        for (size_t k = 0; k < m; ++k)
+            memcpy(c->nodes + ISO_NODE_CHANNELS * places[k] + 1, directions + 3 * k, 3 * sizeof *directions);
+        m = 0;
+    }
+}
+
 static iso_status put_active(iso_lattice *l, const cell_box *c, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -228,7 +253,7 @@ static iso_status put_active(iso_lattice *l, const cell_box *c, iso_error *err)
 iso_status iso_lattice_add_brick(const iso_lattice_builder *b, size_t brick, iso_error *err)
 {
     cell_box c = {.nodes = NULL};
-    iso_status status = iso_brick_make(b->field->nodes, brick, err);
+    iso_status status = iso_brick_make(b->field->nodes, brick, ISO_BRICK_UNCODED, err);
     if (status != ISO_OK)
         return status;
     const bool good = cell_box_create(&c, b, brick) &&
@@ -236,9 +261,11 @@ iso_status iso_lattice_add_brick(const iso_lattice_builder *b, size_t brick, iso
     iso_brick_forget(b->field->nodes, brick);
     if (!good)
         status = iso_fail(err, ISO_E_MEMORY, "lattice: no memory for the nodes of a brick");
-    if (good && mark(b, &c))
+    if (good && mark(b, &c)) {
+        code_active(b, &c);
 #pragma omp critical(iso_lattice)
         status = put_active(b->lattice, &c, err);
+    }
     free(c.nodes);
     return status;
 }

@@ -10,7 +10,8 @@
 enum { SIDE = ISO_LATTICE_SIDE + 1, CORNERS = SIDE * SIDE * SIDE };
 
 typedef struct cell_block {
-    long first[3]; /* its first corner, counted from the lattice's first node; may lie outside */
+    long first[3];          /* its first corner, counted from the lattice's first node; may lie outside */
+    size_t lo[3], hi[3];    /* the corners that have become active; none: hi < lo */
     uint8_t active[CORNERS];
     float values[CORNERS];
 } cell_block;
@@ -90,7 +91,7 @@ static iso_status sample(const iso_lattice_builder *b, const size_t at[3], float
         q[a] = (double)at_level0;
     }
     const size_t index = iso_brick_index(n, brick);
-    const iso_status status = iso_brick_make(n, index, err);
+    const iso_status status = iso_brick_make(n, index, ISO_BRICK_SCALARS, err);
     if (status != ISO_OK)
         return status;
     iso_brick_sample_in(b->field, brick, q, value);
@@ -112,6 +113,11 @@ static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t c
             status = iso_lattice_put(b->lattice, node, value, ISO_LATTICE_HALO, err);
         c->active[corner] = 1;
         c->values[corner] = value[0];
+        for (int a = 0; a < 3; ++a) {
+            const size_t in = (size_t)((long)node[a] - c->first[a]);
+            c->lo[a] = in < c->lo[a] ? in : c->lo[a];
+            c->hi[a] = in > c->hi[a] ? in : c->hi[a];
+        }
     }
     return status;
 }
@@ -119,17 +125,21 @@ static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t c
 /* Some corners of a cell are active and some are background: is anything between them seen? */
 static bool is_seen(const iso_lattice_builder *b, const cell_block *c, size_t cell)
 {
+    const uint8_t *a = c->active + cell;
+    const int active = a[0] + a[1] + a[SIDE] + a[SIDE + 1] + a[SIDE * SIDE] + a[SIDE * SIDE + 1] +
+                       a[SIDE * SIDE + SIDE] + a[SIDE * SIDE + SIDE + 1];
     float lowest = INFINITY, highest = -INFINITY;
-    int active = 0;
+    if (active == 0 || active == 8)
+        return false;
     for (size_t i = 0; i < 8; ++i) {
         const size_t corner = cell + (i & 1) + SIDE * ((i >> 1 & 1) + SIDE * (i >> 2));
-        active += c->active[corner];
         lowest = c->values[corner] < lowest ? c->values[corner] : lowest;
         highest = c->values[corner] > highest ? c->values[corner] : highest;
     }
-    return active > 0 && active < 8 && iso_lattice_shows(b, (double)lowest, (double)highest);
+    return iso_lattice_shows(b, (double)lowest, (double)highest);
 }
 
+/* One look at each cell. */
 static iso_status look(const iso_lattice_builder *b, cell_block *c, bool *changed, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -158,13 +168,29 @@ static bool is_mixed(const cell_block *c)
     return memchr(c->active, 0, CORNERS) && memchr(c->active, 1, CORNERS);
 }
 
-static void want_around(const halo *h, const size_t at[3])
+/* The blocks beside it whose cells have corners among those that have become active. */
+static void want_around(const halo *h, const size_t at[3], const cell_block *c)
 {
     for (size_t i = 0; i < 27; ++i) {
-        const size_t x = at[0] + i % 3 - 1, y = at[1] + i / 3 % 3 - 1, z = at[2] + i / 9 - 1;
-        if (x < h->count[0] && y < h->count[1] && z < h->count[2])
+        const size_t step[3] = {i % 3, i / 3 % 3, i / 9}, x = at[0] + step[0] - 1, y = at[1] + step[1] - 1,
+                     z = at[2] + step[2] - 1; /* before the first: beyond the last */
+        bool touched = i != 13 && x < h->count[0] && y < h->count[1] && z < h->count[2];
+        for (int a = 0; a < 3; ++a)
+            touched = touched && (step[a] != 0 || c->lo[a] == 0) && (step[a] != 2 || c->hi[a] == ISO_LATTICE_SIDE);
+        if (touched)
             h->wanted[x + h->count[0] * (y + h->count[1] * z)] = 1;
     }
+}
+
+/* Looks at a block until nothing more becomes active in it. */
+static iso_status settle_block(const iso_lattice_builder *b, cell_block *c, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int a = 0; a < 3; ++a)
+        c->lo[a] = SIDE, c->hi[a] = 0;
+    for (bool changed = true; changed && status == ISO_OK;)
+        status = look(b, c, &changed, err);
+    return status;
 }
 
 /* Activity only grows, and with it what shows: the result does not depend on the order. */
@@ -176,16 +202,15 @@ static iso_status settle(const halo *h, cell_block *c, iso_error *err)
         again = false;
         for (size_t i = 0; i < h->count[0] * h->count[1] * h->count[2] && status == ISO_OK; ++i) {
             const size_t at[3] = {i % h->count[0], i / h->count[0] % h->count[1], i / (h->count[0] * h->count[1])};
-            bool changed = false;
             if (!h->wanted[i])
                 continue;
             h->wanted[i] = 0;
-            if (gather(h->builder->lattice, (const long[]){(long)at[0] - 1, (long)at[1] - 1, (long)at[2] - 1}, c) &&
-                is_mixed(c))
-                status = look(h->builder, c, &changed, err);
-            if (changed)
-                want_around(h, at);
-            again = again || changed;
+            if (!gather(h->builder->lattice, (const long[]){(long)at[0] - 1, (long)at[1] - 1, (long)at[2] - 1}, c) ||
+                !is_mixed(c))
+                continue;
+            status = settle_block(h->builder, c, err);
+            want_around(h, at, c);
+            again = again || c->lo[0] < SIDE;
         }
     }
     return status;
@@ -204,6 +229,8 @@ iso_status iso_lattice_add_halo(const iso_lattice_builder *b, iso_error *err)
         memset(h.wanted, 1, count);
         status = settle(&h, c, err);
     }
+    for (size_t i = 0; i < iso_brick_count(b->field->nodes); ++i)
+        iso_brick_forget(b->field->nodes, i);
     free(h.wanted);
     free(c);
     return status;

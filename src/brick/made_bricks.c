@@ -30,14 +30,14 @@ static void brick_at(const iso_node_levels *n, size_t i, size_t at[3])
 }
 
 /* A brick's nodes from a box of them. */
-static bool keep_brick(const iso_node_levels *n, size_t brick, const iso_node_box *box)
+static bool keep_brick(const iso_node_levels *n, size_t brick, const iso_node_box *box, bool is_coded)
 {
     const size_t count = iso_node_box_count(box);
     float *nodes = malloc(ISO_NODE_CHANNELS * count * sizeof *nodes);
     if (!nodes)
         return false;
     iso_node_box_finish(box, nodes);
-    if (n->maker->has_code && n->maker->voxels.directed)
+    if (is_coded && n->maker->has_code && n->maker->voxels.directed)
         iso_nodes_encode(n->maker->code, nodes, count);
     n->bricks[brick] = nodes;
     return true;
@@ -221,7 +221,7 @@ static bool make_own(const iso_node_levels *n, const block_level *l, size_t bric
     if (good)
         iso_node_box_fill(&box, &rows,
                           (const long[]){(long)(l->cells * at[0]), (long)(l->cells * at[1]), (long)(l->cells * at[2])});
-    good = good && keep_brick(n, brick, &box);
+    good = good && keep_brick(n, brick, &box, true);
     iso_node_box_destroy(&box);
     return good;
 }
@@ -288,7 +288,7 @@ iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level
     return status;
 }
 
-iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_error *err)
+iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_content content, iso_error *err)
 {
     if (!n->bricks || n->bricks[brick])
         return ISO_OK;
@@ -298,10 +298,23 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_error *err
     brick_at(n, brick, at);
     const long first[3] = {(long)(n->brick_voxels * at[0]), (long)(n->brick_voxels * at[1]),
                            (long)(n->brick_voxels * at[2])};
-    const bool good = iso_node_box_create(&box, size, n->maker->voxels.directed) &&
-                      iso_node_box_read(&box, &n->maker->voxels, first) && keep_brick(n, brick, &box);
+    iso_node_voxels voxels = n->maker->voxels;
+    voxels.directed = voxels.directed && content != ISO_BRICK_SCALARS;
+    const bool good = iso_node_box_create(&box, size, voxels.directed) && iso_node_box_read(&box, &voxels, first) &&
+                      keep_brick(n, brick, &box, content == ISO_BRICK_WHOLE);
     iso_node_box_destroy(&box);
     return good ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a brick of %zu voxels a side", n->brick_voxels);
+}
+
+void iso_brick_code(const iso_node_levels *n, float *directions, size_t count)
+{
+    enum { BATCH = 256 };
+    uint8_t bytes[6 * BATCH];
+    for (size_t first = 0; n->maker->has_code && first < count; first += BATCH) {
+        const size_t m = count - first < BATCH ? count - first : BATCH;
+        iso_code_encode(n->maker->code, directions + 3 * first, bytes, m);
+        iso_code_decode_all(n->maker->code, bytes, directions + 3 * first, m);
+    }
 }
 
 void iso_brick_forget(const iso_node_levels *n, size_t brick)

@@ -256,18 +256,33 @@ bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const
 
 /* ---- to nodes ------------------------------------------------------------------- */
 
+/* As iso_node_to_direction(). */
+ISO_SIMD static void scale_moments(const float *const in[ISO_BOX_CHANNELS], size_t count, double *restrict scale)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const double x = (double)in[1][i], y = (double)in[2][i], z = (double)in[3][i], sum = (double)in[4][i];
+        const double norm = sqrt(x * x + y * y + z * z), length = sum > 0 ? norm / sum : 0;
+        scale[i] = norm > 0 ? length * length / norm : 0;
+    }
+}
+
 void iso_node_box_finish(const iso_node_box *b, float *restrict nodes)
 {
+    enum { BATCH = 256 };
     const size_t count = iso_node_box_count(b);
-    const float *in = b->values;
-    for (size_t i = 0; i < count; ++i) {
-        float *node = nodes + ISO_NODE_CHANNELS * i;
-        node[0] = in[i];
-        node[1] = node[2] = node[3] = 0;
-        if (b->channels == 1)
-            continue;
-        for (size_t a = 1; a < 4; ++a)
-            node[a] = in[a * count + i];
-        iso_node_to_direction(node + 1, in[ISO_BOX_SUM * count + i]);
+    double scale[BATCH];
+    for (size_t first = 0; first < count; first += BATCH) {
+        const size_t m = count - first < BATCH ? count - first : BATCH;
+        const float *in[ISO_BOX_CHANNELS];
+        for (size_t c = 0; c < ISO_BOX_CHANNELS; ++c)
+            in[c] = b->values + (b->channels > 1 ? c * count : 0) + first;
+        if (b->channels > 1)
+            scale_moments(in, m, scale);
+        for (size_t i = 0; i < m; ++i) {
+            float *node = nodes + ISO_NODE_CHANNELS * (first + i);
+            node[0] = in[0][i];
+            for (size_t a = 1; a < 4; ++a)
+                node[a] = b->channels > 1 ? (float)((double)in[a][i] * scale[i]) : 0;
+        }
     }
 }

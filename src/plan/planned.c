@@ -157,7 +157,7 @@ static bool is_wrong(const iso_planned *p, const iso_tf_table *tf, size_t i, con
     if (!p->plan.seen[i] || p->plan.drawn[i] ||
         (p->plan.levels[i] == 0 && !iso_tf_shows(tf, (double)ranges[2 * i], (double)ranges[2 * i + 1])))
         return false;
-    const bool shows = iso_brick_make(&p->nodes, i, NULL) == ISO_OK && iso_brick_shows(&field, tf, brick);
+    const bool shows = iso_brick_make(&p->nodes, i, ISO_BRICK_SCALARS, NULL) == ISO_OK && iso_brick_shows(&field, tf, brick);
     iso_brick_forget(&p->nodes, i);
     return shows;
 }
@@ -282,21 +282,58 @@ static void find_box(const iso_lattice *l, const iso_geometry *g, double box[2][
     }
 }
 
-/* Row by row: directions in floats would be as much again. */
-static bool fill_crop(const iso_lattice *l, iso_code code, iso_level *level)
+/* The directions as if all were background: most of a box is. */
+static void fill_background(const iso_lattice *l, iso_code code, iso_level *level)
+{
+    const size_t count = l->size[0] * l->size[1] * l->size[2], bytes = iso_code_describe(code)->bytes;
+    uint8_t none[8];
+    iso_code_encode(code, l->empty + 1, none, 1);
+    for (size_t i = 0; i < count; ++i)
+        memcpy(level->codes + bytes * i, none, bytes);
+}
+
+/* The active nodes of a row, whose directions are coded at once. room: three floats a node and as many bytes as a code
+ * has. */
+static void fill_row(const iso_lattice *l, size_t y, size_t z, iso_code code, float *room, iso_level *level)
+{
+    const size_t nx = l->size[0], first = nx * (y + l->size[1] * z), bytes = iso_code_describe(code)->bytes;
+    uint8_t *codes = (uint8_t *)(room + 3 * nx);
+    size_t lit = 0;
+    for (size_t x = 0; x < nx; ++x) {
+        const float *node = iso_lattice_node(l, x, y, z);
+        level->scalar[first + x] = node[0];
+        if (iso_lattice_use_of(l, x, y, z) == ISO_LATTICE_LIT)
+            memcpy(room + 3 * lit++, node + 1, 3 * sizeof *room);
+    }
+    iso_code_encode(code, room, codes, lit);
+    for (size_t x = nx; x-- > 0 && lit > 0;)
+        if (iso_lattice_use_of(l, x, y, z) == ISO_LATTICE_LIT)
+            memcpy(level->codes + bytes * (first + x), codes + bytes * --lit, bytes);
+}
+
+/* False: no memory. */
+static bool fill_crop(const iso_lattice *l, iso_code code, int threads, iso_level *level)
 {
     const size_t *n = l->size;
-    float *directions = malloc(3 * n[0] * sizeof *directions);
-    for (size_t i = 0; directions && i < n[1] * n[2]; ++i) {
-        for (size_t x = 0; x < n[0]; ++x) {
-            const float *node = iso_lattice_node(l, x, i % n[1], i / n[1]);
-            level->scalar[n[0] * i + x] = node[0];
-            memcpy(directions + 3 * x, node + 1, 3 * sizeof *directions);
-        }
-        iso_code_encode(code, directions, level->codes + iso_code_describe(code)->bytes * n[0] * i, n[0]);
+    bool failed = false;
+    fill_background(l, code, level);
+#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(|| : failed)
+    for (size_t z = 0; z < n[2]; ++z) {
+        float *room = malloc(3 * n[0] * sizeof *room + iso_code_describe(code)->bytes * n[0]);
+        failed = failed || !room;
+        for (size_t y = 0; room && y < n[1]; ++y)
+            fill_row(l, y, z, code, room, level);
+        free(room);
     }
-    free(directions);
-    return directions != NULL;
+    return !failed;
+}
+
+/* What all scalars of integers are whole multiples of, those that are sampled too (lattice.h). */
+static double quantum_of(const iso_planned *p, const iso_level *level0)
+{
+    const bool whole = level0->stored_type != ISO_F32 && level0->stored_type != ISO_F64;
+    const double step = iso_lattice_step(&p->nodes);
+    return whole && step <= 1 ? step : 0;
 }
 
 iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, iso_code code, int threads,
@@ -318,10 +355,12 @@ iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0
                               .max = l->max,
                               .scalar = malloc(count * sizeof(float)),
                               .codes = malloc(iso_code_describe(code)->bytes * count)};
-    if (!crop->level.scalar || !crop->level.codes || !fill_crop(l, code, &crop->level))
+    if (!crop->level.scalar || !crop->level.codes || !fill_crop(l, code, threads, &crop->level))
         status = iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu voxels", count);
-    if (status == ISO_OK)
+    if (status == ISO_OK) {
         find_box(l, &p->nodes.geometry, crop->box);
+        crop->quantum = quantum_of(p, level0);
+    }
     iso_planned_lattices_destroy(&merged);
     if (status != ISO_OK)
         iso_planned_crop_destroy(crop);

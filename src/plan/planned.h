@@ -62,6 +62,7 @@ void iso_planned_lattices_destroy(iso_planned_lattices *lattices);
 typedef struct iso_planned_crop {
     iso_level level;
     double box[2][3];
+    double quantum; /* all scalars are whole multiples of it; 0: not known */
 } iso_planned_crop;
 iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, iso_code code, int threads,
                                    iso_planned_crop *crop, iso_error *err);

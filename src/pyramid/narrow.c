@@ -4,10 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/simd.h"
 #include "pyramid/cascade.h"
 
-void iso_level_scalars(const iso_level *level, const iso_volume *volume, size_t first, size_t count,
-                       float *restrict out)
+ISO_SIMD void iso_level_scalars(const iso_level *level, const iso_volume *volume, size_t first, size_t count,
+                                float *restrict out)
 {
     if (level->scalar) {
         memcpy(out, level->scalar + first, count * sizeof *out);
