@@ -282,47 +282,67 @@ static void find_box(const iso_lattice *l, const iso_geometry *g, double box[2][
     }
 }
 
-/* The directions as if all were background: most of a box is. */
-static void fill_background(const iso_lattice *l, iso_code code, iso_level *level)
+/* `count` elements that are like the one. Memory that is zero costs nothing where it is not written to, and most of a box is
+ * background. NULL: no memory. */
+static void *all_like(const void *one, size_t bytes, size_t count)
 {
-    const size_t count = l->size[0] * l->size[1] * l->size[2], bytes = iso_code_describe(code)->bytes;
-    uint8_t none[8];
-    iso_code_encode(code, l->empty + 1, none, 1);
-    for (size_t i = 0; i < count; ++i)
-        memcpy(level->codes + bytes * i, none, bytes);
+    static const uint8_t zero[8];
+    if (memcmp(one, zero, bytes) == 0)
+        return calloc(count, bytes);
+    char *all = malloc(count * bytes);
+    for (size_t i = 0; all && i < count; ++i)
+        memcpy(all + bytes * i, one, bytes);
+    return all;
 }
 
-/* The active nodes of a row, whose directions are coded at once. room: three floats a node and as many bytes as a code
- * has. */
+/* A crop as if all of it were background. */
+static bool begin_crop(const iso_lattice *l, iso_code code, iso_level *level)
+{
+    const size_t count = l->size[0] * l->size[1] * l->size[2];
+    uint8_t none[8];
+    iso_code_encode(code, l->empty + 1, none, 1);
+    level->scalar = all_like(l->empty, sizeof *level->scalar, count);
+    level->codes = all_like(none, iso_code_describe(code)->bytes, count);
+    return level->scalar && level->codes;
+}
+
+/* The active nodes of a row, whose directions are coded at once. room: of each node three floats, a code, and where it is. */
 static void fill_row(const iso_lattice *l, size_t y, size_t z, iso_code code, float *room, iso_level *level)
 {
     const size_t nx = l->size[0], first = nx * (y + l->size[1] * z), bytes = iso_code_describe(code)->bytes;
-    uint8_t *codes = (uint8_t *)(room + 3 * nx);
-    size_t lit = 0;
-    for (size_t x = 0; x < nx; ++x) {
-        const float *node = iso_lattice_node(l, x, y, z);
-        level->scalar[first + x] = node[0];
-        if (iso_lattice_use_of(l, x, y, z) == ISO_LATTICE_LIT)
-            memcpy(room + 3 * lit++, node + 1, 3 * sizeof *room);
+    uint32_t *places = (uint32_t *)(room + 3 * nx);
+    uint8_t *codes = (uint8_t *)(places + nx);
+    size_t lit = 0, in;
+    for (size_t x = 0, run; x < nx; x += run) {
+        const iso_lattice_block *block = *iso_lattice_block_of(l, x, y, z, &in);
+        const size_t left = ISO_LATTICE_SIDE - in % ISO_LATTICE_SIDE;
+        run = left < nx - x ? left : nx - x;
+        for (size_t i = 0; block && i < run; ++i) {
+            if (block->use[in + i] != ISO_LATTICE_UNUSED)
+                level->scalar[first + x + i] = block->nodes[in + i][0];
+            if (block->use[in + i] != ISO_LATTICE_LIT)
+                continue;
+            memcpy(room + 3 * lit, block->nodes[in + i] + 1, 3 * sizeof *room);
+            places[lit++] = (uint32_t)(x + i);
+        }
     }
     iso_code_encode(code, room, codes, lit);
-    for (size_t x = nx; x-- > 0 && lit > 0;)
-        if (iso_lattice_use_of(l, x, y, z) == ISO_LATTICE_LIT)
-            memcpy(level->codes + bytes * (first + x), codes + bytes * --lit, bytes);
+    for (size_t i = 0; i < lit; ++i)
+        memcpy(level->codes + bytes * (first + places[i]), codes + bytes * i, bytes);
 }
 
 /* False: no memory. */
 static bool fill_crop(const iso_lattice *l, iso_code code, int threads, iso_level *level)
 {
     const size_t *n = l->size;
-    bool failed = false;
-    fill_background(l, code, level);
+    bool failed = !begin_crop(l, code, level);
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(|| : failed)
     for (size_t z = 0; z < n[2]; ++z) {
-        float *room = malloc(3 * n[0] * sizeof *room + iso_code_describe(code)->bytes * n[0]);
-        failed = failed || !room;
-        for (size_t y = 0; room && y < n[1]; ++y)
+        float *room = malloc(n[0] * (3 * sizeof *room + sizeof(uint32_t) + iso_code_describe(code)->bytes));
+        const bool good = room && level->scalar && level->codes;
+        for (size_t y = 0; good && y < n[1]; ++y)
             fill_row(l, y, z, code, room, level);
+        failed = failed || !good;
         free(room);
     }
     return !failed;
@@ -352,10 +372,8 @@ iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0
     crop->level = (iso_level){.geometry = l->geometry,
                               .stored_type = sampled ? ISO_F32 : level0->stored_type,
                               .min = l->min,
-                              .max = l->max,
-                              .scalar = malloc(count * sizeof(float)),
-                              .codes = malloc(iso_code_describe(code)->bytes * count)};
-    if (!crop->level.scalar || !crop->level.codes || !fill_crop(l, code, threads, &crop->level))
+                              .max = l->max};
+    if (!fill_crop(l, code, threads, &crop->level))
         status = iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu voxels", count);
     if (status == ISO_OK) {
         find_box(l, &p->nodes.geometry, crop->box);
