@@ -84,17 +84,21 @@ static iso_status sample(const iso_lattice_builder *b, const size_t at[3], float
 {
     const iso_node_levels *n = b->field->nodes;
     double q[3], value[ISO_NODE_CHANNELS];
-    size_t brick[3];
+    size_t brick[3], local[3];
     for (int a = 0; a < 3; ++a) {
         const size_t at_level0 = iso_lattice_level0(b, a, b->lattice->first[a] + (long)at[a]);
         brick[a] = iso_lattice_brick(b, a, at_level0);
+        local[a] = (at_level0 - brick[a] * n->brick_voxels) >> b->lattice->level;
         q[a] = (double)at_level0;
     }
     const size_t index = iso_brick_index(n, brick);
     const iso_status status = iso_brick_make(n, index, ISO_BRICK_SCALARS, err);
     if (status != ISO_OK)
         return status;
-    iso_brick_sample_in(b->field, brick, q, value);
+    if (b->field->levels[index] == b->lattice->level) /* one of its nodes */
+        iso_brick_node(b->field, brick, local, value);
+    else
+        iso_brick_sample_in(b->field, brick, q, value);
     iso_lattice_round(b, index, value, node);
     return ISO_OK;
 }
