@@ -17,6 +17,13 @@ static bool any_shows(const iso_tf_table *tfs, size_t count, double min, double 
     return false;
 }
 
+double iso_lattice_step(const iso_node_levels *n)
+{
+    int exponent;
+    frexp(n->max - n->min, &exponent);
+    return ldexp(1, exponent - 16);
+}
+
 /* ---- the background ------------------------------------------------------------ */
 
 enum { BIN_COUNT = 1024 };
@@ -48,9 +55,10 @@ double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs,
         while (end < BIN_COUNT &&
                !any_shows(tfs, tf_count, n->min + (double)start * width, n->min + (double)(end + 1) * width))
             inside += bins[end++];
-        if (end > start && inside >= most) { /* as far as can be from what shows */
+        if (end > start && inside >= most) { /* as far as can be from what shows, in steps of what is sampled */
+            const double middle = n->min + 0.5 * (double)(start + end) * width, step = iso_lattice_step(n);
             most = inside;
-            value = start == 0 ? n->min : end == BIN_COUNT ? n->max : n->min + 0.5 * (double)(start + end) * width;
+            value = start == 0 ? n->min : end == BIN_COUNT ? n->max : step * rint(middle / step);
         }
         start = end > start ? end - 1 : start;
     }
@@ -67,19 +75,12 @@ bool iso_lattice_shows(const iso_lattice_builder *b, double min, double max)
     return false;
 }
 
-double iso_lattice_step(const iso_node_levels *n)
-{
-    int exponent;
-    frexp(n->max - n->min, &exponent);
-    return ldexp(1, exponent - 16);
-}
-
 /* Sampled values have more digits than they need, and do not compress: 1/65536 of the range is enough, a power of two, so
  * that the last bits are 0; and of a direction 1/2032, which half floats hold once exporters have scaled it by 127/128.
  * One grid stays as continuous as it was. */
-void iso_lattice_round(const iso_lattice_builder *b, size_t index, double value[ISO_NODE_CHANNELS], float *out)
+void iso_lattice_round(const iso_lattice_builder *b, double value[ISO_NODE_CHANNELS], float *out)
 {
-    if (b->opt->merged && b->field->levels[index] > b->lattice->level) {
+    if (b->opt->merged) {
         value[0] = b->step * rint(value[0] / b->step);
         for (int c = 1; c < ISO_NODE_CHANNELS; ++c)
             value[c] = rint(2032 * value[c]) / 2032;

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "brick/pack.h"
 
 /* The nodes of a brick's cells in the lattice, and beyond the volume's ends one cell more. */
 typedef struct cell_box {
@@ -48,11 +47,10 @@ static bool cell_box_create(cell_box *c, const iso_lattice_builder *b, size_t in
 
 /* ---- nodes ---------------------------------------------------------------------- */
 
-/* Where a node of the box stands along an axis, in the brick: in its cells, and whether it is the next brick's. */
+/* Where a node of the box stands along an axis, in the brick's cells. */
 typedef struct node_place {
     size_t cell;
     double part;
-    bool is_next;
 } node_place;
 
 static node_place place_of(const iso_lattice_builder *b, const cell_box *c, int axis, size_t i)
@@ -61,8 +59,7 @@ static node_place place_of(const iso_lattice_builder *b, const cell_box *c, int 
     const size_t level = b->field->levels[c->index], q = iso_lattice_level0(b, axis, c->first[axis] + (long)i);
     const size_t from = q - c->brick[axis] * n->brick_voxels, cells = n->brick_voxels >> level;
     const size_t cell = from >> level < cells ? from >> level : cells - 1;
-    return (node_place){cell, ldexp((double)(from - (cell << level)), -(int)level),
-                        iso_lattice_brick(b, axis, q) != c->brick[axis]};
+    return (node_place){cell, ldexp((double)(from - (cell << level)), -(int)level)};
 }
 
 /* The nodes of the brick's own cells as the field has them; to be freed. */
@@ -91,13 +88,6 @@ static void interpolate(const double *corners, size_t side, const node_place pla
     }
 }
 
-/* The brick that the node is the first corner of a cell of. */
-static size_t owner_of(const iso_node_levels *n, const cell_box *c, const node_place place[3])
-{
-    const size_t at[3] = {c->brick[0] + place[0].is_next, c->brick[1] + place[1].is_next, c->brick[2] + place[2].is_next};
-    return iso_brick_index(n, at);
-}
-
 /* The values of a brick that is coarser than the lattice. */
 static bool fill_between(const iso_lattice_builder *b, const cell_box *c)
 {
@@ -112,7 +102,7 @@ static bool fill_between(const iso_lattice_builder *b, const cell_box *c)
         const size_t x = i % c->size[0], y = i / c->size[0] % c->size[1], z = i / (c->size[0] * c->size[1]);
         const node_place place[3] = {along[x], place_of(b, c, 1, y), place_of(b, c, 2, z)};
         interpolate(corners, side, place, value);
-        iso_lattice_round(b, owner_of(n, c, place), value, c->nodes + ISO_NODE_CHANNELS * i);
+        iso_lattice_round(b, value, c->nodes + ISO_NODE_CHANNELS * i);
     }
     const bool good = corners && along;
     free(along);
@@ -120,48 +110,38 @@ static bool fill_between(const iso_lattice_builder *b, const cell_box *c)
     return good;
 }
 
-/* The values of a brick of the lattice's level: its nodes, as they are baked. Where the next brick is coarser they are
+/* The values of a brick of the lattice's level: its nodes, as they are baked. Those that a coarser brick has a say in are
  * rounded as that brick's are, from doubles: all bricks that share a node give it the same bits. */
 static bool fill_baked(const iso_lattice_builder *b, const cell_box *c)
 {
     const iso_node_levels *n = b->field->nodes;
     const size_t side = iso_brick_side(n, b->lattice->level);
-    float *baked = malloc(ISO_NODE_CHANNELS * side * side * side * sizeof *baked);
     node_place *along = malloc(c->size[0] * sizeof *along);
-    if (!baked || !along) {
-        free(along);
-        free(baked);
+    if (!along)
         return false;
-    }
     const bool is_coded = !n->maker || b->lattice->level > 0;
     bool foreign[ISO_BRICK_PARTS];
     iso_brick_foreign_parts(b->field, c->brick, foreign);
-    iso_brick_bake(b->field, c->brick, baked);
     for (size_t x = 0; x < c->size[0]; ++x)
         along[x] = place_of(b, c, 0, x);
     for (size_t i = 0; i < nodes_of(c) / c->size[0]; ++i) {
         const node_place y = place_of(b, c, 1, i % c->size[1]), z = place_of(b, c, 2, i / c->size[1]);
         const size_t at_y = y.cell + (y.part > 0), at_z = z.cell + (z.part > 0);
-        const float *row = baked + ISO_NODE_CHANNELS * side * (at_y + side * at_z);
+        const float *row = iso_brick_own_row(b->field, c->brick, at_y, at_z);
         float *to = c->nodes + ISO_NODE_CHANNELS * c->size[0] * i;
         for (size_t x = 0; x < c->size[0]; ++x) {
-            const node_place place[3] = {along[x], y, z};
             const size_t at_x = along[x].cell + (along[x].part > 0);
             memcpy(to + ISO_NODE_CHANNELS * x, row + ISO_NODE_CHANNELS * at_x, ISO_NODE_CHANNELS * sizeof *to);
             if (!foreign[iso_brick_part(side, at_x, at_y, at_z)]) {
                 c->coded[c->size[0] * i + x] = is_coded;
                 continue;
             }
-            const size_t owner = owner_of(n, c, place);
-            if (b->field->levels[owner] > b->lattice->level) {
-                double value[ISO_NODE_CHANNELS];
-                iso_brick_node(b->field, c->brick, (const size_t[]){at_x, at_y, at_z}, value);
-                iso_lattice_round(b, owner, value, to + ISO_NODE_CHANNELS * x);
-            }
+            double value[ISO_NODE_CHANNELS];
+            iso_brick_node(b->field, c->brick, (const size_t[]){at_x, at_y, at_z}, value);
+            iso_lattice_round(b, value, to + ISO_NODE_CHANNELS * x);
         }
     }
     free(along);
-    free(baked);
     return true;
 }
 

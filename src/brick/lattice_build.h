@@ -43,10 +43,10 @@ static inline size_t iso_lattice_brick(const iso_lattice_builder *b, int axis, s
     return brick < last ? brick : last;
 }
 
-/* To floats, rounded where a brick that is coarser than the lattice has the node; `index` is iso_lattice_brick()'s. */
-void iso_lattice_round(const iso_lattice_builder *b, size_t index, double value[ISO_NODE_CHANNELS], float *out);
+/* A value that is sampled in a brick which is coarser than the lattice, to floats: rounded in a merged one. */
+void iso_lattice_round(const iso_lattice_builder *b, double value[ISO_NODE_CHANNELS], float *out);
 
-/* Makes a node of the box active. ISO_E_MEMORY. */
+/* Makes a node of the box active; of the halo it takes the scalar alone. ISO_E_MEMORY. */
 iso_status iso_lattice_put(iso_lattice *l, const size_t at[3], const float *node, iso_lattice_use use, iso_error *err);
 
 /* Activates the corners of a brick's cells that are shown. Of several bricks by several threads. */

@@ -79,7 +79,21 @@ static bool matters(const iso_lattice_builder *b, const size_t at[3])
     return o->merged ? o->drawn[index] || !o->seen || o->seen[index] : iso_lattice_has(b, index);
 }
 
-/* Of any brick that holds the node: they agree. */
+/* Has a brick that is coarser than the lattice a say in a node? local: the node in a brick of the lattice's level. */
+static bool is_sampled(const iso_lattice_builder *b, const size_t brick[3], const size_t local[3])
+{
+    const iso_node_levels *n = b->field->nodes;
+    bool foreign[ISO_BRICK_PARTS];
+    if (b->field->levels[iso_brick_index(n, brick)] > b->lattice->level)
+        return true;
+    const size_t part = iso_brick_part(iso_brick_side(n, b->lattice->level), local[0], local[1], local[2]);
+    if (part == ISO_BRICK_PARTS / 2)
+        return false;
+    iso_brick_foreign_parts(b->field, brick, foreign);
+    return foreign[part];
+}
+
+/* The scalar of a node, of any brick that holds it: they agree. */
 static iso_status sample(const iso_lattice_builder *b, const size_t at[3], float *node, iso_error *err)
 {
     const iso_node_levels *n = b->field->nodes;
@@ -95,11 +109,15 @@ static iso_status sample(const iso_lattice_builder *b, const size_t at[3], float
     const iso_status status = iso_brick_make(n, index, ISO_BRICK_SCALARS, err);
     if (status != ISO_OK)
         return status;
-    if (b->field->levels[index] == b->lattice->level) /* one of its nodes */
+    if (!is_sampled(b, brick, local)) {
         iso_brick_node(b->field, brick, local, value);
-    else
+        *node = (float)value[0];
+    } else {
+        float rounded[ISO_NODE_CHANNELS];
         iso_brick_sample_in(b->field, brick, q, value);
-    iso_lattice_round(b, index, value, node);
+        iso_lattice_round(b, value, rounded);
+        *node = rounded[0];
+    }
     return ISO_OK;
 }
 
@@ -109,14 +127,14 @@ static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t c
     for (size_t i = 0; i < 8 && status == ISO_OK; ++i) {
         const size_t corner = cell + (i & 1) + SIDE * ((i >> 1 & 1) + SIDE * (i >> 2));
         const size_t node[3] = {at[0] + (i & 1), at[1] + (i >> 1 & 1), at[2] + (i >> 2)};
-        float value[ISO_NODE_CHANNELS];
+        float value = 0;
         if (c->active[corner])
             continue;
-        status = sample(b, node, value, err);
+        status = sample(b, node, &value, err);
         if (status == ISO_OK)
-            status = iso_lattice_put(b->lattice, node, value, ISO_LATTICE_HALO, err);
+            status = iso_lattice_put(b->lattice, node, &value, ISO_LATTICE_HALO, err);
         c->active[corner] = 1;
-        c->values[corner] = value[0];
+        c->values[corner] = value;
         for (int a = 0; a < 3; ++a) {
             const size_t in = (size_t)((long)node[a] - c->first[a]);
             c->lo[a] = in < c->lo[a] ? in : c->lo[a];
