@@ -66,8 +66,8 @@ static int setup(void **state)
     const iso_volume_stats stats = iso_volume_measure(&f->volume);
     float *floats = malloc(size[0] * size[1] * size[2] * sizeof *floats);
     iso_volume_floats(&f->volume, floats);
-    f->level0 = (iso_level){.geometry = field.geometry, .stored_type = ISO_U8, .min = stats.min, .max = stats.max,
-                            .scalar = floats};
+    f->level0 = (iso_level){
+        .geometry = field.geometry, .stored_type = ISO_U8, .min = stats.min, .max = stats.max, .scalar = floats};
     iso_scene scene;
     assert_ok(iso_scene_load("refscenes/shells.scene.json", &scene, &err));
     scene.width = scene.height = 8;
@@ -219,7 +219,8 @@ static void half_floats_of_a_lattice_lose_nothing(void **state)
             assert_true(node[1] == 0 && node[2] == 0 && node[3] == 0);
     }
     if (getenv("ISOSHADE_TEST_VERBOSE"))
-        printf("%zu nodes of a halo, %zu lit, background %g, %zu active, box %zu %zu %zu\n", halo, lit, l->background, l->active_count, l->size[0], l->size[1], l->size[2]);
+        printf("%zu nodes of a halo, %zu lit, background %g, %zu active, box %zu %zu %zu\n", halo, lit, l->background,
+               l->active_count, l->size[0], l->size[1], l->size[2]);
     assert_true(halo > 0 && lit > 1000);
     assert_at_most(largest_loss(f, l), 1e-7);
     for (size_t i = 0; i < l->block_count[0] * l->block_count[1] * l->block_count[2]; ++i)
@@ -235,7 +236,10 @@ static void half_floats_of_a_lattice_lose_nothing(void **state)
 static double largest_df3_error(const fixture *f, const iso_planned_crop *crop, size_t *bits)
 {
     const size_t *n = crop->level.geometry.size;
-    const iso_pyramid p = {.options = {.code = ISO_CODE_FIT}, .source = "bytes", .level_count = 1, .levels = (iso_level *)&crop->level};
+    const iso_pyramid p = {.options = {.code = ISO_CODE_FIT},
+                           .source = "bytes",
+                           .level_count = 1,
+                           .levels = (iso_level *)&crop->level};
     iso_povray_options o = iso_povray_defaults();
     char *dir = iso_path_join(f->dir, "pov"), *path = iso_path_join(dir, "pov_scalar.df3"), *data;
     size_t size;
@@ -282,7 +286,8 @@ static void sixteen_bits_of_a_crop_lose_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_lattice_depends_neither_on_threads_nor_on_how_level_0_is_stored, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_lattice_depends_neither_on_threads_nor_on_how_level_0_is_stored, setup,
+                                        teardown),
         cmocka_unit_test_setup_teardown(half_floats_of_a_lattice_lose_nothing, setup, teardown),
         cmocka_unit_test_setup_teardown(sixteen_bits_of_a_crop_lose_nothing, setup, teardown),
     };

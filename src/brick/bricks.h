@@ -50,9 +50,10 @@ typedef struct iso_node_levels {
     size_t count[3];       /* bricks along x, y, z */
     size_t level_count;
     iso_node_filter filter;
-    float *nodes[ISO_BRICK_MAX_LEVELS]; /* owned; ISO_NODE_CHANNELS a node, x fastest; NULL where bricks have their own */
-    float **bricks;                     /* owned; NULL, or a brick's nodes of its level, NULL where none have been made */
-    struct iso_brick_maker *maker;      /* owned; of bricks */
+    float
+        *nodes[ISO_BRICK_MAX_LEVELS]; /* owned; ISO_NODE_CHANNELS a node, x fastest; NULL where bricks have their own */
+    float **bricks;                   /* owned; NULL, or a brick's nodes of its level, NULL where none have been made */
+    struct iso_brick_maker *maker;    /* owned; of bricks */
 } iso_node_levels;
 
 /* ISO_E_RANGE: brick_voxels that is no power of two from 2 to 64, or more levels
@@ -160,7 +161,8 @@ enum { ISO_BRICK_PARTS = 27 };
 void iso_brick_foreign_parts(const iso_brick_field *f, const size_t brick[3], bool parts[ISO_BRICK_PARTS]);
 static inline size_t iso_brick_part(size_t side, size_t x, size_t y, size_t z)
 {
-    return (x > 0) + (x + 1 == side) + 3 * ((size_t)(y > 0) + (y + 1 == side)) + 9 * ((size_t)(z > 0) + (z + 1 == side));
+    return (x > 0) + (x + 1 == side) + 3 * ((size_t)(y > 0) + (y + 1 == side)) +
+           9 * ((size_t)(z > 0) + (z + 1 == side));
 }
 
 /* The function of one brick at node coordinates q in its closed box: on a face this

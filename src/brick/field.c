@@ -45,8 +45,7 @@ iso_own_nodes iso_brick_own_nodes(const iso_brick_field *f, const size_t brick[3
                                ISO_NODE_CHANNELS * (cells + 1) * (cells + 1)};
     }
     const size_t nx = iso_node_count(n, level, 0), ny = iso_node_count(n, level, 1);
-    return (iso_own_nodes){n->nodes[level] +
-                               ISO_NODE_CHANNELS * cells * (brick[0] + nx * (brick[1] + ny * brick[2])),
+    return (iso_own_nodes){n->nodes[level] + ISO_NODE_CHANNELS * cells * (brick[0] + nx * (brick[1] + ny * brick[2])),
                            ISO_NODE_CHANNELS * nx, ISO_NODE_CHANNELS * nx * ny};
 }
 
@@ -142,7 +141,8 @@ void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const 
             continue;
         if (own)
             for (size_t k = 0; k < ISO_NODE_CHANNELS; ++k)
-                value[k] = (double)corner[ISO_NODE_CHANNELS * (c & 1) + (c >> 1 & 1) * nodes.row + (c >> 2) * nodes.plane + k];
+                value[k] = (double)
+                    corner[ISO_NODE_CHANNELS * (c & 1) + (c >> 1 & 1) * nodes.row + (c >> 2) * nodes.plane + k];
         else
             iso_brick_node(f, brick, node, value);
         for (int k = 0; k < ISO_NODE_CHANNELS; ++k)

@@ -32,7 +32,8 @@ enum { BIN_COUNT = 1024 };
 static void count_values(const iso_node_levels *n, double width, float *row, size_t bins[BIN_COUNT])
 {
     enum { ROWS = 1 << 14 };
-    const size_t *size = n->geometry.size, rows = size[1] * size[2], step = rows / ROWS | 1; /* odd: not the same y always */
+    const size_t *size = n->geometry.size, rows = size[1] * size[2],
+                 step = rows / ROWS | 1; /* odd: not the same y always */
     for (size_t i = 0; i < rows; i += step) {
         iso_node_levels_voxels(n, 0, i % size[1], i / size[1], size[0], row);
         for (size_t x = 0; x < size[0]; ++x) {

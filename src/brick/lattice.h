@@ -49,9 +49,9 @@ typedef struct iso_lattice {
     size_t block_count[3];
     iso_lattice_block **blocks; /* owned, x fastest; NULL where no node is active */
     size_t active_count;
-    double background;               /* of the scalar; directions are 0 */
+    double background;              /* of the scalar; directions are 0 */
     float empty[ISO_NODE_CHANNELS]; /* what a node that is not active holds */
-    double min, max;                 /* of the scalar, background included */
+    double min, max;                /* of the scalar, background included */
 } iso_lattice;
 
 /* Which block holds node (x, y, z) of the box, and where in it. */
@@ -89,7 +89,8 @@ typedef struct iso_lattice_options {
     int threads;
 } iso_lattice_options;
 
-/* The result does not depend on the number of threads. ISO_E_RANGE when nothing would be left, or the field's faces are not baked; ISO_E_MEMORY. */
+/* The result does not depend on the number of threads. ISO_E_RANGE when nothing would be left, or the field's faces are not
+ * baked; ISO_E_MEMORY. */
 iso_status iso_lattice_create(iso_lattice *l, const iso_brick_field *f, const iso_lattice_options *opt, iso_error *err);
 void iso_lattice_destroy(iso_lattice *l); /* accepts empty and NULL */
 

@@ -25,7 +25,8 @@ static bool cell_box_create(cell_box *c, const iso_lattice_builder *b, size_t in
 {
     const iso_node_levels *n = b->field->nodes;
     const size_t cells = n->brick_voxels >> b->lattice->level;
-    *c = (cell_box){.brick = {index % n->count[0], index / n->count[0] % n->count[1], index / (n->count[0] * n->count[1])},
+    *c = (cell_box){.brick = {index % n->count[0], index / n->count[0] % n->count[1],
+                              index / (n->count[0] * n->count[1])},
                     .index = index};
     for (int a = 0; a < 3; ++a) {
         const bool begins = c->brick[a] == 0, ends = c->brick[a] + 1 == n->count[a];

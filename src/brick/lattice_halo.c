@@ -10,8 +10,8 @@
 enum { SIDE = ISO_LATTICE_SIDE + 1, CORNERS = SIDE * SIDE * SIDE };
 
 typedef struct cell_block {
-    long first[3];          /* its first corner, counted from the lattice's first node; may lie outside */
-    size_t lo[3], hi[3];    /* the corners that have become active; none: hi < lo */
+    long first[3];       /* its first corner, counted from the lattice's first node; may lie outside */
+    size_t lo[3], hi[3]; /* the corners that have become active; none: hi < lo */
     uint8_t active[CORNERS];
     float values[CORNERS];
 } cell_block;
@@ -246,7 +246,8 @@ iso_status iso_lattice_add_halo(const iso_lattice_builder *b, iso_error *err)
     const size_t count = h.count[0] * h.count[1] * h.count[2];
     cell_block *c = malloc(sizeof *c);
     h.wanted = malloc(count);
-    iso_status status = c && h.wanted ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "lattice: no memory for %zu blocks", count);
+    iso_status status = c && h.wanted ? ISO_OK
+                                      : iso_fail(err, ISO_E_MEMORY, "lattice: no memory for %zu blocks", count);
     if (status == ISO_OK) {
         memset(h.wanted, 1, count);
         status = settle(&h, c, err);

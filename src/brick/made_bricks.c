@@ -60,7 +60,8 @@ typedef struct block_level {
 
 static iso_node_box box_of(const block_level *l, const block *b)
 {
-    return (iso_node_box){.size = {(size_t)(b->hi[0] - b->lo[0]), (size_t)(b->hi[1] - b->lo[1]), (size_t)(b->hi[2] - b->lo[2])},
+    return (iso_node_box){.size = {(size_t)(b->hi[0] - b->lo[0]), (size_t)(b->hi[1] - b->lo[1]),
+                                   (size_t)(b->hi[2] - b->lo[2])},
                           .channels = l->channels,
                           .values = b->values};
 }
@@ -106,7 +107,8 @@ static void block_first(const block_level *l, size_t i, size_t first[3])
 /* Widens what a block along an axis holds to the part of [lo, hi] that lies in it. */
 static void widen(block *b, int axis, size_t first, size_t cells, size_t lo, size_t hi)
 {
-    const uint8_t from = (uint8_t)(lo > first ? lo - first : 0), to = (uint8_t)((hi < first + cells ? hi + 1 : first + cells) - first);
+    const uint8_t from = (uint8_t)(lo > first ? lo - first : 0),
+                  to = (uint8_t)((hi < first + cells ? hi + 1 : first + cells) - first);
     const bool is_new = b->hi[axis] == 0;
     b->lo[axis] = is_new || from < b->lo[axis] ? from : b->lo[axis];
     b->hi[axis] = to > b->hi[axis] ? to : b->hi[axis];
@@ -165,7 +167,8 @@ static void need_own(const iso_node_levels *n, size_t level, block_level *l)
 /* ---- making them ------------------------------------------------------------------ */
 
 /* Nodes of a row that lie in blocks which hold them. */
-static void read_blocks(const void *user, size_t x, size_t y, size_t z, size_t count, float *const rows[ISO_BOX_CHANNELS])
+static void read_blocks(const void *user, size_t x, size_t y, size_t z, size_t count,
+                        float *const rows[ISO_BOX_CHANNELS])
 {
     const block_level *l = user;
     for (size_t done = 0, run; done < count; done += run) {
@@ -227,7 +230,8 @@ static bool make_own(const iso_node_levels *n, const block_level *l, size_t bric
 }
 
 /* The blocks of a level, and of them the bricks of that level. */
-static bool make_level(const iso_node_levels *n, size_t level, const block_level *l, const block_level *below, int threads)
+static bool make_level(const iso_node_levels *n, size_t level, const block_level *l, const block_level *below,
+                       int threads)
 {
     bool failed = false;
 #pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(|| : failed)
@@ -281,8 +285,9 @@ iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level
         n->maker->code = code ? *code : n->maker->code;
         n->maker->voxels = iso_node_voxels_of(&n->maker->level0, opt->with_directions);
     }
-    status = n->bricks && n->maker ? make_coarse(n, iso_threads(opt->threads), err)
-                                   : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu bricks", iso_brick_count(n));
+    status = n->bricks && n->maker
+                 ? make_coarse(n, iso_threads(opt->threads), err)
+                 : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu bricks", iso_brick_count(n));
     if (status != ISO_OK)
         iso_node_levels_destroy(n);
     return status;
@@ -303,7 +308,8 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_cont
     const bool good = iso_node_box_create(&box, size, voxels.directed) && iso_node_box_read(&box, &voxels, first) &&
                       keep_brick(n, brick, &box, content == ISO_BRICK_WHOLE);
     iso_node_box_destroy(&box);
-    return good ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a brick of %zu voxels a side", n->brick_voxels);
+    return good ? ISO_OK
+                : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a brick of %zu voxels a side", n->brick_voxels);
 }
 
 void iso_brick_code(const iso_node_levels *n, float *directions, size_t count)
@@ -334,7 +340,8 @@ void iso_node_levels_voxels(const iso_node_levels *n, size_t x, size_t y, size_t
             memcpy(row, from, count * sizeof *row);
         return;
     }
-    const float *from = n->nodes[0] + ISO_NODE_CHANNELS * (x + iso_node_count(n, 0, 0) * (y + iso_node_count(n, 0, 1) * z));
+    const float *from = n->nodes[0] +
+                        ISO_NODE_CHANNELS * (x + iso_node_count(n, 0, 0) * (y + iso_node_count(n, 0, 1) * z));
     for (size_t i = 0; i < count; ++i)
         row[i] = from[ISO_NODE_CHANNELS * i];
 }

@@ -78,7 +78,8 @@ typedef struct voxel_box {
 static bool voxel_box_create(voxel_box *v, const iso_node_voxels *of, const size_t lo[3], const size_t hi[3])
 {
     const iso_gradient_options gradient = iso_gradient_defaults();
-    const size_t *n = of->level->geometry.size, reach = of->directed ? iso_gradient_describe(gradient.method)->reach : 0;
+    const size_t *n = of->level->geometry.size,
+                 reach = of->directed ? iso_gradient_describe(gradient.method)->reach : 0;
     *v = (voxel_box){.of = of};
     for (int a = 0; a < 3; ++a) {
         const size_t last = hi[a] + reach < n[a] ? hi[a] + reach : n[a] - 1;
@@ -93,8 +94,9 @@ static bool voxel_box_create(voxel_box *v, const iso_node_voxels *of, const size
     for (size_t z = 0; z < v->size[2]; ++z)
         for (size_t y = 0; y < v->size[1]; ++y) {
             float *row = v->values + nx * (y + v->size[1] * z);
-            const float *from = iso_level_floats(
-                of->level, v->first[0] + n[0] * (v->first[1] + y + n[1] * (v->first[2] + z)), nx, row);
+            const float *from = iso_level_floats(of->level,
+                                                 v->first[0] + n[0] * (v->first[1] + y + n[1] * (v->first[2] + z)), nx,
+                                                 row);
             if (from != row)
                 memcpy(row, from, nx * sizeof *row);
         }

@@ -157,7 +157,8 @@ static bool is_wrong(const iso_planned *p, const iso_tf_table *tf, size_t i, con
     if (!p->plan.seen[i] || p->plan.drawn[i] ||
         (p->plan.levels[i] == 0 && !iso_tf_shows(tf, (double)ranges[2 * i], (double)ranges[2 * i + 1])))
         return false;
-    const bool shows = iso_brick_make(&p->nodes, i, ISO_BRICK_SCALARS, NULL) == ISO_OK && iso_brick_shows(&field, tf, brick);
+    const bool shows = iso_brick_make(&p->nodes, i, ISO_BRICK_SCALARS, NULL) == ISO_OK &&
+                       iso_brick_shows(&field, tf, brick);
     iso_brick_forget(&p->nodes, i);
     return shows;
 }
