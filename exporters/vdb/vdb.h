@@ -81,8 +81,8 @@ bool iso_vdb_reverses_x(const iso_geometry *g);
 iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path, const iso_vdb_options *opt,
                         const iso_progress *progress, iso_error *err);
 
-/* The lattices of a plan (brick/lattice.h): the active nodes alone, the background elsewhere; directions where they are lit. One lattice: plain names;
- * more: density_level_N. A voxel's index is the number of its node at its level, so that bricks of 8 or more nodes
+/* The lattices of a plan (brick/lattice.h): the active nodes alone, the background elsewhere; directions where they are
+ * lit. One lattice: plain names; more: density_level_N. A voxel's index is the number of its node at its level, so that bricks of 8 or more nodes
  * begin where leaves do. pad_voxels has no meaning here. */
 iso_status iso_vdb_save_lattices(const iso_lattice *lattices, size_t count, const char *made_from, const char *path,
                                  const iso_vdb_options *opt, const iso_progress *progress, iso_error *err);
