@@ -111,37 +111,43 @@ static bool fill_between(const iso_lattice_builder *b, const cell_box *c)
     return good;
 }
 
+/* A row of what follows. along: where its nodes are. */
+static void fill_baked_row(const iso_lattice_builder *b, const cell_box *c, const node_place *along,
+                           const bool foreign[ISO_BRICK_PARTS], size_t y, size_t z)
+{
+    const size_t side = iso_brick_side(b->field->nodes, b->lattice->level), first = c->size[0] * (y + c->size[1] * z);
+    const node_place at_y = place_of(b, c, 1, y), at_z = place_of(b, c, 2, z);
+    const size_t row_y = at_y.cell + (at_y.part > 0), row_z = at_z.cell + (at_z.part > 0);
+    const float *row = iso_brick_own_row(b->field, c->brick, row_y, row_z);
+    const bool is_coded = !b->field->nodes->maker || b->lattice->level > 0;
+    for (size_t x = 0; x < c->size[0]; ++x) {
+        const size_t at_x = along[x].cell + (along[x].part > 0);
+        float *to = c->nodes + ISO_NODE_CHANNELS * (first + x);
+        memcpy(to, row + ISO_NODE_CHANNELS * at_x, ISO_NODE_CHANNELS * sizeof *to);
+        if (!foreign[iso_brick_part(side, at_x, row_y, row_z)]) {
+            c->coded[first + x] = is_coded;
+            continue;
+        }
+        double value[ISO_NODE_CHANNELS];
+        iso_brick_node(b->field, c->brick, (const size_t[]){at_x, row_y, row_z}, value);
+        iso_lattice_round(b, value, to);
+    }
+}
+
 /* The values of a brick of the lattice's level: its nodes, as they are baked. Those that a coarser brick has a say in are
  * rounded as that brick's are, from doubles: all bricks that share a node give it the same bits. */
 static bool fill_baked(const iso_lattice_builder *b, const cell_box *c)
 {
-    const iso_node_levels *n = b->field->nodes;
-    const size_t side = iso_brick_side(n, b->lattice->level);
     node_place *along = malloc(c->size[0] * sizeof *along);
     if (!along)
         return false;
-    const bool is_coded = !n->maker || b->lattice->level > 0;
     bool foreign[ISO_BRICK_PARTS];
     iso_brick_foreign_parts(b->field, c->brick, foreign);
     for (size_t x = 0; x < c->size[0]; ++x)
         along[x] = place_of(b, c, 0, x);
-    for (size_t i = 0; i < nodes_of(c) / c->size[0]; ++i) {
-        const node_place y = place_of(b, c, 1, i % c->size[1]), z = place_of(b, c, 2, i / c->size[1]);
-        const size_t at_y = y.cell + (y.part > 0), at_z = z.cell + (z.part > 0);
-        const float *row = iso_brick_own_row(b->field, c->brick, at_y, at_z);
-        float *to = c->nodes + ISO_NODE_CHANNELS * c->size[0] * i;
-        for (size_t x = 0; x < c->size[0]; ++x) {
-            const size_t at_x = along[x].cell + (along[x].part > 0);
-            memcpy(to + ISO_NODE_CHANNELS * x, row + ISO_NODE_CHANNELS * at_x, ISO_NODE_CHANNELS * sizeof *to);
-            if (!foreign[iso_brick_part(side, at_x, at_y, at_z)]) {
-                c->coded[c->size[0] * i + x] = is_coded;
-                continue;
-            }
-            double value[ISO_NODE_CHANNELS];
-            iso_brick_node(b->field, c->brick, (const size_t[]){at_x, at_y, at_z}, value);
-            iso_lattice_round(b, value, to + ISO_NODE_CHANNELS * x);
-        }
-    }
+    for (size_t z = 0; z < c->size[2]; ++z)
+        for (size_t y = 0; y < c->size[1]; ++y)
+            fill_baked_row(b, c, along, foreign, y, z);
     free(along);
     return true;
 }

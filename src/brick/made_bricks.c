@@ -264,7 +264,7 @@ static iso_status make_coarse(const iso_node_levels *n, int threads, iso_error *
         good = make_level(n, k, &levels[k], k > 1 ? &levels[k - 1] : NULL, threads);
         block_level_destroy(&levels[k - 1]);
     }
-    for (size_t k = 1; k < n->level_count; ++k)
+    for (size_t k = 0; k < ISO_BRICK_MAX_LEVELS; ++k)
         block_level_destroy(&levels[k]);
     return good ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the nodes of coarse bricks");
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "brick/node_box.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,6 +40,7 @@ static void repeat_ends(float *row, size_t before, size_t count, size_t size)
 
 void iso_node_box_fill(const iso_node_box *b, const iso_node_rows *rows, const long first[3])
 {
+    assert(b->channels > 0);
     const size_t from = clamped(first[0], rows->last[0]), to = clamped(first[0] + (long)b->size[0] - 1, rows->last[0]);
     const size_t before = first[0] < (long)from ? (size_t)((long)from - first[0]) : 0;
     for (size_t z = 0; z < b->size[2]; ++z)

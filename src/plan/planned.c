@@ -307,12 +307,32 @@ static bool begin_crop(const iso_lattice *l, iso_code code, iso_level *level)
     return level->scalar && level->codes;
 }
 
-/* The active nodes of a row, whose directions are coded at once. room: of each node three floats, a code, and where it is. */
-static void fill_row(const iso_lattice *l, size_t y, size_t z, iso_code code, float *room, iso_level *level)
+/* What is lit of a row, to be coded at once. */
+typedef struct lit_row {
+    float *directions;
+    uint32_t *places;
+    uint8_t *codes;
+} lit_row;
+
+static bool lit_row_create(lit_row *r, size_t count, size_t code_bytes)
+{
+    r->directions = malloc(3 * count * sizeof *r->directions);
+    r->places = malloc(count * sizeof *r->places);
+    r->codes = malloc(count * code_bytes);
+    return r->directions && r->places && r->codes;
+}
+
+static void lit_row_destroy(lit_row *r)
+{
+    free(r->directions);
+    free(r->places);
+    free(r->codes);
+}
+
+/* The active nodes of a row. */
+static void fill_row(const iso_lattice *l, size_t y, size_t z, iso_code code, const lit_row *r, iso_level *level)
 {
     const size_t nx = l->size[0], first = nx * (y + l->size[1] * z), bytes = iso_code_describe(code)->bytes;
-    uint32_t *places = (uint32_t *)(room + 3 * nx);
-    uint8_t *codes = (uint8_t *)(places + nx);
     size_t lit = 0, in;
     for (size_t x = 0, run; x < nx; x += run) {
         const iso_lattice_block *block = *iso_lattice_block_of(l, x, y, z, &in);
@@ -323,13 +343,13 @@ static void fill_row(const iso_lattice *l, size_t y, size_t z, iso_code code, fl
                 level->scalar[first + x + i] = block->nodes[in + i][0];
             if (block->use[in + i] != ISO_LATTICE_LIT)
                 continue;
-            memcpy(room + 3 * lit, block->nodes[in + i] + 1, 3 * sizeof *room);
-            places[lit++] = (uint32_t)(x + i);
+            memcpy(r->directions + 3 * lit, block->nodes[in + i] + 1, 3 * sizeof *r->directions);
+            r->places[lit++] = (uint32_t)(x + i);
         }
     }
-    iso_code_encode(code, room, codes, lit);
+    iso_code_encode(code, r->directions, r->codes, lit);
     for (size_t i = 0; i < lit; ++i)
-        memcpy(level->codes + bytes * (first + places[i]), codes + bytes * i, bytes);
+        memcpy(level->codes + bytes * (first + r->places[i]), r->codes + bytes * i, bytes);
 }
 
 /* False: no memory. */
@@ -337,14 +357,17 @@ static bool fill_crop(const iso_lattice *l, iso_code code, int threads, iso_leve
 {
     const size_t *n = l->size;
     bool failed = !begin_crop(l, code, level);
+    if (failed)
+        return false;
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(|| : failed)
     for (size_t z = 0; z < n[2]; ++z) {
-        float *room = malloc(n[0] * (3 * sizeof *room + sizeof(uint32_t) + iso_code_describe(code)->bytes));
-        const bool good = room && level->scalar && level->codes;
-        for (size_t y = 0; good && y < n[1]; ++y)
-            fill_row(l, y, z, code, room, level);
-        failed = failed || !good;
-        free(room);
+        lit_row row;
+        if (lit_row_create(&row, n[0], iso_code_describe(code)->bytes))
+            for (size_t y = 0; y < n[1]; ++y)
+                fill_row(l, y, z, code, &row, level);
+        else
+            failed = true;
+        lit_row_destroy(&row);
     }
     return !failed;
 }
