@@ -43,6 +43,10 @@ for grids in merged levels; do
     "${export_plan[@]}" --to vdb --grids $grids -o $grids.vdb >out 2>err || not_ok "export_of_${grids}_runs" "$(cat err)"
     holds "vdb_of_a_plan_shrinks_$grids" "$(stat -c %s $grids.vdb) < 0.7 * $(stat -c %s full.vdb)"
 done
+# Both leave out what the scene does not show, and have directions in half floats. The planted fault: a file that does neither.
+"$ISOSHADE" export v.nrrd --to vdb --scene "$scene" -o shown.vdb --quiet >out 2>err
+holds vdb_of_a_plan_is_as_small_as_what_is_shown "$(stat -c %s merged.vdb) < 1.05 * $(stat -c %s shown.vdb)"
+holds vdb_of_all_voxels_is_not "$(stat -c %s full.vdb) > 1.05 * $(stat -c %s shown.vdb)"
 # Behind the random number that OpenVDB gives each file.
 mkdir -p again # the file holds the command, without folders
 "${export_plan[@]}" --to vdb --grids merged -o again/merged.vdb >out 2>err

@@ -7,7 +7,7 @@
 
 static iso_status write_planned(const iso_export_job *job, iso_vdb_options *o, iso_error *err)
 {
-    o->half_directions = !job->dense && !job->float_directions;
+    o->half_directions = !job->float_directions;
     iso_planned_lattices lattices;
     iso_status status = iso_planned_lattices_create(job->planned, job->merged, false, job->threads, &lattices, err);
     if (status != ISO_OK)
