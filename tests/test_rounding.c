@@ -100,7 +100,8 @@ static void what_is_rounded_agrees_where_exact_lookups_do(void **state)
 static void change_shaders(const char *dir, const char *old, const char *new)
 {
     static const char *const names[] = {"raycast.glsl",   "fullscreen.glsl", "probe.glsl",      "points.glsl",
-                                        "first_hit.glsl", "roi.glsl",        "transition.glsl", "variants.h"};
+                                        "first_hit.glsl", "held.glsl",      "roi.glsl",        "transition.glsl",
+                                        "variants.h"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
         char path[256], *text, *changed;
         size_t count;
@@ -132,12 +133,12 @@ static void a_fault_is_no_rounding(void **state)
          "vec4 fetch(sampler3D texels, vec3 p) { vec3 n = vec3(256 * textureSize(texels, 0));\n"
          "return textureLod(texels, floor(p * n + 0.5) / n, 0.0); }",
          ISO_VERDICT_AGREE},
-        {"a table that is off by a part of an entry", "float x = clamp(s * tf_scale + tf_offset, 0.0,",
-         "float x = clamp(s * tf_scale + tf_offset + 0.005, 0.0,", ISO_VERDICT_AGREE},
-        {"light that is .01 % too strong", "float sum = shading.x;", "float sum = 1.0001 * shading.x;",
+        {"a table that is off by a part of an entry", "float x = clamp(s * held.tf_scale + held.tf_offset, 0.0,",
+         "float x = clamp(s * held.tf_scale + held.tf_offset + 0.005, 0.0,", ISO_VERDICT_AGREE},
+        {"light that is .01 % too strong", "float sum = held.shading.x;", "float sum = 1.0001 * held.shading.x;",
          ISO_VERDICT_DIFFER},
         /* what rounding is allowed would allow this too, but exact lookups show it */
-        {"light that is .002 % too strong", "float sum = shading.x;", "float sum = 1.00002 * shading.x;",
+        {"light that is .002 % too strong", "float sum = held.shading.x;", "float sum = 1.00002 * held.shading.x;",
          ISO_VERDICT_DIFFER},
     };
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {

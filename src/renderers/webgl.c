@@ -20,6 +20,7 @@ ISO_EMBED(iso_webgl_request_js, "src/view/request.js");
 ISO_EMBED(iso_webgl_code_decode_glsl, "src/encode/code_decode.h");
 ISO_EMBED(iso_webgl_es_glsl, "src/render/gl/shaders/es.glsl");
 ISO_EMBED(iso_webgl_fullscreen_glsl, "src/render/gl/shaders/fullscreen.glsl");
+ISO_EMBED(iso_webgl_held_glsl, "src/render/gl/shaders/held.glsl");
 ISO_EMBED(iso_webgl_probe_glsl, "src/render/gl/shaders/probe.glsl");
 ISO_EMBED(iso_webgl_raycast_glsl, "src/render/gl/shaders/raycast.glsl");
 ISO_EMBED(iso_webgl_roi_glsl, "src/render/gl/shaders/roi.glsl");
@@ -42,6 +43,7 @@ static const iso_external_file files[] = {
     {"code_decode.h", iso_webgl_code_decode_glsl},
     {"es.glsl", iso_webgl_es_glsl},
     {"fullscreen.glsl", iso_webgl_fullscreen_glsl},
+    {"held.glsl", iso_webgl_held_glsl},
     {"probe.glsl", iso_webgl_probe_glsl},
     {"raycast.glsl", iso_webgl_raycast_glsl},
     {"roi.glsl", iso_webgl_roi_glsl},

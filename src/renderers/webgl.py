@@ -14,7 +14,7 @@ from exr import write_exr
 
 SCRIPTS = ["vectors.js", "arrays.js", "camera.js", "transfer.js", "adapt.js", "occupancy.js", "context.js", "textures.js", "caster.js",
            "request.js"]
-SHADERS = ["code_decode.h", "es.glsl", "fullscreen.glsl", "probe.glsl", "raycast.glsl", "roi.glsl", "variants.h"]
+SHADERS = ["code_decode.h", "es.glsl", "fullscreen.glsl", "held.glsl", "probe.glsl", "raycast.glsl", "roi.glsl", "variants.h"]
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 

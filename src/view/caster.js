@@ -108,6 +108,7 @@ const makeCaster = (context, data) => {
             DIRECTION_SOURCE: code ? 'SOURCE_CODES' : vectors ? 'SOURCE_VECTORS' : 'SOURCE_ON_THE_FLY', DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR',
             OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length, SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0,
             SKIP_EMPTY: Number(skip), SCREEN_TILE: 0, PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(fine)), BRICKS: Number(Boolean(level.isPlan)), TF_2D_ROWS: 0, EXTINCTION_SCALE: 'SCALE_NONE',
+            SCALAR_WITH_DIRECTIONS: 0,
             PAGES: 1, FILTERED_BY_HAND: scalar.byHand || (vectors && !context.floatFilter) ? 1 : undefined,
         });
         program.use();

@@ -41,6 +41,7 @@ ISO_EMBED(iso_viewer_start_js, "src/view/start.js");
 ISO_EMBED(iso_viewer_code_decode_glsl, "src/encode/code_decode.h");
 ISO_EMBED(iso_viewer_es_glsl, "src/render/gl/shaders/es.glsl");
 ISO_EMBED(iso_viewer_fullscreen_glsl, "src/render/gl/shaders/fullscreen.glsl");
+ISO_EMBED(iso_viewer_held_glsl, "src/render/gl/shaders/held.glsl");
 ISO_EMBED(iso_viewer_probe_glsl, "src/render/gl/shaders/probe.glsl");
 ISO_EMBED(iso_viewer_raycast_glsl, "src/render/gl/shaders/raycast.glsl");
 ISO_EMBED(iso_viewer_roi_glsl, "src/render/gl/shaders/roi.glsl");
@@ -53,7 +54,8 @@ static const struct {
     {"code_decode.h", iso_viewer_code_decode_glsl}, {"es.glsl", iso_viewer_es_glsl},
     {"fullscreen.glsl", iso_viewer_fullscreen_glsl}, {"probe.glsl", iso_viewer_probe_glsl},
     {"raycast.glsl", iso_viewer_raycast_glsl},      {"roi.glsl", iso_viewer_roi_glsl},
-    {"variants.h", iso_viewer_variants_glsl},       {"display.glsl", iso_viewer_display_glsl},
+    {"variants.h", iso_viewer_variants_glsl},       {"held.glsl", iso_viewer_held_glsl},
+    {"display.glsl", iso_viewer_display_glsl},
 };
 
 /* One script, in an order in which each part finds what it needs. */

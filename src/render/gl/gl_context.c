@@ -65,6 +65,7 @@ static iso_status describe(iso_gl *gl, iso_error *err)
         const char *text = (const char *)glGetString(texts[i].name);
         snprintf(texts[i].out, sizeof gl->info.vendor, "%s", text ? text : "unknown");
     }
+    gl->is_llvmpipe = strstr(gl->info.renderer, "llvmpipe") != NULL;
     glGetQueryiv(GL_TIME_ELAPSED, GL_QUERY_COUNTER_BITS, &gl->info.timer_bits);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);
     glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &gl->max_texture_3d_size);

@@ -24,6 +24,7 @@ struct iso_gl {
     iso_gl_info info;
     char *shader_dir; /* or NULL: the embedded shaders */
     GLint max_texture_size, max_texture_3d_size;
+    bool is_llvmpipe; /* Mesa's software OpenGL: a fetch takes as long as its filter computes */
     GLuint vertex_array;
     bool times_processor;     /* iso_gl_time_processor() */
     double device_seconds;    /* iso_gl_device_seconds() */

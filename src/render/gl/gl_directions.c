@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/gl/gl_directions.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "fit/extinction_scale.h"
@@ -96,6 +97,44 @@ iso_status iso_gl_upload_codes(const iso_gl *gl, const iso_level *level, iso_cod
     }
     free(plane);
     return iso_gl_check("uploading direction codes", err);
+}
+
+/* Unsigned as the scalar is, so that its texels are those that it has alone: signed numbers, -127 to 127, from 0 on. */
+static void fill_plane_with_scalar(const iso_level *level, bool is_signed, double multiple, size_t first, size_t count,
+                                   uint16_t *plane)
+{
+    const code_layout l = {is_signed, true, 4};
+    for (size_t i = 0; i < count; ++i) {
+        const uint8_t *code = level->codes + 3 * (first + i);
+        for (size_t c = 0; c < 3; ++c) {
+            const int number = (int8_t)code[c] < -127 ? -127 : (int8_t)code[c];
+            store(&l, is_signed ? number + 127 : code[c], 4 * i + c, plane);
+        }
+        plane[4 * i + 3] = (uint16_t)lrint(((double)level->scalar[first + i] - level->min) * multiple);
+    }
+}
+
+iso_status iso_gl_upload_codes_with_scalar(const iso_gl *gl, const iso_level *level, iso_code code, double multiple,
+                                           iso_gl_directions *d, iso_error *err)
+{
+    const size_t *size = level->geometry.size, count = size[0] * size[1];
+    const bool is_signed = iso_code_describe(code)->is_signed;
+    d->scale = is_signed ? 65535.0 / 258 / 127 : 2;
+    d->offset = -1;
+    iso_status status = iso_gl_create_texture_3d(gl, GL_RGBA16, size, "direction codes and a scalar volume",
+                                                 &d->texture, err);
+    if (status != ISO_OK)
+        return status;
+    uint16_t *plane = malloc(4 * count * sizeof *plane);
+    if (!plane)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of codes");
+    for (size_t z = 0; z < size[2]; ++z) {
+        fill_plane_with_scalar(level, is_signed, multiple, z * count, count, plane);
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGBA,
+                        GL_UNSIGNED_SHORT, plane);
+    }
+    free(plane);
+    return iso_gl_check("uploading direction codes and the scalar", err);
 }
 
 /* ---- floats ----------------------------------------------------------------------------------------------------- */

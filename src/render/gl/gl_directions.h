@@ -23,6 +23,10 @@ iso_status iso_gl_upload_bytes(const iso_gl *gl, const iso_level *level, const u
  * or NULL. */
 iso_status iso_gl_upload_codes(const iso_gl *gl, const iso_level *level, iso_code code, const uint8_t *extinction_scale,
                                iso_gl_directions *d, iso_error *err);
+/* Codes in 16 bits with the scalar in alpha: (value - min) * multiple, which has to be a whole number of at most
+ * 65535. */
+iso_status iso_gl_upload_codes_with_scalar(const iso_gl *gl, const iso_level *level, iso_code code, double multiple,
+                                           iso_gl_directions *d, iso_error *err);
 /* Floats: the level's own, or decoded ones. In alpha, log2 of the scale itself. */
 iso_status iso_gl_upload_vectors(const iso_gl *gl, const iso_level *level, iso_code code, iso_direction_source source,
                                  const uint8_t *extinction_scale, iso_gl_directions *d, iso_error *err);

@@ -13,6 +13,7 @@ ISO_EMBED(iso_warp_map_glsl, "src/brick/warp_map.h");
 ISO_EMBED(iso_transition_glsl, "src/render/gl/shaders/transition.glsl");
 ISO_EMBED(iso_points_glsl, "src/render/gl/shaders/points.glsl");
 ISO_EMBED(iso_first_hit_glsl, "src/render/gl/shaders/first_hit.glsl");
+ISO_EMBED(iso_held_glsl, "src/render/gl/shaders/held.glsl");
 ISO_EMBED(iso_roi_glsl, "src/render/gl/shaders/roi.glsl");
 ISO_EMBED(iso_raycast_glsl, "src/render/gl/shaders/raycast.glsl");
 ISO_EMBED(iso_variants_glsl, "src/render/gl/shaders/variants.h");
@@ -24,6 +25,7 @@ static const struct {
 } shader_files[] = {
     {"code_decode.h", iso_code_decode_glsl},
     {"first_hit.glsl", iso_first_hit_glsl},
+    {"held.glsl", iso_held_glsl},
     {"roi.glsl", iso_roi_glsl},
     {"fullscreen.glsl", iso_fullscreen_glsl},
     {"points.glsl", iso_points_glsl},

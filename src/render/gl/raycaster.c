@@ -37,6 +37,7 @@ enum {
 typedef struct level_textures {
     GLuint scalar, tf, tf_sums, occupancy, palette, tf_2d, extinction_scale;
     iso_gl_directions directions; /* the indices, with a palette */
+    bool scalar_with_directions;  /* instead of a texture of its own */
     bool skip_empty;
     iso_screen_reach screen; /* where empty bricks are skipped, of the integral */
     double screen_seconds, screen_processor_seconds;
@@ -57,16 +58,26 @@ static bool is_small_integer(iso_type type)
 }
 
 /* Integers of at most 16 bits are exact in R16: texel = (value - min) * m with the largest integer m that fits, so
- * that a signed type needs no special case and few digits are lost to an offset. All else becomes (value - min) /
- * (max - min) in float. Plane by plane: no second copy of the volume. */
+ * that a signed type needs no special case and few digits are lost to an offset. */
+static bool is_whole_in_16_bits(const iso_gl *gl, const iso_level *level)
+{
+    return is_small_integer(level->stored_type) && level->max - level->min <= 65535 &&
+           gl->info.filter_bits_unorm16 >= gl->info.filter_bits_float - 1;
+}
+
+static double multiple_of(const iso_level *level)
+{
+    const double range = level->max - level->min;
+    return range > 0 ? floor(65535 / range) : 1;
+}
+
+/* All else becomes (value - min) / (max - min) in float. Plane by plane: no second copy of the volume. */
 static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_textures *t, iso_error *err)
 {
     const size_t *size = level->geometry.size;
     size_t plane_count = size[0] * size[1];
-    double range = level->max - level->min;
-    bool integers = is_small_integer(level->stored_type) && range <= 65535 &&
-                    gl->info.filter_bits_unorm16 >= gl->info.filter_bits_float - 1;
-    double multiple = range > 0 ? floor(65535 / range) : 1;
+    const double range = level->max - level->min, multiple = multiple_of(level);
+    const bool integers = is_whole_in_16_bits(gl, level);
     iso_status status = iso_gl_create_texture_3d(gl, integers ? GL_R16 : GL_R32F, size, "a scalar volume", &t->scalar,
                                                  err);
     if (status != ISO_OK)
@@ -248,6 +259,26 @@ static iso_status upload_roi(const iso_gl *gl, const iso_roi *f, iso_code code, 
     return status;
 }
 
+/* Where a fetch takes as long as its filter computes, one of four channels is faster than one of the scalar and one of
+ * the code. A GPU would fetch four times the bytes where nothing shows. */
+static bool holds_scalar_with_codes(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
+                                    const iso_view *view)
+{
+    const bool scalar_alone = view->light_count == 0 || opt->surface || opt->preintegrated || opt->exact_lookups ||
+                              view->roi || view->extinction_scale || level->labels;
+    return gl->is_llvmpipe && opt->source == ISO_FROM_CODES && !scalar_alone && is_whole_in_16_bits(gl, level);
+}
+
+static iso_status upload_scalar_with_codes(const iso_gl *gl, const iso_level *level, iso_code code, level_textures *t,
+                                           iso_error *err)
+{
+    const double multiple = multiple_of(level);
+    t->scalar_with_directions = true;
+    t->value_per_texel = 65535 / multiple;
+    glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
+    return iso_gl_upload_codes_with_scalar(gl, level, code, multiple, &t->directions, err);
+}
+
 static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code, const iso_gl_options *opt,
                          const iso_view *view, level_textures *t, iso_error *err)
 {
@@ -256,7 +287,9 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     iso_direction_source source = opt->source;
     *t = (level_textures){0};
     glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
-    iso_status status = upload_scalar(gl, level, t, err);
+    iso_status status = holds_scalar_with_codes(gl, level, opt, view)
+                            ? upload_scalar_with_codes(gl, level, code, t, err)
+                            : upload_scalar(gl, level, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
     if (status == ISO_OK && view->tf_2d)
         status = upload_tf_2d(gl, level, opt, view, t, err);
@@ -266,11 +299,11 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     if (status == ISO_OK && opt->preintegrated)
         status = upload_sums(gl, tf, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
-    if (status == ISO_OK && source == ISO_FROM_CODES)
+    if (status == ISO_OK && source == ISO_FROM_CODES && !t->scalar_with_directions)
         status = iso_gl_upload_codes(gl, level, code, scale, &t->directions, err);
     else if (status == ISO_OK && is_from_palette(source))
         status = iso_gl_upload_indices(gl, level, &t->directions.texture, err);
-    else if (status == ISO_OK && source != ISO_FROM_ON_THE_FLY)
+    else if (status == ISO_OK && source != ISO_FROM_CODES && source != ISO_FROM_ON_THE_FLY)
         status = iso_gl_upload_vectors(gl, level, code, source, has_direction_texture(source) ? scale : NULL,
                                        &t->directions, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_EXTINCTION_SCALE);
@@ -362,7 +395,7 @@ static void set_roi(GLuint program, const iso_roi *f, const iso_geometry *around
 /* ---- rendering -------------------------------------------------------------- */
 
 static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *opt, const iso_view *view,
-                              bool skip_empty, GLuint *program, iso_error *err)
+                              const level_textures *t, GLuint *program, iso_error *err)
 {
     static const int sources[ISO_SOURCE_COUNT] = {
         [ISO_FROM_CODES] = SOURCE_CODES,     [ISO_FROM_DECODED] = SOURCE_VECTORS,
@@ -376,8 +409,9 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
         .light_count = view->light_count,
         .specular = view->shading.specular > 0,
         .shade_table = is_from_palette(opt->source) && opt->shade_table,
-        .skip_empty = skip_empty,
-        .screen_tile = skip_empty && !opt->surface ? ISO_SCREEN_TILE : 0,
+        .scalar_with_directions = t->scalar_with_directions,
+        .skip_empty = t->skip_empty,
+        .screen_tile = t->skip_empty && !opt->surface ? ISO_SCREEN_TILE : 0,
         .preintegrated = opt->preintegrated,
         .exact = opt->exact_lookups,
         .roi = view->roi != NULL,
@@ -433,7 +467,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     if (view->roi)
         status = upload_roi(gl, view->roi, code, opt->source, &roi_textures, err);
     if (status == ISO_OK)
-        status = get_program(gl, code, opt, view, textures.skip_empty, &program, err);
+        status = get_program(gl, code, opt, view, &textures, &program, err);
     if (status == ISO_OK)
         status = iso_image_create(image, view->width, view->height, err);
     if (status == ISO_OK) {

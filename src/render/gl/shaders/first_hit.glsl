@@ -14,18 +14,18 @@ uniform float first_sample;  // planes of samples are where samples_per_p * p - 
 
 // A cell among samples: of one brick, so that its four values are of one function.
 struct Cell {
-    ivec3 brick;
+    vec3 brick;
     vec3 scale; // samples in p
 };
 
 Cell cell_at(vec3 p)
 {
 #if BRICKS
-    ivec3 brick = brick_of(p);
-    float w = texelFetch(layout_of_bricks, brick, 0).w;
+    vec3 brick = brick_of(p);
+    float w = layout_of(brick).w;
     return Cell(brick, samples_per_p * (w > 0.0 ? w : 1.0));
 #else
-    return Cell(ivec3(0), samples_per_p);
+    return Cell(vec3(0.0), samples_per_p);
 #endif
 }
 
@@ -57,7 +57,7 @@ float cell_end(Ray ray, Cell cell, float at, float last)
     vec3 q = point_of(ray, at + sliver) * cell.scale - first_sample, low = floor(q), high = low + 1.0;
 #if BRICKS
     // The volume may end inside a cell: from its last node on the value is kept.
-    vec3 end = last_node * cell.scale;
+    vec3 end = held.last_node * cell.scale;
     low = mix(low, max(low, end), greaterThanEqual(q, end));
     high = mix(min(high, end), high, greaterThanEqual(q, end));
 #endif
@@ -69,12 +69,12 @@ float cell_end(Ray ray, Cell cell, float at, float last)
 float leave_empty(Ray ray, float at, float last)
 {
     while (at < last) {
-        vec3 p = point_of(ray, at + sliver) * bricks_per_volume;
-        ivec3 brick = clamp(ivec3(p), ivec3(0), textureSize(occupancy, 0) - 1);
+        vec3 p = point_of(ray, at + sliver) * held.bricks_per_volume;
+        ivec3 brick = clamp(ivec3(p), ivec3(0), held.last_occupancy);
         int empty = int(texelFetch(occupancy, brick, 0).r);
         if (empty == 0)
             break;
-        at += sliver + steps_to(p, ray.stride * bricks_per_volume, vec3(brick + 1 - empty), vec3(brick + empty));
+        at += sliver + steps_to(p, ray.stride * held.bricks_per_volume, vec3(brick + 1 - empty), vec3(brick + empty));
     }
     return at;
 }
@@ -155,6 +155,7 @@ float hit(Ray ray)
 
 void main()
 {
+    hold_uniforms();
     Ray ray = pixel_ray();
     float at = hit(ray);
     bool found = at < ray.length;

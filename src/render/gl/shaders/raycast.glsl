@@ -9,6 +9,7 @@
 // Defined before this file (gl_variant.c), each 0 or 1 where nothing else is said:
 //     DIRECTION_SOURCE, OUTPUT   names of variants.h
 //     DECODER                    a name of code_decode.h, for SOURCE_CODES
+//     SCALAR_WITH_DIRECTIONS     the scalar is the alpha of the directions, so that a sample's fetch is that of its normal
 //     LIGHT_COUNT, SPECULAR      of the view
 //     SHADE_TABLE                a palette's shades instead of its directions
 //     SKIP_EMPTY                 bricks that the TF does not show are passed over
@@ -87,6 +88,8 @@ uniform float light_intensity[LIGHT_COUNT + 1];
 uniform vec4 shading;             // ambient, diffuse, specular, power
 uniform vec3 background;
 out vec4 color;
+
+#include "held.glsl"
 
 #if EXACT
 dvec3 exact_start, exact_stride; // of the ray
@@ -189,10 +192,10 @@ bool leave_empty_bricks(Ray ray, inout float k, inout float until)
 {
     bool known = k < until;
     if (!known) {
-        vec3 p = segment(ray, k).p * bricks_per_volume;
-        ivec3 brick = clamp(ivec3(p), ivec3(0), textureSize(occupancy, 0) - 1);
+        vec3 p = segment(ray, k).p * held.bricks_per_volume;
+        ivec3 brick = clamp(ivec3(p), ivec3(0), held.last_occupancy);
         int empty = int(texelFetch(occupancy, brick, 0).r), reach = max(empty, 1);
-        vec3 stride = ray.stride * bricks_per_volume;
+        vec3 stride = ray.stride * held.bricks_per_volume;
         vec3 face = vec3(brick) + mix(vec3(1 - reach), vec3(reach), greaterThan(stride, vec3(0.0)));
         vec3 steps = (face - p) / mix(stride, vec3(1e-30), equal(stride, vec3(0.0)));
         steps = mix(steps, vec3(1e30), equal(stride, vec3(0.0)));
@@ -208,17 +211,21 @@ bool leave_empty_bricks(Ray ray, inout float k, inout float until)
 #endif
 
 #if BRICKS
-ivec3 brick_of(vec3 p) { return min(ivec3(clamp(p, vec3(0.0), last_node)), textureSize(layout_of_bricks, 0) - 1); }
+// Whole numbers.
+vec3 brick_of(vec3 p) { return min(floor(clamp(p, vec3(0.0), held.last_node)), held.last_brick); }
+
+// Of a texture without filter: in software OpenGL a texelFetch() finds sizes and strides lane by lane.
+vec4 layout_of(vec3 brick) { return textureLod(layout_of_bricks, (brick + 0.5) * held.layout_texel, 0.0); }
 
 #ifdef TRANSITION
 #include "transition.glsl"
 #else
 // Where the cache holds p as a brick has it, whose closed box p is in; w is 0 where it is left out.
-vec4 address_in(ivec3 brick, vec3 p)
+vec4 address_in(vec3 brick, vec3 p)
 {
-    vec4 place = texelFetch(layout_of_bricks, brick, 0);
-    vec3 in_brick = clamp(clamp(p, vec3(0.0), last_node) - vec3(brick), 0.0, 1.0);
-    return vec4(place.xyz + in_brick * place.w * brick_in_cache, place.w);
+    vec4 place = layout_of(brick);
+    vec3 in_brick = clamp(clamp(p, vec3(0.0), held.last_node) - brick, 0.0, 1.0);
+    return vec4(place.xyz + in_brick * place.w * held.brick_in_cache, place.w);
 }
 #endif
 #endif
@@ -294,11 +301,14 @@ vec4 fetch_direction(vec3 p) { return fetch(directions, p); }
 
 #if EXACT
 float scalar_at(vec3 p) { return labels ? float(label_exactly(scalar, p)) : fetch_scalar(p).r; }
+#elif SCALAR_WITH_DIRECTIONS
+float scalar_at(vec3 p) { return fetch_direction(p).a; }
 #else
 float scalar_at(vec3 p) { return fetch_scalar(p).r; }
 #endif
 
-// rgb and extinction per mm. Two exact fetches: texture filters may keep only 8 bits of the weight.
+// rgb and extinction per mm. Two fetches without a filter, which may keep only 8 bits of the weight; by texture
+// coordinates, because in software OpenGL a texelFetch() finds sizes and strides lane by lane.
 #if EXACT
 uniform dvec2 tf_exact; // tf_scale and tf_offset
 vec4 tf_row(double s, int row)
@@ -310,9 +320,10 @@ vec4 tf_row(double s, int row)
 #else
 vec4 tf_row(float s, int row)
 {
-    float x = clamp(s * tf_scale + tf_offset, 0.0, float(tf_count - 1));
-    int i = min(int(x), tf_count - 2);
-    return mix(texelFetch(tf, ivec2(i, row), 0), texelFetch(tf, ivec2(i + 1, row), 0), x - float(i));
+    float x = clamp(s * held.tf_scale + held.tf_offset, 0.0, float(held.tf_count - 1));
+    float i = min(floor(x), float(held.tf_count - 2));
+    vec2 place = (vec2(i, row) + 0.5) * held.tf_texel;
+    return mix(textureLod(tf, place, 0.0), textureLod(tf, place + vec2(held.tf_texel.x, 0.0), 0.0), x - i);
 }
 #endif
 
@@ -320,9 +331,9 @@ vec4 tf_row(float s, int row)
 // Sigma c and sigma of entry x in cell [i, i + 1]; cells -1 and tf_count - 1 hold what lies beyond the table.
 vec4 emission_in(int i, float x)
 {
-    vec4 a = texelFetch(tf, ivec2(clamp(i, 0, tf_count - 1), 0), 0);
-    vec4 b = texelFetch(tf, ivec2(clamp(i + 1, 0, tf_count - 1), 0), 0);
-    vec4 e = mix(a, b, i < 0 || i >= tf_count - 1 ? 0.0 : x - float(i));
+    vec4 a = texelFetch(tf, ivec2(clamp(i, 0, held.tf_count - 1), 0), 0);
+    vec4 b = texelFetch(tf, ivec2(clamp(i + 1, 0, held.tf_count - 1), 0), 0);
+    vec4 e = mix(a, b, i < 0 || i >= held.tf_count - 1 ? 0.0 : x - float(i));
     return vec4(e.rgb * e.a, e.a);
 }
 
@@ -335,8 +346,9 @@ vec4 cell_mean(int i, float a, float b)
 // The mean colour by extinction, and the mean extinction, between two texel values: tf/integral.h.
 vec4 mean_between(float s0, float s1)
 {
-    float x0 = min(s0, s1) * tf_scale + tf_offset, x1 = max(s0, s1) * tf_scale + tf_offset;
-    int i0 = int(clamp(floor(x0), -1.0, float(tf_count - 1))), i1 = int(clamp(floor(x1), -1.0, float(tf_count - 1)));
+    float x0 = min(s0, s1) * held.tf_scale + held.tf_offset, x1 = max(s0, s1) * held.tf_scale + held.tf_offset;
+    float last = float(held.tf_count - 1);
+    int i0 = int(clamp(floor(x0), -1.0, last)), i1 = int(clamp(floor(x1), -1.0, last));
     vec4 mean;
     if (i0 == i1) {
         mean = cell_mean(i0, x0, x1);
@@ -426,7 +438,7 @@ vec3 flipped_at(vec3 p)
 vec3 normal_at(vec3 p)
 {
 #if DIRECTION_SOURCE == SOURCE_CODES
-    vec3 e = fetch_direction(p).rgb * direction_scale + direction_offset;
+    vec3 e = fetch_direction(p).rgb * held.direction_scale + held.direction_offset;
     return iso_shading_normal(iso_decode(DECODER, e));
 #elif DIRECTION_SOURCE == SOURCE_FLIPPED
     return iso_shading_normal(flipped_at(p));
@@ -435,20 +447,21 @@ vec3 normal_at(vec3 p)
 #elif DIRECTION_SOURCE == SOURCE_VECTORS
     return iso_shading_normal(fetch_direction(p).rgb);
 #else
-    vec3 dx = vec3(voxel.x, 0.0, 0.0), dy = vec3(0.0, voxel.y, 0.0), dz = vec3(0.0, 0.0, voxel.z);
-    vec3 g = gradient_to_world * vec3(scalar_at(p + dx) - scalar_at(p - dx), scalar_at(p + dy) - scalar_at(p - dy),
-                                      scalar_at(p + dz) - scalar_at(p - dz));
-    return g * inversesqrt(dot(g, g) + on_the_fly_eps * on_the_fly_eps);
+    vec3 dx = vec3(held.voxel.x, 0.0, 0.0), dy = vec3(0.0, held.voxel.y, 0.0), dz = vec3(0.0, 0.0, held.voxel.z);
+    vec3 differences = vec3(scalar_at(p + dx) - scalar_at(p - dx), scalar_at(p + dy) - scalar_at(p - dy),
+                            scalar_at(p + dz) - scalar_at(p - dz));
+    vec3 g = held.gradient_to_world * differences;
+    return g * inversesqrt(dot(g, g) + held.on_the_fly_eps * held.on_the_fly_eps);
 #endif
 }
 
 float shade(vec3 n, vec3 halfway[LIGHT_COUNT + 1])
 {
-    float sum = shading.x;
+    float sum = held.shading.x;
     for (int i = 0; i < LIGHT_COUNT; ++i) {
-        sum += light_intensity[i] * shading.y * abs(dot(n, light_direction[i]));
+        sum += held.light_intensity[i] * held.shading.y * abs(dot(n, held.light_direction[i]));
 #if SPECULAR
-        sum += light_intensity[i] * shading.z * pow(max(abs(dot(n, halfway[i])), 1e-30), shading.w);
+        sum += held.light_intensity[i] * held.shading.z * pow(max(abs(dot(n, halfway[i])), 1e-30), held.shading.w);
 #endif
     }
     return sum;
@@ -467,9 +480,9 @@ float shade_at(vec3 p, vec3 halfway[LIGHT_COUNT + 1])
 float extinction_scale_at(vec3 p)
 {
 #if EXTINCTION_SCALE == SCALE_WITH_DIRECTIONS
-    return exp2(fetch_direction(p).a * octaves_per_texel + octaves_offset);
+    return exp2(fetch_direction(p).a * held.octaves_per_texel + held.octaves_offset);
 #elif EXTINCTION_SCALE == SCALE_ALONE
-    return exp2(fetch(extinction_scale, p).r * octaves_per_texel + octaves_offset);
+    return exp2(fetch(extinction_scale, p).r * held.octaves_per_texel + held.octaves_offset);
 #else
     return 1.0;
 #endif
@@ -500,33 +513,38 @@ vec3[LIGHT_COUNT + 1] halfway_to(vec3 ray_direction)
 #else
 void main()
 {
+    hold_uniforms();
     Ray ray = pixel_ray();
     vec3 halfway[LIGHT_COUNT + 1] = halfway_to(ray.world);
     vec3 sum = vec3(0.0);
-    float transmittance = 1.0, segment_mm = float(step_mm);
+    float transmittance = 1.0, before = 1.0, segment_mm = float(step_mm);
+    // A ray ends one segment after the light is spent, and that one adds nothing: where a segment begins does not wait
+    // for the light that the last one left, so that processors work at several at a time.
 #if SKIP_EMPTY
     // A look at the bricks and a sample in each turn: software GL takes 4 or 8 pixels at a time and runs both sides of a
     // branch, so a pixel that leaves empty bricks would keep the others waiting in a loop of its own.
     float until = 0.0;
-    for (float k = ray.from; k < ray.to && transmittance >= 1e-7;) {
+    for (float k = ray.from; k < ray.to && before >= 1e-7;) {
         bool shows = leave_empty_bricks(ray, k, until);
         Segment at = segment(ray, k);
         vec4 where = address(at.p);
         vec4 c = shows ? classify(at, where) : vec4(0.0);
         c.a *= extinction_scale_at(where.xyz);
-        float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
+        before = transmittance;
+        float weight = before >= 1e-7 ? before * opacity_of(c.a * segment_mm * at.part) : 0.0;
         sum += weight * shade_at(where.xyz, halfway) * c.rgb;
         transmittance -= weight;
         k += shows ? 1.0 : 0.0;
     }
 #else
-    for (float k = 0.0; k < ray.length && transmittance >= 1e-7; k += 1.0) {
+    for (float k = 0.0; k < ray.length && before >= 1e-7; k += 1.0) {
         Segment at = segment(ray, k);
         vec4 where = address(at.p);
         vec4 c = where.w > 0.0 ? classify(at, where) : vec4(0.0);
         if (c.a > 0.0)
             c.a *= extinction_scale_at(where.xyz);
-        float weight = transmittance * opacity_of(c.a * segment_mm * at.part);
+        before = transmittance;
+        float weight = before >= 1e-7 ? before * opacity_of(c.a * segment_mm * at.part) : 0.0;
         if (weight > 0.0)
             sum += weight * shade_at(where.xyz, halfway) * c.rgb;
         transmittance -= weight;

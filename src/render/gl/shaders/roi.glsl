@@ -30,7 +30,7 @@ vec3 roi_normal(vec3 q)
 {
     vec3 e = textureLod(roi_directions, q, 0.0).rgb;
 #if DIRECTION_SOURCE == SOURCE_CODES
-    return iso_shading_normal(iso_decode(DECODER, e * direction_scale + direction_offset));
+    return iso_shading_normal(iso_decode(DECODER, e * held.direction_scale + held.direction_offset));
 #else
     return iso_shading_normal(e);
 #endif
@@ -57,6 +57,7 @@ vec4 emission_at(vec3 p, vec3 halfway[LIGHT_COUNT + 1])
 
 void main()
 {
+    hold_uniforms();
     Ray ray = pixel_ray();
     vec3 halfway[LIGHT_COUNT + 1] = halfway_to(ray.world);
     vec3 sum = vec3(0.0);

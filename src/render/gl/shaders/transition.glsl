@@ -14,26 +14,26 @@ vec3 foot_place = vec3(0.0);
 float foot_part = 0.0;
 
 // Where the cache holds p as a brick has it; w is 0 where it is left out. In the cache a fine brick begins at its border.
-vec4 address_in(ivec3 brick, vec3 p)
+vec4 address_in(vec3 brick, vec3 p)
 {
-    vec4 place = texelFetch(layout_of_bricks, brick, 0);
-    vec3 in_brick = clamp(clamp(p, vec3(0.0), last_node) - vec3(brick), 0.0, 1.0);
+    vec4 place = layout_of(brick);
+    vec3 in_brick = clamp(clamp(p, vec3(0.0), held.last_node) - brick, 0.0, 1.0);
 #if TRANSITION
     foot_part = 0.0;
     vec3 inwards = min(in_brick, 1.0 - in_brick) * brick_side;
     if (min(inwards.x, min(inwards.y, inwards.z)) < 0.5) {
-        uint coarse = texelFetch(coarse_neighbors, brick, 0).r;
+        uint coarse = texelFetch(coarse_neighbors, ivec3(brick), 0).r;
         iso_warp_fetch at = iso_warp_place(in_brick * brick_side, brick_side, coarse, TRANSITION);
         // Coarse bricks have no neighbours that count: their own places stay as they are.
         in_brick = coarse != 0u ? at.top / brick_side : in_brick;
 #if TRANSITION == ISO_TRANSITION_CORRECTED
         foot_part = at.part;
-        vec4 there = texelFetch(layout_of_bricks, brick + ivec3(at.step), 0);
-        foot_place = there.xyz + (at.foot / brick_side - at.step) * there.w * brick_in_cache;
+        vec4 there = layout_of(brick + at.step);
+        foot_place = there.xyz + (at.foot / brick_side - at.step) * there.w * held.brick_in_cache;
 #endif
     }
 #endif
-    return vec4(place.xyz + in_brick * place.w * brick_in_cache, place.w);
+    return vec4(place.xyz + in_brick * place.w * held.brick_in_cache, place.w);
 }
 
 vec4 fetch(sampler3D texels, vec3 p)
