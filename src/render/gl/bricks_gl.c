@@ -27,7 +27,7 @@ static GLenum unit_of_directions(size_t k)
 
 typedef struct brick_textures {
     GLuint scalar[ISO_BRICK_MAX_PAGES], directions[ISO_BRICK_MAX_PAGES], tf, occupancy, layout;
-    bool skip_empty;
+    bool skip_empty, scalar_with_directions; /* instead of textures of its own */
 } brick_textures;
 
 iso_gl_brick_options iso_gl_brick_defaults(void)
@@ -59,6 +59,7 @@ typedef struct staging { /* one brick on its way */
     float *baked, *vectors;
     void *scalars;
     int16_t *vectors16;
+    uint16_t *texels; /* of four channels, unsigned: the directions from -1 on, the scalar */
 } staging;
 
 static void free_staging(staging *s)
@@ -67,6 +68,7 @@ static void free_staging(staging *s)
     free(s->vectors);
     free(s->scalars);
     free(s->vectors16);
+    free(s->texels);
 }
 
 /* Values become parts of the range, directions stay; in 16 bits or in floats. */
@@ -85,12 +87,14 @@ static void convert(const iso_node_levels *n, int bits, size_t count, staging *s
         for (size_t a = 0; a < 3; ++a) {
             s->vectors[3 * i + a] = node[1 + a];
             s->vectors16[3 * i + a] = (int16_t)lrintf(32767 * fminf(fmaxf(node[1 + a], -1), 1));
+            s->texels[4 * i + a] = (uint16_t)(s->vectors16[3 * i + a] + 32767);
         }
+        s->texels[4 * i + 3] = bits == 16 ? codes[i] : 0;
     }
 }
 
 static void upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, size_t i,
-                         const iso_gl_brick_options *opt, staging *s)
+                         const iso_gl_brick_options *opt, bool scalar_with_directions, staging *s)
 {
     const iso_node_levels *n = f->nodes;
     const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
@@ -101,6 +105,11 @@ static void upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, s
     GLsizei m = (GLsizei)side;
     iso_brick_bake(f, brick, s->baked);
     convert(n, opt->cache_bits, side * side * side, s);
+    if (scalar_with_directions) {
+        glActiveTexture(GL_TEXTURE0 + unit_of_directions(page));
+        glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RGBA, GL_UNSIGNED_SHORT, s->texels);
+        return;
+    }
     glActiveTexture(GL_TEXTURE0 + unit_of_scalar(page));
     glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RED, opt->cache_bits == 16 ? GL_UNSIGNED_SHORT : GL_FLOAT,
                     s->scalars);
@@ -116,26 +125,28 @@ static void upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, s
 static iso_status fill_cache(const iso_gl *gl, const iso_brick_field *f, const iso_brick_pack *pack,
                              const iso_gl_brick_options *opt, brick_textures *t, iso_error *err)
 {
-    bool small = opt->cache_bits == 16;
+    const bool small = opt->cache_bits == 16, together = t->scalar_with_directions;
+    const GLenum directions = together ? GL_RGBA16 : small ? GL_RGBA16_SNORM : GL_RGB32F;
     size_t side = f->nodes->brick_voxels + 1, count = side * side * side;
     staging s = {malloc(count * ISO_NODE_CHANNELS * sizeof(float)), malloc(3 * count * sizeof(float)),
-                 malloc(count * sizeof(float)), malloc(3 * count * sizeof(int16_t))};
+                 malloc(count * sizeof(float)), malloc(3 * count * sizeof(int16_t)),
+                 malloc(4 * count * sizeof(uint16_t))};
     iso_status status = ISO_OK;
-    if (!s.baked || !s.vectors || !s.scalars || !s.vectors16)
+    if (!s.baked || !s.vectors || !s.scalars || !s.vectors16 || !s.texels)
         status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a brick of %zu nodes", count);
     for (size_t k = 0; k < pack->page_count; ++k) {
         glActiveTexture(GL_TEXTURE0 + unit_of_scalar(k));
-        if (status == ISO_OK)
+        if (status == ISO_OK && !together)
             status = iso_gl_create_texture_3d(gl, small ? GL_R16 : GL_R32F, pack->size, "a brick cache", &t->scalar[k],
                                               err);
         glActiveTexture(GL_TEXTURE0 + unit_of_directions(k));
         if (status == ISO_OK && opt->shaded)
-            status = iso_gl_create_texture_3d(gl, small ? GL_RGBA16_SNORM : GL_RGB32F, pack->size,
-                                              "a brick cache of directions", &t->directions[k], err);
+            status = iso_gl_create_texture_3d(gl, directions, pack->size, "a brick cache of directions",
+                                              &t->directions[k], err);
     }
     for (size_t i = 0; status == ISO_OK && i < iso_brick_count(f->nodes); ++i)
         if (pack->layout[4 * i + 3] > 0)
-            upload_brick(f, pack, i, opt, &s);
+            upload_brick(f, pack, i, opt, together, &s);
     free_staging(&s);
     return status == ISO_OK ? iso_gl_check("filling the brick cache", err) : status;
 }
@@ -224,6 +235,9 @@ static iso_status upload(brick_job *job, iso_gl_brick_stats *stats, iso_error *e
     size_t page_side = opt->page_side && opt->page_side < largest ? opt->page_side : largest;
     iso_status status = iso_brick_pack_create(pack, n, f->levels, opt->keep_hidden ? NULL : visible, page_side,
                                               opt->max_slots, err);
+    /* As in raycaster.c: one fetch of four channels is faster there than one of the scalar and one of the direction. */
+    t->scalar_with_directions = gl->is_llvmpipe && opt->shaded && view->light_count > 0 && opt->cache_bits == 16 &&
+                                !opt->surface;
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
     if (status == ISO_OK)
         status = iso_gl_create_texture_rgba32f(gl, view->tf.count, 1, view->tf.entries, &t->tf, err);
@@ -269,6 +283,8 @@ static void set_uniforms(GLuint program, const iso_brick_field *f, const iso_bri
         snprintf(name, sizeof name, "direction_pages[%zu]", k - 1);
         iso_gl_set_int(program, name, (int)unit_of_directions(k));
     }
+    iso_gl_set_float(program, "direction_scale", 65535.0 / 32767);
+    iso_gl_set_float(program, "direction_offset", -1);
     iso_gl_set_vec3(program, "bricks_per_volume", iso_v3(1, 1, 1));
     iso_gl_set_vec3(program, "brick_in_cache",
                     iso_v3(side / (double)pack->size[0], side / (double)pack->size[1], side / (double)pack->size[2]));
@@ -287,6 +303,7 @@ static iso_status get_program(const brick_job *job, GLuint *program, iso_error *
     const iso_gl_brick_options *opt = job->opt;
     const iso_gl_variant variant = {
         .direction_source = SOURCE_VECTORS,
+        .scalar_with_directions = job->textures.scalar_with_directions,
         .output = iso_gl_output(opt->surface),
         .light_count = opt->shaded ? view->light_count : 0,
         .specular = opt->shaded && view->shading.specular > 0,

@@ -444,6 +444,8 @@ vec3 normal_at(vec3 p)
     return iso_shading_normal(flipped_at(p));
 #elif DIRECTION_SOURCE == SOURCE_PALETTE || DIRECTION_SOURCE == SOURCE_NEAREST
     return iso_shading_normal(entry_at(p).xyz);
+#elif DIRECTION_SOURCE == SOURCE_VECTORS && SCALAR_WITH_DIRECTIONS
+    return iso_shading_normal(fetch_direction(p).rgb * held.direction_scale + held.direction_offset);
 #elif DIRECTION_SOURCE == SOURCE_VECTORS
     return iso_shading_normal(fetch_direction(p).rgb);
 #else
