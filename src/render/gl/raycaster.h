@@ -7,7 +7,8 @@
  * the reference's definition (reference.h). Textures: scalar R16 where the
  * stored type has 8 or 16 bits, else R32F; directions from the 3-byte codes,
  * from floats, or on the fly. At start the texture filter is probed: where
- * 8-bit textures are filtered in 8 bits (llvmpipe), codes travel in 16 bits. */
+ * 8-bit textures are filtered in 8 bits, codes travel in 16 bits. On llvmpipe
+ * codes and a scalar of at most 16 bits are one texture, and one fetch. */
 #ifndef ISO_GL_RAYCASTER_H
 #define ISO_GL_RAYCASTER_H
 
