@@ -37,7 +37,7 @@ iso_status iso_gl_get_variant(iso_gl *gl, const iso_gl_variant *v, GLuint *progr
              "#define PAGES %zu\n#define SCREEN_TILE %d\n#define SCALAR_WITH_DIRECTIONS %d\n%s",
              source_names[v->direction_source], decoder_names[v->decoder], output_names[v->output], v->light_count,
              v->specular, v->shade_table, v->skip_empty, v->preintegrated, v->exact, v->roi, v->bricks, v->tf_2d_rows,
-             scale_names[v->extinction_scale], v->pages ? v->pages : 1, v->screen_tile,
-             v->scalar_with_directions, transition);
+             scale_names[v->extinction_scale], v->pages ? v->pages : 1, v->screen_tile, v->scalar_with_directions,
+             transition);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }
