@@ -50,10 +50,10 @@ typedef struct iso_node_levels {
     size_t count[3];       /* bricks along x, y, z */
     size_t level_count;
     iso_node_filter filter;
-    float
-        *nodes[ISO_BRICK_MAX_LEVELS]; /* owned; ISO_NODE_CHANNELS a node, x fastest; NULL where bricks have their own */
-    float **bricks;                   /* owned; NULL, or a brick's nodes of its level, NULL where none have been made */
-    struct iso_brick_maker *maker;    /* owned; of bricks */
+    /* Owned; ISO_NODE_CHANNELS a node, x fastest. NULL where bricks have their own. */
+    float *nodes[ISO_BRICK_MAX_LEVELS];
+    float **bricks;                /* owned; NULL, or a brick's nodes of its level, NULL where none have been made */
+    struct iso_brick_maker *maker; /* owned; of bricks */
 } iso_node_levels;
 
 /* ISO_E_RANGE: brick_voxels that is no power of two from 2 to 64, or more levels
