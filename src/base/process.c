@@ -216,7 +216,7 @@ static void close_both(const int fds[2])
 /* ENOENT of a file that is there: what the file names to run it, such as an interpreter, is not. */
 static iso_status failure(void)
 {
-    return errno == ENOMEM ? ISO_E_MEMORY : errno == ENOENT ? ISO_E_MISSING : ISO_E_PROGRAM;
+    return errno == ENOMEM ? ISO_E_MEMORY : errno == ENOENT ? ISO_E_MISSING : errno == EIO ? ISO_E_IO : ISO_E_PROGRAM;
 }
 
 /* talks: it can be told lines. A socket, since writing to a pipe that nobody reads would end this process. */
