@@ -42,7 +42,7 @@ static const struct stage {
     const char *name, *command;
     bool is_streamed; /* its memory is to stay, whatever the volume is */
 } stages[] = {
-    {"build", "build volume.nrrd -o volume.iso --levels 4 --memory 256", true},
+    {"build", "build volume.nrrd -o volume.iso --levels 4 --memory 512", true},
     {"histogram", "info volume.nrrd", true},
     {"render", "render volume.iso --scene scale.scene.json --memory 256 -o paged.exr", true},
     {"render-whole", "render volume.iso --scene scale.scene.json --with cpu -o whole.exr", false},
@@ -108,10 +108,16 @@ static iso_status measure_command(const scale_bench *b, const char *command, poi
     return status;
 }
 
+/* Without the pyramid of the size before, which would be taken for this one's where the build fails. */
 static iso_status make_volume(const scale_bench *b, const size_t size[3], iso_error *err)
 {
     char command[160];
     point unused;
+    char *pyramid = iso_path_join(b->folder, "volume.iso");
+    if (!pyramid)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_remove_tree(pyramid);
+    free(pyramid);
     snprintf(command, sizeof command, "%s --size %zux%zux%zu --type uint8 -o volume.nrrd", b->content->make, size[0],
              size[1], size[2]);
     return run_command(b, command, &unused, err);
@@ -152,8 +158,10 @@ static void measure_size(scale_bench *b, size_t i, const iso_cli *cli)
         iso_error why = {""};
         if (!is_asked(b, s))
             snprintf(p->why, sizeof p->why, "not asked for");
-        else if (fits_memory(b, s, i, p->why) && measure_command(b, stages[s].command, p, &why) != ISO_OK)
+        else if (fits_memory(b, s, i, p->why) && measure_command(b, stages[s].command, p, &why) != ISO_OK) {
+            *p = (point){.is_measured = false}; /* how long it took to fail is no time of the command */
             snprintf(p->why, sizeof p->why, "%.150s", why.text);
+        }
         iso_progress_report(&progress, "measure", (double)(i * STAGES + s + 1) / (double)(b->count * STAGES));
     }
 }
