@@ -314,6 +314,11 @@ def ome_zarr():
         zarr_array(zarr_group("types.zarr"), "0", stored)
         same("types.zarr", stored.astype({"float16": np.float32, "bool": np.uint8}.get(np.dtype(dtype).name, dtype)),
              np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+    os.makedirs("many.zarr")
+    with open("many.zarr/.zarray", "w", encoding="ascii") as file:
+        json.dump({"zarr_format": 2, "shape": [2, 1 << 24, 2], "chunks": [2, 2, 2], "dtype": "<u2", "compressor": None,
+                   "fill_value": 0, "order": "C", "filters": None}, file)
+    refused("many.zarr", 4, "more than 2097152 chunks")  # each of which would be looked for
 
 
 # ---- OpenVDB by its own module, and by isoshade ----

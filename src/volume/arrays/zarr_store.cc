@@ -344,6 +344,8 @@ private:
         }
         if (l.size.size() != l.chunk.size() || std::count(l.chunk.begin(), l.chunk.end(), 0))
             refused = "\"shape\" and \"chunks\" of .zarray do not fit";
+        else if (chunks_of(l) > MOST_CHUNKS)
+            refused = "more than " + std::to_string(MOST_CHUNKS) + " chunks";
         else if (bytes > 2147483647.)
             refused = "chunks of more than 2 GB";
         return refused.empty();
@@ -422,6 +424,18 @@ private:
         const int code = inflate(&z, Z_FINISH);
         size = code == Z_STREAM_END ? z.total_out : 0;
         inflateEnd(&z);
+    }
+
+    /* Each is looked for, which takes microseconds where there is none: a few bytes of .zarray may promise any number. 4096^3
+     * samples in chunks of 32^3 are so many. */
+    static constexpr size_t MOST_CHUNKS = 1 << 21;
+
+    static double chunks_of(const Layout &l)
+    {
+        double count = 1;
+        for (size_t a = 0; a < l.size.size(); ++a)
+            count *= std::ceil(static_cast<double>(l.size[a]) / static_cast<double>(l.chunk[a]));
+        return count;
     }
 
     /* A chunk's samples as they are stored; false where the chunk was never written. */
