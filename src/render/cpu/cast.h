@@ -44,7 +44,7 @@ typedef struct iso_cast_light {
 
 /* The table's entry i and how far it is to the next: value, step, value, step ... of optical depth (of a whole segment), red,
  * green and blue. */
-enum { ISO_CAST_DEPTH = 0, ISO_CAST_RED = 2, ISO_CAST_ENTRY = 8 };
+enum { ISO_CAST_DEPTH = 0, ISO_CAST_GREEN = 4, ISO_CAST_ENTRY = 8 };
 
 typedef struct iso_cast {
     /* the camera, in doubles */
@@ -60,11 +60,14 @@ typedef struct iso_cast {
     int32_t size[3], brick_stride[3]; /* from a brick to the next, in voxels; in bricks where there are slots */
     const int32_t
         *slots; /* where bricks are pages (paged.h): the first voxel of each, below 0: it has to be loaded. Else NULL */
-    const uint16_t *integers;       /* the scalar less its least value, where it has at most 16 bits ... */
-    const float *floats;            /* ... or its part of the range */
-    bool labels;                    /* not filtered */
-    const uint32_t *codes;          /* three bytes */
-    const float *vectors[3];        /* directions */
+    bool has_integers; /* scalars are kept less the least value, where they have at most 16 bits; else their part of the
+                          range is, as a float */
+    const uint16_t *integers; /* scalars alone: these ... */
+    const float *floats;      /* ... or these */
+    const uint32_t *voxels;   /* or two words a voxel, which one fetch takes: three bytes of code, and the scalar, as an
+                                 integer or as a float's bits */
+    bool labels;              /* not filtered */
+    const float *vectors[3];  /* directions */
     const uint16_t *second, *scale; /* bytes of a 2D transfer function and of the extinction's scale */
     /* the transfer function: a value's entry is value * entries_per_value + first_entry */
     const float *entries;

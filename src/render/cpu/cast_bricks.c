@@ -61,20 +61,19 @@ static void *make(const iso_cast_grid *g, size_t bytes)
     return made;
 }
 
-uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const float *scalar, double min)
+uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar)
 {
     uint16_t *out = make(grid, sizeof *out);
-    const float zero = (float)min;
     if (out)
-        FILL(out, (uint16_t)(scalar[v] - zero)); /* whole numbers below 2^17: exact */
+        FILL(out, iso_cast_integer(s, scalar[v]));
     return out;
 }
 
-float *iso_cast_brick_floats(const iso_cast_grid *grid, const float *scalar, double min, double range)
+float *iso_cast_brick_floats(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar)
 {
     float *out = make(grid, sizeof *out);
     if (out)
-        FILL(out, range > 0 ? (float)(((double)scalar[v] - min) / range) : 0);
+        FILL(out, iso_cast_part(s, scalar[v]));
     return out;
 }
 
@@ -86,14 +85,17 @@ uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes)
     return out;
 }
 
-uint32_t *iso_cast_brick_codes(const iso_cast_grid *grid, const uint8_t *codes, bool is_signed)
+typedef struct voxel_words {
+    uint32_t code, scalar;
+} voxel_words;
+
+uint32_t *iso_cast_brick_voxels(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar,
+                                const uint8_t *codes, bool is_signed)
 {
-    uint32_t *out = make(grid, sizeof *out);
-    if (out && is_signed)
-        FILL(out, iso_cast_code_word(codes + 3 * v, true));
-    else if (out)
-        FILL(out, iso_cast_code_word(codes + 3 * v, false));
-    return out;
+    voxel_words *out = make(grid, sizeof *out);
+    if (out)
+        FILL(out, ((voxel_words){iso_cast_code_word(codes + 3 * v, is_signed), iso_cast_scalar_word(s, scalar[v])}));
+    return (uint32_t *)out;
 }
 
 static float component_of(const iso_sampler *sampler, size_t voxel, int component)

@@ -4,6 +4,7 @@
 #define ISO_RENDER_CPU_CAST_BRICKS_H
 
 #include <stdint.h>
+#include <string.h>
 
 #include "pyramid/pyramid.h"
 #include "render/cpu/cast.h"
@@ -32,12 +33,38 @@ static inline uint32_t iso_cast_code_word(const uint8_t *code, bool is_signed)
     return word;
 }
 
-/* Each makes a new array of grid->voxels elements and a few bytes more, which a fetch of four bytes may reach; NULL: no
+/* How a scalar is kept (cast.h). */
+typedef struct iso_cast_scalars {
+    bool are_integers;
+    double min, range; /* of the level */
+} iso_cast_scalars;
+
+static inline uint16_t iso_cast_integer(const iso_cast_scalars *s, float scalar)
+{
+    return (uint16_t)(scalar - (float)s->min); /* whole numbers below 2^17: exact */
+}
+static inline float iso_cast_part(const iso_cast_scalars *s, float scalar)
+{
+    return s->range > 0 ? (float)(((double)scalar - s->min) / s->range) : 0;
+}
+static inline uint32_t iso_cast_scalar_word(const iso_cast_scalars *s, float scalar)
+{
+    if (s->are_integers)
+        return iso_cast_integer(s, scalar);
+    const float part = iso_cast_part(s, scalar);
+    uint32_t word;
+    memcpy(&word, &part, sizeof word);
+    return word;
+}
+
+/* Each makes a new array of grid->voxels elements and a few bytes more, which a fetch may reach; NULL: no
  * memory. */
-uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const float *scalar, double min);
-float *iso_cast_brick_floats(const iso_cast_grid *grid, const float *scalar, double min, double range);
+uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar);
+float *iso_cast_brick_floats(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar);
 uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes);
-uint32_t *iso_cast_brick_codes(const iso_cast_grid *grid, const uint8_t *codes, bool is_signed);
+/* Two words a voxel, code and scalar. */
+uint32_t *iso_cast_brick_voxels(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar,
+                                const uint8_t *codes, bool is_signed);
 float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sampler, int component);
 
 /* What of a level's blocks a table shows: `octants` and `cells` of cast.h. */

@@ -44,6 +44,19 @@ CAST vi first_voxel(const iso_cast *c, const vi cell[3], vi mask)
     return at & mask;
 }
 
+/* Asks the memory for the first voxels of cells, which need not be there. */
+CAST void fetch_cells(const iso_cast *c, const vi cell[3])
+{
+    const uintptr_t bytes = c->voxels ? 2 * sizeof *c->voxels : c->integers ? sizeof *c->integers : sizeof *c->floats;
+    const void *scalars = c->integers ? (const void *)c->integers : c->floats;
+    const uintptr_t from = (uintptr_t)(c->voxels ? c->voxels : scalars);
+    const vi at = first_voxel(c, cell, all_int(-1));
+    int32_t voxel[ISO_CAST_WIDTH];
+    memcpy(voxel, &at, sizeof voxel);
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i)
+        __builtin_prefetch((const void *)(from + bytes * (uintptr_t)(intptr_t)voxel[i]));
+}
+
 CAST place place_of(const iso_cast *c, const points *p, vi mask)
 {
     place at = {.voxel = first_voxel(c, p->cell, mask)};
@@ -93,14 +106,37 @@ CAST vf filter_floats(const float *values, const place *at)
     return lerp_in_cell(v, at->part);
 }
 
+/* Four words behind each other: of two voxels, each with its code and its scalar. */
+CAST word_quad row_of_voxels(const iso_cast *c, const place *at, int row)
+{
+    return gather_quads(c->voxels + 2 * CELL_ROW(row), at->voxel, 2);
+}
+
+CAST vf filter_voxels(const iso_cast *c, const place *at)
+{
+    vf v[8];
+    for (int i = 0; i < 4; ++i) {
+        const word_quad row = row_of_voxels(c, at, i);
+        v[2 * i] = c->has_integers ? to_float(row.word[1]) : (vf)row.word[1];
+        v[2 * i + 1] = c->has_integers ? to_float(row.word[3]) : (vf)row.word[3];
+    }
+    return lerp_in_cell(v, at->part);
+}
+
 CAST vf scalar_at(const iso_cast *c, const place *at)
 {
+    if (c->voxels)
+        return filter_voxels(c, at);
     return c->integers ? filter_integers(c->integers, at) : filter_floats(c->floats, at);
 }
 
 CAST vf label_at(const iso_cast *c, const place *at, const points *p)
 {
     const vi voxel = nearest_voxel(at->voxel, p);
+    if (c->voxels) {
+        const vi word = GATHER(c->voxels + 1, voxel, 8);
+        return c->has_integers ? to_float(word) : (vf)word;
+    }
     return c->integers ? to_float(GATHER(c->integers, voxel, 2) & 0xffff) : gather_floats(c->floats, voxel);
 }
 
@@ -126,21 +162,41 @@ CAST entry entry_at(const iso_cast *c, const points *p, const place *at)
     return e;
 }
 
-CAST vf row_component(const iso_cast *c, vi at, vf part, int component)
+/* Two components that are kept beside each other. */
+typedef struct two {
+    vf first, second;
+} two;
+
+CAST two row_components(const iso_cast *c, vi at, vf part, int component)
 {
-    const word_pair pair = gather_pairs(c->entries + component, at * ISO_CAST_ENTRY);
-    return (vf)pair.first + part * (vf)pair.second;
+    const word_quad q = gather_quads(c->entries + component, at, ISO_CAST_ENTRY);
+    return (two){(vf)q.word[0] + part * (vf)q.word[1], (vf)q.word[2] + part * (vf)q.word[3]};
 }
 
-CAST vf entry_component(const iso_cast *c, const entry *e, int component)
+CAST two entry_components(const iso_cast *c, const entry *e, int component)
 {
     if (!c->row_count)
-        return row_component(c, e->at, e->part, component);
+        return row_components(c, e->at, e->part, component);
     vi row = to_int(e->row);
     row = select_int(row > c->row_count - 2, all_int(c->row_count - 2), row);
     const vi at = e->at + row * c->entry_count;
-    return lerp(row_component(c, at, e->part, component), row_component(c, at + c->entry_count, e->part, component),
-                e->row - to_float(row));
+    const two a = row_components(c, at, e->part, component),
+              b = row_components(c, at + c->entry_count, e->part, component);
+    const vf t = e->row - to_float(row);
+    return (two){lerp(a.first, b.first, t), lerp(a.second, b.second, t)};
+}
+
+CAST vf depth_of(const iso_cast *c, const entry *e)
+{
+    return entry_components(c, e, ISO_CAST_DEPTH).first;
+}
+
+CAST void color_of(const iso_cast *c, const entry *e, vf color[3])
+{
+    const two green_blue = entry_components(c, e, ISO_CAST_GREEN);
+    color[0] = entry_components(c, e, ISO_CAST_DEPTH).second;
+    color[1] = green_blue.first;
+    color[2] = green_blue.second;
 }
 
 /* q of fit/extinction_scale.h */
@@ -185,9 +241,9 @@ CAST vec lattice_at(const iso_cast *c, const place *at, bool is_signed)
     vi word[8];
     vf component[3];
     for (int i = 0; i < 4; ++i) {
-        const word_pair pair = gather_pairs(c->codes + CELL_ROW(i), at->voxel);
-        word[2 * i] = pair.first;
-        word[2 * i + 1] = pair.second;
+        const word_quad row = row_of_voxels(c, at, i);
+        word[2 * i] = row.word[0];
+        word[2 * i + 1] = row.word[2];
     }
     for (int a = 0; a < 3; ++a) {
         vf v[8];

@@ -2,8 +2,8 @@
 /* cast_packet.h - a packet of rays through the volume: ISO_CAST_WIDTH pixels at once, included by one file a width.
  *
  * The segments are those of the reference's midpoints and of the OpenGL ray caster: [k ds, (k + 1) ds] of each ray, clipped to
- * the box, one sample in the middle. A ray does not know of the others in its packet but for when it waits: each looks for
- * its next sample that shows anything, and then all are shaded at once. */
+ * the box, one sample in the middle. Rays are neighbors, and all go a segment on at once: where one meets something that shows,
+ * most do, so that to wait for the others, each at its next sample that shows, took longer. */
 #ifndef ISO_RENDER_CPU_CAST_PACKET_H
 #define ISO_RENDER_CPU_CAST_PACKET_H
 
@@ -20,7 +20,6 @@ enum { PACKET_ROWS = ISO_CAST_WIDTH / PACKET_COLUMNS };
 
 typedef struct packet {
     vi count;               /* segments */
-    vi end;                 /* the first of them behind which there is nothing to see */
     vf front_cut, back_cut; /* what the box cuts off the first and the last one, in segments */
     points at;              /* the middle of segment k */
     points stride;          /* from one to the next */
@@ -142,7 +141,6 @@ CAST packet begin(const iso_cast *c, size_t x, size_t y)
         p.back_cut[i] = hits ? (float)(first[i] + count - end) : 0;
         p.first[i] = first[i];
     }
-    p.end = p.count;
     for (int a = 0; a < 3; ++a) {
         EACH_RAY(i)
         {
@@ -254,31 +252,29 @@ CAST void look_there(const iso_cast *c, sample *s, vf whole, vi mask)
 {
     s->place = place_of(c, &s->at, mask);
     s->entry = entry_at(c, &s->at, &s->place);
-    s->depth = (vf)((vi)(entry_component(c, &s->entry, ISO_CAST_DEPTH) * whole) & mask);
+    s->depth = (vf)((vi)(depth_of(c, &s->entry) * whole) & mask);
+}
+
+/* Asks the memory for what the rays will look at AHEAD segments on. The cells of neighboring rays overlap, so that the first
+ * voxel of each brings nearly all of it. Places are rough, and one outside the volume does no harm. */
+enum { AHEAD = 4 };
+CAST void fetch_ahead(const iso_cast *c, const packet *p)
+{
+    vi cell[3];
+    for (int a = 0; a < 3; ++a)
+        cell[a] = p->at.cell[a] + to_int(p->step[a] * (float)AHEAD);
+    fetch_cells(c, cell);
 }
 
 CAST sample look(const iso_cast *c, const packet *p, vi mask)
 {
     sample s;
+    if (!c->slots)
+        fetch_ahead(c, p);
     vf whole;
     s.at = middles(p, &whole);
     look_there(c, &s, whole, mask);
     return s;
-}
-
-CAST void keep(sample *kept, const sample *now, vi mask)
-{
-    for (int a = 0; a < 3; ++a) {
-        kept->at.cell[a] = select_int(mask, now->at.cell[a], kept->at.cell[a]);
-        kept->at.part[a] = select_bits(mask, now->at.part[a], kept->at.part[a]);
-    }
-    kept->place.voxel = select_int(mask, now->place.voxel, kept->place.voxel);
-    for (int a = 0; a < 3; ++a)
-        kept->place.part[a] = select_float(mask, now->place.part[a], kept->place.part[a]);
-    kept->entry.at = select_int(mask, now->entry.at, kept->entry.at);
-    kept->entry.part = select_float(mask, now->entry.part, kept->entry.part);
-    kept->entry.row = select_float(mask, now->entry.row, kept->entry.row);
-    kept->depth = select_float(mask, now->depth, kept->depth);
 }
 
 CAST vf shade(const iso_cast *c, const vec *to_viewer, const sample *s, vi mask)
@@ -320,8 +316,10 @@ CAST void blend(const iso_cast *c, const packet *p, sample *found, vi shows, sum
         found->depth *= extinction_scale_at(c, &found->place);
     const vf weight = s->sum[3] * opacity_of(found->depth);
     const vf light = weight * shade(c, &p->to_viewer, found, shows);
+    vf color[3];
+    color_of(c, &found->entry, color);
     for (int i = 0; i < 3; ++i)
-        add_to(s, i, light * entry_component(c, &found->entry, ISO_CAST_RED + 2 * i), shows);
+        add_to(s, i, light * color[i], shows);
     add_to(s, 3, -weight, shows);
 }
 
@@ -347,27 +345,12 @@ CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
 {
     packet p = begin(c, x, y);
     sums s = begin_sums();
-    const bool is_lit = c->normals != ISO_CAST_UNLIT;
     for (vi active = p.k < p.count; any(active); active = (p.k < p.count) & (s.sum[3] >= 1e-7f)) {
-        vi pending = active;
-        sample found = look(c, &p, pending);
-        vi shows = found.depth > 0;
-        while (is_lit) { /* without light nothing is saved by waiting for the others */
-            pending &= ~shows;
-            if (!any(pending))
-                break;
-            advance(&p, pending);
-            pending &= p.k < p.count;
-            if (!any(pending))
-                break;
-            const sample next = look(c, &p, pending);
-            const vi news = pending & (next.depth > 0);
-            keep(&found, &next, news);
-            shows |= news;
-        }
+        sample found = look(c, &p, active);
+        const vi shows = found.depth > 0;
         if (any(shows))
             blend(c, &p, &found, shows, &s);
-        advance(&p, active & (p.k < p.count));
+        advance(&p, active);
     }
     EACH_RAY(i) write_pixel(c, &s, i, x + (size_t)(i % PACKET_COLUMNS), y + (size_t)(i / PACKET_COLUMNS), rgba);
 }

@@ -291,8 +291,10 @@ CAST void shade_finds(const iso_cast *c, walk *w)
         const vec to_viewer = {PICK(v->x, lane), PICK(v->y, lane), PICK(v->z, lane)};
         put(f->opacity, i, (vi)opacity_of(s.depth));
         put(f->light, i, (vi)shade(c, &to_viewer, &s, mask));
+        vf color[3];
+        color_of(c, &s.entry, color);
         for (int a = 0; a < 3; ++a)
-            put(f->color[a], i, (vi)entry_component(c, &s.entry, ISO_CAST_RED + 2 * a));
+            put(f->color[a], i, (vi)color[a]);
     }
 }
 

@@ -235,6 +235,65 @@ CAST word_pair gather_pairs(const void *base, vi at)
 #endif
 }
 
+/* The words base[n at] to base[n at + 3]. The processor's own instructions fetch at most two at a time, and take a cycle or
+ * more for each: four at a time and turned are faster. */
+typedef struct word_quad {
+    vi word[4];
+} word_quad;
+
+#if ISO_CAST_WIDTH == 16
+#define INTERLEAVE(half, bits, a, b) ((vi)_mm512_unpack##half##_epi##bits((__m512i)(a), (__m512i)(b)))
+/* Those of every fourth lane. */
+CAST vi every_fourth(const char *base, ptrdiff_t bytes, const int32_t *at)
+{
+    __m512i four = _mm512_castsi128_si512(_mm_loadu_si128((const void *)(base + bytes * at[0])));
+    four = _mm512_inserti32x4(four, _mm_loadu_si128((const void *)(base + bytes * at[4])), 1);
+    four = _mm512_inserti32x4(four, _mm_loadu_si128((const void *)(base + bytes * at[8])), 2);
+    return (vi)_mm512_inserti32x4(four, _mm_loadu_si128((const void *)(base + bytes * at[12])), 3);
+}
+#elif ISO_CAST_WIDTH == 8
+#define INTERLEAVE(half, bits, a, b) ((vi)_mm256_unpack##half##_epi##bits((__m256i)(a), (__m256i)(b)))
+CAST vi every_fourth(const char *base, ptrdiff_t bytes, const int32_t *at)
+{
+    const __m256i first = _mm256_castsi128_si256(_mm_loadu_si128((const void *)(base + bytes * at[0])));
+    return (vi)_mm256_inserti128_si256(first, _mm_loadu_si128((const void *)(base + bytes * at[4])), 1);
+}
+#elif ISO_CAST_WIDTH == 4
+#define INTERLEAVE(half, bits, a, b) __builtin_shufflevector(a, b, INTERLEAVE_##half##_##bits)
+#define INTERLEAVE_lo_32 0, 4, 1, 5
+#define INTERLEAVE_hi_32 2, 6, 3, 7
+#define INTERLEAVE_lo_64 0, 1, 4, 5
+#define INTERLEAVE_hi_64 2, 3, 6, 7
+CAST vi every_fourth(const char *base, ptrdiff_t bytes, const int32_t *at)
+{
+    vi one;
+    memcpy(&one, base + bytes * at[0], sizeof one);
+    return one;
+}
+#endif
+
+CAST word_quad gather_quads(const void *base, vi at, int n)
+{
+    word_quad quad;
+#if ISO_CAST_WIDTH >= 4
+    int32_t index[ISO_CAST_WIDTH];
+    vi lanes[4];
+    memcpy(index, &at, sizeof index);
+    for (int i = 0; i < 4; ++i)
+        lanes[i] = every_fourth(base, 4 * (ptrdiff_t)n, index + i);
+    const vi low[2] = {INTERLEAVE(lo, 32, lanes[0], lanes[1]), INTERLEAVE(lo, 32, lanes[2], lanes[3])};
+    const vi high[2] = {INTERLEAVE(hi, 32, lanes[0], lanes[1]), INTERLEAVE(hi, 32, lanes[2], lanes[3])};
+    quad.word[0] = INTERLEAVE(lo, 64, low[0], low[1]);
+    quad.word[1] = INTERLEAVE(hi, 64, low[0], low[1]);
+    quad.word[2] = INTERLEAVE(lo, 64, high[0], high[1]);
+    quad.word[3] = INTERLEAVE(hi, 64, high[0], high[1]);
+#else
+    for (int i = 0; i < 4; ++i)
+        quad.word[i] = GATHER((const char *)base + 4 * i, at, 4 * n);
+#endif
+    return quad;
+}
+
 CAST vf gather_floats(const float *base, vi at)
 {
     return (vf)GATHER(base, at, 4);

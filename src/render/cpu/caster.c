@@ -148,28 +148,48 @@ static bool is_small_integer(iso_type type)
     return type == ISO_U8 || type == ISO_I8 || type == ISO_U16 || type == ISO_I16;
 }
 
-bool iso_cast_takes_integers(const iso_level *level)
+static bool takes_integers(const iso_level *level)
 {
     return is_small_integer(level->stored_type) && level->max - level->min <= 65535 &&
            level->min == floor(level->min) && !level->made_for_scene;
 }
 
-/* Integers of at most 16 bits as they are; all else in parts of the range. *unit: what one of them is. */
-static iso_status set_scalar(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, double *unit,
-                             iso_error *err)
+iso_cast_scalars iso_cast_scalars_of(const iso_level *level)
 {
-    const double range = level->max - level->min;
-    const bool integers = iso_cast_takes_integers(level);
-    s->cast.labels = level->labels;
-    *unit = integers ? 1 : range;
-    if (integers) {
-        uint16_t *made = iso_cast_brick_integers(grid, level->scalar, level->min);
+    return (iso_cast_scalars){takes_integers(level), level->min, level->max - level->min};
+}
+
+double iso_cast_unit(const iso_cast_scalars *scalars)
+{
+    return scalars->are_integers ? 1 : scalars->range;
+}
+
+/* Where there are no codes beside it. */
+static iso_status set_scalar(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, iso_error *err)
+{
+    const iso_cast_scalars scalars = iso_cast_scalars_of(level);
+    if (scalars.are_integers) {
+        uint16_t *made = iso_cast_brick_integers(grid, &scalars, level->scalar);
         s->cast.integers = made;
         return own(s, made, grid->voxels * sizeof *made, err);
     }
-    float *made = iso_cast_brick_floats(grid, level->scalar, level->min, range);
+    float *made = iso_cast_brick_floats(grid, &scalars, level->scalar);
     s->cast.floats = made;
     return own(s, made, grid->voxels * sizeof *made, err);
+}
+
+static iso_status set_codes(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, iso_code code,
+                            iso_error *err)
+{
+    const iso_code_info *info = iso_code_describe(code);
+    const iso_cast_scalars scalars = iso_cast_scalars_of(level);
+    iso_cast *c = &s->cast;
+    c->normals = ISO_CAST_LATTICE;
+    c->is_signed = info->is_signed;
+    c->decoder = info->decoder;
+    uint32_t *made = iso_cast_brick_voxels(grid, &scalars, level->scalar, level->codes, info->is_signed);
+    c->voxels = made;
+    return own(s, made, 2 * grid->voxels * sizeof *made, err);
 }
 
 static iso_status set_vectors(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_sampler *sampler, iso_error *err)
@@ -186,19 +206,10 @@ static iso_status set_vectors(iso_cpu_scene *s, const iso_cast_grid *grid, const
 static iso_status set_directions(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, iso_code code,
                                  iso_direction_source source, iso_error *err)
 {
-    const iso_code_info *info = iso_code_describe(code);
     iso_cast *c = &s->cast;
     if (source == ISO_FROM_ON_THE_FLY) {
         c->normals = ISO_CAST_ON_THE_FLY;
         return ISO_OK;
-    }
-    if (source == ISO_FROM_CODES) {
-        c->normals = ISO_CAST_LATTICE;
-        c->is_signed = info->is_signed;
-        c->decoder = info->decoder;
-        uint32_t *made = iso_cast_brick_codes(grid, level->codes, info->is_signed);
-        c->codes = made;
-        return own(s, made, grid->voxels * sizeof *made, err);
     }
     c->normals = source == ISO_FROM_FLIPPED           ? ISO_CAST_FLIPPED
                  : source == ISO_FROM_PALETTE_NEAREST ? ISO_CAST_NEAREST
@@ -350,7 +361,9 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
     iso_status status = check(view, &grid, step_voxels, err);
     if (status != ISO_OK)
         return status;
-    double unit = 1;
+    const iso_cast_scalars scalars = iso_cast_scalars_of(level);
+    const double unit = iso_cast_unit(&scalars);
+    const bool is_lit = iso_view_is_lit(view), has_codes = is_lit && opt->source == ISO_FROM_CODES;
     int32_t stride = ISO_CAST_VOXELS;
     for (int a = 0; a < 3; ++a) {
         s->cast.size[a] = (int32_t)g->size[a];
@@ -359,9 +372,11 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
     }
     iso_cast_set_camera(&s->cast, g, view, step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g)));
     iso_cast_set_light(&s->cast, view);
-    status = set_scalar(s, &grid, level, &unit, err);
+    s->cast.labels = level->labels;
+    s->cast.has_integers = scalars.are_integers;
     set_gradient(&s->cast, level, unit);
-    if (status == ISO_OK && iso_view_is_lit(view))
+    status = has_codes ? set_codes(s, &grid, level, code, err) : set_scalar(s, &grid, level, err);
+    if (status == ISO_OK && is_lit && !has_codes)
         status = set_directions(s, &grid, level, code, opt->source, err);
     if (status == ISO_OK && view->tf_2d)
         status = set_bytes(s, &grid, view->tf_2d->bytes, &s->cast.second, err);

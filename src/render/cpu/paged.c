@@ -18,6 +18,7 @@ typedef struct paged {
     iso_cast_paged_tile *tile;
     const iso_level *level;
     const iso_level_pages *pages;
+    iso_cast_scalars scalars;
     bool is_lit;
     int threads;
     size_t brick_count[3], bricks, block_count[3], blocks, tiles[2];
@@ -28,9 +29,9 @@ typedef struct paged {
     iso_cast_rays *rays; /* a tile each */
     /* the pool */
     size_t pool, next;  /* pages, and the one that is replaced next: the oldest */
+    uint32_t *voxels;   /* or, without light: */
     uint16_t *integers; /* or */
     float *floats;
-    uint32_t *codes;
     int32_t *holds; /* the brick of each page, or -1 */
     int32_t *list;  /* the pages to be loaded */
     iso_paged_stats *stats;
@@ -38,9 +39,10 @@ typedef struct paged {
 
 static size_t page_bytes(const paged *p)
 {
-    return ISO_CAST_VOXELS * ((iso_cast_takes_integers(p->level) ? sizeof *p->integers : sizeof *p->floats) +
-                              (p->is_lit ? sizeof *p->codes : 0)) +
-           sizeof *p->holds + sizeof *p->list;
+    const size_t voxel = p->is_lit                 ? 2 * sizeof *p->voxels
+                         : p->scalars.are_integers ? sizeof *p->integers
+                                                   : sizeof *p->floats;
+    return ISO_CAST_VOXELS * voxel + sizeof *p->holds + sizeof *p->list;
 }
 
 static double fixed_bytes(const paged *p, const iso_view *view)
@@ -100,14 +102,14 @@ static iso_status allocate(paged *p, const iso_view *view, double memory_bytes, 
     p->rays = calloc(tiles, sizeof *p->rays);
     p->holds = malloc(p->pool * sizeof *p->holds);
     p->list = malloc(p->pool * sizeof *p->list);
-    if (iso_cast_takes_integers(p->level))
+    if (p->is_lit)
+        p->cast.voxels = p->voxels = malloc((voxels + 4) * 2 * sizeof *p->voxels);
+    else if (p->scalars.are_integers)
         p->cast.integers = p->integers = malloc((voxels + 4) * sizeof *p->integers);
     else
         p->cast.floats = p->floats = malloc((voxels + 4) * sizeof *p->floats);
-    if (p->is_lit)
-        p->cast.codes = p->codes = malloc((voxels + 4) * sizeof *p->codes);
-    if (!p->distance || !p->asked || !p->slots || !p->rays || !p->holds || !p->list || !(p->integers || p->floats) ||
-        (p->is_lit && !p->codes))
+    if (!p->distance || !p->asked || !p->slots || !p->rays || !p->holds || !p->list ||
+        !(p->voxels || p->integers || p->floats))
         return iso_fail(err, ISO_E_MEMORY, "paged: no memory for %zu pages", p->pool);
     memset(p->distance + p->blocks, 0, 4);
     for (size_t i = 0; i < p->pool; ++i)
@@ -130,9 +132,9 @@ static void release(paged *p)
     free(p->asked);
     free(p->slots);
     free(p->rays);
+    free(p->voxels);
     free(p->integers);
     free(p->floats);
-    free(p->codes);
     free(p->holds);
     free(p->list);
 }
@@ -141,16 +143,16 @@ static iso_status set_scene(paged *p, iso_code code, const iso_view *view, doubl
 {
     const iso_geometry *g = &p->level->geometry;
     const iso_code_info *info = iso_code_describe(code);
-    const double unit = iso_cast_takes_integers(p->level) ? 1 : p->level->max - p->level->min;
     size_t bytes;
     iso_cast *c = &p->cast;
     iso_cast_set_camera(c, g, view, step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g)));
     iso_cast_set_light(c, view);
     c->labels = p->level->labels;
+    c->has_integers = p->scalars.are_integers;
     c->normals = p->is_lit ? ISO_CAST_LATTICE : ISO_CAST_UNLIT;
     c->is_signed = info->is_signed;
     c->decoder = info->decoder;
-    p->entries = iso_cast_set_tf(c, view, p->level->min, unit, &bytes);
+    p->entries = iso_cast_set_tf(c, view, p->level->min, iso_cast_unit(&p->scalars), &bytes);
     return p->entries ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "paged: no memory for the transfer function");
 }
 
@@ -271,19 +273,19 @@ static size_t in_box(const paged *p, const brick_box *box, const size_t i[3])
 
 static void fill_page(paged *p, const brick_box *box, const float *scalars, const uint8_t *codes, size_t page)
 {
-    const double min = p->level->min, range = p->level->max - min;
-    const float zero = (float)min;
     size_t out = page * ISO_CAST_VOXELS, i[3];
     for (i[2] = 0; i[2] < ISO_CAST_ROW; ++i[2])
         for (i[1] = 0; i[1] < ISO_CAST_ROW; ++i[1])
             for (i[0] = 0; i[0] < ISO_CAST_ROW; ++i[0], ++out) {
                 const size_t v = in_box(p, box, i);
-                if (p->integers)
-                    p->integers[out] = (uint16_t)(scalars[v] - zero);
-                else
-                    p->floats[out] = range > 0 ? (float)(((double)scalars[v] - min) / range) : 0;
-                if (p->codes)
-                    p->codes[out] = iso_cast_code_word(codes + 3 * v, p->cast.is_signed);
+                if (p->voxels) {
+                    p->voxels[2 * out] = iso_cast_code_word(codes + 3 * v, p->cast.is_signed);
+                    p->voxels[2 * out + 1] = iso_cast_scalar_word(&p->scalars, scalars[v]);
+                } else if (p->integers) {
+                    p->integers[out] = iso_cast_integer(&p->scalars, scalars[v]);
+                } else {
+                    p->floats[out] = iso_cast_part(&p->scalars, scalars[v]);
+                }
             }
 }
 
@@ -293,7 +295,7 @@ static iso_status load_page(paged *p, size_t page, iso_error *err)
     uint8_t codes[3 * ISO_CAST_VOXELS];
     const brick_box box = box_of(p, (size_t)p->holds[page]);
     iso_status status = iso_level_pages_scalars(p->pages, box.first, box.count, scalars, err);
-    if (status == ISO_OK && p->codes)
+    if (status == ISO_OK && p->voxels)
         status = iso_level_pages_codes(p->pages, box.first, box.count, codes, err);
     if (status == ISO_OK)
         fill_page(p, &box, scalars, codes, page);
@@ -378,6 +380,7 @@ iso_status iso_cpu_render_paged(const iso_level *level, iso_code code, const iso
                  step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
     paged p = {.level = level,
                .pages = pages,
+               .scalars = iso_cast_scalars_of(level),
                .is_lit = iso_view_is_lit(view),
                .threads = iso_threads(opt->threads),
                .stats = stats,
