@@ -252,6 +252,58 @@ static void lattice_without_its_halo_or_a_node_is_seen_to_differ(void **state)
     destroy_scene(&s);
 }
 
+/* The largest difference of a halo's scalars from the field, of its range. */
+static double largest_halo_error(const scene *s, const iso_lattice *l, size_t *count)
+{
+    double worst = 0;
+    for (size_t i = 0; i < l->size[0] * l->size[1] * l->size[2]; ++i) {
+        const size_t at[3] = {i % l->size[0], i / l->size[0] % l->size[1], i / (l->size[0] * l->size[1])};
+        double q[3], value[ISO_NODE_CHANNELS];
+        if (iso_lattice_use_of(l, at[0], at[1], at[2]) != ISO_LATTICE_HALO)
+            continue;
+        bool inside = true;
+        for (int a = 0; a < 3; ++a) {
+            q[a] = ldexp((double)(l->first[a] + (long)at[a]), (int)l->level);
+            inside = inside && q[a] >= 0 && q[a] <= (double)(s->nodes.geometry.size[a] - 1);
+        }
+        if (!inside) /* the edge that is repeated */
+            continue;
+        iso_brick_sample(&s->field, iso_v3(q[0] + 0.5, q[1] + 0.5, q[2] + 0.5), value);
+        worst = fmax(worst, fabs(value[0] - (double)*iso_lattice_node(l, at[0], at[1], at[2])));
+        ++*count;
+    }
+    return worst / (s->nodes.max - s->nodes.min);
+}
+
+/* In bricks that are coarser than the lattice, of its level, and finer. The planted fault: the halo as background. */
+static void a_halo_holds_the_scalars_of_the_field(void **state)
+{
+    (void)state;
+    size_t count = 0;
+    for (unsigned seed = 1; seed <= 5; ++seed)
+        for (size_t level = 0; level <= LEVELS; ++level) {
+            scene s;
+            iso_lattice l;
+            make_scene(&s, ISO_FIELD_NOISE, seed);
+            iso_lattice_options o = options_of(&s, level == LEVELS, level);
+            for (size_t i = 0; i < iso_brick_count(&s.nodes) && level == LEVELS; ++i) /* bricks that are finer are hidden */
+                s.drawn[i] = s.drawn[i] && s.levels[i] > 0;
+            if (iso_lattice_create(&l, &s.field, &o, NULL) == ISO_OK) {
+                size_t of_this = 0;
+                assert_at_most(largest_halo_error(&s, &l, &of_this), 1.0 / 65536); /* rounded where it is sampled */
+                for (size_t i = 0; i < l.block_count[0] * l.block_count[1] * l.block_count[2]; ++i)
+                    for (size_t k = 0; l.blocks[i] && k < ISO_LATTICE_CUBE; ++k)
+                        if (l.blocks[i]->use[k] == ISO_LATTICE_HALO)
+                            l.blocks[i]->nodes[k][0] = l.empty[0];
+                if (of_this > 20)
+                    assert_more_than(largest_halo_error(&s, &l, &count), 0.01);
+                iso_lattice_destroy(&l);
+            }
+            destroy_scene(&s);
+        }
+    assert_true(count > 100);
+}
+
 static void nodes_of_a_lattice_stand_where_the_volume_has_them(void **state)
 {
     (void)state;
@@ -349,6 +401,7 @@ int main(void)
         cmocka_unit_test(merged_lattice_shows_what_the_bricks_show),
         cmocka_unit_test(lattice_of_a_level_has_its_bricks_to_the_last_bit_of_a_float),
         cmocka_unit_test(lattice_without_its_halo_or_a_node_is_seen_to_differ),
+        cmocka_unit_test(a_halo_holds_the_scalars_of_the_field),
         cmocka_unit_test(nodes_of_a_lattice_stand_where_the_volume_has_them),
         cmocka_unit_test(what_has_no_lattice_is_refused),
         cmocka_unit_test(an_update_leaves_what_baking_from_nothing_leaves),

@@ -232,8 +232,8 @@ static void half_floats_of_a_lattice_lose_nothing(void **state)
     iso_planned_destroy(&p);
 }
 
-/* Of the scalars of a scene's DF3 file, in steps of their coding; bits: of the file. */
-static double largest_df3_error(const fixture *f, const iso_planned_crop *crop, size_t *bits)
+/* A scene of a crop; to be freed: the bytes of its file of that suffix, whose samples have `bits`. */
+static uint8_t *write_df3(const fixture *f, const iso_planned_crop *crop, const char *suffix, size_t *bits)
 {
     const size_t *n = crop->level.geometry.size;
     const iso_pyramid p = {.options = {.code = ISO_CODE_FIT},
@@ -241,24 +241,54 @@ static double largest_df3_error(const fixture *f, const iso_planned_crop *crop, 
                            .level_count = 1,
                            .levels = (iso_level *)&crop->level};
     iso_povray_options o = iso_povray_defaults();
-    char *dir = iso_path_join(f->dir, "pov"), *path = iso_path_join(dir, "pov_scalar.df3"), *data;
+    char *dir = iso_path_join(f->dir, "pov"), name[32], *data;
+    snprintf(name, sizeof name, "pov_%s.df3", suffix);
+    char *path = iso_path_join(dir, name);
     size_t size;
     o.box = (const double(*)[3])crop->box;
     o.quantum = crop->quantum;
+    o.lattice = &crop->lattice;
     assert_ok(iso_povray_export(&p, 0, &f->view, dir, &o, NULL, &err));
     assert_ok(iso_file_read(path, &data, &size, &err));
-    const size_t width = n[0] + 2, height = n[1] + 2, bytes = (size - 6) / (width * height * (n[2] + 2));
-    *bits = 8 * bytes;
-    double worst = 0;
-    for (size_t i = 0; i < n[0] * n[1] * n[2] && bytes == 2; ++i) {
-        const size_t x = i % n[0] + 1, y = i / n[0] % n[1] + 1, z = i / (n[0] * n[1]) + 1;
-        const uint8_t *at = (const uint8_t *)data + 6 + 2 * (x + width * (y + height * z));
-        const double lo = floor(crop->level.min / crop->quantum) * crop->quantum;
-        worst = fmax(worst, fabs(lo + crop->quantum * (256 * at[0] + at[1]) - (double)crop->level.scalar[i]));
-    }
-    free(data);
+    *bits = 8 * (size - 6) / ((n[0] + 2) * (n[1] + 2) * (n[2] + 2));
     free(path);
     free(dir);
+    return (uint8_t *)data;
+}
+
+/* Of a DF3 file the sample of voxel i, whose rim is one voxel. */
+static const uint8_t *sample_at(const uint8_t *data, const size_t n[3], size_t i, size_t bytes)
+{
+    const size_t x = i % n[0] + 1, y = i / n[0] % n[1] + 1, z = i / (n[0] * n[1]) + 1;
+    return data + 6 + bytes * (x + (n[0] + 2) * (y + (n[1] + 2) * z));
+}
+
+static const float *node_at(const iso_lattice *l, size_t i)
+{
+    return iso_lattice_node(l, i % l->size[0], i / l->size[0] % l->size[1], i / (l->size[0] * l->size[1]));
+}
+
+static size_t lit_node(const iso_lattice *l)
+{
+    size_t i = 0;
+    while (iso_lattice_use_of(l, i % l->size[0], i / l->size[0] % l->size[1], i / (l->size[0] * l->size[1])) !=
+           ISO_LATTICE_LIT)
+        ++i;
+    return i;
+}
+
+/* Of the scalars of a scene's DF3 file, in steps of their coding; bits: of the file. */
+static double largest_df3_error(const fixture *f, const iso_planned_crop *crop, size_t *bits)
+{
+    const size_t *n = crop->level.geometry.size;
+    const double lo = floor(crop->level.min / crop->quantum) * crop->quantum;
+    uint8_t *data = write_df3(f, crop, "scalar", bits);
+    double worst = 0;
+    for (size_t i = 0; i < n[0] * n[1] * n[2] && *bits == 16; ++i) {
+        const uint8_t *at = sample_at(data, n, i, 2);
+        worst = fmax(worst, fabs(lo + crop->quantum * (256 * at[0] + at[1]) - (double)node_at(&crop->lattice, i)[0]));
+    }
+    free(data);
     return worst / crop->quantum;
 }
 
@@ -270,15 +300,55 @@ static void sixteen_bits_of_a_crop_lose_nothing(void **state)
     iso_planned_crop crop;
     size_t bits;
     open_plan(f, true, 1, &p);
-    assert_ok(iso_planned_crop_create(&p, &f->level0, ISO_CODE_FIT, 1, &crop, &err));
+    assert_ok(iso_planned_crop_create(&p, &f->level0, 1, &crop, &err));
     assert_more_than(crop.quantum, 0);
     assert_at_most(largest_df3_error(f, &crop, &bits), 0);
     assert_int_equal(bits, 16);
-    crop.level.scalar[3] += (float)(0.25 * crop.quantum);
+    ((float *)node_at(&crop.lattice, lit_node(&crop.lattice)))[0] += (float)(0.25 * crop.quantum);
     assert_more_than(largest_df3_error(f, &crop, &bits), 0.2);
     crop.quantum /= 4;
     largest_df3_error(f, &crop, &bits);
     assert_int_equal(bits, 32);
+    iso_planned_crop_destroy(&crop);
+    iso_planned_destroy(&p);
+}
+
+/* Voxels whose component in a scene's DF3 file is not the one that the lattice's direction is coded as. */
+static size_t wrong_directions(const fixture *f, const iso_planned_crop *crop, size_t axis)
+{
+    static const char *const suffixes[3] = {"dx", "dy", "dz"};
+    const size_t *n = crop->level.geometry.size;
+    size_t wrong = 0, bits;
+    uint8_t *data = write_df3(f, crop, suffixes[axis], &bits);
+    assert_int_equal(bits, 8);
+    for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i) {
+        uint8_t code[3];
+        iso_code_encode(ISO_CODE_FIT, node_at(&crop->lattice, i) + 1, code, 1);
+        wrong += *sample_at(data, n, i, 1) != (uint8_t)(128 + (int8_t)code[axis]);
+    }
+    free(data);
+    return wrong;
+}
+
+/* The planted fault: a node that is not lit has a direction, which no file may have. */
+static void directions_of_a_crop_are_those_of_its_lit_nodes(void **state)
+{
+    fixture *f = *state;
+    iso_planned p;
+    iso_planned_crop crop;
+    open_plan(f, true, 1, &p);
+    assert_ok(iso_planned_crop_create(&p, &f->level0, 1, &crop, &err));
+    for (size_t axis = 0; axis < 3; ++axis)
+        assert_int_equal(wrong_directions(f, &crop, axis), 0);
+    iso_lattice *l = &crop.lattice;
+    const size_t lit = lit_node(l);
+    size_t in;
+    (*iso_lattice_block_of(l, lit % l->size[0], lit / l->size[0] % l->size[1], lit / (l->size[0] * l->size[1]), &in))
+        ->use[in] = ISO_LATTICE_HALO;
+    size_t wrong = 0;
+    for (size_t axis = 0; axis < 3; ++axis)
+        wrong += wrong_directions(f, &crop, axis);
+    assert_true(wrong > 0 && wrong <= 3);
     iso_planned_crop_destroy(&crop);
     iso_planned_destroy(&p);
 }
@@ -290,6 +360,7 @@ int main(void)
                                         teardown),
         cmocka_unit_test_setup_teardown(half_floats_of_a_lattice_lose_nothing, setup, teardown),
         cmocka_unit_test_setup_teardown(sixteen_bits_of_a_crop_lose_nothing, setup, teardown),
+        cmocka_unit_test_setup_teardown(directions_of_a_crop_are_those_of_its_lit_nodes, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -84,12 +84,23 @@ static size_t source_index(const plane_writer *w, size_t at, int axis)
     return w->rim ? clamped(at, w->source->size[axis]) : at;
 }
 
+/* The first of a row's samples, for all of them: each copy takes what those before it have made. */
+static void repeat_first(uint8_t *row, size_t bytes, size_t count)
+{
+    for (size_t done = 1, more; done < count; done += more) {
+        more = done < count - done ? done : count - done;
+        memcpy(row + done * bytes, row, more * bytes);
+    }
+}
+
 /* Row y of the file's plane z, with its rim of edge values. */
 static void encode_row(const plane_writer *w, const plane_room *room, size_t y, size_t z)
 {
     const iso_df3_source *s = w->source;
-    const size_t n = s->size[0], bytes = w->coding->bits / 8, rim = w->rim;
-    s->read(s->user, n * (source_index(w, y, 1) + s->size[1] * source_index(w, z, 2)), n, room->values);
+    const size_t size = s->size[0], bytes = w->coding->bits / 8, rim = w->rim;
+    const size_t first = size * (source_index(w, y, 1) + s->size[1] * source_index(w, z, 2));
+    const size_t n = s->alike && s->alike(s->user, first, size) ? 1 : size;
+    s->read(s->user, first, n, room->values);
     encode_values(room->values, n * s->channels, w->coding, room->samples);
     for (size_t c = 0; c < s->channels; ++c) {
         uint8_t *row = room->planes + (c * w->size[1] + y) * w->row_bytes;
@@ -100,9 +111,11 @@ static void encode_row(const plane_writer *w, const plane_room *room, size_t y, 
                 of_channel[x] = room->samples[x * s->channels + c];
         }
         put_samples(of_channel, n, w->coding->bits, row + rim * bytes);
+        if (n < size)
+            repeat_first(row + rim * bytes, bytes, size);
         if (rim) {
             memcpy(row, row + bytes, bytes);
-            memcpy(row + (n + 1) * bytes, row + n * bytes, bytes);
+            memcpy(row + (size + 1) * bytes, row + size * bytes, bytes);
         }
     }
 }

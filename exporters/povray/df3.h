@@ -30,6 +30,8 @@ typedef struct iso_df3_source {
     size_t size[3], channels;
     /* `channels` floats of each of `count` voxels from number `first` on; never beyond a row. */
     void (*read)(const void *user, size_t first, size_t count, float *out);
+    /* Are these all like the first? Then that one alone is read. NULL: not known. */
+    bool (*alike)(const void *user, size_t first, size_t count);
     const void *user;
     /* Called before planes from `first` to `end`, which is not included, are read, and by nobody else meanwhile: planes are
      * asked for in their order, `planes` at once or fewer. NULL: all can be read at any time. */

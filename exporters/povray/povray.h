@@ -31,6 +31,7 @@
 
 #include "base/process.h"
 #include "base/progress.h"
+#include "brick/lattice.h"
 #include "image/image.h"
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
@@ -60,6 +61,7 @@ typedef struct iso_povray_options {
     double iso;             /* the value of the isosurface */
     const double (*box)[3]; /* low and high corner of what is shown, in voxels; NULL: 0 to box_index */
     const iso_volume *volume; /* level 0's scalars where the pyramid has none (pyramid/narrow.h); or NULL */
+    const iso_lattice *lattice; /* what the level's samples are where it has none: it is the lattice's box; or NULL */
     int threads;
     iso_povray_stats *stats; /* filled by renders; or NULL */
 } iso_povray_options;

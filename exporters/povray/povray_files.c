@@ -11,6 +11,7 @@
 #include "base/provenance.h"
 #include "base/words.h"
 #include "povray/df3.h"
+#include "povray/lattice_samples.h"
 #include "pyramid/narrow.h"
 #include "povray/scene_parts.h"
 #include "scene/roi.h"
@@ -108,7 +109,8 @@ typedef struct layer_reader {
     const iso_level *level;
     const iso_volume *volume; /* its scalars where it has none */
     const uint8_t *bytes;
-    iso_narrow_codes *made; /* its codes, planes after planes, where it has none */
+    iso_narrow_codes *made;      /* its codes, planes after planes, where it has none */
+    iso_lattice_samples lattice; /* the level's samples */
 } layer_reader;
 
 static void read_scalars(const void *user, size_t first, size_t count, float *out)
@@ -151,6 +153,27 @@ static void read_bytes(const void *user, size_t first, size_t count, float *out)
         out[i] = r->bytes[first + i];
 }
 
+/* What is written instead of the level's voxels; NULL: these. A region of interest has its own. */
+static const iso_lattice *lattice_of(const iso_povray_scene *s)
+{
+    return s->voxels->scalar ? NULL : s->options->lattice;
+}
+
+static void read_lattice_scalars(const void *user, size_t first, size_t count, float *out)
+{
+    iso_lattice_samples_scalars(&((const layer_reader *)user)->lattice, first, count, out);
+}
+
+static void read_lattice_directions(const void *user, size_t first, size_t count, float *out)
+{
+    iso_lattice_samples_directions(&((const layer_reader *)user)->lattice, first, count, out);
+}
+
+static bool lattice_is_alike(const void *user, size_t first, size_t count)
+{
+    return iso_lattice_samples_alike(&((const layer_reader *)user)->lattice, first, count);
+}
+
 /* One file a suffix. */
 static iso_status write_samples(const iso_povray_scene *s, const layer_reader *r,
                                 void (*read)(const void *, size_t, size_t, float *), const char *const *suffixes,
@@ -161,6 +184,7 @@ static iso_status write_samples(const iso_povray_scene *s, const layer_reader *r
     const iso_df3_source source = {.size = {n[0], n[1], n[2]},
                                    .channels = count,
                                    .read = read,
+                                   .alike = r->lattice.lattice ? lattice_is_alike : NULL,
                                    .user = r,
                                    .prepare = r->made ? make_codes : NULL,
                                    .prepare_user = r->made,
@@ -181,16 +205,20 @@ static iso_status write_directions(const iso_pyramid *p, const iso_povray_scene 
                                    const iso_progress *progress, iso_error *err)
 {
     static const char *const suffixes[3] = {"_dx.df3", "_dy.df3", "_dz.df3"};
-    const bool floats = s->options->float_directions, makes = !floats && !s->voxels->codes;
+    const iso_lattice *lattice = lattice_of(s);
+    const bool floats = s->options->float_directions, makes = !floats && !lattice && !s->voxels->codes;
     iso_narrow_codes made = {0};
-    const layer_reader r = {.code = p->options.code, .level = s->voxels, .made = makes ? &made : NULL};
+    layer_reader r = {.code = p->options.code, .level = s->voxels, .made = makes ? &made : NULL};
+    if (lattice)
+        r.lattice = iso_lattice_samples_of(lattice, r.code);
     iso_progress_report(progress, "povray: writing DF3", 0.25);
     iso_status status = makes ? iso_narrow_codes_begin(&made, p, s->options->volume, err) : ISO_OK;
     if (status == ISO_OK)
         status = write_samples(s, &r,
-                               floats  ? read_directions
-                               : makes ? read_made_codes
-                                       : read_codes,
+                               lattice  ? read_lattice_directions
+                               : floats ? read_directions
+                               : makes  ? read_made_codes
+                                        : read_codes,
                                suffixes, 3, &s->direction, dir, err);
     iso_narrow_codes_destroy(&made);
     return status;
@@ -322,8 +350,12 @@ static iso_status write_layer(const iso_pyramid *p, const iso_povray_scene *s, c
                               const iso_progress *progress, iso_error *err)
 {
     static const char *const suffix = "_scalar.df3";
-    iso_status status = write_samples(s, &(layer_reader){.level = s->voxels, .volume = s->options->volume},
-                                      read_scalars, &suffix, 1, &s->scalar, dir, err);
+    const iso_lattice *lattice = lattice_of(s);
+    layer_reader r = {.level = s->voxels, .volume = s->options->volume};
+    if (lattice)
+        r.lattice = iso_lattice_samples_of(lattice, p->options.code);
+    iso_status status = write_samples(s, &r, lattice ? read_lattice_scalars : read_scalars, &suffix, 1, &s->scalar, dir,
+                                      err);
     if (status == ISO_OK)
         status = write_directions(p, s, dir, progress, err);
     if (status == ISO_OK && !s->options->isosurface)

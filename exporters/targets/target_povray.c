@@ -12,8 +12,7 @@
 static iso_status write_planned(const iso_export_job *job, iso_povray_options *o, iso_error *err)
 {
     iso_planned_crop crop;
-    iso_status status = iso_planned_crop_create(job->planned, &job->pyramid->levels[0], job->pyramid->options.code,
-                                                job->threads, &crop, err);
+    iso_status status = iso_planned_crop_create(job->planned, &job->pyramid->levels[0], job->threads, &crop, err);
     if (status != ISO_OK)
         return status;
     const iso_pyramid cropped = {.options = job->pyramid->options,
@@ -22,6 +21,7 @@ static iso_status write_planned(const iso_export_job *job, iso_povray_options *o
                                  .levels = &crop.level};
     o->box = (const double(*)[3])crop.box;
     o->quantum = crop.quantum;
+    o->lattice = &crop.lattice;
     status = iso_povray_export(&cropped, 0, job->view, job->output, o, job->progress, err);
     iso_planned_crop_destroy(&crop);
     return status;

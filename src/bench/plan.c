@@ -77,10 +77,10 @@ static iso_status measure_df3s(bench_state *s, iso_error *err)
     o.planes = 0;
     iso_status status = iso_povray_export(s->pyramid, 0, s->views, full, &o, NULL, err);
     if (status == ISO_OK)
-        status = iso_planned_crop_create(&s->planned, &s->pyramid->levels[0], s->pyramid->options.code,
-                                         s->bench->cli->threads, &crop, err);
+        status = iso_planned_crop_create(&s->planned, &s->pyramid->levels[0], s->bench->cli->threads, &crop, err);
     const iso_pyramid cropped = {.options = s->pyramid->options, .level_count = 1, .levels = &crop.level};
     o.box = (const double(*)[3])crop.box;
+    o.lattice = &crop.lattice;
     if (status == ISO_OK)
         status = iso_povray_export(&cropped, 0, s->views, planned, &o, NULL, err);
     s->entries[FULL].df3_bytes = iso_povray_df3_bytes(full);

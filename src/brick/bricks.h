@@ -165,6 +165,9 @@ static inline size_t iso_brick_part(size_t side, size_t x, size_t y, size_t z)
            9 * ((size_t)(z > 0) + (z + 1 == side));
 }
 
+/* The coarsest brick whose closed box holds node p of level 0. False: none is coarser than `level`. */
+bool iso_brick_coarsest_at(const iso_brick_field *f, const size_t p[3], size_t level, size_t brick[3]);
+
 /* The function of one brick at node coordinates q in its closed box: on a face this
  * is the limit from that brick's side. */
 void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const double q[3],

@@ -9,9 +9,8 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* The coarsest brick whose closed box holds node p of level 0 (p in whole nodes), if it is coarser than `level`. All
- * of the same level agree there, so the first one found will do. */
-static bool coarsest_at(const iso_brick_field *f, const size_t p[3], size_t level, size_t brick[3])
+/* All of the same level agree there, so the first one found will do. */
+bool iso_brick_coarsest_at(const iso_brick_field *f, const size_t p[3], size_t level, size_t brick[3])
 {
     const iso_node_levels *n = f->nodes;
     size_t first[3], last[3];
@@ -102,7 +101,7 @@ void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_
         p[a] = brick[a] * n->brick_voxels + (node[a] << level);
         on_face = on_face || node[a] == 0 || node[a] == cells;
     }
-    if (on_face && f->faces == ISO_FACES_BAKED && coarsest_at(f, p, level, coarser)) {
+    if (on_face && f->faces == ISO_FACES_BAKED && iso_brick_coarsest_at(f, p, level, coarser)) {
         iso_brick_sample_in(f, coarser, (const double[3]){(double)p[0], (double)p[1], (double)p[2]}, out);
         return;
     }

@@ -79,46 +79,45 @@ static bool matters(const iso_lattice_builder *b, const size_t at[3])
     return o->merged ? o->drawn[index] || !o->seen || o->seen[index] : iso_lattice_has(b, index);
 }
 
-/* Has a brick that is coarser than the lattice a say in a node? local: the node in a brick of the lattice's level. */
-static bool is_sampled(const iso_lattice_builder *b, const size_t brick[3], const size_t local[3])
+/* The scalar of node p of level 0 where no brick is coarser than the lattice: the voxel, or in a brick that is coarser than
+ * level 0 its own node. Bricks of level 0 need not be made for it. */
+static double own_scalar(const iso_lattice_builder *b, const size_t brick[3], const size_t p[3])
 {
     const iso_node_levels *n = b->field->nodes;
-    bool foreign[ISO_BRICK_PARTS];
-    if (b->field->levels[iso_brick_index(n, brick)] > b->lattice->level)
-        return true;
-    const size_t part = iso_brick_part(iso_brick_side(n, b->lattice->level), local[0], local[1], local[2]);
-    if (part == ISO_BRICK_PARTS / 2)
-        return false;
-    iso_brick_foreign_parts(b->field, brick, foreign);
-    return foreign[part];
+    const size_t level = b->field->levels[iso_brick_index(n, brick)];
+    size_t at[3], coarser[3];
+    double value[ISO_NODE_CHANNELS];
+    float voxel;
+    if (level > 0 || iso_brick_coarsest_at(b->field, p, level, coarser)) {
+        for (int a = 0; a < 3; ++a)
+            at[a] = (p[a] - brick[a] * n->brick_voxels) >> level;
+        iso_brick_node(b->field, brick, at, value);
+        return value[0];
+    }
+    for (int a = 0; a < 3; ++a)
+        at[a] = p[a] < n->geometry.size[a] ? p[a] : n->geometry.size[a] - 1;
+    iso_node_levels_voxels(n, at[0], at[1], at[2], 1, &voxel);
+    return (double)voxel;
 }
 
 /* The scalar of a node, of any brick that holds it: they agree. */
-static iso_status sample(const iso_lattice_builder *b, const size_t at[3], float *node, iso_error *err)
+static float sample(const iso_lattice_builder *b, const size_t at[3])
 {
     const iso_node_levels *n = b->field->nodes;
     double q[3], value[ISO_NODE_CHANNELS];
-    size_t brick[3], local[3];
+    size_t brick[3], p[3], coarsest[3];
+    float rounded[ISO_NODE_CHANNELS];
     for (int a = 0; a < 3; ++a) {
-        const size_t at_level0 = iso_lattice_level0(b, a, b->lattice->first[a] + (long)at[a]);
-        brick[a] = iso_lattice_brick(b, a, at_level0);
-        local[a] = (at_level0 - brick[a] * n->brick_voxels) >> b->lattice->level;
-        q[a] = (double)at_level0;
+        p[a] = iso_lattice_level0(b, a, b->lattice->first[a] + (long)at[a]);
+        brick[a] = iso_lattice_brick(b, a, p[a]);
+        q[a] = (double)p[a];
     }
-    const size_t index = iso_brick_index(n, brick);
-    const iso_status status = iso_brick_make(n, index, ISO_BRICK_SCALARS, err);
-    if (status != ISO_OK)
-        return status;
-    if (!is_sampled(b, brick, local)) {
-        iso_brick_node(b->field, brick, local, value);
-        *node = (float)value[0];
-    } else {
-        float rounded[ISO_NODE_CHANNELS];
-        iso_brick_sample_in(b->field, brick, q, value);
-        iso_lattice_round(b, value, rounded);
-        *node = rounded[0];
-    }
-    return ISO_OK;
+    const bool sampled = b->field->levels[iso_brick_index(n, brick)] > b->lattice->level;
+    if (!sampled && !iso_brick_coarsest_at(b->field, p, b->lattice->level, coarsest))
+        return (float)own_scalar(b, brick, p);
+    iso_brick_sample_in(b->field, sampled ? brick : coarsest, q, value);
+    iso_lattice_round(b, value, rounded);
+    return rounded[0];
 }
 
 static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t cell, const size_t at[3], iso_error *err)
@@ -127,12 +126,10 @@ static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t c
     for (size_t i = 0; i < 8 && status == ISO_OK; ++i) {
         const size_t corner = cell + (i & 1) + SIDE * ((i >> 1 & 1) + SIDE * (i >> 2));
         const size_t node[3] = {at[0] + (i & 1), at[1] + (i >> 1 & 1), at[2] + (i >> 2)};
-        float value = 0;
         if (c->active[corner])
             continue;
-        status = sample(b, node, &value, err);
-        if (status == ISO_OK)
-            status = iso_lattice_put(b->lattice, node, &value, ISO_LATTICE_HALO, err);
+        const float value = sample(b, node);
+        status = iso_lattice_put(b->lattice, node, &value, ISO_LATTICE_HALO, err);
         c->active[corner] = 1;
         c->values[corner] = value;
         for (int a = 0; a < 3; ++a) {
@@ -252,8 +249,6 @@ iso_status iso_lattice_add_halo(const iso_lattice_builder *b, iso_error *err)
         memset(h.wanted, 1, count);
         status = settle(&h, c, err);
     }
-    for (size_t i = 0; i < iso_brick_count(b->field->nodes); ++i)
-        iso_brick_forget(b->field->nodes, i);
     free(h.wanted);
     free(c);
     return status;

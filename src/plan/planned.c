@@ -283,95 +283,6 @@ static void find_box(const iso_lattice *l, const iso_geometry *g, double box[2][
     }
 }
 
-/* `count` elements that are like the one. Memory that is zero costs nothing where it is not written to, and most of a box is
- * background. NULL: no memory. */
-static void *all_like(const void *one, size_t bytes, size_t count)
-{
-    static const uint8_t zero[8];
-    if (memcmp(one, zero, bytes) == 0)
-        return calloc(count, bytes);
-    char *all = malloc(count * bytes);
-    for (size_t i = 0; all && i < count; ++i)
-        memcpy(all + bytes * i, one, bytes);
-    return all;
-}
-
-/* A crop as if all of it were background. */
-static bool begin_crop(const iso_lattice *l, iso_code code, iso_level *level)
-{
-    const size_t count = l->size[0] * l->size[1] * l->size[2];
-    uint8_t none[8];
-    iso_code_encode(code, l->empty + 1, none, 1);
-    level->scalar = all_like(l->empty, sizeof *level->scalar, count);
-    level->codes = all_like(none, iso_code_describe(code)->bytes, count);
-    return level->scalar && level->codes;
-}
-
-/* What is lit of a row, to be coded at once. */
-typedef struct lit_row {
-    float *directions;
-    uint32_t *places;
-    uint8_t *codes;
-} lit_row;
-
-static bool lit_row_create(lit_row *r, size_t count, size_t code_bytes)
-{
-    r->directions = malloc(3 * count * sizeof *r->directions);
-    r->places = malloc(count * sizeof *r->places);
-    r->codes = malloc(count * code_bytes);
-    return r->directions && r->places && r->codes;
-}
-
-static void lit_row_destroy(lit_row *r)
-{
-    free(r->directions);
-    free(r->places);
-    free(r->codes);
-}
-
-/* The active nodes of a row. */
-static void fill_row(const iso_lattice *l, size_t y, size_t z, iso_code code, const lit_row *r, iso_level *level)
-{
-    const size_t nx = l->size[0], first = nx * (y + l->size[1] * z), bytes = iso_code_describe(code)->bytes;
-    size_t lit = 0, in;
-    for (size_t x = 0, run; x < nx; x += run) {
-        const iso_lattice_block *block = *iso_lattice_block_of(l, x, y, z, &in);
-        const size_t left = ISO_LATTICE_SIDE - in % ISO_LATTICE_SIDE;
-        run = left < nx - x ? left : nx - x;
-        for (size_t i = 0; block && i < run; ++i) {
-            if (block->use[in + i] != ISO_LATTICE_UNUSED)
-                level->scalar[first + x + i] = block->nodes[in + i][0];
-            if (block->use[in + i] != ISO_LATTICE_LIT)
-                continue;
-            memcpy(r->directions + 3 * lit, block->nodes[in + i] + 1, 3 * sizeof *r->directions);
-            r->places[lit++] = (uint32_t)(x + i);
-        }
-    }
-    iso_code_encode(code, r->directions, r->codes, lit);
-    for (size_t i = 0; i < lit; ++i)
-        memcpy(level->codes + bytes * (first + r->places[i]), r->codes + bytes * i, bytes);
-}
-
-/* False: no memory. */
-static bool fill_crop(const iso_lattice *l, iso_code code, int threads, iso_level *level)
-{
-    const size_t *n = l->size;
-    bool failed = !begin_crop(l, code, level);
-    if (failed)
-        return false;
-#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(|| : failed)
-    for (size_t z = 0; z < n[2]; ++z) {
-        lit_row row;
-        if (lit_row_create(&row, n[0], iso_code_describe(code)->bytes))
-            for (size_t y = 0; y < n[1]; ++y)
-                fill_row(l, y, z, code, &row, level);
-        else
-            failed = true;
-        lit_row_destroy(&row);
-    }
-    return !failed;
-}
-
 /* What all scalars of integers are whole multiples of, those that are sampled too (lattice.h). */
 static double quantum_of(const iso_planned *p, const iso_level *level0)
 {
@@ -380,16 +291,16 @@ static double quantum_of(const iso_planned *p, const iso_level *level0)
     return whole && step <= 1 ? step : 0;
 }
 
-iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, iso_code code, int threads,
-                                   iso_planned_crop *crop, iso_error *err)
+iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, int threads, iso_planned_crop *crop,
+                                   iso_error *err)
 {
     iso_planned_lattices merged;
     *crop = (iso_planned_crop){0};
-    iso_status status = iso_planned_lattices_create(p, true, false, threads, &merged, err);
+    const iso_status status = iso_planned_lattices_create(p, true, false, threads, &merged, err);
     if (status != ISO_OK)
         return status;
-    const iso_lattice *l = &merged.items[0];
-    size_t count = l->size[0] * l->size[1] * l->size[2];
+    const iso_lattice *l = &crop->lattice;
+    crop->lattice = merged.items[0];
     bool sampled = false;
     for (size_t k = 1; k < p->nodes.level_count; ++k)
         sampled = sampled || draws_level(p, k);
@@ -397,21 +308,13 @@ iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0
                               .stored_type = sampled ? ISO_F32 : level0->stored_type,
                               .min = l->min,
                               .max = l->max};
-    if (!fill_crop(l, code, threads, &crop->level))
-        status = iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu voxels", count);
-    if (status == ISO_OK) {
-        find_box(l, &p->nodes.geometry, crop->box);
-        crop->quantum = quantum_of(p, level0);
-    }
-    iso_planned_lattices_destroy(&merged);
-    if (status != ISO_OK)
-        iso_planned_crop_destroy(crop);
-    return status;
+    find_box(l, &p->nodes.geometry, crop->box);
+    crop->quantum = quantum_of(p, level0);
+    return ISO_OK;
 }
 
 void iso_planned_crop_destroy(iso_planned_crop *crop)
 {
-    free(crop->level.scalar);
-    free(crop->level.codes);
+    iso_lattice_destroy(&crop->lattice);
     *crop = (iso_planned_crop){0};
 }

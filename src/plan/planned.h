@@ -56,16 +56,17 @@ iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool w
                                        iso_planned_lattices *lattices, iso_error *err);
 void iso_planned_lattices_destroy(iso_planned_lattices *lattices);
 
-/* The merged lattice as a level, dense, for programs that know no sparse grids: cropped to what is needed, directions
- * in the pyramid's code, scalars of the stored type where nothing is sampled. box: where the volume's own box is, in
- * voxels of the level. Release with iso_planned_crop_destroy(). */
+/* The merged lattice as a level for programs that know no sparse grids: cropped to what is needed, scalars of the stored type
+ * where nothing is sampled. What is written for them is dense, but read from the lattice row by row: the level has neither
+ * scalars nor codes. box: where the volume's own box is, in voxels of the level. Release with iso_planned_crop_destroy(). */
 typedef struct iso_planned_crop {
+    iso_lattice lattice; /* of the level's voxels */
     iso_level level;
     double box[2][3];
     double quantum; /* all scalars are whole multiples of it; 0: not known */
 } iso_planned_crop;
-iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, iso_code code, int threads,
-                                   iso_planned_crop *crop, iso_error *err);
+iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, int threads, iso_planned_crop *crop,
+                                   iso_error *err);
 void iso_planned_crop_destroy(iso_planned_crop *crop);
 
 #endif
