@@ -38,6 +38,11 @@ static void put_samples(const double *restrict samples, size_t count, unsigned b
     if (bits == 8)
         for (size_t i = 0; i < count; ++i)
             out[i] = (uint8_t)(int)samples[i];
+    else if (bits == 16)
+        for (size_t i = 0; i < count; ++i) {
+            out[2 * i] = (uint8_t)((int)samples[i] >> 8);
+            out[2 * i + 1] = (uint8_t)(int)samples[i];
+        }
     else
         for (size_t i = 0; i < count; ++i)
             put_big_endian(out + i * (bits / 8), (uint32_t)samples[i], bits / 8);

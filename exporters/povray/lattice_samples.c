@@ -12,29 +12,41 @@ iso_lattice_samples iso_lattice_samples_of(const iso_lattice *l, iso_code code)
     return s;
 }
 
+/* Blocks that a row goes through. */
+typedef struct row_blocks {
+    iso_lattice_block *const *first;
+    size_t in_x, in_row; /* in the first block: of the first node, and of the row's beginning */
+} row_blocks;
+
+static row_blocks blocks_of(const iso_lattice *l, size_t first)
+{
+    const size_t *n = l->size, x = first % n[0], y = first / n[0] % n[1], z = first / (n[0] * n[1]);
+    size_t in;
+    iso_lattice_block *const *block = iso_lattice_block_of(l, x, y, z, &in);
+    return (row_blocks){block, in % ISO_LATTICE_SIDE, in - in % ISO_LATTICE_SIDE};
+}
+
 /* Nodes of a row that lie in one block; NULL where none of the block's is active. */
 typedef struct block_run {
     const iso_lattice_block *block;
     size_t in, count;
 } block_run;
 
-static block_run run_at(const iso_lattice *l, size_t first, size_t most)
+/* Of the row's nodes those from number `done` on. */
+static block_run run_at(const row_blocks *r, size_t done, size_t count)
 {
-    const size_t *n = l->size;
-    block_run run;
-    run.block = *iso_lattice_block_of(l, first % n[0], first / n[0] % n[1], first / (n[0] * n[1]), &run.in);
-    run.count = ISO_LATTICE_SIDE - run.in % ISO_LATTICE_SIDE;
-    run.count = run.count < most ? run.count : most;
-    return run;
+    const size_t x = (r->in_x + done) % ISO_LATTICE_SIDE, left = ISO_LATTICE_SIDE - x;
+    return (block_run){r->first[(r->in_x + done) / ISO_LATTICE_SIDE], r->in_row + x,
+                       left < count - done ? left : count - done};
 }
 
 void iso_lattice_samples_scalars(const iso_lattice_samples *s, size_t first, size_t count, float *restrict out)
 {
-    const iso_lattice *l = s->lattice;
+    const row_blocks row = blocks_of(s->lattice, first);
     for (size_t done = 0; done < count;) {
-        const block_run run = run_at(l, first + done, count - done);
+        const block_run run = run_at(&row, done, count);
         for (size_t i = 0; i < run.count; ++i)
-            out[done + i] = run.block ? run.block->nodes[run.in + i][0] : l->empty[0];
+            out[done + i] = run.block ? run.block->nodes[run.in + i][0] : s->lattice->empty[0];
         done += run.count;
     }
 }
@@ -59,10 +71,11 @@ static void code_batch(iso_code code, lit_batch *b, float *restrict out)
 /* Codes a batch before it could not take all of another block's nodes. */
 void iso_lattice_samples_directions(const iso_lattice_samples *s, size_t first, size_t count, float *restrict out)
 {
+    const row_blocks row = blocks_of(s->lattice, first);
     lit_batch b;
     b.count = 0;
     for (size_t done = 0; done < count;) {
-        const block_run run = run_at(s->lattice, first + done, count - done);
+        const block_run run = run_at(&row, done, count);
         for (size_t i = 0; i < run.count; ++i, ++done) {
             if (!run.block || run.block->use[run.in + i] != ISO_LATTICE_LIT) {
                 memcpy(out + 3 * done, s->unlit, sizeof s->unlit);
@@ -79,8 +92,9 @@ void iso_lattice_samples_directions(const iso_lattice_samples *s, size_t first, 
 
 bool iso_lattice_samples_alike(const iso_lattice_samples *s, size_t first, size_t count)
 {
+    const row_blocks row = blocks_of(s->lattice, first);
     for (size_t done = 0; done < count;) {
-        const block_run run = run_at(s->lattice, first + done, count - done);
+        const block_run run = run_at(&row, done, count);
         if (run.block)
             return false;
         done += run.count;

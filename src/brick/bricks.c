@@ -46,24 +46,22 @@ static void read_fine(const void *user, size_t x, size_t y, size_t z, size_t cou
 }
 
 /* The box of a level, from the voxels or the level below. */
-static bool make_box(const level_maker *m, const size_t first[3], const iso_node_box *box)
+static bool make_box(const level_maker *m, const size_t first[3], const iso_node_box *box, iso_node_room *room)
 {
     const iso_node_levels *n = m->nodes;
     iso_node_box fine;
     if (m->level == 0)
-        return iso_node_box_read(box, m->voxels, (const long[]){(long)first[0], (long)first[1], (long)first[2]});
+        return iso_node_box_read(box, m->voxels, (const long[]){(long)first[0], (long)first[1], (long)first[2]}, room);
     const iso_node_rows rows = {read_fine,
                                 m,
                                 {iso_node_count(n, m->level - 1, 0) - 1, iso_node_count(n, m->level - 1, 1) - 1,
                                  iso_node_count(n, m->level - 1, 2) - 1}};
     const size_t *size = box->size, fine_size[3] = {2 * size[0] + 3, 2 * size[1] + 3, 2 * size[2] + 3};
-    if (!iso_node_box_create(&fine, fine_size, m->voxels->directed))
+    if (!iso_node_box_place(&fine, fine_size, m->voxels->directed, room, ISO_ROOM_FINE))
         return false;
     iso_node_box_fill(&fine, &rows,
                       (const long[]){2 * (long)first[0] - 2, 2 * (long)first[1] - 2, 2 * (long)first[2] - 2});
-    const bool good = iso_node_box_filter(&fine, n->filter, box);
-    iso_node_box_destroy(&fine);
-    return good;
+    return iso_node_box_filter(&fine, n->filter, box, room);
 }
 
 /* To the level's nodes, whose directions are moments as yet. */
@@ -94,20 +92,25 @@ static bool make_level(const level_maker *m, int threads)
     bool failed = false;
     for (int a = 0; a < 3; ++a)
         count[a] = (iso_node_count(n, m->level, a) + most[a] - 1) / most[a];
-#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(|| : failed)
-    for (size_t i = 0; i < count[0] * count[1] * count[2]; ++i) {
-        const size_t at[3] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
-        size_t first[3], size[3];
-        iso_node_box box;
-        for (int a = 0; a < 3; ++a) {
-            first[a] = at[a] * most[a];
-            size[a] = least(most[a], iso_node_count(n, m->level, a) - first[a]);
+#pragma omp parallel num_threads(threads) reduction(|| : failed)
+    {
+        iso_node_room room = {0};
+#pragma omp for schedule(dynamic)
+        for (size_t i = 0; i < count[0] * count[1] * count[2]; ++i) {
+            const size_t at[3] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
+            size_t first[3], size[3];
+            iso_node_box box;
+            for (int a = 0; a < 3; ++a) {
+                first[a] = at[a] * most[a];
+                size[a] = least(most[a], iso_node_count(n, m->level, a) - first[a]);
+            }
+            if (iso_node_box_place(&box, size, m->voxels->directed, &room, ISO_ROOM_BOX) &&
+                make_box(m, first, &box, &room))
+                put_box(m, first, &box);
+            else
+                failed = true;
         }
-        if (!iso_node_box_create(&box, size, m->voxels->directed) || !make_box(m, first, &box))
-            failed = true;
-        else
-            put_box(m, first, &box);
-        iso_node_box_destroy(&box);
+        iso_node_room_destroy(&room);
     }
     return !failed;
 }

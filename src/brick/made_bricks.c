@@ -187,63 +187,141 @@ static iso_node_rows rows_of(const block_level *l)
     return (iso_node_rows){read_blocks, l, {l->last[0], l->last[1], l->last[2]}};
 }
 
-/* A block from the level below, NULL: from the voxels. */
-static bool make_block(const iso_node_levels *n, const block_level *l, size_t i, const block_level *below)
+/* Blocks along x, each of which begins where the one before it ends. They are made at once: what two of them are filtered from
+ * overlaps, and long rows take less time a node than short ones. */
+typedef struct block_row {
+    size_t first, count;
+} block_row;
+
+/* So many nodes at once, with what they are filtered from, stay in the caches. */
+enum { ROW_NODES = 32 };
+
+static bool goes_on(const block_level *l, size_t i)
 {
-    block *b = &l->blocks[i];
-    iso_node_box box = box_of(l, b), fine;
-    size_t at[3], fine_size[3];
+    const block *before = &l->blocks[i - 1], *b = &l->blocks[i];
+    return i % l->count[0] > 0 && before->hi[0] == l->cells && b->hi[0] > 0 && b->lo[0] == 0 &&
+           before->lo[1] == b->lo[1] && before->hi[1] == b->hi[1] && before->lo[2] == b->lo[2] &&
+           before->hi[2] == b->hi[2];
+}
+
+/* All that hold nodes; to be freed. NULL: no memory. */
+static block_row *find_rows(const block_level *l, size_t *count)
+{
+    block_row *rows = malloc(block_count(l) * sizeof *rows);
+    size_t nodes = 0;
+    *count = 0;
+    for (size_t i = 0; rows && i < block_count(l); ++i) {
+        const block *b = &l->blocks[i];
+        if (b->hi[0] == 0)
+            continue;
+        if (*count == 0 || nodes >= ROW_NODES || !goes_on(l, i)) {
+            rows[(*count)++] = (block_row){i, 0};
+            nodes = 0;
+        }
+        ++rows[*count - 1].count;
+        nodes += (size_t)(b->hi[0] - b->lo[0]);
+    }
+    return rows;
+}
+
+/* The nodes of a row's blocks as one box, in the room. */
+static bool filter_row(const iso_node_levels *n, const block_level *l, const block_row *row, const block_level *below,
+                       iso_node_box *box, iso_node_room *room)
+{
+    const block *b = &l->blocks[row->first];
+    const bool directed = n->maker->voxels.directed;
+    size_t at[3], size[3] = {0, (size_t)(b->hi[1] - b->lo[1]), (size_t)(b->hi[2] - b->lo[2])}, fine_size[3];
     long first[3];
-    block_first(l, i, at);
+    iso_node_box fine;
+    for (size_t i = 0; i < row->count; ++i)
+        size[0] += (size_t)(b[i].hi[0] - b[i].lo[0]);
+    block_first(l, row->first, at);
     for (int a = 0; a < 3; ++a) {
         first[a] = 2 * (long)(at[a] + b->lo[a]) - 2;
-        fine_size[a] = 2 * box.size[a] + 3;
+        fine_size[a] = 2 * size[a] + 3;
     }
-    const bool directed = n->maker->voxels.directed;
-    box.values = b->values = malloc(box.channels * iso_node_box_count(&box) * sizeof *b->values);
-    bool good = iso_node_box_create(&fine, fine_size, directed) && b->values;
-    if (good && below) {
-        const iso_node_rows rows = rows_of(below);
+    if (!iso_node_box_place(box, size, directed, room, ISO_ROOM_BOX) ||
+        !iso_node_box_place(&fine, fine_size, directed, room, ISO_ROOM_FINE))
+        return false;
+    const iso_node_rows rows = below ? rows_of(below) : (iso_node_rows){0};
+    if (below)
         iso_node_box_fill(&fine, &rows, first);
-    } else if (good) {
-        good = iso_node_box_read(&fine, &n->maker->voxels, first);
+    else if (!iso_node_box_read(&fine, &n->maker->voxels, first, room))
+        return false;
+    return iso_node_box_filter(&fine, n->filter, box, room);
+}
+
+/* The part of a box of several blocks from node x on. */
+static bool keep_block(const block_level *l, block *b, const iso_node_box *from, size_t x)
+{
+    iso_node_box box = box_of(l, b);
+    box.values = b->values = malloc(box.channels * iso_node_box_count(&box) * sizeof *b->values);
+    for (size_t i = 0; b->values && i < box.channels * box.size[1] * box.size[2]; ++i)
+        memcpy(box.values + i * box.size[0], from->values + i * from->size[0] + x, box.size[0] * sizeof *box.values);
+    return b->values != NULL;
+}
+
+/* Blocks from the level below, NULL: from the voxels. */
+static bool make_row(const iso_node_levels *n, const block_level *l, const block_row *row, const block_level *below,
+                     iso_node_room *room)
+{
+    iso_node_box box;
+    bool good = filter_row(n, l, row, below, &box, room);
+    for (size_t i = 0, x = 0; i < row->count && good; ++i) {
+        block *b = &l->blocks[row->first + i];
+        good = keep_block(l, b, &box, x);
+        x += (size_t)(b->hi[0] - b->lo[0]);
     }
-    good = good && iso_node_box_filter(&fine, n->filter, &box);
-    iso_node_box_destroy(&fine);
     return good;
 }
 
-static bool make_own(const iso_node_levels *n, const block_level *l, size_t brick)
+static bool make_own(const iso_node_levels *n, const block_level *l, size_t brick, iso_node_room *room)
 {
     const iso_node_rows rows = rows_of(l);
     const size_t side = l->cells + 1, size[3] = {side, side, side};
     iso_node_box box;
     size_t at[3];
     brick_at(n, brick, at);
-    bool good = iso_node_box_create(&box, size, n->maker->voxels.directed);
-    if (good)
-        iso_node_box_fill(&box, &rows,
-                          (const long[]){(long)(l->cells * at[0]), (long)(l->cells * at[1]), (long)(l->cells * at[2])});
-    good = good && keep_brick(n, brick, &box, true);
-    iso_node_box_destroy(&box);
-    return good;
+    if (!iso_node_box_place(&box, size, n->maker->voxels.directed, room, ISO_ROOM_BOX))
+        return false;
+    iso_node_box_fill(&box, &rows,
+                      (const long[]){(long)(l->cells * at[0]), (long)(l->cells * at[1]), (long)(l->cells * at[2])});
+    return keep_brick(n, brick, &box, true);
+}
+
+static bool make_rows(const iso_node_levels *n, const block_level *l, const block_level *below, int threads)
+{
+    size_t count;
+    block_row *rows = find_rows(l, &count);
+    bool failed = !rows;
+#pragma omp parallel num_threads(threads) reduction(|| : failed)
+    {
+        iso_node_room room = {0};
+#pragma omp for schedule(dynamic)
+        for (size_t i = 0; i < count; ++i)
+            failed = failed || !make_row(n, l, &rows[i], below, &room);
+        iso_node_room_destroy(&room);
+    }
+    free(rows);
+    return !failed;
 }
 
 /* The blocks of a level, and of them the bricks of that level. */
 static bool make_level(const iso_node_levels *n, size_t level, const block_level *l, const block_level *below,
                        int threads)
 {
-    bool failed = false;
-#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(|| : failed)
-    for (size_t i = 0; i < block_count(l); ++i)
-        if (l->blocks[i].hi[0] > 0 && !make_block(n, l, i, below))
-            failed = true;
+    bool failed = !make_rows(n, l, below, threads);
     if (failed)
         return false;
-#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(|| : failed)
-    for (size_t i = 0; i < iso_brick_count(n); ++i)
-        if (n->maker->levels[i] == level && !make_own(n, l, i))
-            failed = true;
+#pragma omp parallel num_threads(threads) reduction(|| : failed)
+    {
+        iso_node_room room = {0};
+#pragma omp for schedule(dynamic)
+        for (size_t i = 0; i < iso_brick_count(n); ++i)
+            if (n->maker->levels[i] == level)
+                failed = failed || !make_own(n, l, i, &room);
+        iso_node_room_destroy(&room);
+    }
     return !failed;
 }
 
@@ -298,6 +376,7 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_cont
     if (!n->bricks || n->bricks[brick])
         return ISO_OK;
     const size_t side = n->brick_voxels + 1, size[3] = {side, side, side};
+    iso_node_room room = {0};
     iso_node_box box;
     size_t at[3];
     brick_at(n, brick, at);
@@ -305,9 +384,10 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_cont
                            (long)(n->brick_voxels * at[2])};
     iso_node_voxels voxels = n->maker->voxels;
     voxels.directed = voxels.directed && content != ISO_BRICK_SCALARS;
-    const bool good = iso_node_box_create(&box, size, voxels.directed) && iso_node_box_read(&box, &voxels, first) &&
+    const bool good = iso_node_box_place(&box, size, voxels.directed, &room, ISO_ROOM_BOX) &&
+                      iso_node_box_read(&box, &voxels, first, &room) &&
                       keep_brick(n, brick, &box, content == ISO_BRICK_WHOLE);
-    iso_node_box_destroy(&box);
+    iso_node_room_destroy(&room);
     return good ? ISO_OK
                 : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a brick of %zu voxels a side", n->brick_voxels);
 }

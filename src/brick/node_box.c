@@ -9,17 +9,29 @@
 #include "base/simd.h"
 #include "pyramid/narrow.h"
 
-bool iso_node_box_create(iso_node_box *b, const size_t size[3], bool directed)
+float *iso_node_room_take(iso_node_room *room, iso_node_room_part part, size_t count)
 {
-    *b = (iso_node_box){.size = {size[0], size[1], size[2]}, .channels = directed ? ISO_BOX_CHANNELS : 1};
-    b->values = malloc(b->channels * iso_node_box_count(b) * sizeof *b->values);
-    return b->values != NULL;
+    if (count > room->counts[part]) {
+        free(room->values[part]);
+        room->values[part] = malloc(count * sizeof *room->values[part]);
+        room->counts[part] = room->values[part] ? count : 0;
+    }
+    return room->values[part];
 }
 
-void iso_node_box_destroy(iso_node_box *b)
+void iso_node_room_destroy(iso_node_room *room)
 {
-    free(b->values);
-    *b = (iso_node_box){0};
+    for (size_t i = 0; i < ISO_ROOM_PARTS; ++i)
+        free(room->values[i]);
+    *room = (iso_node_room){0};
+}
+
+bool iso_node_box_place(iso_node_box *b, const size_t size[3], bool directed, iso_node_room *room,
+                        iso_node_room_part part)
+{
+    *b = (iso_node_box){.size = {size[0], size[1], size[2]}, .channels = directed ? ISO_BOX_CHANNELS : 1};
+    b->values = iso_node_room_take(room, part, b->channels * iso_node_box_count(b));
+    return b->values != NULL;
 }
 
 /* ---- filling -------------------------------------------------------------------- */
@@ -74,10 +86,11 @@ iso_node_voxels iso_node_voxels_of(const iso_level *level, bool directed)
 typedef struct voxel_box {
     const iso_node_voxels *of;
     size_t first[3], size[3];
-    float *values, *scratch; /* one allocation; scratch: three rows of gradients, and the estimator's */
+    float *values, *scratch; /* in the room; scratch: three rows of gradients, and the estimator's */
 } voxel_box;
 
-static bool voxel_box_create(voxel_box *v, const iso_node_voxels *of, const size_t lo[3], const size_t hi[3])
+static bool read_voxel_box(voxel_box *v, const iso_node_voxels *of, const size_t lo[3], const size_t hi[3],
+                           iso_node_room *room)
 {
     const iso_gradient_options gradient = iso_gradient_defaults();
     const size_t *n = of->level->geometry.size,
@@ -89,7 +102,7 @@ static bool voxel_box_create(voxel_box *v, const iso_node_voxels *of, const size
         v->size[a] = last - v->first[a] + 1;
     }
     const size_t nx = v->size[0], count = nx * v->size[1] * v->size[2];
-    v->values = malloc((count + 3 * nx + iso_gradient_scratch_count(nx)) * sizeof *v->values);
+    v->values = iso_node_room_take(room, ISO_ROOM_VOXELS, count + 3 * nx + iso_gradient_scratch_count(nx));
     if (!v->values)
         return false;
     v->scratch = v->values + count;
@@ -134,7 +147,7 @@ static void read_voxels(const void *user, size_t x, size_t y, size_t z, size_t c
     moments_row(v->of->unit, g[0] + at, g[1] + at, g[2] + at, count, rows);
 }
 
-bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3])
+bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3], iso_node_room *room)
 {
     iso_node_rows rows = {.read = read_voxels};
     voxel_box voxels;
@@ -144,11 +157,10 @@ bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const lo
         lo[a] = clamped(first[a], rows.last[a]);
         hi[a] = clamped(first[a] + (long)b->size[a] - 1, rows.last[a]);
     }
-    if (!voxel_box_create(&voxels, v, lo, hi))
+    if (!read_voxel_box(&voxels, v, lo, hi, room))
         return false;
     rows.user = &voxels;
     iso_node_box_fill(b, &rows, first);
-    free(voxels.values);
     return true;
 }
 
@@ -234,10 +246,10 @@ ISO_SIMD static void join_sharp_rows(const sharp_rows *s, size_t y, size_t z, fl
     }
 }
 
-static bool filter_sharp(const iso_node_box *fine, const iso_node_box *coarse)
+static bool filter_sharp(const iso_node_box *fine, const iso_node_box *coarse, iso_node_room *room)
 {
     const size_t width = coarse->size[0], rows = fine->size[1] * fine->size[2];
-    float *along = malloc(3 * width * rows * sizeof *along);
+    float *along = iso_node_room_take(room, ISO_ROOM_ROWS, 3 * width * rows);
     if (!along)
         return false;
     const sharp_rows s = {along, along + width * rows, along + 2 * width * rows, width, fine->size[1]};
@@ -247,15 +259,15 @@ static bool filter_sharp(const iso_node_box *fine, const iso_node_box *coarse)
     for (size_t z = 0; z < coarse->size[2]; ++z)
         for (size_t y = 0; y < coarse->size[1]; ++y)
             join_sharp_rows(&s, y, z, iso_node_box_row(coarse, ISO_BOX_SCALAR, y, z));
-    free(along);
     return true;
 }
 
-bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse)
+bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse,
+                         iso_node_room *room)
 {
     for (size_t c = filter == ISO_NODES_SHARP ? ISO_BOX_MOMENTS : ISO_BOX_SCALAR; c < coarse->channels; ++c)
         filter_smooth(fine, c, coarse);
-    return filter != ISO_NODES_SHARP || filter_sharp(fine, coarse);
+    return filter != ISO_NODES_SHARP || filter_sharp(fine, coarse, room);
 }
 
 /* ---- to nodes ------------------------------------------------------------------- */

@@ -19,8 +19,25 @@ enum { ISO_BOX_SCALAR, ISO_BOX_MOMENTS, ISO_BOX_SUM = 4, ISO_BOX_CHANNELS };
 
 typedef struct iso_node_box {
     size_t size[3], channels;
-    float *values; /* owned; a channel after the other, x fastest */
+    float *values; /* a channel after the other, x fastest */
 } iso_node_box;
+
+/* Memory for boxes that one thread makes one after the other, {0} at first: pages of new memory cost more than what is
+ * written to them. */
+typedef enum iso_node_room_part {
+    ISO_ROOM_BOX, /* the box that is asked for, and what it is filtered from */
+    ISO_ROOM_FINE,
+    ISO_ROOM_VOXELS, /* around a box of level 0 */
+    ISO_ROOM_ROWS,   /* of the sharp filter */
+    ISO_ROOM_PARTS
+} iso_node_room_part;
+typedef struct iso_node_room {
+    float *values[ISO_ROOM_PARTS]; /* owned */
+    size_t counts[ISO_ROOM_PARTS];
+} iso_node_room;
+/* Room for as many floats; what was in that part may be gone. NULL: no memory. */
+float *iso_node_room_take(iso_node_room *room, iso_node_room_part part, size_t count);
+void iso_node_room_destroy(iso_node_room *room);
 
 static inline size_t iso_node_box_count(const iso_node_box *b)
 {
@@ -31,8 +48,9 @@ static inline float *iso_node_box_row(const iso_node_box *b, size_t channel, siz
     return b->values + b->size[0] * (y + b->size[1] * (z + b->size[2] * channel));
 }
 
-bool iso_node_box_create(iso_node_box *b, const size_t size[3], bool directed); /* false: no memory */
-void iso_node_box_destroy(iso_node_box *b);                                     /* accepts empty */
+/* A box in that part of the room. False: no memory. */
+bool iso_node_box_place(iso_node_box *b, const size_t size[3], bool directed, iso_node_room *room,
+                        iso_node_room_part part);
 
 /* Where a box's nodes come from: `count` nodes of the row (y, z) of a level from x on, to a row a channel. */
 typedef struct iso_node_rows {
@@ -52,10 +70,11 @@ typedef struct iso_node_voxels {
 } iso_node_voxels;
 iso_node_voxels iso_node_voxels_of(const iso_level *level, bool directed);
 /* False: no memory. */
-bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3]);
+bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3], iso_node_room *room);
 
 /* The coarse box of a fine one of 2 m + 3 nodes. False: no memory. */
-bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse);
+bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse,
+                         iso_node_room *room);
 
 /* Moments to a direction, in place: d = N/|N| L^2, L = |N| / S. */
 static inline void iso_node_to_direction(float moments[3], float sum)
