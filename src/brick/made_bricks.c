@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "base/parallel.h"
 #include "brick/node_box.h"
 #include "pyramid/narrow.h"
@@ -47,7 +48,8 @@ static bool keep_brick(const iso_node_levels *n, size_t brick, const iso_node_bo
 
 typedef struct block {
     uint8_t lo[3], hi[3]; /* of its nodes those that are needed, hi not included; hi[0] == 0: none */
-    float *values;        /* of a node box */
+    uint16_t width;       /* nodes of a row of the box that its nodes are in, which may be of several blocks */
+    float *values;        /* of that box, its first node */
 } block;
 
 typedef struct block_level {
@@ -56,12 +58,13 @@ typedef struct block_level {
     size_t last[3];  /* node */
     block *blocks;
     size_t channels;
+    float *values; /* of all blocks */
 } block_level;
 
+/* The box that holds a block's nodes, from the block's first on. */
 static iso_node_box box_of(const block_level *l, const block *b)
 {
-    return (iso_node_box){.size = {(size_t)(b->hi[0] - b->lo[0]), (size_t)(b->hi[1] - b->lo[1]),
-                                   (size_t)(b->hi[2] - b->lo[2])},
+    return (iso_node_box){.size = {b->width, (size_t)(b->hi[1] - b->lo[1]), (size_t)(b->hi[2] - b->lo[2])},
                           .channels = l->channels,
                           .values = b->values};
 }
@@ -85,8 +88,7 @@ static size_t block_count(const block_level *l)
 
 static void block_level_destroy(block_level *l)
 {
-    for (size_t i = 0; l->blocks && i < block_count(l); ++i)
-        free(l->blocks[i].values);
+    free(l->values);
     free(l->blocks);
     *l = (block_level){0};
 }
@@ -187,10 +189,10 @@ static iso_node_rows rows_of(const block_level *l)
     return (iso_node_rows){read_blocks, l, {l->last[0], l->last[1], l->last[2]}};
 }
 
-/* Blocks along x, each of which begins where the one before it ends. They are made at once: what two of them are filtered from
- * overlaps, and long rows take less time a node than short ones. */
+/* Blocks along x, each of which begins where the one before it ends. They are made at once, as one box: what two of them are
+ * filtered from overlaps, and long rows take less time a node than short ones. */
 typedef struct block_row {
-    size_t first, count;
+    size_t first, count, nodes; /* nodes: along x */
 } block_row;
 
 /* So many nodes at once, with what they are filtered from, stay in the caches. */
@@ -208,71 +210,72 @@ static bool goes_on(const block_level *l, size_t i)
 static block_row *find_rows(const block_level *l, size_t *count)
 {
     block_row *rows = malloc(block_count(l) * sizeof *rows);
-    size_t nodes = 0;
     *count = 0;
     for (size_t i = 0; rows && i < block_count(l); ++i) {
         const block *b = &l->blocks[i];
         if (b->hi[0] == 0)
             continue;
-        if (*count == 0 || nodes >= ROW_NODES || !goes_on(l, i)) {
-            rows[(*count)++] = (block_row){i, 0};
-            nodes = 0;
-        }
+        if (*count == 0 || rows[*count - 1].nodes >= ROW_NODES || !goes_on(l, i))
+            rows[(*count)++] = (block_row){.first = i};
         ++rows[*count - 1].count;
-        nodes += (size_t)(b->hi[0] - b->lo[0]);
+        rows[*count - 1].nodes += (size_t)(b->hi[0] - b->lo[0]);
     }
     return rows;
 }
 
-/* The nodes of a row's blocks as one box, in the room. */
-static bool filter_row(const iso_node_levels *n, const block_level *l, const block_row *row, const block_level *below,
-                       iso_node_box *box, iso_node_room *room)
+static iso_node_box box_of_row(const block_level *l, const block_row *row)
 {
-    const block *b = &l->blocks[row->first];
-    const bool directed = n->maker->voxels.directed;
-    size_t at[3], size[3] = {0, (size_t)(b->hi[1] - b->lo[1]), (size_t)(b->hi[2] - b->lo[2])}, fine_size[3];
-    long first[3];
-    iso_node_box fine;
-    for (size_t i = 0; i < row->count; ++i)
-        size[0] += (size_t)(b[i].hi[0] - b[i].lo[0]);
-    block_first(l, row->first, at);
-    for (int a = 0; a < 3; ++a) {
-        first[a] = 2 * (long)(at[a] + b->lo[a]) - 2;
-        fine_size[a] = 2 * size[a] + 3;
-    }
-    if (!iso_node_box_place(box, size, directed, room, ISO_ROOM_BOX) ||
-        !iso_node_box_place(&fine, fine_size, directed, room, ISO_ROOM_FINE))
-        return false;
-    const iso_node_rows rows = below ? rows_of(below) : (iso_node_rows){0};
-    if (below)
-        iso_node_box_fill(&fine, &rows, first);
-    else if (!iso_node_box_read(&fine, &n->maker->voxels, first, room))
-        return false;
-    return iso_node_box_filter(&fine, n->filter, box, room);
+    return box_of(l, &l->blocks[row->first]);
 }
 
-/* The part of a box of several blocks from node x on. */
-static bool keep_block(const block_level *l, block *b, const iso_node_box *from, size_t x)
+/* Gives the blocks of all rows their places, in memory that is asked for at once. */
+static bool place_rows(block_level *l, const block_row *rows, size_t count)
 {
-    iso_node_box box = box_of(l, b);
-    box.values = b->values = malloc(box.channels * iso_node_box_count(&box) * sizeof *b->values);
-    for (size_t i = 0; b->values && i < box.channels * box.size[1] * box.size[2]; ++i)
-        memcpy(box.values + i * box.size[0], from->values + i * from->size[0] + x, box.size[0] * sizeof *box.values);
-    return b->values != NULL;
+    size_t total = 0;
+    for (size_t i = 0; i < count; ++i) {
+        for (size_t k = 0; k < rows[i].count; ++k)
+            l->blocks[rows[i].first + k].width = (uint16_t)rows[i].nodes;
+        const iso_node_box box = box_of_row(l, &rows[i]);
+        total += box.channels * iso_node_box_count(&box);
+    }
+    l->values = iso_large_alloc(total * sizeof *l->values + 1);
+    if (!l->values)
+        return false;
+    float *values = l->values;
+    for (size_t i = 0; i < count; ++i) {
+        block *b = &l->blocks[rows[i].first];
+        for (size_t k = 0, x = 0; k < rows[i].count; ++k) {
+            b[k].values = values + x;
+            x += (size_t)(b[k].hi[0] - b[k].lo[0]);
+        }
+        const iso_node_box box = box_of_row(l, &rows[i]);
+        values += box.channels * iso_node_box_count(&box);
+    }
+    return true;
 }
 
 /* Blocks from the level below, NULL: from the voxels. */
 static bool make_row(const iso_node_levels *n, const block_level *l, const block_row *row, const block_level *below,
                      iso_node_room *room)
 {
-    iso_node_box box;
-    bool good = filter_row(n, l, row, below, &box, room);
-    for (size_t i = 0, x = 0; i < row->count && good; ++i) {
-        block *b = &l->blocks[row->first + i];
-        good = keep_block(l, b, &box, x);
-        x += (size_t)(b->hi[0] - b->lo[0]);
+    const block *b = &l->blocks[row->first];
+    const iso_node_box box = box_of_row(l, row);
+    size_t at[3], fine_size[3];
+    long first[3];
+    iso_node_box fine;
+    block_first(l, row->first, at);
+    for (int a = 0; a < 3; ++a) {
+        first[a] = 2 * (long)(at[a] + b->lo[a]) - 2;
+        fine_size[a] = 2 * box.size[a] + 3;
     }
-    return good;
+    if (!iso_node_box_place(&fine, fine_size, n->maker->voxels.directed, room, ISO_ROOM_FINE))
+        return false;
+    const iso_node_rows rows = below ? rows_of(below) : (iso_node_rows){0};
+    if (below)
+        iso_node_box_fill(&fine, &rows, first);
+    else if (!iso_node_box_read(&fine, &n->maker->voxels, first, room))
+        return false;
+    return iso_node_box_filter(&fine, n->filter, &box, room);
 }
 
 static bool make_own(const iso_node_levels *n, const block_level *l, size_t brick, iso_node_room *room)
@@ -289,11 +292,13 @@ static bool make_own(const iso_node_levels *n, const block_level *l, size_t bric
     return keep_brick(n, brick, &box, true);
 }
 
-static bool make_rows(const iso_node_levels *n, const block_level *l, const block_level *below, int threads)
+static bool make_rows(const iso_node_levels *n, block_level *l, const block_level *below, int threads)
 {
     size_t count;
     block_row *rows = find_rows(l, &count);
-    bool failed = !rows;
+    bool failed = !rows || !place_rows(l, rows, count);
+    if (failed)
+        count = 0;
 #pragma omp parallel num_threads(threads) reduction(|| : failed)
     {
         iso_node_room room = {0};
@@ -307,8 +312,7 @@ static bool make_rows(const iso_node_levels *n, const block_level *l, const bloc
 }
 
 /* The blocks of a level, and of them the bricks of that level. */
-static bool make_level(const iso_node_levels *n, size_t level, const block_level *l, const block_level *below,
-                       int threads)
+static bool make_level(const iso_node_levels *n, size_t level, block_level *l, const block_level *below, int threads)
 {
     bool failed = !make_rows(n, l, below, threads);
     if (failed)
