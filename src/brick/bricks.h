@@ -78,14 +78,11 @@ iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level
 /* How much of a brick of level 0 is made: most of it are the directions. */
 typedef enum iso_brick_content {
     ISO_BRICK_SCALARS, /* directions are 0 */
-    ISO_BRICK_UNCODED, /* directions are to be taken through the code, by iso_brick_code() */
     ISO_BRICK_WHOLE
 } iso_brick_content;
 /* Makes a brick's nodes where there are none. Of several bricks by several threads. Who makes less than the whole forgets it
  * before somebody else wants more. ISO_E_MEMORY. */
 iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_content content, iso_error *err);
-/* Directions, three floats each, through the code and back. */
-void iso_brick_code(const iso_node_levels *n, float *directions, size_t count);
 /* Forgets nodes that iso_brick_make() would make again. */
 void iso_brick_forget(const iso_node_levels *n, size_t brick);
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "base/parallel.h"
 #include "brick/lattice_build.h"
 #include "brick/occupancy.h"
@@ -68,36 +69,47 @@ double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs,
 
 /* ---- what is where --------------------------------------------------------------- */
 
-bool iso_lattice_shows(const iso_lattice_builder *b, double min, double max)
+/* Blocks are asked for many at once, in pages as large as the system has: for one at a time its small pages cost more than
+ * what is written to them. */
+typedef struct iso_lattice_chunk {
+    struct iso_lattice_chunk *next;
+    size_t used, count;
+    iso_lattice_block blocks[];
+} iso_lattice_chunk;
+
+static size_t block_count(const iso_lattice *l)
 {
-    for (size_t i = 0; i < b->opt->tf_count; ++i)
-        if (iso_tf_shows_by(&b->opt->tfs[i], b->next[i], min, max))
-            return true;
-    return false;
+    return l->block_count[0] * l->block_count[1] * l->block_count[2];
 }
 
-/* Sampled values have more digits than they need, and do not compress: 1/65536 of the range is enough, a power of two, so
- * that the last bits are 0; and of a direction 1/2032, which half floats hold once exporters have scaled it by 127/128.
- * One grid stays as continuous as it was. */
-void iso_lattice_round(const iso_lattice_builder *b, double value[ISO_NODE_CHANNELS], float *out)
+/* Of which no node is active. NULL: no memory. */
+static iso_lattice_block *new_block(iso_lattice *l)
 {
-    if (b->opt->merged) {
-        value[0] = b->step * rint(value[0] / b->step);
-        for (int c = 1; c < ISO_NODE_CHANNELS; ++c)
-            value[c] = rint(2032 * value[c]) / 2032;
+    const size_t most = (((size_t)4 << 20) - sizeof *l->chunks) / sizeof(iso_lattice_block);
+    if (!l->chunks || l->chunks->used == l->chunks->count) {
+        const size_t count = block_count(l) < most ? block_count(l) : most;
+        /* rounded up to what iso_large_alloc() has large pages for */
+        const size_t bytes = count < most ? sizeof *l->chunks + count * sizeof(iso_lattice_block) : (size_t)4 << 20;
+        iso_lattice_chunk *chunk = iso_large_alloc(bytes);
+        if (!chunk)
+            return NULL;
+        chunk->next = l->chunks;
+        chunk->used = 0;
+        chunk->count = count;
+        l->chunks = chunk;
     }
-    for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
-        out[c] = (float)value[c];
+    iso_lattice_block *block = &l->chunks->blocks[l->chunks->used++];
+    memset(block, 0, sizeof *block);
+    for (size_t i = 0; i < ISO_LATTICE_CUBE; ++i)
+        block->nodes[i][0] = l->empty[0];
+    return block;
 }
 
 iso_status iso_lattice_put(iso_lattice *l, const size_t at[3], const float *node, iso_lattice_use use, iso_error *err)
 {
     size_t in;
     iso_lattice_block **block = iso_lattice_block_of(l, at[0], at[1], at[2], &in);
-    if (!*block && (*block = calloc(1, sizeof **block)))
-        for (size_t i = 0; i < ISO_LATTICE_CUBE; ++i)
-            (*block)->nodes[i][0] = l->empty[0];
-    if (!*block)
+    if (!*block && !(*block = new_block(l)))
         return iso_fail(err, ISO_E_MEMORY, "lattice: no memory for a block of nodes");
     memcpy((*block)->nodes[in], node, (use == ISO_LATTICE_LIT ? ISO_NODE_CHANNELS : 1) * sizeof *node);
     (*block)->use[in] = (uint8_t)use;
@@ -129,11 +141,6 @@ static bool find_box(const iso_lattice_builder *b)
     return true;
 }
 
-static size_t block_count(const iso_lattice *l)
-{
-    return l->block_count[0] * l->block_count[1] * l->block_count[2];
-}
-
 /* ---- what is left ------------------------------------------------------------------ */
 
 /* What the active nodes span, counted from the lattice's first one. */
@@ -145,19 +152,29 @@ static void extend(iso_lattice *l, size_t index, const iso_lattice_block *block,
 {
     const size_t b[3] = {index % l->block_count[0], index / l->block_count[0] % l->block_count[1],
                          index / (l->block_count[0] * l->block_count[1])};
+    double lowest = l->min, highest = l->max;
+    size_t lo[3] = {ISO_LATTICE_SIDE, ISO_LATTICE_SIDE, ISO_LATTICE_SIDE}, hi[3] = {0}, count = 0;
     for (size_t i = 0; i < ISO_LATTICE_CUBE; ++i) {
         const size_t in[3] = {i % ISO_LATTICE_SIDE, i / ISO_LATTICE_SIDE % ISO_LATTICE_SIDE,
                               i / (ISO_LATTICE_SIDE * ISO_LATTICE_SIDE)};
+        const double value = (double)block->nodes[i][0];
         if (block->use[i] == ISO_LATTICE_UNUSED)
             continue;
-        ++l->active_count;
-        l->min = fmin(l->min, (double)block->nodes[i][0]);
-        l->max = fmax(l->max, (double)block->nodes[i][0]);
+        ++count;
+        lowest = value < lowest ? value : lowest; /* fmin() is a call */
+        highest = value > highest ? value : highest;
         for (int a = 0; a < 3; ++a) {
-            const size_t at = b[a] * ISO_LATTICE_SIDE + in[a] - (size_t)(l->first[a] - l->corner[a]);
-            e->lo[a] = at < e->lo[a] ? at : e->lo[a];
-            e->hi[a] = at + 1 > e->hi[a] ? at + 1 : e->hi[a];
+            lo[a] = in[a] < lo[a] ? in[a] : lo[a];
+            hi[a] = in[a] + 1 > hi[a] ? in[a] + 1 : hi[a];
         }
+    }
+    l->active_count += count;
+    l->min = lowest;
+    l->max = highest;
+    for (int a = 0; a < 3 && count > 0; ++a) {
+        const size_t first = b[a] * ISO_LATTICE_SIDE - (size_t)(l->first[a] - l->corner[a]); /* may lie before the box */
+        e->lo[a] = first + lo[a] < e->lo[a] ? first + lo[a] : e->lo[a];
+        e->hi[a] = first + hi[a] > e->hi[a] ? first + hi[a] : e->hi[a];
     }
 }
 
@@ -211,19 +228,21 @@ static void place(iso_lattice *l, const iso_geometry *g)
 
 static void forget_shown(iso_lattice_builder *b)
 {
-    for (size_t i = 0; b->next && i < b->opt->tf_count; ++i)
-        free(b->next[i]);
-    free(b->next);
-    b->next = NULL;
+    for (size_t i = 0; b->shown && i < b->opt->tf_count; ++i)
+        free(b->shown[i].next);
+    free(b->shown);
+    b->shown = NULL;
 }
 
 static bool note_shown(iso_lattice_builder *b)
 {
-    bool good = (b->next = calloc(b->opt->tf_count + 1, sizeof *b->next)) != NULL;
+    bool good = (b->shown = calloc(b->opt->tf_count + 1, sizeof *b->shown)) != NULL;
     for (size_t i = 0; i < b->opt->tf_count && good; ++i) {
-        good = (b->next[i] = malloc(b->opt->tfs[i].count * sizeof **b->next)) != NULL;
+        const iso_tf_table *tf = &b->opt->tfs[i];
+        uint32_t *next = malloc(tf->count * sizeof *next);
+        good = next != NULL;
         if (good)
-            iso_tf_next_shown(&b->opt->tfs[i], b->next[i]);
+            b->shown[i] = iso_tf_shown_of(tf, next);
     }
     return good;
 }
@@ -232,10 +251,15 @@ static iso_status add_bricks(const iso_lattice_builder *b, iso_error *err)
 {
     const size_t count = iso_brick_count(b->field->nodes);
     bool failed = false;
-#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(b->opt->threads)) reduction(|| : failed)
-    for (size_t i = 0; i < count; ++i)
-        if (iso_lattice_has(b, i) && iso_lattice_add_brick(b, i, NULL) != ISO_OK)
-            failed = true;
+#pragma omp parallel num_threads(iso_threads(b->opt->threads)) reduction(|| : failed)
+    {
+        iso_node_room room = {0};
+#pragma omp for schedule(dynamic)
+        for (size_t i = 0; i < count; ++i)
+            if (iso_lattice_has(b, i) && iso_lattice_add_brick(b, i, &room, NULL) != ISO_OK)
+                failed = true;
+        iso_node_room_destroy(&room);
+    }
     return failed ? iso_fail(err, ISO_E_MEMORY, "lattice: no memory for its nodes") : ISO_OK;
 }
 
@@ -279,8 +303,10 @@ void iso_lattice_destroy(iso_lattice *l)
 {
     if (!l)
         return;
-    for (size_t i = 0; l->blocks && i < block_count(l); ++i)
-        free(l->blocks[i]);
+    for (iso_lattice_chunk *c = l->chunks, *next; c; c = next) {
+        next = c->next;
+        free(c);
+    }
     free(l->blocks);
     *l = (iso_lattice){0};
 }

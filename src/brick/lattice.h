@@ -48,6 +48,7 @@ typedef struct iso_lattice {
     long corner[3];        /* the first node of the first block: multiples of ISO_LATTICE_SIDE */
     size_t block_count[3];
     iso_lattice_block **blocks; /* owned, x fastest; NULL where no node is active */
+    struct iso_lattice_chunk *chunks; /* owned; what the blocks stand in */
     size_t active_count;
     double background;              /* of the scalar; directions are 0 */
     float empty[ISO_NODE_CHANNELS]; /* what a node that is not active holds */

@@ -2,26 +2,65 @@
 #include "brick/lattice_build.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "brick/made_bricks.h"
 
-/* The nodes of a brick's cells in the lattice, and beyond the volume's ends one cell more. */
+/* The nodes of a brick's cells in the lattice, and beyond the volume's ends one cell more. Scalars say which of them are
+ * shown, often few of many, and only these get directions. */
 typedef struct cell_box {
     size_t brick[3], index;
     long first[3]; /* node of the lattice's level */
     size_t size[3];
-    float *nodes;            /* owned; ISO_NODE_CHANNELS a node */
-    uint8_t *active, *coded; /* in the same allocation; not coded: its direction is to be taken through the code */
-    float *lowest, *highest; /* of the squares of four nodes of two planes */
+    float *scalars, *directions;      /* in the room; one and three a node */
+    float *lowest, *highest;          /* of the squares of four nodes of two planes */
+    uint8_t *active, *foreign, *told; /* foreign: of a coarser brick; told: which of the brick's own row are wanted */
+    struct node_place *along[3];      /* where the nodes are in the brick's cells */
 } cell_box;
+
+typedef struct node_place {
+    size_t cell;
+    double part;
+} node_place;
 
 static size_t nodes_of(const cell_box *c)
 {
     return c->size[0] * c->size[1] * c->size[2];
 }
 
-static bool cell_box_create(cell_box *c, const iso_lattice_builder *b, size_t index)
+static node_place place_of(const iso_lattice_builder *b, const cell_box *c, int axis, size_t i)
+{
+    const iso_node_levels *n = b->field->nodes;
+    const size_t level = b->field->levels[c->index], q = iso_lattice_level0(b, axis, c->first[axis] + (long)i);
+    const size_t from = q - c->brick[axis] * n->brick_voxels, cells = n->brick_voxels >> level;
+    const size_t cell = from >> level < cells ? from >> level : cells - 1;
+    return (node_place){cell, ldexp((double)(from - (cell << level)), -(int)level)};
+}
+
+/* All arrays one after the other, those of the widest elements first. */
+static bool take_room(cell_box *c, size_t most_side, iso_node_room *room)
+{
+    const size_t count = nodes_of(c), plane = c->size[0] * c->size[1], places = c->size[0] + c->size[1] + c->size[2];
+    const size_t floats = 4 * count + 4 * plane;
+    char *at = iso_node_room_take(room, ISO_ROOM_CELLS,
+                                  places * sizeof *c->along[0] + floats * sizeof(float) + 2 * count + most_side);
+    if (!at)
+        return false;
+    c->along[0] = (node_place *)(void *)at;
+    c->along[1] = c->along[0] + c->size[0];
+    c->along[2] = c->along[1] + c->size[1];
+    c->scalars = (float *)(void *)(c->along[2] + c->size[2]);
+    c->directions = c->scalars + count;
+    c->lowest = c->directions + 3 * count;
+    c->highest = c->lowest + 2 * plane;
+    c->active = (uint8_t *)(c->highest + 2 * plane);
+    c->foreign = c->active + count;
+    c->told = c->foreign + count;
+    memset(c->active, 0, 2 * count);
+    return true;
+}
+
+static bool cell_box_place(cell_box *c, const iso_lattice_builder *b, size_t index, iso_node_room *room)
 {
     const iso_node_levels *n = b->field->nodes;
     const size_t cells = n->brick_voxels >> b->lattice->level;
@@ -33,123 +72,184 @@ static bool cell_box_create(cell_box *c, const iso_lattice_builder *b, size_t in
         c->first[a] = (long)(c->brick[a] * cells) - begins;
         c->size[a] = cells + 1 + begins + ends;
     }
-    const size_t plane = c->size[0] * c->size[1];
-    c->nodes = malloc((ISO_NODE_CHANNELS * nodes_of(c) + 4 * plane) * sizeof *c->nodes + 2 * nodes_of(c));
-    if (!c->nodes)
+    if (!take_room(c, n->brick_voxels + 1, room))
         return false;
-    c->lowest = c->nodes + ISO_NODE_CHANNELS * nodes_of(c);
-    c->highest = c->lowest + 2 * plane;
-    c->active = (uint8_t *)(c->highest + 2 * plane);
-    c->coded = c->active + nodes_of(c);
-    memset(c->active, 0, nodes_of(c));
-    memset(c->coded, 1, nodes_of(c));
+    for (int a = 0; a < 3; ++a)
+        for (size_t i = 0; i < c->size[a]; ++i)
+            c->along[a][i] = place_of(b, c, a, i);
     return true;
 }
 
-/* ---- nodes ---------------------------------------------------------------------- */
+/* ---- a brick that is coarser than the lattice --------------------------------------- */
 
-/* Where a node of the box stands along an axis, in the brick's cells. */
-typedef struct node_place {
-    size_t cell;
-    double part;
-} node_place;
-
-static node_place place_of(const iso_lattice_builder *b, const cell_box *c, int axis, size_t i)
-{
-    const iso_node_levels *n = b->field->nodes;
-    const size_t level = b->field->levels[c->index], q = iso_lattice_level0(b, axis, c->first[axis] + (long)i);
-    const size_t from = q - c->brick[axis] * n->brick_voxels, cells = n->brick_voxels >> level;
-    const size_t cell = from >> level < cells ? from >> level : cells - 1;
-    return (node_place){cell, ldexp((double)(from - (cell << level)), -(int)level)};
-}
-
-/* The nodes of the brick's own cells as the field has them; to be freed. */
-static double *corners_of(const iso_lattice_builder *b, const cell_box *c)
+/* The nodes of the brick's own cells as the field has them. NULL: no memory. */
+static const double *corners_of(const iso_lattice_builder *b, const cell_box *c, iso_node_room *room)
 {
     const size_t side = iso_brick_side(b->field->nodes, b->field->levels[c->index]);
-    double *corners = malloc(ISO_NODE_CHANNELS * side * side * side * sizeof *corners);
+    double *corners = iso_node_room_take(room, ISO_ROOM_CORNERS,
+                                         ISO_NODE_CHANNELS * side * side * side * sizeof *corners);
     for (size_t i = 0; corners && i < side * side * side; ++i)
         iso_brick_node(b->field, c->brick, (const size_t[]){i % side, i / side % side, i / (side * side)},
                        corners + ISO_NODE_CHANNELS * i);
     return corners;
 }
 
-/* As iso_brick_sample_in() does, in the same order. */
-static void interpolate(const double *corners, size_t side, const node_place place[3], double out[ISO_NODE_CHANNELS])
+/* As iso_brick_sample_in() does, in the same order: `count` channels from the one that `corners` begins with. */
+static inline void interpolate(const double *corners, size_t side, const cell_box *c, const size_t at[3], size_t count,
+                               double *out)
 {
+    const node_place place[3] = {c->along[0][at[0]], c->along[1][at[1]], c->along[2][at[2]]};
     const double *low = corners + ISO_NODE_CHANNELS * (place[0].cell + side * (place[1].cell + side * place[2].cell));
-    memset(out, 0, ISO_NODE_CHANNELS * sizeof *out);
+    for (size_t k = 0; k < count; ++k)
+        out[k] = 0;
     for (size_t i = 0; i < 8; ++i) {
         const double *corner = low + ISO_NODE_CHANNELS * ((i & 1) + side * ((i >> 1 & 1) + side * (i >> 2)));
         double weight = 1;
         for (size_t a = 0; a < 3; ++a)
             weight *= i >> a & 1 ? place[a].part : 1 - place[a].part;
-        for (size_t k = 0; k < ISO_NODE_CHANNELS; ++k)
+        for (size_t k = 0; k < count; ++k)
             out[k] += weight * corner[k];
     }
 }
 
-/* The values of a brick that is coarser than the lattice. */
-static bool fill_between(const iso_lattice_builder *b, const cell_box *c)
+static void scalars_between(const iso_lattice_builder *b, const cell_box *c, const double *corners)
 {
-    const iso_node_levels *n = b->field->nodes;
-    const size_t side = iso_brick_side(n, b->field->levels[c->index]);
-    double *corners = corners_of(b, c);
-    node_place *along = malloc(c->size[0] * sizeof *along);
-    for (size_t x = 0; along && x < c->size[0]; ++x)
-        along[x] = place_of(b, c, 0, x);
-    for (size_t i = 0; corners && along && i < nodes_of(c); ++i) {
-        double value[ISO_NODE_CHANNELS];
-        const size_t x = i % c->size[0], y = i / c->size[0] % c->size[1], z = i / (c->size[0] * c->size[1]);
-        const node_place place[3] = {along[x], place_of(b, c, 1, y), place_of(b, c, 2, z)};
-        interpolate(corners, side, place, value);
-        iso_lattice_round(b, value, c->nodes + ISO_NODE_CHANNELS * i);
-    }
-    const bool good = corners && along;
-    free(along);
-    free(corners);
-    return good;
-}
-
-/* A row of what follows. along: where its nodes are. */
-static void fill_baked_row(const iso_lattice_builder *b, const cell_box *c, const node_place *along,
-                           const bool foreign[ISO_BRICK_PARTS], size_t y, size_t z)
-{
-    const size_t side = iso_brick_side(b->field->nodes, b->lattice->level), first = c->size[0] * (y + c->size[1] * z);
-    const node_place at_y = place_of(b, c, 1, y), at_z = place_of(b, c, 2, z);
-    const size_t row_y = at_y.cell + (at_y.part > 0), row_z = at_z.cell + (at_z.part > 0);
-    const float *row = iso_brick_own_row(b->field, c->brick, row_y, row_z);
-    const bool is_coded = !b->field->nodes->maker || b->lattice->level > 0;
-    for (size_t x = 0; x < c->size[0]; ++x) {
-        const size_t at_x = along[x].cell + (along[x].part > 0);
-        float *to = c->nodes + ISO_NODE_CHANNELS * (first + x);
-        memcpy(to, row + ISO_NODE_CHANNELS * at_x, ISO_NODE_CHANNELS * sizeof *to);
-        if (!foreign[iso_brick_part(side, at_x, row_y, row_z)]) {
-            c->coded[first + x] = is_coded;
-            continue;
-        }
-        double value[ISO_NODE_CHANNELS];
-        iso_brick_node(b->field, c->brick, (const size_t[]){at_x, row_y, row_z}, value);
-        iso_lattice_round(b, value, to);
-    }
-}
-
-/* The values of a brick of the lattice's level: its nodes, as they are baked. Those that a coarser brick has a say in are
- * rounded as that brick's are, from doubles: all bricks that share a node give it the same bits. */
-static bool fill_baked(const iso_lattice_builder *b, const cell_box *c)
-{
-    node_place *along = malloc(c->size[0] * sizeof *along);
-    if (!along)
-        return false;
-    bool foreign[ISO_BRICK_PARTS];
-    iso_brick_foreign_parts(b->field, c->brick, foreign);
-    for (size_t x = 0; x < c->size[0]; ++x)
-        along[x] = place_of(b, c, 0, x);
+    const size_t side = iso_brick_side(b->field->nodes, b->field->levels[c->index]);
+    float *to = c->scalars;
     for (size_t z = 0; z < c->size[2]; ++z)
         for (size_t y = 0; y < c->size[1]; ++y)
-            fill_baked_row(b, c, along, foreign, y, z);
-    free(along);
-    return true;
+            for (size_t x = 0; x < c->size[0]; ++x) {
+                double value;
+                interpolate(corners, side, c, (const size_t[]){x, y, z}, 1, &value);
+                *to++ = iso_lattice_round_scalar(b, value);
+            }
+}
+
+static void directions_between(const iso_lattice_builder *b, const cell_box *c, const double *corners)
+{
+    const size_t side = iso_brick_side(b->field->nodes, b->field->levels[c->index]);
+    size_t i = 0;
+    for (size_t z = 0; z < c->size[2]; ++z)
+        for (size_t y = 0; y < c->size[1]; ++y)
+            for (size_t x = 0; x < c->size[0]; ++x, ++i) {
+                double value[3];
+                if (!c->active[i])
+                    continue;
+                interpolate(corners + 1, side, c, (const size_t[]){x, y, z}, 3, value);
+                iso_lattice_round_direction(b, value, c->directions + 3 * i);
+            }
+}
+
+/* ---- a brick of the lattice's level -------------------------------------------------- */
+
+static size_t own_node(const cell_box *c, int axis, size_t i)
+{
+    const node_place *place = &c->along[axis][i];
+    return place->cell + (place->part > 0);
+}
+
+/* A row's nodes that a coarser brick has a say in: rounded as that brick's are, from doubles, so that all bricks that share a
+ * node give it the same bits. */
+static void take_foreign(const iso_lattice_builder *b, const cell_box *c, const bool foreign[ISO_BRICK_PARTS], size_t y,
+                         size_t z)
+{
+    const size_t side = iso_brick_side(b->field->nodes, b->lattice->level), first = c->size[0] * (y + c->size[1] * z);
+    const size_t own_y = own_node(c, 1, y), own_z = own_node(c, 2, z);
+    for (size_t x = 0; x < c->size[0]; ++x) {
+        const size_t own_x = own_node(c, 0, x);
+        double value[ISO_NODE_CHANNELS];
+        if (!foreign[iso_brick_part(side, own_x, own_y, own_z)])
+            continue;
+        iso_brick_node(b->field, c->brick, (const size_t[]){own_x, own_y, own_z}, value);
+        c->scalars[first + x] = iso_lattice_round_scalar(b, value[0]);
+        iso_lattice_round_direction(b, value + 1, c->directions + 3 * (first + x));
+        c->foreign[first + x] = 1;
+    }
+}
+
+/* passing: NULL: the brick has nodes. */
+static void scalars_baked(const iso_lattice_builder *b, const cell_box *c, const iso_passing_brick *passing)
+{
+    float row[64 + 1];
+    bool foreign[ISO_BRICK_PARTS];
+    iso_brick_foreign_parts(b->field, c->brick, foreign);
+    for (size_t z = 0; z < c->size[2]; ++z)
+        for (size_t y = 0; y < c->size[1]; ++y) {
+            const size_t own_y = own_node(c, 1, y), own_z = own_node(c, 2, z);
+            const float *own = passing ? NULL : iso_brick_own_row(b->field, c->brick, own_y, own_z);
+            float *to = c->scalars + c->size[0] * (y + c->size[1] * z);
+            if (passing)
+                iso_passing_brick_scalars(passing, own_y, own_z, row);
+            for (size_t x = 0; x < c->size[0]; ++x)
+                to[x] = passing ? row[own_node(c, 0, x)] : own[ISO_NODE_CHANNELS * own_node(c, 0, x)];
+            take_foreign(b, c, foreign, y, z);
+        }
+}
+
+/* Of a brick that has nodes. */
+static void directions_own(const iso_lattice_builder *b, const cell_box *c)
+{
+    size_t i = 0;
+    for (size_t z = 0; z < c->size[2]; ++z)
+        for (size_t y = 0; y < c->size[1]; ++y) {
+            const float *own = iso_brick_own_row(b->field, c->brick, own_node(c, 1, y), own_node(c, 2, z));
+            for (size_t x = 0; x < c->size[0]; ++x, ++i)
+                if (c->active[i] && !c->foreign[i])
+                    memcpy(c->directions + 3 * i, own + ISO_NODE_CHANNELS * own_node(c, 0, x) + 1,
+                           3 * sizeof *c->directions);
+        }
+}
+
+/* Of a row the nodes that want directions of the brick's own, a byte each. False: there are none. */
+static bool tell_row(const cell_box *c, size_t first, size_t side)
+{
+    bool any = false;
+    memset(c->told, 0, side);
+    for (size_t x = 0; x < c->size[0]; ++x) {
+        const bool wanted = c->active[first + x] && !c->foreign[first + x];
+        c->told[own_node(c, 0, x)] |= wanted;
+        any = any || wanted;
+    }
+    return any;
+}
+
+/* A row's directions on their way through the code: those of several rows at once. */
+enum { BATCH = 4 * (64 + 3) };
+typedef struct code_batch {
+    float directions[3 * BATCH];
+    size_t places[BATCH], count;
+} code_batch;
+
+static void code_directions(const iso_passing_brick *p, const cell_box *c, code_batch *batch)
+{
+    iso_passing_brick_code(p, batch->directions, batch->count);
+    for (size_t k = 0; k < batch->count; ++k)
+        memcpy(c->directions + 3 * batch->places[k], batch->directions + 3 * k, 3 * sizeof *c->directions);
+    batch->count = 0;
+}
+
+static void directions_passing(const cell_box *c, const iso_passing_brick *p)
+{
+    const size_t side = p->nodes->brick_voxels + 1;
+    float row[3 * (64 + 1)];
+    code_batch batch;
+    batch.count = 0;
+    for (size_t z = 0; z < c->size[2]; ++z)
+        for (size_t y = 0; y < c->size[1]; ++y) {
+            const size_t first = c->size[0] * (y + c->size[1] * z);
+            if (!tell_row(c, first, side))
+                continue;
+            iso_passing_brick_directions(p, own_node(c, 1, y), own_node(c, 2, z), c->told, row);
+            for (size_t x = 0; x < c->size[0]; ++x) {
+                if (!c->active[first + x] || c->foreign[first + x])
+                    continue;
+                memcpy(batch.directions + 3 * batch.count, row + 3 * own_node(c, 0, x), 3 * sizeof *row);
+                batch.places[batch.count++] = first + x;
+            }
+            if (batch.count + c->size[0] > BATCH)
+                code_directions(p, c, &batch);
+        }
+    code_directions(p, c, &batch);
 }
 
 /* ---- cells ---------------------------------------------------------------------- */
@@ -158,14 +258,12 @@ static bool fill_baked(const iso_lattice_builder *b, const cell_box *c)
 static void take_plane(const cell_box *c, size_t z, float *lowest, float *highest)
 {
     const size_t nx = c->size[0], ny = c->size[1];
-    const float *plane = c->nodes + ISO_NODE_CHANNELS * nx * ny * z;
+    const float *plane = c->scalars + nx * ny * z;
     for (size_t y = 0; y + 1 < ny; ++y)
         for (size_t x = 0; x + 1 < nx; ++x) {
-            const float *v = plane + ISO_NODE_CHANNELS * (x + nx * y), *w = v + ISO_NODE_CHANNELS * nx;
-            const float low_v = v[0] < v[ISO_NODE_CHANNELS] ? v[0] : v[ISO_NODE_CHANNELS];
-            const float low_w = w[0] < w[ISO_NODE_CHANNELS] ? w[0] : w[ISO_NODE_CHANNELS];
-            const float high_v = v[0] > v[ISO_NODE_CHANNELS] ? v[0] : v[ISO_NODE_CHANNELS];
-            const float high_w = w[0] > w[ISO_NODE_CHANNELS] ? w[0] : w[ISO_NODE_CHANNELS];
+            const float *v = plane + x + nx * y, *w = v + nx;
+            const float low_v = v[0] < v[1] ? v[0] : v[1], low_w = w[0] < w[1] ? w[0] : w[1];
+            const float high_v = v[0] > v[1] ? v[0] : v[1], high_w = w[0] > w[1] ? w[0] : w[1];
             lowest[x + nx * y] = low_v < low_w ? low_v : low_w;
             highest[x + nx * y] = high_v > high_w ? high_v : high_w;
         }
@@ -202,57 +300,60 @@ static bool mark(const iso_lattice_builder *b, const cell_box *c)
     return any;
 }
 
-/* The directions of the active nodes that are not coded. */
-static void code_active(const iso_lattice_builder *b, const cell_box *c)
-{
-    enum { BATCH = 256 };
-    float directions[3 * BATCH];
-    size_t places[BATCH], m = 0;
-    for (size_t i = 0; i < nodes_of(c); ++i) {
-        if (c->active[i] && !c->coded[i]) {
-            memcpy(directions + 3 * m, c->nodes + ISO_NODE_CHANNELS * i + 1, 3 * sizeof *directions);
-            places[m++] = i;
-        }
-        if (m < BATCH && (i + 1 < nodes_of(c) || m == 0))
-            continue;
-        iso_brick_code(b->field->nodes, directions, m);
-        for (size_t k = 0; k < m; ++k)
-            memcpy(c->nodes + ISO_NODE_CHANNELS * places[k] + 1, directions + 3 * k, 3 * sizeof *directions);
-        m = 0;
-    }
-}
+/* ---- the whole ---------------------------------------------------------------------- */
 
 static iso_status put_active(iso_lattice *l, const cell_box *c, iso_error *err)
 {
     iso_status status = ISO_OK;
-    for (size_t i = 0; i < nodes_of(c) && status == ISO_OK; ++i) {
-        if (!c->active[i])
-            continue;
-        const size_t in[3] = {i % c->size[0], i / c->size[0] % c->size[1], i / (c->size[0] * c->size[1])};
-        size_t at[3];
-        for (int a = 0; a < 3; ++a)
-            at[a] = (size_t)(c->first[a] - l->first[a]) + in[a];
-        status = iso_lattice_put(l, at, c->nodes + ISO_NODE_CHANNELS * i, ISO_LATTICE_LIT, err);
-    }
+    size_t at[3], i = 0;
+    for (size_t z = 0; z < c->size[2]; ++z)
+        for (size_t y = 0; y < c->size[1]; ++y)
+            for (size_t x = 0; x < c->size[0] && status == ISO_OK; ++x, ++i) {
+                const size_t in[3] = {x, y, z};
+                float node[ISO_NODE_CHANNELS] = {c->scalars[i]};
+                if (!c->active[i])
+                    continue;
+                memcpy(node + 1, c->directions + 3 * i, 3 * sizeof *node);
+                for (int a = 0; a < 3; ++a)
+                    at[a] = (size_t)(c->first[a] - l->first[a]) + in[a];
+                status = iso_lattice_put(l, at, node, ISO_LATTICE_LIT, err);
+            }
     return status;
 }
 
-iso_status iso_lattice_add_brick(const iso_lattice_builder *b, size_t brick, iso_error *err)
+/* Values, and of what is shown directions. False: no memory. any: is anything shown? */
+static bool fill(const iso_lattice_builder *b, const cell_box *c, iso_node_room *room, bool *any)
 {
-    cell_box c = {.nodes = NULL};
-    iso_status status = iso_brick_make(b->field->nodes, brick, ISO_BRICK_UNCODED, err);
-    if (status != ISO_OK)
-        return status;
-    const bool good = cell_box_create(&c, b, brick) &&
-                      (b->field->levels[brick] > b->lattice->level ? fill_between(b, &c) : fill_baked(b, &c));
-    iso_brick_forget(b->field->nodes, brick);
-    if (!good)
-        status = iso_fail(err, ISO_E_MEMORY, "lattice: no memory for the nodes of a brick");
-    if (good && mark(b, &c)) {
-        code_active(b, &c);
+    const iso_node_levels *n = b->field->nodes;
+    const bool between = b->field->levels[c->index] > b->lattice->level,
+               passes = n->bricks && b->field->levels[c->index] == 0;
+    iso_passing_brick passing;
+    const double *corners = between ? corners_of(b, c, room) : NULL;
+    if (between ? !corners : passes && !iso_passing_brick_open(&passing, n, c->index, room))
+        return false;
+    if (between)
+        scalars_between(b, c, corners);
+    else
+        scalars_baked(b, c, passes ? &passing : NULL);
+    *any = mark(b, c);
+    if (*any && between)
+        directions_between(b, c, corners);
+    else if (*any && passes)
+        directions_passing(c, &passing);
+    else if (*any)
+        directions_own(b, c);
+    return true;
+}
+
+iso_status iso_lattice_add_brick(const iso_lattice_builder *b, size_t brick, iso_node_room *room, iso_error *err)
+{
+    cell_box c;
+    bool any = false;
+    iso_status status = ISO_OK;
+    if (!cell_box_place(&c, b, brick, room) || !fill(b, &c, room, &any))
+        return iso_fail(err, ISO_E_MEMORY, "lattice: no memory for the nodes of a brick");
+    if (any)
 #pragma omp critical(iso_lattice)
         status = put_active(b->lattice, &c, err);
-    }
-    free(c.nodes);
     return status;
 }

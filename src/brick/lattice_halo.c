@@ -106,7 +106,6 @@ static float sample(const iso_lattice_builder *b, const size_t at[3])
     const iso_node_levels *n = b->field->nodes;
     double q[3], value[ISO_NODE_CHANNELS];
     size_t brick[3], p[3], coarsest[3];
-    float rounded[ISO_NODE_CHANNELS];
     for (int a = 0; a < 3; ++a) {
         p[a] = iso_lattice_level0(b, a, b->lattice->first[a] + (long)at[a]);
         brick[a] = iso_lattice_brick(b, a, p[a]);
@@ -116,8 +115,7 @@ static float sample(const iso_lattice_builder *b, const size_t at[3])
     if (!sampled && !iso_brick_coarsest_at(b->field, p, b->lattice->level, coarsest))
         return (float)own_scalar(b, brick, p);
     iso_brick_sample_in(b->field, sampled ? brick : coarsest, q, value);
-    iso_lattice_round(b, value, rounded);
-    return rounded[0];
+    return iso_lattice_round_scalar(b, value[0]);
 }
 
 static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t cell, const size_t at[3], iso_error *err)

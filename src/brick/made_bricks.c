@@ -396,16 +396,73 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_cont
                 : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a brick of %zu voxels a side", n->brick_voxels);
 }
 
-void iso_brick_code(const iso_node_levels *n, float *directions, size_t count)
+/* ---- bricks that nobody keeps ------------------------------------------------------- */
+
+bool iso_passing_brick_open(iso_passing_brick *p, const iso_node_levels *n, size_t brick, iso_node_room *room)
 {
-    enum { BATCH = 256 };
-    uint8_t bytes[6 * BATCH];
-    for (size_t first = 0; n->maker->has_code && first < count; first += BATCH) {
-        const size_t m = count - first < BATCH ? count - first : BATCH;
-        iso_code_encode(n->maker->code, directions + 3 * first, bytes, m);
-        iso_code_decode_all(n->maker->code, bytes, directions + 3 * first, m);
+    *p = (iso_passing_brick){.nodes = n};
+    brick_at(n, brick, p->first);
+    for (int a = 0; a < 3; ++a) {
+        const size_t last = n->geometry.size[a] - 1;
+        p->first[a] *= n->brick_voxels;
+        p->last[a] = p->first[a] + n->brick_voxels < last ? p->first[a] + n->brick_voxels : last;
+    }
+    return iso_voxel_box_read(&p->voxels, &n->maker->voxels, p->first, p->last, room);
+}
+
+/* The row's place in the volume, and how many of its nodes the volume has. */
+static size_t passing_row(const iso_passing_brick *p, size_t y, size_t z, size_t at[2])
+{
+    at[0] = p->first[1] + y < p->last[1] ? p->first[1] + y : p->last[1];
+    at[1] = p->first[2] + z < p->last[2] ? p->first[2] + z : p->last[2];
+    return p->last[0] - p->first[0] + 1;
+}
+
+void iso_passing_brick_scalars(const iso_passing_brick *p, size_t y, size_t z, float *restrict scalars)
+{
+    size_t at[2];
+    const size_t count = passing_row(p, y, z, at);
+    memcpy(scalars, iso_voxel_box_at(&p->voxels, p->first[0], at[0], at[1]), count * sizeof *scalars);
+    for (size_t x = count; x <= p->nodes->brick_voxels; ++x)
+        scalars[x] = scalars[count - 1];
+}
+
+void iso_passing_brick_directions(const iso_passing_brick *p, size_t y, size_t z, const uint8_t *wanted,
+                                  float *restrict directions)
+{
+    enum { MOST = 64 + 1 };
+    float room[ISO_BOX_CHANNELS][MOST];
+    float *const rows[ISO_BOX_CHANNELS] = {room[0], room[1], room[2], room[3], room[4]};
+    size_t at[2];
+    const size_t count = passing_row(p, y, z, at);
+    if (!p->nodes->maker->voxels.directed)
+        memset(room, 0, sizeof room);
+    else
+        iso_voxel_box_moments(&p->voxels, p->first[0], at[0], at[1], count, rows);
+    for (size_t x = 0; x <= p->nodes->brick_voxels; ++x) {
+        const size_t from = x < count ? x : count - 1;
+        float *to = directions + 3 * x;
+        if (!wanted[x])
+            continue;
+        for (size_t a = 0; a < 3; ++a)
+            to[a] = rows[ISO_BOX_MOMENTS + a][from];
+        iso_node_to_direction(to, rows[ISO_BOX_SUM][from]);
     }
 }
+
+void iso_passing_brick_code(const iso_passing_brick *p, float *directions, size_t count)
+{
+    enum { BATCH = 256 };
+    const struct iso_brick_maker *m = p->nodes->maker;
+    uint8_t bytes[6 * BATCH];
+    for (size_t first = 0; m->has_code && m->voxels.directed && first < count; first += BATCH) {
+        const size_t batch = count - first < BATCH ? count - first : BATCH;
+        iso_code_encode(m->code, directions + 3 * first, bytes, batch);
+        iso_code_decode_all(m->code, bytes, directions + 3 * first, batch);
+    }
+}
+
+/* ---- what is read, and forgotten ------------------------------------------------------ */
 
 void iso_brick_forget(const iso_node_levels *n, size_t brick)
 {

@@ -9,20 +9,20 @@
 #include "base/simd.h"
 #include "pyramid/narrow.h"
 
-float *iso_node_room_take(iso_node_room *room, iso_node_room_part part, size_t count)
+void *iso_node_room_take(iso_node_room *room, iso_node_room_part part, size_t bytes)
 {
-    if (count > room->counts[part]) {
-        free(room->values[part]);
-        room->values[part] = malloc(count * sizeof *room->values[part]);
-        room->counts[part] = room->values[part] ? count : 0;
+    if (bytes > room->bytes[part]) {
+        free(room->parts[part]);
+        room->parts[part] = malloc(bytes);
+        room->bytes[part] = room->parts[part] ? bytes : 0;
     }
-    return room->values[part];
+    return room->parts[part];
 }
 
 void iso_node_room_destroy(iso_node_room *room)
 {
     for (size_t i = 0; i < ISO_ROOM_PARTS; ++i)
-        free(room->values[i]);
+        free(room->parts[i]);
     *room = (iso_node_room){0};
 }
 
@@ -30,7 +30,7 @@ bool iso_node_box_place(iso_node_box *b, const size_t size[3], bool directed, is
                         iso_node_room_part part)
 {
     *b = (iso_node_box){.size = {size[0], size[1], size[2]}, .channels = directed ? ISO_BOX_CHANNELS : 1};
-    b->values = iso_node_room_take(room, part, b->channels * iso_node_box_count(b));
+    b->values = iso_node_room_take(room, part, b->channels * iso_node_box_count(b) * sizeof *b->values);
     return b->values != NULL;
 }
 
@@ -82,27 +82,21 @@ iso_node_voxels iso_node_voxels_of(const iso_level *level, bool directed)
     };
 }
 
-/* Voxels around a box, as floats: as many as its gradients reach. */
-typedef struct voxel_box {
-    const iso_node_voxels *of;
-    size_t first[3], size[3];
-    float *values, *scratch; /* in the room; scratch: three rows of gradients, and the estimator's */
-} voxel_box;
-
-static bool read_voxel_box(voxel_box *v, const iso_node_voxels *of, const size_t lo[3], const size_t hi[3],
-                           iso_node_room *room)
+bool iso_voxel_box_read(iso_voxel_box *v, const iso_node_voxels *of, const size_t lo[3], const size_t hi[3],
+                        iso_node_room *room)
 {
     const iso_gradient_options gradient = iso_gradient_defaults();
     const size_t *n = of->level->geometry.size,
                  reach = of->directed ? iso_gradient_describe(gradient.method)->reach : 0;
-    *v = (voxel_box){.of = of};
+    *v = (iso_voxel_box){.of = of};
     for (int a = 0; a < 3; ++a) {
         const size_t last = hi[a] + reach < n[a] ? hi[a] + reach : n[a] - 1;
         v->first[a] = lo[a] > reach ? lo[a] - reach : 0;
         v->size[a] = last - v->first[a] + 1;
     }
     const size_t nx = v->size[0], count = nx * v->size[1] * v->size[2];
-    v->values = iso_node_room_take(room, ISO_ROOM_VOXELS, count + 3 * nx + iso_gradient_scratch_count(nx));
+    v->values = iso_node_room_take(room, ISO_ROOM_VOXELS,
+                                   (count + 3 * nx + iso_gradient_scratch_count(nx)) * sizeof *v->values);
     if (!v->values)
         return false;
     v->scratch = v->values + count;
@@ -133,31 +127,37 @@ ISO_SIMD static void moments_row(float unit, const float *restrict gx, const flo
     }
 }
 
+void iso_voxel_box_moments(const iso_voxel_box *v, size_t x, size_t y, size_t z, size_t count,
+                           float *const rows[ISO_BOX_CHANNELS])
+{
+    const size_t nx = v->size[0], at = x - v->first[0];
+    float *const g[3] = {v->scratch, v->scratch + nx, v->scratch + 2 * nx};
+    const iso_planes planes = {v->values, ISO_F32, {nx, v->size[1], v->size[2]}, 0, v->size[2]};
+    iso_gradient_row(&planes, iso_gradient_defaults().method, &v->of->matrix, y - v->first[1], z - v->first[2],
+                     v->scratch + 3 * nx, g);
+    moments_row(v->of->unit, g[0] + at, g[1] + at, g[2] + at, count, rows);
+}
+
 static void read_voxels(const void *user, size_t x, size_t y, size_t z, size_t count,
                         float *const rows[ISO_BOX_CHANNELS])
 {
-    const voxel_box *v = user;
-    const size_t nx = v->size[0], at = x - v->first[0], row = y - v->first[1], plane = z - v->first[2];
-    float *const g[3] = {v->scratch, v->scratch + nx, v->scratch + 2 * nx};
-    memcpy(rows[0], v->values + at + nx * (row + v->size[1] * plane), count * sizeof *rows[0]);
-    if (!v->of->directed)
-        return;
-    const iso_planes planes = {v->values, ISO_F32, {nx, v->size[1], v->size[2]}, 0, v->size[2]};
-    iso_gradient_row(&planes, iso_gradient_defaults().method, &v->of->matrix, row, plane, v->scratch + 3 * nx, g);
-    moments_row(v->of->unit, g[0] + at, g[1] + at, g[2] + at, count, rows);
+    const iso_voxel_box *v = user;
+    memcpy(rows[0], iso_voxel_box_at(v, x, y, z), count * sizeof *rows[0]);
+    if (v->of->directed)
+        iso_voxel_box_moments(v, x, y, z, count, rows);
 }
 
 bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3], iso_node_room *room)
 {
     iso_node_rows rows = {.read = read_voxels};
-    voxel_box voxels;
+    iso_voxel_box voxels;
     size_t lo[3], hi[3];
     for (int a = 0; a < 3; ++a) {
         rows.last[a] = v->level->geometry.size[a] - 1;
         lo[a] = clamped(first[a], rows.last[a]);
         hi[a] = clamped(first[a] + (long)b->size[a] - 1, rows.last[a]);
     }
-    if (!read_voxel_box(&voxels, v, lo, hi, room))
+    if (!iso_voxel_box_read(&voxels, v, lo, hi, room))
         return false;
     rows.user = &voxels;
     iso_node_box_fill(b, &rows, first);
@@ -249,7 +249,7 @@ ISO_SIMD static void join_sharp_rows(const sharp_rows *s, size_t y, size_t z, fl
 static bool filter_sharp(const iso_node_box *fine, const iso_node_box *coarse, iso_node_room *room)
 {
     const size_t width = coarse->size[0], rows = fine->size[1] * fine->size[2];
-    float *along = iso_node_room_take(room, ISO_ROOM_ROWS, 3 * width * rows);
+    float *along = iso_node_room_take(room, ISO_ROOM_ROWS, 3 * width * rows * sizeof *along);
     if (!along)
         return false;
     const sharp_rows s = {along, along + width * rows, along + 2 * width * rows, width, fine->size[1]};

@@ -29,14 +29,16 @@ typedef enum iso_node_room_part {
     ISO_ROOM_FINE,
     ISO_ROOM_VOXELS, /* around a box of level 0 */
     ISO_ROOM_ROWS,   /* of the sharp filter */
+    ISO_ROOM_CELLS,  /* of a brick, on their way into a lattice */
+    ISO_ROOM_CORNERS,
     ISO_ROOM_PARTS
 } iso_node_room_part;
 typedef struct iso_node_room {
-    float *values[ISO_ROOM_PARTS]; /* owned */
-    size_t counts[ISO_ROOM_PARTS];
+    void *parts[ISO_ROOM_PARTS]; /* owned */
+    size_t bytes[ISO_ROOM_PARTS];
 } iso_node_room;
-/* Room for as many floats; what was in that part may be gone. NULL: no memory. */
-float *iso_node_room_take(iso_node_room *room, iso_node_room_part part, size_t count);
+/* What was in that part may be gone. NULL: no memory. */
+void *iso_node_room_take(iso_node_room *room, iso_node_room_part part, size_t bytes);
 void iso_node_room_destroy(iso_node_room *room);
 
 static inline size_t iso_node_box_count(const iso_node_box *b)
@@ -71,6 +73,23 @@ typedef struct iso_node_voxels {
 iso_node_voxels iso_node_voxels_of(const iso_level *level, bool directed);
 /* False: no memory. */
 bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3], iso_node_room *room);
+
+/* Voxels around a box of level 0, as floats: as many as its gradients reach. */
+typedef struct iso_voxel_box {
+    const iso_node_voxels *of;
+    size_t first[3], size[3];
+    float *values, *scratch; /* in the room; scratch: three rows of gradients, and the estimator's */
+} iso_voxel_box;
+/* Of nodes lo to hi, hi included, which the level has. False: no memory. */
+bool iso_voxel_box_read(iso_voxel_box *v, const iso_node_voxels *of, const size_t lo[3], const size_t hi[3],
+                        iso_node_room *room);
+static inline const float *iso_voxel_box_at(const iso_voxel_box *v, size_t x, size_t y, size_t z)
+{
+    return v->values + x - v->first[0] + v->size[0] * (y - v->first[1] + v->size[1] * (z - v->first[2]));
+}
+/* Moments and their sums of nodes of the box, as iso_node_rows.read has them; rows[0] is left as it is. */
+void iso_voxel_box_moments(const iso_voxel_box *v, size_t x, size_t y, size_t z, size_t count,
+                           float *const rows[ISO_BOX_CHANNELS]);
 
 /* The coarse box of a fine one of 2 m + 3 nodes. False: no memory. */
 bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse,

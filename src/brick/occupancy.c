@@ -56,22 +56,25 @@ void iso_brick_ranges_destroy(iso_brick_ranges *r)
     *r = (iso_brick_ranges){0};
 }
 
-/* The entries that the values of [min, max] are made of: wider by a thousandth of an entry, since renderers look values up
- * in float. */
-static void entries_of(const iso_tf_table *tf, double min, double max, size_t *from, size_t *to)
+static iso_tf_shown measures_of(const iso_tf_table *tf)
 {
-    double scale = (double)(tf->count - 1) / (tf->hi - tf->lo), last = (double)(tf->count - 1);
-    double first = (min - tf->lo) * scale - 1e-3, end = (max - tf->lo) * scale + 1e-3;
-    first = first > 0 ? (first < last ? first : last) : 0;
-    end = end > 0 ? (end < last ? end : last) : 0;
-    *from = (size_t)first;
-    *to = (size_t)end + ((double)(size_t)end < end);
+    return (iso_tf_shown){
+        .lo = tf->lo, .scale = (double)(tf->count - 1) / (tf->hi - tf->lo), .last = (double)(tf->count - 1)};
+}
+
+iso_tf_shown iso_tf_shown_of(const iso_tf_table *tf, uint32_t *next)
+{
+    iso_tf_shown s = measures_of(tf);
+    iso_tf_next_shown(tf, next);
+    s.next = next;
+    return s;
 }
 
 bool iso_tf_shows(const iso_tf_table *tf, double min, double max)
 {
+    const iso_tf_shown s = measures_of(tf);
     size_t from, to;
-    entries_of(tf, min, max, &from, &to);
+    iso_tf_entries_of(&s, min, max, &from, &to);
     for (size_t i = from; i <= to; ++i)
         if (tf->entries[4 * i + 3] > 0)
             return true;
@@ -90,8 +93,9 @@ void iso_tf_next_shown(const iso_tf_table *tf, uint32_t *next)
 
 bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, double max)
 {
+    const iso_tf_shown s = measures_of(tf);
     size_t from, to;
-    entries_of(tf, min, max, &from, &to);
+    iso_tf_entries_of(&s, min, max, &from, &to);
     return next[from] <= to;
 }
 

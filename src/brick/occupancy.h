@@ -45,6 +45,31 @@ bool iso_tf_shows(const iso_tf_table *tf, double min, double max);
 void iso_tf_next_shown(const iso_tf_table *tf, uint32_t *next);
 bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, double max);
 
+/* The same with what depends on the table alone worked out beforehand. next: filled, and kept; room for tf->count. */
+typedef struct iso_tf_shown {
+    double lo, scale, last; /* entry (value - lo) scale, of 0 to last */
+    uint32_t *next;
+} iso_tf_shown;
+iso_tf_shown iso_tf_shown_of(const iso_tf_table *tf, uint32_t *next);
+
+/* The entries that the values of [min, max] are made of: wider by a thousandth of an entry, since renderers look values up
+ * in float. */
+static inline void iso_tf_entries_of(const iso_tf_shown *s, double min, double max, size_t *from, size_t *to)
+{
+    const double last = s->last;
+    double first = (min - s->lo) * s->scale - 1e-3, end = (max - s->lo) * s->scale + 1e-3;
+    first = first > 0 ? (first < last ? first : last) : 0;
+    end = end > 0 ? (end < last ? end : last) : 0;
+    *from = (size_t)first;
+    *to = (size_t)end + ((double)(size_t)end < end);
+}
+static inline bool iso_tf_shown_in(const iso_tf_shown *s, double min, double max)
+{
+    size_t from, to;
+    iso_tf_entries_of(s, min, max, &from, &to);
+    return s->next[from] <= to;
+}
+
 /* Fills distance (one byte a brick, at most 255) and returns the part of the
  * bricks that are occupied. */
 double iso_occupancy_compute(const iso_brick_ranges *r, const iso_tf_table *tf, uint8_t *restrict distance);
