@@ -246,6 +246,73 @@ static void df3_files_are_big_endian_with_a_rim_of_edge_values(void **state)
     free(dir);
 }
 
+/* Voxels of several channels in stretches of a few that are alike, and of others. */
+enum { RUN_CHANNELS = 2, RUN_X = 37, RUN_Y = 3, RUN_Z = 2 };
+typedef struct run_source {
+    float values[RUN_Z * RUN_Y * RUN_X][RUN_CHANNELS];
+    size_t read;
+    bool lies; /* the planted fault: what differs is said to be alike, too */
+} run_source;
+
+static bool is_even(size_t voxel)
+{
+    return voxel % RUN_X / 5 % 2 == 0;
+}
+
+static size_t next_run(const void *user, size_t first, size_t count, bool *alike)
+{
+    const run_source *s = user;
+    size_t n = 1;
+    *alike = s->lies || is_even(first);
+    while (n < count && is_even(first + n) == is_even(first))
+        ++n;
+    return n;
+}
+
+static void read_run(const void *user, size_t first, size_t count, float *out)
+{
+    run_source *s = (run_source *)user;
+    memcpy(out, s->values[first], count * sizeof *s->values);
+    s->read += count;
+}
+
+static void df3_files_of_runs_are_those_of_all_samples(void **state)
+{
+    (void)state;
+    run_source user = {.read = 0};
+    char *dir = iso_make_temp_dir(), *paths[3], *data[3];
+    const size_t count = sizeof user.values / sizeof *user.values;
+    for (size_t i = 0; i < count; ++i)
+        for (size_t c = 0; c < RUN_CHANNELS; ++c)
+            user.values[i][c] = is_even(i) ? 0.25f + 0.5f * (float)c : (float)(i * (c + 1) % 97) / 97;
+    for (size_t i = 0; i < 3; ++i)
+        paths[i] = iso_path_join(dir, (const char *const[]){"a.df3", "b.df3", "all.df3"}[i]);
+    for (unsigned bits = 8; bits <= 32; bits *= 2)
+        for (int lies = 0; lies < 2; ++lies) {
+            const iso_df3_coding coding = {bits, 0, 1};
+            const iso_df3_source source = {
+                .size = {RUN_X, RUN_Y, RUN_Z}, .channels = 2, .read = read_run, .run = next_run, .user = &user};
+            user.read = 0;
+            user.lies = lies > 0;
+            assert_ok(iso_df3_write_from(&source, (const char *const *)paths, &coding, 1, &err));
+            assert_true(user.read < (RUN_Y + 2) * (RUN_Z + 2) * RUN_X);
+            for (size_t c = 0; c < RUN_CHANNELS; ++c) {
+                size_t size[2];
+                assert_ok(iso_df3_write(paths[2], source.size, user.values[0], RUN_CHANNELS, c, &coding, &err));
+                assert_ok(iso_file_read(paths[c], &data[c], &size[0], &err));
+                assert_ok(iso_file_read(paths[2], &data[2], &size[1], &err));
+                assert_int_equal(size[0], size[1]);
+                assert_int_equal(memcmp(data[c], data[2], size[0]) != 0, lies);
+                free(data[c]);
+                free(data[2]);
+            }
+        }
+    for (size_t i = 0; i < 3; ++i)
+        free(paths[i]);
+    iso_remove_tree(dir);
+    free(dir);
+}
+
 /* Of colors, which a PNG holds from 0 to 1. */
 static double largest_color_difference(const iso_image *png, const iso_image *image)
 {
@@ -355,6 +422,7 @@ int main(void)
         cmocka_unit_test(converged_agrees_and_rejects_planted_faults),
         cmocka_unit_test(halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars),
         cmocka_unit_test(df3_files_are_big_endian_with_a_rim_of_edge_values),
+        cmocka_unit_test(df3_files_of_runs_are_those_of_all_samples),
         cmocka_unit_test(an_exported_folder_renders_where_it_lies),
         cmocka_unit_test(options_outside_their_limits_are_refused),
         cmocka_unit_test(a_missing_program_is_named),

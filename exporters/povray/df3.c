@@ -98,30 +98,43 @@ static void repeat_first(uint8_t *row, size_t bytes, size_t count)
     }
 }
 
+/* Voxels of a row from x on to their places in it, y the row's number in the plane's room. alike: all are like the first. */
+static void encode_run(const plane_writer *w, const plane_room *room, size_t y, size_t first, size_t x, size_t count,
+                       bool alike)
+{
+    const iso_df3_source *s = w->source;
+    const size_t bytes = w->coding->bits / 8, n = alike ? 1 : count;
+    s->read(s->user, first + x, n, room->values);
+    encode_values(room->values, n * s->channels, w->coding, room->samples);
+    for (size_t c = 0; c < s->channels; ++c) {
+        uint8_t *to = room->planes + (c * w->size[1] + y) * w->row_bytes + (w->rim + x) * bytes;
+        double *of_channel = room->samples;
+        if (s->channels > 1) {
+            of_channel += n * s->channels;
+            for (size_t i = 0; i < n; ++i)
+                of_channel[i] = room->samples[i * s->channels + c];
+        }
+        put_samples(of_channel, n, w->coding->bits, to);
+        if (alike)
+            repeat_first(to, bytes, count);
+    }
+}
+
 /* Row y of the file's plane z, with its rim of edge values. */
 static void encode_row(const plane_writer *w, const plane_room *room, size_t y, size_t z)
 {
     const iso_df3_source *s = w->source;
-    const size_t size = s->size[0], bytes = w->coding->bits / 8, rim = w->rim;
+    const size_t size = s->size[0], bytes = w->coding->bits / 8;
     const size_t first = size * (source_index(w, y, 1) + s->size[1] * source_index(w, z, 2));
-    const size_t n = s->alike && s->alike(s->user, first, size) ? 1 : size;
-    s->read(s->user, first, n, room->values);
-    encode_values(room->values, n * s->channels, w->coding, room->samples);
-    for (size_t c = 0; c < s->channels; ++c) {
+    for (size_t x = 0, count; x < size; x += count) {
+        bool alike = false;
+        count = s->run ? s->run(s->user, first + x, size - x, &alike) : size;
+        encode_run(w, room, y, first, x, count, alike);
+    }
+    for (size_t c = 0; c < s->channels && w->rim; ++c) {
         uint8_t *row = room->planes + (c * w->size[1] + y) * w->row_bytes;
-        double *of_channel = room->samples;
-        if (s->channels > 1) {
-            of_channel += n * s->channels;
-            for (size_t x = 0; x < n; ++x)
-                of_channel[x] = room->samples[x * s->channels + c];
-        }
-        put_samples(of_channel, n, w->coding->bits, row + rim * bytes);
-        if (n < size)
-            repeat_first(row + rim * bytes, bytes, size);
-        if (rim) {
-            memcpy(row, row + bytes, bytes);
-            memcpy(row + (size + 1) * bytes, row + size * bytes, bytes);
-        }
+        memcpy(row, row + bytes, bytes);
+        memcpy(row + (size + 1) * bytes, row + size * bytes, bytes);
     }
 }
 

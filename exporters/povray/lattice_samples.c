@@ -90,14 +90,16 @@ void iso_lattice_samples_directions(const iso_lattice_samples *s, size_t first, 
     code_batch(s->code, &b, out);
 }
 
-bool iso_lattice_samples_alike(const iso_lattice_samples *s, size_t first, size_t count)
+size_t iso_lattice_samples_run(const iso_lattice_samples *s, size_t first, size_t count, bool *alike)
 {
     const row_blocks row = blocks_of(s->lattice, first);
-    for (size_t done = 0; done < count;) {
+    size_t done = 0;
+    *alike = !row.first[0];
+    while (done < count) {
         const block_run run = run_at(&row, done, count);
-        if (run.block)
-            return false;
+        if (!run.block != *alike)
+            break;
         done += run.count;
     }
-    return true;
+    return done;
 }

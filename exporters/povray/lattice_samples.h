@@ -18,7 +18,7 @@ iso_lattice_samples iso_lattice_samples_of(const iso_lattice *l, iso_code code);
 /* One float, or three, of each of `count` nodes from number `first` on, which lie in one row of the lattice's box. */
 void iso_lattice_samples_scalars(const iso_lattice_samples *s, size_t first, size_t count, float *restrict out);
 void iso_lattice_samples_directions(const iso_lattice_samples *s, size_t first, size_t count, float *restrict out);
-/* Is none of them active, as far as their blocks tell? Then all are like the first. */
-bool iso_lattice_samples_alike(const iso_lattice_samples *s, size_t first, size_t count);
+/* As iso_df3_source.run: nodes of blocks in which none is active are alike. */
+size_t iso_lattice_samples_run(const iso_lattice_samples *s, size_t first, size_t count, bool *alike);
 
 #endif

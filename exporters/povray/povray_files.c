@@ -169,9 +169,9 @@ static void read_lattice_directions(const void *user, size_t first, size_t count
     iso_lattice_samples_directions(&((const layer_reader *)user)->lattice, first, count, out);
 }
 
-static bool lattice_is_alike(const void *user, size_t first, size_t count)
+static size_t lattice_run(const void *user, size_t first, size_t count, bool *alike)
 {
-    return iso_lattice_samples_alike(&((const layer_reader *)user)->lattice, first, count);
+    return iso_lattice_samples_run(&((const layer_reader *)user)->lattice, first, count, alike);
 }
 
 /* One file a suffix. */
@@ -184,7 +184,7 @@ static iso_status write_samples(const iso_povray_scene *s, const layer_reader *r
     const iso_df3_source source = {.size = {n[0], n[1], n[2]},
                                    .channels = count,
                                    .read = read,
-                                   .alike = r->lattice.lattice ? lattice_is_alike : NULL,
+                                   .run = r->lattice.lattice ? lattice_run : NULL,
                                    .user = r,
                                    .prepare = r->made ? make_codes : NULL,
                                    .prepare_user = r->made,
