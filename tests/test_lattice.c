@@ -286,7 +286,8 @@ static void a_halo_holds_the_scalars_of_the_field(void **state)
             iso_lattice l;
             make_scene(&s, ISO_FIELD_NOISE, seed);
             iso_lattice_options o = options_of(&s, level == LEVELS, level);
-            for (size_t i = 0; i < iso_brick_count(&s.nodes) && level == LEVELS; ++i) /* bricks that are finer are hidden */
+            /* In the merged lattice bricks that are finer are hidden. */
+            for (size_t i = 0; i < iso_brick_count(&s.nodes) && level == LEVELS; ++i)
                 s.drawn[i] = s.drawn[i] && s.levels[i] > 0;
             if (iso_lattice_create(&l, &s.field, &o, NULL) == ISO_OK) {
                 size_t of_this = 0;

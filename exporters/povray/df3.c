@@ -98,7 +98,7 @@ static void repeat_first(uint8_t *row, size_t bytes, size_t count)
     }
 }
 
-/* Voxels of a row from x on to their places in it, y the row's number in the plane's room. alike: all are like the first. */
+/* Voxels of a row from x on to their places in it, the row y of the plane in the room. alike: all are like the first. */
 static void encode_run(const plane_writer *w, const plane_room *room, size_t y, size_t first, size_t x, size_t count,
                        bool alike)
 {

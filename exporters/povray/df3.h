@@ -30,8 +30,8 @@ typedef struct iso_df3_source {
     size_t size[3], channels;
     /* `channels` floats of each of `count` voxels from number `first` on; never beyond a row. */
     void (*read)(const void *user, size_t first, size_t count, float *out);
-    /* How many of these, from the first on and at least that one, are taken at once, and whether they are all like the first:
-     * then that one alone is read. NULL: nothing is known. */
+    /* How many of these, from the first on and at least that one, are taken at once, and whether they are all like the
+     * first: then that one alone is read. NULL: nothing is known. */
     size_t (*run)(const void *user, size_t first, size_t count, bool *alike);
     const void *user;
     /* Called before planes from `first` to `end`, which is not included, are read, and by nobody else meanwhile: planes are

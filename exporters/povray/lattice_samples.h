@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* lattice_samples.h - a sparse lattice as the samples of DF3 files, row by row: no dense level is made of it. Private to
- * exporters/povray. */
+/* lattice_samples.h - a sparse lattice as the samples of DF3 files, row by row: no dense level is made of it. Private
+ * to exporters/povray. */
 #ifndef ISO_LATTICE_SAMPLES_H
 #define ISO_LATTICE_SAMPLES_H
 

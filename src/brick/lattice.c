@@ -172,7 +172,8 @@ static void extend(iso_lattice *l, size_t index, const iso_lattice_block *block,
     l->min = lowest;
     l->max = highest;
     for (int a = 0; a < 3 && count > 0; ++a) {
-        const size_t first = b[a] * ISO_LATTICE_SIDE - (size_t)(l->first[a] - l->corner[a]); /* may lie before the box */
+        /* May lie before the box: then it wraps, and lo brings it back. */
+        const size_t first = b[a] * ISO_LATTICE_SIDE - (size_t)(l->first[a] - l->corner[a]);
         e->lo[a] = first + lo[a] < e->lo[a] ? first + lo[a] : e->lo[a];
         e->hi[a] = first + hi[a] > e->hi[a] ? first + hi[a] : e->hi[a];
     }

@@ -22,8 +22,9 @@
  *
  * Bricks that no view sees may be left out without a halo: nobody sees their faces either.
  *
- * Nodes are held in blocks, those of active nodes alone, so that memory follows what is left of a volume. Bricks that
- * have their own nodes (iso_node_levels_create_for) are made when they are read, and forgotten. */
+ * Nodes are held in blocks, those of active nodes alone, so that memory follows what is left of a volume. Bricks of
+ * level 0 whose nodes nobody has made (iso_node_levels_create_for) are read from the voxels, and nothing of them is kept:
+ * of their directions those alone are made that are active here. */
 #ifndef ISO_LATTICE_H
 #define ISO_LATTICE_H
 
@@ -47,7 +48,7 @@ typedef struct iso_lattice {
     iso_geometry geometry; /* its voxels have the nodes as centres; the box is all of them */
     long corner[3];        /* the first node of the first block: multiples of ISO_LATTICE_SIDE */
     size_t block_count[3];
-    iso_lattice_block **blocks; /* owned, x fastest; NULL where no node is active */
+    iso_lattice_block **blocks;       /* owned, x fastest; NULL where no node is active */
     struct iso_lattice_chunk *chunks; /* owned; what the blocks stand in */
     size_t active_count;
     double background;              /* of the scalar; directions are 0 */

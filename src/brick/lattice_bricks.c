@@ -6,8 +6,8 @@
 
 #include "brick/made_bricks.h"
 
-/* The nodes of a brick's cells in the lattice, and beyond the volume's ends one cell more. Scalars say which of them are
- * shown, often few of many, and only these get directions. */
+/* The nodes of a brick's cells in the lattice, and beyond the volume's ends one cell more. Scalars say which of them
+ * are shown, often few of many, and only these get directions. */
 typedef struct cell_box {
     size_t brick[3], index;
     long first[3]; /* node of the lattice's level */
@@ -148,8 +148,8 @@ static size_t own_node(const cell_box *c, int axis, size_t i)
     return place->cell + (place->part > 0);
 }
 
-/* A row's nodes that a coarser brick has a say in: rounded as that brick's are, from doubles, so that all bricks that share a
- * node give it the same bits. */
+/* A row's nodes that a coarser brick has a say in: rounded as that brick's are, from doubles, so that all bricks that
+ * share a node give it the same bits. */
 static void take_foreign(const iso_lattice_builder *b, const cell_box *c, const bool foreign[ISO_BRICK_PARTS], size_t y,
                          size_t z)
 {

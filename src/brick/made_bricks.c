@@ -189,8 +189,8 @@ static iso_node_rows rows_of(const block_level *l)
     return (iso_node_rows){read_blocks, l, {l->last[0], l->last[1], l->last[2]}};
 }
 
-/* Blocks along x, each of which begins where the one before it ends. They are made at once, as one box: what two of them are
- * filtered from overlaps, and long rows take less time a node than short ones. */
+/* Blocks along x, each of which begins where the one before it ends. They are made at once, as one box: what two of
+ * them are filtered from overlaps, and long rows take less time a node than short ones. */
 typedef struct block_row {
     size_t first, count, nodes; /* nodes: along x */
 } block_row;

@@ -58,8 +58,9 @@ void iso_brick_ranges_destroy(iso_brick_ranges *r)
 
 static iso_tf_shown measures_of(const iso_tf_table *tf)
 {
-    return (iso_tf_shown){
-        .lo = tf->lo, .scale = (double)(tf->count - 1) / (tf->hi - tf->lo), .last = (double)(tf->count - 1)};
+    return (iso_tf_shown){.lo = tf->lo,
+                          .scale = (double)(tf->count - 1) / (tf->hi - tf->lo),
+                          .last = (double)(tf->count - 1)};
 }
 
 iso_tf_shown iso_tf_shown_of(const iso_tf_table *tf, uint32_t *next)

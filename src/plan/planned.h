@@ -56,9 +56,10 @@ iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool w
                                        iso_planned_lattices *lattices, iso_error *err);
 void iso_planned_lattices_destroy(iso_planned_lattices *lattices);
 
-/* The merged lattice as a level for programs that know no sparse grids: cropped to what is needed, scalars of the stored type
- * where nothing is sampled. What is written for them is dense, but read from the lattice row by row: the level has neither
- * scalars nor codes. box: where the volume's own box is, in voxels of the level. Release with iso_planned_crop_destroy(). */
+/* The merged lattice as a level for programs that know no sparse grids: cropped to what is needed, scalars of the
+ * stored type where nothing is sampled. What is written for them is dense, but read from the lattice row by row: the
+ * level has neither scalars nor codes. box: where the volume's own box is, in voxels of the level. Release with
+ * iso_planned_crop_destroy(). */
 typedef struct iso_planned_crop {
     iso_lattice lattice; /* of the level's voxels */
     iso_level level;
