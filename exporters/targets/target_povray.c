@@ -9,7 +9,7 @@
 #include "povray/povray.h"
 #include "targets/targets.h"
 
-static iso_status write_planned(const iso_export_job *job, iso_povray_options *o, iso_error *err)
+static iso_status write_planned(const iso_export_job *job, iso_povray_options o, iso_error *err)
 {
     iso_planned_crop crop;
     iso_status status = iso_planned_crop_create(job->planned, &job->pyramid->levels[0], job->threads, &crop, err);
@@ -19,10 +19,10 @@ static iso_status write_planned(const iso_export_job *job, iso_povray_options *o
                                  .source = job->pyramid->source,
                                  .level_count = 1,
                                  .levels = &crop.level};
-    o->box = (const double(*)[3])crop.box;
-    o->quantum = crop.quantum;
-    o->lattice = &crop.lattice;
-    status = iso_povray_export(&cropped, 0, job->view, job->output, o, job->progress, err);
+    o.box = (const double(*)[3])crop.box;
+    o.quantum = crop.quantum;
+    o.lattice = &crop.lattice;
+    status = iso_povray_export(&cropped, 0, job->view, job->output, &o, job->progress, err);
     iso_planned_crop_destroy(&crop);
     return status;
 }
@@ -50,7 +50,7 @@ static iso_status write_povray(const iso_export_job *job, iso_error *err)
     o.threads = job->threads;
     o.volume = job->volume;
     if (job->planned)
-        return write_planned(job, &o, err);
+        return write_planned(job, o, err);
     iso_view view;
     iso_status status = job->view_of_level(job, job->level, &view, err);
     if (status != ISO_OK)
