@@ -125,8 +125,9 @@ static void moments_to_directions(float *nodes, const float *sums, size_t count,
 
 static iso_status check(size_t brick_voxels, size_t level_count, iso_error *err)
 {
-    if (brick_voxels < 2 || brick_voxels > 64 || (brick_voxels & (brick_voxels - 1)))
-        return iso_fail(err, ISO_E_RANGE, "bricks of %zu voxels, must be a power of two from 2 to 64", brick_voxels);
+    if (brick_voxels < 2 || brick_voxels > ISO_BRICK_MOST_VOXELS || (brick_voxels & (brick_voxels - 1)))
+        return iso_fail(err, ISO_E_RANGE, "bricks of %zu voxels, must be a power of two from 2 to %d", brick_voxels,
+                        (int)ISO_BRICK_MOST_VOXELS);
     if (level_count < 1 || level_count > ISO_BRICK_MAX_LEVELS || brick_voxels >> (level_count - 1) == 0)
         return iso_fail(err, ISO_E_RANGE, "%zu levels in bricks of %zu voxels, at most log2 of the side and one",
                         level_count, brick_voxels);

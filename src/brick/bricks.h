@@ -56,6 +56,8 @@ typedef struct iso_node_levels {
     struct iso_brick_maker *maker; /* owned; of bricks */
 } iso_node_levels;
 
+enum { ISO_BRICK_MOST_VOXELS = 64 }; /* a side */
+
 /* ISO_E_RANGE: brick_voxels that is no power of two from 2 to 64, or more levels
  * than it has; ISO_E_MEMORY. with_directions: else they are zero. */
 iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,

@@ -170,7 +170,7 @@ static void take_foreign(const iso_lattice_builder *b, const cell_box *c, const 
 /* passing: NULL: the brick has nodes. */
 static void scalars_baked(const iso_lattice_builder *b, const cell_box *c, const iso_passing_brick *passing)
 {
-    float row[64 + 1];
+    float row[ISO_BRICK_MOST_VOXELS + 1];
     bool foreign[ISO_BRICK_PARTS];
     iso_brick_foreign_parts(b->field, c->brick, foreign);
     for (size_t z = 0; z < c->size[2]; ++z)
@@ -214,7 +214,7 @@ static bool tell_row(const cell_box *c, size_t first, size_t side)
 }
 
 /* A row's directions on their way through the code: those of several rows at once. */
-enum { BATCH = 4 * (64 + 3) };
+enum { BATCH = 4 * (ISO_BRICK_MOST_VOXELS + 3) };
 typedef struct code_batch {
     float directions[3 * BATCH];
     size_t places[BATCH], count;
@@ -231,7 +231,7 @@ static void code_directions(const iso_passing_brick *p, const cell_box *c, code_
 static void directions_passing(const cell_box *c, const iso_passing_brick *p)
 {
     const size_t side = p->nodes->brick_voxels + 1;
-    float row[3 * (64 + 1)];
+    float row[3 * (ISO_BRICK_MOST_VOXELS + 1)];
     code_batch batch;
     batch.count = 0;
     for (size_t z = 0; z < c->size[2]; ++z)

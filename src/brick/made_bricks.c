@@ -430,7 +430,7 @@ void iso_passing_brick_scalars(const iso_passing_brick *p, size_t y, size_t z, f
 void iso_passing_brick_directions(const iso_passing_brick *p, size_t y, size_t z, const uint8_t *wanted,
                                   float *restrict directions)
 {
-    enum { MOST = 64 + 1 };
+    enum { MOST = ISO_BRICK_MOST_VOXELS + 1 };
     float room[ISO_BOX_CHANNELS][MOST];
     float *const rows[ISO_BOX_CHANNELS] = {room[0], room[1], room[2], room[3], room[4]};
     size_t at[2];
