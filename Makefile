@@ -11,7 +11,7 @@ build := build/$(config)
 
 # ---- what it stands on: Debian packages -----------------------------------
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev zlib1g-dev \
-	libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
+	libdeflate-dev libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libnanovdb-dev libnanovdb-tools libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
@@ -53,7 +53,7 @@ CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) 
 CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
 unpackaged_libs := -lteem -lniftiio -lznz
 LDLIBS = $(unpackaged_libs) $(pkg_libs) -lm
-openvdb_libs = -fopenmp -lopenvdb $(shell pkg-config --libs tbb Imath zlib)
+openvdb_libs = -fopenmp -lopenvdb $(shell pkg-config --libs tbb Imath libdeflate)
 
 # ---- files -----------------------------------------------------------------
 # The library is what others link with; the rooms that only commands need stand beside it, in an archive of their own.
