@@ -71,7 +71,7 @@ expect a_foreign_folder_is_kept 3 ranks 2 v.nrrd -o "$dir"
 # Killed amid the work: a rank dies, the rest ends with it; what was left is taken up by another number of ranks. A build
 # that was over before the shell came to kill it proves nothing, so that it is made again until one is met amid its work.
 head -c $((2 * 320 * 320 * 1400)) /dev/zero >big.raw
-big="big.raw --raw-size 320x320x1400 --raw-type uint16 --memory 30 -q"
+big="big.raw --raw-size 320x320x1400 --raw-type uint16 --memory 30 --save-every 0 -q"
 last_rank() { # the process of the last rank of this folder's build
     pgrep -f "build big.raw .*-o no.iso" | while read -r p; do
         [ "$(cat /proc/$p/comm)" = isoshade ] && [ "$(readlink /proc/$p/cwd)" = "$dir" ] && echo "$p"

@@ -89,7 +89,7 @@ done
 
 # A rank of the last host is killed when the build has saved where it stands.
 head -c $((2 * 320 * 320 * 1400)) /dev/zero >big.raw
-big="big.raw --raw-size 320x320x1400 --raw-type uint16 --memory 30 -q"
+big="big.raw --raw-size 320x320x1400 --raw-type uint16 --memory 30 --save-every 0 -q"
 set_rate 1gbit
 isoshade_on() { ip netns pids "$1" | while read -r p; do [ "$(cat "/proc/$p/comm")" = isoshade ] && echo "$p"; done 2>/dev/null; }
 for ((try = 0; try < 20; ++try)); do

@@ -24,7 +24,7 @@ typedef struct build_options {
     iso_cli_look look; /* its transfer function alone */
     int is_auto, budget;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
-    double gauss_sigma, memory_mb;
+    double gauss_sigma, memory_mb, save_seconds;
 } build_options;
 
 /* NAME.iso in the current folder; to be freed. */
@@ -178,6 +178,7 @@ static iso_status build_one(const build_job *job, const iso_pyramid_options *opt
     const iso_stream_input source = {open_input, &user, path};
     const iso_stream_options stream = {.memory_bytes = (size_t)(job->options->memory_mb * 1048576),
                                        .resume = job->options->resume,
+                                       .save_seconds = job->options->save_seconds,
                                        .ranks = job->ranks};
     const iso_status status = iso_pyramid_stream(&source, opt, &stream, output, &report, &progress, err);
     if (status == ISO_OK && cli->json)
@@ -290,6 +291,8 @@ static iso_status build(const build_job *job, iso_error *err)
     if (status == ISO_OK)
         status = iso_words_check_range("--memory", in->memory_mb, 1, 1e9, err);
     if (status == ISO_OK)
+        status = iso_words_check_range("--save-every", in->save_seconds, 0, 1e6, err);
+    if (status == ISO_OK)
         status = choose_filter(job, &opt, err);
     if (status == ISO_OK)
         status = in->frames ? build_frames(job, &opt, output, err) : build_one(job, &opt, output, &json, err);
@@ -350,7 +353,8 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
                         .eq1_exponent = (int)defaults.eq1_exponent,
                         .gauss_sigma = defaults.gauss_sigma_voxels,
                         .budget = 4,
-                        .memory_mb = 900};
+                        .memory_mb = 900,
+                        .save_seconds = ISO_STREAM_SAVE_SECONDS};
     iso_volume_input input;
     iso_volume_input_defaults(&input);
     struct poptOption options[] = {
@@ -383,6 +387,8 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
         {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "memory for buffers, at most",
          "MB"},
         {"resume", 0, POPT_ARG_NONE, &in.resume, 0, "resume a killed build of the same volume and options", NULL},
+        {"save-every", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.save_seconds, 0,
+         "note so often how far the build is, for --resume; 0: after each slab", "SECONDS"},
         ISO_CLI_INPUT_OPTIONS(&input),
         POPT_TABLEEND,
     };

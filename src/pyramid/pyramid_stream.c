@@ -162,9 +162,9 @@ iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_opti
     *report = (iso_stream_report){0};
     if (!s)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    *s = (pyramid_build){.in = in, .own = *opt, .how = how, .report = report};
-    s->opt = &s->own;
     const double start = iso_clock_seconds();
+    *s = (pyramid_build){.in = in, .own = *opt, .how = how, .report = report, .progress_at = start};
+    s->opt = &s->own;
     double scale = 1;
     size_t done = 0;
     json_t *job = NULL;

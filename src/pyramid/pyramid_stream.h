@@ -25,11 +25,15 @@ typedef struct iso_stream_input {
     const char *path; /* becomes the pyramid's source */
 } iso_stream_input;
 
+/* Such a note waits until the disk has all that is written, .25 s on some. What a killed build loses at most. */
+#define ISO_STREAM_SAVE_SECONDS 10.0
+
 typedef struct iso_stream_options {
     size_t memory_bytes; /* of buffers; 0: as little as is fast */
     size_t max_slab;     /* planes; 0: as memory allows; at least what the levels need */
     bool resume;         /* resume a killed build of the same volume and options */
     bool direct;         /* write past the page cache, as large files are in any case */
+    double save_seconds; /* between two notes of how far the build is; 0: one after each slab */
     size_t stop_after;   /* planes; 0: all. For tests: ends as if killed */
     iso_ranks *ranks;    /* NULL: no MPI. Each rank makes the same call and takes memory_bytes */
 } iso_stream_options;

@@ -50,7 +50,7 @@ typedef struct pyramid_build {
     stream_output out;
     stream_plan plan;
     size_t overlap; /* planes that a slab may have to be fed from before its own */
-    size_t progress_at;
+    double progress_at;  /* iso_clock_seconds() of the latest note, or of the build's begin */
     iso_bigfile *carry;  /* rank 0's */
     size_t carry_planes; /* written */
     stream_turn *turn;   /* only with other ranks */
@@ -121,9 +121,9 @@ json_t *iso_stream_describe_job(const pyramid_build *s, double scale);
 iso_status iso_stream_read_progress(pyramid_build *s, const json_t *job, bool *is_same, size_t *planes, iso_error *err);
 /* Reads the cascade's carry up to plane z from the folder's file. */
 iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t z, iso_error *err);
-/* Whether to write progress.json now. Not after every small slab, because each time the last blocks of the files are
- * written too. */
-bool iso_stream_progress_is_due(pyramid_build *s, size_t z);
+/* Whether to write progress.json now. Not after every slab, because each time the last blocks of the files are written
+ * too, and the disk is waited for. */
+bool iso_stream_progress_is_due(pyramid_build *s);
 /* Notes in progress.json that a build can be resumed at plane z. */
 iso_status iso_stream_note_progress(pyramid_build *s, json_t *job, size_t z, iso_error *err);
 /* Removes progress.json and the carry from the folder of a complete build. */

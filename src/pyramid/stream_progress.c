@@ -7,13 +7,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/parallel.h"
 #include "pyramid/pyramid_layout.h"
 
 #define PROGRESS_NAME "progress.json"
 #define PROGRESS_SCHEMA "isoshade.progress/1"
-
-/* Input between two notes of progress. */
-#define PROGRESS_BYTES ((size_t)128 << 20)
 
 json_t *iso_stream_describe_job(const pyramid_build *s, double scale)
 {
@@ -100,13 +98,12 @@ static iso_status write_carry(pyramid_build *s, size_t z, iso_error *err)
     return status == ISO_OK ? iso_bigfile_sync(s->carry, err) : status;
 }
 
-/* Not after every small slab: the last blocks of the files are written each time. */
-bool iso_stream_progress_is_due(pyramid_build *s, size_t z)
+bool iso_stream_progress_is_due(pyramid_build *s)
 {
-    const size_t bytes = (z - s->progress_at) * stream_plane_bytes(s);
-    if (bytes < PROGRESS_BYTES && s->how->stop_after == 0)
+    const double now = iso_clock_seconds();
+    if (now - s->progress_at < s->how->save_seconds)
         return false;
-    s->progress_at = z;
+    s->progress_at = now;
     return true;
 }
 

@@ -188,7 +188,7 @@ iso_status iso_stream_wait_for_planes(pyramid_build *s, const stream_planes **pl
 /* All planes before z are written; the last blocks of the files may not be. */
 static iso_status note_if_due(pyramid_build *s, json_t *job, size_t z, size_t done, iso_error *err)
 {
-    if (z <= done || !iso_stream_progress_is_due(s, z))
+    if (z <= done || !iso_stream_progress_is_due(s))
         return ISO_OK;
     iso_status status = iso_stream_output_sync(&s->out, err);
     return status == ISO_OK ? iso_stream_note_progress(s, job, z, err) : status;

@@ -142,7 +142,7 @@ iso_status iso_stream_run_in_turns(pyramid_build *s, json_t *job, const iso_prog
         const size_t safe = i >= count ? iso_stream_slab_at(s, i - count).z0 : 0;
         iso_progress_report(progress, "build", (double)i / (double)iso_stream_slab_count(s));
         status = do_slab_in_turn(s, i, status, err);
-        if (status == ISO_OK && rank == 0 && safe > s->plan.start && iso_stream_progress_is_due(s, safe))
+        if (status == ISO_OK && rank == 0 && safe > s->plan.start && iso_stream_progress_is_due(s))
             status = iso_stream_note_progress(s, job, safe, err);
     }
     iso_status written = iso_stream_output_wait(&s->out, status == ISO_OK ? err : NULL);
