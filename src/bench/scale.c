@@ -46,7 +46,7 @@ static const struct stage {
     {"histogram", "info volume.nrrd", true},
     {"render", "render volume.iso --scene scale.scene.json --memory 256 -o paged.exr", true},
     {"render-whole", "render volume.iso --scene scale.scene.json --with cpu -o whole.exr", false},
-    {"export", "export volume.iso --scene scale.scene.json --to vdb -o volume.vdb", false},
+    {"export", "export volume.nrrd --scene scale.scene.json --to vdb -o volume.vdb", false},
     {"plan", "plan volume.iso --scene scale.scene.json --size 64 --error 1/64 -o volume.plan.json", false},
 };
 enum { STAGES = sizeof stages / sizeof *stages };
@@ -166,7 +166,7 @@ static void measure_size(scale_bench *b, size_t i, const iso_cli *cli)
     }
 }
 
-/* A volume of a byte a voxel, its pyramid with codes, and what is exported of it. */
+/* A volume of a byte a voxel, its pyramid with codes, and what is exported. */
 static bool fits_disk(const scale_bench *b, size_t i, char why[160])
 {
     struct statvfs disk;
