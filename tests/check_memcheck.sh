@@ -24,7 +24,7 @@ memcheck_programs() { # SEEDS NAME ...: true where nothing is found in any
     ! grep -h 'ERROR SUMMARY' log.* | grep -qv ' 0 errors'
 }
 watched() { grep -q "Command: .*/$1 " log.*; } # and it came to its end
-for program in isoshade-arrays:hdf5,netcdf,zarr isoshade-itk:dicom isoshade-vdb:vdb; do
+for program in isoshade-arrays:hdf5,netcdf,zarr isoshade-itk:dicom,slices isoshade-vdb:vdb; do
     name=${program%:*} formats=${program#*:}
     [ -x "$(dirname "$fuzz")/$name" ] || { skip "$name" "it is not built"; continue; }
     check "$name" memcheck_programs "$top/tests/fuzz/seeds" ${formats//,/ }

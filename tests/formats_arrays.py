@@ -4,6 +4,7 @@ import json
 import os
 import random
 import shutil
+import struct
 import subprocess
 
 import numpy as np
@@ -102,6 +103,27 @@ def hdf5():
     with open("plain.h5", "wb") as file:
         file.write(b"\x89HDF\r\n\x1a\n" + values.tobytes())
     refused("plain.h5", 4, "plain.h5: HDF5: ")
+
+
+@case
+def hdf5_without_end():
+    """A heap whose free part has no length: HDF5's library looks for its end for ever."""
+    import h5py
+    with h5py.File("heap.h5", "w") as file:
+        data = file.create_dataset("v", data=phantom())
+        for axis, name in enumerate("zyx"):
+            h5_scale(file, data, axis, name, np.arange(data.shape[axis]) * 0.5, "nm")
+    expect(load("heap.h5:v")[0].shape == phantom().shape, "the heap as it was written")
+    with open("heap.h5", "rb") as file:
+        content = bytearray(file.read())
+    at, index, length = content.index(b"GCOL") + 16, 1, 0
+    while index != 0:
+        index, length = struct.unpack_from("<HxxxxxxQ", content, at)
+        at += 16 + (length + 7) // 8 * 8 if index != 0 else 0
+    struct.pack_into("<Q", content, at + 8, 0)
+    with open("heap.h5", "wb") as file:
+        file.write(content)
+    refused("heap.h5", 4, "heap.h5: damaged? not opened after 4 s of processor time")
 
 
 @case

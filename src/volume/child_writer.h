@@ -75,7 +75,8 @@ inline std::string plain(const std::string &message)
 {
     const size_t most = 200;
     std::string text;
-    for (const char c : message) {
+    for (size_t i = 0; i < message.size() && text.size() <= most; ++i) { /* of which a damaged length may make megabytes */
+        const char c = message[i];
         const bool is_plain = c > ' ' && c < 127;
         if (is_plain || (!text.empty() && text.back() != ' '))
             text += is_plain ? c : ' ';
@@ -107,29 +108,6 @@ template <typename Work> iso_child_answer guarded(const ChildProgram &program, c
 inline bool put(FILE *out, const void *data, size_t bytes)
 {
     return fwrite(data, 1, bytes, out) == bytes;
-}
-
-inline int write_volume(const ChildProgram &program, const char *path, const Wanted &wanted, FILE *out)
-{
-    std::unique_ptr<PlaneReader> reader;
-    iso_child_header header{};
-    std::vector<char> plane;
-    const iso_child_answer opened = guarded(program, path, [&] {
-        reader = program.open(path, wanted);
-        header = reader->header;
-        plane.resize(header.size[0] * header.size[1] * bytes_of(header.type));
-    });
-    header.answer = opened;
-    snprintf(header.version, sizeof header.version, "%s", ISO_VERSION);
-    if (!put(out, &header, sizeof header) || fflush(out) != 0 || opened.status != ISO_OK)
-        return opened.status;
-    iso_child_answer answer{};
-    for (size_t z = 0; z < header.size[2] && answer.status == ISO_OK; ++z) {
-        answer = guarded(program, path, [&] { reader->read_plane(plane.data(), plane.size()); });
-        if (!put(out, &answer, sizeof answer) || (answer.status == ISO_OK && !put(out, plane.data(), plane.size())))
-            return ISO_E_IO;
-    }
-    return fflush(out) == 0 ? answer.status : ISO_E_IO;
 }
 
 /* ---- a limit of memory, which a damaged header may ask any amount of ---- */
@@ -170,16 +148,18 @@ inline void limit_memory(const std::string &path)
     setrlimit(RLIMIT_DATA, &limit);
 }
 
-/* ---- a limit of time, for libraries that a damaged file keeps busy ---- */
+/* ---- a limit of time, for libraries that a damaged file keeps busy ----
+ *
+ * OpenVDB counts nodes up to 2^32 that a file does not have; HDF5 follows a heap whose parts have no length for ever. */
 
-inline iso_child_header late_header; /* what is answered then */
+inline const void *late_answer; /* what is written then */
+inline size_t late_bytes;
 inline int late_output = -1;
 
 extern "C" inline void answer_late(int)
 {
-    const char *from = reinterpret_cast<const char *>(&late_header);
-    size_t left = sizeof late_header;
-    while (left > 0) {
+    const char *from = static_cast<const char *>(late_answer);
+    for (size_t left = late_bytes; left > 0;) {
         const ssize_t n = write(late_output, from, left);
         if (n <= 0)
             break;
@@ -189,23 +169,77 @@ extern "C" inline void answer_late(int)
     _exit(ISO_E_FORMAT);
 }
 
-/* From now on so many seconds of processor time: a file that takes longer is refused. 0: no limit any more. Before anything
- * was written. */
-inline void limit_seconds(const std::string &path, double seconds)
+/* While it lives, so many seconds of processor time: then `answer`, which holds `refusal`, is what the output ends with. No
+ * other output may wait to be written. */
+class TimeLimit {
+public:
+    template <typename Answer>
+    TimeLimit(const std::string &path, const char *what, double seconds, Answer &answer, iso_child_answer &refusal)
+    {
+        rlimit limit{};
+        rusage used{};
+        getrlimit(RLIMIT_CPU, &limit);
+        getrusage(RUSAGE_SELF, &used);
+        const rlim_t now = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
+        limit.rlim_cur = now + 1 + static_cast<rlim_t>(seconds);
+        refusal.status = ISO_E_FORMAT;
+        snprintf(refusal.error.text, sizeof refusal.error.text,
+                 "%.300s: damaged? not %s after %.0f s of processor time, which is too long for its size", path.c_str(), what,
+                 seconds);
+        late_answer = &answer;
+        late_bytes = sizeof answer;
+        signal(SIGXCPU, answer_late);
+        setrlimit(RLIMIT_CPU, &limit);
+    }
+    TimeLimit(const TimeLimit &) = delete;
+    TimeLimit &operator=(const TimeLimit &) = delete;
+    ~TimeLimit()
+    {
+        rlimit limit{};
+        getrlimit(RLIMIT_CPU, &limit);
+        limit.rlim_cur = limit.rlim_max;
+        setrlimit(RLIMIT_CPU, &limit);
+    }
+};
+
+/* ---- the whole ---- */
+
+inline int write_volume(const ChildProgram &program, const char *path, const Wanted &wanted, FILE *out)
 {
-    rlimit limit{};
-    rusage used{};
-    getrlimit(RLIMIT_CPU, &limit);
-    getrusage(RUSAGE_SELF, &used);
-    const rlim_t now = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
-    limit.rlim_cur = seconds > 0 ? now + 1 + static_cast<rlim_t>(seconds) : limit.rlim_max;
-    late_header.answer.status = ISO_E_FORMAT;
-    snprintf(late_header.version, sizeof late_header.version, "%s", ISO_VERSION);
-    snprintf(late_header.answer.error.text, sizeof late_header.answer.error.text,
-             "%.300s: damaged? not opened after %.0f s of processor time, which is too long for its size", path.c_str(),
-             seconds);
-    signal(SIGXCPU, answer_late);
-    setrlimit(RLIMIT_CPU, &limit);
+    /* Libraries read far more than this many bytes a second, packed or not. A plane may need all of a file again, where its
+     * parts reach through many. */
+    constexpr double open_seconds = 4, plane_seconds = 20, bytes_a_second = 4e6, most_bytes = 4e9;
+    const double bytes = bytes_of_input(path, most_bytes);
+    std::unique_ptr<PlaneReader> reader;
+    iso_child_header header{}, late{};
+    iso_child_answer answer{}, late_plane{};
+    std::vector<char> plane;
+    snprintf(late.version, sizeof late.version, "%s", ISO_VERSION);
+    {
+        const TimeLimit limit(path, "opened", open_seconds + bytes / bytes_a_second, late, late.answer);
+        answer = guarded(program, path, [&] {
+            reader = program.open(path, wanted);
+            header = reader->header;
+            plane.resize(header.size[0] * header.size[1] * bytes_of(header.type));
+        });
+    }
+    header.answer = answer;
+    memcpy(header.version, late.version, sizeof header.version);
+    if (!put(out, &header, sizeof header) || fflush(out) != 0 || answer.status != ISO_OK)
+        return answer.status;
+    const double seconds = plane_seconds + (bytes + static_cast<double>(plane.size())) / bytes_a_second;
+    for (size_t z = 0; z < header.size[2] && answer.status == ISO_OK; ++z) {
+        {
+            const TimeLimit limit(path, "read", seconds, late_plane, late_plane);
+            answer = guarded(program, path, [&] { reader->read_plane(plane.data(), plane.size()); });
+        }
+        if (!put(out, &answer, sizeof answer) || (answer.status == ISO_OK && !put(out, plane.data(), plane.size())) ||
+            fflush(out) != 0)
+            return ISO_E_IO;
+    }
+    const TimeLimit limit(path, "closed", seconds, late_plane, late_plane);
+    reader.reset();
+    return answer.status;
 }
 
 /* PROGRAM PATH PART FRAME CHANNEL: only isoshade starts it. Its output is ours alone: libraries that print do so elsewhere. */

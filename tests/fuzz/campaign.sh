@@ -13,7 +13,7 @@ top=$PWD out=${FUZZ_OUT:-$PWD/build/fuzzed} fuzz=$PWD/build/release/isoshade-fuz
 driver_of() {
     case $1 in
     hdf5 | netcdf | zarr) echo "$fuzz-arrays" ;;
-    dicom) echo "$fuzz-itk" ;;
+    dicom | slices) echo "$fuzz-itk" ;;
     vdb) echo "$fuzz-vdb" ;;
     *) echo "$fuzz" ;;
     esac
@@ -23,13 +23,14 @@ mkdir -p "$out"
 touch "$counts"
 export OMP_NUM_THREADS=1
 
-# Lines of counts: READER HOW SEED EXECUTIONS SECONDS, and how many ended the reader's program; or READER HOW SEED found.
+# Lines of counts: READER HOW SEED EXECUTIONS SECONDS, how many ended the reader's program or -, and how many it read as good
+# files; or READER HOW SEED found.
 table() {
-    echo '| reader | executions, release | with sanitizers | seconds | ended its program | found |'
-    echo '|---|---|---|---|---|---|'
+    echo '| reader | executions, release | read as good files | with sanitizers | seconds | ended its program | found |'
+    echo '|---|---|---|---|---|---|---|'
     awk '{ if ($4 == "found") found[$1]++; else if ($2 == "release") plain[$1] += $4; else checked[$1] += $4
-           seconds[$1] += $5; names[$1] = 1; if ($6 != "") ended[$1] += $6 }
-         END { for (n in names) printf "| %s | %d | %d | %.0f | %s | %d |\n", n, plain[n], checked[n], seconds[n], ended[n], found[n] }' "$counts" | sort
+           seconds[$1] += $5; names[$1] = 1; if ($6 ~ /[0-9]/) ended[$1] += $6; if ($7 != "") good[$1] += $7 }
+         END { for (n in names) printf "| %s | %d | %s | %d | %.0f | %s | %d |\n", n, plain[n], good[n], checked[n], seconds[n], ended[n], found[n] }' "$counts" | sort
     ! grep -q ' found$' "$counts"
 }
 [ "${1-}" != --table ] || { table; exit; }
@@ -41,12 +42,12 @@ total_of() { awk -v name="$1" '$1 == name && $2 == "release" && $4 != "found" { 
 seed_of() { awk -v name="$1" '$1 == name && $2 == "release" { n++ } END { print n + 1 }' "$counts"; }
 # An input that stops the driver stays as build/fuzzed/READER-release-SEED; the next run goes on with the next seed.
 piece() { # READER EXECUTIONS
-    local seed said ended=
+    local seed said ended=-
     seed=$(seed_of "$1")
     said=$(cd "$out" && "${FUZZ_DRIVER:-$(driver_of "$1")}" "$1" "$top/tests/fuzz/seeds/$1" "$2" "${FUZZ_PIECE:-30}" "$seed" 2>"$out/$1-release.log")
-    [[ $said =~ ([0-9]+)\ inputs\ ended ]] && ended=" ${BASH_REMATCH[1]}"
-    if [[ $said =~ ([0-9]+)\ mutations\ +([0-9.]+)\ s$ ]]; then
-        echo "$1 release $seed ${BASH_REMATCH[1]} ${BASH_REMATCH[2]}$ended" >>"$counts"
+    [[ $said =~ ([0-9]+)\ inputs\ ended ]] && ended=${BASH_REMATCH[1]}
+    if [[ $said =~ ([0-9]+)\ mutations,\ +([0-9]+)\ read\ +([0-9.]+)\ s$ ]]; then
+        echo "$1 release $seed ${BASH_REMATCH[1]} ${BASH_REMATCH[3]} $ended ${BASH_REMATCH[2]}" >>"$counts"
         [ "${BASH_REMATCH[1]}" -gt 0 ]
     else
         echo "$1 release $seed found" >>"$counts"

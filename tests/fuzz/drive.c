@@ -7,7 +7,7 @@
  *                                                          one forks: for what starts slowly (tests/check_memcheck.sh)
  *
  * It ends after COUNT mutations or SECONDS of processor time, whichever is first, but not before the first 8, which are the
- * same on any machine; and prints how many it was. An input
+ * same on any machine; and prints how many it was, and how many seeds and mutations the reader took as good files. An input
  * at which it is stopped stays as crash-NAME in the current folder. Where the reader may end its program (fuzz.h), the last
  * one that did by an assertion stays there, too. */
 #define _GNU_SOURCE
@@ -162,7 +162,8 @@ static void read_seeds(const char *path)
 
 /* ---- the run ---- */
 
-static void run(const uint8_t *data, size_t size)
+/* Whether the reader took it. */
+static bool run(const uint8_t *data, size_t size)
 {
     static size_t runs;
     if (data != current)
@@ -171,6 +172,7 @@ static void run(const uint8_t *data, size_t size)
     if (has_limit && runs++ % 16 == 0)
         wind_up();
     fuzz_run(running, current, size);
+    return fuzz_was_read;
 }
 
 /* One to a few changes of a seed; sometimes the end of another one behind it. */
@@ -201,75 +203,88 @@ static double seconds_used(void)
            1e-6 * (double)(children.ru_utime.tv_usec + children.ru_stime.tv_usec);
 }
 
-/* The clock is looked at after each mutation where they take a millisecond and more, as those do that start a program. */
-static uint64_t run_mutations(fuzz_random *random, uint64_t count, double seconds)
+/* What was run, of which so many were read. */
+typedef struct tally {
+    fuzz_random random;
+    uint64_t seeds, mutations, seeds_read, mutations_read;
+} tally;
+
+static void run_next_seed(tally *t)
 {
+    const input *seed = &seeds[t->seeds++];
+    t->seeds_read += run(seed->data, seed->size);
+}
+
+static void run_next_mutation(tally *t)
+{
+    make_input(&t->random);
+    ++t->mutations;
+    t->mutations_read += run(current, current_size);
+}
+
+/* The clock is looked at after each mutation where they take a millisecond and more, as those do that start a program. */
+static void run_here(tally *t, uint64_t count, double seconds)
+{
+    while (t->seeds < seed_count)
+        run_next_seed(t);
     const double start = seconds_used();
-    uint64_t done = 0, next_look = LEAST_MUTATIONS;
-    while (done < count) {
-        make_input(random);
-        run(current, current_size);
-        if (++done < next_look)
+    uint64_t next_look = LEAST_MUTATIONS;
+    while (seed_count > 0 && t->mutations < count) {
+        run_next_mutation(t);
+        if (t->mutations < next_look)
             continue;
         const double used = seconds_used() - start;
         if (used >= seconds)
             break;
-        next_look = done + (used > 1e-3 * (double)done ? 1 : 16);
+        next_look = t->mutations + (used > 1e-3 * (double)t->mutations ? 1 : 16);
     }
-    return done;
 }
 
 /* ---- readers that may end their program ---- */
 
-/* What processes that are forked one after the other go on from. */
-typedef struct relay {
-    fuzz_random random;
-    uint64_t seeds, mutations;
-} relay;
-
 enum { INPUTS_OF_ONE_PROCESS = 1 << 14 };
 
 /* Inputs until the run's end, or so many that what libraries lose does not add up. */
-static void run_some(relay *r, uint64_t count, double seconds)
+static void run_some(tally *t, uint64_t count, double seconds)
 {
     const struct rlimit none = {0, 0};
     setrlimit(RLIMIT_CORE, &none);
     has_timer = false;
     for (int i = 0; i < INPUTS_OF_ONE_PROCESS && (double)clock() < seconds * CLOCKS_PER_SEC; ++i)
-        if (r->seeds < seed_count) {
-            const input *seed = &seeds[r->seeds++];
-            run(seed->data, seed->size);
-        } else if (r->mutations < count) {
-            make_input(&r->random);
-            ++r->mutations;
-            run(current, current_size);
-        }
+        if (t->seeds < seed_count)
+            run_next_seed(t);
+        else if (t->mutations < count)
+            run_next_mutation(t);
 }
 
-/* As main() has it for others. Of the programs that ended, *ended is the number. */
-static relay run_in_processes(uint64_t seed, uint64_t count, double seconds, uint64_t *ended)
+/* The same in processes that are forked one after the other, each of which goes on where the one before ended; the number
+ * of those that a reader ended. */
+static uint64_t run_in_processes(tally *result, uint64_t count, double seconds)
 {
-    relay *r = mmap(NULL, sizeof *r, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (r == MAP_FAILED)
+    tally *t = mmap(NULL, sizeof *t, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (t == MAP_FAILED)
         fuzz_fail("no memory to share");
-    *r = (relay){.random = {seed}};
+    *t = *result;
+    uint64_t ended = 0;
     for (double left = seconds;
-         r->seeds < seed_count || (r->mutations < count && (r->mutations < LEAST_MUTATIONS || left > 0));
+         t->seeds < seed_count || (t->mutations < count && (t->mutations < LEAST_MUTATIONS || left > 0));
          left = seconds - seconds_used()) {
         int how = 0;
         fflush(NULL);
         const pid_t child = fork();
         if (child == 0) {
-            run_some(r, count, fmin(fmax(left, 0.1), 1));
+            run_some(t, count, fmin(fmax(left, 0.1), 1));
             _exit(0);
         }
         if (child < 0 || waitpid(child, &how, 0) != child)
             fuzz_fail("no process can be started: %s", strerror(errno));
         if (WIFEXITED(how) && WEXITSTATUS(how) == BROKEN)
             exit(1);
-        *ended += !(WIFEXITED(how) && WEXITSTATUS(how) == 0);
+        ended += !(WIFEXITED(how) && WEXITSTATUS(how) == 0);
     }
-    return *r;
+    *result = *t;
+    munmap(t, sizeof *t);
+    return ended;
 }
 
 /* All seeds of a target, as they are. */
@@ -320,7 +335,7 @@ int main(int argc, char **argv)
     }
     const uint64_t count = argc > 3 ? strtoull(argv[3], NULL, 10) : 0;
     const double seconds = argc > 4 ? strtod(argv[4], NULL) : 1e9;
-    fuzz_random random = {argc > 5 ? strtoull(argv[5], NULL, 10) : 1};
+    tally t = {.random = {argc > 5 ? strtoull(argv[5], NULL, 10) : 1}};
     char words[400] = "";
     for (const char *c = argv[1]; argc > 2 && *c; ++c) /* of the format and of its family: words/tf_json, words/tf */
         if (c[1] == 0 || c[1] == '_') {
@@ -332,16 +347,13 @@ int main(int argc, char **argv)
     watch();
     has_limit = true;
     fuzz_begin(running);
-    uint64_t done = 0, ended = 0;
-    if (may_end()) {
-        done = run_in_processes(random.state, count, seconds, &ended).mutations;
-        printf("%-16s %4llu inputs ended the reader\n", running->name, (unsigned long long)ended);
-    } else {
-        for (size_t i = 0; i < seed_count; ++i)
-            run(seeds[i].data, seeds[i].size);
-        done = seed_count > 0 ? run_mutations(&random, count, seconds) : 0;
-    }
-    printf("%-16s %4zu seeds %9llu mutations %7.1f s\n", running->name, seed_count, (unsigned long long)done,
+    if (may_end())
+        printf("%-16s %4llu inputs ended the reader\n", running->name,
+               (unsigned long long)run_in_processes(&t, count, seconds));
+    else
+        run_here(&t, count, seconds);
+    printf("%-16s %4zu seeds, %4llu read %9llu mutations, %9llu read %7.1f s\n", running->name, seed_count,
+           (unsigned long long)t.seeds_read, (unsigned long long)t.mutations, (unsigned long long)t.mutations_read,
            seconds_used());
     return 0;
 }

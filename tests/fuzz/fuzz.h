@@ -42,6 +42,10 @@ extern const fuzz_target fuzz_targets[]; /* ends with a NULL name */
 _Noreturn void fuzz_fail(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* A status other than ISO_OK comes with a message. */
 void fuzz_check_status(iso_status status, const iso_error *err);
+/* The reader took the input, as it does each good file: where it never does, only its refusals are looked at. */
+void fuzz_note_read(void);
+/* Both: ISO_OK says that it took it. */
+void fuzz_check_read(iso_status status, const iso_error *err);
 /* A file beside the input, in a folder that goes with the program. */
 const char *fuzz_beside(const char *name);
 
@@ -49,6 +53,8 @@ const char *fuzz_beside(const char *name);
 
 /* Whether a contract was found broken: what ends the program is then no library's doing. */
 extern bool fuzz_has_failed;
+/* Whether the reader took the input of the last fuzz_run(). */
+extern bool fuzz_was_read;
 /* Where it is defined, the reader's libraries may end their program, as they end a program of their own when isoshade runs
  * (in_process.cc): that is counted, and the run goes on. */
 extern const bool fuzz_reader_may_end __attribute__((weak));

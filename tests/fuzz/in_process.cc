@@ -3,7 +3,10 @@
  * times as long as most damaged files take to be refused. Linked with the objects of one such program but its main(), in
  * place of src/volume/child_start.c. What the reader writes goes to a file in memory, from which it is read as from the
  * program's output. */
+#include <malloc.h>
+#include <pthread.h>
 #include <sys/mman.h>
+#include <time.h>
 
 extern "C" {
 #include "volume/child_start.h"
@@ -32,6 +35,54 @@ ssize_t take(void *cookie, const char *data, size_t bytes)
     return write(output->fd, data, bytes);
 }
 
+/* Once: what the process holds at its start. */
+rlim_t begin()
+{
+    size_t pages[6] = {};
+    FILE *f = fopen("/proc/self/statm", "r");
+    for (size_t i = 0; f && i < 6; ++i)
+        if (fscanf(f, "%zu", &pages[i]) != 1)
+            pages[i] = 0;
+    if (f)
+        fclose(f);
+    mallopt(M_MMAP_THRESHOLD, 32 << 20); /* pages that are given back have to be cleared and mapped again */
+    mallopt(M_TRIM_THRESHOLD, 64 << 20);
+    pthread_attr_t threads; /* whose stacks are 8 MB each */
+    pthread_attr_init(&threads);
+    pthread_attr_setstacksize(&threads, 1 << 20);
+    pthread_setattr_default_np(&threads);
+    pthread_attr_destroy(&threads);
+    return pages[5] * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+/* Processor time for what one input may keep a library busy with: OpenVDB counts to 2^32 where the file ended long before.
+ * Its reader has seconds (limit_seconds), and answers at the same signal. 0: no limit any more. */
+void limit_milliseconds(long ms)
+{
+    static timer_t timer;
+    static const bool is_there = [] {
+        sigevent event{};
+        event.sigev_notify = SIGEV_SIGNAL;
+        event.sigev_signo = SIGXCPU;
+        return timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &timer) == 0;
+    }();
+    const itimerspec limit{{0, 0}, {0, ms * 1000000}};
+    if (is_there)
+        timer_settime(timer, 0, &limit, nullptr);
+}
+
+/* A reader has 192 MB and more beside 3100 bytes a byte of its file (limit_memory). What is cleared for damaged lengths, up to
+ * that, was nine tenths of the time; so here it has less, of which the small files of tests/fuzz/seeds need a part. */
+void limit_further(const char *path)
+{
+    static const rlim_t start = begin();
+    rlimit limit{};
+    getrlimit(RLIMIT_DATA, &limit);
+    const double room = 16e6 + 256 * bytes_of_input(path, 1e6);
+    limit.rlim_cur = std::min(limit.rlim_cur, start + static_cast<rlim_t>(room));
+    setrlimit(RLIMIT_DATA, &limit);
+}
+
 } // namespace
 
 extern "C" iso_status iso_child_start(iso_child_process *process, const char *const words[], iso_error *err)
@@ -46,7 +97,10 @@ extern "C" iso_status iso_child_start(iso_child_process *process, const char *co
     if (!strstr(words[0], FUZZ_PROGRAM))
         return iso_fail(err, ISO_E_MISSING, "%s is asked for, and this is " FUZZ_PROGRAM, words[0]);
     limit_memory(words[1]);
+    limit_further(words[1]);
+    limit_milliseconds(100);
     write_volume(child_program, words[1], {words[2], std::stoul(words[3]), std::stoul(words[4])}, out);
+    limit_milliseconds(0);
     fclose(out);
     lseek(output.fd, 0, SEEK_SET);
     process->output = fdopen(output.fd, "rb");

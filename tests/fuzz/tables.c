@@ -59,6 +59,7 @@ static iso_status load_tf(const char *path, const iso_tf_request *request)
     const iso_status status = iso_tf_load_as(path, request, &tf, &err);
     fuzz_check_status(status, &err);
     if (status == ISO_OK) {
+        fuzz_note_read();
         check_table(&tf);
         check_round_trip(&tf);
     }
@@ -94,6 +95,7 @@ void fuzz_palette(const fuzz_target *target, const char *path, const uint8_t *da
     iso_status status = iso_palette_load_csv(path, &palette, &err);
     fuzz_check_status(status, &err);
     if (status == ISO_OK) {
+        fuzz_note_read();
         for (size_t i = 0; i < 3 * palette.count; ++i)
             if (!isfinite(palette.xyz[i]))
                 fuzz_fail("entry %zu is no direction", i / 3);
@@ -122,6 +124,7 @@ static void take_image(iso_status status, iso_image *image, const iso_error *err
 {
     fuzz_check_status(status, err);
     if (status == ISO_OK) {
+        fuzz_note_read();
         iso_image_is_finite(image);
         iso_image_shown_share(image);
     }
@@ -186,11 +189,11 @@ void fuzz_words(const fuzz_target *target, const char *path, const uint8_t *data
     const char *name;
     iso_viewpoint viewpoint;
     iso_error err = {""};
-    fuzz_check_status(iso_words_parse_sizes(text, "--size", sizes, &err), &err);
-    fuzz_check_status(iso_words_parse_numbers(text, "--spacing", numbers, &err), &err);
-    fuzz_check_status(iso_words_parse_error("--error", text, &error, &err), &err);
-    fuzz_check_status(iso_unit_parse("--unit", text, &mm, &name, &err), &err);
-    fuzz_check_status(iso_viewpoint_parse(text, &viewpoint, &err), &err);
+    fuzz_check_read(iso_words_parse_sizes(text, "--size", sizes, &err), &err);
+    fuzz_check_read(iso_words_parse_numbers(text, "--spacing", numbers, &err), &err);
+    fuzz_check_read(iso_words_parse_error("--error", text, &error, &err), &err);
+    fuzz_check_read(iso_unit_parse("--unit", text, &mm, &name, &err), &err);
+    fuzz_check_read(iso_viewpoint_parse(text, &viewpoint, &err), &err);
     iso_words_make_printable(text);
     if (iso_words_has_control(text))
         fuzz_fail("a text that was made printable has control characters");

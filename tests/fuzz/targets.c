@@ -37,6 +37,7 @@ const fuzz_target fuzz_targets[] = {
     {"zarr", "input.zarr/", FUZZ_LINES, fuzz_volume, NULL, "src/volume/arrays/zarr_store.cc"},
     {"vdb", "input.vdb", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/vdb/vdb_read.cc"},
     {"dicom", "input.dcm", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/itk/*.cc"},
+    {"slices", "input/", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/itk/*.cc"},
     {"tf_csv", "input.csv", FUZZ_LINES, fuzz_tf, NULL, "src/tf/format_csv.c src/tf/tf.c"},
     {"tf_json", "input.tf.json", FUZZ_JSON, fuzz_tf, NULL, "src/tf/format_json.c src/tf/tf.c"},
     {"tf_slicer", "input.vp.json", FUZZ_JSON, fuzz_tf, NULL, "src/tf/format_slicer.c"},
@@ -55,7 +56,7 @@ const fuzz_target fuzz_targets[] = {
     {"report", "report.json", FUZZ_JSON, fuzz_report, NULL, "src/report/baseline.c src/report/difference.c src/report/markdown.c src/report/rows.c"},
     {"baseline", "accepted.json", FUZZ_JSON, fuzz_baseline, NULL, "src/report/baseline.c"},
     {"renderers", "renderers.json", FUZZ_JSON, fuzz_renderers, NULL, "src/renderers/external_json.c"},
-    {"manifest", ".isoshade-files", FUZZ_LINES, fuzz_manifest, NULL, "src/base/manifest.c"},
+    {"manifest", "folder/", FUZZ_LINES, fuzz_manifest, NULL, "src/base/manifest.c"},
     {"palette", "palette.csv", FUZZ_LINES, fuzz_palette, NULL, "src/palette/palette_export.c"},
     {"exr", "input.exr", FUZZ_BYTES, fuzz_exr, NULL, "src/image/exr.c"},
     {"png", "input.png", FUZZ_BYTES, fuzz_png, fuzz_repair_png, "src/image/image.c src/image/png16.c"},
@@ -68,7 +69,7 @@ const fuzz_target fuzz_targets[] = {
 
 static char folder[128], file_path[256];
 
-bool fuzz_has_failed;
+bool fuzz_has_failed, fuzz_was_read;
 
 void fuzz_fail(const char *format, ...)
 {
@@ -90,6 +91,18 @@ void fuzz_check_status(iso_status status, const iso_error *err)
         fuzz_fail("status %d is none", (int)status);
     if (!err->text[0])
         fuzz_fail("status %d has no message", (int)status);
+}
+
+void fuzz_note_read(void)
+{
+    fuzz_was_read = true;
+}
+
+void fuzz_check_read(iso_status status, const iso_error *err)
+{
+    fuzz_check_status(status, err);
+    if (status == ISO_OK)
+        fuzz_note_read();
 }
 
 /* A direction that is normalized twice may differ by some roundings: three squares and two sums, a root and a division, each
@@ -197,7 +210,7 @@ static bool take_name(const char *line, size_t length, bool in_folder, char name
 {
     size_t slashes = 0;
     if (length == 0 || length >= 64 || line[0] == '.')
-        length = line[0] == '.' && line[1] == 'z' && length < 64 ? length : 0; /* .zarray and .zattrs */
+        length = line[0] == '.' && (line[1] == 'z' || line[1] == 'i') && length < 64 ? length : 0; /* .zarray, .isoshade-files */
     for (size_t i = 0; i < length; ++i) {
         const char c = line[i];
         const bool good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
@@ -253,6 +266,7 @@ static void write_input(const fuzz_target *target, const uint8_t *data, size_t s
 
 void fuzz_run(const fuzz_target *target, const uint8_t *data, size_t size)
 {
+    fuzz_was_read = false;
     write_input(target, data, size);
     target->run(target, file_path, data, size);
 }

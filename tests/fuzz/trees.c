@@ -68,6 +68,7 @@ void fuzz_scene(const fuzz_target *target, const char *path, const uint8_t *data
     const iso_status status = iso_scene_load(path, &scene, &err);
     fuzz_check_status(status, &err);
     if (status == ISO_OK) {
+        fuzz_note_read();
         check_view(&scene);
         json_t *once = iso_scene_to_json(&scene);
         if (iso_scene_from_json(once, "again", &again, &err) != ISO_OK)
@@ -174,8 +175,10 @@ void fuzz_pyramid(const fuzz_target *target, const char *path, const uint8_t *da
         return;
     status = iso_pyramid_load(path, &p, &err);
     fuzz_check_status(status, &err);
-    if (status == ISO_OK)
+    if (status == ISO_OK) {
+        fuzz_note_read();
         check_levels(&p);
+    }
     iso_pyramid_destroy(&p);
 }
 
@@ -228,6 +231,8 @@ void fuzz_joint(const fuzz_target *target, const char *path, const uint8_t *data
             fuzz_fail("bin %u of %zu", joint.entry_z[i], joint.z.count);
         sum += joint.entry_count_of[i];
     }
+    if (status == ISO_OK)
+        fuzz_note_read();
     if (status == ISO_OK && sum != joint.voxel_count)
         fuzz_fail("%llu voxels are counted of %llu", (unsigned long long)sum, (unsigned long long)joint.voxel_count);
     iso_joint_destroy(&joint);
@@ -254,6 +259,7 @@ void fuzz_plan(const fuzz_target *target, const char *path, const uint8_t *data,
     fuzz_check_status(status, &err);
     iso_planned_lattices lattices = {0};
     if (status == ISO_OK) {
+        fuzz_note_read();
         fuzz_check_status(iso_planned_lattices_create(&p, true, false, 1, &lattices, &err), &err);
         iso_planned_lattices_destroy(&lattices);
         iso_planned_destroy(&p);
@@ -275,6 +281,7 @@ void fuzz_report(const fuzz_target *target, const char *path, const uint8_t *dat
     status = iso_baseline_from_report(root, &accepted, &err);
     fuzz_check_status(status, &err);
     if (status == ISO_OK) {
+        fuzz_note_read();
         iso_baseline_result result = {0};
         if (iso_baseline_compare(accepted, accepted, 1.5, 1e-6, &result, &err) != ISO_OK)
             fuzz_fail("the baseline that was made of a report is refused: %s", err.text);
@@ -308,7 +315,7 @@ void fuzz_baseline(const fuzz_target *target, const char *path, const uint8_t *d
     if (status != ISO_OK)
         return;
     json_t *none = json_pack("{s:s, s:{s:f}}", "schema", "isoshade.accepted/2", "rows", "a / b", 0.5);
-    fuzz_check_status(iso_baseline_compare(root, root, 1.5, 1e-6, &result, &err), &err);
+    fuzz_check_read(iso_baseline_compare(root, root, 1.5, 1e-6, &result, &err), &err);
     iso_baseline_result_destroy(&result);
     result = (iso_baseline_result){0};
     fuzz_check_status(iso_baseline_compare(none, root, 1.5, 1e-6, &result, &err), &err);
@@ -324,16 +331,14 @@ void fuzz_renderers(const fuzz_target *target, const char *path, const uint8_t *
 {
     (void)target, (void)data, (void)size;
     iso_error err = {""};
-    fuzz_check_status(iso_renderers_load(path, &err), &err);
+    fuzz_check_read(iso_renderers_load(path, &err), &err);
 }
 
 void fuzz_manifest(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
 {
     (void)target, (void)data, (void)size;
-    char *dir = iso_path_dir(path);
     iso_error err = {""};
-    fuzz_check_status(iso_manifest_check(dir, "the folder", &err), &err);
-    free(dir);
+    fuzz_check_read(iso_manifest_check(path, "the folder", &err), &err);
 }
 
 /* A reader with a fault: the fuzzing has to find it, or it finds none. */

@@ -5,17 +5,12 @@
 #include <openvdb/tools/Dense.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "volume/child_writer.h"
 
 namespace {
 
 constexpr double MOST_VOXELS = 1e13;
-
-/* A tree is read at far more than this many bytes a second, packed or not; numbers of a damaged file that ask for more nodes
- * than it has keep OpenVDB busy for minutes. */
-constexpr double SECONDS = 4, BYTES_A_SECOND = 4e6;
 
 std::string sizes_of(const openvdb::Coord &size)
 {
@@ -82,7 +77,6 @@ class VdbReader : public PlaneReader {
 public:
     VdbReader(const std::string &path, const std::string &part)
     {
-        limit_seconds(path, SECONDS + static_cast<double>(std::filesystem::file_size(path)) / BYTES_A_SECOND);
         openvdb::initialize();
         openvdb::io::File file(path);
         file.open(/*delayLoad=*/false); /* which copies the file first, where nothing may be written */
@@ -95,7 +89,6 @@ public:
         take_samples(grid);
         take_box(*grid);
         take_place(*grid);
-        limit_seconds(path, 0);
     }
 
     void read_plane(char *out, size_t bytes) override
