@@ -32,6 +32,8 @@ inner_loops := encode gradient render/cpu
 fortified := -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3
 # Addresses that nobody can foresee, and no table of functions that can be written once the program runs.
 link_release := -pie -Wl,-z,relro,-z,now
+# What was reached is written by processes that end at once, too (tests/fuzz/drive.c).
+link_coverage := -Wl,-u,__gcov_dump
 # The kernels without AVX-512, to measure on a machine that has it.
 flags_avx2 := $(flags_release) -DISO_WITHOUT_AVX512
 flags_debug := -O0 -g
@@ -169,9 +171,10 @@ FUZZ_SECONDS ?= 60
 fuzz: $(needs_setup) ## damaged files for each reader, for FUZZ_SECONDS each: by clang's libFuzzer where it is installed
 	@bash tests/fuzz/run.sh "$(FUZZ_SECONDS)" $(FUZZ)
 fuzz-coverage: $(needs_setup) ## lines of each reader that its seeds, the corpus of `make fuzz` and mutations reach
-	@$(again) config=coverage build/coverage/isoshade-fuzz
+	@$(again) config=coverage build/coverage/isoshade-fuzz fuzz-programs
 	@bash tests/fuzz/coverage.sh $(FUZZ)
-.PHONY: fuzz fuzz-coverage
+fuzz-programs: $(fuzz_programs)
+.PHONY: fuzz fuzz-coverage fuzz-programs
 
 threads: $(needs_setup) ## what works with several threads, under clang's sanitizer of threads
 	@$(again) config=threads CC=clang build/threads/isoshade-threads
@@ -291,7 +294,7 @@ $(build)/isoshade-fuzz-itk: $(itk_cc) $(wildcard src/volume/itk/*.h)
 $(build)/isoshade-fuzz-arrays: $(arrays_cc) $(wildcard src/volume/arrays/*.h)
 $(build)/isoshade-fuzz-vdb: $(vdb_cc)
 $(fuzz_programs): $(build)/isoshade-fuzz-%: tests/fuzz/in_process.cc src/volume/child_start.h $(fuzz_c:%.c=$(build)/%.o) $(filter-out $(build)/src/cli/%,$(commands_o)) $(lib) $(child_h) | $(reader_programs)
-	$(call say,CXX)$(CXX) -std=c++17 -Wall -Wextra $(WERROR) $(flags_$(config)) $(if $(filter release,$(config)),-O2) -fopenmp -DFUZZ_PROGRAM='"isoshade-$*"' -I. -Isrc $($*_flags) -o $@ $(filter %.cc %.o %.a,$^) $($*_libs) $(LDLIBS)
+	$(call say,CXX)$(CXX) -std=c++17 -Wall -Wextra $(WERROR) $(flags_$(config)) $(if $(filter release,$(config)),-O2) $(if $(filter coverage,$(config)),$(link_coverage)) -fopenmp -DFUZZ_PROGRAM='"isoshade-$*"' -I. -Isrc $($*_flags) -o $@ $(filter %.cc %.o %.a,$^) $($*_libs) $(LDLIBS)
 # FUZZ_LIBS: archives of libraries that were built with the same flags, such as teem's.
 $(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_programs)
 	$(call say,LD )$(CXX) -fsanitize=fuzzer,address,undefined -fopenmp -o $@ $^ $(FUZZ_LIBS) $(LDLIBS)

@@ -4,17 +4,33 @@
 # and 20000 mutations (ISOSHADE_FUZZ_COUNT) in at most 20 s (ISOSHADE_FUZZ_SECONDS), by gcov.
 set -u
 cd "$(dirname "$0")/../.."
-fuzz=$PWD/build/coverage/isoshade-fuzz
+all=$PWD/build/coverage/isoshade-fuzz
 export OMP_NUM_THREADS=1
-"$fuzz" --list | while read -r name sources; do
+# Readers that are programs of their own are called within a driver of theirs.
+program_of() {
+    case $1 in
+    hdf5 | netcdf | zarr) echo -arrays ;;
+    dicom | slices) echo -itk ;;
+    vdb) echo -vdb ;;
+    esac
+}
+# gcov's notes on a source: beside its object, or of a program that was compiled at once.
+notes_of() { # SOURCE PROGRAM
+    local name
+    name=$(basename "$1" .cc)
+    if [[ $1 == *.cc ]]; then echo "$all$2-$name.gcno"; else echo "build/coverage/${1%.c}.o"; fi
+}
+"$all" --list | while read -r name sources; do
     [ "$name" != planted ] && { [ $# = 0 ] || [[ " $* " == *" $name "* ]]; } || continue
+    program=$(program_of "$name") fuzz=$all$(program_of "$name")
+    [ -x "$fuzz" ] || continue # built without its library
     find build/coverage -name '*.gcda' -delete
     "$fuzz" "$name" "tests/fuzz/seeds/$name" "${ISOSHADE_FUZZ_COUNT:-20000}" "${ISOSHADE_FUZZ_SECONDS:-20}" >/dev/null 2>&1
     [ ! -d "build/fuzzed/$name" ] || "$fuzz" "$name" "build/fuzzed/$name" >/dev/null 2>&1
     for source in $sources; do
-        object=build/coverage/${source%.c}.o
-        [ -f "$object" ] || continue # of a program of its own
-        gcov -n -o "$object" "$source" 2>/dev/null | awk -v file="$source" -v name="$name" '
+        notes=$(notes_of "$source" "$program")
+        [ -f "$notes" ] || continue
+        gcov -n -o "$notes" "$source" 2>/dev/null | awk -v file="$source" -v name="$name" '
             $1 == "File" { here = ($2 == "\047" file "\047") }
             here && /^Lines executed/ { split($0, p, /[:% ]+/); printf "%-16s %-36s %6.1f %% of %d lines\n", name, file, p[3], p[5]; here = 0 }'
     done

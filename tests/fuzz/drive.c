@@ -72,6 +72,14 @@ static void keep_input(void)
         fprintf(stderr, "fuzz: %s: the input is kept as %s\n", running->name, crash_path);
 }
 
+/* What lines were reached, where they are counted (make fuzz-coverage): a process that ends at once leaves them unsaid. */
+void __gcov_dump(void) __attribute__((weak));
+static void keep_lines(void)
+{
+    if (__gcov_dump)
+        __gcov_dump();
+}
+
 static void on_signal(int number)
 {
     if (number == SIGVTALRM) {
@@ -79,6 +87,7 @@ static void on_signal(int number)
         fprintf(stderr, "fuzz: a contract is broken: one input takes more than %d s\n", MOST_SECONDS_OF_ONE);
     }
     keep_input();
+    keep_lines();
     if (fuzz_has_failed && may_end())
         _exit(BROKEN);
     signal(number, SIG_DFL);
@@ -274,6 +283,7 @@ static uint64_t run_in_processes(tally *result, uint64_t count, double seconds)
         const pid_t child = fork();
         if (child == 0) {
             run_some(t, count, fmin(fmax(left, 0.1), 1));
+            keep_lines();
             _exit(0);
         }
         if (child < 0 || waitpid(child, &how, 0) != child)
