@@ -4,7 +4,7 @@
 # and 20000 mutations (ISOSHADE_FUZZ_COUNT) in at most 20 s (ISOSHADE_FUZZ_SECONDS), by gcov.
 set -u
 cd "$(dirname "$0")/../.."
-all=$PWD/build/coverage/isoshade-fuzz
+top=$PWD all=$PWD/build/coverage/isoshade-fuzz
 export OMP_NUM_THREADS=1
 # Readers that are programs of their own are called within a driver of theirs.
 program_of() {
@@ -25,7 +25,8 @@ notes_of() { # SOURCE PROGRAM
     program=$(program_of "$name") fuzz=$all$(program_of "$name")
     [ -x "$fuzz" ] || continue # built without its library
     find build/coverage -name '*.gcda' -delete
-    "$fuzz" "$name" "tests/fuzz/seeds/$name" "${ISOSHADE_FUZZ_COUNT:-20000}" "${ISOSHADE_FUZZ_SECONDS:-20}" >/dev/null 2>&1
+    mkdir -p build/fuzzed # where an input stays at which a reader was ended
+    (cd build/fuzzed && "$fuzz" "$name" "$top/tests/fuzz/seeds/$name" "${ISOSHADE_FUZZ_COUNT:-20000}" "${ISOSHADE_FUZZ_SECONDS:-20}") >/dev/null 2>&1
     [ ! -d "build/fuzzed/$name" ] || "$fuzz" "$name" "build/fuzzed/$name" >/dev/null 2>&1
     for source in $sources; do
         notes=$(notes_of "$source" "$program")
