@@ -185,6 +185,54 @@ check a_transfer_function_of_many_megabytes_is_refused_unparsed ends 4 'a transf
 few_threads() { (ulimit -v 600000 && isoshade render s.nrrd --scene "$shells" --with reference --size 8 --threads 1000 -o a.exr); }
 check no_memory_for_threads_is_no_difference ends 6 'no more threads can be started' few_threads
 
+# ---- a library that a damaged file keeps busy ----
+# In the place of the program that reads OpenVDB files, one that never ends what a file says, with limits of a second. What it
+# read before is not taken for the whole.
+cat >busy.cc <<'END'
+#include "volume/child_writer.h"
+namespace {
+[[noreturn]] void keep_busy()
+{
+    for (volatile unsigned i = 0;; i = i + 1)
+        ;
+}
+struct Busy : PlaneReader {
+    bool at_plane;
+    int next = 0;
+    explicit Busy(bool planes) : at_plane(planes)
+    {
+        for (int a = 0; a < 3; ++a)
+            header.size[a] = 3, header.step[a][a] = 1;
+        header.type = ISO_U8;
+    }
+    void read_plane(char *out, size_t bytes) override
+    {
+        if (at_plane && next == 1)
+            keep_busy();
+        memset(out, ++next, bytes);
+    }
+};
+std::unique_ptr<PlaneReader> open_busy(const std::string &path, const Wanted &)
+{
+    if (path.find("open") != std::string::npos)
+        keep_busy();
+    return std::make_unique<Busy>(path.find("plane") != std::string::npos);
+}
+std::string cause_of(const std::exception &e) { return e.what(); }
+} // namespace
+const ChildProgram child_program = {open_busy, cause_of};
+END
+mkdir busy && cp "$ISOSHADE" busy/isoshade
+if g++ -std=c++17 -DISO_OPEN_SECONDS=0 -DISO_PLANE_SECONDS=0 -I"$top/src" -o busy/isoshade-vdb busy.cc "$top/src/volume/child_main.cc"; then
+    for name in whole open plane; do printf ' BDV\0\0\0\0' >"$name.vdb"; done
+    check a_reader_that_ends_is_read busy/isoshade info whole.vdb
+    check one_that_never_opens_a_file_is_ended ends 4 'damaged? not opened after 0 s' busy/isoshade info open.vdb
+    check one_that_never_ends_a_plane_is_too ends 4 'damaged? not read after 0 s' busy/isoshade build plane.vdb -o plane.iso
+    check and_leaves_nothing test ! -e plane.iso
+else
+    not_ok a_reader_that_ends_is_read "busy.cc is not compiled"
+fi
+
 # ---- a renderer that hangs ----
 mkdir bin
 printf '%s\n' '#!/bin/bash' 'case "$*" in *-version*) exec /usr/bin/povray "$@";; esac' 'exec >&- 2>&-' 'setsid sleep 4321 &' 'sleep 4321' >bin/povray

@@ -204,11 +204,15 @@ public:
 
 /* ---- the whole ---- */
 
+/* Limits for a small file. A plane may need all of a file again, where its parts reach through many. Tests have less. */
+#ifndef ISO_OPEN_SECONDS
+#define ISO_OPEN_SECONDS 4
+#define ISO_PLANE_SECONDS 20
+#endif
+
 inline int write_volume(const ChildProgram &program, const char *path, const Wanted &wanted, FILE *out)
 {
-    /* Libraries read far more than this many bytes a second, packed or not. A plane may need all of a file again, where its
-     * parts reach through many. */
-    constexpr double open_seconds = 4, plane_seconds = 20, bytes_a_second = 4e6, most_bytes = 4e9;
+    constexpr double bytes_a_second = 4e6, most_bytes = 4e9; /* libraries read far more a second, packed or not */
     const double bytes = bytes_of_input(path, most_bytes);
     std::unique_ptr<PlaneReader> reader;
     iso_child_header header{}, late{};
@@ -216,7 +220,7 @@ inline int write_volume(const ChildProgram &program, const char *path, const Wan
     std::vector<char> plane;
     snprintf(late.version, sizeof late.version, "%s", ISO_VERSION);
     {
-        const TimeLimit limit(path, "opened", open_seconds + bytes / bytes_a_second, late, late.answer);
+        const TimeLimit limit(path, "opened", ISO_OPEN_SECONDS + bytes / bytes_a_second, late, late.answer);
         answer = guarded(program, path, [&] {
             reader = program.open(path, wanted);
             header = reader->header;
@@ -227,7 +231,7 @@ inline int write_volume(const ChildProgram &program, const char *path, const Wan
     memcpy(header.version, late.version, sizeof header.version);
     if (!put(out, &header, sizeof header) || fflush(out) != 0 || answer.status != ISO_OK)
         return answer.status;
-    const double seconds = plane_seconds + (bytes + static_cast<double>(plane.size())) / bytes_a_second;
+    const double seconds = ISO_PLANE_SECONDS + (bytes + static_cast<double>(plane.size())) / bytes_a_second;
     for (size_t z = 0; z < header.size[2] && answer.status == ISO_OK; ++z) {
         {
             const TimeLimit limit(path, "read", seconds, late_plane, late_plane);
