@@ -21,7 +21,7 @@ driver_of() {
 counts=$out/counts
 mkdir -p "$out"
 touch "$counts"
-export OMP_NUM_THREADS=1
+export OMP_NUM_THREADS=1 LD_BIND_NOW=1 # symbols are looked up once, not by each process that goes on
 
 # Lines of counts: READER HOW SEED EXECUTIONS SECONDS, how many ended the reader's program or -, and how many it read as good
 # files; or READER HOW SEED found.
