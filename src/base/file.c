@@ -90,37 +90,46 @@ int iso_memory_close(FILE *memory)
     return fclose(memory) != 0 || failed;
 }
 
+iso_status iso_file_open(const char *path, int *fd, size_t *bytes, iso_error *err)
+{
+    struct stat st;
+    *fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe without a writer is told, not waited for */
+    if (*fd < 0)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
+    if (fstat(*fd, &st) == 0 && S_ISREG(st.st_mode)) {
+        *bytes = (size_t)st.st_size;
+        return ISO_OK;
+    }
+    close(*fd);
+    *fd = -1;
+    return iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
+}
+
 iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error *err)
 {
+    int fd;
+    size_t bytes;
     *data = NULL;
     *size = 0;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe without a writer is told, not waited for */
-    FILE *file = fd < 0 ? NULL : fdopen(fd, "rb");
-    if (!file) {
-        const iso_status failed = iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
-        if (fd >= 0)
-            close(fd);
-        return failed;
-    }
-    iso_status status = ISO_OK;
-    struct stat st;
-    if (fstat(fileno(file), &st) != 0 || !S_ISREG(st.st_mode)) {
-        status = iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
-    } else {
-        size_t bytes = (size_t)st.st_size;
-        *data = malloc(bytes + 1);
-        if (!*data)
-            status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes", path, bytes);
-        else if (fread(*data, 1, bytes, file) != bytes)
-            status = iso_fail(err, iso_errno_status(), "%s: read error: %s", path, strerror(errno));
-        else
-            (*data)[bytes] = 0, *size = bytes;
-    }
+    iso_status status = iso_file_open(path, &fd, &bytes, err);
+    if (status != ISO_OK)
+        return status;
+    FILE *file = fdopen(fd, "rb");
+    *data = file ? malloc(bytes + 1) : NULL;
+    if (!*data)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes", path, bytes);
+    else if (fread(*data, 1, bytes, file) != bytes)
+        status = iso_fail(err, iso_errno_status(), "%s: read error: %s", path, strerror(errno));
+    else
+        (*data)[bytes] = 0, *size = bytes;
     if (status != ISO_OK) {
         free(*data);
         *data = NULL;
     }
-    fclose(file);
+    if (file)
+        fclose(file);
+    else
+        close(fd);
     return status;
 }
 

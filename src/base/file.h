@@ -72,6 +72,9 @@ bool iso_path_is_dir(const char *path);
 bool iso_path_is_file(const char *path); /* no folder, pipe or device */
 bool iso_path_ends_with(const char *path, const char *suffix);
 
+/* Opens a regular file for reading, and nothing else. *fd is -1 on failure. */
+iso_status iso_file_open(const char *path, int *fd, size_t *bytes, iso_error *err);
+
 /* Reads a whole file; a terminating 0 is added behind *size bytes. To be freed. */
 iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error *err);
 

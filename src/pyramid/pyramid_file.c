@@ -130,32 +130,11 @@ static iso_status load_file(const char *dir, const iso_geometry *g, const level_
         return r->status;
     if (strchr(name, '/'))
         return iso_fail(err, ISO_E_FORMAT, "%s: the file \"%s\" does not lie in the folder", r->path, name);
-    const size_t count = f->components * iso_geometry_voxel_count(g), width = iso_type_bytes(f->type);
-    char *path = iso_path_join(dir, name), *header = iso_layout_header(g, f), *bytes = NULL;
-    size_t size = 0;
-    iso_status status = path && header ? iso_file_read(path, &bytes, &size, err)
-                                       : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
-    const size_t header_bytes = header ? strlen(header) : 0;
-    char found[32] = "";
-    if (status == ISO_OK && size != header_bytes + count * width)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %zu bytes, must be %zu by pyramid.json", path, size,
-                          header_bytes + count * width);
-    if (status == ISO_OK)
-        snprintf(found, sizeof found, "%016llx", (unsigned long long)XXH3_64bits(bytes, size));
-    if (status == ISO_OK && strcmp(found, digest) != 0)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: checksum %s, pyramid.json says %s", path, found, digest);
-    if (status == ISO_OK && memcmp(bytes, header, header_bytes) != 0)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: its NRRD header is not the one that pyramid.json describes", path);
-    const bool codes = strcmp(f->key, "codes") == 0;
-    if (status == ISO_OK && !(*data = malloc(codes ? count : count * sizeof(float))))
-        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu samples", path, count);
-    if (status == ISO_OK && codes)
-        memcpy(*data, bytes + header_bytes, count);
-    else if (status == ISO_OK) {
-        memmove(bytes, bytes + header_bytes, count * width); /* aligned */
-        iso_layout_to_floats(bytes, f->type, count, *data);
-    }
-    free(bytes);
+    char *path = iso_path_join(dir, name), *header = iso_layout_header(g, f);
+    const iso_status status = path && header
+                                  ? iso_layout_read(path, header, f, digest,
+                                                    f->components * iso_geometry_voxel_count(g), data, err)
+                                  : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
     free(header);
     free(path);
     return status;

@@ -33,6 +33,10 @@ iso_type iso_layout_type(iso_type input);
  * that a mapped file has its samples aligned. To be freed. */
 char *iso_layout_header(const iso_geometry *g, const level_file *f);
 
+/* A level's file: `count` samples as floats, codes as bytes; to be freed. ISO_E_FORMAT where its size, its header or its
+ * checksum are not those that pyramid.json says; ISO_E_IO, ISO_E_MEMORY. */
+iso_status iso_layout_read(const char *path, const char *header, const level_file *f, const char *digest, size_t count,
+                           void **data, iso_error *err);
 /* Samples of the scalar's file as floats. */
 void iso_layout_to_floats(const void *in, iso_type type, size_t count, float *out);
 
