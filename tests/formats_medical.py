@@ -148,6 +148,19 @@ def dicom_multiframe():
     d.save_as("multi.dcm", write_like_original=False)
     same("multi.dcm", values.astype(np.int16) - 1024, unit="mm")
     cut("multi.dcm", "cut.dcm", 0.9)
+    # the shared groups as bytes of which the file does not say the type, as programs write what they do not know
+    implicit = pydicom.Dataset()
+    implicit.SharedFunctionalGroupsSequence = [shared]
+    buffer = pydicom.filebase.DicomBytesIO()
+    buffer.is_little_endian, buffer.is_implicit_VR = True, True
+    pydicom.filewriter.write_dataset(buffer, implicit)
+    d = pydicom.dcmread("multi.dcm")
+    del d.SharedFunctionalGroupsSequence
+    known, pydicom.config.replace_un_with_known_vr = pydicom.config.replace_un_with_known_vr, False
+    d.add(pydicom.DataElement(0x52009229, "UN", buffer.getvalue()[8:]))
+    d.save_as("unknown.dcm", write_like_original=False)
+    pydicom.config.replace_un_with_known_vr = known
+    same("unknown.dcm", values.astype(np.int16) - 1024, unit="mm")
     refused("cut.dcm", 4, "cut.dcm: ")
 
 

@@ -13,14 +13,27 @@ namespace {
 using gdcm::DataSet;
 using gdcm::Tag;
 
-/* The first item of a sequence, or NULL. */
-const DataSet *item_of(const DataSet *set, const Tag &tag)
-{
-    if (!set || !set->FindDataElement(tag))
-        return nullptr;
-    const auto items = set->GetDataElement(tag).GetValueAsSQ();
-    return items && items->GetNumberOfItems() > 0 ? &items->GetItem(1).GetNestedDataSet() : nullptr;
-}
+/* The first item of a sequence, or none. It lives no longer than this: a sequence whose type the file does not say (VR UN) is
+ * made of its bytes when it is asked for, and belongs to who asked. */
+class Item {
+public:
+    Item(const DataSet *set, const Tag &tag)
+    {
+        if (!set || !set->FindDataElement(tag))
+            return;
+        items_ = set->GetDataElement(tag).GetValueAsSQ();
+        if (items_ && items_->GetNumberOfItems() > 0)
+            set_ = &items_->GetItem(1).GetNestedDataSet();
+    }
+    operator const DataSet *() const
+    {
+        return set_;
+    }
+
+private:
+    gdcm::SmartPointer<gdcm::SequenceOfItems> items_;
+    const DataSet *set_ = nullptr;
+};
 
 /* An element as bytes; empty where it is not there. */
 std::string bytes_in(const DataSet *set, const Tag &tag)
@@ -58,16 +71,16 @@ template <typename T> std::string binary_in(const DataSet *set, const Tag &tag)
 /* What stack.h calls these, of a frame's own groups. */
 std::vector<std::string> keys_of(const DataSet *frame)
 {
-    const DataSet *content = item_of(frame, Tag(0x0020, 0x9111));
+    const Item content(frame, Tag(0x0020, 0x9111));
     std::vector<std::string> keys;
     for (const auto &key : plane_keys) {
         const std::string tag = key.tag;
         keys.push_back(
             tag == "0020|0100"   ? binary_in<uint32_t>(content, Tag(0x0020, 0x9128))
-            : tag == "0018|1060" ? binary_in<double>(item_of(frame, Tag(0x0018, 0x9118)), Tag(0x0020, 0x9153))
+            : tag == "0018|1060" ? binary_in<double>(Item(frame, Tag(0x0018, 0x9118)), Tag(0x0020, 0x9153))
             : tag == "0008|002a" ? bytes_in(content, Tag(0x0018, 0x9074))
-            : tag == "0018|0081" ? binary_in<double>(item_of(frame, Tag(0x0018, 0x9114)), Tag(0x0018, 0x9082))
-            : tag == "0018|9087" ? binary_in<double>(item_of(frame, Tag(0x0018, 0x9117)), Tag(0x0018, 0x9087))
+            : tag == "0018|0081" ? binary_in<double>(Item(frame, Tag(0x0018, 0x9114)), Tag(0x0018, 0x9082))
+            : tag == "0018|9087" ? binary_in<double>(Item(frame, Tag(0x0018, 0x9117)), Tag(0x0018, 0x9087))
                                  : "");
     }
     return keys;
@@ -78,8 +91,8 @@ std::vector<std::string> keys_of(const DataSet *frame)
 std::vector<double> pixel_steps(const DataSet *frame, const DataSet *shared)
 {
     const auto either = [&](const Tag &group, const Tag &tag, size_t count) {
-        const auto own = decimals_in(item_of(frame, group), tag);
-        return own.size() == count ? own : decimals_in(item_of(shared, group), tag);
+        const auto own = decimals_in(Item(frame, group), tag);
+        return own.size() == count ? own : decimals_in(Item(shared, group), tag);
     };
     auto steps = either(Tag(0x0020, 0x9116), Tag(0x0020, 0x0037), 6);
     const auto spacing = either(Tag(0x0028, 0x9110), Tag(0x0028, 0x0030), 2); /* between rows, then between columns */
@@ -100,7 +113,7 @@ bool differ(const std::vector<double> &a, const std::vector<double> &b)
 
 std::vector<double> scale_of(const DataSet *frame)
 {
-    const DataSet *group = item_of(frame, Tag(0x0028, 0x9145));
+    const Item group(frame, Tag(0x0028, 0x9145));
     auto scale = decimals_in(group, Tag(0x0028, 0x1053));
     for (const double intercept : decimals_in(group, Tag(0x0028, 0x1052)))
         scale.push_back(intercept);
@@ -124,13 +137,13 @@ FramePlanes planes_in(const std::string &path, size_t frames)
     const auto items = all.FindDataElement(groups) ? all.GetDataElement(groups).GetValueAsSQ() : nullptr;
     if (!items || frames == 0 || items->GetNumberOfItems() != frames)
         return found;
-    const DataSet *shared = item_of(&all, Tag(0x5200, 0x9229));
-    const DataSet *measures = item_of(shared, Tag(0x0028, 0x9110));
+    const Item shared(&all, Tag(0x5200, 0x9229));
+    const Item measures(shared, Tag(0x0028, 0x9110));
     found.is_spaced = found.is_spaced || !bytes_in(measures, Tag(0x0018, 0x0088)).empty();
     std::vector<double> turned, scale;
     for (size_t i = 0; i < frames; ++i) {
         const DataSet *frame = &items->GetItem(i + 1).GetNestedDataSet();
-        const auto place = decimals_in(item_of(frame, Tag(0x0020, 0x9113)), Tag(0x0020, 0x0032));
+        const auto place = decimals_in(Item(frame, Tag(0x0020, 0x9113)), Tag(0x0020, 0x0032));
         const auto own_turn = pixel_steps(frame, shared), own_scale = scale_of(frame);
         if (place.size() != 3 || own_turn.size() != 6) {
             found.planes.clear();
