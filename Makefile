@@ -262,7 +262,8 @@ $(openvdb_library): $(openvdb_o)
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 $(fortified) -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
-# Each is its own files and a main(); fuzzing takes the files alone.
+# Each is its own files and a main(); fuzzing takes the files alone. ITK's headers refuse some compilers.
+READER_CXX ?= $(CXX)
 child_h := src/volume/child_stream.h src/volume/child_writer.h src/volume/type.h src/isoshade.h
 child_main := src/volume/child_main.cc
 child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g -Isrc -pie -fPIE -Wl,-z,relro,-z,now
@@ -280,7 +281,7 @@ $(build)/isoshade-arrays: $(arrays_cc) $(wildcard src/volume/arrays/*.h)
 $(build)/isoshade-vdb: $(vdb_cc)
 $(reader_programs): $(build)/isoshade-%: $(child_main) $(child_h) $(build)/child-flags
 	@mkdir -p $(@D)
-	$(call say,CXX)$(CXX) $(child_flags) $($*_flags) -o $@ $(filter %.cc,$^) $($*_libs)
+	$(call say,CXX)$(READER_CXX) $(child_flags) $($*_flags) -o $@ $(filter %.cc,$^) $($*_libs)
 $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE
 	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade && cp $^ $(build)/addon/isoshade/
 	$(call say,ZIP)cd $(build)/addon && python3 -m zipfile -c ../$(@F) isoshade

@@ -10,14 +10,7 @@
 set -u
 cd "$(dirname "$0")/../.."
 top=$PWD out=${FUZZ_OUT:-$PWD/build/fuzzed} fuzz=$PWD/build/release/isoshade-fuzz
-driver_of() {
-    case $1 in
-    hdf5 | netcdf | zarr) echo "$fuzz-arrays" ;;
-    dicom | slices) echo "$fuzz-itk" ;;
-    vdb) echo "$fuzz-vdb" ;;
-    *) echo "$fuzz" ;;
-    esac
-}
+. tests/fuzz/programs.sh
 counts=$out/counts
 mkdir -p "$out"
 touch "$counts"
@@ -44,7 +37,7 @@ seed_of() { awk -v name="$1" '$1 == name && $2 == "release" { n++ } END { print 
 piece() { # READER EXECUTIONS
     local seed said ended=-
     seed=$(seed_of "$1")
-    said=$(cd "$out" && "${FUZZ_DRIVER:-$(driver_of "$1")}" "$1" "$top/tests/fuzz/seeds/$1" "$2" "${FUZZ_PIECE:-30}" "$seed" 2>"$out/$1-release.log")
+    said=$(cd "$out" && "${FUZZ_DRIVER:-$fuzz$(driver_of "$1")}" "$1" "$top/tests/fuzz/seeds/$1" "$2" "${FUZZ_PIECE:-30}" "$seed" 2>"$out/$1-release.log")
     [[ $said =~ ([0-9]+)\ inputs\ ended ]] && ended=${BASH_REMATCH[1]}
     if [[ $said =~ ([0-9]+)\ mutations,\ +([0-9]+)\ read\ +([0-9.]+)\ s$ ]]; then
         echo "$1 release $seed ${BASH_REMATCH[1]} ${BASH_REMATCH[3]} $ended ${BASH_REMATCH[2]}" >>"$counts"

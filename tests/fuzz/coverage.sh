@@ -6,14 +6,7 @@ set -u
 cd "$(dirname "$0")/../.."
 top=$PWD all=$PWD/build/coverage/isoshade-fuzz
 export OMP_NUM_THREADS=1
-# Readers that are programs of their own are called within a driver of theirs.
-program_of() {
-    case $1 in
-    hdf5 | netcdf | zarr) echo -arrays ;;
-    dicom | slices) echo -itk ;;
-    vdb) echo -vdb ;;
-    esac
-}
+. tests/fuzz/programs.sh
 # gcov's notes on a source: beside its object, or of a program that was compiled at once.
 notes_of() { # SOURCE PROGRAM
     local name
@@ -22,7 +15,7 @@ notes_of() { # SOURCE PROGRAM
 }
 "$all" --list | while read -r name sources; do
     [ "$name" != planted ] && { [ $# = 0 ] || [[ " $* " == *" $name "* ]]; } || continue
-    program=$(program_of "$name") fuzz=$all$(program_of "$name")
+    program=$(driver_of "$name") fuzz=$all$(driver_of "$name")
     [ -x "$fuzz" ] || continue # built without its library
     find build/coverage -name '*.gcda' -delete
     mkdir -p build/fuzzed # where an input stays at which a reader was ended
