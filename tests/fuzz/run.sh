@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: MIT
 # run.sh SECONDS [READER ...]: each reader for so long, from its seeds and what earlier runs found in build/fuzzed/READER; a
 # line each with the number of runs. By clang's libFuzzer, which is led by what code an input reaches; where clang is not
-# installed by the driver of `make check`. Those that are programs of their own are called within a driver of theirs. Readers
-# run as many at a time as there are cores. Exit code 1: something was found; the input lies in build/fuzzed, and goes to tests/fuzz/seeds/READER when it is corrected.
+# installed by the driver of `make check`. Those that are programs of their own are called within a driver of theirs.
+# Readers run as many at a time as there are cores. Exit code 1: something was found; the input lies in build/fuzzed, and
+# goes to tests/fuzz/seeds/READER when it is corrected.
 set -u
 cd "$(dirname "$0")/../.."
 seconds=$1
