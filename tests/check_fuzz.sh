@@ -42,6 +42,15 @@ fi
 [ ! -s figures ] || cat figures
 mkdir none && echo '{"schema": 1}' >none/a.json
 notice seeds_that_are_all_refused_are_found reads_a_seed "$("$fuzz" tf_json none 1000 1 "$seed" 2>&1)"
+# Whose fault a report of the address sanitizer is: of the first line of its stack that is none of the sanitizer's.
+. "$top/tests/fuzz/programs.sh"
+report_of() { printf '==7==ERROR: AddressSanitizer: %s\n    #0 0x1  (/lib/libasan.so.8+0x1)\n    #1 0x2  (%s+0x2)\n    #2 0x3  (/bin/isoshade-fuzz-itk+0x3)\n' "$@"; }
+report_of heap-use-after-free /bin/isoshade-fuzz-itk >ours.log
+report_of heap-use-after-free /lib/libhdf5_serial.so.103 >theirs.log
+report_of 'allocator is out of memory' /lib/libstdc++.so.6 >asked.log
+check a_fault_in_code_of_ours_is_told is_ours ours.log
+notice one_of_a_library_is_not is_ours theirs.log
+notice nor_is_memory_that_cannot_be_had is_ours asked.log
 # Each has seeds, and each seed is of one.
 every_target_has_seeds() { diff <("$fuzz" --list | cut -d' ' -f1 | sort) <(cd "$seeds" && ls | sort); }
 check every_reader_has_seeds every_target_has_seeds

@@ -8,3 +8,10 @@ driver_of() {
     vdb) echo -vdb ;;
     esac
 }
+# Is a report of the address sanitizer about code of ours? Its first line of the stack outside of the sanitizer and of the
+# libraries of C and C++ is then in the driver. What is GDCM's and was compiled into it looks the same: a person has to say.
+is_ours() {
+    awk '/ERROR: AddressSanitizer/ { open = /allocator is out of memory/ ? 0 : 1 }
+         open && /^ *#[0-9]/ && !/lib(asan|ubsan|stdc\+\+|c)\.so|ld-linux/ { if (/isoshade-fuzz-/) found = 1; open = 0 }
+         END { exit !found }' "$1"
+}

@@ -32,13 +32,6 @@ words_of() { # of the reader and of its family
     local file
     for file in "tests/fuzz/words/$1" "tests/fuzz/words/${1%%_*}"; do [ -f "$file" ] && { echo "$file"; return; }; done
 }
-# Is a report of the address sanitizer about code of ours? Its first line of the stack outside of the sanitizer and of the
-# libraries of C and C++ is then in the driver. What is GDCM's and was compiled into it looks the same: a person has to say.
-is_ours() {
-    awk '/ERROR: AddressSanitizer/ { open = /allocator is out of memory/ ? 0 : 1 }
-         open && /^ *#[0-9]/ && !/lib(asan|ubsan|stdc\+\+|c)\.so|ld-linux/ { if (/isoshade-fuzz-/) found = 1; open = 0 }
-         END { exit !found }' "$1"
-}
 # Within the driver: what libraries do wrong ends a process, and the run goes on.
 run_in_process() { # NAME LOG
     (cd "$out" && ASAN_OPTIONS=symbolize=0:max_allocation_size_mb=64:allocator_may_return_null=1:detect_odr_violation=0:abort_on_error=1:handle_abort=0 \
