@@ -4,6 +4,7 @@
 #define ISO_BENCH_RENDER_H
 
 #include "bench/bench.h"
+#include "brick/bricks.h"
 #include "options/input.h"
 #include "pyramid/pyramid.h"
 #include "render/gl/raycaster.h"
@@ -44,5 +45,9 @@ iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_rende
 /* --bricks (render_bricks.c). */
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,
                             iso_error *err);
+
+/* Its part by the CPU ray caster (render_bricks_cpu.c): the whole volume and bricks, appended to cases. */
+iso_status iso_bench_bricks_on_cpu(const iso_cli *cli, const iso_pyramid *p, const iso_brick_field *field,
+                                   const bench_render_options *opt, json_t *cases, iso_error *err);
 
 #endif

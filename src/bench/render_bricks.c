@@ -174,6 +174,8 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fi
                 print_ratios(seconds);
         }
     }
+    if (status == ISO_OK && !opt->transition)
+        status = iso_bench_bricks_on_cpu(cli, fields->pyramid, &fields->nodes, opt, cases, err);
     json_object_set_new(root, "cases", cases);
     return status;
 }

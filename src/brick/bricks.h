@@ -30,6 +30,8 @@
 #ifndef ISO_BRICKS_H
 #define ISO_BRICKS_H
 
+#include <math.h>
+
 #include "pyramid/pyramid.h"
 
 #define ISO_BRICK_MAX_LEVELS 7
@@ -101,6 +103,19 @@ iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyram
  * steps of the range, directions to 1/32767. To be called before faces are baked: fine
  * face nodes are interpolated from rounded coarse ones. */
 void iso_node_levels_round(iso_node_levels *n);
+/* What such a cache holds of a node: the scalar's part of the range, and a component of the direction. */
+static inline double iso_node_part(const iso_node_levels *n, float scalar)
+{
+    return n->max > n->min ? ((double)scalar - n->min) * (1 / (n->max - n->min)) : 0;
+}
+static inline uint16_t iso_node_scalar16(const iso_node_levels *n, float scalar)
+{
+    return (uint16_t)lrint(65535 * fmin(fmax(iso_node_part(n, scalar), 0), 1));
+}
+static inline int16_t iso_node_direction16(float component)
+{
+    return (int16_t)lrintf(32767 * fminf(fmaxf(component, -1), 1));
+}
 /* Takes the directions of all levels through a code and back, so that files that store decoded codes hold no more
  * values than those of a pyramid do. Codes that drop the length leave unit directions. */
 void iso_node_levels_encode(iso_node_levels *n, iso_code code);

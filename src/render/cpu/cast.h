@@ -10,7 +10,11 @@
  *     cell         0     1     2              N        cell c begins at voxel c - 1
  *     box             [========= ... =====]            0 to N in index coordinates
  *
- * Positions are counted in cells: index + 1/2. Private to src/render/cpu. */
+ * Positions are counted in cells: index + 1/2.
+ *
+ * Bricks of mixed resolution (mixed.h) have their own nodes. Positions are counted in cells of level 0, index - 1/2 +
+ * ISO_CAST_OUTER: so blocks of 4 cells do not lie across bricks, and what is outside the first nodes is above 0. Private to
+ * src/render/cpu. */
 #ifndef ISO_RENDER_CPU_CAST_H
 #define ISO_RENDER_CPU_CAST_H
 
@@ -24,7 +28,9 @@ enum {
     ISO_CAST_PLANE = ISO_CAST_ROW * ISO_CAST_ROW,
     ISO_CAST_VOXELS = ISO_CAST_PLANE * ISO_CAST_ROW, /* of a brick */
     ISO_CAST_BLOCK_SHIFT = 2,                        /* empty space is known by blocks of 4 cells a side */
-    ISO_CAST_TILE = 32                               /* pixels a side: what a thread takes at once */
+    ISO_CAST_TILE = 32,                              /* pixels a side: what a thread takes at once */
+    ISO_CAST_OUTER = 4,      /* cells in front of the first node of bricks of mixed resolution */
+    ISO_CAST_LEVEL_BITS = 3, /* of the number that says where such a brick is */
 };
 
 /* How the shading normal is made. */
@@ -34,7 +40,8 @@ typedef enum iso_cast_normals {
     ISO_CAST_VECTORS,   /* filtered floats */
     ISO_CAST_FLIPPED,   /* floats that are turned to one side, then filtered */
     ISO_CAST_NEAREST,   /* the floats of the voxel that holds the point */
-    ISO_CAST_ON_THE_FLY /* central differences of the filtered scalar */
+    ISO_CAST_ON_THE_FLY, /* central differences of the filtered scalar */
+    ISO_CAST_NODES       /* the filtered directions of bricks of mixed resolution */
 } iso_cast_normals;
 
 typedef struct iso_cast_light {
@@ -53,6 +60,7 @@ typedef struct iso_cast {
     double half_width, half_height, forward[3], right[3], up[3];
     double to_index[9]; /* rows first */
     double position[3]; /* of the camera, index coordinates */
+    double cells_before; /* cells in front of index 0 */
     double box[3], step_mm;
     size_t clip_count;
     double clips[ISO_MAX_CLIP_PLANES][4]; /* index coordinates */
@@ -67,6 +75,14 @@ typedef struct iso_cast {
     const uint32_t *voxels;   /* or two words a voxel, which one fetch takes: three bytes of code, and the scalar, as an
                                  integer or as a float's bits */
     bool labels;              /* not filtered */
+    /* Bricks of mixed resolution, else NULL: of each its first node times 8, and its level; -1: it is left out. Its nodes are
+     * scalars alone as above, integers in 65535 steps of the range; or they have directions, too: */
+    const int32_t *places;
+    int32_t places_shift[2];     /* the next brick along y is 2^places_shift[0] numbers on, along z 2^places_shift[1] */
+    int32_t cells_shift;         /* a brick has 2^cells_shift cells of level 0 a side */
+    int32_t last_cell[3];        /* of the volume, counted from the first node */
+    const uint32_t *small_nodes; /* four numbers of 16 bits in two words, direction and scalar ... */
+    const float *large_nodes;    /* ... or four floats */
     const float *vectors[3];  /* directions */
     const uint16_t *second, *scale; /* bytes of a 2D transfer function and of the extinction's scale */
     /* the transfer function: a value's entry is value * entries_per_value + first_entry */

@@ -28,6 +28,8 @@ typedef struct points {
     vu part[3];
 } points;
 
+enum { PART_BITS = 24 }; /* of a cell's part, as many as a float holds */
+
 /* The first voxel of each point's cell, in the bricks, and how far the point is from it. */
 typedef struct place {
     vi voxel;
@@ -57,8 +59,70 @@ CAST void fetch_cells(const iso_cast *c, const vi cell[3])
         __builtin_prefetch((const void *)(from + bytes * (uintptr_t)(intptr_t)voxel[i]));
 }
 
+/* ---- bricks of mixed resolution ---- */
+
+/* Those of a level have 2^t cells a side, so that products with a row's or a plane's nodes, 2^t + 1 and its square, are
+ * shifts and sums. */
+CAST vi times_row(vi x, vi t)
+{
+    return x + (x << t);
+}
+
+/* The first of each of a cell's four rows of two nodes. */
+CAST void mixed_rows(const iso_cast *c, const place *at, vi first[4])
+{
+    const vi t = c->cells_shift - (at->voxel & ((1 << ISO_CAST_LEVEL_BITS) - 1));
+    const vi row = times_row(all_int(1), t), plane = times_row(row, t);
+    first[0] = at->voxel >> ISO_CAST_LEVEL_BITS;
+    first[1] = first[0] + row;
+    first[2] = first[0] + plane;
+    first[3] = first[1] + plane;
+}
+
+/* Positions beyond the outermost nodes are taken for the nearest ones there. */
+CAST void stay_inside(const iso_cast *c, vi cell[3], vi part[3])
+{
+    for (int a = 0; a < 3; ++a) {
+        const vi before = cell[a] < 0, behind = cell[a] > c->last_cell[a];
+        cell[a] = select_int(behind, all_int(c->last_cell[a]), cell[a] & ~before);
+        part[a] = select_int(behind, all_int((1 << PART_BITS) - 1), part[a] & ~before);
+    }
+}
+
+/* The first node and the level together as in iso_cast.places; -1 where the brick is left out. */
+CAST place mixed_place_of(const iso_cast *c, const points *p, vi mask)
+{
+    const int shift = c->cells_shift, inner = (1 << shift) - 1;
+    place at;
+    vi cell[3], part[3], outside = all_int(0), inside[3];
+    for (int a = 0; a < 3; ++a) {
+        cell[a] = p->cell[a] - ISO_CAST_OUTER;
+        part[a] = (vi)(p->part[a] >> (32 - PART_BITS));
+        outside |= cell[a] | (c->last_cell[a] - cell[a]);
+    }
+    if (any((outside < 0) & mask))
+        stay_inside(c, cell, part);
+    const vi brick = (cell[0] >> shift) + ((cell[1] >> shift) << c->places_shift[0]) +
+                     ((cell[2] >> shift) << c->places_shift[1]);
+    const vi where = GATHER(c->places, brick & mask, 4), is_left_out = where >> 31;
+    const vi level = where & ((1 << ISO_CAST_LEVEL_BITS) - 1) & ~is_left_out;
+    /* a place in the brick is a number of PART_BITS and cells_shift bits: the upper ones are the cell of its level */
+    const vi bits = level + PART_BITS, below = (all_int(1) << bits) - 1, t = shift - level;
+    const vf size = (vf)((127 - bits) << 23); /* 2^-bits */
+    for (int a = 0; a < 3; ++a) {
+        const vi fixed = ((cell[a] & inner) << PART_BITS) | part[a];
+        inside[a] = fixed >> bits;
+        at.part[a] = to_float(fixed & below) * size;
+    }
+    const vi node = inside[0] + times_row(inside[1] + times_row(inside[2], t), t);
+    at.voxel = (where + (node << ISO_CAST_LEVEL_BITS)) | is_left_out;
+    return at;
+}
+
 CAST place place_of(const iso_cast *c, const points *p, vi mask)
 {
+    if (c->places)
+        return mixed_place_of(c, p, mask);
     place at = {.voxel = first_voxel(c, p->cell, mask)};
     for (int a = 0; a < 3; ++a)
         at.part[a] = to_float((vi)(p->part[a] >> 8)) * 0x1p-24f;
@@ -123,8 +187,36 @@ CAST vf filter_voxels(const iso_cast *c, const place *at)
     return lerp_in_cell(v, at->part);
 }
 
+CAST vf filter_nodes(const iso_cast *c, const place *at)
+{
+    vi row[4];
+    vf v[8];
+    mixed_rows(c, at, row);
+    for (int i = 0; i < 4; ++i) {
+        if (c->small_nodes) {
+            const word_quad q = gather_quads(c->small_nodes, row[i], 2);
+            v[2 * i] = to_float((vi)((vu)q.word[1] >> 16));
+            v[2 * i + 1] = to_float((vi)((vu)q.word[3] >> 16));
+        } else if (c->large_nodes) {
+            v[2 * i] = gather_floats(c->large_nodes + 3, 4 * row[i]);
+            v[2 * i + 1] = gather_floats(c->large_nodes + 7, 4 * row[i]);
+        } else if (c->integers) {
+            const vi pair = GATHER(c->integers, row[i], 2);
+            v[2 * i] = to_float(pair & 0xffff);
+            v[2 * i + 1] = to_float((vi)((vu)pair >> 16));
+        } else {
+            const word_pair pair = gather_pairs(c->floats, row[i]);
+            v[2 * i] = (vf)pair.first;
+            v[2 * i + 1] = (vf)pair.second;
+        }
+    }
+    return lerp_in_cell(v, at->part);
+}
+
 CAST vf scalar_at(const iso_cast *c, const place *at)
 {
+    if (c->places)
+        return filter_nodes(c, at);
     if (c->voxels)
         return filter_voxels(c, at);
     return c->integers ? filter_integers(c->integers, at) : filter_floats(c->floats, at);
@@ -255,6 +347,43 @@ CAST vec lattice_at(const iso_cast *c, const place *at, bool is_signed)
     return (vec){component[0], component[1], component[2]};
 }
 
+/* The directions of two neighbors along x, as floats. */
+CAST void small_directions(const iso_cast *c, vi row, vec d[2])
+{
+    const word_quad q = gather_quads(c->small_nodes, row, 2);
+    for (int i = 0; i < 2; ++i)
+        d[i] = (vec){to_float((q.word[2 * i] << 16) >> 16), to_float(q.word[2 * i] >> 16),
+                     to_float((q.word[2 * i + 1] << 16) >> 16)};
+}
+CAST void large_directions(const iso_cast *c, vi row, vec d[2])
+{
+    for (int i = 0; i < 2; ++i) {
+        const word_quad q = gather_quads(c->large_nodes, row + i, 4);
+        d[i] = (vec){(vf)q.word[0], (vf)q.word[1], (vf)q.word[2]};
+    }
+}
+
+CAST vec node_direction_at(const iso_cast *c, const place *at)
+{
+    vi row[4];
+    vf x[8], y[8], z[8];
+    mixed_rows(c, at, row);
+    for (int i = 0; i < 4; ++i) {
+        vec d[2];
+        if (c->small_nodes)
+            small_directions(c, row[i], d);
+        else
+            large_directions(c, row[i], d);
+        for (int k = 0; k < 2; ++k) {
+            x[2 * i + k] = d[k].x;
+            y[2 * i + k] = d[k].y;
+            z[2 * i + k] = d[k].z;
+        }
+    }
+    const float unit = c->small_nodes ? 1 / 32767.0f : 1;
+    return (vec){unit * lerp_in_cell(x, at->part), unit * lerp_in_cell(y, at->part), unit * lerp_in_cell(z, at->part)};
+}
+
 /* Directions that oppose the one that counts most are turned (code_decode.h). */
 CAST vec flipped_at(const iso_cast *c, const place *at)
 {
@@ -373,6 +502,8 @@ CAST vec normal_at(const iso_cast *c, const points *p, const place *at, vi mask)
         d = (vec){filter_floats(c->vectors[0], at), filter_floats(c->vectors[1], at), filter_floats(c->vectors[2], at)};
     } else if (c->normals == ISO_CAST_FLIPPED) {
         d = flipped_at(c, at);
+    } else if (c->normals == ISO_CAST_NODES) {
+        d = node_direction_at(c, at);
     } else if (c->normals == ISO_CAST_NEAREST) {
         const vi voxel = nearest_voxel(at->voxel, p);
         d = (vec){gather_floats(c->vectors[0], voxel), gather_floats(c->vectors[1], voxel),

@@ -146,7 +146,7 @@ CAST packet begin(const iso_cast *c, size_t x, size_t y)
         {
             const bool hits = r.t1[i] > r.t0[i];
             stride[i] = hits ? c->step_mm * r.direction[a][i] : 0;
-            at[i] = hits ? r.origin[a][i] + 0.5 + (first[i] + 0.5) * stride[i] : 0;
+            at[i] = hits ? r.origin[a][i] + c->cells_before + (first[i] + 0.5) * stride[i] : 0;
         }
         to_fixed(at, &p.at.cell[a], &p.at.part[a]);
         to_fixed(stride, &p.stride.cell[a], &p.stride.part[a]);
@@ -251,6 +251,10 @@ typedef struct sample {
 CAST void look_there(const iso_cast *c, sample *s, vf whole, vi mask)
 {
     s->place = place_of(c, &s->at, mask);
+    if (c->places) {
+        mask &= ~(s->place.voxel >> 31);
+        s->place.voxel &= mask;
+    }
     s->entry = entry_at(c, &s->at, &s->place);
     s->depth = (vf)((vi)(depth_of(c, &s->entry) * whole) & mask);
 }
@@ -269,7 +273,7 @@ CAST void fetch_ahead(const iso_cast *c, const packet *p)
 CAST sample look(const iso_cast *c, const packet *p, vi mask)
 {
     sample s;
-    if (!c->slots)
+    if (!c->slots && !c->places)
         fetch_ahead(c, p);
     vf whole;
     s.at = middles(p, &whole);

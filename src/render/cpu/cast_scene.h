@@ -6,6 +6,29 @@
 #include "render/cpu/cast.h"
 #include "render/cpu/cast_bricks.h"
 #include "render/cpu/caster.h"
+#include "render/screen_reach.h"
+
+enum { ISO_CAST_MOST_ARRAYS = 9 };
+
+struct iso_cpu_scene {
+    iso_cast cast;
+    iso_cast_tile *tile;
+    int threads;
+    double bytes;
+    size_t array_count;
+    void *arrays[ISO_CAST_MOST_ARRAYS]; /* what cast points to, to be freed */
+    iso_screen_reach reach;
+};
+
+/* An empty scene for a width and threads, to be released after a failure, too: ISO_E_MEMORY, ISO_E_RANGE. */
+iso_status iso_cast_begin(iso_cpu_scene **scene, iso_cpu_width width, int threads, iso_error *err);
+/* The scene frees the array. ISO_E_MEMORY where it is NULL. */
+iso_status iso_cast_own(iso_cpu_scene *s, void *array, size_t bytes, iso_error *err);
+/* Leaves out what the blocks say is empty, and takes their arrays. After the camera. ISO_E_MEMORY. */
+iso_status iso_cast_use_blocks(iso_cpu_scene *s, const iso_geometry *g, const iso_view *view, iso_cast_blocks *b,
+                               iso_error *err);
+/* iso_cast_set_tf() of a scene. */
+iso_status iso_cast_own_tf(iso_cpu_scene *s, const iso_view *view, double min, double unit, iso_error *err);
 
 void iso_cast_set_camera(iso_cast *c, const iso_geometry *g, const iso_view *view, double step_mm);
 void iso_cast_set_light(iso_cast *c, const iso_view *view);

@@ -13,17 +13,7 @@
 #include "render/sampler.h"
 #include "render/screen_reach.h"
 
-enum { MOST_ARRAYS = 9, MOST_VOXELS = INT32_MAX - 2 * ISO_CAST_VOXELS };
-
-struct iso_cpu_scene {
-    iso_cast cast;
-    iso_cast_tile *tile;
-    int threads;
-    double bytes;
-    size_t array_count;
-    void *arrays[MOST_ARRAYS]; /* what cast points to, to be freed */
-    iso_screen_reach reach;
-};
+enum { MOST_VOXELS = INT32_MAX - 2 * ISO_CAST_VOXELS };
 
 iso_cpu_options iso_cpu_defaults(void)
 {
@@ -103,6 +93,7 @@ void iso_cast_set_camera(iso_cast *c, const iso_geometry *g, const iso_view *vie
     c->half_width = camera->half_height * (double)view->width / (double)view->height;
     c->half_height = camera->half_height;
     c->step_mm = step_mm;
+    c->cells_before = 0.5;
     copy(camera->forward, c->forward);
     copy(camera->right, c->right);
     copy(camera->up, c->up);
@@ -134,7 +125,7 @@ void iso_cast_set_light(iso_cast *c, const iso_view *view)
 
 /* ---- the volume ---- */
 
-static iso_status own(iso_cpu_scene *s, void *array, size_t bytes, iso_error *err)
+iso_status iso_cast_own(iso_cpu_scene *s, void *array, size_t bytes, iso_error *err)
 {
     if (!array)
         return iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu bytes of bricks", bytes);
@@ -171,11 +162,11 @@ static iso_status set_scalar(iso_cpu_scene *s, const iso_cast_grid *grid, const 
     if (scalars.are_integers) {
         uint16_t *made = iso_cast_brick_integers(grid, &scalars, level->scalar);
         s->cast.integers = made;
-        return own(s, made, grid->voxels * sizeof *made, err);
+        return iso_cast_own(s, made, grid->voxels * sizeof *made, err);
     }
     float *made = iso_cast_brick_floats(grid, &scalars, level->scalar);
     s->cast.floats = made;
-    return own(s, made, grid->voxels * sizeof *made, err);
+    return iso_cast_own(s, made, grid->voxels * sizeof *made, err);
 }
 
 static iso_status set_codes(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, iso_code code,
@@ -189,7 +180,7 @@ static iso_status set_codes(iso_cpu_scene *s, const iso_cast_grid *grid, const i
     c->decoder = info->decoder;
     uint32_t *made = iso_cast_brick_voxels(grid, &scalars, level->scalar, level->codes, info->is_signed);
     c->voxels = made;
-    return own(s, made, 2 * grid->voxels * sizeof *made, err);
+    return iso_cast_own(s, made, 2 * grid->voxels * sizeof *made, err);
 }
 
 static iso_status set_vectors(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_sampler *sampler, iso_error *err)
@@ -198,7 +189,7 @@ static iso_status set_vectors(iso_cpu_scene *s, const iso_cast_grid *grid, const
     for (int a = 0; a < 3 && status == ISO_OK; ++a) {
         float *made = iso_cast_brick_component(grid, sampler, a);
         s->cast.vectors[a] = made;
-        status = own(s, made, grid->voxels * sizeof *made, err);
+        status = iso_cast_own(s, made, grid->voxels * sizeof *made, err);
     }
     return status;
 }
@@ -242,7 +233,7 @@ static iso_status set_bytes(iso_cpu_scene *s, const iso_cast_grid *grid, const u
         return ISO_OK;
     uint16_t *made = iso_cast_brick_bytes(grid, bytes);
     *out = made;
-    return own(s, made, grid->voxels * sizeof *made, err);
+    return iso_cast_own(s, made, grid->voxels * sizeof *made, err);
 }
 
 /* ---- the transfer function ---- */
@@ -257,6 +248,13 @@ static void fill_row(const iso_tf_table *tf, double step_mm, float *out)
             out[ISO_CAST_ENTRY * i + (size_t)(2 * k)] = (float)(scale * (double)*here);
             out[ISO_CAST_ENTRY * i + (size_t)(2 * k + 1)] = (float)(scale * ((double)*next - (double)*here));
         }
+}
+
+iso_status iso_cast_own_tf(iso_cpu_scene *s, const iso_view *view, double min, double unit, iso_error *err)
+{
+    size_t bytes;
+    float *entries = iso_cast_set_tf(&s->cast, view, min, unit, &bytes);
+    return iso_cast_own(s, entries, bytes, err);
 }
 
 float *iso_cast_set_tf(iso_cast *c, const iso_view *view, double min, double unit, size_t *bytes)
@@ -278,43 +276,36 @@ float *iso_cast_set_tf(iso_cast *c, const iso_view *view, double min, double uni
     return entries;
 }
 
-static iso_status set_tf(iso_cpu_scene *s, const iso_level *level, const iso_view *view, double unit, iso_error *err)
-{
-    size_t bytes;
-    float *entries = iso_cast_set_tf(&s->cast, view, level->min, unit, &bytes);
-    return own(s, entries, bytes, err);
-}
-
 /* Five roundings of floats along the way to a place and nine to where a ray leaves a cube of blocks, each of the volume's
  * length or that of the largest cube: 16 leave room. */
 static float margin_of(const iso_geometry *g)
 {
     double most = ISO_OCTANT_MOST << ISO_CAST_BLOCK_SHIFT;
     for (int a = 0; a < 3; ++a)
-        most = fmax(most, (double)g->size[a] + 2);
+        most = fmax(most, (double)(g->size[a] + 2 * ISO_CAST_OUTER));
     return (float)(16 * 0x1p-24 * most);
 }
 
-static iso_status use_blocks(iso_cpu_scene *s, const iso_level *level, const iso_view *view, iso_cast_blocks *b,
-                             iso_error *err)
+iso_status iso_cast_use_blocks(iso_cpu_scene *s, const iso_geometry *g, const iso_view *view, iso_cast_blocks *b,
+                               iso_error *err)
 {
     iso_cast *c = &s->cast;
     const iso_screen_blocks blocks = {b->octants,
                                       {b->count[0], b->count[1], b->count[2]},
                                       1 << ISO_CAST_BLOCK_SHIFT,
-                                      -0.5};
-    const iso_status status = iso_screen_reach_create(&s->reach, &level->geometry, view, &blocks, err);
+                                      -c->cells_before};
+    const iso_status status = iso_screen_reach_create(&s->reach, g, view, &blocks, err);
     for (int a = 0; a < 3; ++a)
         c->block_count[a] = (int32_t)b->count[a];
     c->blocks = (int32_t)b->blocks;
     c->octants = b->octants;
     c->cells = (const int32_t *)b->cells;
-    c->margin = margin_of(&level->geometry);
+    c->margin = margin_of(g);
     c->reach_mm = s->reach.mm;
     c->reach_columns = s->reach.columns;
-    iso_status owned = own(s, b->octants, ISO_OCTANTS * b->blocks, err);
+    iso_status owned = iso_cast_own(s, b->octants, ISO_OCTANTS * b->blocks, err);
     if (owned == ISO_OK)
-        owned = own(s, b->cells, 2 * sizeof *b->cells * b->blocks, err);
+        owned = iso_cast_own(s, b->cells, 2 * sizeof *b->cells * b->blocks, err);
     *b = (iso_cast_blocks){0};
     return status == ISO_OK ? owned : status;
 }
@@ -328,7 +319,7 @@ static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, const iso
     if (status == ISO_OK)
         status = iso_cast_blocks_create(&blocks, level, view->tf_2d ? &envelope : &view->tf, s->threads, err);
     if (status == ISO_OK && (opt->skip == ISO_CPU_SKIP_ALWAYS || blocks.occupied <= ISO_CPU_SKIP_OCCUPIED))
-        status = use_blocks(s, level, view, &blocks, err);
+        status = iso_cast_use_blocks(s, &level->geometry, view, &blocks, err);
     iso_cast_blocks_destroy(&blocks);
     iso_tf_table_destroy(&envelope);
     return status;
@@ -383,27 +374,31 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
     if (status == ISO_OK)
         status = set_bytes(s, &grid, view->extinction_scale, &s->cast.scale, err);
     if (status == ISO_OK)
-        status = set_tf(s, level, view, unit, err);
+        status = iso_cast_own_tf(s, view, level->min, unit, err);
     if (status == ISO_OK && opt->skip != ISO_CPU_SKIP_NEVER)
         status = set_blocks(s, level, view, opt, err);
     return status;
 }
 
-iso_status iso_cpu_prepare(iso_cpu_scene **scene, const iso_level *level, iso_code code, const iso_view *view,
-                           const iso_cpu_options *opt, iso_error *err)
+iso_status iso_cast_begin(iso_cpu_scene **scene, iso_cpu_width width, int threads, iso_error *err)
 {
     iso_cpu_scene *s = *scene = calloc(1, sizeof *s);
     if (!s)
         return iso_fail(err, ISO_E_MEMORY, "cpu: out of memory");
-    s->threads = iso_threads(opt->threads);
-    s->tile = tile_of(opt->width ? opt->width : iso_cpu_widest());
-    iso_status status = s->tile ? ISO_OK
-                                : iso_fail(err, ISO_E_RANGE, "cpu: this machine does not cast %d rays at a time",
-                                           (int)opt->width);
+    s->threads = iso_threads(threads);
+    s->tile = tile_of(width ? width : iso_cpu_widest());
+    return s->tile ? ISO_OK
+                   : iso_fail(err, ISO_E_RANGE, "cpu: this machine does not cast %d rays at a time", (int)width);
+}
+
+iso_status iso_cpu_prepare(iso_cpu_scene **scene, const iso_level *level, iso_code code, const iso_view *view,
+                           const iso_cpu_options *opt, iso_error *err)
+{
+    iso_status status = iso_cast_begin(scene, opt->width, opt->threads, err);
     if (status == ISO_OK)
-        status = fill(s, level, code, view, opt, err);
+        status = fill(*scene, level, code, view, opt, err);
     if (status != ISO_OK) {
-        iso_cpu_release(s);
+        iso_cpu_release(*scene);
         *scene = NULL;
     }
     return status;

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "brick/occupancy.h"
 #include "brick/pack.h"
+#include "render/brick_visible.h"
 #include "render/gl/gl_context.h"
 #include "render/gl/gl_uniforms.h"
 #include "render/gl/gl_variant.h"
@@ -74,19 +75,17 @@ static void free_staging(staging *s)
 /* Values become parts of the range, directions stay; in 16 bits or in floats. */
 static void convert(const iso_node_levels *n, int bits, size_t count, staging *s)
 {
-    double scale = n->max > n->min ? 1 / (n->max - n->min) : 0;
     uint16_t *codes = s->scalars;
     float *parts = s->scalars;
     for (size_t i = 0; i < count; ++i) {
         const float *node = s->baked + ISO_NODE_CHANNELS * i;
-        double part = ((double)node[0] - n->min) * scale;
         if (bits == 16)
-            codes[i] = (uint16_t)lrint(65535 * fmin(fmax(part, 0), 1));
+            codes[i] = iso_node_scalar16(n, node[0]);
         else
-            parts[i] = (float)part;
+            parts[i] = (float)iso_node_part(n, node[0]);
         for (size_t a = 0; a < 3; ++a) {
             s->vectors[3 * i + a] = node[1 + a];
-            s->vectors16[3 * i + a] = (int16_t)lrintf(32767 * fminf(fmaxf(node[1 + a], -1), 1));
+            s->vectors16[3 * i + a] = iso_node_direction16(node[1 + a]);
             s->texels[4 * i + a] = (uint16_t)(s->vectors16[3 * i + a] + 32767);
         }
         s->texels[4 * i + 3] = bits == 16 ? codes[i] : 0;
@@ -189,19 +188,6 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_node_levels *n, u
     return iso_gl_create_occupancy(gl, n->count, visible, &t->occupancy, err);
 }
 
-/* The clip planes leave some of it: a brick's box, that of outer ones to the volume's faces. */
-static bool is_kept(const iso_node_levels *n, const iso_view *view, size_t i)
-{
-    const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
-    double lo[3], hi[3];
-    for (int a = 0; a < 3; ++a) {
-        lo[a] = (double)(brick[a] * n->brick_voxels) + (brick[a] > 0 ? 0.5 : 0);
-        hi[a] = brick[a] + 1 < n->count[a] ? (double)((brick[a] + 1) * n->brick_voxels) + 0.5
-                                           : n->geometry.box_index[a];
-    }
-    return iso_view_keeps(view, &n->geometry, lo, hi);
-}
-
 /* What is drawn, and what stands on the GPU of it. */
 typedef struct brick_job {
     iso_gl *gl;
@@ -228,9 +214,7 @@ static iso_status upload(brick_job *job, iso_gl_brick_stats *stats, iso_error *e
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", count);
     float entries[12];
     iso_tf_table surface = opt->surface ? iso_gl_surface_tf(opt->surface, n->min, n->max, entries) : view->tf;
-    double shown = iso_brick_cull(f, &surface, 0, visible);
-    for (size_t i = 0; i < count; ++i)
-        visible[i] = visible[i] && (!opt->wanted || opt->wanted[i]) && is_kept(n, view, i);
+    double shown = iso_brick_visible(f, view, &surface, opt->wanted, 0, visible);
     size_t largest = (size_t)gl->max_texture_3d_size;
     size_t page_side = opt->page_side && opt->page_side < largest ? opt->page_side : largest;
     iso_status status = iso_brick_pack_create(pack, n, f->levels, opt->keep_hidden ? NULL : visible, page_side,
