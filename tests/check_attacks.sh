@@ -50,6 +50,12 @@ check nor_in_a_pyramid isoshade info closed.iso --verify
 isoshade export s.iso --to vdb -o closed.vdb -q <&- >&- 2>&-
 check nor_in_a_file_of_grids isoshade info closed.vdb
 check help_that_cannot_be_written_is_an_error ends 3 'cannot be written' bash -c '"$ISOSHADE" render --help >/dev/full'
+check completions_that_cannot_be_written_are_an_error ends 3 'cannot be written' bash -c '"$ISOSHADE" completion bash >/dev/full'
+# A page's title is content and, in the viewer, an attribute.
+handler='x" autofocus onfocus="alert(1)" y'
+cp s.nrrd "$handler.nrrd"
+isoshade view "$handler.nrrd" --scene "$top/refscenes/shells.scene.json" -o handler.html -q
+check a_name_of_a_volume_ends_no_attribute_of_a_page grep -q 'aria-label="x&quot; autofocus onfocus=&quot;alert(1)&quot; y.nrrd' handler.html
 too_large() { (ulimit -f 4; exec "$ISOSHADE" make noise --size 40 -o large.nrrd -q); }
 check a_limit_of_sizes_is_an_error_of_writing ends 3 'large.nrrd' too_large
 temporaries() { find . -maxdepth 1 -name '.isoshade-*' | grep -c .; }

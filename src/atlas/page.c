@@ -7,6 +7,7 @@
 
 #include "base/embed.h"
 #include "base/file.h"
+#include "base/markup.h"
 #include "atlas/atlas.h"
 #include "compare/metrics.h"
 
@@ -214,15 +215,6 @@ static char *case_command(const drawing *d)
 
 /* ---- the section ---- */
 
-static void put_html(FILE *html, const char *text)
-{
-    for (; text && *text; ++text)
-        *text == '<'   ? fputs("&lt;", html)
-        : *text == '>' ? fputs("&gt;", html)
-        : *text == '&' ? fputs("&amp;", html)
-                       : fputc(*text, html);
-}
-
 /* Commands, whose words are not broken at their hyphens. */
 static void put_advice(FILE *html, const char *text)
 {
@@ -231,7 +223,7 @@ static void put_advice(FILE *html, const char *text)
         size_t n = strcspn(s, " ");
         snprintf(word, sizeof word, "%.*s", (int)n, s);
         fputs(s == text ? "<code><span>" : " <span>", html);
-        put_html(html, word);
+        iso_markup_put(html, word);
         fputs("</span>", html);
         s += n + strspn(s + n, " ");
     }
@@ -285,12 +277,12 @@ static void put_section(FILE *html, const drawing *d, const char *command)
     fputs("</p>\n<p class=\"advice\"><b>What helps</b> ", html);
     put_advice(html, c->advice);
     fputs("</p>\n<details><summary>See it again</summary><pre>", html);
-    put_html(html, command);
+    iso_markup_put(html, command);
     for (int w = ISO_ATLAS_FAILURE; w < ISO_ATLAS_WAYS; ++w) {
         char *lines = commands_of(d, (iso_atlas_which)w);
         if (lines) {
             fprintf(html, "\n# the %s\n", iso_atlas_names[w]);
-            put_html(html, lines);
+            iso_markup_put(html, lines);
         } else if (c->ways[w].fault) {
             fprintf(html, "\n# the %s is planted: no option makes it\n", iso_atlas_names[w]);
         }

@@ -42,15 +42,6 @@ static void print_overview(FILE *file)
 #undef ISO_STATUS_LINE
 }
 
-static int print_completion(const char *shell)
-{
-    iso_error err = {""};
-    iso_status status = iso_manual_print_completion(stdout, shell, &err);
-    if (status != ISO_OK)
-        fprintf(stderr, "isoshade completion: %s\n", err.text);
-    return status;
-}
-
 /* A file that is opened where stdin, stdout or stderr are closed would take its number, and messages would go into it. */
 static bool have_standard_streams(void)
 {
@@ -110,8 +101,10 @@ static int run(int argc, const char **argv)
         iso_manual_print_page(stdout);
         return say("help", flush_output(ISO_OK, &err), &err);
     }
-    if (strcmp(argv[1], "completion") == 0)
-        return print_completion(argc == 3 ? argv[2] : "");
+    if (strcmp(argv[1], "completion") == 0) {
+        status = iso_manual_print_completion(stdout, argc == 3 ? argv[2] : "", &err);
+        return say("completion", flush_output(status, &err), &err);
+    }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
         print_overview(stdout);
         return say("", flush_output(ISO_OK, &err), &err);

@@ -11,6 +11,7 @@
 #include "base/base64.h"
 #include "base/embed.h"
 #include "base/file.h"
+#include "base/markup.h"
 #include "report/rows.h"
 
 ISO_EMBED(iso_report_html, "src/report/report.html");
@@ -111,12 +112,6 @@ static void put_json(FILE *f, const json_t *value)
     free(s);
 }
 
-static void put_html(FILE *f, const char *s)
-{
-    for (; *s; ++s)
-        *s == '<' ? fputs("&lt;", f) : *s == '&' ? fputs("&amp;", f) : fputc(*s, f);
-}
-
 static void put_mark(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *mark)
 {
     if (strcmp(mark, "STYLE") == 0) {
@@ -130,9 +125,9 @@ static void put_mark(FILE *f, const iso_page *page, const json_t *data, const js
     else if (strcmp(mark, "INLINED") == 0)
         put_json(f, inlined);
     else if (strcmp(mark, "SENTENCE") == 0)
-        put_html(f, iso_row_text(data, "sentence"));
+        iso_markup_put(f, iso_row_text(data, "sentence"));
     else if (strcmp(mark, "TITLE") == 0)
-        put_html(f, iso_row_text(data, "title"));
+        iso_markup_put(f, iso_row_text(data, "title"));
 }
 
 /* The template with its marks @NAME@ filled in; @ stands nowhere else in it. */

@@ -6,27 +6,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/file.h"
+#include "base/markup.h"
 #include "report/report.h"
 #include "report/report_files.h"
-
-static void put_xml(FILE *f, const char *s)
-{
-    for (; s && *s; ++s) {
-        if (*s == '&')
-            fputs("&amp;", f);
-        else if (*s == '<')
-            fputs("&lt;", f);
-        else if (*s == '>')
-            fputs("&gt;", f);
-        else if (*s == '"')
-            fputs("&quot;", f);
-        else
-            fputc((unsigned char)*s < 0x20 ? ' ' : *s, f);
-    }
-}
 
 static bool has_verdict(const json_t *row, iso_verdict verdict)
 {
@@ -38,7 +22,7 @@ static void put_case(FILE *f, const char *class, const char *of, const json_t *r
 {
     double seconds = iso_row_number(row, "seconds");
     fprintf(f, "    <testcase classname=\"%s.", class);
-    put_xml(f, of);
+    iso_markup_put(f, of);
     fprintf(f, "\" time=\"%.3f\" name=\"", seconds > 0 ? seconds : 0);
 }
 
@@ -47,7 +31,7 @@ static void put_unheld(FILE *f, const char *name, double value, double limit)
 {
     if (value <= limit)
         return;
-    put_xml(f, name);
+    iso_markup_put(f, name);
     if (isnan(value))
         fprintf(f, " is no number, at most %.4g; ", limit);
     else
@@ -72,7 +56,7 @@ static void put_why_it_differs(FILE *f, const json_t *row)
         put_unheld(f, iso_row_text(gate, "name"), iso_row_number(gate, "value"), iso_row_number(gate, "limit"));
     if (json_object_size(limits) == 0 && json_array_size(gates) == 0)
         fprintf(f, "max_abs %.4g, without limits only equal images agree; ", iso_row_number(row, "max_abs"));
-    put_xml(f, iso_row_text(row, "why"));
+    iso_markup_put(f, iso_row_text(row, "why"));
 }
 
 static void put_agreement_case(FILE *f, const json_t *row)
@@ -81,12 +65,12 @@ static void put_agreement_case(FILE *f, const json_t *row)
     iso_row_name_of(row, name);
     put_case(f, "agreement", iso_row_text(row, "scene"), row);
     fprintf(f, "level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
-    put_xml(f, iso_row_text(row, "a"));
+    iso_markup_put(f, iso_row_text(row, "a"));
     fputs(" against ", f);
-    put_xml(f, name);
+    iso_markup_put(f, name);
     if (iso_row_text(row, "tier")[0]) {
         fputs(", ", f);
-        put_xml(f, iso_row_text(row, "tier"));
+        iso_markup_put(f, iso_row_text(row, "tier"));
     }
     if (has_verdict(row, ISO_VERDICT_AGREE)) {
         fputs("\"/>\n", f);
@@ -96,12 +80,12 @@ static void put_agreement_case(FILE *f, const json_t *row)
         fputs("\">\n      <failure type=\"differ\" message=\"", f);
         put_why_it_differs(f, row);
         fputs("\">", f);
-        put_xml(f, iso_row_text(row, "command"));
+        iso_markup_put(f, iso_row_text(row, "command"));
         fputs("</failure>\n    </testcase>\n", f);
         return;
     }
     fprintf(f, "\">\n      <skipped message=\"%s: ", iso_row_text(row, "verdict"));
-    put_xml(f, iso_row_text(row, "why"));
+    iso_markup_put(f, iso_row_text(row, "why"));
     fputs("\"/>\n    </testcase>\n", f);
 }
 
@@ -110,14 +94,14 @@ static void put_calibration_case(FILE *f, const json_t *row)
 {
     const bool measured = json_is_number(json_object_get(row, "value"));
     put_case(f, "calibration", iso_row_text(row, "renderer"), row);
-    put_xml(f, iso_row_text(row, "check"));
+    iso_markup_put(f, iso_row_text(row, "check"));
     if (has_verdict(row, ISO_VERDICT_PASS)) {
         fputs("\"/>\n", f);
         return;
     }
     if (has_verdict(row, ISO_VERDICT_NOT_COMPARED)) {
         fputs("\">\n      <skipped message=\"", f);
-        put_xml(f, iso_row_text(row, "detail"));
+        iso_markup_put(f, iso_row_text(row, "detail"));
         fputs("\"/>\n    </testcase>\n", f);
         return;
     }
@@ -126,7 +110,7 @@ static void put_calibration_case(FILE *f, const json_t *row)
                 iso_row_number(row, "value"), iso_row_text(row, "unit"), iso_row_number(row, "limit"));
     else
         fputs("\">\n      <error type=\"calibration\" message=\"nothing was measured\">", f);
-    put_xml(f, iso_row_text(row, "detail"));
+    iso_markup_put(f, iso_row_text(row, "detail"));
     fprintf(f, "</%s>\n    </testcase>\n", measured ? "failure" : "error");
 }
 
@@ -135,9 +119,9 @@ static void put_property(FILE *f, const char *name, const char *value)
     if (!name[0] || !value)
         return;
     fputs("      <property name=\"", f);
-    put_xml(f, name);
+    iso_markup_put(f, name);
     fputs("\" value=\"", f);
-    put_xml(f, value);
+    iso_markup_put(f, value);
     fputs("\"/>\n", f);
 }
 
@@ -191,7 +175,7 @@ static void put_level_case(FILE *f, const json_t *row)
     json_array_foreach(json_object_get(json_object_get(row, "simple"), "figures"), i,
                        figure) if (json_is_true(json_object_get(figure, "better")))
     {
-        put_xml(f, iso_row_text(figure, "name"));
+        iso_markup_put(f, iso_row_text(figure, "name"));
         fprintf(f, " %.3g behind gradients on the fly under the original TF; ", iso_row_number(figure, "difference"));
     }
     fputs("\"/>\n    </testcase>\n", f);
@@ -205,10 +189,10 @@ typedef struct suite {
 static void put_open_case(FILE *f, const char *scene, const char *renderer)
 {
     fputs("    <testcase classname=\"agreement.", f);
-    put_xml(f, scene);
+    iso_markup_put(f, scene);
     fputs("\" time=\"0.000\" name=\"something is compared", f);
-    put_xml(f, renderer ? " of " : "");
-    put_xml(f, renderer);
+    iso_markup_put(f, renderer ? " of " : "");
+    iso_markup_put(f, renderer);
     fputs("\">\n      <failure type=\"not compared\" message=\"nothing was compared, so nothing is shown to agree\"/>\n"
           "    </testcase>\n",
           f);
@@ -242,7 +226,6 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
     const json_t *root = iso_report_json(r), *rows = json_object_get(root, s->rows);
     size_t i, failures = 0, errors = 0, skipped = 0;
     double seconds = 0;
-    char host[256] = "";
     const char *key;
     json_t *row, *version, *open = s->put_case == put_agreement_case ? iso_rows_unanswered(rows) : NULL;
     const size_t open_count = put_open_cases(NULL, open);
@@ -256,11 +239,10 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
         skipped += has_verdict(row, ISO_VERDICT_REFUSED) || has_verdict(row, ISO_VERDICT_NOT_COMPARED);
         seconds += fmax(iso_row_number(row, "seconds"), 0); /* fmax() passes NaN by */
     }
-    gethostname(host, sizeof host - 1);
-    fprintf(f, "  <testsuite id=\"%d\" package=\"isoshade\" name=\"%s\" timestamp=\"%.19s\" hostname=\"", id, s->name,
-            iso_row_text(root, "made"));
-    put_xml(f, host[0] ? host : "localhost");
-    fprintf(f, "\" tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" time=\"%.3f\">\n    <properties>\n",
+    /* the schema asks for a host: a report does not tell the machine's name */
+    fprintf(f, "  <testsuite id=\"%d\" package=\"isoshade\" name=\"%s\" timestamp=\"%.19s\" hostname=\"localhost\"", id,
+            s->name, iso_row_text(root, "made"));
+    fprintf(f, " tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" time=\"%.3f\">\n    <properties>\n",
             s->put_case ? json_array_size(rows) + open_count : 0, failures, errors, skipped, seconds);
     put_property(f, "command", json_string_value(json_object_get(root, "command")));
     json_object_foreach(json_object_get(root, "versions"), key, version)

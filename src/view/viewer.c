@@ -9,6 +9,7 @@
 #include "base/base64.h"
 #include "base/embed.h"
 #include "base/file.h"
+#include "base/markup.h"
 #include "view/contents.h"
 
 /* ---- the parts of the page ---------------------------------------------------------------------------------------- */
@@ -90,12 +91,6 @@ static void put_shaders(FILE *f)
     json_decref(all);
 }
 
-static void put_html(FILE *f, const char *s)
-{
-    for (; *s; ++s)
-        *s == '<' ? fputs("&lt;", f) : *s == '&' ? fputs("&amp;", f) : fputc(*s, f);
-}
-
 /* An element an array. Those of the coarsest level stand before the script, which draws it while the browser reads the rest. */
 static void put_arrays(FILE *f, const iso_contents *contents, size_t from, size_t to)
 {
@@ -114,7 +109,7 @@ typedef struct page_part {
 static void put_title_part(FILE *f, const iso_viewer *v, const iso_contents *c)
 {
     (void)c;
-    put_html(f, v->title);
+    iso_markup_put(f, v->title);
 }
 static void put_style_part(FILE *f, const iso_viewer *v, const iso_contents *c)
 {
