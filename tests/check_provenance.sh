@@ -7,6 +7,9 @@ python_with numpy,pydicom
 mkdir -p PLANTED_NAME/in
 plant=$dir/PLANTED_NAME
 cp "$top"/refscenes/shells.{scene,tf}.json "$plant/"
+cp "$plant/shells.scene.json" "$plant/itsscene.scene.json"
+export HOME=$plant/home # Blender's file browsers stand there
+mkdir "$HOME"
 "$ISOSHADE" make shells --size 12x14x10 -o "$plant/s.nrrd" -q >/dev/null
 sed -i '1,3s/^type:/content: PLANTED_NAME\npatient:=PLANTED_NAME\n&/' "$plant/s.nrrd"
 PYTHONPATH=$top/tests "$python" - "$plant/in" 2>dicom.log <<'END'
@@ -21,7 +24,8 @@ for k in range(4):
     d.PatientName = d.PatientID = d.InstitutionName = d.StudyDescription = d.OperatorsName = "PLANTED_NAME"
     d.save_as(path)
 END
-S="--scene $plant/shells.scene.json"
+cp "$plant/s.nrrd" "$plant/t.nrrd"
+S="--scene $plant/itsscene.scene.json"
 
 # outputs OPTION...: every kind of output under made; the terminal may name files as they were given.
 outputs() {
@@ -31,15 +35,19 @@ outputs() {
     : >failures
     run build "$plant/s.nrrd" -o "$dir/made/s.iso" --levels 2
     run build "$plant/in" -o "$dir/made/d.iso"
+    run build "$plant/s.nrrd" -o "$dir/made/auto.iso" --levels 2 --auto --tf "$plant/shells.tf.json"
+    run build "$plant/s.nrrd" -o "$dir/made/for.iso" --levels 2 --for "$plant/itsscene.scene.json"
     run render "$plant/s.nrrd" $S --with gl --size 8 -o "$dir/made/p.exr" --png "$dir/made/p.png"
     run export "$plant/s.nrrd" $S --to vdb -o "$dir/made/e.vdb"
     run export "$plant/s.nrrd" $S --to vdb --bake density,Cd -o "$dir/made/baked.vdb"
     run export "$plant/s.nrrd" $S --to povray -o "$dir/made/pov"
     run export "$plant/s.nrrd" $S --to blender -o "$dir/made/b.blend"
+    run export "$plant/s.nrrd" $S --to blender --add "$plant/t.nrrd" -o "$dir/made/two.blend"
     for to in pbrt mitsuba paraview; do run export "$plant/s.nrrd" $S --to $to -o "$dir/made/$to"; done
     run view "$plant/s.nrrd" $S -o "$dir/made/v.html"
     run plan "$plant/s.nrrd" $S -o "$dir/made/plan.json"
     run chart "$plant/s.nrrd" $S --size 8 --budget 0.5 -o "$dir/made/c"
+    run chart "$plant/s.nrrd" $S --across-levels --size 16 --views 1 --designs default -o "$dir/made/across"
     run palette "$plant/s.nrrd" --entries 8 -o "$dir/made/p.inc" -o "$dir/made/p.py" -o "$dir/made/palette.exr" -o "$dir/made/p.csv"
     run scenes "$plant/s.nrrd" --tf ct-bone --view front --size 32 -o "$dir/made/sheet.svg"
     run tf suggest "$plant/s.nrrd" -o "$dir/made/t.tf.json"
@@ -61,6 +69,7 @@ nothing_holds() {
 outputs
 all_made all_outputs_are_made
 nothing_holds folders_and_headers_are_left_out PLANTED_NAME
+check the_machine_is_not_named grep -q 'hostname="localhost"' made/j.xml
 for f in p.exr r/report.json r/index.html j.xml s.iso/pyramid.json e.vdb baked.vdb b.blend plan.json c/chart.json c/pareto.csv sheet.json p.inc; do
     check "names_are_kept_$f" grep -qa 's\.nrrd' "made/$f"
 done
@@ -81,7 +90,8 @@ nothing_holds but_not_the_folders PLANTED_NAME
 
 outputs --no-provenance
 all_made all_outputs_without_provenance_are_made
-nothing_holds no_provenance_leaves_the_name_out 's\.nrrd|PLANTED_NAME'
+nothing_holds no_provenance_leaves_the_name_out '\b[st]\.nrrd|itsscene|shells\.tf|PLANTED_NAME'
+check nor_is_it_in_a_name_of_a_file test -z "$(find made -name '*itsscene*' -o -name '*_s.vdb' -o -name '*_t.vdb')"
 nothing_holds no_provenance_leaves_the_command_out 'isoshade (validate|export|build|chart|plan|palette|render) [^`]*-o'
 refuse both_at_once 2 "exclude each other" "$ISOSHADE" build "$plant/s.nrrd" -o x.iso --full-paths --no-provenance
 exit $failed

@@ -126,6 +126,13 @@ def set_eevee(scene, distance, reach):
             setattr(eevee, name, value)
 
 
+def forget_folder(params):
+    """A file browser stands in the user's home, whose path holds a name. What a shorter path leaves of a longer one is saved
+    as well: so all of it is written over first."""
+    for path in (b"/" * 1000, b"//"):
+        params.directory = path
+
+
 def arrange_windows(scene, about):
     """Every 3-D view looks through the camera by EEVEE, which shows nearly what Cycles renders, and at once. Who leaves
     the camera's view turns around the middle of the volume. (Blender opens no file in a rendered view.)"""
@@ -142,6 +149,9 @@ def arrange_windows(scene, about):
         for area in screen.areas:
             if area.type == 'TEXT_EDITOR':
                 area.spaces.active.text = bpy.data.texts["README"]
+            for space in area.spaces:
+                if space.type == 'FILE_BROWSER' and space.params:
+                    forget_folder(space.params)
             if area.type != 'VIEW_3D':
                 continue
             view = area.spaces.active

@@ -42,6 +42,17 @@ const char *iso_provenance_title(const char *path)
     return path && kept_now != ISO_PROVENANCE_NONE ? last_name(path) : "a volume";
 }
 
+char *iso_provenance_scene(const char *path, size_t number)
+{
+    static const char ending[] = ".scene.json";
+    char *name = NULL;
+    if (kept_now == ISO_PROVENANCE_NONE)
+        return number == 0 ? strdup("scene") : asprintf(&name, "scene-%zu", number) < 0 ? NULL : name;
+    path = last_name(path);
+    const size_t length = strlen(path), end = strlen(ending);
+    return strndup(path, length > end && strcmp(path + length - end, ending) == 0 ? length - end : length);
+}
+
 static bool is_quotient(const char *word)
 {
     char *end;

@@ -25,6 +25,10 @@ const char *iso_provenance_name(const char *path);
 /* What an output calls the volume at path in a title: its last name, or "a volume". */
 const char *iso_provenance_title(const char *path);
 
+/* What an output calls the scene at path: "brain" of "dir/brain.scene.json"; where names are left out "scene", or "scene-N" of
+ * several, whose numbers begin at 1 (0: it is the only one). To be freed; NULL: out of memory. */
+char *iso_provenance_scene(const char *path, size_t number);
+
 /* A word of a command line, quoted for a shell: the folders of a path are left out as iso_provenance_name() says, those
  * in "--option=path" too. A quotient such as 1/255 is no path. */
 void iso_provenance_put_word(FILE *f, const char *word);

@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "base/provenance.h"
 #include "chart/picture.h"
 #include "compare/metrics.h"
 #include "plan/cached.h"
@@ -55,7 +56,8 @@ static iso_status load(const iso_chart_bench *b, const chart_build *build, const
 /* "brain" of brain.scene.json; a number is put behind a name that is there already. */
 static void name_scene(iso_chart_bench *b, iso_chart_scene *scene)
 {
-    const char *base = scene->path ? iso_path_base(scene->path) : "first-picture";
+    const char *named = iso_provenance_name(scene->path);
+    const char *base = !scene->path ? "first-picture" : *named ? iso_path_base(named) : "scene";
     const size_t length = strcspn(base, ".");
     snprintf(scene->name, sizeof scene->name, "%.*s", (int)(length < 100 ? length : 100), base);
     for (const iso_chart_scene *o = b->scenes; o < scene; ++o)

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "base/json.h"
+#include "base/provenance.h"
 #include "cli/build_for.h"
 #include "plan/auto_choice.h"
 #include "pyramid/agreement.h"
@@ -90,7 +91,7 @@ iso_status iso_cli_build_auto(const iso_build_auto *b, const iso_pyramid_options
         status = iso_pyramid_build(&volume, b->volume, &own, &p, &progress, err);
     iso_volume_destroy(&volume);
     if (status == ISO_OK) {
-        p.chosen_by = iso_auto_to_json(&choice, b->budget_bytes, b->look->tf ? b->look->tf : "auto");
+        p.chosen_by = iso_auto_to_json(&choice, b->budget_bytes, b->look->tf ? iso_provenance_name(b->look->tf) : "auto");
         status = p.chosen_by ? iso_pyramid_save(&p, b->output, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     }
     if (status == ISO_OK)

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "bench/levels_across.h"
 #include "chart/across.h"
 #include "base/words.h"
@@ -37,7 +38,8 @@ static iso_status find_size(const iso_chart_across *a, int *size, iso_error *err
 
 static const char *name_of_tf(const iso_cli_look *look)
 {
-    return look->tf ? iso_path_base(look->tf) : look->scene ? iso_path_base(look->scene) : "auto";
+    const char *file = look->tf ? look->tf : look->scene;
+    return file ? iso_path_base(iso_provenance_name(file)) : "auto";
 }
 
 /* Checked before the volume is read, which is needed where its values make the transfer function. */
@@ -127,7 +129,7 @@ iso_status iso_cli_chart_across(const iso_chart_across *a, iso_error *err)
     if (status == ISO_OK)
         status = iso_levels_across_measure(&in, &rows, &count, err);
     const iso_across_chart chart = {.output = a->output,
-                                    .volume = iso_path_base(a->cli->arguments[0]),
+                                    .volume = iso_provenance_title(a->cli->arguments[0]),
                                     .tf = name_of_tf(a->look),
                                     .metric = metric_title(a->metric),
                                     .style = a->style,

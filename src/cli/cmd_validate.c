@@ -27,15 +27,6 @@
 #include "cli/validate_viewer.h"
 #include "validate/validate.h"
 
-static char *scene_name_of(const char *path)
-{
-    char *name = strdup(iso_path_base(path));
-    char *dot = name ? strstr(name, ".scene.json") : NULL;
-    if (dot)
-        *dot = 0;
-    return name;
-}
-
 /* The quick run keeps every stage and every limit, on smaller images and fewer levels. */
 static void scale_down(iso_validation *v, iso_scene *scene, const iso_validate_arguments *a)
 {
@@ -223,7 +214,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_view view = {0};
-    char *line = iso_cli_command_line(cli), *name = scene_name_of(a->look.scene),
+    char *line = iso_cli_command_line(cli), *name = iso_provenance_scene(a->look.scene, 0),
          *typed = iso_volume_input_line(&a->input), *input = typed ? iso_provenance_line(typed) : NULL;
     iso_validation v = {.pyramid = pyramid,
                         .scene = scene,

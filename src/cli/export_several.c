@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/provenance.h"
 #include "tf/presets.h"
 
 enum { MOST_VOLUMES = 32, NAME_BYTES = 64 };
@@ -45,6 +46,13 @@ static void set_name(several_job *job, one_volume *v, const char *text)
             snprintf(v->name, sizeof v->name, "%s_%zu", base, number++);
             i = (size_t)-1;
         }
+}
+
+/* What objects and files are called after; "volume" where outputs leave names out. */
+static const char *name_of_volume(const char *path)
+{
+    const char *name = iso_provenance_name(path);
+    return *name ? iso_path_base(name) : "volume";
 }
 
 static iso_status add(several_job *job, const char *path, const char *tf, const char *channel, const char *name,
@@ -116,7 +124,7 @@ static iso_status add_other(several_job *job, const char *text, iso_error *err)
 {
     const char *comma = iso_path_exists(text) ? NULL : strrchr(text, ',');
     char *path = comma ? strndup(text, (size_t)(comma - text)) : strdup(text);
-    iso_status status = path ? add(job, path, comma ? comma + 1 : NULL, NULL, iso_path_base(path), err)
+    iso_status status = path ? add(job, path, comma ? comma + 1 : NULL, NULL, name_of_volume(path), err)
                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
     free(path);
     return status;
@@ -204,7 +212,7 @@ iso_status iso_export_several_volumes(const iso_export_several *a, iso_error *er
                             : iso_fail(err, ISO_E_USAGE, "--to %s has one volume in a scene", a->target->name);
     if (status == ISO_OK)
         status = a->channels ? add_channels(&job, err)
-                             : add(&job, a->cli->arguments[0], NULL, NULL, iso_path_base(a->cli->arguments[0]), err);
+                             : add(&job, a->cli->arguments[0], NULL, NULL, name_of_volume(a->cli->arguments[0]), err);
     for (size_t i = 0; a->added && a->added[i] && status == ISO_OK; ++i)
         status = add_other(&job, a->added[i], err);
     if (status == ISO_OK) {

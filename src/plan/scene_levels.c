@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/provenance.h"
 #include "compare/metrics.h"
 #include "compare/ssim.h"
 #include "render/reference.h"
@@ -198,7 +199,7 @@ static json_t *made_for(const iso_scene *scene, size_t first, size_t count, cons
         json_array_append_new(list, json_pack("{s:I, s:s, s:o}", "level", (json_int_t)k, "scalar",
                                               iso_level_scalar_name(levels[k].chosen), "candidates",
                                               candidates_to_json(levels[k].candidates)));
-    return json_pack("{s:s, s:o, s:o}", "scene", scene->path ? scene->path : "first", "levels", list, "tf",
+    return json_pack("{s:s, s:o, s:o}", "scene", scene->path ? iso_provenance_name(scene->path) : "first", "levels", list, "tf",
                      iso_tf_to_json(&scene->tf));
 }
 

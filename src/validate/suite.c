@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "base/provenance.h"
 #include "scene/subject.h"
 #include "validate/validate.h"
 
@@ -27,11 +28,6 @@ typedef struct suite_run {
     const char *scratch;
     struct dirent **entries;
 } suite_run;
-
-static char *scene_name(const char *file)
-{
-    return strndup(file, strlen(file) - strlen(".scene.json"));
-}
 
 static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt, iso_scene *scene, const char *volume,
                                  iso_error *err)
@@ -77,7 +73,7 @@ static iso_status load_and_validate(iso_validation *v, const suite_run *run, siz
 {
     iso_scene scene = {0};
     const char *file = run->entries[i]->d_name;
-    char *name = scene_name(file), *path = iso_path_join(run->options->folder, file), *volume = NULL;
+    char *name = iso_provenance_scene(file, i + 1), *path = iso_path_join(run->options->folder, file), *volume = NULL;
     double start = iso_clock_seconds();
     if (asprintf(&volume, "%s/volume-%zu.nrrd", run->scratch, i) < 0)
         volume = NULL;
