@@ -70,8 +70,9 @@ elif command -v blender >/dev/null; then
     holds cycles_of_a_plan_is_cycles_of_the_volume "$(json_number bench.json cycles_rmse) > 0 && $(json_number bench.json cycles_rmse) <= 0.011"
 fi
 # A cache that is too small: mixed, coarser the smaller, never more bytes than allowed; pages change nothing.
-cached=("$ISOSHADE" render v.nrrd --scene "$scene" --size 64 --brick 8 --brick-levels 3)
-rmse_to_full() { json_number <("$ISOSHADE" compare "$1" c-full.exr --json 2>err) rmse; }
+cached=("$ISOSHADE" render v.nrrd --scene "$scene" --with gl --size 64 --brick 8 --brick-levels 3)
+compare_rmse() { json_number <("$ISOSHADE" compare "$1" "$2" --json 2>err) rmse; }
+rmse_to_full() { compare_rmse "$1" c-full.exr; }
 "${cached[@]}" --cache-bytes 1e9 -o c-full.exr >full.out 2>err || not_ok cache_runs "$(cat err)"
 for bytes in 400000 340000; do
     "${cached[@]}" --cache-bytes $bytes -o c-$bytes.exr >$bytes.out 2>err || not_ok "cache_of_$bytes runs" "$(cat err)"
@@ -84,6 +85,19 @@ holds a_cache_is_within_what_is_predicted "$(rmse_to_full c-400000.exr) <= 4 * $
 "${cached[@]}" --cache-bytes 1e9 --page-side 30 -o c-pages.exr >pages.out 2>err || not_ok pages_run "$(cat err)"
 grep -q "on [2-4] pages" pages.out && "$ISOSHADE" compare c-pages.exr c-full.exr --max-abs 2e-5 >out 2>&1 && ok pages_change_nothing || not_ok pages_change_nothing "$(cat pages.out out)"
 refuse cache_that_nothing_fits_is_refused 5 "allow more levels" "${cached[@]}" --cache-bytes 1000 -o refused.exr --quiet
+# The CPU ray caster draws the same bricks, in fewer bytes: nodes alone.
+by_cpu=("$ISOSHADE" render v.nrrd --scene "$scene" --with cpu --size 64 --brick 8 --brick-levels 3)
+"${cached[@]}" --plan-error 1/50 -o gl-plan.exr >gl-plan.out 2>err || not_ok gl_plan_runs "$(cat err)"
+"${by_cpu[@]}" --plan-error 1/50 -o cpu-plan.exr >cpu-plan.out 2>err || not_ok cpu_plan_runs "$(cat err)"
+bricks_of() { grep -o '[0-9]* bricks,.*' "$1"; }
+check both_ray_casters_draw_the_same_bricks test "$(bricks_of gl-plan.out)" = "$(bricks_of cpu-plan.out)"
+holds bricks_of_several_levels "$(grep -o 'at level' cpu-plan.out | wc -l) > 1"
+# 16 bits of GL's texture filter, and floats of its places, through a steep transfer function: 1e-5 was seen.
+holds both_ray_casters_show_the_same "$(compare_rmse gl-plan.exr cpu-plan.exr) <= 1e-4"
+holds another_plan_is_seen "$(compare_rmse c-full.exr cpu-plan.exr) > 1e-3"
+"${by_cpu[@]}" --cache-bytes 200000 -o cpu-small.exr >cpu-small.out 2>err || not_ok cpu_cache_runs "$(cat err)"
+holds its_bytes_are_kept "$(sed -n 's/cache: \([0-9.e+]*\) bytes.*/\1/p' cpu-small.out) <= 200000"
+refuse pages_are_of_textures 2 "page-side" "${by_cpu[@]}" --cache-bytes 1e9 --page-side 30 -o refused.exr --quiet
 refuse cache_of_another_renderer_is_refused 2 "cache-bytes" "${cached[@]}" --cache-bytes 1000 --with reference -o refused.exr --quiet
 refuse unknown_faces_are_refused 2 "round" "${plan[@]}" --faces round -o refused.json
 refuse negative_error_is_refused 2 "error" "${plan[@]}" --error -1 -o refused.json

@@ -358,17 +358,18 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
                                     .step_voxels = c->step_voxels,
                                     .repeats = most_frames(b),
                                     .repeat_seconds = FRAMES_SECONDS,
+                                    .processor_time = b->processor_time,
                                     .threads = b->threads,
                                     .report = &report};
-    iso_gl *gl;
-    iso_status status = iso_renderers_need_gl(&b->renderers, &gl, err);
-    if (status == ISO_OK && b->processor_time)
+    iso_gl *gl = NULL;
+    iso_status status = c->renderer == &iso_renderer_cpu ? ISO_OK : iso_renderers_need_gl(&b->renderers, &gl, err);
+    if (status == ISO_OK && gl && b->processor_time)
         iso_gl_time_processor(gl, true);
     if (status == ISO_OK)
         status = iso_cached_render_nodes(gl, &b->nodes, &s->plan, &s->view, &opt, image, err);
     if (status != ISO_OK)
         return status;
-    iso_render_stats_of_gl(&report.gl, &c->took);
+    iso_render_stats_of_gl(&report.draws, &c->took);
     c->stored_bytes = ISO_BYTES_A_NODE * (double)report.node_count;
     return ISO_OK;
 }

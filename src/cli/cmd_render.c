@@ -93,8 +93,9 @@ static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cl
                                   .step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step,
                                   .threads = cli->threads,
                                   .report = &r};
-    iso_gl *gl;
-    iso_status status = iso_renderers_need_gl(q->renderers, &gl, err);
+    iso_gl *gl = NULL;
+    iso_status status = q->options->renderer == &iso_renderer_cpu ? ISO_OK
+                                                                  : iso_renderers_need_gl(q->renderers, &gl, err);
     if (status == ISO_OK)
         status = iso_cached_render(gl, &q->pyramid->levels[0], q->view, &o, image, q->progress, err);
     *seconds = r.seconds;
@@ -195,7 +196,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     if (status == ISO_OK)
         status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads,
                                     err);
-    if (status == ISO_OK && !a->with && !iso_render_is_in_bricks(a) && !a->limit)
+    if (status == ISO_OK && !a->with && !a->limit && !a->page_side)
         iso_renderers_choose(&pyramid, &view, &opt);
     if (status == ISO_OK)
         status = opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err);
@@ -386,7 +387,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0,
          of_those(
              &help, ISO_HAS_BRICKS,
-             "bricks of mixed levels without seams, with the least error that fits into textures of so many bytes"),
+             "bricks of mixed levels without seams, with the least error that fits into so many bytes"),
          "BYTES"},
         {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0,
          of_those(&help, ISO_HAS_BRICKS, "bricks of mixed levels, as coarse as this predicted RMSE allows"), "1/255"},

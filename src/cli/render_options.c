@@ -104,6 +104,8 @@ static iso_status check_cache(const iso_render_arguments *a, const iso_renderer_
             "--cache-bytes and --plan-error are for --with %s, without --level, --shading-from, --palette, --shade-table, "
             "--exact-lookups, --isosurface, --quadrature, --adapt, --extinction-scale and --roi",
             and_list(ISO_HAS_BRICKS, names));
+    if (a->page_side && renderer == &iso_renderer_cpu)
+        return iso_fail(err, ISO_E_USAGE, "--page-side is of textures, which --with cpu has not");
     iso_status status = a->plan_error > 0 ? ISO_OK
                                           : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
     if (status == ISO_OK)

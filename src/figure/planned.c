@@ -93,11 +93,8 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
         return render_cut(s, 3 - column, width, height, image, err);
     iso_view view = s->view; /* borrows what it owns */
     view.width = width, view.height = height;
-    const iso_brick_field field = {&s->nodes, s->planner.best.levels, ISO_FACES_BAKED};
-    iso_gl_brick_options opt = iso_gl_brick_defaults();
-    opt.wanted = s->planner.best.drawn;
     *mm_per_pixel = iso_view_mm_per_pixel(&view, &s->subject.pyramid.levels[0].geometry);
-    return iso_gl_render_bricks(s->planner.gl, &field, &view, &opt, image, NULL, err);
+    return iso_planner_draw(&s->planner, s->planner.best.levels, s->planner.best.drawn, &view, image, err);
 }
 
 /* ---- words ---- */

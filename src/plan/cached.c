@@ -5,12 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
 #include "brick/pack.h"
+#include "render/cpu/mixed.h"
 
 /* 16 bits of the scalar and, in four channels, of the direction. */
 enum { BYTES_A_TEXEL = 10, LARGEST_PAGE = 2048 };
 
 typedef struct cache {
+    iso_gl *gl; /* NULL: the CPU ray caster */
     const iso_node_levels *nodes;
     const iso_view *view;
     const iso_cached_options *opt;
@@ -23,13 +26,26 @@ static size_t page_side(const iso_cached_options *o)
     return o->page_side > 0 && o->page_side < LARGEST_PAGE ? o->page_side : LARGEST_PAGE;
 }
 
-/* Bytes of the textures at the plan's levels. */
+/* Nodes of the visible bricks at the plan's levels. */
+static size_t count_nodes(const cache *c)
+{
+    size_t nodes = 0;
+    for (size_t i = 0; i < c->plan->brick_count; ++i) {
+        const size_t side = iso_brick_side(c->nodes, c->plan->levels[i]);
+        nodes += c->visible[i] ? side * side * side : 0;
+    }
+    return nodes;
+}
+
+/* Bytes of the textures, or of the CPU ray caster's nodes, at the plan's levels. */
 static double bytes_of(cache *c)
 {
     const iso_brick_field field = {.nodes = c->nodes, .levels = c->plan->levels, .faces = ISO_FACES_BAKED};
     iso_brick_cull(&field, &c->view->tf, c->opt->threads, c->visible);
     for (size_t i = 0; i < c->plan->brick_count; ++i)
         c->visible[i] = c->visible[i] && c->plan->footprints[i] > 0;
+    if (!c->gl)
+        return (iso_view_is_lit(c->view) ? 8.0 : 2.0) * (double)count_nodes(c);
     return BYTES_A_TEXEL * (double)iso_brick_pack_texels(c->nodes, c->plan->levels, c->visible, page_side(c->opt));
 }
 
@@ -60,9 +76,9 @@ static iso_status fit(cache *c, double *predicted, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status draw(iso_gl *gl, cache *c, iso_image *image, iso_cached_report *r, iso_error *err)
+static iso_status draw_by_gl(cache *c, const iso_brick_field *field, iso_image *image, iso_cached_report *r,
+                             iso_error *err)
 {
-    const iso_brick_field field = {.nodes = c->nodes, .levels = c->plan->levels, .faces = ISO_FACES_BAKED};
     iso_gl_brick_options o = iso_gl_brick_defaults();
     iso_gl_brick_stats stats;
     o.wanted = c->visible;
@@ -70,7 +86,7 @@ static iso_status draw(iso_gl *gl, cache *c, iso_image *image, iso_cached_report
     o.step_voxels = c->opt->step_voxels;
     o.repeats = c->opt->repeats;
     o.repeat_seconds = c->opt->repeat_seconds;
-    iso_status status = iso_gl_render_bricks(gl, &field, c->view, &o, image, &stats, err);
+    const iso_status status = iso_gl_render_bricks(c->gl, field, c->view, &o, image, &stats, err);
     if (status != ISO_OK)
         return status;
     r->cache_bytes = BYTES_A_TEXEL * (double)stats.texel_count;
@@ -78,7 +94,49 @@ static iso_status draw(iso_gl *gl, cache *c, iso_image *image, iso_cached_report
     r->brick_count = stats.shown_count;
     r->node_count = stats.node_count;
     r->seconds = stats.seconds;
-    r->gl = stats.gl;
+    r->draws = stats.gl;
+    return ISO_OK;
+}
+
+static iso_status draw_by_cpu(cache *c, const iso_brick_field *field, iso_image *image, iso_cached_report *r,
+                              iso_error *err)
+{
+    const double start = iso_clock_seconds();
+    const iso_cached_options *opt = c->opt;
+    const size_t most = opt->repeats < ISO_GL_MAX_DRAWS ? opt->repeats : ISO_GL_MAX_DRAWS;
+    iso_cpu_brick_options o = iso_cpu_brick_defaults();
+    iso_cpu_scene *scene;
+    o.wanted = c->visible;
+    o.step_voxels = opt->step_voxels;
+    o.threads = opt->threads;
+    iso_status status = iso_cpu_prepare_bricks(&scene, field, c->view, &o, err);
+    if (status == ISO_OK)
+        status = iso_image_create(image, c->view->width, c->view->height, err);
+    if (status == ISO_OK) {
+        iso_gl_stats *s = &r->draws;
+        s->upload_seconds = iso_clock_seconds() - start;
+        s->texture_bytes = iso_cpu_bytes(scene);
+        s->draw_count = iso_cpu_draw_repeatedly(scene, image, most, opt->repeat_seconds, opt->processor_time,
+                                                s->draw_seconds);
+        r->seconds = INFINITY;
+        for (size_t i = 0; i < s->draw_count; ++i)
+            r->seconds = fmin(r->seconds, s->draw_seconds[i]);
+        r->cache_bytes = bytes_of(c);
+        r->page_count = 1;
+        r->node_count = count_nodes(c);
+        for (size_t i = 0; i < c->plan->brick_count; ++i)
+            r->brick_count += c->visible[i];
+    }
+    iso_cpu_release(scene);
+    return status;
+}
+
+static iso_status draw(cache *c, iso_image *image, iso_cached_report *r, iso_error *err)
+{
+    const iso_brick_field field = {.nodes = c->nodes, .levels = c->plan->levels, .faces = ISO_FACES_BAKED};
+    const iso_status status = c->gl ? draw_by_gl(c, &field, image, r, err) : draw_by_cpu(c, &field, image, r, err);
+    if (status != ISO_OK)
+        return status;
     for (size_t i = 0; i < c->plan->brick_count; ++i)
         r->bricks_by_level[c->plan->levels[i]] += c->visible[i];
     if (c->opt->cache_bytes > 0 && r->cache_bytes > c->opt->cache_bytes) {
@@ -92,13 +150,13 @@ static iso_status draw(iso_gl *gl, cache *c, iso_image *image, iso_cached_report
 iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan *plan, const iso_view *view,
                                    const iso_cached_options *opt, iso_image *image, iso_error *err)
 {
-    cache c = {.nodes = nodes, .view = view, .opt = opt, .plan = plan, .visible = malloc(plan->brick_count)};
+    cache c = {.gl = gl, .nodes = nodes, .view = view, .opt = opt, .plan = plan, .visible = malloc(plan->brick_count)};
     iso_cached_report report = {0};
     *image = (iso_image){0};
     iso_status status = c.visible ? fit(&c, &report.predicted_rmse, err)
                                   : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bricks", plan->brick_count);
     if (status == ISO_OK)
-        status = draw(gl, &c, image, &report, err);
+        status = draw(&c, image, &report, err);
     if (opt->report)
         *opt->report = report;
     free(c.visible);

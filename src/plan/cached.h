@@ -12,7 +12,7 @@ typedef struct iso_cached_report {
     size_t bricks_by_level[ISO_BRICK_MAX_LEVELS], brick_count, page_count;
     size_t node_count; /* of the bricks drawn */
     double seconds;
-    iso_gl_stats gl;
+    iso_gl_stats draws; /* of the CPU ray caster, too */
 } iso_cached_report;
 
 typedef struct iso_cached_options {
@@ -22,11 +22,13 @@ typedef struct iso_cached_options {
     double step_voxels;                          /* 0: the view's */
     size_t repeats;                              /* draws, and until when, as in iso_gl_options */
     double repeat_seconds;
+    bool processor_time; /* of the CPU ray caster; GL has iso_gl_time_processor() */
     int threads;
     iso_cached_report *report; /* filled; or NULL */
 } iso_cached_options;
 
-/* Levels are chosen as plan.h chooses, for the least predicted error that fits; nothing is rendered for it. ISO_E_RANGE
+/* gl NULL: by the CPU ray caster, whose bricks need no textures: what they take are 8 bytes a node, 2 where there is no light.
+ * Levels are chosen as plan.h chooses, for the least predicted error that fits; nothing is rendered for it. ISO_E_RANGE
  * when the coarsest levels do not fit, with what they take. */
 iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view *view, const iso_cached_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);

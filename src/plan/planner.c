@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "brick/pack.h"
+#include "render/cpu/mixed.h"
 #include "scene/subject.h"
 
 /* ---- views --------------------------------------------------------------------- */
@@ -98,14 +99,23 @@ void iso_planner_destroy_views(iso_view *views, size_t count)
 
 /* ---- rendering ------------------------------------------------------------------- */
 
-static iso_status render_levels(iso_planner *p, const uint8_t *levels, bool everything, size_t view, iso_image *image,
-                                iso_error *err)
+iso_status iso_planner_draw(const iso_planner *p, const uint8_t *levels, const uint8_t *wanted, const iso_view *view,
+                            iso_image *image, iso_error *err)
 {
     const iso_brick_field field = {.nodes = p->nodes, .levels = levels, .faces = p->faces};
     iso_gl_brick_options opt = iso_gl_brick_defaults();
-    opt.wanted = everything ? NULL : p->wanted;
+    iso_cpu_brick_options cpu = iso_cpu_brick_defaults();
+    opt.wanted = cpu.wanted = wanted;
+    cpu.threads = p->threads;
+    return p->gl ? iso_gl_render_bricks(p->gl, &field, view, &opt, image, NULL, err)
+                 : iso_cpu_render_bricks(&field, view, &cpu, image, err);
+}
+
+static iso_status render_levels(iso_planner *p, const uint8_t *levels, bool everything, size_t view, iso_image *image,
+                                iso_error *err)
+{
     ++p->render_count;
-    return iso_gl_render_bricks(p->gl, &field, &p->views[view], &opt, image, NULL, err);
+    return iso_planner_draw(p, levels, everything ? NULL : p->wanted, &p->views[view], image, err);
 }
 
 /* What remains of an image when nothing is drawn. */
@@ -130,15 +140,19 @@ iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, cons
 {
     const iso_view *views = opt->views;
     const size_t view_count = opt->view_count;
-    *p = (iso_planner){
-        .nodes = nodes, .views = views, .view_count = view_count, .faces = opt->faces, .blank_rmse = INFINITY};
+    *p = (iso_planner){.nodes = nodes,
+                       .views = views,
+                       .view_count = view_count,
+                       .faces = opt->faces,
+                       .blank_rmse = INFINITY,
+                       .threads = opt->threads};
     size_t count = iso_brick_count(nodes), side = iso_brick_side(nodes, 0);
     p->full_node_count = count * side * side * side;
     p->wanted = malloc(count);
     p->full = calloc(view_count, sizeof *p->full);
     iso_status status = p->wanted && p->full ? ISO_OK
                                              : iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
-    if (status == ISO_OK)
+    if (status == ISO_OK && !iso_gl_is_software())
         status = iso_gl_create(&p->gl, NULL, err);
     if (status == ISO_OK)
         status = iso_plan_create(&p->plan, nodes, views, view_count, opt->threads, progress, err);

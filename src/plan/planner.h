@@ -22,7 +22,7 @@ typedef struct iso_plan_trial {
 } iso_plan_trial;
 
 typedef struct iso_planner {
-    iso_gl *gl;
+    iso_gl *gl; /* NULL: OpenGL is software alone, and the CPU ray caster draws */
     const iso_node_levels *nodes; /* rounded */
     const iso_view *views;
     size_t view_count;
@@ -33,7 +33,7 @@ typedef struct iso_planner {
     double blank_rmse; /* of the background alone, in the view where it is the least */
     size_t full_node_count;
     iso_plan_trial best;
-    int render_count;
+    int render_count, threads;
 } iso_planner;
 
 typedef struct iso_planner_options {
@@ -50,6 +50,10 @@ iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, cons
 iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress,
                               iso_error *err);
 void iso_planner_destroy(iso_planner *p); /* accepts empty */
+
+/* A picture of the planner's nodes at any levels, without the bricks that are not wanted (NULL: all are). */
+iso_status iso_planner_draw(const iso_planner *p, const uint8_t *levels, const uint8_t *wanted, const iso_view *view,
+                            iso_image *image, iso_error *err);
 
 static inline double iso_plan_trial_bytes(const iso_plan_trial *t)
 {

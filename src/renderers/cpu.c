@@ -18,16 +18,11 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
 static void draw_repeatedly(const iso_cpu_scene *scene, const iso_render_options *opt, iso_image *image,
                             iso_render_stats *stats)
 {
-    double seconds[ISO_RENDER_MAX_FRAMES], sum = 0,
-                                           (*clock)(void) = opt->processor_time ? iso_cpu_seconds : iso_clock_seconds;
-    size_t count = 0;
-    do {
-        const double start = clock();
-        iso_cpu_draw(scene, image);
-        sum += seconds[count++] = clock() - start;
-    } while (count < opt->repeats && count < ISO_RENDER_MAX_FRAMES &&
-             (!(opt->repeat_seconds > 0) || sum < opt->repeat_seconds));
-    iso_render_stats_sum_up(stats, seconds, count);
+    double seconds[ISO_RENDER_MAX_FRAMES];
+    const size_t most = opt->repeats < ISO_RENDER_MAX_FRAMES ? opt->repeats : ISO_RENDER_MAX_FRAMES;
+    iso_render_stats_sum_up(stats, seconds,
+                            iso_cpu_draw_repeatedly(scene, image, most, opt->repeat_seconds, opt->processor_time,
+                                                    seconds));
 }
 
 static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
@@ -69,7 +64,7 @@ const iso_renderer_info iso_renderer_cpu = {
     .title = "CPU ray caster",
     .color = "#e69f00",
     .traits = ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_LIGHTS | ISO_HAS_ORTHOGRAPHIC |
-              ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE | ISO_IS_NAMED,
+              ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_BRICKS | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE | ISO_IS_NAMED,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_MIDPOINT},
     .relative_cost = 1,
     .first_step_voxels = 1.0 / 16,

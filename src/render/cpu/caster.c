@@ -428,6 +428,19 @@ void iso_cpu_draw(const iso_cpu_scene *s, iso_image *image)
         s->tile(&s->cast, i % columns * ISO_CAST_TILE, i / columns * ISO_CAST_TILE, image->rgba);
 }
 
+size_t iso_cpu_draw_repeatedly(const iso_cpu_scene *s, iso_image *image, size_t most, double enough,
+                               bool processor_time, double *seconds)
+{
+    double sum = 0, (*clock)(void) = processor_time ? iso_cpu_seconds : iso_clock_seconds;
+    size_t count = 0;
+    do {
+        const double start = clock();
+        iso_cpu_draw(s, image);
+        sum += seconds[count++] = clock() - start;
+    } while (count < most && (!(enough > 0) || sum < enough));
+    return count;
+}
+
 iso_status iso_cpu_render(const iso_level *level, iso_code code, const iso_view *view, const iso_cpu_options *opt,
                           iso_image *image, iso_error *err)
 {

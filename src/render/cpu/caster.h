@@ -57,6 +57,11 @@ double iso_cpu_bytes(const iso_cpu_scene *scene);
 /* Fills an image of the view's size. */
 void iso_cpu_draw(const iso_cpu_scene *scene, iso_image *image);
 
+/* Draws it `most` times at least once, until `enough` seconds (0: no limit) have gone by; seconds[] by the clock, or of the
+ * processor, has room for `most`. Returns how many draws were made. */
+size_t iso_cpu_draw_repeatedly(const iso_cpu_scene *scene, iso_image *image, size_t most, double enough,
+                               bool processor_time, double *seconds);
+
 /* All of it. */
 iso_status iso_cpu_render(const iso_level *level, iso_code code, const iso_view *view, const iso_cpu_options *opt,
                           iso_image *image, iso_error *err);
