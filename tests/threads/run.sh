@@ -17,7 +17,7 @@ races() { # PART: what is told of it, in ./build; true where a race is found
     "$program" "$1" >build/threads/said 2>&1
     [ $? = 66 ]
 }
-for part in build stream reference cast progress programs signal; do
+for part in build stream reference cast bricks progress programs signal; do
     if races $part; then echo "not ok $part: it races"; failed=1; grep -A12 WARNING build/threads/said
     elif ! grep -q '  PASSED  ' build/threads/said; then echo "not ok $part: $(tail -n 3 build/threads/said)"; failed=1
     else echo "ok $part"; fi

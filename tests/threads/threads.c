@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* threads.c - what works with several threads, small, to be watched by the sanitizer of threads (tests/threads/run.sh).
  *
- *     isoshade-threads PART        build, stream, reference, cast, progress, programs, signal; race: a fault that is planted
+ *     isoshade-threads PART        build, stream, reference, cast, bricks, progress, programs, signal; race: a fault that is planted
  */
 #define _GNU_SOURCE
 #include "tests/folder.h"
@@ -16,6 +16,7 @@
 #include "base/progress_line.h"
 #include "pyramid/pyramid_stream.h"
 #include "render/cpu/caster.h"
+#include "render/cpu/mixed.h"
 #include "render/reference.h"
 #include "scene/scene.h"
 #include "volume/stream.h"
@@ -132,6 +133,29 @@ static void cast(void)
     destroy_shown(&s);
 }
 
+/* Bricks of two levels, whose cells of several bricks are noted in one word. */
+static void cast_bricks(void)
+{
+    shown s;
+    iso_node_levels nodes;
+    iso_image image;
+    iso_cpu_brick_options opt = iso_cpu_brick_defaults();
+    opt.threads = THREADS;
+    opt.skip = ISO_CPU_SKIP_ALWAYS;
+    make_shown(&s);
+    assert_ok(iso_node_levels_create(&nodes, &s.pyramid.levels[0], 2, 2, true, THREADS, &err));
+    uint8_t *levels = malloc(iso_brick_count(&nodes));
+    assert_non_null(levels);
+    for (size_t i = 0; i < iso_brick_count(&nodes); ++i)
+        levels[i] = i % 3 == 0;
+    const iso_brick_field field = {.nodes = &nodes, .levels = levels, .faces = ISO_FACES_BAKED};
+    assert_ok(iso_cpu_render_bricks(&field, &s.view, &opt, &image, &err));
+    iso_image_destroy(&image);
+    free(levels);
+    iso_node_levels_destroy(&nodes);
+    destroy_shown(&s);
+}
+
 /* The line is written by a thread of its own while the work reports. */
 static void progress(void)
 {
@@ -234,8 +258,9 @@ static void race(void)
 static const struct {
     const char *name;
     void (*run)(void);
-} parts[] = {{"build", build},       {"stream", stream},     {"reference", reference},   {"cast", cast},
-             {"progress", progress}, {"programs", programs}, {"signal", stop_by_signal}, {"race", race}};
+} parts[] = {{"build", build},         {"stream", stream},     {"reference", reference}, {"cast", cast},
+             {"bricks", cast_bricks},  {"progress", progress}, {"programs", programs},   {"signal", stop_by_signal},
+             {"race", race}};
 static const char *wanted;
 
 static void the_part(void **state)
