@@ -46,17 +46,14 @@ CAST vi first_voxel(const iso_cast *c, const vi cell[3], vi mask)
     return at & mask;
 }
 
-/* Asks the memory for the first voxels of cells, which need not be there. */
+/* Asks the memory for the first voxels of cells, with their codes; the cells need not be there. */
 CAST void fetch_cells(const iso_cast *c, const vi cell[3])
 {
-    const uintptr_t bytes = c->voxels ? 2 * sizeof *c->voxels : c->integers ? sizeof *c->integers : sizeof *c->floats;
-    const void *scalars = c->integers ? (const void *)c->integers : c->floats;
-    const uintptr_t from = (uintptr_t)(c->voxels ? c->voxels : scalars);
     const vi at = first_voxel(c, cell, all_int(-1));
     int32_t voxel[ISO_CAST_WIDTH];
     memcpy(voxel, &at, sizeof voxel);
     for (int i = 0; i < ISO_CAST_WIDTH; ++i)
-        __builtin_prefetch((const void *)(from + bytes * (uintptr_t)(intptr_t)voxel[i]));
+        __builtin_prefetch((const void *)((uintptr_t)c->voxels + 2 * sizeof *c->voxels * (uintptr_t)(intptr_t)voxel[i]));
 }
 
 /* ---- bricks of mixed resolution ---- */

@@ -247,16 +247,20 @@ typedef struct sample {
     vf depth; /* of the whole segment */
 } sample;
 
-/* At s->at; whole: what is left of the segment. */
-CAST void look_there(const iso_cast *c, sample *s, vf whole, vi mask)
+/* At s->at and s->place; whole: what is left of the segment. */
+CAST void look_at_place(const iso_cast *c, sample *s, vf whole, vi mask)
 {
-    s->place = place_of(c, &s->at, mask);
     if (c->places) {
         mask &= ~(s->place.voxel >> 31);
         s->place.voxel &= mask;
     }
     s->entry = entry_at(c, &s->at, &s->place);
     s->depth = (vf)((vi)(depth_of(c, &s->entry) * whole) & mask);
+}
+CAST void look_there(const iso_cast *c, sample *s, vf whole, vi mask)
+{
+    s->place = place_of(c, &s->at, mask);
+    look_at_place(c, s, whole, mask);
 }
 
 /* Asks the memory for what the rays will look at AHEAD segments on. The cells of neighboring rays overlap, so that the first
@@ -273,8 +277,6 @@ CAST void fetch_ahead(const iso_cast *c, const packet *p)
 CAST sample look(const iso_cast *c, const packet *p, vi mask)
 {
     sample s;
-    if (!c->slots && !c->places)
-        fetch_ahead(c, p);
     vf whole;
     s.at = middles(p, &whole);
     look_there(c, &s, whole, mask);
@@ -344,19 +346,34 @@ CAST void write_pixel(const iso_cast *c, const sums *s, int i, size_t column, si
     pixel[3] = 1 - s->sum[3][i];
 }
 
-/* Every segment of a packet of neighbors. */
+CAST void write_packet(const iso_cast *c, const sums *s, size_t x, size_t y, float *rgba)
+{
+    EACH_RAY(i) write_pixel(c, s, i, x + (size_t)(i % PACKET_COLUMNS), y + (size_t)(i / PACKET_COLUMNS), rgba);
+}
+
+/* Every segment of a packet of neighbors. Where the next sample is, is known before this one is shaded, so that the memory is
+ * asked for it meanwhile; for codes, which take the most, it is asked some segments earlier. */
 CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
 {
     packet p = begin(c, x, y);
     sums s = begin_sums();
-    for (vi active = p.k < p.count; any(active); active = (p.k < p.count) & (s.sum[3] >= 1e-7f)) {
-        sample found = look(c, &p, active);
+    vf next_whole;
+    vi active = p.k < p.count;
+    sample next = {.at = middles(&p, &next_whole)};
+    next.place = place_of(c, &next.at, active);
+    for (; any(active); active = (p.k < p.count) & (s.sum[3] >= 1e-7f)) {
+        sample found = next;
+        look_at_place(c, &found, next_whole, active);
+        advance(&p, active);
+        if (c->voxels)
+            fetch_ahead(c, &p);
+        next.at = middles(&p, &next_whole);
+        next.place = place_of(c, &next.at, p.k < p.count);
         const vi shows = found.depth > 0;
         if (any(shows))
             blend(c, &p, &found, shows, &s);
-        advance(&p, active);
     }
-    EACH_RAY(i) write_pixel(c, &s, i, x + (size_t)(i % PACKET_COLUMNS), y + (size_t)(i / PACKET_COLUMNS), rgba);
+    write_packet(c, &s, x, y, rgba);
 }
 
 #endif

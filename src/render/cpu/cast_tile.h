@@ -331,7 +331,7 @@ CAST void write_walk(const iso_cast *c, const walk *w, size_t x, size_t y, float
     EACH_RAY(i)
     for (int a = 0; a < 4; ++a)
         s.sum[a][i] = w->sum[i][a];
-    EACH_RAY(i) write_pixel(c, &s, i, x + (size_t)(i % PACKET_COLUMNS), y + (size_t)(i / PACKET_COLUMNS), rgba);
+    write_packet(c, &s, x, y, rgba);
 }
 
 CAST void cast_sparse_packet(const iso_cast *c, size_t x, size_t y, const float reach_mm[2], walk *w, float *rgba)
@@ -360,9 +360,7 @@ CAST void cast_sparse_tile(const iso_cast *c, size_t x, size_t y, float *rgba)
                 cast_sparse_packet(c, column, row, mm, &w, rgba);
                 continue;
             }
-            EACH_RAY(i)
-            write_pixel(c, &nothing, i, column + (size_t)(i % PACKET_COLUMNS), row + (size_t)(i / PACKET_COLUMNS),
-                        rgba);
+            write_packet(c, &nothing, column, row, rgba);
         }
 }
 
