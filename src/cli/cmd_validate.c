@@ -140,16 +140,32 @@ static void report_estimate(const iso_cli *cli, iso_report *r)
     iso_report_put(r, "estimate", "worst_from_a_third_on", json_real(e.worst));
 }
 
-/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
-static iso_status open_store(const iso_validate_arguments *a, iso_validation *v, iso_error *err)
+/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on: in
+ * DIR.work, to be freed. */
+static char *store_folder(const iso_validate_arguments *a)
 {
     char *folder = NULL;
     size_t end = strlen(a->output);
     while (end > 1 && a->output[end - 1] == '/')
         --end;
-    if (asprintf(&folder, "%.*s.work", (int)end, a->output) < 0)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    const iso_status status = iso_picture_store_open(folder, a->resume, &v->renderers.store, err);
+    return asprintf(&folder, "%.*s.work", (int)end, a->output) < 0 ? NULL : folder;
+}
+
+/* Before anything is read: what a person has under that name stays, and the run would end there. */
+static iso_status check_store(const iso_validate_arguments *a, iso_error *err)
+{
+    char *folder = store_folder(a);
+    const iso_status status = folder ? iso_picture_store_check(folder, err)
+                                     : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    free(folder);
+    return status;
+}
+
+static iso_status open_store(const iso_validate_arguments *a, iso_validation *v, iso_error *err)
+{
+    char *folder = store_folder(a);
+    const iso_status status = folder ? iso_picture_store_open(folder, a->resume, &v->renderers.store, err)
+                                     : iso_fail(err, ISO_E_MEMORY, "out of memory");
     free(folder);
     return status;
 }
@@ -398,6 +414,8 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
         status = iso_validate_check_arguments(a, cli, &build, err);
     if (status == ISO_OK)
         status = iso_cli_take_cycles(&a->cycles, a->with, err);
+    if (status == ISO_OK)
+        status = check_store(a, err);
     if (status != ISO_OK)
         return status;
     return a->suite ? validate_suite(a, cli, &build, err) : load_and_validate(a, cli, &build, err);
