@@ -42,6 +42,36 @@ check a_folder_without_a_list_is_kept ends 3 'has no list' isoshade build s.nrrd
 rm -r s.iso
 isoshade build s.nrrd -o s.iso --levels 2 -q >/dev/null
 
+# Work that can be resumed has a name that others know: nothing that they put there is followed, emptied or taken over.
+mkdir victim && echo thesis >victim/paper.tex && ln -s victim .known.iso.partial
+for options in -q --resume; do
+    refuse "a_link_at_the_name_of_unfinished_work_is_no_folder_$options" 3 '.known.iso.partial cannot be opened as a folder' \
+        isoshade build s.nrrd -o known.iso --levels 1 -q $options
+done
+check and_what_it_names_stays grep -q thesis victim/paper.tex
+rm .known.iso.partial && mv victim .known.iso.partial
+for options in -q --resume; do
+    refuse "what_a_person_has_there_is_not_taken_over_$options" 3 'paper.tex in ./.known.iso.partial is not isoshade' \
+        isoshade build s.nrrd -o known.iso --levels 1 -q $options
+done
+check nor_removed grep -q thesis .known.iso.partial/paper.tex
+rm .known.iso.partial/paper.tex && ln -s ../s.nrrd .known.iso.partial/level_0.nrrd && cp s.nrrd before.nrrd
+refuse a_link_in_it_is_no_level 3 'level_0.nrrd in ./.known.iso.partial' isoshade build s.nrrd -o known.iso -q --resume
+check and_what_it_names_is_not_written_to cmp s.nrrd before.nrrd
+rm .known.iso.partial/level_0.nrrd
+if [ "$(id -u)" = 0 ]; then
+    chown 12345 .known.iso.partial
+    refuse the_folder_of_another_user_is_not_worked_in 3 "is another user's" isoshade build s.nrrd -o known.iso -q
+    chown 0 .known.iso.partial
+fi
+check an_empty_folder_is_taken isoshade build s.nrrd -o known.iso -q
+charted() { isoshade chart s.nrrd --scene "$shells" --size 8 --levels 1 --with cpu --codes fit --filters moments --estimators central --steps 1 --budget 0 --want 1 -o charted -q; }
+mkdir .charted.partial && echo thesis >.charted.partial/paper.tex
+refuse so_it_is_of_a_chart 3 'paper.tex in ./.charted.partial is not isoshade' charted
+rm -r .charted.partial
+check a_chart charted
+check is_replaced_as_all_of_it_is_its_own charted
+
 # ---- closed streams, limits and ends ----
 isoshade make sphere --size 20 --gzip -o closed.nrrd <&- >&- 2>&-
 check closed_streams_do_no_harm isoshade info closed.nrrd

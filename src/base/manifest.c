@@ -102,21 +102,29 @@ static iso_status walk_below(const char *folder, const char *below, visitor *vis
     return status;
 }
 
+typedef struct listing {
+    FILE *lines;
+    const char *const *own; /* or NULL */
+} listing;
+
 static iso_status list_entry(void *user, const entry *e, iso_error *err)
 {
+    const listing *l = user;
     char *line;
+    if (l->own && !iso_output_is_own(l->own, e->name))
+        return ISO_OK;
     if (strchr(e->name, '\n'))
         return iso_fail(err, ISO_E_IO, "%s: a line feed in a name", e->name);
     const iso_status status = line_of(e, &line, err);
     if (status == ISO_OK && !line)
         return iso_fail(err, ISO_E_IO, "%s: is neither a file nor a folder", e->name);
     if (status == ISO_OK)
-        fputs(line, user);
+        fputs(line, l->lines);
     free(line);
     return status;
 }
 
-iso_status iso_manifest_write(const char *folder, iso_error *err)
+iso_status iso_manifest_write(const char *folder, const char *const *own, iso_error *err)
 {
     char *text = NULL, *path = iso_path_join(folder, ISO_MANIFEST_NAME);
     size_t bytes = 0;
@@ -124,7 +132,7 @@ iso_status iso_manifest_write(const char *folder, iso_error *err)
     iso_status status = memory ? ISO_OK
                                : iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
     if (status == ISO_OK)
-        status = walk_below(folder, "", list_entry, memory, err);
+        status = walk_below(folder, "", list_entry, &(listing){memory, own}, err);
     if (iso_memory_close(memory) != 0 && status == ISO_OK)
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
     if (status == ISO_OK) {

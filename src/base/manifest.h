@@ -13,8 +13,8 @@
 
 #define ISO_MANIFEST_NAME ".isoshade-files"
 
-/* Lists all that is in folder, and writes the list into it. */
-iso_status iso_manifest_write(const char *folder, iso_error *err);
+/* Lists what is in folder, and writes the list into it: all, or what has a name of `own` (iso_output_resume_dir()). */
+iso_status iso_manifest_write(const char *folder, const char *const *own, iso_error *err);
 
 /* Adds a file that was put into a folder later, if the folder has a list. Several processes may do so at once. false: it is
  * not listed, and should go. */
