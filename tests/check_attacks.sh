@@ -207,6 +207,72 @@ check by_another_name_it_is_not_either ends 2 'which would be lost' isoshade ren
 check a_converted_file_is_not_itself ends 2 'which would be lost' isoshade tf convert own.tf.json ./own.tf.json
 check the_input_is_whole cmp own.nrrd s.nrrd
 
+# ---- nor one that gets a name of its own, or is read by another name: by a header, a scene, a number, a folder ----
+mkdir inputs && cd inputs
+stays() { # name, file, command ...: the file is an input that the command would replace
+    local name=$1 file=$2
+    shift 2
+    cp -r "$file" ../copy
+    refuse "$name" 2 "which would be lost" isoshade "$@" -q
+    check "${name}_and_stays" diff -r "$file" ../copy
+    rm -rf ../copy
+}
+cp ../s.nrrd . && cp "$shells" rep.scene.json && cp "$shells" one.json
+for tf in sheet.json t_level_1.tf.json shells.tf.json; do cp "${shells%.scene.json}.tf.json" $tf; done
+isoshade export s.nrrd --to vdb -o grids.vdb -q >/dev/null
+cp grids.vdb frames_0000.vdb && cp grids.vdb frames_0001.vdb
+stays grids_beside_a_blend grids.vdb export grids.vdb --to blender -o grids.blend
+stays grids_of_frames frames_0000.vdb export 'frames_%04d.vdb' --frames all --to blender -o frames.blend
+stays a_grid_of_a_file grids.vdb export grids.vdb:density --to vdb -o grids.vdb
+stays a_scene_beside_a_report rep.scene.json validate s.nrrd --scene rep.scene.json --view left --quick --levels 1 --with gl --size 16 -o rep
+stays what_is_written_beside_a_sheet sheet.json scenes s.nrrd --tf sheet.json --view front --size 32 -o sheet.png
+stays be_it_a_scene one.json scenes s.nrrd --scene one.json --view front --size 32 -o one.png
+stays a_transfer_function_of_a_level t_level_1.tf.json tf adapt s.nrrd --tf t_level_1.tf.json --levels 2 -o t
+stays one_that_a_scene_names shells.tf.json tf adapt s.nrrd --scene one.json --level 1 -o shells.tf.json
+refuse no_suggestion_follows_a_scene 2 'by the volume alone' isoshade tf suggest s.nrrd --scene one.json -o shells.tf.json -q
+isoshade build s.nrrd -o own.iso --levels 2 -q >/dev/null
+stays a_pyramid_by_its_level own.iso build own.iso/level_1.nrrd -o own.iso --levels 1
+ln own.iso/level_0.nrrd p_level_0.nrrd
+stays a_level_by_another_name p_level_0.nrrd palette own.iso --per-level --entries 4 -o p.nrrd
+stays a_volume_for_a_table s.nrrd bench levels s.nrrd --quick --levels 2 --methods default,original --csv s.nrrd
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\nencoding: raw\ndata file: data.nrrd\n' >d.nhdr
+seq 100 | head -c 64 >data.nrrd
+stays samples_that_a_header_names data.nrrd palette d.nhdr --entries 4 -o data.nrrd
+cp s.nrrd n_0.nrrd && cp s.nrrd n_1.nrrd
+stays another_frame n_1.nrrd palette 'n_%d.nrrd' --frame 0 --entries 4 -o n_1.nrrd
+if [ -x "$(dirname "$(realpath "$ISOSHADE")")/isoshade-itk" ]; then
+    mkdir slices && "$python" - <<'PY'
+import struct, zlib
+chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+for k in range(3): # gray, 8 x 8
+    rows = b"".join(b"\0" + bytes(31 * x ^ 7 * y ^ k for x in range(8)) for y in range(8))
+    open(f"slices/s{k}.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 8, 8, 8, 0, 0, 0, 0)) +
+                                         chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+PY
+    stays a_slice_of_a_folder slices render slices --spacing 1x1x1 --tf mri-brain --size 16 -o slices/s0.png
+fi
+# A second run replaces what the first has written, beside the report, too; a table goes on with itself.
+again() { isoshade validate s.nrrd --quick --levels 1 --with cpu --size 16 --limit-size 8 -q -o again; }
+check a_report_with_a_scene_of_its_own again
+check is_made_again again
+table() { isoshade bench levels s.nrrd --quick --levels 2 --size 16 --methods default,original --csv table.csv -q "$@"; }
+check a_table table
+check goes_on_with_itself table --have table.csv
+# A cache that is damaged is no input that has to stay.
+isoshade tf adapt own.iso --tf sheet.json --level 1 -o adapted.tf.json -q >/dev/null
+cache=$(ls own.iso/level_1_joint*.nrrd) && echo damaged >"$cache"
+check a_cache_that_is_damaged isoshade tf adapt own.iso --tf sheet.json --level 1 -o adapted.tf.json -q
+notice is_made_again_too grep -q damaged "$cache"
+cd ..
+
+# ---- two outputs of one name: one would be lost ----
+refuse two_outputs_of_one_name 2 'are one, and one would be lost' isoshade render s.nrrd -o same.png --png ./same.png -q
+refuse of_a_plan_too 2 'are one, and one would be lost' isoshade plan s.nrrd --scene "$shells" -o same.json --image same.json -q
+refuse and_beside_a_report 2 'are one, and one would be lost' isoshade validate s.nrrd --scene "$shells" --quick --levels 1 --with cpu --size 16 --junit y --summary-md y -o report -q
+touch same.exr && ln -s same.exr other.exr
+refuse by_a_link_they_are_one_too 2 'are one, and one would be lost' isoshade render s.nrrd -o same.exr --png other.exr -q
+rm same.exr other.exr
+
 # ---- what is too large, and threads that cannot be had ----
 "$python" - <<'PY'
 open("large.tf.json", "w").write('{"schema": "isoshade.tf/1", "points": [' + "0," * (17 << 20) + "0]}")

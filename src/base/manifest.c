@@ -15,6 +15,7 @@
 #include <xxhash.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 
 enum { CHECKED_BYTES = 1 << 20 };
 
@@ -197,8 +198,10 @@ static iso_status check_entry(void *user, const entry *e, iso_error *err)
 {
     const listed *list = user;
     const char *name = e->name;
-    char *line;
-    const iso_status status = line_of(e, &line, err);
+    char *line = NULL;
+    iso_status status = iso_inputs_check(e->path, err);
+    if (status == ISO_OK)
+        status = line_of(e, &line, err);
     const bool same = line && has_line(list->text, line);
     free(line);
     if (status != ISO_OK || same)

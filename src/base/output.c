@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "base/manifest.h"
 #include "base/temporary.h"
 #include "base/unfinished.h"
@@ -52,6 +53,8 @@ static iso_status reserve(iso_output *out, const char *path, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "the output path is empty");
     char *dir = NULL;
     iso_status status = find_target(path, &out->final_path, err);
+    if (status == ISO_OK)
+        status = iso_inputs_check(out->final_path, err);
     if (status == ISO_OK && !(dir = iso_path_dir(out->final_path)))
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status == ISO_OK && !iso_path_is_dir(dir))

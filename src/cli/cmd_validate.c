@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "base/json.h"
 #include "base/parallel.h"
 #include "base/process.h"
@@ -296,33 +297,40 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
     return status;
 }
 
-/* OUTPUT.scene.json beside the report: the scene that there is no file of, so that commands can name it. */
-static iso_status write_scene(const iso_validate_arguments *a, const iso_scene *scene, char **path, iso_error *err)
-{
-    json_t *root = iso_scene_to_json(scene);
-    const iso_status status = asprintf(path, "%s.scene.json", a->output) < 0
-                                  ? iso_fail(err, ISO_E_MEMORY, "out of memory")
-                                  : iso_json_save(*path, root, err);
-    json_decref(root);
-    return status;
-}
-
+/* The scene that there is no file of is written beside the report, so that commands can name it. */
 static bool has_own_scene(const iso_validate_arguments *a)
 {
     return !a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0;
 }
 
+/* OUTPUT.scene.json, to be freed. */
+static iso_status name_scene(const iso_validate_arguments *a, char **path, iso_error *err)
+{
+    if (asprintf(path, "%s.scene.json", a->output) >= 0)
+        return iso_inputs_announce(*path, err);
+    *path = NULL;
+    return iso_fail(err, ISO_E_MEMORY, "out of memory");
+}
+
+static iso_status write_scene(const iso_scene *scene, const char *path, iso_error *err)
+{
+    json_t *root = iso_scene_to_json(scene);
+    const iso_status status = iso_json_save(path, root, err);
+    json_decref(root);
+    return status;
+}
+
 /* The scene file as it is, with --size at most; any other is written and read again, so that reports can repeat it. */
 static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *look, const iso_pyramid *pyramid,
-                             char **written, iso_scene *scene, iso_error *err)
+                             char *own_path, iso_scene *scene, iso_error *err)
 {
     iso_status status = iso_subject_make_scene(look, pyramid, scene, err);
-    if (status != ISO_OK || !has_own_scene(a))
+    if (status != ISO_OK || !own_path)
         return status;
-    status = write_scene(a, scene, written, err);
+    status = write_scene(scene, own_path, err);
     iso_scene_destroy(scene);
-    a->look.scene = *written;
-    return status == ISO_OK ? iso_scene_load(*written, scene, err) : status;
+    a->look.scene = own_path;
+    return status == ISO_OK ? iso_scene_load(own_path, scene, err) : status;
 }
 
 static iso_status load_and_validate(const iso_validate_arguments *given, const iso_cli *cli, iso_pyramid_options *build,
@@ -332,22 +340,24 @@ static iso_status load_and_validate(const iso_validate_arguments *given, const i
     iso_pyramid pyramid = {0};
     iso_scene scene = {0};
     iso_validate_arguments a = *given;
-    char *written = NULL;
+    char *own_scene = NULL;
     iso_subject_look look;
     bool wanted[ISO_MAX_RENDERERS];
     build->level_count = a.level_count > 0 ? (size_t)a.level_count : a.quick ? 3 : 4;
     iso_status status = iso_renderers_from_list(a.with, wanted, err);
+    if (status == ISO_OK && has_own_scene(&a))
+        status = name_scene(&a, &own_scene, err);
     if (status == ISO_OK)
         status = iso_cli_look_check(&a.look, cli->threads, &look, err);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &a.input, build, &progress, &pyramid, err);
     if (status == ISO_OK)
-        status = load_scene(&a, &look, &pyramid, &written, &scene, err);
+        status = load_scene(&a, &look, &pyramid, own_scene, &scene, err);
     if (status == ISO_OK)
         status = validate(&a, cli, &pyramid, &scene, err);
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
-    free(written);
+    free(own_scene);
     return status;
 }
 
