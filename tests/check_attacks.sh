@@ -72,6 +72,14 @@ rm -r .charted.partial
 check a_chart charted
 check is_replaced_as_all_of_it_is_its_own charted
 
+# What is measured in a folder of a person is in one of its own there.
+mkdir measured && for name in iso copy; do mkdir measured/isoshade-bench.$name && echo thesis >measured/isoshade-bench.$name/paper.tex; done
+echo thesis >measured/isoshade-bench.nrrd
+cp -r measured measured.before
+check a_measurement_of_files isoshade bench build --size 16 --levels 2 --runs 1 --files measured -q
+check leaves_what_a_person_has_there diff -r measured measured.before
+refuse where_nothing_can_be_made_it_says_so 3 'nowhere: no folder can be made in it' isoshade bench build --size 16 --levels 2 --runs 1 --files nowhere -q
+
 # ---- closed streams, limits and ends ----
 isoshade make sphere --size 20 --gzip -o closed.nrrd <&- >&- 2>&-
 check closed_streams_do_no_harm isoshade info closed.nrrd

@@ -180,8 +180,8 @@ void iso_output_clear(const iso_output *out)
         closedir(dir);
 }
 
-/* Made, or opened where it is there; locked. No link is followed, and no folder of another user is worked in: its owner may
- * change what is in it meanwhile. */
+/* Made, or opened where it is there; locked. No link is followed, and no folder of another user is worked in: its owner
+ * may change what is in it meanwhile. */
 static iso_status lock_partial(iso_output *out, const char *path, bool *is_new, iso_error *err)
 {
     struct stat st;
