@@ -17,6 +17,14 @@ for volume in v vessels; do
     check "${volume}_shows_something" test "$(colors $volume.png)" -gt 20
     check "${volume}_without_warning" test -z "$(grep warning: err)"
 done
+# No other format is written under its name.
+for name in x.gif x.jpg x same.exr.txt; do
+    refuse "no_picture_is_called_$name" 2 'must end with .exr or .png' "$ISOSHADE" render v.nrrd --size 16 -o $name
+done
+"$ISOSHADE" build v.nrrd --levels 1 -q -o v.iso >/dev/null
+refuse nor_is_one_in_pages 2 'must end with .exr or .png' "$ISOSHADE" render v.iso --size 16 --with cpu --memory 64 -o x.tiff
+expect letters_may_be_large 0 "$ISOSHADE" render v.nrrd --size 16 -o LARGE.PNG
+check and_say_the_same grep -qa PNG <(head -c 8 LARGE.PNG)
 expect views_and_zoom 0 "$ISOSHADE" render v.nrrd --size 32 --tf simulation --view 30,20 --zoom 2 -o zoomed.png
 expect named_view 0 "$ISOSHADE" render v.nrrd --size 32 --view top -o top.png
 check views_differ test "$(cksum <zoomed.png)" != "$(cksum <top.png)"

@@ -85,6 +85,8 @@ holds a_cache_is_within_what_is_predicted "$(rmse_to_full c-400000.exr) <= 4 * $
 grep -q "on [2-4] pages" pages.out && "$ISOSHADE" compare c-pages.exr c-full.exr --max-abs 2e-5 >out 2>&1 && ok pages_change_nothing || not_ok pages_change_nothing "$(cat pages.out out)"
 refuse cache_that_nothing_fits_is_refused 5 "allow more levels" "${cached[@]}" --cache-bytes 1000 -o refused.exr --quiet
 refuse cache_of_another_renderer_is_refused 2 "cache-bytes" "${cached[@]}" --cache-bytes 1000 --with reference -o refused.exr --quiet
+refuse a_picture_of_a_plan_is_no_jpeg 2 "must end with .exr or .png" "${plan[@]}" --image refused.jpg -o refused.json
+refuse nor_is_that_of_all 2 "must end with .exr or .png" "${plan[@]}" --full-image refused.jpg -o refused.json
 refuse unknown_faces_are_refused 2 "round" "${plan[@]}" --faces round -o refused.json
 refuse negative_error_is_refused 2 "error" "${plan[@]}" --error -1 -o refused.json
 
