@@ -37,6 +37,18 @@ isoshade atlas --case code-poles -o atlas -q >/dev/null
 check so_is_one_that_a_person_changed isoshade atlas --case code-poles -o atlas -q
 echo '{}' >atlas/atlas.json
 check and_changes_are_not_lost ends 3 'atlas.json in it was changed since' isoshade atlas --case code-poles -o atlas -q
+# Files that are too large for a checksum are known by their time, also when a histogram was counted into the folder since.
+isoshade make noise --size 90 -o middle.nrrd -q && isoshade build middle.nrrd -o middle.iso --levels 2 -q >/dev/null
+check a_large_file_has_no_checksum grep -q '^f [0-9]* - level_0.nrrd' middle.iso/.isoshade-files
+check a_folder_with_large_files_is_replaced isoshade build middle.nrrd -o middle.iso --levels 2 -q
+count() { isoshade tf adapt middle.iso --tf "$top/refscenes/shells.tf.json" --level 1 -o adapted.tf.json -q; }
+check a_histogram_of_it count
+check is_replaced_with_it isoshade build middle.nrrd -o middle.iso --levels 2 -q
+printf 'abc' | dd of=middle.iso/level_0_dir.nrrd bs=1 seek=1000000 conv=notrunc status=none
+check a_histogram_that_comes_after_an_edit count
+check is_listed grep -q joint middle.iso/.isoshade-files
+refuse and_does_not_hide_it 3 'level_0_dir.nrrd in it was changed since' isoshade build middle.nrrd -o middle.iso --levels 2 -q
+rm -r middle.iso
 rm s.iso/.isoshade-files
 check a_folder_without_a_list_is_kept ends 3 'has no list' isoshade build s.nrrd -o s.iso -q
 rm -r s.iso
