@@ -242,6 +242,12 @@ for tf in sheet.json t_level_1.tf.json shells.tf.json; do cp "${shells%.scene.js
 isoshade export s.nrrd --to vdb -o grids.vdb -q >/dev/null
 cp grids.vdb frames_0000.vdb && cp grids.vdb frames_0001.vdb
 stays grids_beside_a_blend grids.vdb export grids.vdb --to blender -o grids.blend
+# Of another program, or isoshade's: the latter is made again.
+echo 'of another program' >beside.vdb && cp beside.vdb before.vdb
+refuse grids_of_another_program 3 'beside.vdb: was saved or changed' isoshade export s.nrrd --to blender -o beside.blend -q
+check stay_as_they_are cmp beside.vdb before.vdb
+refuse so_do_those_of_a_level 3 'more_level_1.vdb: was saved or changed' \
+    sh -c 'cp before.vdb more_level_1.vdb && trap "rm more_level_1.vdb" EXIT && "$ISOSHADE" export s.nrrd --to blender --levels 2 -o more.blend -q'
 stays grids_of_frames frames_0000.vdb export 'frames_%04d.vdb' --frames all --to blender -o frames.blend
 stays a_grid_of_a_file grids.vdb export grids.vdb:density --to vdb -o grids.vdb
 stays a_scene_beside_a_report rep.scene.json validate s.nrrd --scene rep.scene.json --view left --quick --levels 1 --with gl --size 16 -o rep
