@@ -33,6 +33,14 @@ expect exported_to_povray 0 "$ISOSHADE" export v.nrrd --to povray --size 32 -o p
 expect planned 0 "$ISOSHADE" plan v.nrrd --size 32 --brick 8 --levels 2 --error 1/255 -q
 expect validated 0 "$ISOSHADE" validate v.nrrd --quick --levels 1 --size 24 --with gl -q -o report
 check the_scene_stands_beside test -s report.scene.json
+again() { "$ISOSHADE" validate v.nrrd --quick --levels 1 --size 16 --limit-size 8 --with cpu -q -o again; }
+expect a_report_with_a_scene 0 again
+expect replaces_the_scene_that_it_wrote 0 again
+sed -i 's/"width": 16/"width": 17/' again.scene.json && cp again.scene.json mine.scene.json
+refuse but_not_one_that_was_changed 3 'again.scene.json: was changed since' again
+check which_stays cmp again.scene.json mine.scene.json
+cp "$top/refscenes/shells.scene.json" again.scene.json
+refuse nor_one_of_a_person 3 'again.scene.json: was changed since' again
 expect the_scene_is_the_same 0 "$ISOSHADE" render v.nrrd --scene report.scene.json -q -o same.exr
 expect as_without 0 "$ISOSHADE" render v.nrrd --size 24 -q -o first.exr
 expect the_same_picture 0 "$ISOSHADE" compare first.exr same.exr --max-abs 1e-5 # the file has nine digits

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/inputs.h"
 #include "base/json.h"
 #include "base/parallel.h"
 #include "base/process.h"
@@ -25,6 +24,7 @@
 #include "tf/presets.h"
 #include "cli/validate_options.h"
 #include "cli/validate_result.h"
+#include "cli/validate_scene.h"
 #include "cli/validate_viewer.h"
 #include "validate/validate.h"
 
@@ -303,22 +303,6 @@ static bool has_own_scene(const iso_validate_arguments *a)
     return !a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0;
 }
 
-/* OUTPUT.scene.json, to be freed. */
-static iso_status name_scene(const iso_validate_arguments *a, char **path, iso_error *err)
-{
-    if (asprintf(path, "%s.scene.json", a->output) >= 0)
-        return iso_inputs_announce(*path, err);
-    *path = NULL;
-    return iso_fail(err, ISO_E_MEMORY, "out of memory");
-}
-
-static iso_status write_scene(const iso_scene *scene, const char *path, iso_error *err)
-{
-    json_t *root = iso_scene_to_json(scene);
-    const iso_status status = iso_json_save(path, root, err);
-    json_decref(root);
-    return status;
-}
 
 /* The scene file as it is, with --size at most; any other is written and read again, so that reports can repeat it. */
 static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *look, const iso_pyramid *pyramid,
@@ -327,7 +311,7 @@ static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *
     iso_status status = iso_subject_make_scene(look, pyramid, scene, err);
     if (status != ISO_OK || !own_path)
         return status;
-    status = write_scene(scene, own_path, err);
+    status = iso_validate_scene_save(scene, own_path, err);
     iso_scene_destroy(scene);
     a->look.scene = own_path;
     return status == ISO_OK ? iso_scene_load(own_path, scene, err) : status;
@@ -346,7 +330,7 @@ static iso_status load_and_validate(const iso_validate_arguments *given, const i
     build->level_count = a.level_count > 0 ? (size_t)a.level_count : a.quick ? 3 : 4;
     iso_status status = iso_renderers_from_list(a.with, wanted, err);
     if (status == ISO_OK && has_own_scene(&a))
-        status = name_scene(&a, &own_scene, err);
+        status = iso_validate_scene_name(a.output, &own_scene, err);
     if (status == ISO_OK)
         status = iso_cli_look_check(&a.look, cli->threads, &look, err);
     if (status == ISO_OK)
@@ -513,7 +497,8 @@ const iso_command iso_command_validate = {
         "in a scene, or of a renderer whose images of a scene show too little or were left out by the budget; 5: the scene\n"
         "shows less than .1 % of the voxels or of the picture, or a box whose faces are opaque to more than 98 % (--anyway);\n"
         "7: a renderer is missing; 9: one failed its calibration.\n"
-        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it.",
+        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it. A file of that\n"
+        "name is replaced only as validate wrote it (exit code 3).",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"
