@@ -80,8 +80,8 @@ extern const iso_names iso_cycles_device_names;
 iso_status iso_cycles_set_device(const char *name, iso_error *err); /* NULL: as nobody had said it */
 iso_status iso_cycles_device(const char **name, iso_error *err);
 
-/* Before work that writes a .blend of levels [level, level + level_count): its grids are announced (base/inputs.h), and refused
- * where files by their names are not isoshade's (base/stamp.h). roi: those of a region of interest, too. */
+/* Before work that writes a .blend of levels [level, level + level_count): its grids are announced (base/inputs.h), and
+ * refused where files by their names are not isoshade's (base/stamp.h). roi: those of a region of interest, too. */
 iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t level_count, bool roi, bool force,
                                    iso_error *err);
 

@@ -17,8 +17,9 @@
 #include "base/file.h"
 #include "base/inputs.h"
 
-/* A pyramid that was written past the page cache would be read from the disk again for its checksums, which takes about as
- * long as its build: larger files are told by their size, and by whether they were changed after the list was written. */
+/* A pyramid that was written past the page cache would be read from the disk again for its checksums, and twice when
+ * another replaces it, which takes a good part of the time of a build: larger files are told by their size, and by
+ * whether they were changed after the list was written. */
 enum { CHECKED_BYTES = 1 << 20 };
 
 /* What is met in a folder. */
@@ -155,8 +156,9 @@ iso_status iso_manifest_write(const char *folder, const char *const *own, iso_er
     return status;
 }
 
-/* One write at the end of the file, so that no other process's line is lost. A line that has no room goes whole. The list
- * keeps its time, by which the large files are told that were there before; so of this one the line has the checksum. */
+/* One write at the end of the file, so that no other process's line is lost. A line that has no room goes whole. The
+ * list keeps its time, by which the large files are told that were there before; so of this one the line has the
+ * checksum. */
 bool iso_manifest_add(const char *folder, const char *name)
 {
     char *path = iso_path_join(folder, name), *list = iso_path_join(folder, ISO_MANIFEST_NAME), *line = NULL;

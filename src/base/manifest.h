@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* manifest.h - the list of what isoshade put into a folder, so that nothing else in it is ever removed.
  *
- * The file .isoshade-files in the folder has a line an entry: kind (f: file, d: folder), size in bytes, checksum
- * (XXH3, 64 bits, of files of at most a mebibyte and of those that were added later; else "-"), and the path in the
- * folder; newlines in paths are refused. A file without a checksum counts as changed where its size differs, or the time of its
+ * The file .isoshade-files in the folder has a line an entry: kind (f: file, d: folder), size in bytes, checksum (XXH3,
+ * 64 bits, of files of at most a mebibyte and of those that were added later; else "-"), and the path in the folder;
+ * newlines in paths are refused. A file without a checksum counts as changed where its size differs, or the time of its
  * last change is after the list's: so does one that was copied without its time, which is not replaced then. */
 #ifndef ISO_MANIFEST_H
 #define ISO_MANIFEST_H

@@ -158,7 +158,7 @@ static iso_status measure(const char *volume, const iso_pyramid_options *opt, co
     return status;
 }
 
-/* A fresh folder in `folder`, so that nothing that a person has there is replaced or removed. To be freed, and removed. */
+/* A fresh folder in `folder`, so that nothing that a person has there is replaced or removed. To be removed and freed. */
 static iso_status make_work(const char *folder, char **work, iso_error *err)
 {
     iso_temporary_sweep(folder);

@@ -362,7 +362,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"grids", 0, POPT_ARG_STRING, &a.grids, 0,
          "vdb, nanovdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
         {"force", 0, POPT_ARG_NONE, &a.force, 0,
-         "overwrite a .blend, a .usda or grids beside them that isoshade did not write or that were changed since; they stay as NAME.blend1 ...",
+         "overwrite a .blend, a .usda or grids beside a .blend that isoshade did not write, or that were changed "
+         "since; what was there stays as NAME.blend1 and so on",
          NULL},
         {"material", 0, POPT_ARG_STRING, &a.material, 0,
          "blender: the material that the file opens with; its property physical changes it", "MATERIAL"},

@@ -497,8 +497,8 @@ const iso_command iso_command_validate = {
         "in a scene, or of a renderer whose images of a scene show too little or were left out by the budget; 5: the scene\n"
         "shows less than .1 % of the voxels or of the picture, or a box whose faces are opaque to more than 98 % (--anyway);\n"
         "7: a renderer is missing; 9: one failed its calibration.\n"
-        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it. A file of that\n"
-        "name is replaced only as validate wrote it (exit code 3).",
+        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it.\n"
+        "A file of that name is replaced only as validate wrote it (exit code 3).",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"

@@ -12,12 +12,13 @@
 #include "base/inputs.h"
 #include "base/json.h"
 
-/* What the comment of a scene has to be, to be freed; NULL: no memory. A number that was read back is written the same. */
+/* What the comment of a scene has to be, to be freed; NULL: no memory. A number that is read back is written the same. */
 static char *comment_of(const json_t *scene)
 {
     json_t *rest = json_copy((json_t *)scene);
     json_object_del(rest, "comment");
-    char *text = rest ? json_dumps(rest, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(9)) : NULL, *comment = NULL;
+    char *text = rest ? json_dumps(rest, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(9)) : NULL;
+    char *comment = NULL;
     if (text && asprintf(&comment, "As isoshade validate wrote it: xxh3_64 %016" PRIx64,
                          (uint64_t)XXH3_64bits(text, strlen(text))) < 0)
         comment = NULL;

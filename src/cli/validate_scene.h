@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* validate_scene.h - the scene that validate writes beside its report, where there is no file of it: DIR.scene.json.
  *
- * Its comment has a checksum of all else, so that the next run replaces it only while it is what was written: people edit
- * scenes. */
+ * Its comment has a checksum of all else, so that the next run replaces it only while it is what was written: people
+ * edit scenes. */
 #ifndef ISO_CLI_VALIDATE_SCENE_H
 #define ISO_CLI_VALIDATE_SCENE_H
 

@@ -9,8 +9,8 @@
 
 #include "base/status.h"
 
-/* An image is OpenEXR (floats, linear) or PNG (8 bits, sRGB) by its name's end, .exr or .png in either case. ISO_E_USAGE
- * for another end; option: what named it, such as "-o". */
+/* An image is OpenEXR (floats, linear) or PNG (8 bits, sRGB) by its name's end, .exr or .png in either case.
+ * ISO_E_USAGE for another end; option: what named it, such as "-o". */
 iso_status iso_image_check_name(const char *option, const char *path, iso_error *err);
 /* As the name says. notes: for OpenEXR, or NULL. */
 iso_status iso_image_save(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err);
