@@ -333,6 +333,8 @@ static iso_status load_and_validate(const iso_validate_arguments *given, const i
         status = iso_validate_scene_name(a.output, &own_scene, err);
     if (status == ISO_OK)
         status = iso_cli_look_check(&a.look, cli->threads, &look, err);
+    if (status == ISO_OK && own_scene)
+        status = iso_validate_scene_guard(own_scene, err);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &a.input, build, &progress, &pyramid, err);
     if (status == ISO_OK)

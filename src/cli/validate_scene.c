@@ -46,13 +46,17 @@ iso_status iso_validate_scene_name(const char *report, char **path, iso_error *e
         *path = NULL;
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     }
-    const iso_status status = iso_inputs_announce(*path, err);
-    if (status != ISO_OK || !iso_path_exists(*path) || is_as_written(*path))
-        return status;
+    return iso_inputs_announce(*path, err);
+}
+
+iso_status iso_validate_scene_guard(const char *path, iso_error *err)
+{
+    if (!iso_path_exists(path) || is_as_written(path))
+        return ISO_OK;
     return iso_fail(err, ISO_E_IO,
                     "%s: was changed since isoshade wrote it, or is not from isoshade, and the report's scene would "
                     "replace it; move it away, or choose another output",
-                    *path);
+                    path);
 }
 
 iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso_error *err)

@@ -8,9 +8,11 @@
 
 #include "scene/scene.h"
 
-/* "DIR.scene.json" of the report's folder, to be freed; announced as an output (base/inputs.h). ISO_E_USAGE: it is an
- * input. ISO_E_IO: a file of that name is not as validate wrote it, or is not from it. */
+/* "DIR.scene.json" of the report's folder, to be freed; announced as an output (base/inputs.h). */
 iso_status iso_validate_scene_name(const char *report, char **path, iso_error *err);
+
+/* Once the inputs are known, of which it may be one. ISO_E_IO: what stands there is not as validate wrote it. */
+iso_status iso_validate_scene_guard(const char *path, iso_error *err);
 
 iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso_error *err);
 
