@@ -37,10 +37,60 @@ isoshade atlas --case code-poles -o atlas -q >/dev/null
 check so_is_one_that_a_person_changed isoshade atlas --case code-poles -o atlas -q
 echo '{}' >atlas/atlas.json
 check and_changes_are_not_lost ends 3 'atlas.json in it was changed since' isoshade atlas --case code-poles -o atlas -q
+# Files that are too large for a checksum are known by their time, also when a histogram was counted into the folder since.
+isoshade make noise --size 90 -o middle.nrrd -q && isoshade build middle.nrrd -o middle.iso --levels 2 -q >/dev/null
+check a_large_file_has_no_checksum grep -q '^f [0-9]* - level_0.nrrd' middle.iso/.isoshade-files
+check a_folder_with_large_files_is_replaced isoshade build middle.nrrd -o middle.iso --levels 2 -q
+count() { isoshade tf adapt middle.iso --tf "$top/refscenes/shells.tf.json" --level 1 -o adapted.tf.json -q; }
+check a_histogram_of_it count
+check is_replaced_with_it isoshade build middle.nrrd -o middle.iso --levels 2 -q
+printf 'abc' | dd of=middle.iso/level_0_dir.nrrd bs=1 seek=1000000 conv=notrunc status=none
+check a_histogram_that_comes_after_an_edit count
+check is_listed grep -q joint middle.iso/.isoshade-files
+refuse and_does_not_hide_it 3 'level_0_dir.nrrd in it was changed since' isoshade build middle.nrrd -o middle.iso --levels 2 -q
+rm -r middle.iso
 rm s.iso/.isoshade-files
 check a_folder_without_a_list_is_kept ends 3 'has no list' isoshade build s.nrrd -o s.iso -q
 rm -r s.iso
 isoshade build s.nrrd -o s.iso --levels 2 -q >/dev/null
+
+# Work that can be resumed has a name that others know: nothing that they put there is followed, emptied or taken over.
+mkdir victim && echo thesis >victim/paper.tex && ln -s victim .known.iso.partial
+for options in -q --resume; do
+    refuse "a_link_at_the_name_of_unfinished_work_is_no_folder_$options" 3 '.known.iso.partial cannot be opened as a folder' \
+        isoshade build s.nrrd -o known.iso --levels 1 -q $options
+done
+check and_what_it_names_stays grep -q thesis victim/paper.tex
+rm .known.iso.partial && mv victim .known.iso.partial
+for options in -q --resume; do
+    refuse "what_a_person_has_there_is_not_taken_over_$options" 3 'paper.tex in ./.known.iso.partial is not isoshade' \
+        isoshade build s.nrrd -o known.iso --levels 1 -q $options
+done
+check nor_removed grep -q thesis .known.iso.partial/paper.tex
+rm .known.iso.partial/paper.tex && ln -s ../s.nrrd .known.iso.partial/level_0.nrrd && cp s.nrrd before.nrrd
+refuse a_link_in_it_is_no_level 3 'level_0.nrrd in ./.known.iso.partial' isoshade build s.nrrd -o known.iso -q --resume
+check and_what_it_names_is_not_written_to cmp s.nrrd before.nrrd
+rm .known.iso.partial/level_0.nrrd
+if [ "$(id -u)" = 0 ]; then
+    chown 12345 .known.iso.partial
+    refuse the_folder_of_another_user_is_not_worked_in 3 "is another user's" isoshade build s.nrrd -o known.iso -q
+    chown 0 .known.iso.partial
+fi
+check an_empty_folder_is_taken isoshade build s.nrrd -o known.iso -q
+charted() { isoshade chart s.nrrd --scene "$shells" --size 8 --levels 1 --with cpu --codes fit --filters moments --estimators central --steps 1 --budget 0 --want 1 -o charted -q; }
+mkdir .charted.partial && echo thesis >.charted.partial/paper.tex
+refuse so_it_is_of_a_chart 3 'paper.tex in ./.charted.partial is not isoshade' charted
+rm -r .charted.partial
+check a_chart charted
+check is_replaced_as_all_of_it_is_its_own charted
+
+# What is measured in a folder of a person is in one of its own there.
+mkdir measured && for name in iso copy; do mkdir measured/isoshade-bench.$name && echo thesis >measured/isoshade-bench.$name/paper.tex; done
+echo thesis >measured/isoshade-bench.nrrd
+cp -r measured measured.before
+check a_measurement_of_files isoshade bench build --size 16 --levels 2 --runs 1 --files measured -q
+check leaves_what_a_person_has_there diff -r measured measured.before
+refuse where_nothing_can_be_made_it_says_so 3 'nowhere: no folder can be made in it' isoshade bench build --size 16 --levels 2 --runs 1 --files nowhere -q
 
 # ---- closed streams, limits and ends ----
 isoshade make sphere --size 20 --gzip -o closed.nrrd <&- >&- 2>&-
@@ -182,6 +232,78 @@ check of_several_outputs_none_is ends 2 'which would be lost' isoshade palette o
 check by_another_name_it_is_not_either ends 2 'which would be lost' isoshade render linked.nrrd --scene "$shells" --with reference --size 4 -o a.exr --png own.nrrd -q
 check a_converted_file_is_not_itself ends 2 'which would be lost' isoshade tf convert own.tf.json ./own.tf.json
 check the_input_is_whole cmp own.nrrd s.nrrd
+
+# ---- nor one that gets a name of its own, or is read by another name: by a header, a scene, a number, a folder ----
+mkdir inputs && cd inputs
+stays() { # name, file, command ...: the file is an input that the command would replace
+    local name=$1 file=$2
+    shift 2
+    cp -r "$file" ../copy
+    refuse "$name" 2 "which would be lost" isoshade "$@" -q
+    check "${name}_and_stays" diff -r "$file" ../copy
+    rm -rf ../copy
+}
+cp ../s.nrrd . && cp "$shells" rep.scene.json && cp "$shells" one.json
+for tf in sheet.json t_level_1.tf.json shells.tf.json; do cp "${shells%.scene.json}.tf.json" $tf; done
+isoshade export s.nrrd --to vdb -o grids.vdb -q >/dev/null
+cp grids.vdb frames_0000.vdb && cp grids.vdb frames_0001.vdb
+stays grids_beside_a_blend grids.vdb export grids.vdb --to blender -o grids.blend
+# Of another program, or isoshade's: the latter is made again.
+echo 'of another program' >beside.vdb && cp beside.vdb before.vdb
+refuse grids_of_another_program 3 'beside.vdb: was saved or changed' isoshade export s.nrrd --to blender -o beside.blend -q
+check stay_as_they_are cmp beside.vdb before.vdb
+refuse so_do_those_of_a_level 3 'more_level_1.vdb: was saved or changed' \
+    sh -c 'cp before.vdb more_level_1.vdb && trap "rm more_level_1.vdb" EXIT && "$ISOSHADE" export s.nrrd --to blender --levels 2 -o more.blend -q'
+stays grids_of_frames frames_0000.vdb export 'frames_%04d.vdb' --frames all --to blender -o frames.blend
+stays a_grid_of_a_file grids.vdb export grids.vdb:density --to vdb -o grids.vdb
+stays a_scene_beside_a_report rep.scene.json validate s.nrrd --scene rep.scene.json --view left --quick --levels 1 --with gl --size 16 -o rep
+stays what_is_written_beside_a_sheet sheet.json scenes s.nrrd --tf sheet.json --view front --size 32 -o sheet.png
+stays be_it_a_scene one.json scenes s.nrrd --scene one.json --view front --size 32 -o one.png
+stays a_transfer_function_of_a_level t_level_1.tf.json tf adapt s.nrrd --tf t_level_1.tf.json --levels 2 -o t
+stays one_that_a_scene_names shells.tf.json tf adapt s.nrrd --scene one.json --level 1 -o shells.tf.json
+refuse no_suggestion_follows_a_scene 2 'by the volume alone' isoshade tf suggest s.nrrd --scene one.json -o shells.tf.json -q
+isoshade build s.nrrd -o own.iso --levels 2 -q >/dev/null
+stays a_pyramid_by_its_level own.iso build own.iso/level_1.nrrd -o own.iso --levels 1
+ln own.iso/level_0.nrrd p_level_0.nrrd
+stays a_level_by_another_name p_level_0.nrrd palette own.iso --per-level --entries 4 -o p.nrrd
+stays a_volume_for_a_table s.nrrd bench levels s.nrrd --quick --levels 2 --methods default,original --csv s.nrrd
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\nencoding: raw\ndata file: data.nrrd\n' >d.nhdr
+seq 100 | head -c 64 >data.nrrd
+stays samples_that_a_header_names data.nrrd palette d.nhdr --entries 4 -o data.nrrd
+cp s.nrrd n_0.nrrd && cp s.nrrd n_1.nrrd
+stays another_frame n_1.nrrd palette 'n_%d.nrrd' --frame 0 --entries 4 -o n_1.nrrd
+if [ -x "$(dirname "$(realpath "$ISOSHADE")")/isoshade-itk" ]; then
+    mkdir slices && "$python" - <<'PY'
+import struct, zlib
+chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+for k in range(3): # gray, 8 x 8
+    rows = b"".join(b"\0" + bytes(31 * x ^ 7 * y ^ k for x in range(8)) for y in range(8))
+    open(f"slices/s{k}.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 8, 8, 8, 0, 0, 0, 0)) +
+                                         chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+PY
+    stays a_slice_of_a_folder slices render slices --spacing 1x1x1 --tf mri-brain --size 16 -o slices/s0.png
+fi
+# A second run replaces what the first has written, beside the report, too; a table goes on with itself.
+again() { isoshade validate s.nrrd --quick --levels 1 --with cpu --size 16 --limit-size 8 -q -o again; }
+check a_report_with_a_scene_of_its_own again
+check is_made_again again
+table() { isoshade bench levels s.nrrd --quick --levels 2 --size 16 --methods default,original --csv table.csv -q "$@"; }
+check a_table table
+check goes_on_with_itself table --have table.csv
+# A cache that is damaged is no input that has to stay.
+isoshade tf adapt own.iso --tf sheet.json --level 1 -o adapted.tf.json -q >/dev/null
+cache=$(ls own.iso/level_1_joint*.nrrd) && echo damaged >"$cache"
+check a_cache_that_is_damaged isoshade tf adapt own.iso --tf sheet.json --level 1 -o adapted.tf.json -q
+notice is_made_again_too grep -q damaged "$cache"
+cd ..
+
+# ---- two outputs of one name: one would be lost ----
+refuse two_outputs_of_one_name 2 'are one, and one would be lost' isoshade render s.nrrd -o same.png --png ./same.png -q
+refuse of_a_plan_too 2 'are one, and one would be lost' isoshade plan s.nrrd --scene "$shells" -o same.json --image same.json -q
+refuse and_beside_a_report 2 'are one, and one would be lost' isoshade validate s.nrrd --scene "$shells" --quick --levels 1 --with cpu --size 16 --junit y --summary-md y -o report -q
+touch same.exr && ln -s same.exr other.exr
+refuse by_a_link_they_are_one_too 2 'are one, and one would be lost' isoshade render s.nrrd -o same.exr --png other.exr -q
+rm same.exr other.exr
 
 # ---- what is too large, and threads that cannot be had ----
 "$python" - <<'PY'

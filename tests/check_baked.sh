@@ -21,6 +21,14 @@ expect a_row_for_karma 0 "${bake[@]}" --for karma --size 16 -o k.vdb
 check an_option_stands_instead_of_the_row "${bake[@]}" --for karma --scene-unit cm --up z --size 16 -o c.vdb
 check what_was_not_run_says_so grep -q 'for karma (not run)' out
 check both_errors_are_printed grep -q '^unlit, by the grid of emission: RMSE' out
+# A .usda is edited by people: it is overwritten as it was written, else by --force alone.
+usd() { "${bake[@]}" --for karma --size 16 -o k.vdb "$@"; }
+check a_usda_as_it_was_is_written_again usd
+echo '# mine' >>k.usda && cp k.usda mine.usda
+refuse one_that_was_changed_is_kept 3 'k.usda: was saved or changed since' usd
+check and_its_grids_too cmp k.usda mine.usda
+check force_overwrites_it usd --force
+check and_keeps_what_was_there cmp k.usda1 mine.usda
 
 if [ -n "$python" ] && "$python" "$top/tests/usda.py" k.usda >usda.txt 2>err; then
     ok the_usda_is_read

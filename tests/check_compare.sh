@@ -28,6 +28,7 @@ expect hdr_flip_is_measured_on_request 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/
 check its_exposures_are_told grep -q '"hdr_flip_exposures": {' "$dir/out"
 check its_value_is_printed grep -q '"hdr_flip_mean": 0.0' "$dir/out"
 check the_map_is_a_png grep -q PNG "$dir/f.png"
+refuse no_map_is_a_jpeg 2 'must end with .exr or .png' "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --flip-map "$dir/f.jpg"
 expect a_map_keeps_its_values_as_exr 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/b.ppm" --max-abs 1 --flip-map "$dir/f.exr" --json
 mean=$(json_number "$dir/out" flip_mean)
 # Uniform images: the map is its mean everywhere, and so is its difference to black.

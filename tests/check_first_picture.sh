@@ -17,6 +17,14 @@ for volume in v vessels; do
     check "${volume}_shows_something" test "$(colors $volume.png)" -gt 20
     check "${volume}_without_warning" test -z "$(grep warning: err)"
 done
+# No other format is written under its name.
+for name in x.gif x.jpg x same.exr.txt; do
+    refuse "no_picture_is_called_$name" 2 'must end with .exr or .png' "$ISOSHADE" render v.nrrd --size 16 -o $name
+done
+"$ISOSHADE" build v.nrrd --levels 1 -q -o v.iso >/dev/null
+refuse nor_is_one_in_pages 2 'must end with .exr or .png' "$ISOSHADE" render v.iso --size 16 --with cpu --memory 64 -o x.tiff
+expect letters_may_be_large 0 "$ISOSHADE" render v.nrrd --size 16 -o LARGE.PNG
+check and_say_the_same grep -qa PNG <(head -c 8 LARGE.PNG)
 expect views_and_zoom 0 "$ISOSHADE" render v.nrrd --size 32 --tf simulation --view 30,20 --zoom 2 -o zoomed.png
 expect named_view 0 "$ISOSHADE" render v.nrrd --size 32 --view top -o top.png
 check views_differ test "$(cksum <zoomed.png)" != "$(cksum <top.png)"
@@ -25,6 +33,14 @@ expect exported_to_povray 0 "$ISOSHADE" export v.nrrd --to povray --size 32 -o p
 expect planned 0 "$ISOSHADE" plan v.nrrd --size 32 --brick 8 --levels 2 --error 1/255 -q
 expect validated 0 "$ISOSHADE" validate v.nrrd --quick --levels 1 --size 24 --with gl -q -o report
 check the_scene_stands_beside test -s report.scene.json
+again() { "$ISOSHADE" validate v.nrrd --quick --levels 1 --size 16 --limit-size 8 --with cpu -q -o again; }
+expect a_report_with_a_scene 0 again
+expect replaces_the_scene_that_it_wrote 0 again
+sed -i 's/"width": 16/"width": 17/' again.scene.json && cp again.scene.json mine.scene.json
+refuse but_not_one_that_was_changed 3 'again.scene.json: was changed since' again
+check which_stays cmp again.scene.json mine.scene.json
+cp "$top/refscenes/shells.scene.json" again.scene.json
+refuse nor_one_of_a_person 3 'again.scene.json: was changed since' again
 expect the_scene_is_the_same 0 "$ISOSHADE" render v.nrrd --scene report.scene.json -q -o same.exr
 expect as_without 0 "$ISOSHADE" render v.nrrd --size 24 -q -o first.exr
 expect the_same_picture 0 "$ISOSHADE" compare first.exr same.exr --max-abs 1e-5 # the file has nine digits

@@ -25,8 +25,8 @@ check a_whole_job long --resume -o whole
 mkdir killed bin && cp v.nrrd killed && printf '#!/bin/sh\nkill -KILL $PPID\n' >bin/gnuplot && chmod +x bin/gnuplot # which the report needs
 (cd killed && PATH=$dir/bin:$PATH job --size 20x16 --limit-size 10 --levels 2 -o whole) >/dev/null 2>&1
 mv killed/whole.work saved
-check pictures_are_left_of_it test "$(ls saved | wc -l)" -ge 24 -a ! -e killed/whole
-ls saved | sed -n 1~2p | sed 's|^|saved/|' | xargs rm # as if it had been killed half-way
+check pictures_are_left_of_it test "$(ls saved/*.picture | wc -l)" -ge 24 -a ! -e killed/whole
+ls saved/*.picture | sed -n 1~2p | xargs rm # as if it had been killed half-way
 cat >same.py <<'PY'
 import json, sys
 a, b = (json.load(open(f"{name}/report.json")) for name in sys.argv[1:3])
@@ -43,10 +43,33 @@ check comes_to_the_same_result python3 same.py whole on
 check and_leaves_nothing_behind test ! -e on.work
 fresh=$(taken whole) # of its own: the same picture is asked for more than once
 check it_took_what_was_finished test "$(taken on)" -ge $((fresh + 10))
-for f in saved/*; do printf '\101\102' | dd of="$f" bs=1 seek=1000 conv=notrunc status=none; done
+for f in saved/*.picture; do printf '\101\102' | dd of="$f" bs=1 seek=1000 conv=notrunc status=none; done
 check a_job_with_pictures_that_were_changed resume changed
 check takes_none_of_them test "$(taken changed)" = "$fresh"
 check and_comes_to_the_same_result python3 same.py whole changed
+
+# ---- what a person has where pictures are kept stays ----
+kept_for_a_person() { # what is at kept.work
+    refuse "$1_is_refused" 3 'kept.work' job --size 16 --levels 1 -o kept
+    refuse "and_to_go_on_with_$1" 3 'kept.work' job --size 16 --levels 1 --resume -o kept
+}
+mkdir kept.work && echo thesis >kept.work/paper.tex
+kept_for_a_person a_folder_of_a_person_for_pictures
+check and_stays_as_it_is grep -q thesis kept.work/paper.tex
+cp saved/isoshade-pictures kept.work
+kept_for_a_person a_file_of_a_person_among_pictures
+check and_stays_there grep -q thesis kept.work/paper.tex
+mv kept.work elsewhere && ln -s elsewhere kept.work
+kept_for_a_person a_link
+check and_what_it_names_stays test -L kept.work -a -s elsewhere/paper.tex
+rm kept.work && echo thesis >kept.work
+kept_for_a_person a_file
+check and_is_not_removed grep -q thesis kept.work
+rm kept.work && mkdir kept.work && touch kept.work/00112233445566778899aabbccddeeff.picture
+kept_for_a_person a_folder_that_nothing_says_is_of_a_job
+rm kept.work/* # an empty folder is no loss
+check an_empty_folder_is_taken job --size 16 --levels 1 -o kept
+check and_leaves_nothing_either test ! -e kept.work
 
 # ---- limits have at most the pixels that are asked for, the same samples all of them ----
 cat >small.py <<'PY'

@@ -99,6 +99,8 @@ holds another_plan_is_seen "$(compare_rmse c-full.exr cpu-plan.exr) > 1e-3"
 holds its_bytes_are_kept "$(sed -n 's/cache: \([0-9.e+]*\) bytes.*/\1/p' cpu-small.out) <= 200000"
 refuse pages_are_of_textures 2 "page-side" "${by_cpu[@]}" --cache-bytes 1e9 --page-side 30 -o refused.exr --quiet
 refuse cache_of_another_renderer_is_refused 2 "cache-bytes" "${cached[@]}" --cache-bytes 1000 --with reference -o refused.exr --quiet
+refuse a_picture_of_a_plan_is_no_jpeg 2 "must end with .exr or .png" "${plan[@]}" --image refused.jpg -o refused.json
+refuse nor_is_that_of_all 2 "must end with .exr or .png" "${plan[@]}" --full-image refused.jpg -o refused.json
 refuse unknown_faces_are_refused 2 "round" "${plan[@]}" --faces round -o refused.json
 refuse negative_error_is_refused 2 "error" "${plan[@]}" --error -1 -o refused.json
 

@@ -278,6 +278,52 @@ static void nan_is_refused_and_leaves_nothing(void **state)
     free(partial);
 }
 
+static const char *const names[] = {"pyramid.json", "level_*.nrrd", NULL};
+
+static void write_in(const char *dir, const char *name)
+{
+    char *path = iso_path_join(dir, name);
+    assert_ok(iso_file_write(path, name, strlen(name), &err));
+    free(path);
+}
+
+/* Else the next run would take it for its own, and remove it. */
+static void a_file_that_somebody_puts_into_an_unfinished_folder_is_not_listed(void **state)
+{
+    (void)state;
+    char *path = iso_path_join(folder, "h.iso");
+    iso_output out;
+    bool resumed;
+    assert_ok(iso_output_resume_dir(&out, path, names, false, &resumed, &err));
+    write_in(out.temp_path, "pyramid.json");
+    write_in(out.temp_path, "paper.tex");
+    assert_ok(iso_output_commit(&out, &err));
+    assert_status(iso_output_resume_dir(&out, path, names, false, &resumed, &err), ISO_E_IO);
+    char *paper = iso_path_join(path, "paper.tex");
+    assert_true(iso_path_is_file(paper));
+    free(paper);
+    free(path);
+}
+
+static void nor_does_it_go_with_a_folder_that_is_abandoned(void **state)
+{
+    (void)state;
+    char *path = iso_path_join(folder, "i.iso"), *partial = partial_of("i.iso");
+    iso_output out;
+    bool resumed;
+    assert_ok(iso_output_resume_dir(&out, path, names, false, &resumed, &err));
+    write_in(partial, "level_0.nrrd");
+    write_in(partial, "paper.tex");
+    iso_output_abandon(&out);
+    char *paper = iso_path_join(partial, "paper.tex"), *level = iso_path_join(partial, "level_0.nrrd");
+    assert_true(iso_path_is_file(paper));
+    assert_false(iso_path_exists(level));
+    free(level);
+    free(paper);
+    free(partial);
+    free(path);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -287,6 +333,8 @@ int main(void)
         cmocka_unit_test(files_shorter_than_the_progress_says_are_refused),
         cmocka_unit_test(too_little_memory_is_refused_with_what_is_needed),
         cmocka_unit_test(nan_is_refused_and_leaves_nothing),
+        cmocka_unit_test(a_file_that_somebody_puts_into_an_unfinished_folder_is_not_listed),
+        cmocka_unit_test(nor_does_it_go_with_a_folder_that_is_abandoned),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

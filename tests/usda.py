@@ -83,6 +83,7 @@ class Reader:
 
 path = sys.argv[1]
 text = open(path, encoding="utf-8").read()
+text = re.sub(r"(?m)(?<=\n)#.*$", "", text)  # comments; the first line is none
 if not text.startswith("#usda 1.0\n"):
     fail("the first line is not #usda 1.0")
 reader = Reader(text[len("#usda 1.0\n"):])

@@ -7,7 +7,9 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "base/provenance.h"
+#include "base/stamp.h"
 
 /* Points so near to a visible one are active, with extinction 0: one for programs that interpolate between active points
  * alone; of the density one more for Cycles, which shifts grids by half a point in what active ones bound. */
@@ -114,11 +116,40 @@ static char *usda_path(const char *path)
     return asprintf(&text, "%.*s.usda", (int)(strlen(path) - strlen(".vdb")), path) < 0 ? NULL : text;
 }
 
+static iso_status check_name(const char *path, iso_error *err)
+{
+    return iso_path_ends_with(path, ".vdb")
+               ? ISO_OK
+               : iso_fail(err, ISO_E_USAGE,
+                          "--usd: -o is \"%s\", must end in .vdb: the .usda beside it has the same name", path);
+}
+
+iso_status iso_bake_guard_usda(const char *path, bool force, iso_error *err)
+{
+    iso_status status = check_name(path, err);
+    char *name = status == ISO_OK ? usda_path(path) : NULL;
+    if (status == ISO_OK)
+        status = name ? iso_inputs_announce(name, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (status == ISO_OK)
+        status = iso_stamp_guard(name, force, err);
+    free(name);
+    return status;
+}
+
+/* People edit it: it ends in a stamp. */
 static iso_status save_usda(const iso_baked *b, const iso_bake_request *r, const char *path, iso_error *err)
 {
+    iso_output out = {0};
     char *name = usda_path(path), *text = iso_bake_usda(b, r, path);
-    iso_status status = name && text ? iso_file_write(name, text, strlen(text), err)
+    iso_status status = name && text ? iso_output_begin(&out, name, err)
                                      : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (status == ISO_OK)
+        status = iso_file_write(out.temp_path, text, strlen(text), err);
+    if (status == ISO_OK)
+        status = iso_stamp_append(out.temp_path, "# ", err);
+    if (status == ISO_OK)
+        status = iso_output_commit(&out, err);
+    iso_output_abandon(&out);
     free(name);
     free(text);
     return status;
@@ -130,9 +161,8 @@ iso_status iso_bake_save(const iso_baked *b, const iso_bake_request *r, int leve
     grid_source sources[ISO_BAKE_GRIDS];
     iso_vdb_field fields[ISO_BAKE_GRIDS];
     size_t count = 0;
-    if (r->usd && !iso_path_ends_with(path, ".vdb"))
-        return iso_fail(err, ISO_E_USAGE,
-                        "--usd: -o is \"%s\", must end in .vdb: the .usda beside it has the same name", path);
+    if (r->usd && check_name(path, err) != ISO_OK)
+        return ISO_E_USAGE;
     for (int i = 0; i < ISO_BAKE_GRIDS; ++i) {
         if (!r->has[i])
             continue;

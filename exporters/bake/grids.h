@@ -62,6 +62,9 @@ iso_status iso_bake_request_make(const iso_bake_words *words, bool half, iso_bak
 iso_status iso_bake_save(const iso_baked *b, const iso_bake_request *request, int level, const char *made_from,
                          const char *path, const iso_progress *progress, iso_error *err);
 
+/* Before work that writes NAME.usda beside path: it is announced (base/inputs.h), and guarded (base/stamp.h). */
+iso_status iso_bake_guard_usda(const char *path, bool force, iso_error *err);
+
 /* The text of a .usda; to be freed. NULL: no memory. path: of the file of grids, which lies beside it. */
 char *iso_bake_usda(const iso_baked *b, const iso_bake_request *request, const char *path);
 

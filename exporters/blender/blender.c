@@ -8,7 +8,9 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "base/provenance.h"
+#include "base/stamp.h"
 #include "blender/blender_scene.h"
 #include "scene/roi.h"
 #include "vdb/vdb.h"
@@ -163,6 +165,28 @@ char *iso_blender_vdb_path(const char *blend_path, size_t k, size_t count, bool 
     else if (path)
         snprintf(path, size, "%.*s_level_%zu%s.vdb", (int)stem, blend_path, k, which);
     return path;
+}
+
+static iso_status guard_grid(const char *blend_path, size_t k, size_t count, bool roi, bool force, iso_error *err)
+{
+    char *path = iso_blender_vdb_path(blend_path, k, count, roi);
+    iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    if (status == ISO_OK)
+        status = iso_stamp_guard_other(path, iso_vdb_is_ours(path), force, err);
+    free(path);
+    return status;
+}
+
+iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t level_count, bool roi, bool force,
+                                   iso_error *err)
+{
+    iso_status status = iso_blender_check_path(blend_path, err);
+    for (size_t k = level; k < level + level_count && status == ISO_OK; ++k) {
+        status = guard_grid(blend_path, k, level_count, false, force, err);
+        if (status == ISO_OK && roi)
+            status = guard_grid(blend_path, k, level_count, true, force, err);
+    }
+    return status;
 }
 
 /* Levels [first, first + count) of a pyramid in one file. */

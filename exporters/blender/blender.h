@@ -80,6 +80,11 @@ extern const iso_names iso_cycles_device_names;
 iso_status iso_cycles_set_device(const char *name, iso_error *err); /* NULL: as nobody had said it */
 iso_status iso_cycles_device(const char **name, iso_error *err);
 
+/* Before work that writes a .blend of levels [level, level + level_count): its grids are announced (base/inputs.h), and
+ * refused where files by their names are not isoshade's (base/stamp.h). roi: those of a region of interest, too. */
+iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t level_count, bool roi, bool force,
+                                   iso_error *err);
+
 /* NAME.blend and NAME.vdb beside it; both or none. The folder can be moved. A
  * Blender unit is a millimetre, or a power of ten of it where the volume is
  * smaller than 1 mm or larger than 10 m; the VDB is in the same unit.

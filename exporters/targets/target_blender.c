@@ -180,6 +180,7 @@ const iso_export_target iso_export_target_blender = {
     .open = open_blender,
     .renderer = "cycles",
     .stamped = true,
+    .guard = iso_blender_guard_grids,
     .example = "scene.blend",
     .limit = 5e-4,
     .why = "the same steps and random numbers: single precision is left, which steep tables multiply",

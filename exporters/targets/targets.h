@@ -120,6 +120,9 @@ typedef struct iso_export_target {
     const char *renderer; /* its name among the renderers */
     bool narrow;  /* where a level is written by itself, level 0's scalars may be in job.volume alone (pyramid/narrow.h) */
     bool stamped; /* people edit the output: it ends in a stamp (base/stamp.h), and is not overwritten when changed */
+    /* Before work: announces files that are written beside the output (base/inputs.h), and refuses where they are not
+     * ours (base/stamp.h). roi: of a region of interest, too. NULL: there are none. */
+    iso_status (*guard)(const char *output, size_t level, size_t level_count, bool roi, bool force, iso_error *err);
     const char *example; /* what -o may be called */
     /* The samples of a ray in what is written with this step: intervals in each piece, and the planes between pieces. NULL:
      * it has steps. */

@@ -195,6 +195,22 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
     return status;
 }
 
+bool iso_vdb_is_ours(const char *path)
+{
+    /* A key, the type of its value, and the value, each behind its length. Only the command comes before. */
+    static const char key[] = "creator\6\0\0\0string", name[] = "isoshade";
+    enum { HEAD_BYTES = 1 << 16, LENGTH_BYTES = 4 };
+    char *head = calloc(HEAD_BYTES + sizeof key + LENGTH_BYTES + sizeof name, 1);
+    FILE *file = fopen(path, "rbe");
+    const size_t size = head && file ? fread(head, 1, HEAD_BYTES, file) : 0;
+    const char *at = size > 0 ? memmem(head, size, key, sizeof key - 1) : NULL;
+    const bool found = at && strncmp(at + sizeof key - 1 + LENGTH_BYTES, name, sizeof name - 1) == 0;
+    if (file)
+        fclose(file);
+    free(head);
+    return found;
+}
+
 iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path, const iso_vdb_options *opt,
                         const iso_progress *progress, iso_error *err)
 {

@@ -39,6 +39,9 @@
 extern "C" {
 #endif
 
+/* Does a file's own metadata name isoshade as its creator? Not what another program saved, nor what cannot be read. */
+bool iso_vdb_is_ours(const char *path);
+
 /* What a level is shown by. Without transfer functions: voxels of `background` are left out. */
 typedef struct iso_vdb_shown {
     const iso_tf_table *tfs; /* of a 2D transfer function all rows */

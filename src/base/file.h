@@ -19,6 +19,7 @@ typedef struct iso_output {
     char *temp_path;  /* where to write */
     bool is_folder;
     int lock;         /* 1 + the descriptor that locks the temporary; 0: none */
+    const char *const *own; /* names in a folder that can be resumed; NULL: all in the temporary is its own */
 } iso_output;
 
 /* Reserves a temporary file name beside path. Writers that take a path write
@@ -32,9 +33,14 @@ iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *m
 
 /* The same for work that can be resumed after it was killed: the temporary directory has the
  * fixed name .NAME.partial. If one exists and `resume` is set, its files stay and *resumed
- * becomes true; else it is emptied. ISO_E_IO while another process works in it. */
-iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *marker, bool resume, bool *resumed,
+ * becomes true; else they are removed. own: what the command calls its files there, patterns of fnmatch(), the marker
+ * first and NULL last; it outlives the output. ISO_E_IO while another process works in the directory, and where it is
+ * a link, another user's, or has an entry that is no file of such a name; that stays as it is. */
+iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *const *own, bool resume, bool *resumed,
                                  iso_error *err);
+
+/* Does a name fit one of the patterns, or is it one that all folders of ours may have? */
+bool iso_output_is_own(const char *const *own, const char *name);
 
 /* Replaces the temporary name in an error message by the final one, which the user knows. */
 void iso_output_rename_in(const char *temp_path, const char *final_path, iso_error *err);
@@ -42,7 +48,7 @@ void iso_output_rename_in(const char *temp_path, const char *final_path, iso_err
 /* The same for all temporaries of iso_output_begin() and iso_output_begin_dir(). main() calls it. */
 void iso_output_rename_all_in(iso_error *err);
 
-/* Removes what is in a temporary directory. */
+/* Removes the command's own files from a directory of iso_output_resume_dir(). */
 void iso_output_clear(const iso_output *out);
 
 /* Renames into place. On failure the temporary is removed. */

@@ -15,7 +15,11 @@
 #include <xxhash.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 
+/* A pyramid that was written past the page cache would be read from the disk again for its checksums, and twice when
+ * another replaces it, which takes a good part of the time of a build: larger files are told by their size, and by
+ * whether they were changed after the list was written. */
 enum { CHECKED_BYTES = 1 << 20 };
 
 /* What is met in a folder. */
@@ -24,8 +28,13 @@ typedef struct entry {
     struct stat st;
 } entry;
 
+static bool is_large(const entry *e)
+{
+    return S_ISREG(e->st.st_mode) && e->st.st_size > CHECKED_BYTES;
+}
+
 /* Its line of the list, to be freed; NULL where it is neither a file nor a folder. */
-static iso_status line_of(const entry *e, char **line, iso_error *err)
+static iso_status line_of(const entry *e, bool is_hashed, char **line, iso_error *err)
 {
     char sum[20] = "-";
     const bool is_folder = S_ISDIR(e->st.st_mode);
@@ -33,7 +42,7 @@ static iso_status line_of(const entry *e, char **line, iso_error *err)
     *line = NULL;
     if (!is_folder && !S_ISREG(e->st.st_mode))
         return ISO_OK;
-    if (!is_folder && bytes <= CHECKED_BYTES) {
+    if (!is_folder && is_hashed) {
         char *data;
         size_t size;
         const iso_status status = iso_file_read(e->path, &data, &size, err);
@@ -102,21 +111,29 @@ static iso_status walk_below(const char *folder, const char *below, visitor *vis
     return status;
 }
 
+typedef struct listing {
+    FILE *lines;
+    const char *const *own; /* or NULL */
+} listing;
+
 static iso_status list_entry(void *user, const entry *e, iso_error *err)
 {
+    const listing *l = user;
     char *line;
+    if (l->own && !iso_output_is_own(l->own, e->name))
+        return ISO_OK;
     if (strchr(e->name, '\n'))
         return iso_fail(err, ISO_E_IO, "%s: a line feed in a name", e->name);
-    const iso_status status = line_of(e, &line, err);
+    const iso_status status = line_of(e, !is_large(e), &line, err);
     if (status == ISO_OK && !line)
         return iso_fail(err, ISO_E_IO, "%s: is neither a file nor a folder", e->name);
     if (status == ISO_OK)
-        fputs(line, user);
+        fputs(line, l->lines);
     free(line);
     return status;
 }
 
-iso_status iso_manifest_write(const char *folder, iso_error *err)
+iso_status iso_manifest_write(const char *folder, const char *const *own, iso_error *err)
 {
     char *text = NULL, *path = iso_path_join(folder, ISO_MANIFEST_NAME);
     size_t bytes = 0;
@@ -124,7 +141,7 @@ iso_status iso_manifest_write(const char *folder, iso_error *err)
     iso_status status = memory ? ISO_OK
                                : iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
     if (status == ISO_OK)
-        status = walk_below(folder, "", list_entry, memory, err);
+        status = walk_below(folder, "", list_entry, &(listing){memory, own}, err);
     if (iso_memory_close(memory) != 0 && status == ISO_OK)
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
     if (status == ISO_OK) {
@@ -139,20 +156,26 @@ iso_status iso_manifest_write(const char *folder, iso_error *err)
     return status;
 }
 
-/* One write at the end of the file, so that no other process's line is lost. A line that has no room goes whole. */
+/* One write at the end of the file, so that no other process's line is lost. A line that has no room goes whole. The
+ * list keeps its time, by which the large files are told that were there before; so of this one the line has the
+ * checksum. */
 bool iso_manifest_add(const char *folder, const char *name)
 {
     char *path = iso_path_join(folder, name), *list = iso_path_join(folder, ISO_MANIFEST_NAME), *line = NULL;
     entry e = {.path = path, .name = name};
     if (path && list && stat(path, &e.st) == 0)
-        line_of(&e, &line, NULL);
+        line_of(&e, true, &line, NULL);
     const int fd = line ? open(list, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
     bool good = line && fd < 0 && errno == ENOENT; /* no list, no line */
     if (fd >= 0) {
+        struct stat before;
         const off_t end = lseek(fd, 0, SEEK_END);
+        const bool has_time = fstat(fd, &before) == 0;
         good = write(fd, line, strlen(line)) == (ssize_t)strlen(line);
         if (!good && end >= 0 && ftruncate(fd, end) != 0)
             good = false; /* then the folder is not replaced, and says why */
+        if (has_time)
+            futimens(fd, (const struct timespec[]){{.tv_nsec = UTIME_OMIT}, before.st_mtim});
         close(fd);
     }
     free(line);
@@ -165,6 +188,7 @@ bool iso_manifest_add(const char *folder, const char *name)
 
 typedef struct listed {
     const char *shown, *text; /* text: the list, a line feed before its first line */
+    struct timespec written;
 } listed;
 
 /* Of a text that begins with a line feed: is there this line, which ends with one? */
@@ -185,14 +209,41 @@ static bool has_name(const char *text, const char *name)
     return false;
 }
 
+static bool is_after(struct timespec a, struct timespec b)
+{
+    return a.tv_sec != b.tv_sec ? a.tv_sec > b.tv_sec : a.tv_nsec > b.tv_nsec;
+}
+
+static iso_status has_entry(const listed *list, const entry *e, bool is_hashed, bool *found, iso_error *err)
+{
+    char *line;
+    const iso_status status = line_of(e, is_hashed, &line, err);
+    *found = line && has_line(list->text, line);
+    free(line);
+    return status;
+}
+
+/* Is it in the list, and as it was? */
+static iso_status is_unchanged(const listed *list, const entry *e, bool *same, iso_error *err)
+{
+    *same = false;
+    iso_status status = ISO_OK;
+    if (is_large(e)) {
+        status = has_entry(list, e, false, same, err);
+        if (*same)
+            *same = !is_after(e->st.st_mtim, list->written);
+    }
+    return status == ISO_OK && !*same && has_name(list->text, e->name) ? has_entry(list, e, true, same, err) : status;
+}
+
 static iso_status check_entry(void *user, const entry *e, iso_error *err)
 {
     const listed *list = user;
     const char *name = e->name;
-    char *line;
-    const iso_status status = line_of(e, &line, err);
-    const bool same = line && has_line(list->text, line);
-    free(line);
+    bool same = false;
+    iso_status status = iso_inputs_check(e->path, err);
+    if (status == ISO_OK)
+        status = is_unchanged(list, e, &same, err);
     if (status != ISO_OK || same)
         return status;
     if (has_name(list->text, name))
@@ -210,8 +261,9 @@ iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *
 {
     char *path = iso_path_join(folder, ISO_MANIFEST_NAME), *data = NULL, *text = NULL;
     size_t bytes;
+    struct stat st = {0};
     iso_status status = path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
-    if (status == ISO_OK && access(path, F_OK) != 0 && errno == ENOENT)
+    if (status == ISO_OK && stat(path, &st) != 0 && errno == ENOENT)
         status = iso_fail(err, ISO_E_IO,
                           "%s: has no list of isoshade's files (" ISO_MANIFEST_NAME
                           "), so it is not replaced; remove it, or choose another output",
@@ -223,7 +275,7 @@ iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
     }
     if (status == ISO_OK)
-        status = walk_below(folder, "", check_entry, &(listed){shown, text}, err);
+        status = walk_below(folder, "", check_entry, &(listed){shown, text, st.st_mtim}, err);
     free(text);
     free(data);
     free(path);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* manifest.h - the list of what isoshade put into a folder, so that nothing else in it is ever removed.
  *
- * The file .isoshade-files in the folder has a line an entry: kind (f: file, d: folder), size in bytes, checksum
- * (XXH3, 64 bits, of files of at most a mebibyte; "-" for larger ones, which nobody edits by hand), and the path in the
- * folder; newlines in paths are refused. */
+ * The file .isoshade-files in the folder has a line an entry: kind (f: file, d: folder), size in bytes, checksum (XXH3,
+ * 64 bits, of files of at most a mebibyte and of those that were added later; else "-"), and the path in the folder;
+ * newlines in paths are refused. A file without a checksum counts as changed where its size differs, or the time of its
+ * last change is after the list's: so does one that was copied without its time, which is not replaced then. */
 #ifndef ISO_MANIFEST_H
 #define ISO_MANIFEST_H
 
@@ -13,8 +14,8 @@
 
 #define ISO_MANIFEST_NAME ".isoshade-files"
 
-/* Lists all that is in folder, and writes the list into it. */
-iso_status iso_manifest_write(const char *folder, iso_error *err);
+/* Lists what is in folder, and writes the list into it: all, or what has a name of `own` (iso_output_resume_dir()). */
+iso_status iso_manifest_write(const char *folder, const char *const *own, iso_error *err);
 
 /* Adds a file that was put into a folder later, if the folder has a list. Several processes may do so at once. false: it is
  * not listed, and should go. */

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Outputs that appear whole or not at all: see file.h. */
 #define _GNU_SOURCE
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <fnmatch.h>
 #include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "base/manifest.h"
 #include "base/temporary.h"
 #include "base/unfinished.h"
@@ -50,6 +53,8 @@ static iso_status reserve(iso_output *out, const char *path, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "the output path is empty");
     char *dir = NULL;
     iso_status status = find_target(path, &out->final_path, err);
+    if (status == ISO_OK)
+        status = iso_inputs_check(out->final_path, err);
     if (status == ISO_OK && !(dir = iso_path_dir(out->final_path)))
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status == ISO_OK && !iso_path_is_dir(dir))
@@ -91,18 +96,6 @@ iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err)
     return ISO_OK;
 }
 
-static int remove_below(const char *path, const struct stat *st, int type, struct FTW *ftw)
-{
-    (void)st;
-    (void)type;
-    return ftw->level > 0 ? remove(path) : 0;
-}
-
-void iso_output_clear(const iso_output *out)
-{
-    nftw(out->temp_path, remove_below, 16, FTW_DEPTH | FTW_PHYS);
-}
-
 /* What stands at the final path may be replaced: nothing, an empty directory, or one of ours with nothing else in it. */
 static iso_status check_replaceable(const char *final_path, const char *marker, iso_error *err)
 {
@@ -136,13 +129,80 @@ iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *m
     return status;
 }
 
-iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *marker, bool resume, bool *resumed,
-                                 iso_error *err)
+/* ---- folders that work goes on in: their name is known to all, so what is in them need not be ours ---- */
+
+/* A name that the command gives to what it writes there, the list of its files, or a temporary of one of them. */
+bool iso_output_is_own(const char *const *own, const char *name)
 {
-    *resumed = false;
-    iso_status status = reserve(out, path, err);
-    if (status != ISO_OK)
-        return status;
+    for (; *own; ++own)
+        if (fnmatch(*own, name, FNM_PERIOD) == 0)
+            return true;
+    return fnmatch(".isoshade-*", name, 0) == 0;
+}
+
+/* The descriptor is the output's lock. To be closed. */
+static DIR *list_partial(const iso_output *out)
+{
+    const int fd = openat(out->lock - 1, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
+    if (!dir && fd >= 0)
+        close(fd);
+    return dir;
+}
+
+/* ISO_E_IO, with the first entry that is no file of the command's own. */
+static iso_status check_own(const iso_output *out, const char *path, iso_error *err)
+{
+    DIR *dir = list_partial(out);
+    iso_status status = ISO_OK;
+    struct stat st;
+    if (!dir)
+        return iso_fail(err, iso_errno_status(), "%s: %s cannot be listed: %s", path, iso_path_base(out->temp_path),
+                        strerror(errno));
+    for (const struct dirent *e; status == ISO_OK && (e = readdir(dir));)
+        if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0 &&
+            (!iso_output_is_own(out->own, e->d_name) ||
+             fstatat(dirfd(dir), e->d_name, &st, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(st.st_mode)))
+            status = iso_fail(err, ISO_E_IO,
+                              "%s: %s in %s is not isoshade's; move it away, or choose another output", path, e->d_name,
+                              out->temp_path);
+    closedir(dir);
+    return status;
+}
+
+void iso_output_clear(const iso_output *out)
+{
+    DIR *dir = list_partial(out);
+    for (const struct dirent *e; dir && (e = readdir(dir));)
+        if (iso_output_is_own(out->own, e->d_name))
+            unlinkat(dirfd(dir), e->d_name, 0);
+    if (dir)
+        closedir(dir);
+}
+
+/* Made, or opened where it is there; locked. No link is followed, and no folder of another user is worked in: its owner
+ * may change what is in it meanwhile. */
+static iso_status lock_partial(iso_output *out, const char *path, bool *is_new, iso_error *err)
+{
+    struct stat st;
+    *is_new = mkdir(out->temp_path, 0777) == 0;
+    if (!*is_new && errno != EEXIST)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", path, strerror(errno));
+    const int fd = open(out->temp_path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (fd < 0)
+        return iso_fail(err, iso_errno_status(), "%s: %s cannot be opened as a folder: %s", path, out->temp_path,
+                        strerror(errno));
+    out->lock = fd + 1;
+    if (flock(fd, LOCK_EX | LOCK_NB) != 0)
+        return iso_fail(err, iso_errno_status(), "%s: another process is making it: %s", path, strerror(errno));
+    if (fstat(fd, &st) != 0 || st.st_uid != geteuid())
+        return iso_fail(err, ISO_E_IO, "%s: %s is another user's; choose another output", path, out->temp_path);
+    return *is_new ? ISO_OK : check_own(out, path, err);
+}
+
+/* Instead of the temporary's name, which is not known beforehand. */
+static iso_status name_partial(iso_output *out, const char *path, iso_error *err)
+{
     char *dir = iso_path_dir(out->final_path), *temp = NULL;
     if (!dir || asprintf(&temp, "%s/.%s.partial", dir, iso_path_base(out->final_path)) < 0)
         temp = NULL;
@@ -150,40 +210,35 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
     iso_unfinished_drop(out->temp_path);
     free(out->temp_path);
     out->temp_path = temp;
-    status = temp ? check_replaceable(out->final_path, marker, err)
-                  : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    if (status != ISO_OK) {
-        free(out->final_path); /* a temporary of an earlier run stays */
-        free(out->temp_path);
-        *out = (iso_output){0};
+    return temp ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+}
+
+iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *const *own, bool resume, bool *resumed,
+                                 iso_error *err)
+{
+    bool is_new = false;
+    *resumed = false;
+    iso_status status = reserve(out, path, err);
+    if (status != ISO_OK)
         return status;
-    }
     out->is_folder = true;
-    const bool is_new = mkdir(temp, 0777) == 0;
-    if (!is_new && errno != EEXIST) {
-        status = iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", path, strerror(errno));
-        iso_output_keep(out); /* of an earlier run */
-        return status;
-    }
-    int fd = open(temp, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0) {
-        status = iso_fail(err, iso_errno_status(), "%s: %s: %s", path,
-                          fd < 0 ? "cannot be opened" : "another process is making it", strerror(errno));
-        if (fd >= 0)
-            close(fd);
+    out->own = own;
+    status = name_partial(out, path, err);
+    if (status == ISO_OK)
+        status = check_replaceable(out->final_path, own[0], err);
+    if (status == ISO_OK)
+        status = lock_partial(out, path, &is_new, err);
+    if (status != ISO_OK) {
         if (is_new)
-            rmdir(temp);
-        free(out->final_path);
-        free(out->temp_path);
-        *out = (iso_output){0};
+            rmdir(out->temp_path);
+        iso_output_keep(out); /* what an earlier run has left stays */
         return status;
     }
     *resumed = resume && !is_new;
-    if (!*resumed) /* what an earlier run has left is not ours to remove */
-        iso_unfinished_add(temp, true);
-    out->lock = fd + 1;
-    if (!*resumed)
+    if (!*resumed) { /* what an earlier run has left is not ours to remove */
+        iso_unfinished_add(out->temp_path, true);
         iso_output_clear(out);
+    }
     return ISO_OK;
 }
 
@@ -258,7 +313,7 @@ static void flush_folder_of(const char *path)
 
 static iso_status commit_dir(const iso_output *out, iso_error *err)
 {
-    iso_status status = iso_manifest_write(out->temp_path, err);
+    iso_status status = iso_manifest_write(out->temp_path, out->own, err);
     /* Again, since a person may have put something there in the meantime. */
     if (status == ISO_OK && iso_path_exists(out->final_path) && rmdir(out->final_path) != 0)
         status = iso_manifest_check(out->final_path, out->final_path, err);
@@ -285,17 +340,20 @@ iso_status iso_output_commit(iso_output *out, iso_error *err)
     const iso_status status = out->is_folder ? commit_dir(out, err) : commit_file(out, is_final, err);
     if (status == ISO_OK && is_final)
         flush_folder_of(out->final_path);
+    if (status == ISO_OK)
+        out->own = NULL; /* what has the temporary's name now is what stood there before, which was looked at */
     iso_output_abandon(out);
     return status;
 }
 
 void iso_output_keep(iso_output *out)
 {
-    if (!out || !out->temp_path)
+    if (!out || !out->final_path)
         return;
     if (out->lock > 0)
         close(out->lock - 1);
-    iso_unfinished_drop(out->temp_path);
+    if (out->temp_path)
+        iso_unfinished_drop(out->temp_path);
     free(out->temp_path);
     free(out->final_path);
     *out = (iso_output){0};
@@ -303,7 +361,10 @@ void iso_output_keep(iso_output *out)
 
 void iso_output_abandon(iso_output *out)
 {
-    if (out && out->temp_path)
+    if (out && out->temp_path && out->own) {
+        iso_output_clear(out);
+        rmdir(out->temp_path); /* not where a person has put something into it */
+    } else if (out && out->temp_path)
         iso_remove_tree(out->temp_path);
     iso_output_keep(out);
 }

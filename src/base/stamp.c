@@ -60,7 +60,12 @@ static iso_status keep_backup(const char *path, iso_error *err)
 
 iso_status iso_stamp_guard(const char *path, bool force, iso_error *err)
 {
-    if (!iso_path_exists(path) || iso_stamp_fits(path))
+    return iso_stamp_guard_other(path, iso_stamp_fits(path), force, err);
+}
+
+iso_status iso_stamp_guard_other(const char *path, bool is_ours, bool force, iso_error *err)
+{
+    if (is_ours || !iso_path_exists(path))
         return ISO_OK;
     if (force)
         return keep_backup(path, err);

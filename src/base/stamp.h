@@ -20,5 +20,7 @@ bool iso_stamp_fits(const char *path);
 /* Before work that will overwrite path: ISO_OK where nothing stands there, or what was stamped; else ISO_E_IO, which names
  * the file and the way round. With force a file that would be refused stays as "path1", as Blender names a backup. */
 iso_status iso_stamp_guard(const char *path, bool force, iso_error *err);
+/* The same for a file that has no room for a stamp, and tells by something else whether it is ours. */
+iso_status iso_stamp_guard_other(const char *path, bool is_ours, bool force, iso_error *err);
 
 #endif

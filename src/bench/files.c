@@ -14,6 +14,8 @@
 #include "base/bigfile.h"
 #include "base/file.h"
 #include "base/parallel.h"
+#include "base/temporary.h"
+#include "base/unfinished.h"
 
 enum { MAX_FILES = 128, READ_PLANES = 4, WRITERS = 2 };
 
@@ -131,10 +133,11 @@ static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t cou
     return status;
 }
 
-iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder,
-                              size_t memory_bytes, size_t runs, bench_files_times *t, iso_error *err)
+/* In a folder that holds nothing else. */
+static iso_status measure(const char *volume, const iso_pyramid_options *opt, const char *work, size_t memory_bytes,
+                          size_t runs, bench_files_times *t, iso_error *err)
 {
-    char *pyramid = iso_path_join(folder, "isoshade-bench.iso");
+    char *pyramid = iso_path_join(work, "isoshade-bench.iso");
     const iso_stream_input in = {open_path, (void *)volume, volume};
     const iso_stream_options how = {.memory_bytes = memory_bytes, .save_seconds = ISO_STREAM_SAVE_SECONDS};
     iso_status status = pyramid ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -149,21 +152,55 @@ iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt
         const size_t count = list_sizes(pyramid, sizes);
         iso_remove_tree(pyramid); /* before as much is written again */
         if (status == ISO_OK)
-            status = copy_bytes(volume, sizes, count, folder, t, err);
+            status = copy_bytes(volume, sizes, count, work, t, err);
     }
     free(pyramid);
+    return status;
+}
+
+/* A fresh folder in `folder`, so that nothing that a person has there is replaced or removed. To be removed and freed. */
+static iso_status make_work(const char *folder, char **work, iso_error *err)
+{
+    iso_temporary_sweep(folder);
+    *work = iso_temporary_path(folder, "bench");
+    if (!*work)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_unfinished_add(*work, false);
+    return mkdir(*work, 0777) == 0 ? ISO_OK
+                                   : iso_fail(err, iso_errno_status(), "%s: no folder can be made in it: %s", folder,
+                                              strerror(errno));
+}
+
+static void remove_work(char *work)
+{
+    if (work)
+        iso_remove_tree(work);
+    free(work);
+}
+
+iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder,
+                              size_t memory_bytes, size_t runs, bench_files_times *t, iso_error *err)
+{
+    char *work;
+    iso_status status = make_work(folder, &work, err);
+    if (status == ISO_OK)
+        status = measure(volume, opt, work, memory_bytes, runs, t, err);
+    remove_work(work);
     return status;
 }
 
 iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
                            size_t runs, bench_files_times *t, iso_error *err)
 {
-    char *volume = iso_path_join(folder, "isoshade-bench.nrrd");
-    iso_status status = volume ? iso_volume_save(v, volume, false, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    char *work, *volume = NULL;
+    iso_status status = make_work(folder, &work, err);
+    if (status == ISO_OK && !(volume = iso_path_join(work, "isoshade-bench.nrrd")))
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
-        status = iso_bench_files_of(volume, opt, folder, memory_bytes, runs, t, err);
-    if (volume)
-        unlink(volume);
+        status = iso_volume_save(v, volume, false, err);
+    if (status == ISO_OK)
+        status = measure(volume, opt, work, memory_bytes, runs, t, err);
     free(volume);
+    remove_work(work);
     return status;
 }

@@ -14,8 +14,8 @@ typedef struct bench_files_times {
     size_t bytes; /* read and written */
 } bench_files_times;
 
-/* Builds `runs` times in the folder, each build beside one copy of the same bytes. memory_bytes: of buffers; 0: as
- * build does. */
+/* Builds `runs` times in a folder of its own within `folder`, each build beside one copy of the same bytes.
+ * memory_bytes: of buffers; 0: as build does. */
 iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
                            size_t runs, bench_files_times *times, iso_error *err);
 /* The same for a volume that is in a file already. */

@@ -14,7 +14,12 @@
 #include "base/version.h"
 #include "scene/scene.h"
 
-static const char lines_name[] = "settings.jsonl", schema[] = "isoshade.chart-settings/1";
+static const char lines_name[] = "settings.jsonl", part_name[] = ".part.exr", schema[] = "isoshade.chart-settings/1";
+
+/* All that a chart's folder may hold (result.h), unfinished or not. */
+static const char *const own_names[] = {
+    "chart.json", lines_name, part_name,       "reference.exr", "reference-*.exr", "palette-*.csv",
+    "pareto.*",   "style.gp", "viewer-*.html", "index.html",    NULL};
 
 void iso_chart_reference_name(const iso_chart_bench *b, size_t scene, char *text, size_t size)
 {
@@ -256,7 +261,7 @@ iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool 
     *k = (iso_chart_kept_file){.lines = NULL};
     bool partial = false;
     json_t *job = job_json(b), *found = NULL;
-    iso_status status = iso_output_resume_dir(&k->output, folder, "chart.json", resume, &partial, err);
+    iso_status status = iso_output_resume_dir(&k->output, folder, own_names, resume, &partial, err);
     if (status == ISO_OK && resume && !partial)
         status = copy_finished(k, b, err);
     if (status == ISO_OK && resume) {
@@ -309,7 +314,7 @@ iso_status iso_chart_kept_put_reference(iso_chart_kept_file *k, const iso_chart_
 {
     char name[192];
     iso_chart_reference_name(b, scene, name, sizeof name);
-    char *path = iso_path_join(k->output.temp_path, name), *part = iso_path_join(k->output.temp_path, ".part.exr");
+    char *path = iso_path_join(k->output.temp_path, name), *part = iso_path_join(k->output.temp_path, part_name);
     iso_status status = path && part ? iso_image_save_exr(&b->scenes[scene].reference, part, NULL, err)
                                      : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     if (status == ISO_OK && rename(part, path) != 0)

@@ -8,6 +8,7 @@
 #include "options/cli.h"
 #include "compare/flip.h"
 #include "compare/metrics.h"
+#include "image/image.h"
 
 typedef struct compare_options {
     iso_tolerances tolerances;
@@ -80,8 +81,7 @@ static iso_status measure_flip(const compare_options *opt, const iso_image image
         for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i)
             picture.rgba[i] = i % 4 == 3 ? 1 : map[i / 4];
         if (status == ISO_OK)
-            status = iso_path_ends_with(opt->flip_map, ".exr") ? iso_image_save_exr(&picture, opt->flip_map, NULL, err)
-                                                               : iso_image_save_png(&picture, opt->flip_map, 1, err);
+            status = iso_image_save(&picture, opt->flip_map, NULL, err);
         iso_image_destroy(&picture);
     }
     free(map);
@@ -112,7 +112,9 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
     iso_metrics m;
     double flip = NAN;
     hdr_flip hdr = {.mean = NAN};
-    iso_status status = load(cli->arguments[0], &images[0], err);
+    iso_status status = opt->flip_map ? iso_image_check_name("--flip-map", opt->flip_map, err) : ISO_OK;
+    if (status == ISO_OK)
+        status = load(cli->arguments[0], &images[0], err);
     if (status == ISO_OK)
         status = load(cli->arguments[1], &images[1], err);
     if (status == ISO_OK)

@@ -362,7 +362,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"grids", 0, POPT_ARG_STRING, &a.grids, 0,
          "vdb, nanovdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
         {"force", 0, POPT_ARG_NONE, &a.force, 0,
-         "blender: overwrite a file that was changed since isoshade wrote it; it stays as NAME.blend1", NULL},
+         "overwrite a .blend, a .usda or grids beside a .blend that isoshade did not write, or that were changed "
+         "since; what was there stays as NAME.blend1 and so on",
+         NULL},
         {"material", 0, POPT_ARG_STRING, &a.material, 0,
          "blender: the material that the file opens with; its property physical changes it", "MATERIAL"},
         ISO_CLI_CYCLES_OPTIONS(&cycles, "blender: the Blender that makes the file: a path, or a name that PATH has",

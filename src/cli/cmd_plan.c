@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
 #include "brick/store.h"
+#include "image/image.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -156,14 +156,6 @@ static iso_status report(const iso_planner *p, const plan_arguments *a, const pl
     return status;
 }
 
-static iso_status save_image(const iso_image *image, const char *path, iso_error *err)
-{
-    if (!path)
-        return ISO_OK;
-    return iso_path_ends_with(path, ".png") ? iso_image_save_png(image, path, 1, err)
-                                            : iso_image_save_exr(image, path, NULL, err);
-}
-
 static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const iso_node_levels *nodes,
                              const iso_view *views, size_t view_count, iso_error *err)
 {
@@ -178,10 +170,10 @@ static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const 
     status = iso_planner_search(&p, a->error, a->memory, &progress, err);
     if (status == ISO_OK)
         status = update_from(a, &p, cli->threads, &update, err);
-    if (status == ISO_OK)
-        status = save_image(&p.best.image, a->image, err);
-    if (status == ISO_OK)
-        status = save_image(&p.full[0], a->full_image, err);
+    if (status == ISO_OK && a->image)
+        status = iso_image_save(&p.best.image, a->image, NULL, err);
+    if (status == ISO_OK && a->full_image)
+        status = iso_image_save(&p.full[0], a->full_image, NULL, err);
     if (status == ISO_OK)
         status = report(&p, a, &update, cli, err);
     iso_planner_destroy(&p);
@@ -199,6 +191,10 @@ static iso_status check(const plan_arguments *a, iso_error *err)
         status = iso_words_check_range("--views", a->views, 1, 360, err);
     if (status == ISO_OK && a->faces && strcmp(a->faces, "own") != 0 && strcmp(a->faces, "baked") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--faces is \"%s\", wanted baked or own", a->faces);
+    if (status == ISO_OK && a->image)
+        status = iso_image_check_name("--image", a->image, err);
+    if (status == ISO_OK && a->full_image)
+        status = iso_image_check_name("--full-image", a->full_image, err);
     return status;
 }
 

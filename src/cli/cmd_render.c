@@ -136,8 +136,8 @@ static iso_status prepare(const iso_render_arguments *a, const iso_cli *cli, iso
     build->level_count = (size_t)a->level + 1;
     build->keep_float = opt->source == ISO_FROM_FLOAT || is_from_palette(opt->source);
     status = take_build(a, cli->arguments[0], build, err);
-    if (status == ISO_OK && !a->output)
-        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
+    if (status == ISO_OK)
+        status = iso_render_check_output(a, err);
     return status == ISO_OK ? iso_cli_look_check(&a->look, cli->threads, look, err) : status;
 }
 

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "base/json.h"
 #include "base/provenance.h"
 #include "cli/contact_sheet.h"
@@ -219,14 +220,27 @@ static iso_status draw_all(sheet *s, const iso_progress *progress, iso_error *er
     return status;
 }
 
-/* sheet.png: sheet.json */
+/* sheet.png: sheet.json. To be freed. */
+static char *json_path(const char *output)
+{
+    char *path = NULL;
+    return asprintf(&path, "%.*s.json", (int)(strrchr(output, '.') - output), output) < 0 ? NULL : path;
+}
+
 static iso_status save_json(const sheet *s, const json_t *root, iso_error *err)
 {
-    const char *output = s->arguments->output;
-    char *path = NULL;
-    if (asprintf(&path, "%.*s.json", (int)(strrchr(output, '.') - output), output) < 0)
-        return iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
-    iso_status status = iso_json_save(path, root, err);
+    char *path = json_path(s->arguments->output);
+    const iso_status status = path ? iso_json_save(path, root, err)
+                                   : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
+    free(path);
+    return status;
+}
+
+static iso_status announce_json(const char *output, iso_error *err)
+{
+    char *path = json_path(output);
+    const iso_status status = path ? iso_inputs_announce(path, err)
+                                   : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
     free(path);
     return status;
 }
@@ -270,6 +284,8 @@ static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
                             : iso_fail(err, ISO_E_USAGE, "-o is missing: the picture to write, .png, .svg or .pdf");
     if (status == ISO_OK && !iso_gnuplot_ending(a->output))
         status = iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", a->output);
+    if (status == ISO_OK)
+        status = announce_json(a->output, err);
     if (status == ISO_OK)
         status = choose(&s, err);
     if (status == ISO_OK)

@@ -12,6 +12,7 @@
 #include "cli/tf_convert.h"
 #include "cli/tf_show.h"
 #include "cli/tf_suggest.h"
+#include "base/inputs.h"
 #include "base/parallel.h"
 #include "options/adapted.h"
 #include "options/input.h"
@@ -144,6 +145,13 @@ static iso_status bound(const iso_tf_arguments *a, iso_error *err)
     return iso_cli_tf_bound(&b, err);
 }
 
+/* What adapt writes for each level has names of its own, which it announces when it knows the levels. */
+static iso_status announce_output(const iso_tf_arguments *a, iso_error *err)
+{
+    const bool is_stem = strcmp(a->cli->arguments[0], "adapt") == 0 && a->level == 0;
+    return a->output && !is_stem ? iso_inputs_announce(a->output, err) : ISO_OK;
+}
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_tf_arguments a = {.level_count = 4, .budget_bytes = ISO_AUTO_MOST_BYTES};
@@ -174,6 +182,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--level", a.level, 0, 30, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_words_check_range("--levels", a.level_count, 2, 30, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = announce_output(&a, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         const char *what = cli.arguments[0];
         status =

@@ -24,6 +24,7 @@
 #include "tf/presets.h"
 #include "cli/validate_options.h"
 #include "cli/validate_result.h"
+#include "cli/validate_scene.h"
 #include "cli/validate_viewer.h"
 #include "validate/validate.h"
 
@@ -131,16 +132,32 @@ static void report_estimate(const iso_cli *cli, iso_report *r)
     iso_report_put(r, "estimate", "worst_from_a_third_on", json_real(e.worst));
 }
 
-/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
-static iso_status open_store(const iso_validate_arguments *a, iso_validation *v, iso_error *err)
+/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on: in
+ * DIR.work, to be freed. */
+static char *store_folder(const iso_validate_arguments *a)
 {
     char *folder = NULL;
     size_t end = strlen(a->output);
     while (end > 1 && a->output[end - 1] == '/')
         --end;
-    if (asprintf(&folder, "%.*s.work", (int)end, a->output) < 0)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    const iso_status status = iso_picture_store_open(folder, a->resume, &v->renderers.store, err);
+    return asprintf(&folder, "%.*s.work", (int)end, a->output) < 0 ? NULL : folder;
+}
+
+/* Before anything is read: what a person has under that name stays, and the run would end there. */
+static iso_status check_store(const iso_validate_arguments *a, iso_error *err)
+{
+    char *folder = store_folder(a);
+    const iso_status status = folder ? iso_picture_store_check(folder, err)
+                                     : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    free(folder);
+    return status;
+}
+
+static iso_status open_store(const iso_validate_arguments *a, iso_validation *v, iso_error *err)
+{
+    char *folder = store_folder(a);
+    const iso_status status = folder ? iso_picture_store_open(folder, a->resume, &v->renderers.store, err)
+                                     : iso_fail(err, ISO_E_MEMORY, "out of memory");
     free(folder);
     return status;
 }
@@ -271,33 +288,24 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
     return status;
 }
 
-/* OUTPUT.scene.json beside the report: the scene that there is no file of, so that commands can name it. */
-static iso_status write_scene(const iso_validate_arguments *a, const iso_scene *scene, char **path, iso_error *err)
-{
-    json_t *root = iso_scene_to_json(scene);
-    const iso_status status = asprintf(path, "%s.scene.json", a->output) < 0
-                                  ? iso_fail(err, ISO_E_MEMORY, "out of memory")
-                                  : iso_json_save(*path, root, err);
-    json_decref(root);
-    return status;
-}
-
+/* The scene that there is no file of is written beside the report, so that commands can name it. */
 static bool has_own_scene(const iso_validate_arguments *a)
 {
     return !a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0;
 }
 
+
 /* The scene file as it is, with --size at most; any other is written and read again, so that reports can repeat it. */
 static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *look, const iso_pyramid *pyramid,
-                             char **written, iso_scene *scene, iso_error *err)
+                             char *own_path, iso_scene *scene, iso_error *err)
 {
     iso_status status = iso_subject_make_scene(look, pyramid, scene, err);
-    if (status != ISO_OK || !has_own_scene(a))
+    if (status != ISO_OK || !own_path)
         return status;
-    status = write_scene(a, scene, written, err);
+    status = iso_validate_scene_save(scene, own_path, err);
     iso_scene_destroy(scene);
-    a->look.scene = *written;
-    return status == ISO_OK ? iso_scene_load(*written, scene, err) : status;
+    a->look.scene = own_path;
+    return status == ISO_OK ? iso_scene_load(own_path, scene, err) : status;
 }
 
 static iso_status load_and_validate(const iso_validate_arguments *given, const iso_cli *cli, iso_pyramid_options *build,
@@ -307,22 +315,26 @@ static iso_status load_and_validate(const iso_validate_arguments *given, const i
     iso_pyramid pyramid = {0};
     iso_scene scene = {0};
     iso_validate_arguments a = *given;
-    char *written = NULL;
+    char *own_scene = NULL;
     iso_subject_look look;
     bool wanted[ISO_MAX_RENDERERS];
     build->level_count = a.level_count > 0 ? (size_t)a.level_count : a.quick ? 3 : 4;
     iso_status status = iso_renderers_from_list(a.with, wanted, err);
+    if (status == ISO_OK && has_own_scene(&a))
+        status = iso_validate_scene_name(a.output, &own_scene, err);
     if (status == ISO_OK)
         status = iso_cli_look_check(&a.look, cli->threads, &look, err);
+    if (status == ISO_OK && own_scene)
+        status = iso_validate_scene_guard(own_scene, err);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(cli->arguments[0], &a.input, build, &progress, &pyramid, err);
     if (status == ISO_OK)
-        status = load_scene(&a, &look, &pyramid, &written, &scene, err);
+        status = load_scene(&a, &look, &pyramid, own_scene, &scene, err);
     if (status == ISO_OK)
         status = validate(&a, cli, &pyramid, &scene, err);
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
-    free(written);
+    free(own_scene);
     return status;
 }
 
@@ -389,6 +401,8 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
         status = iso_validate_check_arguments(a, cli, &build, err);
     if (status == ISO_OK)
         status = iso_cli_take_cycles(&a->cycles, a->with, err);
+    if (status == ISO_OK)
+        status = check_store(a, err);
     if (status != ISO_OK)
         return status;
     return a->suite ? validate_suite(a, cli, &build, err) : load_and_validate(a, cli, &build, err);
@@ -476,7 +490,8 @@ const iso_command iso_command_validate = {
         "in a scene, or of a renderer whose images of a scene show too little or were left out by the budget; 5: the scene\n"
         "shows less than .1 % of the voxels or of the picture, or a box whose faces are opaque to more than 98 % (--anyway);\n"
         "7: a renderer is missing; 9: one failed its calibration.\n"
-        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it.",
+        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it.\n"
+        "A file of that name is replaced only as validate wrote it (exit code 3).",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"

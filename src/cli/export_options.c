@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "bake/grids.h"
 #include "base/stamp.h"
 #include "blender/blender.h"
 
@@ -105,6 +106,16 @@ static iso_status check_frames(const iso_export_arguments *a, const iso_export_t
     return ISO_OK;
 }
 
+/* Those of frames and of several volumes have names that are known when these are read. */
+static iso_status guard_files_beside(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
+{
+    if (a->bake.wanted && a->bake.usd)
+        return iso_bake_guard_usda(a->output, a->force, err);
+    if (!target->guard || a->frames || a->channels || a->cli->argument_count > 1)
+        return ISO_OK;
+    return target->guard(a->output, (size_t)a->level, (size_t)a->level_count, a->roi.box != NULL, a->force, err);
+}
+
 iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **target, iso_error *err)
 {
     char names[256];
@@ -130,5 +141,7 @@ iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **t
         status = check_frames(a, *target, err);
     if (status == ISO_OK)
         status = check_plan(a, err);
-    return status == ISO_OK && (*target)->stamped ? iso_stamp_guard(a->output, a->force, err) : status;
+    if (status == ISO_OK && (*target)->stamped)
+        status = iso_stamp_guard(a->output, a->force, err);
+    return status == ISO_OK ? guard_files_beside(a, *target, err) : status;
 }

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "base/json.h"
 #include "base/unfinished.h"
 #include "base/words.h"
@@ -138,6 +139,7 @@ int main(int argc, const char **argv)
 {
     on_exit(end_without_memory, NULL);
     iso_unfinished_catch_signals();
+    iso_inputs_watch();
     const int code = run(argc, argv);
     has_returned = true;
     return code;

@@ -10,6 +10,8 @@
 #include "base/json.h"
 #include "base/version.h"
 #include "base/words.h"
+#include "cli/render_result.h"
+#include "image/image.h"
 #include "render/cpu/paged.h"
 #include "scene/subject.h"
 
@@ -27,9 +29,8 @@ static iso_status check(const iso_render_arguments *a, const iso_cli *cli, iso_e
             "--memory is for --with cpu, without --frames, --shading-from, --palette, --shade-table, "
             "--exact-lookups, --isosurface, --quadrature, --limit, --code, --estimator, --direction-filter, "
             "--adapt, --extinction-scale, --roi, --cache-bytes and --plan-error");
-    if (!a->output)
-        return iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
-    return iso_words_check_range("--memory", a->memory_mb, 1, 1e9, err);
+    const iso_status status = iso_render_check_output(a, err);
+    return status == ISO_OK ? iso_words_check_range("--memory", a->memory_mb, 1, 1e9, err) : status;
 }
 
 /* A transfer function that follows the values would need all of them. */
@@ -66,8 +67,7 @@ static iso_status save(const iso_render_arguments *a, const iso_cli *cli, const 
     const iso_image_note notes[] = {{"isoshade:command", line ? line : ""}, {NULL, NULL}};
     iso_status status = path && (png || !a->png) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
-        status = iso_path_ends_with(path, ".png") ? iso_image_save_png(image, path, 1, err)
-                                                  : iso_image_save_exr(image, path, notes, err);
+        status = iso_image_save(image, path, notes, err);
     if (status == ISO_OK && png)
         status = iso_image_save_png(image, png, 1, err);
     free(line);

@@ -7,8 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/file.h"
 #include "renderers/gl.h"
+
+iso_status iso_render_check_output(const iso_render_arguments *a, iso_error *err)
+{
+    return a->output ? iso_image_check_name("-o", a->output, err)
+                     : iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
+}
 
 iso_status iso_render_save(const iso_render_arguments *a, const iso_cli *cli, const iso_image *image,
                            const char *version, double step_voxels, iso_error *err)
@@ -20,8 +25,7 @@ iso_status iso_render_save(const iso_render_arguments *a, const iso_cli *cli, co
                                     {"isoshade:renderer", version},
                                     {"isoshade:stepVoxels", step},
                                     {NULL, NULL}};
-    iso_status status = iso_path_ends_with(a->output, ".png") ? iso_image_save_png(image, a->output, 1, err)
-                                                              : iso_image_save_exr(image, a->output, notes, err);
+    iso_status status = iso_image_save(image, a->output, notes, err);
     if (status == ISO_OK && a->png)
         status = iso_image_save_png(image, a->png, 1, err);
     free(line);

@@ -4,6 +4,7 @@
 #define ISO_RENDER_RESULT_H
 
 #include "cli/render_options.h"
+#include "image/image.h"
 #include "options/cli.h"
 #include "options/visible.h"
 #include "plan/cached.h"
@@ -15,6 +16,9 @@ typedef struct iso_rendered {
     const iso_render_stats *stats;
     json_t *frames;
 } iso_rendered;
+
+/* ISO_E_USAGE: there is no --output, or its name is not that of an image. */
+iso_status iso_render_check_output(const iso_render_arguments *a, iso_error *err);
 
 /* To --output and --png, with the command, the renderer and the step in an OpenEXR file. */
 iso_status iso_render_save(const iso_render_arguments *a, const iso_cli *cli, const iso_image *image,

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "plan/auto_choice.h"
 #include "scene/subject.h"
 #include "tf/format.h"
@@ -22,6 +23,14 @@ static char *adapted_path(const iso_tf_arguments *a, size_t level)
     if (iso_path_ends_with(a->output, ".tf.json"))
         length -= strlen(".tf.json");
     return asprintf(&path, "%.*s_level_%zu.tf.json", (int)length, a->output, level) < 0 ? NULL : path;
+}
+
+static iso_status announce_level(const iso_tf_arguments *a, size_t level, iso_error *err)
+{
+    char *path = adapted_path(a, level);
+    const iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    free(path);
+    return status;
 }
 
 static json_t *json_of_level(size_t level, const char *path, size_t entry_count, const iso_adapt_judgment *v)
@@ -266,6 +275,9 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     if (status == ISO_OK && (size_t)a->level >= p.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1],
                           a->level, p.level_count - 1);
+    for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
+        if (a->level == 0)
+            status = announce_level(a, k, err);
     if (status == ISO_OK)
         status = iso_cli_tf_tabulate(&look, &p, &table, err);
     adapt_run run = {a, &p, &table, NULL, levels};

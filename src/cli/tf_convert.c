@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/inputs.h"
 #include "options/overwrite.h"
 #include "tf/format.h"
 #include "tf/presets.h"
@@ -178,6 +179,8 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE|PRESET OUT, a name that ends with %s",
                         iso_tf_format_written(written, sizeof written));
     iso_status status = iso_cli_refuse_same_file(output, a->cli->arguments[1], err);
+    if (status == ISO_OK)
+        status = iso_inputs_announce(output, err);
     if (status != ISO_OK)
         return status;
     const iso_tf_format *format = iso_tf_format_of(output);

@@ -112,6 +112,9 @@ iso_status iso_cli_tf_suggest(const iso_tf_arguments *a, iso_error *err)
     if (a->cli->argument_count != 2)
         return iso_fail(err, ISO_E_USAGE,
                         "wanted: isoshade tf suggest VOLUME|PYRAMID.iso [--tf PRESET] [-o FILE.tf.json]");
+    if (a->look.scene)
+        return iso_fail(err, ISO_E_USAGE, "--scene %s: a transfer function is suggested by the volume alone",
+                        a->look.scene);
     build.threads = a->cli->threads;
     build.level_count = 1;
     iso_status status = iso_names_find(&iso_tf_preset_names, preset, &row, err);

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/file.h"
 #include "image/png16.h"
@@ -86,6 +87,25 @@ iso_status iso_image_save_png(const iso_image *image, const char *path, double e
     }
     free(rgb);
     return status;
+}
+
+static bool has_ending(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), bytes = strlen(ending);
+    return length >= bytes && strcasecmp(path + length - bytes, ending) == 0;
+}
+
+iso_status iso_image_check_name(const char *option, const char *path, iso_error *err)
+{
+    return has_ending(path, ".exr") || has_ending(path, ".png")
+               ? ISO_OK
+               : iso_fail(err, ISO_E_USAGE, "%s is \"%s\", must end with .exr or .png", option, path);
+}
+
+iso_status iso_image_save(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err)
+{
+    return has_ending(path, ".png") ? iso_image_save_png(image, path, 1, err)
+                                    : iso_image_save_exr(image, path, notes, err);
 }
 
 /* IEC 61966-2-1, the other way. */

@@ -9,6 +9,12 @@
 
 #include "base/status.h"
 
+/* An image is OpenEXR (floats, linear) or PNG (8 bits, sRGB) by its name's end, .exr or .png in either case.
+ * ISO_E_USAGE for another end; option: what named it, such as "-o". */
+iso_status iso_image_check_name(const char *option, const char *path, iso_error *err);
+/* As the name says. notes: for OpenEXR, or NULL. */
+iso_status iso_image_save(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err);
+
 /* POV-Ray writes 16-bit PPM (P6, maxval 65535): linear values / 65535, A = 1. */
 iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err);
 

@@ -219,7 +219,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: isoshade %s %s", cli->argument_count, command->name,
                         command->usage);
     status = iso_words_check_range("--threads", cli->threads, 0, 1024, err);
-    /* What tf writes has names of its own beside -o; convert looks for itself. */
+    /* What tf writes has names of its own beside -o; it looks for itself. */
     return status == ISO_OK && strcmp(command->name, "tf") != 0
                ? iso_cli_refuse_overwriting(options, cli->arguments, err)
                : status;

@@ -2,17 +2,27 @@
 #include "options/overwrite.h"
 
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
+#include "base/inputs.h"
+
 static bool is_output(const struct poptOption *o)
 {
-    const char *const names[] = {"output",     "png",        "junit",     "image",
-                                 "full-image", "difference", "histogram", "summary-md"};
+    const char *const names[] = {"output",     "png",       "junit",      "image",    "full-image", "difference",
+                                 "histogram",  "summary-md", "flip-map", "csv",        "page"};
     for (size_t i = 0; o->longName && i < sizeof names / sizeof *names; ++i)
         if (strcmp(o->longName, names[i]) == 0)
             return true;
     return false;
+}
+
+/* Tables that --csv goes on with. */
+static bool is_continued(const struct poptOption *o)
+{
+    return o->longName && strcmp(o->longName, "have") == 0;
 }
 
 iso_status iso_cli_refuse_same_file(const char *output, const char *input, iso_error *err)
@@ -49,9 +59,30 @@ static iso_status visit_texts(const struct poptOption *o, visitor *v)
     return status;
 }
 
-static iso_status compare_input(visitor *v, const struct poptOption *o, const char *text)
+/* Whether two paths name one file or folder, be it there or not. */
+static bool is_one_place(const char *a, const char *b)
 {
-    return is_output(o) ? ISO_OK : iso_cli_refuse_same_file(v->output, text, v->err);
+    struct stat x, y;
+    if (stat(a, &x) == 0 && stat(b, &y) == 0)
+        return x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+    char *dir_a = iso_path_dir(a), *dir_b = iso_path_dir(b);
+    const bool is_one = dir_a && dir_b && strcmp(iso_path_base(a), iso_path_base(b)) == 0 && stat(dir_a, &x) == 0 &&
+                        stat(dir_b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+    free(dir_a);
+    free(dir_b);
+    return is_one;
+}
+
+static iso_status compare_text(visitor *v, const struct poptOption *o, const char *text)
+{
+    if (is_continued(o) || text == v->output)
+        return ISO_OK;
+    if (!is_output(o))
+        return iso_cli_refuse_same_file(v->output, text, v->err);
+    return is_one_place(v->output, text)
+               ? iso_fail(v->err, ISO_E_USAGE, "the outputs %s and %s (--%s) are one, and one would be lost", v->output,
+                          text, o->longName)
+               : ISO_OK;
 }
 
 static iso_status compare_output(visitor *v, const struct poptOption *o, const char *text)
@@ -59,9 +90,9 @@ static iso_status compare_output(visitor *v, const struct poptOption *o, const c
     if (!is_output(o))
         return ISO_OK;
     visitor inner = *v;
-    inner.visit = compare_input;
+    inner.visit = compare_text;
     inner.output = text;
-    iso_status status = ISO_OK;
+    iso_status status = iso_inputs_announce(text, v->err);
     for (const char *const *input = v->arguments; status == ISO_OK && input && *input; ++input)
         status = iso_cli_refuse_same_file(text, *input, v->err);
     return status == ISO_OK ? visit_texts(v->all, &inner) : status;

@@ -7,9 +7,9 @@
 
 #include "base/status.h"
 
-/* Compares the options of a parsed table that name outputs (-o, --png, ...) with the arguments and with what the other
- * options name. arguments ends with NULL, or is NULL. ISO_E_USAGE: an output is a regular file that is read, too, by
- * whatever name or link. */
+/* Compares the options of a parsed table that name outputs (-o, --png, ...) with the arguments, with what the other
+ * options name and with each other, and announces them (base/inputs.h). arguments ends with NULL, or is NULL.
+ * ISO_E_USAGE: an output is a regular file that is read, too, by whatever name or link, or two outputs are one. */
 iso_status iso_cli_refuse_overwriting(const struct poptOption *options, const char *const *arguments, iso_error *err);
 
 /* ISO_E_USAGE where both are one regular file. Either may be NULL. */

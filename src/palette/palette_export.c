@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "palette/palette.h"
 
 /* Nine digits: a float survives. */
@@ -62,10 +63,12 @@ static bool parse_line(const char *line, size_t wanted, float xyz[3])
 
 iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_error *err)
 {
-    char *text;
+    char *text = NULL;
     size_t size, lines = 0;
     *palette = (iso_palette){0};
-    iso_status status = iso_file_read(path, &text, &size, err);
+    iso_status status = iso_inputs_note(path, err);
+    if (status == ISO_OK)
+        status = iso_file_read(path, &text, &size, err);
     if (status != ISO_OK)
         return status;
     for (size_t i = 0; i < size; ++i)

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/inputs.h"
 #include "base/json.h"
 #include "base/parallel.h"
 #include "base/simd.h"
@@ -57,7 +58,9 @@ iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *
     const char *levels, *use;
     double count[3] = {0};
     *plan = (iso_plan_file){0};
-    iso_status status = iso_json_load(path, &root, err);
+    iso_status status = iso_inputs_note(path, err);
+    if (status == ISO_OK)
+        status = iso_json_load(path, &root, err);
     if (status != ISO_OK)
         return status;
     iso_json_reader r = {.path = path, .err = err};

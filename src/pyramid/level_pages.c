@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "pyramid/pyramid_layout.h"
 
 typedef struct paged_file {
@@ -47,7 +48,8 @@ static iso_status open_file(const char *dir, const iso_level *level, size_t k, c
     iso_layout_name(layout, k, name);
     char *header = iso_layout_header(&level->geometry, layout);
     f->path = iso_path_join(dir, name);
-    iso_status status = header && f->path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
+    iso_status status = header && f->path ? iso_inputs_note(f->path, err)
+                                          : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
     if (status == ISO_OK && (f->fd = open(f->path, O_RDONLY | O_CLOEXEC)) < 0)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", f->path, strerror(errno));
     if (status == ISO_OK) {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "base/json.h"
 #include "base/provenance.h"
 
@@ -154,10 +155,12 @@ static void put_checksum(char *text, size_t size, char *place)
 
 iso_status iso_layout_load(const char *path, json_t **root, iso_error *err)
 {
-    char *text, *place;
+    char *text = NULL, *place;
     size_t size;
     *root = NULL;
-    iso_status status = iso_file_read(path, &text, &size, err);
+    iso_status status = iso_inputs_note(path, err);
+    if (status == ISO_OK)
+        status = iso_file_read(path, &text, &size, err);
     if (status == ISO_OK)
         status = iso_json_parse(path, text, size, root, err);
     if (status != ISO_OK) {

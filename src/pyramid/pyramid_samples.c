@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "pyramid/pyramid_layout.h"
 
 #define PIECE_BYTES ((size_t)256 << 10)
@@ -102,7 +103,9 @@ iso_status iso_layout_read(const char *path, const char *header, const level_fil
     size_t bytes;
     reading r = {.path = path, .header = header, .file = f, .fd = -1};
     *data = NULL;
-    iso_status status = iso_file_open(path, &r.fd, &bytes, err);
+    iso_status status = iso_inputs_note(path, err);
+    if (status == ISO_OK)
+        status = iso_file_open(path, &r.fd, &bytes, err);
     if (status == ISO_OK)
         status = check_size(&r, count, bytes, err);
     if (status == ISO_OK) {

@@ -79,12 +79,16 @@ static iso_status begin(pyramid_build *s, const json_t *job, size_t *done, iso_e
     return status;
 }
 
+/* What is written into the folder. */
+static const char *const own_names[] = {ISO_PYRAMID_MARKER, "level_*.nrrd", STREAM_PROGRESS_NAME, STREAM_CARRY_NAME,
+                                        NULL};
+
 /* Rank 0 makes the folder, then the others open what is in it. */
 static iso_status begin_all(pyramid_build *s, const char *dir, double scale, json_t **job, size_t *done, iso_error *err)
 {
     iso_status status = ISO_OK;
     if (stream_is_first(s)) {
-        status = iso_output_resume_dir(&s->output, dir, ISO_PYRAMID_MARKER, s->how->resume, &s->resumed, err);
+        status = iso_output_resume_dir(&s->output, dir, own_names, s->how->resume, &s->resumed, err);
         *job = iso_stream_describe_job(s, scale);
         if (status == ISO_OK &&
             snprintf(s->plan.folder, sizeof s->plan.folder, "%s", s->output.temp_path) >= (int)sizeof s->plan.folder)

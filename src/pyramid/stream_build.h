@@ -18,6 +18,7 @@
 #include "pyramid/stream_input.h"
 #include "pyramid/stream_output.h"
 
+#define STREAM_PROGRESS_NAME "progress.json"
 #define STREAM_CARRY_NAME "carry.raw"
 
 /* The message from one rank to the next: this struct, the files' tails (stream_output.h), and the last planes of the

@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "pyramid/pyramid_layout.h"
 
-#define PROGRESS_NAME "progress.json"
 #define PROGRESS_SCHEMA "isoshade.progress/1"
 
 json_t *iso_stream_describe_job(const pyramid_build *s, double scale)
@@ -33,7 +32,7 @@ static iso_status save_progress(const pyramid_build *s, json_t *job, size_t plan
     }
     json_object_set_new(job, "planes", json_integer((json_int_t)planes));
     json_object_set_new(job, "ranges", ranges);
-    return iso_layout_save_json(s->output.temp_path, PROGRESS_NAME, job, err);
+    return iso_layout_save_json(s->output.temp_path, STREAM_PROGRESS_NAME, job, err);
 }
 
 iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t z, iso_error *err)
@@ -59,7 +58,7 @@ iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t
 
 iso_status iso_stream_read_progress(pyramid_build *s, const json_t *job, bool *is_same, size_t *planes, iso_error *err)
 {
-    char *path = iso_path_join(s->output.temp_path, PROGRESS_NAME);
+    char *path = iso_path_join(s->output.temp_path, STREAM_PROGRESS_NAME);
     json_t *found = NULL;
     iso_error why;
     const iso_status status = path && iso_path_exists(path) ? iso_json_load(path, &found, &why) : ISO_E_FORMAT;
@@ -124,6 +123,6 @@ static void remove_in(const char *dir, const char *name)
 
 void iso_stream_remove_progress(const pyramid_build *s)
 {
-    remove_in(s->output.temp_path, PROGRESS_NAME);
+    remove_in(s->output.temp_path, STREAM_PROGRESS_NAME);
     remove_in(s->output.temp_path, STREAM_CARRY_NAME);
 }

@@ -2,12 +2,16 @@
 #define _GNU_SOURCE
 #include "renderers/picture_store.h"
 
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -20,13 +24,119 @@ struct iso_picture_store {
     atomic_size_t taken;
 };
 
+/* ---- the folder ---- */
+
+/* Says whose the folder is. */
+#define MARKER "isoshade-pictures"
+static const char marker_text[] = "Pictures that isoshade validate keeps until its report stands.\n";
+static const char suffix[] = ".picture";
+
+enum { HASH_DIGITS = 32 };
+
+/* The marker, a picture, or the temporary of either that a killed run has left. */
+static bool is_own_name(const char *name)
+{
+    const bool is_temporary = strncmp(name, ".isoshade-", 10) == 0;
+    if (strcmp(name, MARKER) == 0 || (is_temporary && iso_path_ends_with(name, "-" MARKER)))
+        return true;
+    return iso_path_ends_with(name, suffix) &&
+           (is_temporary || (strspn(name, "0123456789abcdef") == HASH_DIGITS &&
+                             strlen(name) == HASH_DIGITS + strlen(suffix)));
+}
+
+/* What an entry of the folder is, by the folder's descriptor: nobody can put another folder in its place meanwhile. */
+typedef iso_status visitor(DIR *dir, const char *folder, const char *name, iso_error *err);
+
+static iso_status check_entry(DIR *dir, const char *folder, const char *name, iso_error *err)
+{
+    struct stat st;
+    const bool is_file = fstatat(dirfd(dir), name, &st, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(st.st_mode);
+    return is_file && is_own_name(name)
+               ? ISO_OK
+               : iso_fail(err, ISO_E_IO,
+                          "%s: %s in it is not isoshade's, so no pictures are kept there; move it away, or choose "
+                          "another output",
+                          folder, name);
+}
+
+static iso_status remove_entry(DIR *dir, const char *folder, const char *name, iso_error *err)
+{
+    if (!is_own_name(name) || unlinkat(dirfd(dir), name, 0) == 0)
+        return ISO_OK;
+    return iso_fail(err, iso_errno_status(), "%s/%s: cannot be removed: %s", folder, name, strerror(errno));
+}
+
+/* Calls visit for each entry until one fails; *count is how many there are. A folder that is not there has none. */
+static iso_status visit_folder(const char *folder, visitor *visit, size_t *count, iso_error *err)
+{
+    const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
+    iso_status status = ISO_OK;
+    *count = 0;
+    if (!dir) {
+        const int cause = errno;
+        if (fd >= 0)
+            close(fd);
+        return cause == ENOENT ? ISO_OK
+                               : iso_fail(err, ISO_E_IO, "%s: is no folder that pictures can be kept in: %s", folder,
+                                          strerror(cause));
+    }
+    for (const struct dirent *e; status == ISO_OK && (e = readdir(dir));)
+        if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0) {
+            ++*count;
+            status = visit(dir, folder, e->d_name, err);
+        }
+    closedir(dir);
+    return status;
+}
+
+iso_status iso_picture_store_check(const char *folder, iso_error *err)
+{
+    size_t count;
+    iso_status status = visit_folder(folder, check_entry, &count, err);
+    char *marker = iso_path_join(folder, MARKER);
+    if (status == ISO_OK && !marker)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
+    if (status == ISO_OK && count > 0 && !iso_path_is_file(marker))
+        status = iso_fail(err, ISO_E_IO,
+                          "%s: holds no " MARKER ", so no pictures are kept there; move it away, or choose another "
+                          "output",
+                          folder);
+    free(marker);
+    return status;
+}
+
+/* What is not the store's own stays, and so does the folder then. */
+static void remove_own(const char *folder)
+{
+    size_t count;
+    visit_folder(folder, remove_entry, &count, NULL);
+    rmdir(folder);
+}
+
+/* The marker comes first: a run that is killed in between leaves an empty folder. */
+static iso_status make_folder(const char *folder, iso_error *err)
+{
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return iso_fail(err, iso_errno_status(), "%s: the folder for pictures that are finished cannot be made: %s",
+                        folder, strerror(errno));
+    char *marker = iso_path_join(folder, MARKER);
+    const iso_status status = marker ? iso_file_write(marker, marker_text, sizeof marker_text - 1, err)
+                                     : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
+    free(marker);
+    return status;
+}
+
 iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_store **store, iso_error *err)
 {
     *store = NULL;
-    if (!keep)
-        iso_remove_tree(folder);
-    if (mkdir(folder, 0777) != 0 && !iso_path_is_dir(folder))
-        return iso_fail(err, ISO_E_IO, "%s: the folder for pictures that are finished cannot be made", folder);
+    iso_status status = iso_picture_store_check(folder, err);
+    if (status == ISO_OK && !keep)
+        remove_own(folder);
+    if (status == ISO_OK)
+        status = make_folder(folder, err);
+    if (status != ISO_OK)
+        return status;
     iso_picture_store *s = calloc(1, sizeof *s);
     if (!s || !(s->folder = strdup(folder))) {
         free(s);
@@ -41,7 +151,7 @@ void iso_picture_store_close(iso_picture_store *store, bool remove)
     if (!store)
         return;
     if (remove)
-        iso_remove_tree(store->folder);
+        remove_own(store->folder);
     free(store->folder);
     free(store);
 }
@@ -152,8 +262,8 @@ static char *path_of(const iso_picture_store *s, const iso_render_request *q, co
     add_level(h, q->pyramid, q->level);
     const XXH128_hash_t hash = XXH3_128bits_digest(h);
     XXH3_freeState(h);
-    if (asprintf(&path, "%s/%016llx%016llx.picture", s->folder, (unsigned long long)hash.high64,
-                 (unsigned long long)hash.low64) < 0)
+    if (asprintf(&path, "%s/%016llx%016llx%s", s->folder, (unsigned long long)hash.high64,
+                 (unsigned long long)hash.low64, suffix) < 0)
         return NULL;
     return path;
 }

@@ -13,9 +13,12 @@
 
 typedef struct iso_picture_store iso_picture_store;
 
-/* The folder is made. keep: what is in it is taken, else it is emptied first. */
+/* ISO_E_IO, with the first entry that is not the store's own: the folder is absent, empty, or has been made by a store
+ * and holds nothing else. Links are not followed. */
+iso_status iso_picture_store_check(const char *folder, iso_error *err);
+/* The folder is made, if it passes that check. keep: pictures in it are taken, else they are removed first. */
 iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_store **store, iso_error *err);
-/* remove: the folder, too. NULL: nothing. */
+/* remove: the store's own files, and the folder where it holds no others. NULL: nothing. */
 void iso_picture_store_close(iso_picture_store *store, bool remove);
 
 /* Nothing of a renderer is kept before its version is known. */

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "scene/roi.h"
 
 static iso_vec3 vec3_of(const double v[3])
@@ -315,9 +316,11 @@ iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *
 
 iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
 {
-    json_t *root;
+    json_t *root = NULL;
     *scene = (iso_scene){0};
-    iso_status status = iso_json_load(path, &root, err);
+    iso_status status = iso_inputs_note(path, err);
+    if (status == ISO_OK)
+        status = iso_json_load(path, &root, err);
     if (status != ISO_OK)
         return status;
     status = iso_scene_from_json(root, path, scene, err);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 
 #define ISO_TF_FORMAT_DECLARE(name) extern const iso_tf_format iso_tf_format_##name;
 ISO_TF_FORMAT_LIST(ISO_TF_FORMAT_DECLARE)
@@ -115,7 +116,9 @@ iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_t
     iso_tf_file file = {.path = path, .request = request};
     const iso_tf_format *other;
     *tf = (iso_tf){0};
-    iso_status status = iso_file_read(path, &text, &file.size, err);
+    iso_status status = iso_inputs_note(path, err);
+    if (status == ISO_OK)
+        status = iso_file_read(path, &text, &file.size, err);
     if (status != ISO_OK)
         return status;
     if (file.size > MOST_BYTES) {

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "base/manifest.h"
@@ -171,6 +172,15 @@ iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_b
     return status;
 }
 
+/* One that was not fit to be read: it is an input, which no output replaces. */
+static void remove_stored(const char *dir, const iso_joint_key *key)
+{
+    char *path = file_path(dir, key);
+    if (path)
+        unlink(path);
+    free(path);
+}
+
 iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joint_key *key, int threads, iso_joint *j,
                             iso_error *err)
 {
@@ -193,7 +203,9 @@ iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joi
     if (status == ISO_OK)
         status = iso_joint_compute(fine->scalar ? p : &whole, level, bits, second, threads, j, err);
     iso_pyramid_destroy(&whole);
-    if (status == ISO_OK && dir)
+    if (status == ISO_OK && dir) {
+        remove_stored(dir, key);
         iso_joint_save(j, dir, level, bits, NULL); /* a cache: without it the next run counts again */
+    }
     return status;
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "base/json.h"
 
 enum { MOST_BYTES = 64 << 20 };
@@ -162,7 +163,9 @@ iso_status iso_file_list_read(const char *path, iso_file_list *list, iso_error *
     char *text = NULL;
     size_t size = 0;
     *list = (iso_file_list){0};
-    iso_status status = iso_file_read(path, &text, &size, err);
+    iso_status status = iso_inputs_note(path, err);
+    if (status == ISO_OK)
+        status = iso_file_read(path, &text, &size, err);
     if (status == ISO_OK && size > MOST_BYTES)
         status = iso_fail(err, ISO_E_FORMAT, "%s: %zu bytes, too many for a list of files", path, size);
     if (status == ISO_OK)

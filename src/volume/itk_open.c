@@ -6,24 +6,29 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "volume/child.h"
 
 /* How the files begin that are known without ITK, so that a message can name it where it is missing. */
-static bool has_known_start(const char *path)
+typedef struct start {
+    size_t at, size;
+    const char *bytes;
+} start;
+
+static const start starts[] = {
+    {128, 4, "DICM"}, {0, 8, "\x89PNG\r\n\x1a\n"}, {0, 3, "\xff\xd8\xff"}, /* JPEG */
+};
+
+/* With one of the first `count`. */
+static bool has_known_start(const char *path, size_t count)
 {
-    static const struct {
-        size_t at, size;
-        const char *bytes;
-    } starts[] = {
-        {128, 4, "DICM"}, {0, 8, "\x89PNG\r\n\x1a\n"}, {0, 3, "\xff\xd8\xff"}, /* JPEG */
-    };
     char head[256];
     FILE *f = fopen(path, "rb");
     const size_t size = f ? fread(head, 1, sizeof head, f) : 0;
     const bool is_unread = !f || ferror(f); /* which is told when it is opened */
     if (f)
         fclose(f);
-    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; ++i)
+    for (size_t i = 0; i < count; ++i)
         if (size >= starts[i].at + starts[i].size && memcmp(head + starts[i].at, starts[i].bytes, starts[i].size) == 0)
             return true;
     return is_unread;
@@ -46,13 +51,32 @@ static bool holds_files(const char *path)
 
 static bool can_read(const char *path)
 {
-    return iso_path_is_dir(path) ? holds_files(path) : has_known_start(path);
+    return iso_path_is_dir(path) ? holds_files(path) : has_known_start(path, sizeof starts / sizeof *starts);
+}
+
+/* What ITK reads of a folder: of a series the files that say that they are DICOM, of pictures all. */
+static iso_status note_slices(const char *folder, bool is_series, iso_error *err)
+{
+    DIR *dir = opendir(folder);
+    iso_status status = ISO_OK;
+    for (const struct dirent *entry; dir && status == ISO_OK && (entry = readdir(dir));) {
+        char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(folder, entry->d_name);
+        if (file && iso_path_is_file(file) && (!is_series || has_known_start(file, 1)))
+            status = iso_inputs_note(file, err);
+        free(file);
+    }
+    if (dir)
+        closedir(dir);
+    return status;
 }
 
 static iso_status open_itk(iso_volume_source *source, iso_error *err)
 {
     static const iso_child_program itk = {"isoshade-itk", "ITK", "libinsighttoolkit5-dev"};
-    return iso_child_open(source, &itk, source->hints.series, err);
+    const iso_status status = iso_child_open(source, &itk, source->hints.series, err);
+    return status == ISO_OK && iso_path_is_dir(source->path)
+               ? note_slices(source->path, source->header.notes.world_is_ras, err)
+               : status;
 }
 
 const iso_volume_format iso_volume_format_itk = {

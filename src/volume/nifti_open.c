@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/inputs.h"
 #include "volume/stream_kernel.h"
 
 /* What both versions say; of the first the numbers were shorter. */
@@ -255,8 +256,8 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
         return iso_fail(err, ISO_E_FORMAT, "%s: a header alone (\"ni1\", \"ni2\") is named .hdr, its samples .img",
                         source->path);
     struct stat st;
-    iso_status status = ISO_OK;
-    source->gz = stat(image, &st) == 0 && S_ISREG(st.st_mode) ? gzopen(image, "rb") : NULL;
+    iso_status status = iso_inputs_note(image, err);
+    source->gz = status == ISO_OK && stat(image, &st) == 0 && S_ISREG(st.st_mode) ? gzopen(image, "rb") : NULL;
     size_t offset = (size_t)h->vox_offset;
     if (source->gz) {
         gzbuffer(source->gz, 1 << 18); /* before the first look into it */

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "volume/file_list.h"
 #include "volume/frames.h"
 
@@ -91,13 +92,15 @@ static bool find_files(const char *path, const char *base, numbered_files *files
 }
 
 static iso_status choose_file(const char *path, const iso_volume_hints *hints,
-                              const char *chosen_of(const void *, size_t), const void *files, iso_frame_file *found,
+                              const char *name_of(const void *, size_t), const void *files, iso_frame_file *found,
                               iso_error *err)
 {
     const iso_volume_hints none = {0};
     const iso_extra_axes axes = {.frame = {.count = found->count}, .frame_step = found->step};
     iso_status status = iso_frames_choose(path, hints ? hints : &none, &axes, &found->frame, err);
-    if (status == ISO_OK && !(found->path = strdup(chosen_of(files, found->frame))))
+    for (size_t i = 0; status == ISO_OK && i < found->count; ++i) /* all: an output of one is no other's place */
+        status = iso_inputs_note(name_of(files, i), err);
+    if (status == ISO_OK && !(found->path = strdup(name_of(files, found->frame))))
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     return status;
 }

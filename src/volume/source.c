@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "volume/stream_kernel.h"
 #include "volume/unit.h"
 
@@ -74,6 +75,8 @@ iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err
 static iso_status open_at(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
 {
     iso_status status = iso_source_check_regular(path, err);
+    if (status == ISO_OK)
+        status = iso_inputs_note(path, err);
     if (status != ISO_OK)
         return status;
     source->file = fopen(path, "rb");
@@ -284,6 +287,8 @@ static iso_status finish_choice(iso_volume_source *s, iso_error *err)
 static iso_status open_one(const char *path, const iso_volume_hints *hints, iso_volume_source **source, iso_error *err)
 {
     iso_status status = new_source(path, hints, source, err);
+    if (status == ISO_OK)
+        status = iso_inputs_note((*source)->path, err);
     if (status == ISO_OK)
         status = open_by_content(*source, err);
     if (status == ISO_OK)

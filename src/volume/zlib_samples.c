@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/inputs.h"
 #include "volume/stream_kernel.h"
 
 enum { INPUT_BYTES = 1 << 16 };
@@ -87,9 +88,11 @@ iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, siz
     source->reader = r;
     source->read_planes = read_zlib;
     source->close_reader = close_zlib;
-    const iso_status regular = iso_source_check_regular(path, err);
-    if (regular != ISO_OK)
-        return regular;
+    iso_status status = iso_source_check_regular(path, err);
+    if (status == ISO_OK)
+        status = iso_inputs_note(path, err);
+    if (status != ISO_OK)
+        return status;
     r->file = fopen(path, "rb");
     if (!r->file || fseeko(r->file, (off_t)offset, SEEK_SET) != 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be read at byte %zu: %s", path, offset, strerror(errno));

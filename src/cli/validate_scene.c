@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#include "cli/validate_scene.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "base/file.h"
+#include "base/inputs.h"
+#include "base/json.h"
+
+/* What the comment of a scene has to be, to be freed; NULL: no memory. A number that is read back is written the same. */
+static char *comment_of(const json_t *scene)
+{
+    json_t *rest = json_copy((json_t *)scene);
+    json_object_del(rest, "comment");
+    char *text = rest ? json_dumps(rest, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(9)) : NULL;
+    char *comment = NULL;
+    if (text && asprintf(&comment, "As isoshade validate wrote it: xxh3_64 %016" PRIx64,
+                         (uint64_t)XXH3_64bits(text, strlen(text))) < 0)
+        comment = NULL;
+    free(text);
+    json_decref(rest);
+    return comment;
+}
+
+static bool is_as_written(const char *path)
+{
+    json_t *scene = NULL;
+    if (iso_json_load(path, &scene, NULL) != ISO_OK)
+        return false;
+    char *comment = comment_of(scene);
+    const char *found = json_string_value(json_object_get(scene, "comment"));
+    const bool same = comment && found && strcmp(comment, found) == 0;
+    free(comment);
+    json_decref(scene);
+    return same;
+}
+
+iso_status iso_validate_scene_name(const char *report, char **path, iso_error *err)
+{
+    if (asprintf(path, "%s.scene.json", report) < 0) {
+        *path = NULL;
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    }
+    return iso_inputs_announce(*path, err);
+}
+
+iso_status iso_validate_scene_guard(const char *path, iso_error *err)
+{
+    if (!iso_path_exists(path) || is_as_written(path))
+        return ISO_OK;
+    return iso_fail(err, ISO_E_IO,
+                    "%s: was changed since isoshade wrote it, or is not from isoshade, and the report's scene would "
+                    "replace it; move it away, or choose another output",
+                    path);
+}
+
+iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso_error *err)
+{
+    json_t *root = iso_scene_to_json(scene);
+    char *comment = root ? comment_of(root) : NULL;
+    iso_status status = ISO_OK;
+    if (!comment || json_object_set_new(root, "comment", json_string(comment)) != 0)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (status == ISO_OK)
+        status = iso_json_save(path, root, err);
+    free(comment);
+    json_decref(root);
+    return status;
+}

@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+/* Files that one command reads and writes: known by what they are, not by their names. */
+#define _GNU_SOURCE
+#include "test.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/inputs.h"
+
+/* Temporaries of this process, as those of folder.h are, are no inputs. */
+static char *folder;
+
+static int make_folder(void **state)
+{
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    return asprintf(&folder, "%s/inputs-XXXXXX", base && *base ? base : "/tmp") > 0 && mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    iso_remove_tree(folder);
+    free(folder);
+    return 0;
+}
+
+static char *make_file(const char *name)
+{
+    char *path = iso_path_join(folder, name);
+    assert_ok(iso_file_write(path, name, strlen(name), &err));
+    return path;
+}
+
+/* The first test: nobody watches yet. */
+static void a_program_may_save_what_it_has_loaded(void **state)
+{
+    (void)state;
+    char *path = make_file("a");
+    assert_ok(iso_inputs_note(path, &err));
+    assert_ok(iso_file_write(path, "b", 1, &err));
+    free(path);
+    iso_inputs_watch();
+}
+
+static void an_output_that_was_announced_is_no_input(void **state)
+{
+    (void)state;
+    char *path = make_file("b"), *link = iso_path_join(folder, "link");
+    assert_int_equal(symlink(path, link), 0);
+    assert_ok(iso_inputs_announce(path, &err));
+    assert_status(iso_inputs_note(link, &err), ISO_E_USAGE);
+    free(link);
+    free(path);
+}
+
+static void nor_is_an_input_an_output_later(void **state)
+{
+    (void)state;
+    char *path = make_file("c"), *other = iso_path_join(folder, "hard");
+    assert_int_equal(link(path, other), 0);
+    assert_ok(iso_inputs_note(path, &err));
+    assert_ok(iso_inputs_note(path, &err));
+    assert_status(iso_inputs_announce(other, &err), ISO_E_USAGE);
+    assert_status(iso_inputs_check(other, &err), ISO_E_USAGE);
+    assert_status(iso_file_write(other, "", 0, &err), ISO_E_USAGE);
+    free(other);
+    free(path);
+}
+
+static void what_is_not_there_is_neither(void **state)
+{
+    (void)state;
+    char *path = iso_path_join(folder, "nothing");
+    assert_ok(iso_inputs_announce(path, &err));
+    assert_ok(iso_inputs_note(path, &err));
+    assert_ok(iso_inputs_note(folder, &err));
+    assert_ok(iso_inputs_check(path, &err));
+    free(path);
+}
+
+/* What a command writes and reads again, such as a scene beside a report. */
+static void an_output_that_was_written_may_be_read(void **state)
+{
+    (void)state;
+    char *path = make_file("d");
+    assert_ok(iso_inputs_announce(path, &err));
+    assert_ok(iso_file_write(path, "new", 3, &err));
+    assert_ok(iso_inputs_note(path, &err));
+    free(path);
+}
+
+static void a_folder_is_not_replaced_where_a_file_of_it_is_read(void **state)
+{
+    (void)state;
+    iso_output out;
+    char *path = iso_path_join(folder, "dir"), *file = iso_path_join(path, "marker");
+    for (int run = 0; run < 2; ++run) { /* the second replaces the first */
+        assert_ok(iso_output_begin_dir(&out, path, "marker", &err));
+        char *inside = iso_path_join(out.temp_path, "marker");
+        assert_ok(iso_file_write(inside, "", 0, &err));
+        assert_ok(iso_output_commit(&out, &err));
+        free(inside);
+    }
+    assert_ok(iso_inputs_note(file, &err));
+    assert_status(iso_output_begin_dir(&out, path, "marker", &err), ISO_E_USAGE);
+    free(file);
+    free(path);
+}
+
+static void threads_note_at_once(void **state)
+{
+    (void)state;
+    enum { FILES = 64, ROUNDS = 16 };
+    char *paths[FILES];
+    for (int i = 0; i < FILES; ++i) {
+        char name[16];
+        snprintf(name, sizeof name, "t%d", i);
+        paths[i] = make_file(name);
+    }
+    size_t failed = 0;
+#pragma omp parallel for num_threads(4) reduction(+ : failed)
+    for (int i = 0; i < FILES * ROUNDS; ++i)
+        failed += iso_inputs_note(paths[i % FILES], NULL) != ISO_OK;
+    assert_int_equal(failed, 0);
+    for (int i = 0; i < FILES; ++i) {
+        assert_status(iso_inputs_check(paths[i], &err), ISO_E_USAGE);
+        free(paths[i]);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_program_may_save_what_it_has_loaded),
+        cmocka_unit_test(an_output_that_was_announced_is_no_input),
+        cmocka_unit_test(nor_is_an_input_an_output_later),
+        cmocka_unit_test(what_is_not_there_is_neither),
+        cmocka_unit_test(an_output_that_was_written_may_be_read),
+        cmocka_unit_test(a_folder_is_not_replaced_where_a_file_of_it_is_read),
+        cmocka_unit_test(threads_note_at_once),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
