@@ -101,7 +101,7 @@ CAST place mixed_place_of(const iso_cast *c, const points *p, vi mask)
         stay_inside(c, cell, part);
     const vi brick = (cell[0] >> shift) + ((cell[1] >> shift) << c->places_shift[0]) +
                      ((cell[2] >> shift) << c->places_shift[1]);
-    const vi where = GATHER(c->places, brick & mask, 4), is_left_out = where >> 31;
+    const vi where = GATHER(c->places, brick & mask, 4), is_left_out = where < 0;
     const vi level = where & ((1 << ISO_CAST_LEVEL_BITS) - 1) & ~is_left_out;
     /* a place in the brick is a number of PART_BITS and cells_shift bits: the upper ones are the cell of its level */
     const vi bits = level + PART_BITS, below = (all_int(1) << bits) - 1, t = shift - level;

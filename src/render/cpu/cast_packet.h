@@ -251,7 +251,7 @@ typedef struct sample {
 CAST void look_at_place(const iso_cast *c, sample *s, vf whole, vi mask)
 {
     if (c->places) {
-        mask &= ~(s->place.voxel >> 31);
+        mask &= s->place.voxel >= 0;
         s->place.voxel &= mask;
     }
     s->entry = entry_at(c, &s->at, &s->place);
