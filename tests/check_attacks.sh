@@ -108,7 +108,7 @@ python_with numpy
 import json, shutil, sys
 sys.path.insert(0, sys.argv[1])
 from read_iso import write_description
-for name in ("pov", "range", "forged", "boxed", "lower"):
+for name in ("pov", "range", "forged", "boxed", "lower", "named"):
     shutil.copytree("s.iso", f"{name}.iso")
     about = json.load(open(f"{name}.iso/pyramid.json"))
     if name == "pov":
@@ -117,6 +117,9 @@ for name in ("pov", "range", "forged", "boxed", "lower"):
     elif name == "forged":
         about["levels"][0].update(min=2, max=-2)
         write_description("forged.iso/pyramid.json", about)
+    elif name == "named":
+        about["segments"] = [{"label": 1, "name": "a\n#fopen F \"PWNED\" write\n//"}]
+        write_description("named.iso/pyramid.json", about)
     elif name == "lower":
         about["levels"][0]["min"] = -1
         write_description("lower.iso/pyramid.json", about)
@@ -126,10 +129,25 @@ for name in ("pov", "range", "forged", "boxed", "lower"):
     else:
         about["levels"][0]["min"] = 4096
         json.dump(about, open("range.iso/pyramid.json", "w"), indent=2)
+# What OME-Zarr calls its channels.
+import os
+os.makedirs("named.zarr/0")
+json.dump({"omero": {"channels": [{"label": "\x1b[2J\n"}, {"label": "GFP"}]}, "multiscales": [{
+    "axes": [{"name": "c", "type": "channel"}] + [{"name": n, "type": "space", "unit": "millimeter"} for n in "zyx"],
+    "datasets": [{"path": "0", "coordinateTransformations": [{"type": "scale", "scale": [1, 1, 1, 1]}]}]}]},
+    open("named.zarr/.zattrs", "w"))
+json.dump({"zarr_format": 2, "shape": [2] * 4, "chunks": [2] * 4, "dtype": "|u1", "order": "C", "fill_value": 0,
+           "compressor": None, "filters": None}, open("named.zarr/0/.zarray", "w"))
+open("named.zarr/.zgroup", "w").write('{"zarr_format": 2}')
+open("named.zarr/0/0.0.0.0", "wb").write(bytes(range(16)))
 import bz2
 open("b.nrrd", "wb").write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1024 1024 1024\nencoding: bzip2\n\n" + bz2.compress(b"\0" * 100))
 PY
 check statements_in_a_source_are_refused ends 4 'control character' isoshade export pov.iso --to povray -o pov
+check so_they_are_in_a_label_s_name ends 4 '"name": holds a control character' isoshade export named.iso --to povray -o named
+isoshade info named.zarr --channel 0 >said.txt
+check a_channel_s_name_is_shown grep -q 'channels   2, this is 0 (from 0):  \[2J ' said.txt
+notice but_not_its_control_characters grep -q $'\x1b' said.txt
 check a_changed_description_is_refused ends 4 'was changed since it was written' isoshade info range.iso
 check so_it_is_by_what_reads_the_outline_alone ends 4 'was changed since it was written' isoshade tf adapt range.iso \
     --tf "${shells%.scene.json}.tf.json" --level 1 -o adapted.tf.json
