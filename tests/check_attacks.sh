@@ -144,7 +144,8 @@ import bz2
 open("b.nrrd", "wb").write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1024 1024 1024\nencoding: bzip2\n\n" + bz2.compress(b"\0" * 100))
 PY
 check statements_in_a_source_are_refused ends 4 'control character' isoshade export pov.iso --to povray -o pov
-check so_they_are_in_a_label_s_name ends 4 '"name": holds a control character' isoshade export named.iso --to povray -o named
+check so_they_are_in_a_label_s_name ends 4 '"name": holds a control character' \
+    isoshade export named.iso --to povray -o named
 isoshade info named.zarr --channel 0 >said.txt
 check a_channel_s_name_is_shown grep -q 'channels   2, this is 0 (from 0):  \[2J ' said.txt
 notice but_not_its_control_characters grep -q $'\x1b' said.txt

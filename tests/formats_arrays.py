@@ -42,6 +42,11 @@ def cube():
     with open("orbitals.cube", "w", encoding="ascii") as file:
         file.writelines([*lines[:2], lines[2].replace("2", "-2", 1), *lines[3:8], "    2    5    6\n", *lines[8:]])
     refused("orbitals.cube", 4, "2 values a voxel (orbitals)")
+    for more, why in (("\n1", "too long: more follows the 60 numbers"), ("\nEND", "too long: more follows"),
+                      ("0" * 80, "a word of more than 63 letters after 59 of 60 numbers")):
+        with open("more.cube", "w", encoding="ascii") as file:
+            file.writelines([*lines, more])
+        refused("more.cube", 4, why)
 
 
 @case
@@ -56,6 +61,10 @@ def xsf():
     with open("two.xsf", "wb") as file:
         file.write(data + data)
     refused("two.xsf", 4, "has several grids")
+    end = data.index(b"END_DATAGRID_3D")
+    with open("more.xsf", "wb") as file:
+        file.write(data[:end] + b" 1\n" + data[end:])
+    refused("more.xsf", 4, "too long: more follows the 60 numbers")
 
 
 # ---- HDF5 by h5py, netCDF by netCDF4, MINC by its own tools, OME-Zarr by zarr ----

@@ -137,8 +137,10 @@ static void a_description_with_impossible_values_is_refused(void **state)
         {"\"options\"", "\"segments\": [{\"label\": 65536, \"name\": \"a\"}], \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [{\"label\": 1}], \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\\nb\"}], \"options\"", ISO_E_FORMAT},
-        {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\", \"color\": [0, 0]}], \"options\"", ISO_E_FORMAT},
-        {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\", \"color\": [0, 2, 0]}], \"options\"", ISO_E_RANGE},
+        {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\", \"color\": [0, 0]}], \"options\"",
+         ISO_E_FORMAT},
+        {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\", \"color\": [0, 2, 0]}], \"options\"",
+         ISO_E_RANGE},
     };
     iso_volume v = noise(6, 5, 4);
     iso_pyramid_options opt = iso_pyramid_defaults();

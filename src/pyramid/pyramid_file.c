@@ -125,12 +125,13 @@ static iso_status check_bytes(iso_json_reader *r, const json_t *entry, const cha
     size_t said = 0;
     iso_json_get_size(r, entry, "bytes", true, 0, INT64_MAX, &said);
     if (r->status == ISO_OK && said != bytes)
-        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"bytes\" of %s is %zu, must be %zu by its size and type", r->path,
-                             name, said, bytes);
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"bytes\" of %s is %zu, must be %zu by its size and type",
+                             r->path, name, said, bytes);
     return r->status;
 }
 
-/* Reads one file, checks it, and leaves its samples as float (codes: as bytes) in *data. NULL: its entry is checked alone. */
+/* Reads one file, checks it, and leaves its samples as float (codes: as bytes) in *data. NULL: its entry is checked
+ * alone. */
 static iso_status load_file(const char *dir, const iso_geometry *g, const level_file *f, iso_json_reader *r,
                             const json_t *files, void **data, iso_error *err)
 {
@@ -166,7 +167,8 @@ static void geometry_from_json(iso_json_reader *r, const json_t *object, iso_geo
     for (int a = 0; a < 3 && r->status == ISO_OK; ++a) {
         g->size[a] = (size_t)size[a];
         if ((double)g->size[a] != size[a])
-            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"size\" holds %g, must be whole numbers", r->path, size[a]);
+            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"size\" holds %g, must be whole numbers", r->path,
+                                 size[a]);
     }
     if (r->status == ISO_OK)
         r->status = iso_geometry_check(g, r->path, r->err);

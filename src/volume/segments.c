@@ -31,8 +31,9 @@ static void check_segment(iso_json_reader *r, size_t number, const json_t *segme
         r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"segments\": entry %zu is not an object", r->path, number);
     else if (!json_is_integer(label) || json_integer_value(label) < ISO_SEGMENTS_LABEL_MIN ||
              json_integer_value(label) > ISO_SEGMENTS_LABEL_MAX)
-        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"label\" of entry %zu of \"segments\": no whole number, %d to %d",
-                             r->path, number, ISO_SEGMENTS_LABEL_MIN, ISO_SEGMENTS_LABEL_MAX);
+        r->status = iso_fail(r->err, ISO_E_FORMAT,
+                             "%s: \"label\" of entry %zu of \"segments\": no whole number, %d to %d", r->path, number,
+                             ISO_SEGMENTS_LABEL_MIN, ISO_SEGMENTS_LABEL_MAX);
     iso_json_get_string(r, segment, "name", true, &name);
     iso_json_get_numbers(r, segment, "color", false, &(iso_json_list){color, 3, 0, 1});
 }

@@ -42,6 +42,17 @@ iso_status iso_source_check_bytes(const iso_volume_source *source, double availa
                     g->size[2], iso_type_name(source->header.type), times, need);
 }
 
+iso_status iso_source_check_packed(const iso_volume_source *source, const char *path, double packed, double most,
+                                   iso_error *err)
+{
+    const size_t need = iso_source_bytes(source);
+    return (double)need <= most * packed
+               ? ISO_OK
+               : iso_fail(err, ISO_E_FORMAT,
+                          "%s: truncated: %.0f compressed bytes cannot hold the %zu that the sizes need", path, packed,
+                          need);
+}
+
 iso_status iso_source_check_regular(const char *path, iso_error *err)
 {
     struct stat st;
