@@ -350,6 +350,37 @@ def ome_zarr():
         json.dump({"zarr_format": 2, "shape": [2, 1 << 24, 2], "chunks": [2, 2, 2], "dtype": "<u2", "compressor": None,
                    "fill_value": 0, "order": "C", "filters": None}, file)
     refused("many.zarr", 4, "more than 2097152 chunks")  # each of which would be looked for
+    empty_chunks()
+
+
+def empty_chunks():
+    """Chunks that are not there are of the fill value: of a large volume not all. And axes without coordinates."""
+    def describe(folder, shape, chunks, axes):
+        os.makedirs(folder)
+        with open(f"{folder}/.zarray", "w", encoding="ascii") as file:
+            json.dump({"zarr_format": 2, "shape": shape, "chunks": chunks, "dtype": "|u1", "compressor": None,
+                       "fill_value": 0, "order": "C", "filters": None}, file)
+        with open(f"{folder}/.zattrs", "w", encoding="ascii") as file:
+            json.dump({"_ARRAY_DIMENSIONS": axes}, file)
+    for number, (shape, chunks) in enumerate((([2000000000, 1, 1], [1000000, 1, 1]), ([3000] * 3, [1, 3000, 3000]))):
+        describe(f"void{number}.zarr", shape, chunks, list("zyx"))
+        refused(f"void{number}.zarr", 4, "its chunks have 0 bytes, each of which may stand for 131072 of samples",
+                ["--spacing", "1"])
+    # Of 3000 chunks of 30 kB one is there; and of 512 small ones none.
+    describe("sparse.zarr", [3000, 300, 100], [1, 300, 100], list("zyx"))
+    with open("sparse.zarr/7.0.0", "wb") as file:
+        file.write(bytes([5]) * 30000)
+    describe("small.zarr", [16] * 3, [2] * 3, list("zyx"))
+    for folder, most in ("sparse.zarr", 5), ("small.zarr", 0):
+        got = json.loads(run("info", folder, "--spacing", "1", "--json").stdout)
+        expect(got["max"] == most, f"{folder}: largest value {got['max']}")
+    os.makedirs("none.zarr")
+    with open("none.zarr/.zgroup", "w", encoding="ascii") as file:
+        file.write('{"zarr_format": 2}')
+    describe("none.zarr/v", [2, 2, 2], [2, 2, 2], list("zyx"))
+    for axis in "zyx":
+        describe(f"none.zarr/{axis}", [0], [1], [axis])
+    refused("none.zarr:v", 4, "does not say the spacing of its voxels")
 
 
 # ---- OpenVDB by its own module, and by isoshade ----
