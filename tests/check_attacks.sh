@@ -162,6 +162,14 @@ check a_pipe_is_no_level ends 3 'not a regular file' timeout 60 "$ISOSHADE" info
 check memory_is_not_taken_for_what_cannot_be_there ends 4 'bytes of bzip2 cannot hold' isoshade info b.nrrd
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 999999999\nencoding: raw\ndata file: %%d.raw 0 999999998 1\n' >many.nhdr
 check a_thousand_million_names_are_not_made ends 5 'names 999999999 data files' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.nhdr'
+{
+    echo '<VTKFile type="Collection"><Collection>'
+    printf '<DataSet file="%d.vti"/>\n' {1..60000}
+    echo '</Collection></VTKFile>'
+} >many.pvd
+check a_list_of_many_files_is_read_once ends 2 'has 60000 frames' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.pvd'
+mkdir only_a_pipe && mkfifo only_a_pipe/slice.png
+check a_folder_of_a_pipe_has_no_slice ends 4 'holds no regular file' isoshade info only_a_pipe
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: fifo.scene.json\n' >fifo.nhdr
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nencoding: raw\ndata file: LIST\nfifo.scene.json\nnone\n' >list.nhdr
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nencoding: raw\ndata file: fifo%%d.raw 1 2 1\n' >numbers.nhdr

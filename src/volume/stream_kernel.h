@@ -60,8 +60,8 @@ iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_lay
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);
 /* Deflate, of zlib and gzip, packs no more bytes into one. */
 enum { ISO_SOURCE_DEFLATE_MOST = 1032 };
-/* Before memory is asked for: ISO_E_FORMAT where `packed` bytes of the file `path`, each of which holds `most` of samples
- * at most, cannot hold all that the sizes need. */
+/* Before memory is asked for: ISO_E_FORMAT where `packed` bytes of the file `path`, each of which holds `most` bytes of
+ * samples at most, cannot hold all that the sizes need. */
 iso_status iso_source_check_packed(const iso_volume_source *source, const char *path, double packed, double most,
                                    iso_error *err);
 /* ISO_E_IO where the path names no regular file: a pipe would be waited for. */

@@ -276,6 +276,8 @@ private:
             if (entry.is_regular_file() && entry.path().filename().string()[0] != '.')
                 files.push_back(path);
         }
+        if (files.empty())
+            fail(ISO_E_FORMAT, folder + ": holds no regular file, which a slice is");
         std::sort(files.begin(), files.end(), comes_before);
         for (const auto &file : files)
             slices_.push_back(open_slice(file));
