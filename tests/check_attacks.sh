@@ -101,6 +101,11 @@ quoted="a'; system('touch PWNED'); print 'x"
 mkdir "$quoted"
 check a_picture_of_any_name isoshade tf show "${shells%.scene.json}.tf.json" -o "$quoted.png" -q
 check so_by_any_command isoshade tf triangle s.iso --level 1 --tf "${shells%.scene.json}.tf.json" -o "$quoted.svg" -q
+check so_one_of_two_quotes isoshade tf show "${shells%.scene.json}.tf.json" -o "a''z.png" --no-sandbox -q
+cp "${shells%.scene.json}.tf.json" "a''z.tf.json"
+check and_a_title_of_two isoshade tf show "a''z.tf.json" -o titled.png -q
+check which_is_written_itself test -s "a''z.png" -a ! -e "a'z.png"
+check and_nothing_else test -z "$(find . -name '.isoshade-*z.png')"
 check in_any_folder_of_temporaries env TMPDIR="$PWD/$quoted" "$ISOSHADE" tf show "${shells%.scene.json}.tf.json" -o plain.png -q
 check has_that_name test -s "$quoted.png" -a -s "$quoted.svg" -a ! -e PWNED -a ! -e "$quoted/PWNED"
 python_with numpy
