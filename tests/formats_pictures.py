@@ -44,6 +44,7 @@ def tiff_and_jpeg_stacks():
         decoded.append(numpy_support.vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).reshape(pixels.shape)[::-1])
     for folder, wanted, last in ("tiffs", values, "slice15.tif"), ("jpegs", np.stack(decoded), "slice15.jpg"):
         refused(folder, 4, "does not say the spacing of its voxels, as pictures do not")
+        refused(folder, 2, "holds no series", ["--spacing", "1", "--series", "1"])
         same(folder, wanted, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
         cut(f"{folder}/{last}", "short", 0.5)
         os.replace("short", f"{folder}/{last}")

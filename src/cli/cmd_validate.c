@@ -293,7 +293,7 @@ static iso_status write_scene(const iso_validate_arguments *a, const iso_scene *
 
 static bool has_own_scene(const iso_validate_arguments *a)
 {
-    return !a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0;
+    return !a->look.scene || a->look.tf || a->look.view || a->look.zoom;
 }
 
 /* The scene file as it is, with --size at most; any other is written and read again, so that reports can repeat it. */

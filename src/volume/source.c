@@ -227,12 +227,20 @@ static void list_formats(char *text, size_t size)
                                        f->starts);
 }
 
+static iso_status refuse_series(const iso_volume_source *s, iso_error *err)
+{
+    return iso_fail(err, ISO_E_USAGE, "%s: is one volume, --series %s chooses among those of a folder of DICOM slices",
+                    s->path, s->hints.series);
+}
+
 static iso_status open_as(const iso_volume_format *f, iso_volume_source *s, iso_error *err)
 {
     if (s->part && !f->takes_part)
         return iso_fail(err, ISO_E_USAGE,
                         "%s:%s: a file of this kind (%s) is one volume, \":%s\" names none of several", s->path,
                         s->part, f->title, s->part);
+    if (s->hints.series && !(f->takes_series && iso_path_is_dir(s->path)))
+        return refuse_series(s, err);
     return f->open(s, err);
 }
 

@@ -114,6 +114,8 @@ public:
             open_file(path);
         else if (const auto all = series_in(path); !all.empty())
             open_series(choose(all, series, path), path);
+        else if (series)
+            fail(ISO_E_USAGE, path + ": holds no series, --series chooses among those of a folder of DICOM slices");
         else
             open_pictures(path);
     }
