@@ -157,6 +157,11 @@ quoted="a'; system('touch PWNED'); print 'x"
 mkdir "$quoted"
 check a_picture_of_any_name isoshade tf show "${shells%.scene.json}.tf.json" -o "$quoted.png" -q
 check so_by_any_command isoshade tf triangle s.iso --level 1 --tf "${shells%.scene.json}.tf.json" -o "$quoted.svg" -q
+check so_one_of_two_quotes isoshade tf show "${shells%.scene.json}.tf.json" -o "a''z.png" --no-sandbox -q
+cp "${shells%.scene.json}.tf.json" "a''z.tf.json"
+check and_a_title_of_two isoshade tf show "a''z.tf.json" -o titled.png -q
+check which_is_written_itself test -s "a''z.png" -a ! -e "a'z.png"
+check and_nothing_else test -z "$(find . -name '.isoshade-*z.png')"
 check in_any_folder_of_temporaries env TMPDIR="$PWD/$quoted" "$ISOSHADE" tf show "${shells%.scene.json}.tf.json" -o plain.png -q
 check has_that_name test -s "$quoted.png" -a -s "$quoted.svg" -a ! -e PWNED -a ! -e "$quoted/PWNED"
 python_with numpy
@@ -164,7 +169,7 @@ python_with numpy
 import json, shutil, sys
 sys.path.insert(0, sys.argv[1])
 from read_iso import write_description
-for name in ("pov", "range", "forged", "boxed", "lower"):
+for name in ("pov", "range", "forged", "boxed", "lower", "named"):
     shutil.copytree("s.iso", f"{name}.iso")
     about = json.load(open(f"{name}.iso/pyramid.json"))
     if name == "pov":
@@ -173,6 +178,9 @@ for name in ("pov", "range", "forged", "boxed", "lower"):
     elif name == "forged":
         about["levels"][0].update(min=2, max=-2)
         write_description("forged.iso/pyramid.json", about)
+    elif name == "named":
+        about["segments"] = [{"label": 1, "name": "a\n#fopen F \"PWNED\" write\n//"}]
+        write_description("named.iso/pyramid.json", about)
     elif name == "lower":
         about["levels"][0]["min"] = -1
         write_description("lower.iso/pyramid.json", about)
@@ -182,10 +190,26 @@ for name in ("pov", "range", "forged", "boxed", "lower"):
     else:
         about["levels"][0]["min"] = 4096
         json.dump(about, open("range.iso/pyramid.json", "w"), indent=2)
+# What OME-Zarr calls its channels.
+import os
+os.makedirs("named.zarr/0")
+json.dump({"omero": {"channels": [{"label": "\x1b[2J\n"}, {"label": "GFP"}]}, "multiscales": [{
+    "axes": [{"name": "c", "type": "channel"}] + [{"name": n, "type": "space", "unit": "millimeter"} for n in "zyx"],
+    "datasets": [{"path": "0", "coordinateTransformations": [{"type": "scale", "scale": [1, 1, 1, 1]}]}]}]},
+    open("named.zarr/.zattrs", "w"))
+json.dump({"zarr_format": 2, "shape": [2] * 4, "chunks": [2] * 4, "dtype": "|u1", "order": "C", "fill_value": 0,
+           "compressor": None, "filters": None}, open("named.zarr/0/.zarray", "w"))
+open("named.zarr/.zgroup", "w").write('{"zarr_format": 2}')
+open("named.zarr/0/0.0.0.0", "wb").write(bytes(range(16)))
 import bz2
 open("b.nrrd", "wb").write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1024 1024 1024\nencoding: bzip2\n\n" + bz2.compress(b"\0" * 100))
 PY
 check statements_in_a_source_are_refused ends 4 'control character' isoshade export pov.iso --to povray -o pov
+check so_they_are_in_a_label_s_name ends 4 '"name": holds a control character' \
+    isoshade export named.iso --to povray -o named
+isoshade info named.zarr --channel 0 >said.txt
+check a_channel_s_name_is_shown grep -q 'channels   2, this is 0 (from 0):  \[2J ' said.txt
+notice but_not_its_control_characters grep -q $'\x1b' said.txt
 check a_changed_description_is_refused ends 4 'was changed since it was written' isoshade info range.iso
 check so_it_is_by_what_reads_the_outline_alone ends 4 'was changed since it was written' isoshade tf adapt range.iso \
     --tf "${shells%.scene.json}.tf.json" --level 1 -o adapted.tf.json
@@ -199,6 +223,14 @@ check a_pipe_is_no_level ends 3 'not a regular file' timeout 60 "$ISOSHADE" info
 check memory_is_not_taken_for_what_cannot_be_there ends 4 'bytes of bzip2 cannot hold' isoshade info b.nrrd
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 999999999\nencoding: raw\ndata file: %%d.raw 0 999999998 1\n' >many.nhdr
 check a_thousand_million_names_are_not_made ends 5 'names 999999999 data files' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.nhdr'
+{
+    echo '<VTKFile type="Collection"><Collection>'
+    printf '<DataSet file="%d.vti"/>\n' {1..60000}
+    echo '</Collection></VTKFile>'
+} >many.pvd
+check a_list_of_many_files_is_read_once ends 2 'has 60000 frames' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.pvd'
+mkdir only_a_pipe && mkfifo only_a_pipe/slice.png
+check a_folder_of_a_pipe_has_no_slice ends 4 'holds no regular file' isoshade info only_a_pipe
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: fifo.scene.json\n' >fifo.nhdr
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nencoding: raw\ndata file: LIST\nfifo.scene.json\nnone\n' >list.nhdr
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nencoding: raw\ndata file: fifo%%d.raw 1 2 1\n' >numbers.nhdr

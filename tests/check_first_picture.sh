@@ -61,7 +61,9 @@ refuse() {
 }
 refuse unknown_preset 'unknown transfer function preset "bone", must be one of: auto, ct-bone' "$ISOSHADE" render nothing.nrrd --tf bone -o x.png
 refuse unknown_view '--view is "frnt", wanted iso, front' "$ISOSHADE" export nothing.nrrd --to blender --view frnt -o x.blend
-refuse zoom_of_nothing '--zoom is -1, must be .01 to 1000' "$ISOSHADE" render nothing.nrrd --zoom -1 -o x.png
+refuse zoom_of_nothing '--zoom is -1, must be 0.01 to 1000' "$ISOSHADE" render nothing.nrrd --zoom -1 -o x.png
+refuse zoom_of_0 '--zoom is 0, must be 0.01 to 1000' "$ISOSHADE" render nothing.nrrd --zoom 0 -o x.png
+refuse zoom_of_0_of_a_figure '--zoom is 0, must be 0.01 to 1000' "$ISOSHADE" figure nothing.nrrd --zoom 0 -o x
 refuse bad_size '--size is "big"' "$ISOSHADE" validate nothing.nrrd --size big -o x
 refuse view_for_grids '--view has no meaning for --to vdb' "$ISOSHADE" export nothing.nrrd --to vdb --view top -o x.vdb
 refuse bad_error '--error is "1/0"' "$ISOSHADE" plan nothing.nrrd --error 1/0

@@ -81,6 +81,25 @@ refuse make_unknown_kind 2 'unknown kind "blob"' "$ISOSHADE" make blob --size 3 
 refuse make_zero_size 2 '--size is "0x3x3"' "$ISOSHADE" make ramp --size 0x3x3 -o x.nrrd
 refuse make_bad_rotation 2 '--rotate is "1,2"' "$ISOSHADE" make ramp --size 3 --rotate 1,2 -o x.nrrd
 refuse make_flat_matrix 5 'span no volume' "$ISOSHADE" make ramp --size 3 --rotate 1,0,0,1,0,0,0,0,1 -o x.nrrd
+# What an option that is not given is held by is no value of it.
+tf=$top/refscenes/shells.tf.json
+refuse zoom_of_0 2 '--zoom is 0, must be 0.01 to 1000' "$ISOSHADE" scenes v.nrrd --zoom 0 -o x.png
+refuse zoom_of_a_word 2 '--zoom is "near", wanted a number' "$ISOSHADE" render v.nrrd --zoom near -o x.png
+refuse export_step_of_0 2 '--step is 0, must be 0.001 to 16' "$ISOSHADE" export v.nrrd --to povray --step 0 -o x
+refuse an_infinite_step 2 '--step is -inf, wanted a finite number' "$ISOSHADE" render v.nrrd --step=-inf -o x.png
+refuse an_infinite_limit 2 '--max-rmse is -inf, wanted a finite number' "$ISOSHADE" compare a.exr b.exr --max-rmse=-inf
+refuse an_infinite_time 2 '--timeout is -inf, wanted a finite number' "$ISOSHADE" info v.nrrd --timeout -inf
+refuse plan_memory_of_0 2 '--memory is 0, must be 1 to 1e+15' "$ISOSHADE" plan v.nrrd --memory 0
+refuse plan_brick_of_nothing 2 '--brick is -1, must be 2 to 64' "$ISOSHADE" plan v.nrrd --brick -1
+refuse render_brick_of_nothing 2 '--brick is -1, must be 2 to 64' \
+    "$ISOSHADE" render v.nrrd --plan-error 1/255 --brick -1 -o x.png
+refuse a_series_of_one_volume 2 'v.nrrd: is one volume, --series junk' "$ISOSHADE" info v.nrrd --series junk
+refuse a_series_of_a_raw_file 2 'a raw file is one volume' \
+    "$ISOSHADE" info plain.raw --raw-size 40x56x33 --raw-type int16 --series 1
+refuse a_pyramid_is_no_volume_of_tf 2 '--volume is scaled.iso, a pyramid' \
+    "$ISOSHADE" tf show "$tf" --volume scaled.iso -o x.png
+refuse nor_of_tf_convert 2 '--volume is scaled.iso, a pyramid' \
+    "$ISOSHADE" tf convert "$tf" --volume scaled.iso -o x.vp.json
 refuse make_no_folder 3 'the folder nowhere does not exist' "$ISOSHADE" make ramp --size 3 -o nowhere/x.nrrd
 refuse make_on_a_folder 3 'is a directory' "$ISOSHADE" make ramp --size 3 -o .
 # A disk that fills up: /dev/full cannot be renamed over, so a size limit stands in for it.

@@ -41,6 +41,15 @@ expect steep 0 convert steep.vp.json -o steep.tf.json
 grep -q 'between two entries of the table' out && ok steepness_is_said || not_ok steepness_is_said "$(cat out)"
 expect names_are_listed 0 "$ISOSHADE" tf names "$maps"
 [ "$(cat out)" = "$(printf 'rgb\nhsv\nhsv, wrapped\nlab\nlab out of the gamut\ndiverging\ndiverging from gray\nstep\nciede2000')" ] && ok all_names || not_ok all_names "$(cat out)"
+# Names of a file reach a terminal without what would move its cursor.
+python3 - "$maps" <<'PY'
+import json, sys
+maps = json.load(open(sys.argv[1]))[:2]
+maps[0]["Name"] = "\x1b[31m\n\x7f"
+json.dump(maps, open("escape.json", "w"))
+PY
+expect names_of_any_letters_are_listed 0 "$ISOSHADE" tf names escape.json
+check without_control_characters test "$(cat out)" = "$(printf ' [31m  \nhsv')"
 
 # ---- every command that takes a transfer function ----------------------------------------------------------------------
 printf '0 0 0 0\n1 1 1 0.5\n' >gray.csv

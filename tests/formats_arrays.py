@@ -42,6 +42,11 @@ def cube():
     with open("orbitals.cube", "w", encoding="ascii") as file:
         file.writelines([*lines[:2], lines[2].replace("2", "-2", 1), *lines[3:8], "    2    5    6\n", *lines[8:]])
     refused("orbitals.cube", 4, "2 values a voxel (orbitals)")
+    for more, why in (("\n1", "too long: more follows the 60 numbers"), ("\nEND", "too long: more follows"),
+                      ("0" * 80, "a word of more than 63 letters after 59 of 60 numbers")):
+        with open("more.cube", "w", encoding="ascii") as file:
+            file.writelines([*lines, more])
+        refused("more.cube", 4, why)
 
 
 @case
@@ -56,6 +61,10 @@ def xsf():
     with open("two.xsf", "wb") as file:
         file.write(data + data)
     refused("two.xsf", 4, "has several grids")
+    end = data.index(b"END_DATAGRID_3D")
+    with open("more.xsf", "wb") as file:
+        file.write(data[:end] + b" 1\n" + data[end:])
+    refused("more.xsf", 4, "too long: more follows the 60 numbers")
 
 
 # ---- HDF5 by h5py, netCDF by netCDF4, MINC by its own tools, OME-Zarr by zarr ----
@@ -341,6 +350,37 @@ def ome_zarr():
         json.dump({"zarr_format": 2, "shape": [2, 1 << 24, 2], "chunks": [2, 2, 2], "dtype": "<u2", "compressor": None,
                    "fill_value": 0, "order": "C", "filters": None}, file)
     refused("many.zarr", 4, "more than 2097152 chunks")  # each of which would be looked for
+    empty_chunks()
+
+
+def empty_chunks():
+    """Chunks that are not there are of the fill value: of a large volume not all. And axes without coordinates."""
+    def describe(folder, shape, chunks, axes):
+        os.makedirs(folder)
+        with open(f"{folder}/.zarray", "w", encoding="ascii") as file:
+            json.dump({"zarr_format": 2, "shape": shape, "chunks": chunks, "dtype": "|u1", "compressor": None,
+                       "fill_value": 0, "order": "C", "filters": None}, file)
+        with open(f"{folder}/.zattrs", "w", encoding="ascii") as file:
+            json.dump({"_ARRAY_DIMENSIONS": axes}, file)
+    for number, (shape, chunks) in enumerate((([2000000000, 1, 1], [1000000, 1, 1]), ([3000] * 3, [1, 3000, 3000]))):
+        describe(f"void{number}.zarr", shape, chunks, list("zyx"))
+        refused(f"void{number}.zarr", 4, "its chunks have 0 bytes, each of which may stand for 131072 of samples",
+                ["--spacing", "1"])
+    # Of 3000 chunks of 30 kB one is there; and of 512 small ones none.
+    describe("sparse.zarr", [3000, 300, 100], [1, 300, 100], list("zyx"))
+    with open("sparse.zarr/7.0.0", "wb") as file:
+        file.write(bytes([5]) * 30000)
+    describe("small.zarr", [16] * 3, [2] * 3, list("zyx"))
+    for folder, most in ("sparse.zarr", 5), ("small.zarr", 0):
+        got = json.loads(run("info", folder, "--spacing", "1", "--json").stdout)
+        expect(got["max"] == most, f"{folder}: largest value {got['max']}")
+    os.makedirs("none.zarr")
+    with open("none.zarr/.zgroup", "w", encoding="ascii") as file:
+        file.write('{"zarr_format": 2}')
+    describe("none.zarr/v", [2, 2, 2], [2, 2, 2], list("zyx"))
+    for axis in "zyx":
+        describe(f"none.zarr/{axis}", [0], [1], [axis])
+    refused("none.zarr:v", 4, "does not say the spacing of its voxels")
 
 
 # ---- OpenVDB by its own module, and by isoshade ----

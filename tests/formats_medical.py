@@ -4,6 +4,7 @@ import gzip
 import os
 import resource
 import subprocess
+import zlib
 
 import numpy as np
 
@@ -178,6 +179,13 @@ def metaimage():
     cut("vtk.zraw", "short.zraw")
     os.replace("short.zraw", "vtk.zraw")
     refused("vtk.mhd", 4, "truncated: the compressed samples end after")
+    # The product of what a header says is no number of bytes any more; nor are the samples of a channel there.
+    for channels, name in (1 << 30, "wide.mha"), (1, "high.mha"):
+        with open(name, "wb") as file:
+            file.write(b"ObjectType = Image\nNDims = 3\nDimSize = 32768 65536 1\nElementNumberOfChannels = %d\n"
+                       b"ElementSpacing = 1 1 1\nCompressedData = True\nElementType = MET_DOUBLE\n"
+                       b"ElementDataFile = LOCAL\n" % channels + zlib.compress(bytes(1000)))
+        refused(name, 4, "compressed bytes cannot hold the", ["--channel", "0"] if channels > 1 else [])
     cut("vtk.mha", "cut.mha", 0.3)
     refused("cut.mha", 4, "cut.mha")
     # Oblique: VTK's header has the lines, with an identity.
@@ -218,6 +226,9 @@ def gipl():
         same(f"phantom.{suffix}", phantom(), LPS @ np.diag(SPACING), LPS @ [1, 2, 3], unit="mm")
         cut(f"phantom.{suffix}", f"cut.{suffix}")
         refused(f"cut.{suffix}", 4, "truncated")
+    with open("large.gipl.gz", "wb") as file:
+        file.write(gzip.compress(b"\x7f\xff\x7f\xff" + data[4:]))
+    refused("large.gipl.gz", 4, "compressed bytes cannot hold the")
     with open("colors.gipl", "wb") as file:
         file.write(data[:8] + b"\0\x90" + data[10:])
     refused("colors.gipl", 4, "type 144, must be an integer of 8, 16 or 32 bits")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Stacks of pictures, VTK's files, TIFF, MRC. Cases of formats_in.py."""
 import os
+import re
 
 import numpy as np
 
@@ -43,6 +44,7 @@ def tiff_and_jpeg_stacks():
         decoded.append(numpy_support.vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).reshape(pixels.shape)[::-1])
     for folder, wanted, last in ("tiffs", values, "slice15.tif"), ("jpegs", np.stack(decoded), "slice15.jpg"):
         refused(folder, 4, "does not say the spacing of its voxels, as pictures do not")
+        refused(folder, 2, "holds no series", ["--spacing", "1", "--series", "1"])
         same(folder, wanted, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
         cut(f"{folder}/{last}", "short", 0.5)
         os.replace("short", f"{folder}/{last}")
@@ -78,6 +80,17 @@ def vtk_legacy():
     writer.SetFileName("grid.vtk")
     writer.Write()
     refused("grid.vtk", 4, "a dataset of VTK's kind RECTILINEAR_GRID, must be STRUCTURED_POINTS")
+    eight = "1 2 3 4 5 6 7 8"
+    for numbers, why in ((f"{eight}\nSCALARS t float\n{eight}", None),
+                         (f"{eight} 9 10", "too long: more follows the 8 numbers"),
+                         (f"0.{'0' * 80} {eight[2:]}", "a word of more than 63 letters after 0 of 8 numbers")):
+        with open("text.vtk", "w", encoding="ascii") as file:
+            file.write("# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\n"
+                       f"ORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 8\nSCALARS s float\nLOOKUP_TABLE default\n{numbers}\n")
+        if why:
+            refused("text.vtk", 4, why)
+        else:
+            same("text.vtk", np.arange(1, 9, dtype=np.float32).reshape(2, 2, 2), np.eye(3), np.zeros(3), False)
 
 
 @case
@@ -104,6 +117,14 @@ def vti():
     image.SetExtent(-2, 8, 3, 15, 1, 7)
     vtk_write(vtk.vtkXMLImageDataWriter(), image, "phantom.vti")
     same("phantom.vti", phantom(), np.diag(SPACING), [1, 2, 3] + SPACING * [-2, 3, 1], False)
+    for numbers, why in (("1 2 3 4 5 6 7 8 9 10", "too long: more follows the 8 numbers"),
+                         (f"0.{'0' * 80} 2 3 4 5 6 7 8", "a word of more than 63 letters after 0 of 8 numbers")):
+        with open("text.vti", "w", encoding="ascii") as file:
+            file.write('<VTKFile type="ImageData" version="0.1" byte_order="LittleEndian"><ImageData '
+                       'WholeExtent="0 1 0 1 0 1" Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 1 0 1 0 1">'
+                       '<PointData Scalars="s"><DataArray type="Float32" Name="s" format="ascii">'
+                       f"{numbers}</DataArray></PointData></Piece></ImageData></VTKFile>")
+        refused("text.vti", 4, why)
 
 
 # ---- TIFF by tifffile ----
@@ -121,6 +142,13 @@ def tiff():
         same("more.tif", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
         cut("more.tif", "cut.tif", 0.8)
         refused("cut.tif", 4, "cut.tif", ["--spacing", "1"])
+    # Of a page of a gigapixel: the sizes alone are changed.
+    for compression in None, "zlib":
+        tifffile.imwrite("large.tif", np.zeros((1, 2, 2), np.uint8), photometric="minisblack", compression=compression)
+        with tifffile.TiffFile("large.tif", mode="r+b") as file:
+            for tag in "ImageWidth", "ImageLength":
+                file.pages[0].tags[tag].overwrite(32768)
+        refused("large.tif", 4, "compressed bytes cannot hold the 1073741824 that the sizes need", ["--spacing", "1"])
     tifffile.imwrite("colors.tif", np.zeros((9, 9, 3), np.uint8), photometric="rgb")
     refused("colors.tif", 2, "has 3 channels a voxel")
 
@@ -155,6 +183,13 @@ def tiff_ome():
     refused("unknown.ome.tif", 4, 'its unit is "parsec"')
     tifffile.imwrite("flat.ome.tif", values, metadata={"axes": "ZYX", "PhysicalSizeX": 1, "PhysicalSizeY": 1})
     refused("flat.ome.tif", 4, "does not say the spacing between its slices")
+    with open("phantom.ome.tif", "rb") as file:
+        data = file.read()
+    said = re.search(rb'DimensionOrder="XY..." Type="uint16"', data)[0]
+    for order in "XYZZZZZZ", "XYZCC", "XYZC", "XYCTQ":
+        with open("order.ome.tif", "wb") as file:  # the description's length stays
+            file.write(data.replace(said, f'DimensionOrder="{order}"'.encode().ljust(len(said))))
+        refused("order.ome.tif", 4, f"DimensionOrder is {order}, must be XY and each of Z, C and T once")
 
 
 # ---- MRC by mrcfile ----

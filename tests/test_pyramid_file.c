@@ -126,6 +126,21 @@ static void a_description_with_impossible_values_is_refused(void **state)
         {"\"moments\"", "\"moment!\"", ISO_E_FORMAT}, {"\"float\"", "\"flint\"", ISO_E_USAGE},
         {"\"float\"", "\"int32\"", ISO_E_FORMAT},     {"\"level_1.nrrd\"", "\"../el_1.nrrd\"", ISO_E_FORMAT},
         {"\"fit\"", "\"fat\"", ISO_E_FORMAT},         {"\"box_index\"", "\"box_indey\"", ISO_E_FORMAT},
+        {"\"size\": [", "\"size\": [6.5, 5, 4], \"six\": [", ISO_E_FORMAT},
+        {"\"bytes\": ", "\"bytes\": 1", ISO_E_FORMAT},
+        {"\"keep_float\"", "\"value_range\": [65419, 0], \"keep_float\"", ISO_E_FORMAT},
+        {"\"keep_float\"", "\"value_range\": [7, 7], \"keep_float\"", ISO_E_FORMAT},
+        {"\"options\"", "\"made_for\": {\"levels\": [{\"scalar\": \"\\u001b[2J\"}]}, \"options\"", ISO_E_FORMAT},
+        {"\"options\"", "\"auto\": {\"chosen\": \"a\\nb\"}, \"options\"", ISO_E_FORMAT},
+        {"\"options\"", "\"segments\": [1], \"options\"", ISO_E_FORMAT},
+        {"\"options\"", "\"segments\": [{\"label\": 1.5, \"name\": \"a\"}], \"options\"", ISO_E_FORMAT},
+        {"\"options\"", "\"segments\": [{\"label\": 65536, \"name\": \"a\"}], \"options\"", ISO_E_FORMAT},
+        {"\"options\"", "\"segments\": [{\"label\": 1}], \"options\"", ISO_E_FORMAT},
+        {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\\nb\"}], \"options\"", ISO_E_FORMAT},
+        {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\", \"color\": [0, 0]}], \"options\"",
+         ISO_E_FORMAT},
+        {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\", \"color\": [0, 2, 0]}], \"options\"",
+         ISO_E_RANGE},
     };
     iso_volume v = noise(6, 5, 4);
     iso_pyramid_options opt = iso_pyramid_defaults();

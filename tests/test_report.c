@@ -7,6 +7,9 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/process.h"
+#include "base/words.h"
+#include "report/gnuplot.h"
 #include "report/report.h"
 #include "tests/folder.h"
 #include "tests/test.h"
@@ -570,6 +573,38 @@ static void a_restyled_chart_keeps_its_style(void **state)
     free(dir);
 }
 
+/* gnuplot prints a text as it was: all bytes, and those that mean something in scripts, next to each other. */
+static void quoted_texts_are_what_gnuplot_reads(void **state)
+{
+    (void)state;
+    static const char *const odd[] = {"''a''''b'",       "\"\"",           "\\", "\\\\\"", "'1\"07\\0\n12",
+                                      "`date`$HOME@a%d#", "{/Bold x}^2_{3}", "",   "a'; system('touch x'); print 'b"};
+    char *script = inside("quoted.gp"), *printed = inside("quoted.txt"), *gnuplot = NULL, *said;
+    char wanted[4096] = "", all[256];
+    for (int c = 1; c < 256; ++c)
+        all[c - 1] = (char)c, all[c] = 0;
+    FILE *gp = fopen(script, "w");
+    assert_non_null(gp);
+    fputs("set encoding utf8\nset print 'quoted.txt'\n", gp);
+    for (size_t i = 0; i <= sizeof odd / sizeof *odd; ++i) {
+        const char *text = i < sizeof odd / sizeof *odd ? odd[i] : all;
+        fputs("print ", gp);
+        iso_gnuplot_put_quoted(gp, text);
+        fputc('\n', gp);
+        iso_words_append(wanted, sizeof wanted, "%s\n", text);
+    }
+    assert_int_equal(fclose(gp), 0);
+    assert_ok(iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, &err));
+    const iso_process_options options = {.directory = folder};
+    assert_ok(iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &options, &err));
+    read_text(printed, &said);
+    assert_string_equal(said, wanted);
+    free(said);
+    free(gnuplot);
+    free(printed);
+    free(script);
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1) {
@@ -594,6 +629,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(bad_names_are_refused),
         cmocka_unit_test(without_gnuplot_there_are_no_charts_and_it_says_so),
         cmocka_unit_test(a_restyled_chart_keeps_its_style),
+        cmocka_unit_test(quoted_texts_are_what_gnuplot_reads),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

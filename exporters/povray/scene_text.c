@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/words.h"
 #include "fit/extinction_scale.h"
 #include "povray/scene_parts.h"
 #include "scene/roi.h"
@@ -115,8 +116,10 @@ static void write_label_names(FILE *f, const iso_povray_scene *s)
     fprintf(f, "// A label map: no value between two labels is one, so that it is looked up without interpolation.\n");
     for (size_t i = 0; i < json_array_size(segments); ++i) {
         const json_t *segment = json_array_get(segments, i);
-        fprintf(f, "//     %d: %s\n", (int)json_integer_value(json_object_get(segment, "label")),
-                json_string_value(json_object_get(segment, "name")));
+        const char *name = json_string_value(json_object_get(segment, "name"));
+        fprintf(f, "//     %d: ", (int)json_integer_value(json_object_get(segment, "label")));
+        iso_words_put_line(f, name ? name : ""); /* a line feed would end the comment: what follows is a statement */
+        fputc('\n', f);
     }
 }
 

@@ -132,9 +132,9 @@ void iso_json_get_string(iso_json_reader *r, const json_t *object, const char *k
         return;
     if (!json_is_string(item))
         fail(r, key, "is not a string");
-    else if (iso_words_has_control(json_string_value(item)))
-        fail(r, key, "holds a control character, such as a line feed");
     else
+        iso_json_check_texts(r, key, item);
+    if (r->status == ISO_OK)
         *value = json_string_value(item);
 }
 
@@ -174,6 +174,21 @@ json_t *iso_json_get_array(iso_json_reader *r, const json_t *object, const char 
         return NULL;
     }
     return item;
+}
+
+void iso_json_check_texts(iso_json_reader *r, const char *key, const json_t *value)
+{
+    const char *inner;
+    json_t *item;
+    size_t i;
+    if (json_is_string(value) && iso_words_has_control(json_string_value(value)))
+        fail(r, key, "holds a control character, such as a line feed");
+    json_object_foreach((json_t *)value, inner, item)
+        if (r->status == ISO_OK)
+            iso_json_check_texts(r, inner, item);
+    json_array_foreach(value, i, item)
+        if (r->status == ISO_OK)
+            iso_json_check_texts(r, key, item);
 }
 
 void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[])

@@ -51,6 +51,9 @@ void iso_json_get_word(iso_json_reader *r, const json_t *object, const char *key
 /* Objects and arrays, borrowed; NULL when absent and not required. */
 json_t *iso_json_get_object(iso_json_reader *r, const json_t *object, const char *key, bool required);
 json_t *iso_json_get_array(iso_json_reader *r, const json_t *object, const char *key, bool required);
+/* Refuses a control character in each text of a value, at any depth: for what is kept as JSON, of which texts reach
+ * scripts and terminals. key names the value. */
+void iso_json_check_texts(iso_json_reader *r, const char *key, const json_t *value);
 /* Refuses keys that are not in the NULL-terminated list: a misspelt option must not be ignored. */
 void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[]);
 

@@ -29,6 +29,12 @@ void iso_words_copy_line(const char *text, char *line, size_t size)
     line[n] = 0;
 }
 
+void iso_words_put_line(FILE *f, const char *text)
+{
+    for (; *text; ++text)
+        fputc(is_control(*text) ? ' ' : *text, f);
+}
+
 void iso_words_make_printable(char *text)
 {
     for (; *text; ++text)

@@ -18,6 +18,8 @@ void iso_words_put_quoted(FILE *f, const char *word);
 bool iso_words_has_control(const char *text);
 /* A copy without them, spaces in their place, of what fits into size bytes. */
 void iso_words_copy_line(const char *text, char *line, size_t size);
+/* All of it, likewise; the line is not ended. */
+void iso_words_put_line(FILE *f, const char *text);
 /* What another program printed may hold anything: bytes that are no printable ASCII become '?', tabs a space, in place. */
 void iso_words_make_printable(char *text);
 

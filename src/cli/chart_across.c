@@ -48,7 +48,7 @@ static iso_status find_tf(const iso_chart_across *a, iso_tf *tf, iso_error *err)
     iso_subject_look look;
     iso_scene scene = {0};
     iso_volume v = {0};
-    if (a->look->view || a->look->zoom != 0)
+    if (a->look->view || a->look->zoom)
         return iso_fail(err, ISO_E_USAGE,
                         "--view and --zoom: --across-levels looks from all sides, at all of the volume");
     iso_status status = iso_cli_look_check(a->look, a->cli->threads, &look, err);

@@ -112,7 +112,7 @@ static iso_export_job job_of(iso_export_arguments *a, const iso_export_target *t
                             .level_count = (size_t)a->level_count,
                             .output = a->output,
                             .view = view,
-                            .step_voxels = a->step,
+                            .step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step,
                             .half_float = a->half,
                             .physical = a->material_row == 1,
                             .dense = a->dense,
@@ -314,7 +314,7 @@ static iso_status export_volumes(iso_export_arguments *a, iso_error *err)
                                                             .channels = a->channels,
                                                             .added = (const char **)a->added,
                                                             .level = (size_t)a->level,
-                                                            .step_voxels = a->step,
+                                                            .step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step,
                                                             .output = a->output,
                                                             .target = target},
                                       err);
@@ -330,7 +330,7 @@ static iso_status make_bake_request(iso_export_arguments *a, iso_error *err)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    iso_export_arguments a = {.level_count = 1};
+    iso_export_arguments a = {.level_count = 1, .step = ISO_STEP_OF_SCENE};
     iso_cli_cycles cycles = {.blender = NULL};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);

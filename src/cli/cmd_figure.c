@@ -17,16 +17,15 @@ typedef struct figure_arguments {
 } figure_arguments;
 
 /* One number enlarges the middle of the picture, four choose a part of it. */
-static iso_status parse_zoom(const char *text, iso_figure_job *job, iso_error *err)
+static iso_status parse_zoom(char *text, iso_figure_job *job, iso_error *err)
 {
     double *z = job->inset;
     char after;
     const int count = sscanf(text, "%lf,%lf,%lf,%lf %c", &z[0], &z[1], &z[2], &z[3], &after);
     if (count == 1 && !strchr(text, ',')) {
-        char *end;
-        job->look.zoom = strtod(text, &end);
         memset(job->inset, 0, sizeof job->inset);
-        return *end ? iso_fail(err, ISO_E_USAGE, "--zoom is \"%s\", wanted X or X,Y,W,H", text) : ISO_OK;
+        job->look.zoom = text;
+        return iso_cli_zoom_parse(text, &(double){0}, err);
     }
     return count == 4 ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--zoom is \"%s\", wanted X or X,Y,W,H", text);
 }

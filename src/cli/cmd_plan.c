@@ -17,12 +17,14 @@
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 
+#define NO_MEMORY (-INFINITY) /* no number that --memory may be */
+
 typedef struct plan_arguments {
     iso_volume_input input;
     iso_cli_look look;
     char *output, *image, *full_image, *faces, *update;
     char *error_text;
-    double error, memory;
+    double error, memory; /* memory: NO_MEMORY where none is given */
     int brick, levels, views;
 } plan_arguments;
 
@@ -167,7 +169,7 @@ static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const 
                                            &progress, err);
     if (status != ISO_OK)
         return status;
-    status = iso_planner_search(&p, a->error, a->memory, &progress, err);
+    status = iso_planner_search(&p, a->error, a->memory == NO_MEMORY ? 0 : a->memory, &progress, err);
     if (status == ISO_OK)
         status = update_from(a, &p, cli->threads, &update, err);
     if (status == ISO_OK && a->image)
@@ -184,7 +186,9 @@ static iso_status check(const plan_arguments *a, iso_error *err)
 {
     iso_status status = iso_words_check_range("--error", a->error, 1e-6, 1, err);
     if (status == ISO_OK)
-        status = iso_words_check_range("--memory", a->memory, 0, 1e15, err);
+        status = a->memory == NO_MEMORY ? ISO_OK : iso_words_check_range("--memory", a->memory, 1, 1e15, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--brick", a->brick, 2, ISO_BRICK_MOST_VOXELS, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--levels", a->levels, 1, ISO_BRICK_MAX_LEVELS, err);
     if (status == ISO_OK)
@@ -247,7 +251,7 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    plan_arguments a = {.error = 1.0 / 255, .brick = 16, .levels = 4, .views = 1};
+    plan_arguments a = {.error = 1.0 / 255, .memory = NO_MEMORY, .brick = 16, .levels = 4, .views = 1};
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
         ISO_CLI_LOOK_OPTIONS(&a.look),

@@ -27,8 +27,7 @@ enum { MOST_CHOICES = 32, LEVELS = 4, USUAL_PIXELS = 192 };
 
 typedef struct scenes_arguments {
     iso_volume_input input;
-    char *output, *scene, **tfs, **views, *write, *suite, *tier;
-    double zoom;
+    char *output, *scene, **tfs, **views, *write, *suite, *tier, *zoom;
     int size, levels, steps;
     const iso_cli *cli;
 } scenes_arguments;

@@ -291,7 +291,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
 /* The scene that there is no file of is written beside the report, so that commands can name it. */
 static bool has_own_scene(const iso_validate_arguments *a)
 {
-    return !a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0;
+    return !a->look.scene || a->look.tf || a->look.view || a->look.zoom;
 }
 
 

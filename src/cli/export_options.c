@@ -42,7 +42,7 @@ static iso_status check_options(const iso_export_arguments *a, const iso_export_
     const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) &&
                        (iso_export_is_shown(a, target) || a->bake.wanted);
     const bool given[ISO_EXPORT_OPTION_COUNT] = {[ISO_EXPORT_LEVELS] = a->level_count > 1,
-                                                 [ISO_EXPORT_STEP] = a->step != 0,
+                                                 [ISO_EXPORT_STEP] = a->step != ISO_STEP_OF_SCENE,
                                                  [ISO_EXPORT_HALF] = a->half,
                                                  [ISO_EXPORT_ISOSURFACE] = a->isosurface != NULL,
                                                  [ISO_EXPORT_SCENE] = a->look.scene && !a->plan &&
@@ -58,7 +58,7 @@ static iso_status check_options(const iso_export_arguments *a, const iso_export_
                                                  [ISO_EXPORT_DENSE] = a->dense,
                                                  [ISO_EXPORT_BACKGROUND] = a->has_background};
     const char *const looks[] = {a->look.tf && !alone ? "--tf" : NULL, a->look.view ? "--view" : NULL,
-                                 a->look.zoom != 0 ? "--zoom" : NULL};
+                                 a->look.zoom ? "--zoom" : NULL};
     if (a->dense && (a->has_background || a->plan))
         return iso_fail(err, ISO_E_USAGE, "--dense and %s: one keeps what the other leaves out",
                         a->plan ? "--plan" : "--background");
@@ -129,7 +129,7 @@ iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **t
     iso_status status = iso_words_check_range("--level", a->level, 0, 63, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--levels", a->level_count, 1, 64, err);
-    if (status == ISO_OK && a->step != 0)
+    if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
         status = iso_words_check_range("--step", a->step, 1e-3, 16, err);
     if (status == ISO_OK)
         status = check_options(a, *target, err);

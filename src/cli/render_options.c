@@ -109,6 +109,8 @@ static iso_status check_cache(const iso_render_arguments *a, const iso_renderer_
     iso_status status = a->plan_error > 0 ? ISO_OK
                                           : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
     if (status == ISO_OK)
+        status = iso_words_check_range("--brick", a->brick, 2, ISO_BRICK_MOST_VOXELS, err);
+    if (status == ISO_OK)
         status = iso_words_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
     return status == ISO_OK ? iso_words_check_range("--page-side", a->page_side, 0, 65536, err) : status;
 }

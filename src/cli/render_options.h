@@ -11,9 +11,6 @@
 #include "options/roi.h"
 #include "renderers/renderers.h"
 
-/* What --step is where it is not given: 0 and NaN are refused. */
-#define ISO_STEP_OF_SCENE (-INFINITY)
-
 /* As given; 0 and NULL: not given. */
 typedef struct iso_render_arguments {
     iso_volume_input input;

@@ -61,7 +61,7 @@ static iso_pyramid_options options_of(const iso_scenes_write *a, size_t usual_le
 
 static bool has_own_scene(const iso_cli_look *look)
 {
-    return !look->scene || look->tf || look->view || look->zoom != 0;
+    return !look->scene || look->tf || look->view || look->zoom;
 }
 
 /* The scene that there is no file of, as DIR/scene.scene.json, and read again so that both are the same. */
@@ -207,7 +207,7 @@ static iso_status check(const iso_scenes_write *a, iso_error *err)
     if ((a->suite ? 0 : 1) != a->cli->argument_count)
         return iso_fail(err, ISO_E_USAGE,
                         a->suite ? "--suite makes its own volumes" : "wanted a volume or a pyramid, or --suite");
-    if (a->suite && (a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0))
+    if (a->suite && (a->look.scene || a->look.tf || a->look.view || a->look.zoom))
         return iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other, --tf, --view and --zoom too");
     return ISO_OK;
 }

@@ -7,6 +7,7 @@
 
 #include "base/inputs.h"
 #include "options/overwrite.h"
+#include "pyramid/pyramid.h"
 #include "tf/format.h"
 #include "tf/presets.h"
 
@@ -38,6 +39,15 @@ static iso_status check_name(const iso_tf_arguments *a, const char *name, const 
     return iso_tf_check_name(name, request, err);
 }
 
+iso_status iso_cli_tf_load_volume(const iso_tf_arguments *a, iso_volume *v, iso_error *err)
+{
+    *v = (iso_volume){0};
+    if (a->volume && iso_pyramid_is_one(a->volume))
+        return iso_fail(err, ISO_E_USAGE, "--volume is %s, a pyramid, must be a volume, such as %s/level_0.nrrd",
+                        a->volume, a->volume);
+    return a->volume ? iso_volume_input_load(a->volume, &a->input, v, err) : ISO_OK;
+}
+
 iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, iso_cli_tf_table *t, iso_error *err)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
@@ -48,8 +58,8 @@ iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, is
     iso_status status = iso_cli_transfer_request(&a->look.transfer, &request, err);
     if (status == ISO_OK)
         status = check_name(a, path, &request, err);
-    if (status == ISO_OK && a->volume)
-        status = iso_volume_input_load(a->volume, &a->input, &v, err);
+    if (status == ISO_OK)
+        status = iso_cli_tf_load_volume(a, &v, err);
     if (status == ISO_OK && a->volume) {
         const iso_volume_stats stats = iso_volume_measure(&v);
         lo = stats.min, hi = stats.max, g = v.geometry;

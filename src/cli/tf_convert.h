@@ -11,6 +11,8 @@ typedef struct iso_cli_tf_table {
     iso_tf_table table;
     double unit_mm, voxel_mm; /* a voxel is the cube root of a voxel's volume */
 } iso_cli_tf_table;
+/* The volume that --volume names; an empty one where none is named. ISO_E_USAGE for a pyramid. */
+iso_status iso_cli_tf_load_volume(const iso_tf_arguments *a, iso_volume *v, iso_error *err);
 iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, iso_cli_tf_table *t, iso_error *err);
 void iso_cli_tf_table_destroy(iso_cli_tf_table *t);
 

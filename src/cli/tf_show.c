@@ -133,12 +133,10 @@ iso_status iso_cli_tf_show(const iso_tf_arguments *a, iso_error *err)
 {
     iso_volume volume = {0};
     show_picture p = {.arguments = a};
-    iso_status status = ISO_OK;
     if (a->cli->argument_count < 2 || !a->output)
         return iso_fail(err, ISO_E_USAGE,
                         "wanted: isoshade tf show FILE|PRESET... [--volume VOLUME] -o OUT.png|.svg|.pdf");
-    if (a->volume)
-        status = iso_volume_input_load(a->volume, &a->input, &volume, err);
+    iso_status status = iso_cli_tf_load_volume(a, &volume, err);
     if (status == ISO_OK && a->volume) {
         p.volume = &volume;
         p.stats = iso_volume_measure(&volume);

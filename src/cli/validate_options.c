@@ -52,7 +52,7 @@ iso_status iso_validate_check_arguments(const iso_validate_arguments *a, const i
                           a->suite ? "--suite makes its own volumes, \"%s\" is one too many"
                                    : "wanted a volume or a pyramid, or --suite",
                           a->suite ? cli->arguments[0] : "");
-    if (status == ISO_OK && a->suite && (a->look.scene || a->look.tf || a->look.view || a->look.zoom != 0))
+    if (status == ISO_OK && a->suite && (a->look.scene || a->look.tf || a->look.view || a->look.zoom))
         status = iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other, --tf, --view and --zoom too");
     if (status == ISO_OK && a->suite && a->extinction_scale)
         status = iso_fail(err, ISO_E_USAGE,

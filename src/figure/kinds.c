@@ -119,7 +119,7 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
     for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
         if (options[i].given && !(job->kind->takes & options[i].trait))
             return iso_fail(err, ISO_E_USAGE, "--kind %s does not take %s", job->kind->name, options[i].name);
-    if (of_report && (job->with || job->levels || job->adapted.wanted || look->tf || look->view || look->zoom > 0 ||
+    if (of_report && (job->with || job->levels || job->adapted.wanted || look->tf || look->view || look->zoom ||
                       look->size || job->inset[2] != 0 || job->has_background))
         return iso_fail(
             err, ISO_E_USAGE,

@@ -154,7 +154,10 @@ static iso_status own_scene(const iso_figure_job *job, const iso_paper_look *own
     const iso_cli_look *look = &job->look;
     iso_viewpoint from;
     size_t width = own->width, height = own->height;
+    double zoom = job->input ? 1 : own->zoom;
     iso_status status = look->size ? iso_subject_parse_image_size(look->size, &width, &height, err) : ISO_OK;
+    if (status == ISO_OK && look->zoom)
+        status = iso_cli_zoom_parse(look->zoom, &zoom, err);
     if (status == ISO_OK)
         status = iso_viewpoint_parse(look->view ? look->view : own->view, &from, err);
     iso_tf_point *points = status == ISO_OK ? malloc(own->point_count * sizeof *points) : NULL;
@@ -164,7 +167,7 @@ static iso_status own_scene(const iso_figure_job *job, const iso_paper_look *own
         return status;
     memcpy(points, own->points, own->point_count * sizeof *points);
     *scene = iso_scene_first(&p->levels[0].geometry, &from, width, height);
-    scene->zoom = look->zoom > 0 ? look->zoom : job->input ? 1 : own->zoom;
+    scene->zoom = zoom;
     scene->shading = own->shading;
     for (int c = 0; c < 3; ++c)
         scene->background[c] = 1;

@@ -74,23 +74,31 @@ static bool is_numeric(const struct poptOption *o)
     }
 }
 
-/* popt reads a number out of an empty word: 0. */
-static iso_status refuse_empty_numbers(const struct poptOption *o, int argc, const char **argv, iso_error *err)
+/* popt reads a number out of an empty word: 0. Infinite ones are no limit; -inf is an option that is not given. */
+static iso_status check_number(const char *option, const char *text, iso_error *err)
+{
+    if (!*text)
+        return iso_fail(err, ISO_E_USAGE, "--%s is empty, wanted a number", option);
+    return isinf(strtod(text, NULL)) ? iso_fail(err, ISO_E_USAGE, "--%s is %s, wanted a finite number", option, text)
+                                     : ISO_OK;
+}
+
+static iso_status check_numbers(const struct poptOption *o, int argc, const char **argv, iso_error *err)
 {
     iso_status status = ISO_OK;
     for (; status == ISO_OK && (o->longName || o->shortName || o->arg); ++o) {
         if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
-            status = refuse_empty_numbers(o->arg, argc, argv, err);
+            status = check_numbers(o->arg, argc, argv, err);
         if (!is_numeric(o) || !o->longName)
             continue;
         const size_t length = strlen(o->longName);
-        for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i) {
+        for (int i = 1; status == ISO_OK && i < argc && strcmp(argv[i], "--") != 0; ++i) {
             const char *word = argv[i];
             if (strncmp(word, "--", 2) != 0 || strncmp(word + 2, o->longName, length) != 0)
                 continue;
             const char *rest = word + 2 + length;
-            if (strcmp(rest, "=") == 0 || (!*rest && i + 1 < argc && !*argv[i + 1]))
-                return iso_fail(err, ISO_E_USAGE, "--%s is empty, wanted a number", o->longName);
+            if (*rest == '=' || (!*rest && i + 1 < argc))
+                status = check_number(o->longName, *rest ? rest + 1 : argv[i + 1], err);
         }
     }
     return status;
@@ -188,7 +196,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         *next = ISO_CLI_STOP;
         return ISO_OK;
     }
-    iso_status status = refuse_empty_numbers(table, argc, argv, err);
+    iso_status status = check_numbers(table, argc, argv, err);
     if (status == ISO_OK)
         status = refuse_renamed(argc, argv, err);
     if (status != ISO_OK)

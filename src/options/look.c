@@ -3,13 +3,14 @@
 #include "options/look.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "base/words.h"
 #include "tf/presets.h"
 
 bool iso_cli_look_is_empty(const iso_cli_look *a)
 {
-    return !a->scene && !a->tf && !a->view && !a->size && a->zoom == 0;
+    return !a->scene && !a->tf && !a->view && !a->size && !a->zoom;
 }
 
 /* They say what a file leaves open; of anything else they would be passed over. */
@@ -28,11 +29,21 @@ static iso_status check_transfer(const iso_cli_look *a, iso_error *err)
     return ISO_OK;
 }
 
+iso_status iso_cli_zoom_parse(const char *text, double *zoom, iso_error *err)
+{
+    char *end;
+    *zoom = strtod(text, &end);
+    if (end == text || *end)
+        return iso_fail(err, ISO_E_USAGE, "--zoom is \"%s\", wanted a number", text);
+    return iso_words_check_range("--zoom", *zoom, 0.01, 1000, err);
+}
+
 iso_status iso_cli_look_take(const iso_cli_look *a, int threads, iso_subject_look *look, iso_error *err)
 {
-    *look = (iso_subject_look){
-        .scene = a->scene, .tf = a->tf, .view = a->view, .size = a->size, .zoom = a->zoom, .threads = threads};
-    const iso_status status = check_transfer(a, err);
+    *look = (iso_subject_look){.scene = a->scene, .tf = a->tf, .view = a->view, .size = a->size, .threads = threads};
+    iso_status status = a->zoom ? iso_cli_zoom_parse(a->zoom, &look->zoom, err) : ISO_OK;
+    if (status == ISO_OK)
+        status = check_transfer(a, err);
     return status == ISO_OK ? iso_cli_transfer_request(&a->transfer, &look->request, err) : status;
 }
 
@@ -53,7 +64,8 @@ char *iso_cli_look_line(const iso_cli_look *a)
                  {"--opacity", a->transfer.opacity},
                  {"--range", a->transfer.range},
                  {"--view", a->view},
-                 {"--size", a->size}};
+                 {"--size", a->size},
+                 {"--zoom", a->zoom}};
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
@@ -64,8 +76,6 @@ char *iso_cli_look_line(const iso_cli_look *a)
             fprintf(f, " %s ", words[i].option);
             iso_words_put_quoted(f, words[i].value);
         }
-    if (a->zoom > 0)
-        fprintf(f, " --zoom %.9g", a->zoom);
     fclose(f);
     return text;
 }

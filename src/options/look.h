@@ -10,14 +10,14 @@
 #ifndef ISO_OPTIONS_LOOK_H
 #define ISO_OPTIONS_LOOK_H
 
+#include <math.h>
 #include <popt.h>
 
 #include "options/transfer.h"
 #include "scene/subject.h"
 
 typedef struct iso_cli_look {
-    char *scene, *tf, *view, *size; /* by popt; live until the process ends */
-    double zoom;
+    char *scene, *tf, *view, *size, *zoom; /* by popt; live until the process ends */
     iso_cli_transfer transfer;
 } iso_cli_look;
 
@@ -30,7 +30,7 @@ typedef struct iso_cli_look {
     ISO_CLI_TRANSFER_OPTIONS(&(a)->transfer)
 
 #define ISO_CLI_ZOOM_OPTION(a)                                                                                              \
-    {"zoom", 0, POPT_ARG_DOUBLE, &(a)->zoom, 0, "enlarge the middle of the picture so many times (1)", "X"}
+    {"zoom", 0, POPT_ARG_STRING, &(a)->zoom, 0, "enlarge the middle of the picture so many times (1)", "X"}
 
 #define ISO_CLI_LOOK_OPTIONS(a)                                                                                             \
     ISO_CLI_SCENE_OPTION(a),                                                                                                \
@@ -39,6 +39,12 @@ typedef struct iso_cli_look {
     ISO_CLI_ZOOM_OPTION(a),                                                                                                 \
     {"size", 0, POPT_ARG_STRING, &(a)->size, 0, "image size instead of the scene's, or of 512x512", "WxH"}
 /* clang-format on */
+
+/* What --step is where it is not given: 0 and NaN are refused, as infinite numbers are of all options. */
+#define ISO_STEP_OF_SCENE (-INFINITY)
+
+/* How many times the middle of a picture is enlarged. ISO_E_USAGE with the text or the limits. */
+iso_status iso_cli_zoom_parse(const char *text, double *zoom, iso_error *err);
 
 /* None of them is given. */
 bool iso_cli_look_is_empty(const iso_cli_look *a);

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "pyramid/pyramid_layout.h"
+#include "volume/segments.h"
 
 
 static void floats_to_type(const float *in, iso_type type, size_t count, void *out)
@@ -118,7 +119,19 @@ iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *er
     return status;
 }
 
-/* Reads one file, checks it, and leaves its samples as float (codes: as bytes) in *data. */
+/* A file's size follows from its header and its samples: what pyramid.json says is for people and other programs. */
+static iso_status check_bytes(iso_json_reader *r, const json_t *entry, const char *name, size_t bytes)
+{
+    size_t said = 0;
+    iso_json_get_size(r, entry, "bytes", true, 0, INT64_MAX, &said);
+    if (r->status == ISO_OK && said != bytes)
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"bytes\" of %s is %zu, must be %zu by its size and type",
+                             r->path, name, said, bytes);
+    return r->status;
+}
+
+/* Reads one file, checks it, and leaves its samples as float (codes: as bytes) in *data. NULL: its entry is checked
+ * alone. */
 static iso_status load_file(const char *dir, const iso_geometry *g, const level_file *f, iso_json_reader *r,
                             const json_t *files, void **data, iso_error *err)
 {
@@ -131,10 +144,12 @@ static iso_status load_file(const char *dir, const iso_geometry *g, const level_
     if (strchr(name, '/'))
         return iso_fail(err, ISO_E_FORMAT, "%s: the file \"%s\" does not lie in the folder", r->path, name);
     char *path = iso_path_join(dir, name), *header = iso_layout_header(g, f);
-    const iso_status status = path && header
-                                  ? iso_layout_read(path, header, f, digest,
-                                                    f->components * iso_geometry_voxel_count(g), data, err)
-                                  : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
+    const size_t count = f->components * iso_geometry_voxel_count(g);
+    iso_status status = path && header
+                            ? check_bytes(r, entry, name, strlen(header) + count * iso_type_bytes(f->type))
+                            : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
+    if (status == ISO_OK && data)
+        status = iso_layout_read(path, header, f, digest, count, data, err);
     free(header);
     free(path);
     return status;
@@ -149,8 +164,12 @@ static void geometry_from_json(iso_json_reader *r, const json_t *object, iso_geo
     iso_json_get_numbers(r, object, "origin_mm", true, &(iso_json_list){&g->origin_mm.x, 3, -DBL_MAX, DBL_MAX});
     iso_json_get_numbers(r, object, "box_index", true, &(iso_json_list){g->box_index, 3, 0, 1u << 24});
     iso_json_get_bool(r, object, "is_patient", false, &g->is_patient);
-    for (int a = 0; a < 3 && r->status == ISO_OK; ++a)
+    for (int a = 0; a < 3 && r->status == ISO_OK; ++a) {
         g->size[a] = (size_t)size[a];
+        if ((double)g->size[a] != size[a])
+            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"size\" holds %g, must be whole numbers", r->path,
+                                 size[a]);
+    }
     if (r->status == ISO_OK)
         r->status = iso_geometry_check(g, r->path, r->err);
     /* The box ends in the last voxel, or at its far face. */
@@ -173,6 +192,9 @@ static void options_from_json(iso_json_reader *r, const json_t *object, iso_pyra
     iso_json_get_size(r, object, "gauss_radius", true, 1, 16, &o->gauss_radius);
     const iso_json_list range = {o->value_range, 2, -1e300, 1e300};
     iso_json_get_numbers(r, object, "value_range", false, &range);
+    if (r->status == ISO_OK && json_object_get(object, "value_range") && !(o->value_range[0] < o->value_range[1]))
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"value_range\" is %g to %g, must have the larger one last",
+                             r->path, o->value_range[0], o->value_range[1]);
     iso_json_get_size(r, object, "eq1_exponent", false, 0, 4, &o->eq1_exponent);
     iso_json_get_bool(r, object, "keep_float", true, &o->keep_float);
     iso_json_get_bool(r, object, "keep_magnitude", true, &o->keep_magnitude);
@@ -236,8 +258,8 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     iso_status status = ISO_OK;
     iso_layout_files(opt, l->stored_type, files);
     for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
-        if (files[i].stored && is_wanted(what, i))
-            status = load_file(dir, &l->geometry, &files[i], r, list, &data[i], err);
+        if (files[i].stored)
+            status = load_file(dir, &l->geometry, &files[i], r, list, is_wanted(what, i) ? &data[i] : NULL, err);
     l->labels = opt->scalar_filter == ISO_SCALAR_MAJORITY;
     l->scalar = data[FILE_SCALAR];
     l->codes = data[FILE_CODES];
@@ -278,6 +300,9 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     out->segments = json_incref(iso_json_get_array(r, root, "segments", false));
     out->made_for = json_incref(iso_json_get_object(r, root, "made_for", false));
     out->chosen_by = json_incref(iso_json_get_object(r, root, "auto", false));
+    iso_segments_check(r, out->segments);
+    iso_json_check_texts(r, "made_for", out->made_for);
+    iso_json_check_texts(r, "auto", out->chosen_by);
     if (r->status != ISO_OK)
         return r->status;
     const size_t count = json_array_size(levels);

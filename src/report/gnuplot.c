@@ -2,6 +2,8 @@
 #define _GNU_SOURCE
 #include "report/gnuplot.h"
 
+#include <ctype.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,13 +113,15 @@ iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, 
 
 void iso_gnuplot_put_quoted(FILE *gp, const char *text)
 {
-    fputc('\'', gp);
-    for (; *text; ++text)
-        if (*text == '\'')
-            fputs("\'\'", gp);
-        else
-            fputc(*text == '\n' ? ' ' : *text, gp);
-    fputc('\'', gp);
+    bool is_escaped = false;
+    fputc('"', gp);
+    for (; *text; ++text) {
+        const unsigned char c = (unsigned char)*text;
+        /* gnuplot 5.4 takes all digits that follow for those of the escape. */
+        is_escaped = !(c >= 0x80 || isalpha(c) || strchr(" ._-", c) || (isdigit(c) && !is_escaped));
+        fprintf(gp, is_escaped ? "\\%03o" : "%c", c);
+    }
+    fputc('"', gp);
 }
 
 const char *iso_gnuplot_ending(const char *output)

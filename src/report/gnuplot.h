@@ -31,7 +31,9 @@ iso_status iso_gnuplot_picture(const char *output, double width, double height, 
                                iso_error *err);
 /* "png", "svg" or "pdf"; NULL where a name ends with none of them. */
 const char *iso_gnuplot_ending(const char *output);
-/* A text between single quotes of a script, with what would end it. Never enhanced: "noenhanced" is for the caller. */
+/* A text between double quotes of a script; of each byte that gnuplot could read as something else stands the number.
+ * (Between single quotes gnuplot 5.4 reads two of them as one, but not at the beginning, nor twice.) Never enhanced:
+ * "noenhanced" is for the caller. */
 void iso_gnuplot_put_quoted(FILE *gp, const char *text);
 
 /* gnuplot does not notice a full disk: a whole picture ends as its format, "svg", "pdf" or "png", does. ISO_E_IO. */

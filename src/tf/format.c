@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/inputs.h"
+#include "base/words.h"
 
 #define ISO_TF_FORMAT_DECLARE(name) extern const iso_tf_format iso_tf_format_##name;
 ISO_TF_FORMAT_LIST(ISO_TF_FORMAT_DECLARE)
@@ -159,8 +160,10 @@ static iso_status give_names(const char *const *names, size_t count, char **text
 {
     size_t size = 0;
     FILE *memory = open_memstream(text, &size);
-    for (size_t i = 0; i < count && memory; ++i)
-        fprintf(memory, "%s\n", names[i]);
+    for (size_t i = 0; i < count && memory; ++i) {
+        iso_words_put_line(memory, names[i]);
+        fputc('\n', memory);
+    }
     if (!memory || fclose(memory) != 0)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     return iso_fail(err, ISO_E_USAGE, "the names are listed");

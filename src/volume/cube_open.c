@@ -101,7 +101,7 @@ static iso_status open_cube(iso_volume_source *source, iso_error *err)
     if (status == ISO_OK)
         status = take_geometry(&c, source, err);
     if (status == ISO_OK)
-        status = iso_source_take_text(source, f, true, err);
+        status = iso_source_take_text(source, f, (iso_text_layout){.z_fastest = true}, err);
     status = iso_source_check_read(f, source->path, status, err);
     fclose(f);
     return status;

@@ -77,7 +77,7 @@ static void unescape(char *text)
 static char *attribute(const char *tag, const char *end, const char *name)
 {
     const size_t length = strlen(name);
-    for (const char *at = tag; (at = strstr(at, name)) && at < end; at += length) {
+    for (const char *at = tag; (at = memmem(at, (size_t)(end - at), name, length)); at += length) {
         const char *value = at + length + 1;
         const char quote[2] = {at[length] == '=' ? at[length + 1] : 0, 0};
         if (!isspace((unsigned char)at[-1]) || (*quote != '"' && *quote != '\''))
@@ -96,8 +96,9 @@ static iso_status read_pvd(const char *path, const char *text, iso_file_list *li
     if (!strstr(text, "<VTKFile") || !strstr(text, "<Collection") || !strstr(text, "</Collection>"))
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no collection of ParaView's (.pvd)", path);
     for (const char *at = text; status == ISO_OK && (at = strstr(at, "<DataSet")); ++at) {
-        const char *end = strchr(at, '>');
-        char *name = end ? attribute(at, end, "file") : NULL, *time = end ? attribute(at, end, "timestep") : NULL;
+        const char *end = strpbrk(at + 1, "<>"); /* no tag goes on behind another's beginning */
+        const bool is_tag = end && *end == '>';
+        char *name = is_tag ? attribute(at, end, "file") : NULL, *time = is_tag ? attribute(at, end, "timestep") : NULL;
         char *rest = NULL;
         const double value = time ? strtod(time, &rest) : (double)list->count;
         status = add(list, path, name ? name : "", time && rest == time ? NAN : value, err);

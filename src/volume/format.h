@@ -41,7 +41,8 @@ typedef struct iso_volume_format {
     const char *suffixes; /* of its files' names, such as ".nrrd .nhdr": what a pyramid's name leaves out */
     const char
         *starts;     /* how its files start, for the message about a file that is of no format; NULL where probe is */
-    bool takes_part; /* of a file that holds several volumes, FILE:PART names one */
+    bool takes_part;   /* of a file that holds several volumes, FILE:PART names one */
+    bool takes_series; /* of a folder that holds several volumes, --series names one */
     /* Whether a file of these first bytes, unpacked where they are compressed, is of this format. NULL: it takes options
      * to say so, as for raw. */
     bool (*probe)(const unsigned char *head, size_t size);

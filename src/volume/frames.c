@@ -138,11 +138,11 @@ static void take_notes(const iso_extra_axes *axes, const iso_source_choice *choi
     notes->frame_count = axes->frame.count;
     notes->frame = choice->frame;
     notes->frame_step = axes->frame_step > 0 ? axes->frame_step : 0;
-    snprintf(notes->frame_unit, sizeof notes->frame_unit, "%s", axes->frame_unit);
+    iso_words_copy_line(axes->frame_unit, notes->frame_unit, sizeof notes->frame_unit);
     notes->channel_count = axes->channel.count;
     notes->channel = choice->channel;
-    snprintf(notes->channel_name, sizeof notes->channel_name, "%s",
-             choice->luminance ? "luminance" : channel_name(axes, choice->channel));
+    iso_words_copy_line(choice->luminance ? "luminance" : channel_name(axes, choice->channel), notes->channel_name,
+                        sizeof notes->channel_name);
 }
 
 iso_status iso_source_choose(iso_volume_source *source, const iso_extra_axes *given, iso_error *err)

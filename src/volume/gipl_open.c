@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "volume/stream_kernel.h"
 
@@ -89,6 +90,14 @@ static iso_status take_geometry(const unsigned char *head, iso_volume_source *so
     return iso_geometry_check(g, source->path, err);
 }
 
+static iso_status check_packed(const iso_volume_source *source, iso_error *err)
+{
+    struct stat st;
+    if (stat(source->path, &st) != 0)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", source->path, strerror(errno));
+    return iso_source_check_packed(source, source->path, (double)st.st_size, ISO_SOURCE_DEFLATE_MOST, err);
+}
+
 static iso_status open_gipl(iso_volume_source *source, iso_error *err)
 {
     unsigned char head[HEADER_BYTES];
@@ -104,8 +113,10 @@ static iso_status open_gipl(iso_volume_source *source, iso_error *err)
     if (status == ISO_OK)
         status = take_geometry(head, source, err);
     source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
-    if (status != ISO_OK || !gzdirect(source->gz))
+    if (status != ISO_OK)
         return status;
+    if (!gzdirect(source->gz))
+        return check_packed(source, err);
     gzclose(source->gz);
     source->gz = NULL;
     return iso_source_take_file(source, source->path, HEADER_BYTES, err);

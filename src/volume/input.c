@@ -100,6 +100,9 @@ static iso_status open_stored(const char *path, const iso_volume_input *in, iso_
         return status;
     if (!is_raw(in))
         return iso_source_open_with(path, &hints, source, err);
+    if (in->series)
+        return iso_fail(err, ISO_E_USAGE, "%s: a raw file is one volume, --series %s names none of several", path,
+                        in->series);
     status = parse_layout(in, &hints, unit_mm, &layout, err);
     return status == ISO_OK ? iso_source_open_raw(path, &layout, source, err) : status;
 }

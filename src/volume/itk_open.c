@@ -86,6 +86,7 @@ const iso_volume_format iso_volume_format_itk = {
                "multi-frame DICOM at once",
     .suffixes = ".dcm",
     .starts = "by ITK",
+    .takes_series = true,
     .probe_path = can_read,
     .open = open_itk,
 };

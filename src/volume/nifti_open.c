@@ -277,12 +277,10 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
             status = iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", image, strerror(errno));
         else
             status = iso_source_check_bytes(source, (double)st.st_size - (double)offset, err);
-    } else if ((double)iso_source_bytes(source) > 1032.0 * (double)st.st_size) {
-        status = iso_fail(err, ISO_E_FORMAT,
-                          "%s: truncated: %lld compressed bytes cannot hold the %zu that the sizes need", image,
-                          (long long)st.st_size, iso_source_bytes(source));
-    } else if (gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0) {
-        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the samples at byte %zu", image, offset);
+    } else {
+        status = iso_source_check_packed(source, image, (double)st.st_size, ISO_SOURCE_DEFLATE_MOST, err);
+        if (status == ISO_OK && gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0)
+            status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the samples at byte %zu", image, offset);
     }
     free(image);
     return status;

@@ -239,11 +239,10 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
         io->dataFile = NULL;
         return iso_source_check_bytes(source, (double)(st.st_size - at), err);
     }
-    /* deflate cannot shrink by more than 1032 */
-    if ((double)iso_source_bytes(source) > 1032.0 * (double)(st.st_size - at))
-        return iso_fail(err, ISO_E_FORMAT,
-                        "%s: truncated: %lld compressed bytes cannot hold the %zu that the sizes need", source->path,
-                        (long long)(st.st_size - at), iso_source_bytes(source));
+    const iso_status status = iso_source_check_packed(source, source->path, (double)(st.st_size - at),
+                                                      ISO_SOURCE_DEFLATE_MOST, err);
+    if (status != ISO_OK)
+        return status;
     int fd = dup(fileno(io->dataFile));
     source->gz = fd >= 0 && lseek(fd, at, SEEK_SET) == at ? gzdopen(fd, "rb") : NULL;
     if (!source->gz)
@@ -266,10 +265,10 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
 static double most_of(const NrrdEncoding *encoding)
 {
     /* The shortest text is a digit and a space for a double. A block of bzip2 takes more than 32 bytes, and holds 900 000
-     * after a first pass that makes 5 of 255 equal ones. Deflate cannot shrink by more than 1032. */
+     * after a first pass that makes 5 of 255 equal ones. */
     return encoding == nrrdEncodingAscii || encoding == nrrdEncodingHex ? 4.0
            : encoding == nrrdEncodingBzip2                              ? 900000.0 / 5 * 255 / 32
-           : encoding == nrrdEncodingGzip                               ? 1032.0
+           : encoding == nrrdEncodingGzip                               ? ISO_SOURCE_DEFLATE_MOST
                                                                         : 1.0;
 }
 

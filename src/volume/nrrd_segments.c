@@ -29,7 +29,7 @@ static long number_of(const Nrrd *nrrd, int number, const char *key, long otherw
 {
     char *text = value_of(nrrd, number, key), *end = text;
     const long value = text ? strtol(text, &end, 10) : otherwise;
-    const bool good = text && end != text && value >= -32768 && value <= 65535;
+    const bool good = text && end != text && value >= ISO_SEGMENTS_LABEL_MIN && value <= ISO_SEGMENTS_LABEL_MAX;
     free(text);
     return good ? value : otherwise;
 }

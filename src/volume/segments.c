@@ -22,6 +22,28 @@ json_t *iso_segments_text(const char *text)
     return json ? json : json_string(copy);
 }
 
+static void check_segment(iso_json_reader *r, size_t number, const json_t *segment)
+{
+    const json_t *label = json_object_get(segment, "label");
+    const char *name;
+    double color[3];
+    if (!json_is_object(segment))
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"segments\": entry %zu is not an object", r->path, number);
+    else if (!json_is_integer(label) || json_integer_value(label) < ISO_SEGMENTS_LABEL_MIN ||
+             json_integer_value(label) > ISO_SEGMENTS_LABEL_MAX)
+        r->status = iso_fail(r->err, ISO_E_FORMAT,
+                             "%s: \"label\" of entry %zu of \"segments\": no whole number, %d to %d", r->path, number,
+                             ISO_SEGMENTS_LABEL_MIN, ISO_SEGMENTS_LABEL_MAX);
+    iso_json_get_string(r, segment, "name", true, &name);
+    iso_json_get_numbers(r, segment, "color", false, &(iso_json_list){color, 3, 0, 1});
+}
+
+void iso_segments_check(iso_json_reader *r, const json_t *segments)
+{
+    for (size_t i = 0; i < json_array_size(segments) && r->status == ISO_OK; ++i)
+        check_segment(r, i, json_array_get(segments, i));
+}
+
 const json_t *iso_segments_find(const json_t *segments, long label)
 {
     for (size_t i = 0; i < json_array_size(segments); ++i) {

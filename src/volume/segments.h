@@ -13,8 +13,16 @@
 
 #include <jansson.h>
 
+#include "base/json.h"
+
+/* Labels are whole numbers of 8 or 16 bits, with or without a sign. */
+enum { ISO_SEGMENTS_LABEL_MIN = -32768, ISO_SEGMENTS_LABEL_MAX = 65535 };
+
 /* UTF-8 without control characters: what is neither becomes '_'. A new string, or NULL where memory ends. */
 json_t *iso_segments_text(const char *text);
+
+/* Refuses what the list above cannot be, with ISO_E_FORMAT; a color's number beyond 0 to 1 with ISO_E_RANGE. */
+void iso_segments_check(iso_json_reader *r, const json_t *segments);
 
 /* The first segment of that label, or NULL. segments may be NULL. */
 const json_t *iso_segments_find(const json_t *segments, long label);

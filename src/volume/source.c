@@ -43,6 +43,17 @@ iso_status iso_source_check_bytes(const iso_volume_source *source, double availa
                     g->size[2], iso_type_name(source->header.type), times, need);
 }
 
+iso_status iso_source_check_packed(const iso_volume_source *source, const char *path, double packed, double most,
+                                   iso_error *err)
+{
+    const size_t need = iso_source_bytes(source);
+    return (double)need <= most * packed
+               ? ISO_OK
+               : iso_fail(err, ISO_E_FORMAT,
+                          "%s: truncated: %.0f compressed bytes cannot hold the %zu that the sizes need", path, packed,
+                          need);
+}
+
 iso_status iso_source_check_regular(const char *path, iso_error *err)
 {
     struct stat st;
@@ -219,12 +230,20 @@ static void list_formats(char *text, size_t size)
                                        f->starts);
 }
 
+static iso_status refuse_series(const iso_volume_source *s, iso_error *err)
+{
+    return iso_fail(err, ISO_E_USAGE, "%s: is one volume, --series %s chooses among those of a folder of DICOM slices",
+                    s->path, s->hints.series);
+}
+
 static iso_status open_as(const iso_volume_format *f, iso_volume_source *s, iso_error *err)
 {
     if (s->part && !f->takes_part)
         return iso_fail(err, ISO_E_USAGE,
                         "%s:%s: a file of this kind (%s) is one volume, \":%s\" names none of several", s->path,
                         s->part, f->title, s->part);
+    if (s->hints.series && !(f->takes_series && iso_path_is_dir(s->path)))
+        return refuse_series(s, err);
     return f->open(s, err);
 }
 

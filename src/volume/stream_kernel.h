@@ -47,11 +47,23 @@ iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, siz
 /* ISO_E_IO where reading the file failed, whatever was then found to be missing; else `status`. */
 iso_status iso_source_check_read(FILE *f, const char *path, iso_status status, iso_error *err);
 iso_status iso_source_check_read_gz(gzFile gz, const char *path, iso_status status, iso_error *err);
-/* Reads all samples as decimals from where the file stands; the caller checks whether it could be read. z_fastest: in the file z runs fastest, x slowest. */
-iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_fastest, iso_error *err);
+/* How samples stand as decimals in a file. */
+typedef struct iso_text_layout {
+    bool z_fastest;    /* z runs fastest, x slowest */
+    bool words_follow; /* what follows, if anything, begins with a word that is no number; else nothing may */
+} iso_text_layout;
+/* Reads all samples from where the file stands, and leaves it behind the last; the caller checks whether it could be
+ * read. */
+iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_layout layout, iso_error *err);
 
 /* Checks header.geometry, and that `available` is the number of bytes of its samples. */
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);
+/* Deflate, of zlib and gzip, packs no more bytes into one. */
+enum { ISO_SOURCE_DEFLATE_MOST = 1032 };
+/* Before memory is asked for: ISO_E_FORMAT where `packed` bytes of the file `path`, each of which holds `most` bytes of
+ * samples at most, cannot hold all that the sizes need. */
+iso_status iso_source_check_packed(const iso_volume_source *source, const char *path, double packed, double most,
+                                   iso_error *err);
 /* ISO_E_IO where the path names no regular file: a pipe would be waited for. */
 iso_status iso_source_check_regular(const char *path, iso_error *err);
 /* As iso_source_check_bytes(), of what the plain file holds from where it stands. */

@@ -11,8 +11,8 @@
 
 enum { WORD_BYTES = 64 };
 
-/* The next word; false at the end, or where it is no number. Fortran writes 1.0D-3. */
-static bool next_number(FILE *f, double *value)
+/* The next word; NULL, or what is wrong with it. Fortran writes 1.0D-3. */
+static const char *next_number(FILE *f, double *value)
 {
     char word[WORD_BYTES], *end;
     size_t n = 0;
@@ -23,7 +23,27 @@ static bool next_number(FILE *f, double *value)
         word[n++] = (char)(c == 'D' || c == 'd' ? 'e' : c);
     word[n] = 0;
     *value = strtod(word, &end);
-    return n > 0 && *end == 0;
+    const bool is_number = n > 0 && end == word + n;
+    return c != EOF && !isspace(c) ? "a word of more than 63 letters"
+           : is_number             ? NULL
+           : c == EOF              ? "truncated"
+                                   : "no number";
+}
+
+/* Where more follows than the sizes need, they are wrong. The file stays where it is. */
+static iso_status check_end(const iso_volume_source *source, FILE *f, size_t count, bool words_follow, iso_error *err)
+{
+    const off_t at = ftello(f);
+    int c;
+    while (isspace(c = getc_unlocked(f)))
+        ;
+    if (c != EOF)
+        ungetc(c, f);
+    double value;
+    if (c == EOF || (words_follow && next_number(f, &value)))
+        return fseeko(f, at, SEEK_SET) == 0 ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be read", source->path);
+    return iso_fail(err, ISO_E_FORMAT, "%s: too long: more follows the %zu numbers that the sizes need", source->path,
+                    count);
 }
 
 /* Cut to an integer where the type is one; false where that is beyond the type, whose conversion C leaves open. */
@@ -47,7 +67,7 @@ static bool store(char *data, iso_type type, size_t at, double value)
     return false;
 }
 
-iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_fastest, iso_error *err)
+iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_layout layout, iso_error *err)
 {
     const size_t *n = source->header.geometry.size, sample = iso_type_bytes(source->header.type),
                  count = iso_source_bytes(source) / sample;
@@ -63,13 +83,13 @@ iso_status iso_source_take_text(iso_volume_source *source, FILE *f, bool z_faste
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu samples", source->path, count);
     for (size_t i = 0; i < count; ++i) {
         double value;
-        if (!next_number(f, &value))
-            return iso_fail(err, ISO_E_FORMAT, "%s: %s after %zu of %zu numbers", source->path,
-                            feof(f) ? "truncated" : "no number", i, count);
+        const char *wrong = next_number(f, &value);
+        if (wrong)
+            return iso_fail(err, ISO_E_FORMAT, "%s: %s after %zu of %zu numbers", source->path, wrong, i, count);
         const size_t z = i % n[2], y = i / n[2] % n[1], x = i / n[2] / n[1];
-        if (!store(source->preloaded, source->header.type, z_fastest ? (z * n[1] + y) * n[0] + x : i, value))
+        if (!store(source->preloaded, source->header.type, layout.z_fastest ? (z * n[1] + y) * n[0] + x : i, value))
             return iso_fail(err, ISO_E_FORMAT, "%s: sample %zu is %g, which no %s can be", source->path, i, value,
                             iso_type_name(source->header.type));
     }
-    return ISO_OK;
+    return check_end(source, f, count, layout.words_follow, err);
 }

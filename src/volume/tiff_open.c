@@ -2,6 +2,7 @@
 /* tiff_open.c - TIFF and BigTIFF, a slice a page, by libtiff. TIFF itself does not say how far slices are apart: ImageJ's
  * description and OME's XML do, and nothing else is trusted. */
 #define _GNU_SOURCE
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -24,7 +25,7 @@ typedef struct tiff_reader {
 
 typedef struct tiff_page {
     uint32_t width, height;
-    uint16_t bits, samples, format, planar;
+    uint16_t bits, samples, format, planar, compression;
     bool is_color;
 } tiff_page;
 
@@ -105,7 +106,8 @@ static iso_status check_read(const tiff_reader *r, const char *path, iso_status 
 
 static tiff_page read_page(TIFF *t)
 {
-    tiff_page p = {.bits = 1, .samples = 1, .format = SAMPLEFORMAT_UINT, .planar = PLANARCONFIG_CONTIG};
+    tiff_page p = {.bits = 1, .samples = 1, .format = SAMPLEFORMAT_UINT, .planar = PLANARCONFIG_CONTIG,
+                   .compression = COMPRESSION_NONE};
     uint16_t meaning = 0;
     TIFFGetField(t, TIFFTAG_IMAGEWIDTH, &p.width);
     TIFFGetField(t, TIFFTAG_IMAGELENGTH, &p.height);
@@ -113,9 +115,24 @@ static tiff_page read_page(TIFF *t)
     TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLESPERPIXEL, &p.samples);
     TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLEFORMAT, &p.format);
     TIFFGetFieldDefaulted(t, TIFFTAG_PLANARCONFIG, &p.planar);
+    TIFFGetFieldDefaulted(t, TIFFTAG_COMPRESSION, &p.compression);
     TIFFGetFieldDefaulted(t, TIFFTAG_PHOTOMETRIC, &meaning);
     p.is_color = meaning == PHOTOMETRIC_RGB && (p.samples == 3 || p.samples == 4);
     return p;
+}
+
+/* How many bytes of samples a byte of the file can hold, at most. PackBits repeats a byte 128 times by two. LZW's words
+ * of 9 to 12 bits hold up to 4094 bytes. Of the others zstd packs most: a block of 128 kB of equal bytes into four. */
+static double most_of(uint16_t compression)
+{
+    switch (compression) {
+    case COMPRESSION_NONE: return 1;
+    case COMPRESSION_PACKBITS: return 64;
+    case COMPRESSION_LZW: return 4094;
+    case COMPRESSION_DEFLATE:
+    case COMPRESSION_ADOBE_DEFLATE: return ISO_SOURCE_DEFLATE_MOST;
+    default: return 32768;
+    }
 }
 
 static bool our_type(const tiff_page *p, iso_type *type)
@@ -262,6 +279,16 @@ static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first,
     return r->page_count > 0 ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: has no page but thumbnails", path);
 }
 
+/* OME's DimensionOrder behind XY, which is how pages are counted: a letter twice would lead beyond the last one. */
+static iso_status check_order(const tiff_notes *n, const char *path, iso_error *err)
+{
+    const bool has_each = strchr(n->order, 'Z') && strchr(n->order, 'C') && strchr(n->order, 'T');
+    if (!n->order[0] || (has_each && strlen(n->order) == 3))
+        return ISO_OK;
+    return iso_fail(err, ISO_E_FORMAT, "%s: OME's DimensionOrder is XY%s, must be XY and each of Z, C and T once", path,
+                    n->order);
+}
+
 /* Pages by their description's order; components of one page stand in its pixels. */
 static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_source *source, size_t *slices,
                          iso_error *err)
@@ -287,6 +314,8 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
     if (inside == 1)
         memcpy(axes.channel_name, n->channel_name, sizeof axes.channel_name);
     const iso_status status = iso_source_choose(source, &axes, err);
+    if (status != ISO_OK)
+        return status;
     /* Which pages: this reader's business. */
     const size_t count[3] = {*slices, channels, frames};
     const size_t chosen[3] = {0, inside > 1 ? 0 : source->choice.channel, source->choice.frame};
@@ -297,9 +326,10 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
         r->step = axis == 0 ? stride : r->step;
         stride *= count[axis];
     }
+    assert(r->first + (*slices - 1) * r->step < r->page_count);
     source->choice.volume_count = 1;
     source->choice.volume_at = 0;
-    return status;
+    return ISO_OK;
 }
 
 static iso_status take_geometry(iso_volume_source *source, const tiff_page *p, size_t slices, tiff_notes *n,
@@ -419,8 +449,14 @@ static iso_status read_header(iso_volume_source *source, iso_error *err)
                           "float or double",
                           source->path, page.bits, page.format);
     if (status == ISO_OK)
+        status = check_order(&notes, source->path, err);
+    if (status == ISO_OK)
         status = choose(&notes, &page, source, &slices, err);
-    return status == ISO_OK ? take_geometry(source, &page, slices, &notes, err) : status;
+    if (status == ISO_OK)
+        status = take_geometry(source, &page, slices, &notes, err);
+    return status == ISO_OK
+               ? iso_source_check_packed(source, source->path, (double)size_of(r), most_of(page.compression), err)
+               : status;
 }
 
 static iso_status open_tiff(iso_volume_source *source, iso_error *err)

@@ -250,9 +250,10 @@ static iso_status take_bytes(const vti *v, iso_volume_source *source, const unsi
                              iso_error *err)
 {
     const size_t bytes = iso_source_bytes(source), n = v->length_bytes;
-    if (bytes > 1032.0 * (double)size)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %zu bytes cannot hold the %zu that the sizes need",
-                        source->path, size, bytes);
+    const iso_status status = iso_source_check_packed(source, source->path, (double)size,
+                                                      v->packed ? ISO_SOURCE_DEFLATE_MOST : 1, err);
+    if (status != ISO_OK)
+        return status;
     source->preloaded = malloc(bytes);
     if (!source->preloaded)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes of samples", source->path, bytes);
@@ -284,7 +285,7 @@ static iso_status take_text(const vti *v, iso_volume_source *source, iso_error *
     const size_t rest = v->size - (size_t)(text - v->text);
     const char *tag = memchr(text, '<', rest);
     FILE *f = fmemopen((void *)(size_t)text, tag > text ? (size_t)(tag - text) : rest, "r");
-    const iso_status status = f ? iso_source_take_text(source, f, false, err)
+    const iso_status status = f ? iso_source_take_text(source, f, (iso_text_layout){0}, err)
                                 : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
     if (f)
         fclose(f);

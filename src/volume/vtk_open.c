@@ -128,7 +128,7 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
     source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && iso_type_bytes(source->header.type) > 1;
     if (status == ISO_OK && h.is_text) {
         source->swap_bytes = false;
-        status = iso_source_take_text(source, f, false, err);
+        status = iso_source_take_text(source, f, (iso_text_layout){.words_follow = true}, err);
     } else if (status == ISO_OK)
         status = iso_source_take_part(source, source->path, (size_t)ftello(f), err);
     status = iso_source_check_read(f, source->path, status, err);

@@ -78,7 +78,7 @@ static iso_status open_xsf(iso_volume_source *source, iso_error *err)
     if (status == ISO_OK)
         status = take_geometry(source, size, origin, span, err);
     if (status == ISO_OK)
-        status = iso_source_take_text(source, f, false, err);
+        status = iso_source_take_text(source, f, (iso_text_layout){.words_follow = true}, err);
     if (status == ISO_OK && find_grid(f))
         status = iso_fail(err, ISO_E_FORMAT, "%s: has several grids, must be one", source->path);
     status = iso_source_check_read(f, source->path, status, err);

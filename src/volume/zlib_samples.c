@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/inputs.h"
 #include "volume/stream_kernel.h"
@@ -94,7 +95,8 @@ iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, siz
     if (status != ISO_OK)
         return status;
     r->file = fopen(path, "rb");
-    if (!r->file || fseeko(r->file, (off_t)offset, SEEK_SET) != 0)
+    struct stat st;
+    if (!r->file || fseeko(r->file, (off_t)offset, SEEK_SET) != 0 || fstat(fileno(r->file), &st) != 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be read at byte %zu: %s", path, offset, strerror(errno));
-    return ISO_OK;
+    return iso_source_check_packed(source, path, (double)st.st_size - (double)offset, ISO_SOURCE_DEFLATE_MOST, err);
 }

@@ -124,6 +124,7 @@ public:
         shown_ = array_.name.empty() ? path : path + ":" + array_.name;
         if (!array_.refused.empty())
             fail(ISO_E_FORMAT, shown_ + ": " + array_.refused);
+        store_->check_bytes(array_);
         axes_ = axes_of(array_, shown_);
         for (int a = 0; a < 3; ++a)
             header.size[a] = array_.size[axes_.space[a]];

@@ -44,6 +44,8 @@ public:
     {
         return false;
     }
+    /* Fails where the array's samples cannot be in the bytes that are there. */
+    virtual void check_bytes(const Array &) {}
     /* Names of channels; empty where the format has none. */
     virtual std::vector<std::string> channel_names(const Array &)
     {

@@ -120,7 +120,7 @@ public:
     std::vector<double> values(const std::string &name) override
     {
         const Array array = describe(name);
-        if (!array.refused.empty() || array.size.size() != 1 || array.size[0] > 1 << 24)
+        if (!array.refused.empty() || array.size.size() != 1 || array.size[0] == 0 || array.size[0] > 1 << 24)
             return {};
         std::vector<char> raw(array.size[0] * bytes_of(array.type));
         read(array, {0}, array.size, raw.data());
@@ -143,6 +143,24 @@ public:
         for_each(first, last, [&](const std::vector<size_t> &at) {
             copy_chunk(array, l, at, start, count, static_cast<char *>(out));
         });
+    }
+
+    void check_bytes(const Array &array) override
+    {
+        double need = static_cast<double>(bytes_of(array.type)), there = 0;
+        for (const size_t n : array.size)
+            need *= static_cast<double>(n);
+        if (need <= MOST_WITHOUT_CHUNKS)
+            return;
+        for (const auto &entry : fs::recursive_directory_iterator(path_of(array.name))) {
+            if (entry.is_regular_file() && entry.path().filename().string()[0] != '.')
+                there += static_cast<double>(entry.file_size());
+            if (need <= there * MOST_OF_A_BYTE) /* mostly of the first one */
+                return;
+        }
+        fail(ISO_E_FORMAT, shown(array.name) + ": its chunks have " + std::to_string(static_cast<size_t>(there)) +
+                               " bytes, each of which may stand for " + std::to_string(MOST_OF_A_BYTE) +
+                               " of samples: too few for what \"shape\" says");
     }
 
     std::string main_array(size_t, size_t) override
@@ -429,6 +447,11 @@ private:
     /* Each is looked for, which takes microseconds where there is none: a few bytes of .zarray may promise any number. 4096^3
      * samples in chunks of 32^3 are so many. */
     static constexpr size_t MOST_CHUNKS = 1 << 21;
+
+    /* A chunk that is not there is of the fill value: .zarray alone may promise samples that are read for hours. Of a
+     * volume of more bytes than the first number some chunks have to be there. Where a thousandth of them is, each
+     * packed to a 130th, a byte stands for as many as the second says. */
+    static constexpr size_t MOST_WITHOUT_CHUNKS = 1 << 26, MOST_OF_A_BYTE = 1 << 17;
 
     static double chunks_of(const Layout &l)
     {

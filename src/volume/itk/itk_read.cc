@@ -114,6 +114,8 @@ public:
             open_file(path);
         else if (const auto all = series_in(path); !all.empty())
             open_series(choose(all, series, path), path);
+        else if (series)
+            fail(ISO_E_USAGE, path + ": holds no series, --series chooses among those of a folder of DICOM slices");
         else
             open_pictures(path);
     }
@@ -276,6 +278,8 @@ private:
             if (entry.is_regular_file() && entry.path().filename().string()[0] != '.')
                 files.push_back(path);
         }
+        if (files.empty())
+            fail(ISO_E_FORMAT, folder + ": holds no regular file, which a slice is");
         std::sort(files.begin(), files.end(), comes_before);
         for (const auto &file : files)
             slices_.push_back(open_slice(file));
