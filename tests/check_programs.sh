@@ -35,6 +35,17 @@ rm -f o.exr
 fake never <<<"echo 'Timed out waiting for worker thread startup'; exit 1"
 refuse one_that_never_starts 8 "Timed out" with_povray never
 
+# Programs that never end, where isoshade has a limit of its own for them: --timeout holds where it is less. What ends them
+# otherwise is $patience, which no result hangs on.
+hangs() { printf '%s\n' '#!/usr/bin/env bash' "trap '' TERM INT HUP" 'while :; do sleep 1; done' >"$1" && chmod +x "$1"; }
+for name in povray blender gnuplot; do hangs hanging-$name; done
+short() { patience=120 patiently env "$1=$dir/$2" "$ISOSHADE" "${@:3}" --timeout 1 -q; }
+a_picture() { short "$1" "$2" render s.nrrd --scene "$scene" --with "$3" --size 8 -o o.exr; }
+limit='stopped after 1 s, the time limit'
+refuse a_version_that_is_never_told_has_the_limit_of_all 8 "$limit" a_picture ISOSHADE_POVRAY hanging-povray povray
+refuse so_has_that_of_blender 8 "$limit" a_picture ISOSHADE_BLENDER hanging-blender cycles
+refuse and_a_plot_that_is_never_drawn 8 "$limit" short ISOSHADE_GNUPLOT hanging-gnuplot info s.nrrd --histogram h.png
+
 # nan_exr: the smallest OpenEXR file of 8 x 8 pixels of four floats without compression, all NaN
 nan_exr() {
     text() { printf '%s\0' "$@"; }

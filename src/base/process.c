@@ -313,9 +313,10 @@ void iso_process_set_limit(double seconds)
     usual_limit_seconds = seconds;
 }
 
-double iso_process_limit(void)
+/* The less of two limits, 0 being none. */
+static double less_of(double a, double b)
 {
-    return usual_limit_seconds;
+    return a <= 0 ? b : b <= 0 ? a : fmin(a, b);
 }
 
 static _Atomic double last_moment; /* 0: none */
@@ -348,7 +349,7 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     log->is_there = false;
     log->last[0] = log->error[0] = 0;
     const double start = iso_clock_seconds(),
-                 limit = options->timeout_seconds > 0 ? options->timeout_seconds : usual_limit_seconds,
+                 limit = less_of(options->timeout_seconds, usual_limit_seconds),
                  last = last_moment > 0 ? fmax(last_moment, start) : INFINITY,
                  deadline = fmin(limit > 0 ? start + limit : INFINITY, last);
     drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, deadline);

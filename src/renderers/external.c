@@ -159,13 +159,6 @@ static void end(start *s)
     free(s->dir);
 }
 
-/* The less of two limits, 0 being none. */
-static double time_limit(const iso_external *e)
-{
-    const double usual = iso_process_limit();
-    return e->timeout_seconds > 0 && (usual <= 0 || e->timeout_seconds < usual) ? e->timeout_seconds : 0;
-}
-
 static iso_status find_program(const iso_external *e, const char *word, char **path, iso_error *err)
 {
     if (!strchr(word, '/'))
@@ -201,7 +194,7 @@ static iso_status run(start *s, const char *const *words, const char *last, iso_
                                              .sandbox = {.kind = sandbox_of(e)},
                                              .line = keep_line,
                                              .user = &s->said,
-                                             .timeout_seconds = time_limit(e),
+                                             .timeout_seconds = e->timeout_seconds,
                                              .outcome = &s->outcome};
         status = iso_process_run(argv, &options, err);
     }
