@@ -233,6 +233,70 @@ else
     not_ok a_reader_that_ends_is_read "busy.cc is not compiled"
 fi
 
+# ---- a reader that a damaged file has taken over: it may say anything ----
+cat >false.c <<'END'
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "volume/child_stream.h"
+static iso_child_header h = {.version = ISO_VERSION, .size = {3, 3, 3}, .step = {{1}, {0, 1}, {0, 0, 1}}, .slope = 1};
+static iso_child_answer plane;
+int main(int argc, char **argv)
+{
+    const char *is = argc > 1 ? strrchr(argv[1], '/') + 1 : "";
+    const double what = strstr(is, "inf") ? INFINITY : strstr(is, "large") ? 3.5 : NAN;
+    if (strstr(is, "type")) h.type = 0x7fffffff;
+    if (strstr(is, "world")) h.world = -1;
+    if (strstr(is, "slope")) h.slope = what;
+    if (strstr(is, "intercept")) h.intercept = what;
+    if (strstr(is, "box")) h.box[2] = what;
+    if (strstr(is, "many")) h.frames = h.channels = (size_t)1 << 32;
+    if (strstr(is, "size")) h.size[0] = h.size[1] = (size_t)1 << 40;
+    if (strstr(is, "step")) h.step[1][1] = NAN;
+    if (strstr(is, "unit")) memset(h.unit, 'x', sizeof h.unit);
+    if (strstr(is, "unspaced")) memset(h.unspaced, 'x', sizeof h.unspaced);
+    if (strstr(is, "version")) memset(h.version, '9', sizeof h.version);
+    if (strstr(is, "status")) h.answer.status = 256, strcpy(h.answer.error.text, "a text");
+    if (strstr(is, "differs")) h.answer.status = ISO_E_DIFFERS, strcpy(h.answer.error.text, "a text");
+    if (strstr(is, "silent")) h.answer.status = ISO_E_RANGE;
+    if (strstr(is, "plane")) plane.status = -1;
+    fwrite(&h, sizeof h, 1, stdout);
+    for (int z = 0; z < 3; ++z) {
+        fwrite(&plane, sizeof plane, 1, stdout);
+        fwrite("012345678", 9, 1, stdout);
+    }
+    return 0;
+}
+END
+mkdir false && cp "$ISOSHADE" false/isoshade
+lies() { # what of its answer is false, exit code, words
+    printf ' BDV\0\0\0\0' >"$1.vdb"
+    refuse "a_reader_with_a_false_$1" "$2" "$3" false/isoshade info "$PWD/$1.vdb"
+}
+x() { printf "%${1}s" '' | tr ' ' x; }
+if cc -I"$top/src" -o false/isoshade-vdb false.c; then
+    printf ' BDV\0\0\0\0' >true.vdb
+    check a_reader_that_says_the_truth_is_read false/isoshade info "$PWD/true.vdb"
+    lies type 4 'samples of type 2147483647, which there is not'
+    lies world 4 'axes of kind -1, which there is not'
+    lies slope 4 'slope nan and intercept 0, which have to be finite'
+    lies intercept-inf 4 'slope 1 and intercept inf, which have to be finite'
+    lies box 4 'a box of 0 x 0 x nan voxels in a grid of 3 x 3 x 3'
+    lies box-large 4 'a box of 0 x 0 x 3.5 voxels in a grid of 3 x 3 x 3'
+    lies many 4 '4294967296 frames of 4294967296 channels cannot be counted'
+    lies size 5 'voxels can be addressed'
+    lies step 5 'span no volume'
+    lies unit 4 "its unit is \"$(x 31)\", not one"
+    lies unspaced 4 "does not say the spacing $(x 159);"
+    lies version 7 'is of version 999999999999999, isoshade of'
+    lies status 4 'OpenVDB fails with status 256 and says "a text"'
+    lies differs 4 'OpenVDB fails with status 1 and says "a text"'
+    lies silent 4 'OpenVDB fails with status 5 and says ""'
+    lies plane 4 'OpenVDB fails with status -1 and says ""'
+else
+    not_ok a_reader_that_says_the_truth_is_read "false.c is not compiled"
+fi
+
 # ---- a renderer that hangs ----
 mkdir bin
 printf '%s\n' '#!/bin/bash' 'case "$*" in *-version*) exec /usr/bin/povray "$@";; esac' 'exec >&- 2>&-' 'setsid sleep 4321 &' 'sleep 4321' >bin/povray

@@ -348,8 +348,7 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     log->until = until;
     log->is_there = false;
     log->last[0] = log->error[0] = 0;
-    const double start = iso_clock_seconds(),
-                 limit = less_of(options->timeout_seconds, usual_limit_seconds),
+    const double start = iso_clock_seconds(), limit = less_of(options->timeout_seconds, usual_limit_seconds),
                  last = last_moment > 0 ? fmax(last_moment, start) : INFINITY,
                  deadline = fmin(limit > 0 ? start + limit : INFINITY, last);
     drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, deadline);

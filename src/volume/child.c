@@ -3,11 +3,13 @@
 #include "volume/child.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 
 #include "base/beside.h"
+#include "volume/child_check.h"
 #include "volume/child_start.h"
 #include "volume/child_stream.h"
 
@@ -40,11 +42,13 @@ static iso_status get(iso_volume_source *source, void *data, size_t bytes, iso_e
                     r ? r->program->library : "its reader");
 }
 
-static iso_status get_answer(const iso_child_answer *answer, iso_status status, iso_error *err)
+static iso_status get_answer(iso_volume_source *source, iso_error *err)
 {
-    return status != ISO_OK           ? status
-           : answer->status != ISO_OK ? iso_fail(err, answer->status, "%s", answer->error.text)
-                                      : ISO_OK;
+    const child *r = source->reader;
+    iso_child_answer answer;
+    const iso_status status = get(source, &answer, sizeof answer, err);
+    iso_child_end_text(&answer);
+    return status == ISO_OK ? iso_child_check_answer(&answer, source->path, r->program->library, err) : status;
 }
 
 static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
@@ -52,9 +56,7 @@ static iso_status read_planes(iso_volume_source *source, size_t plane_count, voi
     const size_t plane = iso_source_plane_bytes(source);
     iso_status status = ISO_OK;
     for (size_t i = 0; i < plane_count && status == ISO_OK; ++i) {
-        iso_child_answer answer;
-        status = get(source, &answer, sizeof answer, err);
-        status = get_answer(&answer, status, err);
+        status = get_answer(source, err);
         if (status == ISO_OK)
             status = get(source, (char *)out + i * plane, plane, err);
     }
@@ -132,9 +134,13 @@ static iso_status read_header(iso_volume_source *source, const iso_child_program
     iso_status status = start_reader(source, p, part, err);
     if (status == ISO_OK)
         status = get(source, h, sizeof *h, err);
-    if (status == ISO_OK && strncmp(h->version, ISO_VERSION, sizeof h->version) != 0)
-        return iso_fail(err, ISO_E_MISSING, "%s is of version %.15s, isoshade of " ISO_VERSION, p->name, h->version);
-    return get_answer(&h->answer, status, err);
+    if (status != ISO_OK)
+        return status;
+    iso_child_end_texts(h);
+    if (strcmp(h->version, ISO_VERSION) != 0)
+        return iso_fail(err, ISO_E_MISSING, "%s is of version %s, isoshade of " ISO_VERSION, p->name, h->version);
+    status = iso_child_check_answer(&h->answer, source->path, p->library, err);
+    return status == ISO_OK ? iso_child_check_header(h, source->path, p->library, err) : status;
 }
 
 /* The program gives one frame and channel alone: it is started again where these are not the first ones. */
@@ -142,10 +148,10 @@ static iso_status choose(iso_volume_source *source, const iso_child_program *p, 
                          iso_error *err)
 {
     iso_extra_axes axes = {.frame = {h->frames, false, 1}, .channel = {h->channels, false, h->frames ? h->frames : 1}};
-    axes.frame_step = h->frame_step;
-    snprintf(axes.frame_unit, sizeof axes.frame_unit, "%.15s", h->frame_unit);
+    axes.frame_step = isfinite(h->frame_step) ? h->frame_step : 0; /* 0: not said */
+    snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", h->frame_unit);
     for (size_t c = 0; c < ISO_NAMED_CHANNELS && c < h->channels; ++c)
-        snprintf(axes.channel_name[c], sizeof axes.channel_name[c], "%.47s", h->channel_name[c]);
+        snprintf(axes.channel_name[c], sizeof axes.channel_name[c], "%s", h->channel_name[c]);
     iso_status status = iso_source_choose(source, &axes, err);
     source->choice.volume_count = source->choice.inside_count = 1;
     source->choice.volume_at = source->choice.inside_at = 0;
