@@ -35,8 +35,8 @@ rm -f o.exr
 fake never <<<"echo 'Timed out waiting for worker thread startup'; exit 1"
 refuse one_that_never_starts 8 "Timed out" with_povray never
 
-# Programs that never end, where isoshade has a limit of its own for them: --timeout holds where it is less. What ends them
-# otherwise is $patience, which no result hangs on.
+# Programs that never end, where isoshade has a limit of its own for them: --timeout holds where it is less. What ends
+# them otherwise is $patience, which no result hangs on.
 hangs() { printf '%s\n' '#!/usr/bin/env bash' "trap '' TERM INT HUP" 'while :; do sleep 1; done' >"$1" && chmod +x "$1"; }
 for name in povray blender gnuplot; do hangs hanging-$name; done
 short() { patience=120 patiently env "$1=$dir/$2" "$ISOSHADE" "${@:3}" --timeout 1 -q; }

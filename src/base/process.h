@@ -36,8 +36,8 @@ typedef struct iso_process_options {
     iso_process_outcome *outcome; /* filled where the program ended; may be NULL */
 } iso_process_options;
 
-/* How long a program may take at most, or stay silent after an order: one that hangs would hold its caller for ever. Options
- * may say less, not more. 0: without end. At the start it is: */
+/* How long a program may take at most, or stay silent after an order: one that hangs would hold its caller for ever.
+ * Options may say less, not more. 0: without end. At the start it is: */
 #define ISO_PROCESS_LIMIT_SECONDS 7200
 void iso_process_set_limit(double seconds);
 /* No program goes on longer than that, by iso_clock_seconds(); 0: without end, as at the start. */
