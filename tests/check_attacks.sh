@@ -297,6 +297,33 @@ else
     not_ok a_reader_that_says_the_truth_is_read "false.c is not compiled"
 fi
 
+# ---- a reader that hangs ----
+mkdir waits.zarr
+printf '%s' '{"zarr_format": 2, "shape": [2, 2, 2], "chunks": [2, 2, 2], "dtype": "|u1", "compressor": null,' \
+    ' "fill_value": 0, "order": "C", "filters": null}' >waits.zarr/.zarray
+info_of_arrays() { patience=120 patiently "$ISOSHADE" info waits.zarr --spacing 1x1x1; }
+printf '01234567' >waits.zarr/0.0.0
+check a_chunk_is_read info_of_arrays
+rm waits.zarr/0.0.0 && mkfifo waits.zarr/0.0.0
+refuse a_pipe_is_no_chunk 3 '0.0.0: is not a regular file' info_of_arrays
+rm waits.zarr/.zarray && mkfifo waits.zarr/.zarray
+refuse nor_what_describes_them 3 '.zarray: is not a regular file' info_of_arrays
+mkdir stuck && cp "$ISOSHADE" stuck/isoshade
+reader() { printf '%s\n' '#!/bin/bash' "$1" >stuck/isoshade-vdb && chmod +x stuck/isoshade-vdb; }
+none_is_left() { for _ in $(seq 3000); do pgrep -f "$1" >/dev/null || return 0; sleep 0.01; done; return 1; }
+stuck() { patience=120 patiently stuck/isoshade info whole.vdb --timeout 1; }
+reader "trap '' TERM; exec sleep 4322"
+refuse a_reader_that_says_nothing_has_a_limit 8 'isoshade-vdb: stopped after 1 s, the time limit' stuck
+check it_is_ended_by_then none_is_left 'sleep 4322'
+reader "exec >&-; exec sleep 4322"
+refuse one_that_has_closed_its_output_is_not_waited_for 4 'OpenVDB ends before the samples do' stuck
+check it_is_ended_too none_is_left 'sleep 4322'
+reader "exec sleep 4323"
+stuck/isoshade info whole.vdb >/dev/null 2>&1 &
+for _ in $(seq 3000); do pgrep -f 'sleep 4323' >/dev/null && break; sleep 0.01; done
+kill -9 $! && wait $! 2>/dev/null
+check one_ends_with_isoshade_that_is_killed none_is_left 'sleep 4323'
+
 # ---- a renderer that hangs ----
 mkdir bin
 printf '%s\n' '#!/bin/bash' 'case "$*" in *-version*) exec /usr/bin/povray "$@";; esac' 'exec >&- 2>&-' 'setsid sleep 4321 &' 'sleep 4321' >bin/povray

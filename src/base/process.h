@@ -40,6 +40,8 @@ typedef struct iso_process_options {
  * Options may say less, not more. 0: without end. At the start it is: */
 #define ISO_PROCESS_LIMIT_SECONDS 7200
 void iso_process_set_limit(double seconds);
+/* The less of this and a limit of one's own, where 0 is none. Infinite where there is neither. */
+double iso_process_limit(double own_seconds);
 /* No program goes on longer than that, by iso_clock_seconds(); 0: without end, as at the start. */
 void iso_process_set_deadline(double clock_seconds);
 

@@ -4,11 +4,17 @@
 
 #include <errno.h>
 #include <math.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/pidfd.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "base/beside.h"
+#include "base/parallel.h"
+#include "base/process.h"
 #include "volume/child_check.h"
 #include "volume/child_start.h"
 #include "volume/child_stream.h"
@@ -18,28 +24,63 @@ typedef struct child {
     const iso_child_program *program;
 } child;
 
+/* Waits for a program that is at its end, and ends it where it is not. Until then it has some seconds: its exit code is
+ * of interest, and what watches it, such as valgrind, has something to say. */
+static int end_program(child *r)
+{
+    enum { PATIENCE_MS = 5000 };
+    int result = 0;
+    struct pollfd end = {.fd = pidfd_open(r->process.pid, 0), .events = POLLIN};
+    if (end.fd >= 0) {
+        poll(&end, 1, PATIENCE_MS);
+        close(end.fd);
+    }
+    kill(r->process.pid, SIGKILL);
+    while (waitpid(r->process.pid, &result, 0) < 0 && errno == EINTR)
+        ;
+    r->process.pid = 0;
+    return result;
+}
+
 /* Of a program whose output has ended. */
 static bool did_not_start(child *r)
 {
-    int result = 0;
-    pid_t ended;
-    while ((ended = waitpid(r->process.pid, &result, 0)) < 0 && errno == EINTR)
-        ;
-    r->process.pid = 0;
-    return ended > 0 && WIFEXITED(result) && WEXITSTATUS(result) == ISO_CHILD_NOT_STARTED;
+    const int result = r->process.pid > 0 ? end_program(r) : 0;
+    return WIFEXITED(result) && WEXITSTATUS(result) == ISO_CHILD_NOT_STARTED;
+}
+
+/* Is there something to read, or the end of it, or an error? false: the deadline came first. */
+static bool wait_for_output(const child *r, double deadline)
+{
+    struct pollfd output = {.fd = r->process.output, .events = POLLIN};
+    for (double left; (left = deadline - iso_clock_seconds()) > 0;) {
+        const int ready = poll(&output, 1, (int)fmin(ceil(1e3 * left), 1e6));
+        if (ready > 0 || (ready < 0 && errno != EINTR))
+            return true;
+    }
+    return false;
 }
 
 static iso_status get(iso_volume_source *source, void *data, size_t bytes, iso_error *err)
 {
     child *r = source->reader;
-    if (r && r->process.output && fread(data, 1, bytes, r->process.output) == bytes)
-        return ISO_OK;
-    if (r && r->process.output && ferror(r->process.output))
-        return iso_fail(err, ISO_E_IO, "%s: the output of %s cannot be read", source->path, r->program->library);
-    if (r && r->process.pid > 0 && did_not_start(r))
+    const double limit = iso_process_limit(0), deadline = iso_clock_seconds() + limit;
+    bool in_time = true;
+    ssize_t n = 1;
+    for (size_t had = 0; n != 0; had += n > 0 ? (size_t)n : 0) {
+        if (had == bytes)
+            return ISO_OK;
+        in_time = wait_for_output(r, deadline);
+        n = in_time ? read(r->process.output, (char *)data + had, bytes - had) : 0;
+        if (n < 0 && errno != EINTR)
+            return iso_fail(err, ISO_E_IO, "%s: the output of %s cannot be read", source->path, r->program->library);
+    }
+    if (!in_time)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: %s: stopped after %g s, the time limit", source->path,
+                        r->program->name, limit);
+    if (did_not_start(r))
         return iso_fail(err, ISO_E_PROGRAM, "%s: %s cannot be started", source->path, r->program->name);
-    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s ends before the samples do", source->path,
-                    r ? r->program->library : "its reader");
+    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s ends before the samples do", source->path, r->program->library);
 }
 
 static iso_status get_answer(iso_volume_source *source, iso_error *err)
@@ -63,15 +104,16 @@ static iso_status read_planes(iso_volume_source *source, size_t plane_count, voi
     return status;
 }
 
-/* It ends when nobody reads its output. */
+/* One that is well ends when it is told to. */
 static void close_reader(iso_volume_source *source)
 {
     child *r = source->reader;
-    if (r && r->process.output)
-        fclose(r->process.output);
-    if (r && r->process.pid > 0)
-        while (waitpid(r->process.pid, NULL, 0) < 0 && errno == EINTR)
-            ;
+    if (r && r->process.output >= 0)
+        close(r->process.output);
+    if (r && r->process.pid > 0) {
+        kill(r->process.pid, SIGTERM);
+        end_program(r);
+    }
     free(r);
     source->reader = NULL;
 }
@@ -109,12 +151,12 @@ static void take_geometry(const iso_child_header *h, const double mm[3], iso_vol
 static iso_status start_reader(iso_volume_source *source, const iso_child_program *p, const char *part, iso_error *err)
 {
     char *program = iso_beside_find(p->name), frame[24], channel[24];
-    child *r = calloc(1, sizeof *r);
+    child *r = malloc(sizeof *r);
     source->reader = r;
     source->read_planes = read_planes;
     source->close_reader = close_reader;
     if (r)
-        r->program = p;
+        *r = (child){.program = p, .process.output = -1};
     snprintf(frame, sizeof frame, "%zu", source->choice.frame);
     snprintf(channel, sizeof channel, "%zu", source->choice.channel);
     const char *const words[] = {program, source->path, part ? part : "", frame, channel, NULL};
