@@ -297,6 +297,15 @@ else
     not_ok a_reader_that_says_the_truth_is_read "false.c is not compiled"
 fi
 
+# ---- pictures ----
+isoshade render s.iso --scene "$shells" --with reference --step 1 --size 4 -o whole.exr -q
+mkfifo pipe.exr
+refuse a_pipe_is_no_picture 3 'pipe.exr: is not a regular file' timeout 120 "$ISOSHADE" compare pipe.exr whole.exr -q
+isoshade validate s.nrrd --scene "$shells" --quick --levels 1 --size 8 --with gl -o pictures -q >/dev/null
+picture=$(find pictures/images -name '*.exr' | sort | head -n 1)
+cp -r pictures before && rm "$picture" && mkfifo "$picture"
+refuse nor_in_a_report 3 'is not a regular file' timeout 120 "$ISOSHADE" report diff before pictures -o changes -q
+
 # ---- a reader that hangs ----
 mkdir waits.zarr
 printf '%s' '{"zarr_format": 2, "shape": [2, 2, 2], "chunks": [2, 2, 2], "dtype": "|u1", "compressor": null,' \
