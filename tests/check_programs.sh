@@ -46,6 +46,21 @@ refuse a_version_that_is_never_told_has_the_limit_of_all 8 "$limit" a_picture IS
 refuse so_has_that_of_blender 8 "$limit" a_picture ISOSHADE_BLENDER hanging-blender cycles
 refuse and_a_plot_that_is_never_drawn 8 "$limit" short ISOSHADE_GNUPLOT hanging-gnuplot info s.nrrd --histogram h.png
 
+# Plots that gnuplot does not draw, by each command that has some.
+plotter() { printf '%s\n' '#!/bin/bash' 'for last; do :; done' "$2" >"$1" && chmod +x "$1"; }
+plotter plots_nothing 'exit 0'
+plotter plots_words 'to=$(sed -n "s/^set output .\(.*\).$/\1/p" "$last"); echo no picture >"$to"'
+plotter plots_half 'to=$(sed -n "s/^set output .\(.*\).$/\1/p" "$last"); printf "\x89PNG and no more" >"$to"'
+plots() { # program, code, words
+    local by=(env "ISOSHADE_GNUPLOT=$dir/$1" "$ISOSHADE")
+    refuse "$1_of_a_transfer_function" "$2" "$3" "${by[@]}" tf show "${scene%.scene.json}.tf.json" -o t.png -q
+    refuse "$1_of_a_histogram" "$2" "$3" "${by[@]}" info s.nrrd --histogram h.png -q
+    refuse "$1_of_scenes" "$2" "$3" "${by[@]}" scenes s.nrrd --size 32 -o scenes.png -q
+}
+plots plots_nothing 8 'gnuplot left no picture'
+plots plots_words 8 'gnuplot left what is no png'
+plots plots_half 3 'gnuplot left it incomplete'
+
 # nan_exr: the smallest OpenEXR file of 8 x 8 pixels of four floats without compression, all NaN
 nan_exr() {
     text() { printf '%s\0' "$@"; }
