@@ -28,9 +28,9 @@ iso_sample_error iso_external_rounded(iso_sample_error error, unsigned bits)
 
 enum { KEPT_LINES = 8, LINE_BYTES = 240 };
 
-/* The last lines of what a program printed, in a ring. */
+/* The last lines of what a program printed, in a ring, and the first one, which may be a version. */
 typedef struct tail {
-    char line[KEPT_LINES][LINE_BYTES];
+    char line[KEPT_LINES][LINE_BYTES], first[LINE_BYTES];
     size_t count; /* of all lines */
 } tail;
 
@@ -40,6 +40,8 @@ static void keep_line(void *user, const char *line)
     char *to = t->line[t->count++ % KEPT_LINES];
     snprintf(to, LINE_BYTES, "%.*s", LINE_BYTES - 1, line);
     iso_words_make_printable(to);
+    if (t->count == 1)
+        memcpy(t->first, to, sizeof t->first);
 }
 
 /* The last one, or "". */
@@ -221,7 +223,7 @@ iso_status iso_external_version(const iso_renderer_info *self, iso_renderers *r,
     if (status == ISO_OK)
         status = run(&s, e->version, NULL, &why);
     if (status == ISO_OK)
-        snprintf(text, size, "%.*s", (int)size - 1, s.said.count ? s.said.line[0] : self->title);
+        snprintf(text, size, "%.*s", (int)size - 1, s.said.count ? s.said.first : self->title);
     else if (s.outcome.exit_code > 0) /* it looked for what it needs */
         status = ISO_E_MISSING;
     end(&s);
