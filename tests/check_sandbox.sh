@@ -26,6 +26,9 @@ echo "error: makes \$(can write \$outside/new.\$\$) shortens \$(can truncate -s 
      "unix \$(can $python -c 'import socket; socket.socket(socket.AF_UNIX)')" \\
      "raw \$(can $python -c 'import socket; socket.socket(socket.AF_NETLINK, socket.SOCK_RAW)')" \\
      "pair \$(can $python -c 'import socket; socket.socketpair()')" \\
+     "datagrams \$(can $python -c 'import socket; socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)')" \\
+     "rights \$(can chmod 600 \$outside/there) owner \$(can chown \$(id -u) \$outside/there)" \\
+     "times \$(can $python -c 'import os, sys; os.utime(sys.argv[1], (1, 1))' \$outside/there)" \\
      "tmpdir \$([ \$(realpath "\$TMPDIR") = \$PWD ] && echo own) home \$([ \$(realpath "\$HOME") = \$PWD ] && echo own || echo user)"
 exit 1
 END
@@ -48,14 +51,14 @@ is() { # NAME WANTED IS
 }
 files() { echo "makes $1 shortens $2 removes $1 renames $1 links $1 own yes reads yes"; }
 if has_landlock && has_seccomp; then
-    is povray_may_write_and_talk_nowhere_else "$(files no "$(shortens)") network no unix no raw no pair yes tmpdir own home own" "$(povray)"
-    is a_renderer_of_somebody_may_speak_to_a_display "$(files no "$(shortens)") network no unix yes raw no pair yes tmpdir own home user" "$(external in)"
+    is povray_may_write_and_talk_nowhere_else "$(files no "$(shortens)") network no unix no raw no pair yes datagrams no rights no owner no times no tmpdir own home own" "$(povray)"
+    is a_renderer_of_somebody_may_speak_to_a_display "$(files no "$(shortens)") network no unix yes raw no pair yes datagrams yes rights yes owner yes times yes tmpdir own home user" "$(external in)"
     check what_they_tried_left_nothing test "$(ls outside)" = "$(printf 'gone\nthere')"
 else
     skip a_sandbox_that_holds "$(isoshade list | sed -n '/^sandbox:/{n;s/^ *//p}')"
 fi
 # Planted: the same programs without it, in each of the three ways to say so.
-all="$(files yes yes) network yes unix yes raw yes pair yes"
+all="$(files yes yes) network yes unix yes raw yes pair yes datagrams yes rights yes owner yes times yes"
 without() { sed 's/ tmpdir .*//'; }
 export TMPDIR=$dir # TMPDIR of the caller is kept then
 is without_a_sandbox_povray_may_all "$all" "$(povray --no-sandbox | without)"
@@ -66,15 +69,17 @@ check a_sandbox_that_is_off_is_told grep -q 'off: other programs have all rights
 # ---- readers of other libraries' formats are programs, too: a damaged file may make one do anything but write and talk ----
 mkdir beside
 cp "$(readlink -f "$ISOSHADE")" beside/isoshade
-printf '#!/bin/sh\necho x >%s/outside/read\n' "$dir" >beside/isoshade-vdb
+echo x >outside/rights && chmod 600 outside/rights
+printf '#!/bin/sh\nchmod 644 %s/outside/rights\necho x >%s/outside/read\n' "$dir" "$dir" >beside/isoshade-vdb
 chmod +x beside/isoshade-vdb
 cp "$top/tests/fuzz/seeds/vdb/v.vdb" v.vdb
 if has_landlock; then
     beside/isoshade info v.vdb >/dev/null 2>&1
     check a_reader_may_write_nothing test ! -e outside/read
 fi
+if has_seccomp; then check nor_change_the_rights_of_files test "$(stat -c %a outside/rights)" = 600; fi
 beside/isoshade info v.vdb --no-sandbox >/dev/null 2>&1
-check without_a_sandbox_it_may test -e outside/read
+check without_a_sandbox_it_may test -e outside/read -a "$(stat -c %a outside/rights)" = 644
 
 # ---- VTK on a display: what it starts as python3 may no more than draw there; where it starts a server it may all ----
 python_with vtkmodules.vtkRenderingVolumeOpenGL2,numpy
