@@ -97,6 +97,38 @@ else
     skip vtk_on_a_display "python3-vtk9 or xvfb is not installed"
 fi
 
+# ---- Chromium has sandboxes of its own, and begins as root without them alone ----
+chmod 755 . && mkdir -m 777 browser && cp "$top/src/view/chromium.py" browser
+cat >browser/chromium <<'END'
+#!/bin/sh
+case " $* " in *' --no-sandbox '*) echo without ;; *) echo within ;; esac >"$SAID"
+head -c 1 <&3 >/dev/null # what it is told first
+END
+chmod 755 browser/chromium
+browser() { # COMMAND ...: with or within its sandboxes, by what it is started with
+    rm -f browser/said
+    SAID=$dir/browser/said TMPDIR=$dir/browser ISOSHADE_CHROMIUM=$dir/browser/chromium "$@" "$python" -B -c '
+import sys
+sys.path.insert(0, sys.argv[1])
+from chromium import Chromium
+try: Chromium()
+except RuntimeError as problem: print(problem)' "$dir/browser" >browser/out 2>&1
+    cat browser/said
+}
+if [ "$(id -u)" = 0 ]; then
+    is a_browser_of_root_begins without "$(browser)"
+    if command -v setpriv >/dev/null; then somebody=(setpriv --reuid 65534 --regid 65534 --clear-groups); fi
+else
+    somebody=(env)
+fi
+if [ -n "${somebody+known}" ]; then
+    is a_browser_keeps_its_sandboxes within "$(browser "${somebody[@]}")"
+    check that_it_may_lack_them_is_said grep -q 'the browser ended; where it may make no sandboxes, --no-sandbox' browser/out
+    is and_goes_without_where_that_is_asked_for without "$(ISOSHADE_SANDBOX=off browser "${somebody[@]}")"
+else
+    skip a_browser_keeps_its_sandboxes "setpriv is not installed"
+fi
+
 # ---- pictures by gnuplot stand outside of its folder, which it may write to alone ----
 isoshade tf show "$top/refscenes/hero.tf.json" -o tf.png -q
 check gnuplot_draws_where_it_was_told test -s tf.png
