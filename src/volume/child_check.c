@@ -15,9 +15,9 @@ void iso_child_end_texts(iso_child_header *h)
 {
     END_TEXT(h->version);
     iso_child_end_text(&h->answer);
-    for (size_t r = 0; r < sizeof h->unit / sizeof *h->unit; ++r)
+    for (int r = 0; r < 3; ++r)
         END_TEXT(h->unit[r]);
-    for (size_t c = 0; c < sizeof h->channel_name / sizeof *h->channel_name; ++c)
+    for (int c = 0; c < ISO_CHILD_CHANNELS; ++c)
         END_TEXT(h->channel_name[c]);
     END_TEXT(h->frame_unit);
     END_TEXT(h->unspaced);
