@@ -393,6 +393,106 @@ else
     not_ok a_reader_that_ends_is_read "busy.cc is not compiled"
 fi
 
+# ---- a reader that a damaged file has taken over: it may say anything ----
+cat >false.c <<'END'
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "volume/child_stream.h"
+static iso_child_header h = {.version = ISO_VERSION, .size = {3, 3, 3}, .step = {{1}, {0, 1}, {0, 0, 1}}, .slope = 1};
+static iso_child_answer plane;
+int main(int argc, char **argv)
+{
+    const char *is = argc > 1 ? strrchr(argv[1], '/') + 1 : "";
+    const double what = strstr(is, "inf") ? INFINITY : strstr(is, "large") ? 3.5 : NAN;
+    if (strstr(is, "type")) h.type = 0x7fffffff;
+    if (strstr(is, "world")) h.world = -1;
+    if (strstr(is, "slope")) h.slope = what;
+    if (strstr(is, "intercept")) h.intercept = what;
+    if (strstr(is, "box")) h.box[2] = what;
+    if (strstr(is, "many")) h.frames = h.channels = (size_t)1 << 32;
+    if (strstr(is, "size")) h.size[0] = h.size[1] = (size_t)1 << 40;
+    if (strstr(is, "step")) h.step[1][1] = NAN;
+    if (strstr(is, "unit")) memset(h.unit, 'x', sizeof h.unit);
+    if (strstr(is, "unspaced")) memset(h.unspaced, 'x', sizeof h.unspaced);
+    if (strstr(is, "version")) memset(h.version, '9', sizeof h.version);
+    if (strstr(is, "status")) h.answer.status = 256, strcpy(h.answer.error.text, "a text");
+    if (strstr(is, "differs")) h.answer.status = ISO_E_DIFFERS, strcpy(h.answer.error.text, "a text");
+    if (strstr(is, "silent")) h.answer.status = ISO_E_RANGE;
+    if (strstr(is, "plane")) plane.status = -1;
+    fwrite(&h, sizeof h, 1, stdout);
+    for (int z = 0; z < 3; ++z) {
+        fwrite(&plane, sizeof plane, 1, stdout);
+        fwrite("012345678", 9, 1, stdout);
+    }
+    return 0;
+}
+END
+mkdir false && cp "$ISOSHADE" false/isoshade
+lies() { # what of its answer is false, exit code, words
+    printf ' BDV\0\0\0\0' >"$1.vdb"
+    refuse "a_reader_with_a_false_$1" "$2" "$3" false/isoshade info "$PWD/$1.vdb"
+}
+x() { printf "%${1}s" '' | tr ' ' x; }
+if cc -I"$top/src" -o false/isoshade-vdb false.c; then
+    printf ' BDV\0\0\0\0' >true.vdb
+    check a_reader_that_says_the_truth_is_read false/isoshade info "$PWD/true.vdb"
+    lies type 4 'samples of type 2147483647, which there is not'
+    lies world 4 'axes of kind -1, which there is not'
+    lies slope 4 'slope nan and intercept 0, which have to be finite'
+    lies intercept-inf 4 'slope 1 and intercept inf, which have to be finite'
+    lies box 4 'a box of 0 x 0 x nan voxels in a grid of 3 x 3 x 3'
+    lies box-large 4 'a box of 0 x 0 x 3.5 voxels in a grid of 3 x 3 x 3'
+    lies many 4 '4294967296 frames of 4294967296 channels cannot be counted'
+    lies size 5 'voxels can be addressed'
+    lies step 5 'span no volume'
+    lies unit 4 "its unit is \"$(x 31)\", not one"
+    lies unspaced 4 "does not say the spacing $(x 159);"
+    lies version 7 'is of version 999999999999999, isoshade of'
+    lies status 4 'OpenVDB fails with status 256 and says "a text"'
+    lies differs 4 'OpenVDB fails with status 1 and says "a text"'
+    lies silent 4 'OpenVDB fails with status 5 and says ""'
+    lies plane 4 'OpenVDB fails with status -1 and says ""'
+else
+    not_ok a_reader_that_says_the_truth_is_read "false.c is not compiled"
+fi
+
+# ---- pictures ----
+isoshade render s.iso --scene "$shells" --with reference --step 1 --size 4 -o whole.exr -q >/dev/null
+mkfifo pipe.exr
+refuse a_pipe_is_no_picture 3 'pipe.exr: is not a regular file' timeout 120 "$ISOSHADE" compare pipe.exr whole.exr -q
+isoshade validate s.nrrd --scene "$shells" --quick --levels 1 --size 8 --with gl -o pictures -q >/dev/null
+picture=$(find pictures/images -name '*.exr' | sort | head -n 1)
+cp -r pictures before && rm "$picture" && mkfifo "$picture"
+refuse nor_in_a_report 3 'is not a regular file' timeout 120 "$ISOSHADE" report diff before pictures -o changes -q
+
+# ---- a reader that hangs ----
+mkdir waits.zarr
+printf '%s' '{"zarr_format": 2, "shape": [2, 2, 2], "chunks": [2, 2, 2], "dtype": "|u1", "compressor": null,' \
+    ' "fill_value": 0, "order": "C", "filters": null}' >waits.zarr/.zarray
+info_of_arrays() { patience=120 patiently "$ISOSHADE" info waits.zarr --spacing 1x1x1; }
+printf '01234567' >waits.zarr/0.0.0
+check a_chunk_is_read info_of_arrays
+rm waits.zarr/0.0.0 && mkfifo waits.zarr/0.0.0
+refuse a_pipe_is_no_chunk 3 '0.0.0: is not a regular file' info_of_arrays
+rm waits.zarr/.zarray && mkfifo waits.zarr/.zarray
+refuse nor_what_describes_them 3 '.zarray: is not a regular file' info_of_arrays
+mkdir stuck && cp "$ISOSHADE" stuck/isoshade
+reader() { printf '%s\n' '#!/bin/bash' "$1" >stuck/isoshade-vdb && chmod +x stuck/isoshade-vdb; }
+none_is_left() { for _ in $(seq 3000); do pgrep -f "$1" >/dev/null || return 0; sleep 0.01; done; return 1; }
+stuck() { patience=120 patiently stuck/isoshade info whole.vdb --timeout 1; }
+reader "trap '' TERM; exec sleep 4322"
+refuse a_reader_that_says_nothing_has_a_limit 8 'isoshade-vdb: stopped after 1 s, the time limit' stuck
+check it_is_ended_by_then none_is_left 'sleep 4322'
+reader "exec >&-; exec sleep 4322"
+refuse one_that_has_closed_its_output_is_not_waited_for 4 'OpenVDB ends before the samples do' stuck
+check it_is_ended_too none_is_left 'sleep 4322'
+reader "exec sleep 4323"
+stuck/isoshade info whole.vdb >/dev/null 2>&1 &
+for _ in $(seq 3000); do pgrep -f 'sleep 4323' >/dev/null && break; sleep 0.01; done
+kill -9 $! && wait $! 2>/dev/null
+check one_ends_with_isoshade_that_is_killed none_is_left 'sleep 4323'
+
 # ---- a renderer that hangs ----
 mkdir bin
 printf '%s\n' '#!/bin/bash' 'case "$*" in *-version*) exec /usr/bin/povray "$@";; esac' 'exec >&- 2>&-' 'setsid sleep 4321 &' 'sleep 4321' >bin/povray

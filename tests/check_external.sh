@@ -147,11 +147,14 @@ cat >other.json <<'END'
 {"schema": "isoshade.renderers/1", "renderers": [
   {"name": "absent", "command": ["no-such-program"], "package": "such-a-package", "tier": "limit"},
   {"name": "lacking", "command": ["/bin/true"], "version": ["/bin/sh", "-c", "echo no module numpy >&2; exit 1"], "tier": "limit"},
-  {"name": "unlit", "command": ["./bad.sh", "black"], "tier": "8 bits", "can": []}]}
+  {"name": "unlit", "command": ["./bad.sh", "black"], "version": ["/usr/bin/seq", "-f", "version %.0f", "10"], "tier": "8 bits",
+   "can": []}]}
 END
 expect a_program_that_is_missing 7 "$ISOSHADE" validate v.nrrd --scene "$scene" --quick --levels 1 --size 8 --with absent,lacking,unlit --renderers other.json -q -o other
 flatten other
 check its_package_is_named grep -q '^calibration absent detail missing: .*no-such-program.*such-a-package' other.txt
+check a_version_is_the_first_line_of_ten grep -q '"unlit": "version 1"' <(python3 -c 'import json
+print(json.dumps(json.load(open("other/report.json"))))')
 check what_a_version_lacks_is_named grep -q '^calibration lacking detail missing: .*no module numpy' other.txt
 check checks_that_need_lights_are_not_asked test "$(row other calibration unlit detail | grep -c 'unlit does not render lights')" = 3
 check slab_is_asked_within_8_bits grep -q '^calibration unlit detail 8 bits a channel: half a step' other.txt

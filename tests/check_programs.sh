@@ -35,6 +35,32 @@ rm -f o.exr
 fake never <<<"echo 'Timed out waiting for worker thread startup'; exit 1"
 refuse one_that_never_starts 8 "Timed out" with_povray never
 
+# Programs that never end, where isoshade has a limit of its own for them: --timeout holds where it is less. What ends
+# them otherwise is $patience, which no result hangs on.
+hangs() { printf '%s\n' '#!/usr/bin/env bash' "trap '' TERM INT HUP" 'while :; do sleep 1; done' >"$1" && chmod +x "$1"; }
+for name in povray blender gnuplot; do hangs hanging-$name; done
+short() { patience=120 patiently env "$1=$dir/$2" "$ISOSHADE" "${@:3}" --timeout 1 -q; }
+a_picture() { short "$1" "$2" render s.nrrd --scene "$scene" --with "$3" --size 8 -o o.exr; }
+limit='stopped after 1 s, the time limit'
+refuse a_version_that_is_never_told_has_the_limit_of_all 8 "$limit" a_picture ISOSHADE_POVRAY hanging-povray povray
+refuse so_has_that_of_blender 8 "$limit" a_picture ISOSHADE_BLENDER hanging-blender cycles
+refuse and_a_plot_that_is_never_drawn 8 "$limit" short ISOSHADE_GNUPLOT hanging-gnuplot info s.nrrd --histogram h.png
+
+# Plots that gnuplot does not draw, by each command that has some.
+plotter() { printf '%s\n' '#!/bin/bash' 'for last; do :; done' "$2" >"$1" && chmod +x "$1"; }
+plotter plots_nothing 'exit 0'
+plotter plots_words 'to=$(sed -n "s/^set output .\(.*\).$/\1/p" "$last"); echo no picture >"$to"'
+plotter plots_half 'to=$(sed -n "s/^set output .\(.*\).$/\1/p" "$last"); printf "\x89PNG and no more" >"$to"'
+plots() { # program, code, words
+    local by=(env "ISOSHADE_GNUPLOT=$dir/$1" "$ISOSHADE")
+    refuse "$1_of_a_transfer_function" "$2" "$3" "${by[@]}" tf show "${scene%.scene.json}.tf.json" -o t.png -q
+    refuse "$1_of_a_histogram" "$2" "$3" "${by[@]}" info s.nrrd --histogram h.png -q
+    refuse "$1_of_scenes" "$2" "$3" "${by[@]}" scenes s.nrrd --size 32 -o scenes.png -q
+}
+plots plots_nothing 8 'gnuplot left no picture'
+plots plots_words 8 'gnuplot left what is no png'
+plots plots_half 3 'gnuplot left it incomplete'
+
 # nan_exr: the smallest OpenEXR file of 8 x 8 pixels of four floats without compression, all NaN
 nan_exr() {
     text() { printf '%s\0' "$@"; }

@@ -26,6 +26,9 @@ echo "error: makes \$(can write \$outside/new.\$\$) shortens \$(can truncate -s 
      "unix \$(can $python -c 'import socket; socket.socket(socket.AF_UNIX)')" \\
      "raw \$(can $python -c 'import socket; socket.socket(socket.AF_NETLINK, socket.SOCK_RAW)')" \\
      "pair \$(can $python -c 'import socket; socket.socketpair()')" \\
+     "datagrams \$(can $python -c 'import socket; socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)')" \\
+     "rights \$(can chmod 600 \$outside/there) owner \$(can chown \$(id -u) \$outside/there)" \\
+     "times \$(can $python -c 'import os, sys; os.utime(sys.argv[1], (1, 1))' \$outside/there)" \\
      "tmpdir \$([ \$(realpath "\$TMPDIR") = \$PWD ] && echo own) home \$([ \$(realpath "\$HOME") = \$PWD ] && echo own || echo user)"
 exit 1
 END
@@ -48,14 +51,14 @@ is() { # NAME WANTED IS
 }
 files() { echo "makes $1 shortens $2 removes $1 renames $1 links $1 own yes reads yes"; }
 if has_landlock && has_seccomp; then
-    is povray_may_write_and_talk_nowhere_else "$(files no "$(shortens)") network no unix no raw no pair yes tmpdir own home own" "$(povray)"
-    is a_renderer_of_somebody_may_speak_to_a_display "$(files no "$(shortens)") network no unix yes raw no pair yes tmpdir own home user" "$(external in)"
+    is povray_may_write_and_talk_nowhere_else "$(files no "$(shortens)") network no unix no raw no pair yes datagrams no rights no owner no times no tmpdir own home own" "$(povray)"
+    is a_renderer_of_somebody_may_speak_to_a_display "$(files no "$(shortens)") network no unix yes raw no pair yes datagrams yes rights yes owner yes times yes tmpdir own home user" "$(external in)"
     check what_they_tried_left_nothing test "$(ls outside)" = "$(printf 'gone\nthere')"
 else
     skip a_sandbox_that_holds "$(isoshade list | sed -n '/^sandbox:/{n;s/^ *//p}')"
 fi
 # Planted: the same programs without it, in each of the three ways to say so.
-all="$(files yes yes) network yes unix yes raw yes pair yes"
+all="$(files yes yes) network yes unix yes raw yes pair yes datagrams yes rights yes owner yes times yes"
 without() { sed 's/ tmpdir .*//'; }
 export TMPDIR=$dir # TMPDIR of the caller is kept then
 is without_a_sandbox_povray_may_all "$all" "$(povray --no-sandbox | without)"
@@ -66,15 +69,17 @@ check a_sandbox_that_is_off_is_told grep -q 'off: other programs have all rights
 # ---- readers of other libraries' formats are programs, too: a damaged file may make one do anything but write and talk ----
 mkdir beside
 cp "$(readlink -f "$ISOSHADE")" beside/isoshade
-printf '#!/bin/sh\necho x >%s/outside/read\n' "$dir" >beside/isoshade-vdb
+echo x >outside/rights && chmod 600 outside/rights
+printf '#!/bin/sh\nchmod 644 %s/outside/rights\necho x >%s/outside/read\n' "$dir" "$dir" >beside/isoshade-vdb
 chmod +x beside/isoshade-vdb
 cp "$top/tests/fuzz/seeds/vdb/v.vdb" v.vdb
 if has_landlock; then
     beside/isoshade info v.vdb >/dev/null 2>&1
     check a_reader_may_write_nothing test ! -e outside/read
 fi
+if has_seccomp; then check nor_change_the_rights_of_files test "$(stat -c %a outside/rights)" = 600; fi
 beside/isoshade info v.vdb --no-sandbox >/dev/null 2>&1
-check without_a_sandbox_it_may test -e outside/read
+check without_a_sandbox_it_may test -e outside/read -a "$(stat -c %a outside/rights)" = 644
 
 # ---- VTK on a display: what it starts as python3 may no more than draw there; where it starts a server it may all ----
 python_with vtkmodules.vtkRenderingVolumeOpenGL2,numpy
@@ -90,6 +95,38 @@ if command -v xvfb-run >/dev/null && "$python" -c 'import vtkmodules, numpy' 2>/
     check and_may_all_then test -s outside/python
 else
     skip vtk_on_a_display "python3-vtk9 or xvfb is not installed"
+fi
+
+# ---- Chromium has sandboxes of its own, and begins as root without them alone ----
+chmod 755 . && mkdir -m 777 browser && cp "$top/src/view/chromium.py" browser
+cat >browser/chromium <<'END'
+#!/bin/sh
+case " $* " in *' --no-sandbox '*) echo without ;; *) echo within ;; esac >"$SAID"
+head -c 1 <&3 >/dev/null # what it is told first
+END
+chmod 755 browser/chromium
+browser() { # COMMAND ...: with or within its sandboxes, by what it is started with
+    rm -f browser/said
+    SAID=$dir/browser/said TMPDIR=$dir/browser ISOSHADE_CHROMIUM=$dir/browser/chromium "$@" "$python" -B -c '
+import sys
+sys.path.insert(0, sys.argv[1])
+from chromium import Chromium
+try: Chromium()
+except RuntimeError as problem: print(problem)' "$dir/browser" >browser/out 2>&1
+    cat browser/said
+}
+if [ "$(id -u)" = 0 ]; then
+    is a_browser_of_root_begins without "$(browser)"
+    if command -v setpriv >/dev/null; then somebody=(setpriv --reuid 65534 --regid 65534 --clear-groups); fi
+else
+    somebody=(env)
+fi
+if [ -n "${somebody+known}" ]; then
+    is a_browser_keeps_its_sandboxes within "$(browser "${somebody[@]}")"
+    check that_it_may_lack_them_is_said grep -q 'the browser ended; where it may make no sandboxes, --no-sandbox' browser/out
+    is and_goes_without_where_that_is_asked_for without "$(ISOSHADE_SANDBOX=off browser "${somebody[@]}")"
+else
+    skip a_browser_keeps_its_sandboxes "setpriv is not installed"
 fi
 
 # ---- pictures by gnuplot stand outside of its folder, which it may write to alone ----

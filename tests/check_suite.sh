@@ -84,6 +84,17 @@ refuse a_closed_form_that_is_none_is_refused 5 "off a linear field" validate --s
 cp "$top/refscenes/shells.scene.json" "$top/refscenes/shells.tf.json" bare
 refuse scales_of_no_levels_are_refused 2 "which --suite does not judge" validate --suite false --extinction-scale -o no
 refuse a_scene_without_a_volume_is_refused 4 "nothing says what volume" validate --suite bare -o no
+# The words of a scene say what volume is made: not where, and nothing of the whole run.
+mkdir bold
+bold() { # words: validate and scenes with a suite whose scene has them
+    sed "s|\"constant |\"constant $1 |" "$suite/constant.scene.json" >bold/bold.scene.json
+    local said="bold.scene.json: \"make\" is \"constant $1"
+    refuse "a_scene_cannot_say_${1%% *}" 4 "$said" validate --suite bold --size 8 -o no
+    refuse "nor_where_requests_are_written_${1%% *}" 4 "$said" "$ISOSHADE" scenes --write no --suite bold --size 8 -q
+}
+for words in --no-sandbox '--timeout 0' --full-paths --json --help --quiet '-o e.nrrd' --output=e.nrrd '--range 9'; do
+    bold "$words"
+done
 refuse an_empty_folder_is_refused 2 "holds no .scene.json" validate --suite few/.. -o no
 refuse a_suite_takes_no_volume 2 "one too many" validate x.nrrd --suite few -o no
 refuse a_junit_file_without_a_folder_is_told_before_the_work 3 "there is no folder nowhere" validate --suite few -o no --junit nowhere/no.xml

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 /* POV-Ray against the reference. These tests fail, not skip, without POV-Ray. */
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -409,6 +410,47 @@ static void a_missing_program_is_named(void **state)
     end_comparison(&c);
 }
 
+/* A POV-Ray whose threads did not start in time, and that stays. */
+static const char *const late_and_stays[] = {"/bin/sh", "-c",
+                                             "echo Timed out waiting for worker thread startup; exec sleep 3600", NULL};
+
+static void count_line(void *user, const char *line)
+{
+    (void)line;
+    ++*(int *)user;
+}
+
+static void one_that_is_ended_at_its_limit_is_not_started_again(void **state)
+{
+    (void)state;
+    int lines = 0;
+    iso_process_outcome outcome;
+    const iso_process_options options = {.line = count_line,
+                                         .user = &lines,
+                                         .timeout_seconds = 0.5,
+                                         .outcome = &outcome};
+    assert_status(iso_povray_run_program(late_and_stays, &options, &err), ISO_E_PROGRAM);
+    assert_true(outcome.timed_out);
+    assert_true(lines <= 1);
+}
+
+static void count_and_interrupt(void *user, const char *line)
+{
+    count_line(user, line);
+    raise(SIGTERM);
+}
+
+static void one_that_a_person_ends_is_not_started_again(void **state)
+{
+    (void)state;
+    int lines = 0;
+    const iso_process_options options = {.line = count_and_interrupt, .user = &lines};
+    iso_error err = {""};
+    assert_int_equal(iso_povray_run_program(late_and_stays, &options, &err), ISO_E_PROGRAM);
+    assert_non_null(strstr(err.text, "stopped by signal 15"));
+    assert_int_equal(lines, 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -426,6 +468,9 @@ int main(void)
         cmocka_unit_test(an_exported_folder_renders_where_it_lies),
         cmocka_unit_test(options_outside_their_limits_are_refused),
         cmocka_unit_test(a_missing_program_is_named),
+        cmocka_unit_test(one_that_is_ended_at_its_limit_is_not_started_again),
+        /* The last one: who was interrupted starts nothing again. */
+        cmocka_unit_test(one_that_a_person_ends_is_not_started_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -48,6 +48,26 @@ static void one_that_hangs_in_silence_is_ended_too(void **state)
     iso_process_set_limit(ISO_PROCESS_LIMIT_SECONDS);
 }
 
+/* Who asks for a run may allow less than the usual limit, never more; 0 is no limit. */
+static void the_less_of_two_limits_holds(void **state)
+{
+    (void)state;
+    static const struct {
+        double own, usual, said;
+    } cases[] = {{30, 0.2, 0.2}, {0.3, 30, 0.3}, {0, 0.2, 0.2}, {0.3, 0, 0.3}};
+    const char *argv[] = {"/bin/sh", "-c", "exec sleep 3600", NULL};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const iso_process_options options = {.timeout_seconds = cases[i].own};
+        char wanted[64];
+        iso_error err = {""};
+        iso_process_set_limit(cases[i].usual);
+        assert_int_equal(iso_process_run(argv, &options, &err), ISO_E_PROGRAM);
+        snprintf(wanted, sizeof wanted, "stopped after %g s, the time limit", cases[i].said);
+        assert_non_null(strstr(err.text, wanted));
+    }
+    iso_process_set_limit(ISO_PROCESS_LIMIT_SECONDS);
+}
+
 static void keep_pid(void *user, const char *line)
 {
     *(long *)user = strtol(line, NULL, 10);
@@ -319,6 +339,7 @@ int main(void)
         cmocka_unit_test(an_exit_code_is_reported_with_the_line_that_speaks_of_an_error),
         cmocka_unit_test(a_program_that_takes_too_long_is_ended),
         cmocka_unit_test(one_that_hangs_in_silence_is_ended_too),
+        cmocka_unit_test(the_less_of_two_limits_holds),
         cmocka_unit_test(one_whose_output_cannot_be_read_is_ended_and_not_to_blame),
         cmocka_unit_test(one_that_cannot_be_started_says_why),
         cmocka_unit_test(where_no_process_can_be_had_it_is_told_so),

@@ -78,7 +78,8 @@ double iso_povray_df3_bytes(const char *folder);
 iso_status iso_povray_version(char *version, size_t size, iso_error *err);
 
 /* iso_process_run() of POV-Ray, which gives up where its threads do not start within seconds, as on a machine with much
- * other work. Nothing has been rendered then, and it is started again, five times at most. */
+ * other work. Nothing has been rendered then, and it is started again, five times at most; not where a signal or its
+ * limit of time ended it. */
 iso_status iso_povray_run_program(const char *const argv[], const iso_process_options *options, iso_error *err);
 
 /* The brightest value that a picture of the view can have. POV-Ray writes 16 bits a channel relative to it, so pictures

@@ -71,17 +71,27 @@ static void watch_start(void *user, const char *line)
         start->options->line(start->options->user, line);
 }
 
+/* Not where it was ended: by a person, or at its limit. */
+static bool may_start_again(const iso_process_outcome *outcome)
+{
+    return !outcome->timed_out && !iso_process_was_stopped();
+}
+
 iso_status iso_povray_run_program(const char *const argv[], const iso_process_options *options, iso_error *err)
 {
     enum { TRIES = 5 };
     patient_start start = {.options = options};
     iso_process_options own = *options;
+    iso_process_outcome outcome = {0};
     iso_status status = ISO_E_PROGRAM;
+    bool again = true;
     own.line = watch_start;
     own.user = &start;
-    for (int i = 0; i < TRIES && status == ISO_E_PROGRAM && (i == 0 || start.did_not_start); ++i) {
+    own.outcome = options->outcome ? options->outcome : &outcome;
+    for (int i = 0; i < TRIES && again; ++i) {
         start.did_not_start = false;
         status = iso_process_run(argv, &own, err);
+        again = status == ISO_E_PROGRAM && start.did_not_start && may_start_again(own.outcome);
     }
     return status;
 }
@@ -179,7 +189,7 @@ static iso_status load_pass(const render_job *job, size_t frame, iso_image *imag
     if (!path)
         return iso_povray_no_memory(err);
     const iso_status status = iso_path_is_file(path) ? iso_image_load_ppm(path, image, &why)
-                                                    : iso_fail(&why, ISO_E_PROGRAM, "it left no picture");
+                                                     : iso_fail(&why, ISO_E_PROGRAM, "it left no picture");
     free(path);
     if (status == ISO_E_MEMORY || status == ISO_E_IO)
         return iso_fail(err, status, "%s", why.text);
@@ -223,7 +233,10 @@ static iso_status run_povray(const render_job *job, size_t first, size_t count, 
                           begin,
                           end,
                           NULL};
-    const iso_process_options options = {.directory = job->dir, .sandbox = {.private_home = true}, .line = take_progress, .user = run};
+    const iso_process_options options = {.directory = job->dir,
+                                         .sandbox = {.private_home = true},
+                                         .line = take_progress,
+                                         .user = run};
     return iso_povray_run_program(argv, &options, err);
 }
 

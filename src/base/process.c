@@ -313,9 +313,10 @@ void iso_process_set_limit(double seconds)
     usual_limit_seconds = seconds;
 }
 
-double iso_process_limit(void)
+double iso_process_limit(double own_seconds)
 {
-    return usual_limit_seconds;
+    const double own = own_seconds > 0 ? own_seconds : INFINITY, usual = usual_limit_seconds;
+    return usual > 0 ? fmin(own, usual) : own;
 }
 
 static _Atomic double last_moment; /* 0: none */
@@ -347,10 +348,8 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     log->until = until;
     log->is_there = false;
     log->last[0] = log->error[0] = 0;
-    const double start = iso_clock_seconds(),
-                 limit = options->timeout_seconds > 0 ? options->timeout_seconds : usual_limit_seconds,
-                 last = last_moment > 0 ? fmax(last_moment, start) : INFINITY,
-                 deadline = fmin(limit > 0 ? start + limit : INFINITY, last);
+    const double start = iso_clock_seconds(), last = last_moment > 0 ? fmax(last_moment, start) : INFINITY,
+                 deadline = fmin(start + iso_process_limit(options->timeout_seconds), last);
     drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, deadline);
     const int cause = errno; /* where it could not be read */
     *ended = end != DRAIN_WAITS;
@@ -364,7 +363,7 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     if (end == DRAIN_UNREADABLE)
         return iso_fail(err, ISO_E_IO, "%s: its output cannot be read: %s", p->name, strerror(cause));
     if (end == DRAIN_TIMED_OUT)
-        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped after %g s, the time limit", p->name, limit);
+        return iso_fail(err, ISO_E_PROGRAM, "%s: stopped after %g s, the time limit", p->name, deadline - start);
     if (WIFSIGNALED(result))
         return iso_fail(err, ISO_E_PROGRAM, "%s: ended by signal %d; last output: %s", p->name, WTERMSIG(result),
                         log->last);

@@ -32,15 +32,16 @@ typedef struct iso_process_options {
     iso_sandbox_wish sandbox;                   /* its folder is a fresh one, and removed, where there is no directory */
     void (*line)(void *user, const char *line); /* each line of stdout and stderr; may be NULL */
     void *user;
-    double timeout_seconds; /* 0: that of iso_process_set_limit() */
+    double timeout_seconds; /* that of iso_process_set_limit(), where it is less or this is 0 */
     iso_process_outcome *outcome; /* filled where the program ended; may be NULL */
 } iso_process_options;
 
-/* How long a program may take where options say nothing, or stay silent after an order: one that hangs would hold its
- * caller for ever. 0: without end. At the start it is: */
+/* How long a program may take at most, or stay silent after an order: one that hangs would hold its caller for ever.
+ * Options may say less, not more. 0: without end. At the start it is: */
 #define ISO_PROCESS_LIMIT_SECONDS 7200
 void iso_process_set_limit(double seconds);
-double iso_process_limit(void);
+/* The less of this and a limit of one's own, where 0 is none. Infinite where there is neither. */
+double iso_process_limit(double own_seconds);
 /* No program goes on longer than that, by iso_clock_seconds(); 0: without end, as at the start. */
 void iso_process_set_deadline(double clock_seconds);
 
@@ -72,7 +73,7 @@ void iso_process_say(iso_process *process, const char *line);
 iso_status iso_process_listen(iso_process *process, const char *until, const iso_process_options *options, bool *ended,
                               iso_error *err);
 
-/* Closes its input, and gives it ten seconds to end by itself. NULL: nothing to do. */
+/* Closes its input, and gives it ten seconds at most to end by itself. NULL: nothing to do. */
 void iso_process_end(iso_process *process);
 
 #endif

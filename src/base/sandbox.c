@@ -137,19 +137,35 @@ static int make_rules(const iso_sandbox_wish *wish, const char *folder, iso_stat
 #define LOAD(field) BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, field))
 #define REFUSE(error) BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | (error))
 #define LET BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)
-enum { SOCKET_OF_32_BITS = 359, SOCKETCALL_OF_32_BITS = 102, FIRST_OF_X32 = 0x40000000, IO_URING_SETUP = 425 };
+#define COUNT(list) (sizeof(list) / sizeof *(list))
+enum { SOCKET_OF_32_BITS = 359, SOCKETPAIR_OF_32_BITS = 360, SOCKETCALL_OF_32_BITS = 102 };
+enum { FIRST_OF_X32 = 0x40000000, IO_URING_SETUP = 425, KIND_OF_SOCKET = 15 };
 
-/* Pairs of sockets are connected with each other alone, and stay allowed. */
+static bool take_filter(const struct sock_filter *filter, size_t count)
+{
+    const struct sock_fprog program = {.len = (unsigned short)count, .filter = (struct sock_filter *)filter};
+    return syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, 0, &program) == 0;
+}
+
+/* A pair of sockets is connected with each other, and stays allowed where it is a stream: one of datagrams may send to any
+ * other socket of this machine that has a path. */
 static bool refuse_sockets(bool but_of_this_machine)
 {
-    struct sock_filter filter[] = {
+    /* What of a pair's kind is looked at, and has to be there: who may have such sockets may have such pairs. */
+    const uint32_t looked_at = but_of_this_machine ? 0 : KIND_OF_SOCKET, wanted = looked_at & SOCK_STREAM;
+    const struct sock_filter filter[] = {
         LOAD(arch),
-        SKIP_UNLESS(JEQ, AUDIT_ARCH_X86_64, 10),
+        SKIP_UNLESS(JEQ, AUDIT_ARCH_X86_64, 15),
         LOAD(nr),
         SKIP_UNLESS(JGE, FIRST_OF_X32, 1),
         REFUSE(ENOSYS),
         SKIP_UNLESS(JEQ, IO_URING_SETUP, 1), /* makes sockets too */
         REFUSE(ENOSYS),
+        SKIP_UNLESS(JEQ, SYS_socketpair, 4),
+        LOAD(args[1]),
+        BPF_STMT(BPF_ALU | BPF_AND | BPF_K, looked_at),
+        SKIP_UNLESS(JEQ, wanted, 8),
+        LET,
         SKIP_UNLESS(JEQ, SYS_socket, 3),
         LOAD(args[0]),
         SKIP_UNLESS(JEQ, but_of_this_machine ? AF_UNIX : UINT32_MAX, 4),
@@ -158,12 +174,55 @@ static bool refuse_sockets(bool but_of_this_machine)
         LOAD(nr), /* of 32 bits */
         SKIP_UNLESS(JEQ, SOCKETCALL_OF_32_BITS, 1),
         REFUSE(EACCES),
+        SKIP_UNLESS(JEQ, SOCKETPAIR_OF_32_BITS, 1),
+        REFUSE(EACCES),
         SKIP_UNLESS(JEQ, SOCKET_OF_32_BITS, 1),
         REFUSE(EACCES),
         LET,
     };
-    const struct sock_fprog program = {.len = sizeof filter / sizeof *filter, .filter = filter};
-    return syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, 0, &program) == 0;
+    return take_filter(filter, COUNT(filter));
+}
+
+/* Calls that change what a file is said to be, anywhere: its rights, owner, times and extended attributes. */
+/* clang-format off */
+static const uint16_t attribute_calls[] = {
+    SYS_chmod, SYS_fchmod, SYS_fchmodat, 452 /* fchmodat2 */,
+    SYS_chown, SYS_fchown, SYS_lchown, SYS_fchownat,
+    SYS_utime, SYS_utimes, SYS_futimesat, SYS_utimensat,
+    SYS_setxattr, SYS_lsetxattr, SYS_fsetxattr, 463 /* setxattrat */, 469 /* file_setattr */,
+    SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr, 466 /* removexattrat */,
+};
+static const uint16_t attribute_calls_of_32_bits[] = { /* in the same order; owners by 16 and by 32 bits */
+    15, 94, 306, 452,
+    182, 95, 16, 298, 212, 207, 198,
+    30, 271, 299, 320, 412 /* utimensat_time64 */,
+    226, 227, 228, 463, 469,
+    235, 236, 237, 466,
+};
+/* clang-format on */
+
+static size_t put_refusals(const uint16_t *calls, size_t count, struct sock_filter *filter)
+{
+    for (size_t i = 0; i < count; ++i) {
+        filter[2 * i] = (struct sock_filter)SKIP_UNLESS(JEQ, calls[i], 1);
+        filter[2 * i + 1] = (struct sock_filter)REFUSE(EACCES);
+    }
+    return 2 * count;
+}
+
+/* Landlock does not look at these. */
+static bool refuse_attributes(void)
+{
+    enum { HERE = COUNT(attribute_calls), OF_32_BITS = COUNT(attribute_calls_of_32_bits) };
+    struct sock_filter filter[3 + 2 * HERE + 2 + 2 * OF_32_BITS + 1] = {
+        LOAD(arch), SKIP_UNLESS(JEQ, AUDIT_ARCH_X86_64, 1 + 2 * HERE + 1), LOAD(nr)};
+    size_t n = 3;
+    n += put_refusals(attribute_calls, HERE, filter + n);
+    filter[n++] = (struct sock_filter)LET;
+    filter[n++] = (struct sock_filter)LOAD(nr);
+    n += put_refusals(attribute_calls_of_32_bits, OF_32_BITS, filter + n);
+    filter[n++] = (struct sock_filter)LET;
+    return take_filter(filter, n);
 }
 
 static bool has_seccomp(void)
@@ -175,6 +234,11 @@ static bool has_seccomp(void)
 static bool refuse_sockets(bool but_of_this_machine)
 {
     (void)but_of_this_machine;
+    return true;
+}
+
+static bool refuse_attributes(void)
+{
     return true;
 }
 
@@ -296,5 +360,5 @@ bool iso_sandbox_enter(const iso_sandbox *box)
         return false;
     if (box->rules >= 0 && syscall(LANDLOCK_RESTRICT, box->rules, 0) != 0)
         return false;
-    return !has_seccomp() || refuse_sockets(box->has_sockets);
+    return !has_seccomp() || (refuse_sockets(box->has_sockets) && (box->has_sockets || refuse_attributes()));
 }

@@ -6,7 +6,8 @@
  *
  *   Landlock             writes, new files, removals and renames outside of the folders named here fail with EACCES or EXDEV;
  *                        no signals to processes outside (from Linux 6.12 on)
- *   seccomp              sockets fail with EACCES, io_uring with ENOSYS
+ *   seccomp              sockets fail with EACCES, but for pairs of streams, io_uring with ENOSYS; without a graphics
+ *                        device changes of rights, owners, times and extended attributes fail with EACCES, too
  *   PR_SET_NO_NEW_PRIVS  no program that it starts gets rights which it has not
  *   the environment      TMPDIR is its own folder
  *
@@ -21,7 +22,7 @@
 #include "base/status.h"
 
 typedef enum iso_sandbox_kind {
-    ISO_SANDBOX_CLOSED, /* no sockets at all */
+    ISO_SANDBOX_CLOSED, /* no sockets at all, and no changes of what Landlock does not look at, such as a file's rights */
     ISO_SANDBOX_DEVICE, /* for who may draw on a graphics device: sockets of this machine (AF_UNIX), the devices of
                          * graphics, and the folders in which drivers keep compiled programs (~/.cache, ~/.nv, /var/tmp) */
     ISO_SANDBOX_NONE    /* as this process: for isoshade itself, which puts what it starts into sandboxes */

@@ -8,19 +8,43 @@
 
 extern const iso_command iso_command_make;
 
+static bool names_output(const char *word)
+{
+    return strncmp(word, "-o", 2) == 0 || strncmp(word, "--output", 8) == 0;
+}
+
+/* Where the volume goes is not for a scene to say. */
+static iso_status check_words(const char *make, const char *const words[], int count, iso_error *err)
+{
+    for (int i = 0; i < count; ++i)
+        if (names_output(words[i]))
+            return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\": %s: a scene names no output", make, words[i]);
+    return ISO_OK;
+}
+
+/* What is wrong with the words is wrong with the scene that has them, not with the command line. */
+static iso_status run_make(const char *make, int argc, const char **argv, iso_error *err)
+{
+    iso_command inner = iso_command_make;
+    inner.is_inner = true;
+    const iso_status status = inner.run(&inner, argc, argv, err);
+    return status == ISO_E_USAGE ? iso_fail_in(err, ISO_E_FORMAT, "\"make\" is \"%s\"", make) : status;
+}
+
 iso_status iso_cli_make_volume(const char *make, const char *path, iso_error *err)
 {
-    int argc;
+    int count;
     const char **words;
-    if (poptParseArgvString(make, &argc, &words) != 0)
+    if (poptParseArgvString(make, &count, &words) != 0)
         return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\", which is no list of words", make);
-    const char **argv = calloc((size_t)argc + 5, sizeof *argv);
-    iso_status status = argv ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = check_words(make, words, count, err);
+    const char **argv = calloc((size_t)count + 4, sizeof *argv);
+    if (status == ISO_OK && !argv)
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK) {
-        argv[0] = "make";
-        memcpy(argv + 1, words, (size_t)argc * sizeof *argv);
-        argv[argc + 1] = "-q", argv[argc + 2] = "-o", argv[argc + 3] = path;
-        status = iso_command_make.run(&iso_command_make, argc + 4, argv, err);
+        argv[0] = "make", argv[1] = "-o", argv[2] = path;
+        memcpy(argv + 3, words, (size_t)count * sizeof *argv);
+        status = run_make(make, count + 3, argv, err);
     }
     free(argv);
     free(words);

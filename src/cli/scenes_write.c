@@ -121,8 +121,8 @@ static iso_status write_suite_scene(const writing *w, const char *file, const ch
     iso_status status = path && name ? iso_scene_load(path, &scene, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK && !scene.suite_make)
         status = iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", so nothing says what volume it is of", path);
-    if (status == ISO_OK)
-        status = iso_cli_make_volume(scene.suite_make, volume, err);
+    if (status == ISO_OK && (status = iso_cli_make_volume(scene.suite_make, volume, err)) != ISO_OK)
+        status = iso_fail_in(err, status, "%s", path);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err);
     if (status == ISO_OK)

@@ -283,14 +283,25 @@ static unsigned channels_of(exr_const_context_t file)
     return found;
 }
 
-iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, iso_error *err)
+/* The library would wait for a pipe. */
+static iso_status start_read(exr_context_t *file, const char *path, iso_error *err)
 {
     exr_context_initializer_t init = initializer();
+    if (iso_path_exists(path) && !iso_path_is_file(path))
+        return iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
+    if (exr_start_read(file, path, &init) != EXR_ERR_SUCCESS)
+        return iso_fail(err, read_failure(), "%s: not an OpenEXR image: %s", path, last_message);
+    return ISO_OK;
+}
+
+iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, iso_error *err)
+{
     exr_context_t file = NULL;
     exr_attr_box2i_t window, display;
     *header = (iso_exr_header){0};
-    if (exr_start_read(&file, path, &init) != EXR_ERR_SUCCESS)
-        return iso_fail(err, read_failure(), "%s: not an OpenEXR image: %s", path, last_message);
+    const iso_status status = start_read(&file, path, err);
+    if (status != ISO_OK)
+        return status;
     const bool good = exr_get_data_window(file, 0, &window) == EXR_ERR_SUCCESS &&
                       exr_get_display_window(file, 0, &display) == EXR_ERR_SUCCESS && window.max.x >= window.min.x &&
                       window.max.y >= window.min.y;
@@ -305,14 +316,13 @@ iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, i
 
 iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err)
 {
-    exr_context_initializer_t init = initializer();
     exr_context_t file = NULL;
     *image = (iso_image){0};
-    if (!iso_path_exists(path) || iso_path_is_dir(path))
+    if (!iso_path_exists(path))
         return iso_fail(err, ISO_E_IO, "%s: no such file", path);
-    if (exr_start_read(&file, path, &init) != EXR_ERR_SUCCESS)
-        return iso_fail(err, read_failure(), "%s: not an OpenEXR image: %s", path, last_message);
-    iso_status status = load_opened(file, path, image, err);
+    iso_status status = start_read(&file, path, err);
+    if (status == ISO_OK)
+        status = load_opened(file, path, image, err);
     exr_finish(&file);
     return status;
 }

@@ -150,7 +150,7 @@ void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor vi
     visiting.visit = NULL;
 }
 
-/* Only what is said: a command that another one runs, as validate --suite runs make, leaves the other's options. */
+/* Only what is said: what is set is of the whole process, and may have been set by the environment. */
 static iso_status take_common(double timeout, bool no_sandbox, bool full_paths, bool no_provenance, iso_error *err)
 {
     if (no_sandbox)
@@ -170,7 +170,7 @@ static iso_status take_common(double timeout, bool no_sandbox, bool full_paths, 
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, iso_cli_next *next, iso_error *err)
 {
-    *cli = (iso_cli){.argc = argc, .argv = argv, .command = command};
+    *cli = (iso_cli){.argc = argc, .argv = argv, .command = command, .quiet = command->is_inner};
     *next = ISO_CLI_RUN;
     int help = 0, no_sandbox = 0, no_provenance = 0, full_paths = 0;
     double timeout = -HUGE_VAL; /* not said */
@@ -190,6 +190,8 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         {NULL, 0, POPT_ARG_INCLUDE_TABLE, common, 0, NULL, NULL},
         POPT_TABLEEND,
     };
+    if (command->is_inner)
+        table[1] = (struct poptOption)POPT_TABLEEND;
     if (visiting.visit) {
         visit_table(options, false);
         visit_table(common, true);
@@ -207,8 +209,9 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     if (result < -1) {
         const char *bad = poptBadOption(cli->context, POPT_BADOPTION_NOALIAS);
         char option[64];
-        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; isoshade %s --help lists the options",
-                        option_before(bad, argc, argv, option), bad, poptStrerror(result), command->name);
+        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; isoshade %s --help lists the options%s",
+                        option_before(bad, argc, argv, option), bad, poptStrerror(result), command->name,
+                        command->is_inner ? ", of which a file may name those of this command alone" : "");
     }
     if (help) {
         print_help(command, cli->context);

@@ -28,9 +28,9 @@ iso_sample_error iso_external_rounded(iso_sample_error error, unsigned bits)
 
 enum { KEPT_LINES = 8, LINE_BYTES = 240 };
 
-/* The last lines of what a program printed, in a ring. */
+/* The last lines of what a program printed, in a ring, and the first one, which may be a version. */
 typedef struct tail {
-    char line[KEPT_LINES][LINE_BYTES];
+    char line[KEPT_LINES][LINE_BYTES], first[LINE_BYTES];
     size_t count; /* of all lines */
 } tail;
 
@@ -40,6 +40,8 @@ static void keep_line(void *user, const char *line)
     char *to = t->line[t->count++ % KEPT_LINES];
     snprintf(to, LINE_BYTES, "%.*s", LINE_BYTES - 1, line);
     iso_words_make_printable(to);
+    if (t->count == 1)
+        memcpy(t->first, to, sizeof t->first);
 }
 
 /* The last one, or "". */
@@ -159,13 +161,6 @@ static void end(start *s)
     free(s->dir);
 }
 
-/* The less of two limits, 0 being none. */
-static double time_limit(const iso_external *e)
-{
-    const double usual = iso_process_limit();
-    return e->timeout_seconds > 0 && (usual <= 0 || e->timeout_seconds < usual) ? e->timeout_seconds : 0;
-}
-
 static iso_status find_program(const iso_external *e, const char *word, char **path, iso_error *err)
 {
     if (!strchr(word, '/'))
@@ -201,7 +196,7 @@ static iso_status run(start *s, const char *const *words, const char *last, iso_
                                              .sandbox = {.kind = sandbox_of(e)},
                                              .line = keep_line,
                                              .user = &s->said,
-                                             .timeout_seconds = time_limit(e),
+                                             .timeout_seconds = e->timeout_seconds,
                                              .outcome = &s->outcome};
         status = iso_process_run(argv, &options, err);
     }
@@ -228,7 +223,7 @@ iso_status iso_external_version(const iso_renderer_info *self, iso_renderers *r,
     if (status == ISO_OK)
         status = run(&s, e->version, NULL, &why);
     if (status == ISO_OK)
-        snprintf(text, size, "%.*s", (int)size - 1, s.said.count ? s.said.line[0] : self->title);
+        snprintf(text, size, "%.*s", (int)size - 1, s.said.count ? s.said.first : self->title);
     else if (s.outcome.exit_code > 0) /* it looked for what it needs */
         status = ISO_E_MISSING;
     end(&s);

@@ -52,7 +52,7 @@ static const iso_external_file files[] = {
 };
 
 static const char *const command[] = {"python3", "webgl.py", NULL}, *const version[] = {"python3", "webgl.py", "--version", NULL};
-/* Chromium puts what it shows into sandboxes of its own, which it speaks to over sockets. */
+/* Chromium puts what it shows into sandboxes of its own (view/chromium.py), which it speaks to over sockets. */
 static const iso_external webgl = {.command = command,
                                    .version = version,
                                    .files = files,

@@ -25,19 +25,41 @@ static iso_status write_beside(const char *dir, const char *name, const char *en
     return status;
 }
 
-iso_status iso_gnuplot_check_whole(const char *picture, const char *format, iso_error *err)
+/* How the file of a picture begins and ends. */
+static const struct {
+    const char *format, *first, *last;
+} forms[] = {
+    {"png", "\x89PNG", "IEND"},
+    {"svg", "<?xml", "</svg>"},
+    {"pdf", "%PDF", "%%EOF"},
+    {"tex", "% GNUPLOT", "\\endgroup"},
+};
+
+/* A gnuplot that says all is well may have drawn nothing, or something else; and it does not notice a full disk. */
+static iso_status check_content(const char *picture, const char *format, const char *data, size_t size, iso_error *err)
 {
-    const char *last = strcmp(format, "pdf") == 0   ? "%%EOF"
-                       : strcmp(format, "png") == 0 ? "IEND"
-                       : strcmp(format, "tex") == 0 ? "\\endgroup"
-                                                    : "</svg>";
-    enum { tail = 32 };
+    enum { TAIL = 32 };
+    size_t f = 0;
+    while (strcmp(forms[f].format, format) != 0)
+        ++f;
+    if (size == 0)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left no picture", picture);
+    if (size < strlen(forms[f].first) || memcmp(data, forms[f].first, strlen(forms[f].first)) != 0)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left what is no %s", picture, format);
+    if (size < TAIL || !memmem(data + size - TAIL, TAIL, forms[f].last, strlen(forms[f].last)))
+        return iso_fail(err, ISO_E_IO, "%s: gnuplot left it incomplete; is the disk full?", picture);
+    return ISO_OK;
+}
+
+static iso_status check_picture(const char *picture, const char *format, iso_error *err)
+{
     char *data = NULL;
     size_t size = 0;
+    if (!iso_path_is_file(picture))
+        return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left no picture", picture);
     iso_status status = iso_file_read(picture, &data, &size, err);
-    bool whole = status == ISO_OK && size >= tail && memmem(data + size - tail, tail, last, strlen(last));
-    if (status == ISO_OK && !whole)
-        status = iso_fail(err, ISO_E_IO, "%s: gnuplot left it incomplete; is the disk full?", picture);
+    if (status == ISO_OK)
+        status = check_content(picture, format, data, size, err);
     free(data);
     return status;
 }
@@ -58,10 +80,8 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
     if (script && setting && picture) {
         const char *argv[] = {gnuplot, "-d", "-e", setting, script, NULL};
         status = iso_process_run(argv, &(iso_process_options){.directory = dir, .timeout_seconds = 600}, err);
-        if (status == ISO_OK && !iso_path_exists(picture))
-            status = iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left no picture", picture);
         if (status == ISO_OK)
-            status = iso_gnuplot_check_whole(picture, format, err);
+            status = check_picture(picture, format, err);
     } else {
         status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     }
@@ -187,7 +207,7 @@ iso_status iso_gnuplot_picture(const char *output, double width, double height, 
         status = iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &process, err);
     }
     if (status == ISO_OK)
-        status = iso_gnuplot_check_whole(out.temp_path, format, err);
+        status = check_picture(out.temp_path, format, err);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);

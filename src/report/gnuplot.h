@@ -25,7 +25,8 @@ iso_status iso_gnuplot_use_style(const char *from, const char *dir, iso_error *e
 
 /* One picture alone, NAME.png, .svg or .pdf by its ending: `write` prints the gnuplot script that follows "set terminal" and
  * "set output". Width and height in pixels of 1/96 inch; a PNG has twice as many, for print. The picture appears when it is
- * whole. ISO_E_USAGE: another ending; ISO_E_MISSING without gnuplot. */
+ * whole. ISO_E_USAGE: another ending; ISO_E_MISSING without gnuplot; ISO_E_PROGRAM where it leaves no picture, ISO_E_IO
+ * where that has no end, as on a full disk. */
 typedef iso_status (*iso_gnuplot_writer)(FILE *gp, void *user, iso_error *err);
 iso_status iso_gnuplot_picture(const char *output, double width, double height, iso_gnuplot_writer write, void *user,
                                iso_error *err);
@@ -35,8 +36,5 @@ const char *iso_gnuplot_ending(const char *output);
  * (Between single quotes gnuplot 5.4 reads two of them as one, but not at the beginning, nor twice.) Never enhanced:
  * "noenhanced" is for the caller. */
 void iso_gnuplot_put_quoted(FILE *gp, const char *text);
-
-/* gnuplot does not notice a full disk: a whole picture ends as its format, "svg", "pdf" or "png", does. ISO_E_IO. */
-iso_status iso_gnuplot_check_whole(const char *picture, const char *format, iso_error *err);
 
 #endif

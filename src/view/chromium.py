@@ -16,6 +16,13 @@ DRIVERS = {
 }
 
 
+def sandbox_words():
+    """Chromium puts what it shows into sandboxes, but refuses to begin as root, which it cannot put into any; isoshade's
+    own switch says where it shall go without, such as in a container that lets nobody make namespaces."""
+    is_off = os.environ.get("ISOSHADE_SANDBOX") == "off"
+    return ["--no-sandbox"] if is_off or os.geteuid() == 0 else []
+
+
 class Chromium:
     """seconds: how long an answer, or what is waited for, may take."""
 
@@ -36,7 +43,7 @@ class Chromium:
             os.dup2(high[1], 4)
 
         self.process = subprocess.Popen(
-            [program, "--headless", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run", "--disable-background-networking",
+            [program, "--headless", *sandbox_words(), "--remote-debugging-pipe", "--no-first-run", "--disable-background-networking",
              "--disable-component-update", "--hide-scrollbars", f"--user-data-dir={self.folder}", f"--window-size={size[0]},{size[1]}",
              *DRIVERS[driver], "about:blank"],
             preexec_fn=give_pipes, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -55,7 +62,8 @@ class Chromium:
                 raise TimeoutError("the browser gave no answer in time")
             part = os.read(self.read_from, 1 << 20)
             if not part:
-                raise RuntimeError("the browser ended")
+                raise RuntimeError("the browser ended" + ("" if "--no-sandbox" in self.process.args else
+                                   "; where it may make no sandboxes, --no-sandbox starts it without"))
             self.buffer += part
         text, self.buffer = self.buffer.split(b"\0", 1)
         return json.loads(text)

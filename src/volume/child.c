@@ -3,11 +3,19 @@
 #include "volume/child.h"
 
 #include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/pidfd.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "base/beside.h"
+#include "base/parallel.h"
+#include "base/process.h"
+#include "volume/child_check.h"
 #include "volume/child_start.h"
 #include "volume/child_stream.h"
 
@@ -16,35 +24,72 @@ typedef struct child {
     const iso_child_program *program;
 } child;
 
+/* Waits for a program that is at its end, and ends it where it is not. Until then it has some seconds: its exit code is
+ * of interest, and what watches it, such as valgrind, has something to say. */
+static int end_program(child *r)
+{
+    enum { PATIENCE_MS = 5000 };
+    int result = 0;
+    struct pollfd end = {.fd = pidfd_open(r->process.pid, 0), .events = POLLIN};
+    if (end.fd >= 0) {
+        poll(&end, 1, PATIENCE_MS);
+        close(end.fd);
+    }
+    kill(r->process.pid, SIGKILL);
+    while (waitpid(r->process.pid, &result, 0) < 0 && errno == EINTR)
+        ;
+    r->process.pid = 0;
+    return result;
+}
+
 /* Of a program whose output has ended. */
 static bool did_not_start(child *r)
 {
-    int result = 0;
-    pid_t ended;
-    while ((ended = waitpid(r->process.pid, &result, 0)) < 0 && errno == EINTR)
-        ;
-    r->process.pid = 0;
-    return ended > 0 && WIFEXITED(result) && WEXITSTATUS(result) == ISO_CHILD_NOT_STARTED;
+    const int result = r->process.pid > 0 ? end_program(r) : 0;
+    return WIFEXITED(result) && WEXITSTATUS(result) == ISO_CHILD_NOT_STARTED;
+}
+
+/* Is there something to read, or the end of it, or an error? false: the deadline came first. */
+static bool wait_for_output(const child *r, double deadline)
+{
+    struct pollfd output = {.fd = r->process.output, .events = POLLIN};
+    for (double left; (left = deadline - iso_clock_seconds()) > 0;) {
+        const int ready = poll(&output, 1, (int)fmin(ceil(1e3 * left), 1e6));
+        if (ready > 0 || (ready < 0 && errno != EINTR))
+            return true;
+    }
+    return false;
 }
 
 static iso_status get(iso_volume_source *source, void *data, size_t bytes, iso_error *err)
 {
     child *r = source->reader;
-    if (r && r->process.output && fread(data, 1, bytes, r->process.output) == bytes)
-        return ISO_OK;
-    if (r && r->process.output && ferror(r->process.output))
-        return iso_fail(err, ISO_E_IO, "%s: the output of %s cannot be read", source->path, r->program->library);
-    if (r && r->process.pid > 0 && did_not_start(r))
+    const double limit = iso_process_limit(0), deadline = iso_clock_seconds() + limit;
+    bool in_time = true;
+    ssize_t n = 1;
+    for (size_t had = 0; n != 0; had += n > 0 ? (size_t)n : 0) {
+        if (had == bytes)
+            return ISO_OK;
+        in_time = wait_for_output(r, deadline);
+        n = in_time ? read(r->process.output, (char *)data + had, bytes - had) : 0;
+        if (n < 0 && errno != EINTR)
+            return iso_fail(err, ISO_E_IO, "%s: the output of %s cannot be read", source->path, r->program->library);
+    }
+    if (!in_time)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: %s: stopped after %g s, the time limit", source->path,
+                        r->program->name, limit);
+    if (did_not_start(r))
         return iso_fail(err, ISO_E_PROGRAM, "%s: %s cannot be started", source->path, r->program->name);
-    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s ends before the samples do", source->path,
-                    r ? r->program->library : "its reader");
+    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s ends before the samples do", source->path, r->program->library);
 }
 
-static iso_status get_answer(const iso_child_answer *answer, iso_status status, iso_error *err)
+static iso_status get_answer(iso_volume_source *source, iso_error *err)
 {
-    return status != ISO_OK           ? status
-           : answer->status != ISO_OK ? iso_fail(err, answer->status, "%s", answer->error.text)
-                                      : ISO_OK;
+    const child *r = source->reader;
+    iso_child_answer answer;
+    const iso_status status = get(source, &answer, sizeof answer, err);
+    iso_child_end_text(&answer);
+    return status == ISO_OK ? iso_child_check_answer(&answer, source->path, r->program->library, err) : status;
 }
 
 static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
@@ -52,24 +97,23 @@ static iso_status read_planes(iso_volume_source *source, size_t plane_count, voi
     const size_t plane = iso_source_plane_bytes(source);
     iso_status status = ISO_OK;
     for (size_t i = 0; i < plane_count && status == ISO_OK; ++i) {
-        iso_child_answer answer;
-        status = get(source, &answer, sizeof answer, err);
-        status = get_answer(&answer, status, err);
+        status = get_answer(source, err);
         if (status == ISO_OK)
             status = get(source, (char *)out + i * plane, plane, err);
     }
     return status;
 }
 
-/* It ends when nobody reads its output. */
+/* One that is well ends when it is told to. */
 static void close_reader(iso_volume_source *source)
 {
     child *r = source->reader;
-    if (r && r->process.output)
-        fclose(r->process.output);
-    if (r && r->process.pid > 0)
-        while (waitpid(r->process.pid, NULL, 0) < 0 && errno == EINTR)
-            ;
+    if (r && r->process.output >= 0)
+        close(r->process.output);
+    if (r && r->process.pid > 0) {
+        kill(r->process.pid, SIGTERM);
+        end_program(r);
+    }
     free(r);
     source->reader = NULL;
 }
@@ -107,12 +151,12 @@ static void take_geometry(const iso_child_header *h, const double mm[3], iso_vol
 static iso_status start_reader(iso_volume_source *source, const iso_child_program *p, const char *part, iso_error *err)
 {
     char *program = iso_beside_find(p->name), frame[24], channel[24];
-    child *r = calloc(1, sizeof *r);
+    child *r = malloc(sizeof *r);
     source->reader = r;
     source->read_planes = read_planes;
     source->close_reader = close_reader;
     if (r)
-        r->program = p;
+        *r = (child){.program = p, .process.output = -1};
     snprintf(frame, sizeof frame, "%zu", source->choice.frame);
     snprintf(channel, sizeof channel, "%zu", source->choice.channel);
     const char *const words[] = {program, source->path, part ? part : "", frame, channel, NULL};
@@ -132,9 +176,13 @@ static iso_status read_header(iso_volume_source *source, const iso_child_program
     iso_status status = start_reader(source, p, part, err);
     if (status == ISO_OK)
         status = get(source, h, sizeof *h, err);
-    if (status == ISO_OK && strncmp(h->version, ISO_VERSION, sizeof h->version) != 0)
-        return iso_fail(err, ISO_E_MISSING, "%s is of version %.15s, isoshade of " ISO_VERSION, p->name, h->version);
-    return get_answer(&h->answer, status, err);
+    if (status != ISO_OK)
+        return status;
+    iso_child_end_texts(h);
+    if (strcmp(h->version, ISO_VERSION) != 0)
+        return iso_fail(err, ISO_E_MISSING, "%s is of version %s, isoshade of " ISO_VERSION, p->name, h->version);
+    status = iso_child_check_answer(&h->answer, source->path, p->library, err);
+    return status == ISO_OK ? iso_child_check_header(h, source->path, p->library, err) : status;
 }
 
 /* The program gives one frame and channel alone: it is started again where these are not the first ones. */
@@ -142,10 +190,10 @@ static iso_status choose(iso_volume_source *source, const iso_child_program *p, 
                          iso_error *err)
 {
     iso_extra_axes axes = {.frame = {h->frames, false, 1}, .channel = {h->channels, false, h->frames ? h->frames : 1}};
-    axes.frame_step = h->frame_step;
-    snprintf(axes.frame_unit, sizeof axes.frame_unit, "%.15s", h->frame_unit);
+    axes.frame_step = isfinite(h->frame_step) ? h->frame_step : 0; /* 0: not said */
+    snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", h->frame_unit);
     for (size_t c = 0; c < ISO_NAMED_CHANNELS && c < h->channels; ++c)
-        snprintf(axes.channel_name[c], sizeof axes.channel_name[c], "%.47s", h->channel_name[c]);
+        snprintf(axes.channel_name[c], sizeof axes.channel_name[c], "%s", h->channel_name[c]);
     iso_status status = iso_source_choose(source, &axes, err);
     source->choice.volume_count = source->choice.inside_count = 1;
     source->choice.volume_at = source->choice.inside_at = 0;

@@ -4,15 +4,21 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include "base/sandbox.h"
 
 /* The program itself, by system calls alone: it may write nothing but its output, which is ours to read. What it and its
  * libraries print goes nowhere. */
-static void run_program(const char *const words[], const iso_sandbox *box, int output)
+static void run_program(const char *const words[], const iso_sandbox *box, int output, pid_t parent)
 {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    signal(SIGTERM, SIG_DFL); /* by which it is told to end, whatever is ignored here */
+    if (getppid() != parent)  /* which ended before that was said */
+        _exit(ISO_CHILD_NOT_STARTED);
     const int nothing = open("/dev/null", O_RDWR);
     dup2(nothing, STDIN_FILENO);
     dup2(nothing, STDERR_FILENO);
@@ -42,16 +48,13 @@ iso_status iso_child_start(iso_child_process *process, const char *const words[]
         iso_sandbox_release(&box);
         return status;
     }
+    const pid_t parent = getpid();
     process->pid = fork();
     if (process->pid == 0)
-        run_program(words, &box, ends[1]);
+        run_program(words, &box, ends[1], parent);
     const int failed = process->pid < 0 ? errno : 0;
     iso_sandbox_release(&box);
     close(ends[1]);
-    process->output = failed ? NULL : fdopen(ends[0], "rb");
-    if (!process->output)
-        close(ends[0]);
-    if (failed)
-        return iso_fail(err, failure(failed), "%s: cannot be started: %s", words[0], strerror(failed));
-    return process->output ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", words[1]);
+    process->output = ends[0];
+    return failed ? iso_fail(err, failure(failed), "%s: cannot be started: %s", words[0], strerror(failed)) : ISO_OK;
 }

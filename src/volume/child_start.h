@@ -3,15 +3,15 @@
 #ifndef ISO_VOLUME_CHILD_START_H
 #define ISO_VOLUME_CHILD_START_H
 
-#include <stdio.h>
 #include <sys/types.h>
 
 #include "base/status.h"
 
-/* One that runs: what it writes is read from `output`. pid 0: nothing that has to be waited for. */
+/* One that runs: what it writes is read from `output`, which is below 0 where there is none. pid 0: nothing that has to
+ * be waited for. It ends with the thread that started it at the latest, also where that is killed. */
 typedef struct iso_child_process {
     pid_t pid;
-    FILE *output;
+    int output;
 } iso_child_process;
 
 /* No exit code of these programs, as with shells: the program could not be started. */

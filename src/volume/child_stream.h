@@ -24,6 +24,8 @@ typedef enum iso_child_world {
     ISO_CHILD_CENTERED /* its own, around the box's center: the file gives no place */
 } iso_child_world;
 
+enum { ISO_CHILD_CHANNELS = 32 }; /* that may have names */
+
 typedef struct iso_child_header {
     char version[16]; /* ISO_VERSION */
     iso_child_answer answer;
@@ -36,7 +38,7 @@ typedef struct iso_child_header {
     double slope, intercept; /* physical value = slope * sample + intercept */
     double box[3];           /* the box in index coordinates, where it is smaller than the grid; 0: as the grid */
     size_t frames, channels; /* that the file has, of which one each is given; 0 or 1: there is one */
-    char channel_name[32][48];
+    char channel_name[ISO_CHILD_CHANNELS][48];
     double frame_step; /* how far frames are apart; 0: not said */
     char frame_unit[16];
     char unspaced[160]; /* "", or which spacing the file does not say: "between its slices" */

@@ -26,7 +26,8 @@
 typedef struct iso_volume_source iso_volume_source;
 
 /* Reads the header and checks it against the size of the file. Statuses as
- * iso_volume_load. *source stays NULL on failure. */
+ * iso_volume_load. *source stays NULL on failure. Other threads may read from it, but not for longer than the thread
+ * lives that opened it: a program that reads the format ends with that. */
 iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err);
 /* What a file does not say, or says wrongly. */
 typedef struct iso_volume_hints {

@@ -98,7 +98,7 @@ extern "C" iso_status iso_child_start(iso_child_process *process, const char *co
     cookie_io_functions_t functions{};
     functions.write = take;
     FILE *out = output.fd >= 0 ? fopencookie(&output, "wb", functions) : nullptr;
-    *process = iso_child_process{0, nullptr};
+    *process = iso_child_process{0, output.fd};
     if (!out)
         return iso_fail(err, ISO_E_MEMORY, "%s: no file in memory", words[1]);
     if (!strstr(words[0], FUZZ_PROGRAM))
@@ -112,6 +112,5 @@ extern "C" iso_status iso_child_start(iso_child_process *process, const char *co
     limit_milliseconds(0);
     fclose(out);
     lseek(output.fd, 0, SEEK_SET);
-    process->output = fdopen(output.fd, "rb");
-    return process->output ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", words[1]);
+    return ISO_OK;
 }

@@ -19,13 +19,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/* Is the file there? A pipe in its place would be waited for. */
+bool has_file(const std::string &path)
+{
+    if (!fs::exists(path))
+        return false;
+    if (!fs::is_regular_file(path))
+        fail(ISO_E_IO, path + ": is not a regular file");
+    return true;
+}
+
 /* A JSON file, freed with it; null where there is none. */
 class Json {
 public:
     explicit Json(const std::string &path)
     {
         json_error_t error;
-        if (!fs::exists(path))
+        if (!has_file(path))
             return;
         root_ = json_load_file(path.c_str(), 0, &error);
         if (!root_)
@@ -468,7 +478,7 @@ private:
         for (const size_t i : at)
             name += (name.empty() ? "" : l.separator) + std::to_string(i);
         const std::string path = path_of(array.name) + "/" + (name.empty() ? "0" : name);
-        if (!fs::exists(path))
+        if (!has_file(path))
             return false;
         std::ifstream file(path, std::ios::binary);
         const std::string packed((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
