@@ -118,7 +118,7 @@ iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a,
     if (status == ISO_OK)
         status = render_expected(renderers, a, &out->expected, progress, err);
     if (status == ISO_OK) {
-        status = export_and_open(a, here, there, &out->picture, progress, &failed);
+        status = out->failure = export_and_open(a, here, there, &out->picture, progress, &failed);
         if (status == ISO_OK &&
             (out->picture.width != out->expected.width || out->picture.height != out->expected.height))
             snprintf(out->why, sizeof out->why, "the picture has %zu x %zu pixels, wanted %zu x %zu",
@@ -165,25 +165,31 @@ static iso_status add_image(iso_validation *v, const iso_artefact *a, const char
     return image->rgba ? iso_report_add_image(v->report, name, image, caption, NULL, err) : ISO_OK;
 }
 
-static iso_status examine(iso_validation *v, const iso_artefact *a, iso_error *err)
+static iso_status add_result(iso_validation *v, const iso_artefact *a, const iso_artefact_result *r, iso_error *err)
+{
+    const iso_report_calibration row = {.renderer = a->renderer->name,
+                                        .check = "what is exported",
+                                        .value = r->value,
+                                        .limit = r->limit,
+                                        .unit = r->unit,
+                                        .detail = r->why};
+    iso_status status = add_image(v, a, "expected", &r->expected, err);
+    if (status == ISO_OK)
+        status = add_image(v, a, "picture", &r->picture, err);
+    return status == ISO_OK ? iso_report_add_calibration(v->report, &row, err) : status;
+}
+
+/* late: the budget's end ended the program, which says nothing of what was exported. */
+static iso_status examine(iso_validation *v, const iso_artefact *a, bool *late, iso_error *err)
 {
     iso_artefact_result r;
     char text[64];
     snprintf(text, sizeof text, "artefacts: %s", a->target->name);
     iso_progress_report(v->progress, text, 0);
     iso_status status = iso_artefact_compare(&v->renderers, a, &r, v->progress, err);
-    const iso_report_calibration row = {.renderer = a->renderer->name,
-                                        .check = "what is exported",
-                                        .value = r.value,
-                                        .limit = r.limit,
-                                        .unit = r.unit,
-                                        .detail = r.why};
-    if (status == ISO_OK)
-        status = add_image(v, a, "expected", &r.expected, err);
-    if (status == ISO_OK)
-        status = add_image(v, a, "picture", &r.picture, err);
-    if (status == ISO_OK)
-        status = iso_report_add_calibration(v->report, &row, err);
+    *late = status == ISO_OK && r.failure != ISO_OK && iso_validate_is_out_of_time(v);
+    if (status == ISO_OK && !*late)
+        status = add_result(v, a, &r, err);
     iso_artefact_release(&r);
     return status;
 }
@@ -194,7 +200,7 @@ iso_status iso_validate_artefacts(iso_validation *v, iso_error *err)
     iso_view view = *v->view;
     const size_t longest = view.width > view.height ? view.width : view.height;
     iso_status status = ISO_OK;
-    bool asked = false;
+    bool asked = false, late = false;
     for (size_t i = 0; i < iso_export_target_names.count; ++i)
         asked = asked || renderer_of(v, iso_export_target_at(i));
     if (asked && v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
@@ -212,10 +218,11 @@ iso_status iso_validate_artefacts(iso_validation *v, iso_error *err)
                                 .level = v->pyramid->level_count - 1,
                                 .view = &view,
                                 .threads = v->threads};
-        if (a.renderer && iso_validate_is_out_of_time(v))
+        late = a.renderer && iso_validate_is_out_of_time(v);
+        if (a.renderer && !late)
+            status = examine(v, &a, &late, err);
+        if (late)
             return iso_validate_stage_left_out(v, "artefacts", err);
-        if (a.renderer)
-            status = examine(v, &a, err);
     }
     return status;
 }
