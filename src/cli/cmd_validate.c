@@ -221,7 +221,8 @@ static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *
 static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
                            iso_error *err)
 {
-    iso_progress progress = iso_cli_progress(cli);
+    iso_progress_lane lane = {.line = cli->progress};
+    const iso_progress progress = iso_progress_of_lane(&lane);
     iso_view view = {0};
     char *line = iso_cli_command_line(cli), *name = scene_name_of(a->look.scene),
          *typed = iso_volume_input_line(&a->input), *input = typed ? iso_provenance_line(typed) : NULL;
@@ -238,6 +239,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
                         .seeds = iso_validate_seeds(a),
                         .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
                         .threads = cli->threads,
+                        .renderers = {.taken = &lane.taken},
                         .line = cli->progress,
                         .progress = &progress};
     const iso_report_about about = {.title = iso_provenance_title(cli->arguments[0]),
