@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/process.h"
 #include "base/provenance.h"
+#include "base/unfinished.h"
 #include "base/work.h"
 #include "cli/made_volume.h"
 #include "options/visible.h"
@@ -140,16 +141,43 @@ static void report_estimate(const iso_cli *cli, iso_report *r)
     iso_report_put(r, "estimate", "worst_from_a_third_on", json_real(e.worst));
 }
 
-/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
-static iso_status open_store(const iso_validate_arguments *a, iso_validation *v, iso_error *err)
+/* DIR.work; to be freed. NULL: no memory. */
+static char *store_folder(const iso_validate_arguments *a)
 {
     char *folder = NULL;
     size_t end = strlen(a->output);
     while (end > 1 && a->output[end - 1] == '/')
         --end;
-    if (asprintf(&folder, "%.*s.work", (int)end, a->output) < 0)
+    return asprintf(&folder, "%.*s.work", (int)end, a->output) < 0 ? NULL : folder;
+}
+
+/* How to go on, for the signal's handler, too: it has to be there when the signal comes. */
+static char last_words[4200];
+
+/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
+static iso_status open_store(const iso_validate_arguments *a, iso_validation *v, iso_error *err)
+{
+    char *folder = store_folder(a);
+    if (!folder)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     const iso_status status = iso_picture_store_open(folder, a->resume, &v->renderers.store, err);
+    snprintf(last_words, sizeof last_words, "isoshade validate: stopped; --resume goes on from %s\n", folder);
+    if (status == ISO_OK)
+        iso_unfinished_say(last_words);
+    free(folder);
+    return status;
+}
+
+/* Says how to go on where a signal ended a program, and so the run; its error is in *err. */
+static iso_status close_store(const iso_validate_arguments *a, iso_picture_store *store, bool remove, iso_status status,
+                              iso_error *err)
+{
+    char *folder = store_folder(a);
+    const iso_error why = *err;
+    iso_unfinished_say(NULL);
+    iso_picture_store_close(store, remove);
+    if (status != ISO_OK && !remove && folder && iso_process_was_stopped())
+        iso_fail(err, status, "%s; --resume goes on from %s", why.text, folder);
     free(folder);
     return status;
 }
@@ -270,7 +298,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
     }
     if (status == ISO_OK)
         status = finish(a, cli, &v, err);
-    iso_picture_store_close(store, has_no_use(&v, status));
+    status = close_store(a, store, has_no_use(&v, status), status, err);
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     iso_validate_forget_tfs(&v);
@@ -381,7 +409,7 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
         iso_report_put(v.report, "seconds", "total", json_real(iso_clock_seconds() - start));
         status = finish(a, cli, &v, err);
     }
-    iso_picture_store_close(store, has_no_use(&v, status));
+    status = close_store(a, store, has_no_use(&v, status), status, err);
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     free(line);
