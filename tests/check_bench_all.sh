@@ -89,6 +89,16 @@ assert causes == {'gone': 'AFTER does not have it', 'fails': 'exit code 6', 'oth
 E
 expect in_the_answer_too 1 "$ISOSHADE" bench compare had.json has.json --json
 check with_its_cause grep -q '"cause": "exit code 6"' out
+# What is handed on to the commands and said of another program, and of what is left out.
+printf '#!/bin/sh\necho "$*" >>"%s/asked"\nexit 6\n' "$dir" >failing && chmod +x failing
+expect threads_are_for_all_commands 0 "$ISOSHADE" bench all --quick --repeat 1 --only build-memory --threads 1 --beside ./failing,other.json -o ours.json -q
+check which_get_them grep -q '^bench build .* --threads=1$' asked
+check and_the_answer_has_them grep -q '"threads": 1,' ours.json
+check why_the_other_one_failed_is_said grep -q 'beside: failing: exit code 6' out
+check in_its_own_answer_alone sh -c "grep -q '\"cause\": \"failing: exit code 6' other.json && ! grep -q cause ours.json"
+check no_bar_for_small_sizes sh -c "! grep -q '<= 6' out"
+check what_is_not_quick_is_in_the_answer sh -c "grep -A1 not_in_quick ours.json | grep -q encode-fit"
+refuse a_figure_that_is_not_quick 2 'isoshade bench all: --only encode-fit: not in --quick' "$ISOSHADE" bench all --quick --only encode-fit
 refuse no_figures 4 'with figures' "$ISOSHADE" bench compare none.json a.json
 refuse another_file 4 'schema' "$ISOSHADE" bench compare "$top/refscenes/shells.tf.json" a.json
 refuse a_name_that_is_none 2 'no figure of that name' "$ISOSHADE" bench all --only nothing
