@@ -110,5 +110,5 @@ key = lambda row: [row[k] for k in ("level", "b", "verdict", "rmse")]
 assert sorted(map(str, map(key, a["agreement"]))) == sorted(map(str, map(key, b["agreement"]))) and a["levels"] == b["levels"]
 PY
 check and_the_verdict_is_the_same python3 enough.py
-refuse a_budget_below_0 2 "--budget" job --budget -1 -o no
+for budget in -1 0; do refuse "a_budget_of_$budget" 2 "--budget is $budget, must be seconds above 0" job --budget $budget -o no; done
 exit $failed

@@ -192,7 +192,7 @@ static bool has_no_use(const iso_validation *v, iso_status status)
 static void begin_budget(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v)
 {
     const double now = iso_clock_seconds();
-    if (!(a->budget > 0))
+    if (a->budget == ISO_NO_BUDGET)
         return;
     v->budget_seconds = a->budget;
     v->deadline = now + a->budget;
@@ -435,7 +435,7 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    iso_validate_arguments a = {0};
+    iso_validate_arguments a = {.budget = ISO_NO_BUDGET};
     char names[256], with[320], seeds[400];
     snprintf(with, sizeof with, "renderers to compare with the reference (%s)",
              iso_renderers_with(ISO_HAS_LIMIT, ",", ",", names, sizeof names));

@@ -13,6 +13,7 @@
 
 /* What --step is where it is not given: 0 and NaN are refused. */
 #define ISO_STEP_OF_SCENE (-INFINITY)
+#define ISO_ALL_IN_MEMORY (-INFINITY)
 
 /* As given; 0 and NULL: not given. */
 typedef struct iso_render_arguments {
@@ -24,7 +25,7 @@ typedef struct iso_render_arguments {
     char *output, *png, *frames, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels,
         page_side;
-    double step, cache_bytes, memory_mb; /* memory_mb 0: everything in memory */
+    double step, cache_bytes, memory_mb; /* memory_mb: ISO_ALL_IN_MEMORY, or for pages */
     int refine;
     char *plan_error_text, *code, *direction_filter, *estimator;
     double plan_error; /* 0: none */
