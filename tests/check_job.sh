@@ -94,11 +94,14 @@ r = json.load(open("out")); assert r["changed_count"] == 0 and r["ratios"]["pixe
 # ---- a budget: what is left out is said, and nothing is claimed of it ----
 expect nothing_is_compared_in_no_time 1 "$ISOSHADE" validate v.nrrd --scene "$scene" --with gl --quick --size 16 --levels 2 --budget 0.01 -q -o hurried
 check which_is_said grep -q "not compared: shells, level 0, gl: the budget of 0.01 s was over" out
+check whole_stages_first test "$(grep '^not compared' out | sed -n '1,5s/^not compared: stage, .*/stage/p' | wc -l)" = 5
+check and_that_no_level_was_judged grep -qx 'The levels were not judged: the budget of 0.01 s was over before it could be asked.' out
 cat >hurried.py <<'PY'
 import json
 r = json.load(open("hurried/report.json"))
 assert r["options"]["budget_seconds"] == 0.01 and r["levels"] == [] and r["calibration"]
 assert r["agreement"] and all(row["verdict"] == "not compared" and row["not_compared"] == "budget" for row in r["agreement"])
+assert r["levels_sentence"].startswith("The levels were not judged: the budget")
 assert {"consistency", "on-the-fly", "moments"} <= {row["variant"] for row in r["agreement"]}
 PY
 check in_the_report_too python3 hurried.py

@@ -205,7 +205,7 @@ static const json_t *verdict_of(const subject *s, size_t level, const char **ver
 {
     const json_t *rows = json_object_get(iso_report_json(s->validation.report), "levels"),
                  *row = json_array_get(rows, level - 1);
-    *sentence = iso_levels_summarize(rows);
+    *sentence = iso_levels_summarize(iso_report_json(s->validation.report));
     *verdict = json_string_value(json_object_get(row, "verdict"));
     assert_string_equal(json_string_value(json_object_get(row, "tf")), "scaled");
     assert_int_equal(json_integer_value(json_object_get(row, "level")), level);
