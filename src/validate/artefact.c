@@ -86,22 +86,6 @@ static iso_status render_expected(iso_renderers *renderers, const iso_artefact *
                            err);
 }
 
-/* Of colors alone: pictures for people are opaque. clipped: the picture cannot be brighter than 1. */
-static double rmse_of_colors(const iso_image *expected, const iso_image *picture, bool clipped)
-{
-    const size_t pixels = expected->width * expected->height;
-    double sum = 0;
-    for (size_t i = 0; i < 4 * pixels; ++i) {
-        double a = (double)expected->rgba[i], b = (double)picture->rgba[i];
-        if (i % 4 == 3)
-            continue;
-        if (clipped && a > 1)
-            a = 1;
-        sum += (a - b) * (a - b);
-    }
-    return sqrt(sum / (3 * (double)pixels));
-}
-
 iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a, iso_artefact_result *out,
                                 const iso_progress *progress, iso_error *err)
 {
@@ -124,7 +108,8 @@ iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a,
             snprintf(out->why, sizeof out->why, "the picture has %zu x %zu pixels, wanted %zu x %zu",
                      out->picture.width, out->picture.height, out->expected.width, out->expected.height);
         else if (status == ISO_OK)
-            out->value = rmse_of_colors(&out->expected, &out->picture, a->target->clipped);
+            out->value = iso_metrics_rmse_of_colors(&out->expected, &out->picture, /* pictures for people are opaque */
+                                                    a->target->clipped ? 1 : INFINITY);
         else if (status == ISO_E_MEMORY)
             iso_fail(err, status, "%s", failed.text);
         else
