@@ -158,44 +158,82 @@ static void a_blend_is_opened(void **state)
     expect_faults_are_seen("blender", lose_grids, swap_grids);
 }
 
-/* In the place of POV-Ray for what follows: a program that never ends by itself. */
-static void take_a_povray_that_hangs(void)
+/* In the place of POV-Ray until forget_povray(). */
+static void take_as_povray(const char *script)
 {
-    static const char script[] = "#!/bin/sh\nexec sleep 1000\n";
-    char *path = iso_path_join(folder, "hangs");
-    assert_ok(iso_file_write(path, script, sizeof script - 1, &err));
+    char *path = iso_path_join(folder, "false-povray");
+    assert_ok(iso_file_write(path, script, strlen(script), &err));
     assert_int_equal(chmod(path, 0755), 0);
     assert_int_equal(setenv("ISOSHADE_POVRAY", path, 1), 0);
     free(path);
+}
+
+static void forget_povray(void)
+{
+    unsetenv("ISOSHADE_POVRAY");
+}
+
+static iso_scene any_scene = {.agreement = {.tier = ISO_TIER_CONVERGENCE}};
+
+/* A validation whose one renderer is POV-Ray. */
+static iso_validation open_validation(const char *name)
+{
+    const iso_report_about about = {.title = "t"};
+    const iso_renderer_info *povray;
+    char *dir = iso_path_join(folder, name);
+    iso_validation v = {.pyramid = &pyramid, .scene = &any_scene, .view = &view, .scene_name = "s", .threads = 1};
+    assert_ok(iso_renderer_from_name("povray", &povray, &err));
+    v.wanted[iso_renderer_index(povray)] = true;
+    assert_ok(iso_report_create(&v.report, dir, &about, &err));
+    free(dir);
+    return v;
+}
+
+static void close_validation(iso_validation *v)
+{
+    iso_report_destroy(v->report);
+    iso_renderers_end(&v->renderers);
+}
+
+static const json_t *rows_of(const iso_validation *v, const char *list)
+{
+    return json_object_get(iso_report_json(v->report), list);
 }
 
 /* What the budget's end ended says nothing of the export: it is left out, as it is where the budget is over before. */
 static void an_export_that_the_budget_ends_is_left_out(void **state)
 {
     (void)state;
-    const iso_report_about about = {.title = "t"};
-    const iso_renderer_info *povray;
-    iso_scene scene = {.agreement = {.tier = ISO_TIER_CONVERGENCE}};
-    char *dir = iso_path_join(folder, "report");
-    iso_validation v = {.pyramid = &pyramid, .scene = &scene, .view = &view, .scene_name = "s", .threads = 1};
-    assert_ok(iso_renderer_from_name("povray", &povray, &err));
-    v.wanted[iso_renderer_index(povray)] = true;
-    assert_ok(iso_report_create(&v.report, dir, &about, &err));
-    take_a_povray_that_hangs();
+    iso_validation v = open_validation("late");
+    take_as_povray("#!/bin/sh\nexec sleep 1000\n");
     v.budget_seconds = 1;
     v.deadline = iso_clock_seconds() + v.budget_seconds;
     iso_process_set_deadline(v.deadline);
     assert_ok(iso_validate_artefacts(&v, &err));
     iso_process_set_deadline(0);
-    unsetenv("ISOSHADE_POVRAY");
-    const json_t *report = iso_report_json(v.report), *rows = json_object_get(report, "agreement");
-    assert_int_equal(json_array_size(json_object_get(report, "calibration")), 0);
-    assert_int_equal(json_array_size(rows), 1);
-    assert_string_equal(iso_row_text(json_array_get(rows, 0), "variant"), "artefacts");
-    assert_string_equal(iso_row_text(json_array_get(rows, 0), "not_compared"), "budget");
-    iso_report_destroy(v.report);
-    iso_renderers_end(&v.renderers);
-    free(dir);
+    forget_povray();
+    const json_t *row = json_array_get(rows_of(&v, "agreement"), 0);
+    assert_int_equal(json_array_size(rows_of(&v, "calibration")), 0);
+    assert_int_equal(json_array_size(rows_of(&v, "agreement")), 1);
+    assert_string_equal(iso_row_text(row, "variant"), "artefacts");
+    assert_string_equal(iso_row_text(row, "not_compared"), "budget");
+    close_validation(&v);
+}
+
+/* Nor does Ctrl-C: the run ends. The last test here, since nothing is to be begun after it. */
+static void an_export_that_is_interrupted_ends_the_run(void **state)
+{
+    (void)state;
+    char script[128];
+    iso_validation v = open_validation("stopped");
+    snprintf(script, sizeof script, "#!/bin/sh\nkill -TERM %ld\nexec sleep 1000\n", (long)getpid());
+    take_as_povray(script);
+    assert_int_equal(setenv("ISOSHADE_SANDBOX", "off", 1), 0);
+    assert_status(iso_validate_artefacts(&v, &err), ISO_E_PROGRAM);
+    unsetenv("ISOSHADE_SANDBOX");
+    forget_povray();
+    assert_int_equal(json_array_size(rows_of(&v, "calibration")), 0);
+    close_validation(&v);
 }
 
 int main(void)
@@ -204,6 +242,7 @@ int main(void)
         cmocka_unit_test(a_folder_of_povray_is_opened),
         cmocka_unit_test(a_blend_is_opened),
         cmocka_unit_test(an_export_that_the_budget_ends_is_left_out),
+        cmocka_unit_test(an_export_that_is_interrupted_ends_the_run),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }

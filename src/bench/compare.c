@@ -22,7 +22,8 @@ typedef enum change {
     CHANGE_GONE,    /* it had a value, and has none now */
     CHANGE_COUNT
 } change;
-static const char *const change_words[CHANGE_COUNT] = {"", "worse", "better", "not compared", "another command", "gone"};
+static const char *const change_words[CHANGE_COUNT] = {"", "worse", "better", "not compared", "another command",
+                                                       "gone"};
 
 /* How many times worse b is than a: above 1 where it is slower or larger. lower, upper: the interval that holds the mean
  * of its logarithm with CONFIDENCE. */
@@ -281,8 +282,8 @@ const iso_command iso_bench_compare = {
     .details =
         "A figure became worse where the interval that holds its mean change at 95 % lies on that side, and the change is more\n"
         "than --slack. Files of one run with --beside are compared run by run, others by Welch's interval. One of forty figures\n"
-        "that did not change is flagged so by chance. A figure of BEFORE that AFTER does not have, or could not measure, is listed\n"
-        "with the cause, and exit code 1; one that another command measures is another figure.",
+        "that did not change is flagged so by chance. A figure of BEFORE that AFTER does not have, or could not\n"
+        "measure, is listed with the cause, and exit code 1; one that another command measures is another figure.",
     .examples = "  isoshade bench all --quick --only build-memory --repeat 2 -o a.json\n"
                 "  isoshade bench compare a.json a.json\n",
     .run = run,

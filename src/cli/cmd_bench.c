@@ -45,8 +45,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         return ISO_OK;
     }
     const iso_command *benchmark = iso_benchmark_find(argv[1]);
-    return benchmark ? benchmark->run(benchmark, argc - 1, argv + 1, err)
-                     : iso_fail(err, ISO_E_USAGE, "unknown benchmark \"%s\"; isoshade bench --help lists them", argv[1]);
+    if (!benchmark)
+        return iso_fail(err, ISO_E_USAGE, "unknown benchmark \"%s\"; isoshade bench --help lists them", argv[1]);
+    return benchmark->run(benchmark, argc - 1, argv + 1, err);
 }
 
 const iso_command iso_command_bench = {

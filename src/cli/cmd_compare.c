@@ -224,8 +224,9 @@ const iso_command iso_command_compare = {
         "Images are .exr (linear), .ppm of 16 bits (linear) or .png of 8 bits (sRGB, which is decoded).\n"
         "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
         "agree only when they are equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
-        "on the sRGB that people see. Where one image is opaque throughout and the other is not, as a picture with its\n"
-        "background beside one without, that is said, with the RMSE of the colors alone. Pixels that are not finite always differ.",
+        "on the sRGB that people see. Where one image is opaque throughout and the other is not, as a picture with\n"
+        "its background beside one without, that is said, with the RMSE of the colors alone. Pixels that are not\n"
+        "finite always differ.",
     .examples =
         "  isoshade make sphere --size 24 -o v.nrrd\n"
         "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 -o a.exr\n"

@@ -206,7 +206,12 @@ function failures() {
 }
 
 // What nobody compared, by the reason, whole stages first: a sentence with the row's own numbers stands beside each.
-const reasons = {signal: 'show too little for their limits', trait: 'ask for what the renderer does not have', stage: 'did not run', budget: 'left out by the budget'};
+const reasons = {
+    signal: 'show too little for their limits',
+    trait: 'ask for what the renderer does not have',
+    stage: 'did not run',
+    budget: 'left out by the budget'
+};
 function notCompared() {
     const groups = new Map(), noun = row => row.comparison === 'stage' ? 'stage' : 'case';
     const all = data.agreement.filter(uncompared).sort((a, b) => (noun(b) === 'stage') - (noun(a) === 'stage'));
@@ -215,7 +220,10 @@ function notCompared() {
         groups.set(key, [...groups.get(key) || [], row]);
     }
     $('uncompared').hidden = groups.size === 0;
-    for (const rows of groups.values())
-        $('uncompared').append(el('details', {open: noun(rows[0]) === 'stage' || rows.length <= 8}, el('summary', {}, `${rows.length} ${noun(rows[0])}${rows.length === 1 ? '' : 's'}: ${reasons[rows[0].not_compared] || rows[0].not_compared}`),
+    for (const rows of groups.values()) {
+        const of = noun(rows[0]), reason = reasons[rows[0].not_compared] || rows[0].not_compared;
+        const summary = `${rows.length} ${of}${rows.length === 1 ? '' : 's'}: ${reason}`;
+        $('uncompared').append(el('details', {open: of === 'stage' || rows.length <= 8}, el('summary', {}, summary),
             el('ul', {}, rows.map(row => el('li', {}, `${title(row)}: ${row.why}.`)))));
+    }
 }

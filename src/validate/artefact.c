@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/process.h"
 
 enum { MOST_PIXELS = 64 }; /* along a side of the picture in a report */
 
@@ -172,6 +173,8 @@ static iso_status examine(iso_validation *v, const iso_artefact *a, bool *late, 
     snprintf(text, sizeof text, "artefacts: %s", a->target->name);
     iso_progress_report(v->progress, text, 0);
     iso_status status = iso_artefact_compare(&v->renderers, a, &r, v->progress, err);
+    if (status == ISO_OK && r.failure != ISO_OK && iso_process_was_stopped())
+        status = iso_fail(err, r.failure, "artefacts: %s", r.why);
     *late = status == ISO_OK && r.failure != ISO_OK && iso_validate_is_out_of_time(v);
     if (status == ISO_OK && !*late)
         status = add_result(v, a, &r, err);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* forecast.c - what a validation will do and about how long it takes: the layout of its job (base/job.h).
  *
- * Costs are processor seconds on the machine that they were measured on (a brain of 181 x 217 x 181 voxels at 96 x 96
- * pixels), so that they compare; how fast this machine is, and how far each renderer is from its cost, is learned as rows
- * end. A row that is refused, or that nobody foresaw, changes nothing but the estimate. */
+ * Costs are processor seconds on the machine that they were measured on (shells of 40 to 100 voxels and a brain of 181
+ * along an axis, pictures of 64 to 160 pixels), so that they compare; how fast this machine is, and how far each renderer
+ * is from its cost, is learned as rows end. A row that is refused, or that nobody foresaw, changes nothing but the
+ * estimate. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -13,11 +14,11 @@
 #include "validate/measured.h"
 
 /* An image costs its start, and each sample of each ray: of the reference, and of a renderer whose relative cost is 1. */
-static const double REFERENCE_SAMPLE_SECONDS = 4e-7, SAMPLE_SECONDS = 2e-8;
+static const double REFERENCE_SAMPLE_SECONDS = 1.5e-7, SAMPLE_SECONDS = 2e-8;
 
 static double start_seconds(const iso_renderer_info *r)
 {
-    return iso_renderer_has(r, ISO_IS_PROGRAM) ? 1.5 : 0.1;
+    return iso_renderer_has(r, ISO_IS_PROGRAM) ? 1.5 : 0.03;
 }
 
 /* Voxels along the longest axis of a level. */
@@ -35,7 +36,7 @@ static double image_seconds(const iso_renderer_info *r, double pixels, double ac
 /* Without a step. */
 static double truth_seconds(double pixels, double across)
 {
-    return pixels * (5e-5 + 2e-6 * across);
+    return pixels * (2.5e-5 + 1e-6 * across);
 }
 
 static double lock_step_seconds(const iso_validation *v, const iso_renderer_info *r, double pixels, double across)
@@ -102,7 +103,7 @@ static void add_calibrations(const iso_validation *v, iso_job *job)
             continue;
         snprintf(name, sizeof name, "calibration: %s", r->name);
         iso_job_add_lane(job);
-        iso_job_add_part(job, name, r->name, (r->render_scenes ? 1 : ISO_CALIBRATION_COUNT) * start_seconds(r) + 0.5);
+        iso_job_add_part(job, name, r->name, (r->render_scenes ? 1 : ISO_CALIBRATION_COUNT) * start_seconds(r));
     }
 }
 
@@ -159,8 +160,8 @@ static void add_variant(const iso_validation *v, iso_job *job, const char *varia
     }
 }
 
-/* What a method is shown by, as methods.c has it. Under the original transfer function the pyramid's own directions are part
- * of the agreement; level 0 has no other one. */
+/* What a method is shown by, as methods.c has it. Under the original transfer function the pyramid's own directions are
+ * part of the agreement; level 0 has no other one. */
 enum { ORIGINAL_TF, ADAPTED_TF, TF_COUNT = 5 };
 static const char *const tfs[TF_COUNT] = {[ORIGINAL_TF] = "", [ADAPTED_TF] = ", adapted TF", ", extinction scale",
                                           ", 2D TF (deviation)", ", 2D TF (gradient)"};
@@ -188,11 +189,11 @@ static void add_method(const iso_validation *v, iso_job *job, const iso_method *
 static double views_seconds(const iso_validation *v, size_t level, double views)
 {
     const double pixels = (double)(v->consistency_size * v->consistency_size) * views;
-    return pixels * (6e-6 + 5e-8 * voxels_across(v, level));
+    return pixels * (3e-6 + 3e-8 * voxels_across(v, level));
 }
 
-/* Levels that the views leave open: the finest in twenty views, and each of these levels by two methods. About one level of
- * three is. */
+/* Levels that the views leave open: the finest in twenty views, and each of these levels by two methods. Which these
+ * are is known when all else is measured; until then it is taken to be one of three. */
 static void add_more_views(const iso_validation *v, iso_job *job)
 {
     const double chance = 1.0 / 3;
@@ -204,7 +205,7 @@ static void add_more_views(const iso_validation *v, iso_job *job)
     }
 }
 
-/* Pictures, and what is made of all voxels: the levels of another filter, and angles. Then the bounds, by their points. */
+/* Pictures, and what is made of all voxels: levels of another filter, and angles. Then the bounds, by their points. */
 static void add_consistency(const iso_validation *v, iso_job *job)
 {
     const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
