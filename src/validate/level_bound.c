@@ -19,7 +19,7 @@ static size_t count_views(const iso_validation *v)
 double iso_validate_bound_points(const iso_validation *v)
 {
     const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
-    return iso_image_bound_is_for(v->view)
+    return iso_image_bound_is_for(v->view) && v->scales == ISO_SCALES_NONE
                ? (double)count_views(v) * voxels * (double)iso_image_bound_points(voxels)
                : 0;
 }

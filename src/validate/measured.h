@@ -54,7 +54,7 @@ iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, co
 /* Fills row->bound for the pictures of `own`; *late, which is only ever set: the budget was over before that. */
 iso_status iso_validate_bound_level(const iso_validation *v, const iso_measured_level *own, iso_report_level *row,
                                     bool *late, iso_error *err);
-/* The points of the volume that this looks up for a level, which its time goes by; 0: the view has no bound. */
+/* The points of the volume that this looks up for a level, which its time goes by; 0: there is no bound. */
 double iso_validate_bound_points(const iso_validation *v);
 
 /* rebuilt: of level 0, with the pyramid's own options. */
