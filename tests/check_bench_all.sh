@@ -62,6 +62,43 @@ E
 expect in_turn_the_drift_cancels 1 "$ISOSHADE" bench compare a-drift.json b-drift.json
 expect apart_it_does_not 0 "$ISOSHADE" bench compare a-drift.json c-drift.json
 expect one_run_tells_nothing 1 "$ISOSHADE" bench compare once.json once.json
+# A figure that is gone, that cannot be measured any more, and one of another command: each is listed with its cause.
+"$python" - <<'E'
+import json
+def write(name, threads, rows):
+    head = {'schema': 'isoshade.bench.all/1', 'session': name, 'machine': {'cores': 2}, 'threads': threads}
+    head['headlines'] = [{'name': n, 'command': c, 'values': v, 'lower_is_better': True, **({'cause': why} if why else {})}
+                         for n, c, v, why in rows]
+    json.dump(head, open(name, 'w'))
+usual = [1, 1.01]
+write('had.json', 2, [('same', 'c', usual, ''), ('gone', 'c', usual, ''), ('fails', 'c', usual, ''), ('other', 'c', usual, ''),
+                      ('wide', 'c', [1, 9], ''), ('never', 'c', [None, None], 'no Blender')])
+write('has.json', 1, [('same', 'c', usual, ''), ('fails', 'c', [None, None], 'exit code 6'), ('other', 'c --more', usual, ''),
+                      ('wide', 'c', [1, 9], ''), ('never', 'c', [None, None], 'no Blender here'), ('new', 'c', usual, '')])
+E
+expect figures_that_are_gone_are_exit_1 1 "$ISOSHADE" bench compare had.json has.json
+check the_error_counts_them grep -q 'of the figures 2 that had a value have none any more' err
+check other_threads_are_said grep -q 'measured apart, with other threads$' out
+check an_interval_without_end_has_a_dash grep -Eq '^wide +1.000 +0.[0-9]+ to - *$' out
+check each_is_listed_with_its_cause "$python" - <<'E'
+import re
+found = dict(re.findall(r'^(\w+) .* (gone|another command|not compared)\n', open('out').read(), re.M))
+causes = dict(re.findall(r'^(\w+) .*\n +(.*)$', open('out').read(), re.M))
+assert found == {'gone': 'gone', 'fails': 'gone', 'other': 'another command', 'never': 'not compared'}, found
+assert causes == {'gone': 'AFTER does not have it', 'fails': 'exit code 6', 'other': 'c --more', 'never': 'no Blender here'}, causes
+E
+expect in_the_answer_too 1 "$ISOSHADE" bench compare had.json has.json --json
+check with_its_cause grep -q '"cause": "exit code 6"' out
+# What is handed on to the commands and said of another program, and of what is left out.
+printf '#!/bin/sh\necho "$*" >>"%s/asked"\nexit 6\n' "$dir" >failing && chmod +x failing
+expect threads_are_for_all_commands 0 "$ISOSHADE" bench all --quick --repeat 1 --only build-memory --threads 1 --beside ./failing,other.json -o ours.json -q
+check which_get_them grep -q '^bench build .* --threads=1$' asked
+check and_the_answer_has_them grep -q '"threads": 1,' ours.json
+check why_the_other_one_failed_is_said grep -q 'beside: failing: exit code 6' out
+check in_its_own_answer_alone sh -c "grep -q '\"cause\": \"failing: exit code 6' other.json && ! grep -q cause ours.json"
+check no_bar_for_small_sizes sh -c "! grep -q '<= 6' out"
+check what_is_not_quick_is_in_the_answer sh -c "grep -A1 not_in_quick ours.json | grep -q encode-fit"
+refuse a_figure_that_is_not_quick 2 'isoshade bench all: --only encode-fit: not in --quick' "$ISOSHADE" bench all --quick --only encode-fit
 refuse no_figures 4 'with figures' "$ISOSHADE" bench compare none.json a.json
 refuse another_file 4 'schema' "$ISOSHADE" bench compare "$top/refscenes/shells.tf.json" a.json
 refuse a_name_that_is_none 2 'no figure of that name' "$ISOSHADE" bench all --only nothing

@@ -47,6 +47,18 @@ expect a_limit_of_zero_is_refused 2 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm
 expect a_limit_that_is_nan_is_refused 2 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm" --max-flip nan
 expect one_image_is_too_few 2 "$ISOSHADE" compare "$dir/a.ppm"
 expect an_unwritable_picture_is_an_error 3 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm" --difference "$dir/no/d.png"
+# A picture with its background beside one that is transparent where nothing is: alpha tells them apart, and little else.
+"$ISOSHADE" make shells --size 20 -q -o v.nrrd
+"$ISOSHADE" render v.nrrd --scene "$top/refscenes/shells.scene.json" --with cpu --size 12x11 -q -o clear.exr >/dev/null
+expect an_opaque_picture_differs 1 "$ISOSHADE" compare clear.exr "$dir/a.ppm"
+colors=$(sed -n 's/^note      B is opaque throughout, A is not; the rmse of the colors alone is \([0-9.]*\)$/\1/p' out)
+rmse=$(sed -n 's/^rmse *//p' out)
+check which_is_said test -n "$colors"
+expect in_the_answer_too 1 "$ISOSHADE" compare "$dir/a.ppm" clear.exr --json
+check as_data grep -q '"opaque": "A"' out
+holds with_the_same_figure "($(json_number out rmse_of_colors) - $colors) ^ 2 < 1e-8 && $colors != $rmse"
+expect two_opaque_ones_have_no_note 0 "$ISOSHADE" compare "$dir/a.ppm" "$dir/a.ppm"
+notice no_note grep -q note out
 expect help_is_not_an_error 0 "$ISOSHADE" compare --help
 check help_ends_with_examples grep -q '^  isoshade compare a.exr b.exr --max-rmse' "$dir/out"
 exit $failed

@@ -70,6 +70,26 @@ kept_for_a_person a_folder_that_nothing_says_is_of_a_job
 rm kept.work/* # an empty folder is no loss
 check an_empty_folder_is_taken job --size 16 --levels 1 -o kept
 check and_leaves_nothing_either test ! -e kept.work
+# ---- an interruption: nothing more is begun, and how to go on is said ----
+cat >stopped <<'END'
+#!/bin/sh
+case "$*" in *-version*) echo "POV-Ray 3.7.0.10"; exit 0 ;; esac
+echo started >>"$STOPPED/starts"
+[ "$(wc -l <"$STOPPED/starts")" = 1 ] || exit 1
+while [ ! -s "$STOPPED/pid" ]; do sleep 0.05; done
+kill -TERM "$(cat "$STOPPED/pid")"
+exec sleep 1000
+END
+chmod +x stopped
+stop() {
+    rm -f starts
+    env STOPPED="$dir" ISOSHADE_SANDBOX=off ISOSHADE_POVRAY="$dir/stopped" "$ISOSHADE" validate v.nrrd --scene "$scene" --with povray --quick --size 8 --levels 1 -q -o interrupted 2>err &
+    echo $! >pid.new && mv pid.new pid
+    wait $!
+}
+stop
+check nothing_is_begun_after_an_interruption test $? != 0 -a "$(wc -l <starts)" = 1
+check and_one_line_says_how_to_go_on test "$(wc -l <err)" = 1 -a "$(grep -c 'signal 15; --resume goes on from interrupted.work$' err)" = 1
 
 # ---- limits have at most the pixels that are asked for, the same samples all of them ----
 cat >small.py <<'PY'
@@ -96,11 +116,14 @@ r = json.load(open("out")); assert r["changed_count"] == 0 and r["ratios"]["pixe
 # ---- a budget: what is left out is said, and nothing is claimed of it ----
 expect nothing_is_compared_in_no_time 1 "$ISOSHADE" validate v.nrrd --scene "$scene" --with gl --quick --size 16 --levels 2 --budget 0.01 -q -o hurried
 check which_is_said grep -q "not compared: shells, level 0, gl: the budget of 0.01 s was over" out
+check whole_stages_first test "$(grep '^not compared' out | sed -n '1,5s/^not compared: stage, .*/stage/p' | wc -l)" = 5
+check and_that_no_level_was_judged grep -qx 'The levels were not judged: the budget of 0.01 s was over before it could be asked.' out
 cat >hurried.py <<'PY'
 import json
 r = json.load(open("hurried/report.json"))
 assert r["options"]["budget_seconds"] == 0.01 and r["levels"] == [] and r["calibration"]
 assert r["agreement"] and all(row["verdict"] == "not compared" and row["not_compared"] == "budget" for row in r["agreement"])
+assert r["levels_sentence"].startswith("The levels were not judged: the budget")
 assert {"consistency", "on-the-fly", "moments"} <= {row["variant"] for row in r["agreement"]}
 PY
 check in_the_report_too python3 hurried.py
@@ -112,5 +135,5 @@ key = lambda row: [row[k] for k in ("level", "b", "verdict", "rmse")]
 assert sorted(map(str, map(key, a["agreement"]))) == sorted(map(str, map(key, b["agreement"]))) and a["levels"] == b["levels"]
 PY
 check and_the_verdict_is_the_same python3 enough.py
-refuse a_budget_below_0 2 "--budget" job --budget -1 -o no
+for budget in -1 0; do refuse "a_budget_of_$budget" 2 "--budget is $budget, must be seconds above 0" job --budget $budget -o no; done
 exit $failed

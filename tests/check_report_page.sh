@@ -83,6 +83,12 @@ check consistency_has_a_row_of_each_method_and_tf found 'consistency_rows 8'
 check half_of_them_are_under_the_adapted_tf found 'rows_under_the_adapted_tf 4'
 check the_level_is_told_with_its_figures found 'levels_told true'
 check the_levels_have_a_verdict_of_their_own found 'levels_verdict ✗ The levels do not hold: of 1 1 fails\. Level 1: 1-SSIM is 0\.[0-9]+, asked for is at most 0\.01\..*'
+# What a budget left out.
+expect nothing_is_compared_in_no_time 1 "$ISOSHADE" validate "$dir/v.nrrd" --scene refscenes/shells.scene.json --quick --with gl \
+    --levels 3 --size 16 --budget 0.001 --quiet -o "$dir/hurried"
+findings "$dir/hurried/index.html"
+check whole_stages_are_told_first found 'uncompared open 5 stages: left out by the budget; open [0-9]+ cases: left out by the budget'
+check and_that_no_level_was_judged found 'levels_verdict The levels were not judged: the budget of 0.001 s was over .*'
 page=$dir/levels/index.html
 lost a_level_without_its_verdict_is_noticed 's/f.held ? .. : .differ.//' 'levels_told false'
 lost rows_of_the_wrong_tf_are_noticed "s/\\['adapted', 'scaled'\\].includes(r.tf) ? r.tf : 'original'/'original'/" 'consistency_rows false'

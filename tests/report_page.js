@@ -42,6 +42,7 @@
         const figures = (data.levels || []).flatMap(r => r.figures.map((f, i) => ({r, f, i}))), lines2 = [...document.querySelectorAll('#levels tbody tr')];
         say('levels_told', figures.length > 0 && lines2.length === figures.length && figures.every(({r, f, i}, at) => lines2[at].cells[3].textContent === f.name &&
             (i > 0 || lines2[at].cells[1].textContent === r.verdict) && lines2[at].cells[4].classList.contains('differ') === !f.held));
+        say('uncompared', [...document.querySelectorAll('#uncompared details')].map(d => `${d.open ? 'open' : 'closed'} ${d.querySelector('summary').textContent}`).join('; '));
         say('levels_verdict', $('#levels-verdict').textContent);
 
         // Two versions: the table says the pixel, and a name flips between the two.

@@ -5,9 +5,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/parallel.h"
+#include "base/process.h"
+#include "tests/folder.h"
 #include "validate/artefact.h"
 #include "volume/synthetic.h"
 #include "test.h"
@@ -30,7 +34,6 @@ static const char scene_text[] =
 
 static int begin(void **state)
 {
-    (void)state;
     const size_t size[3] = {11, 9, 12};
     const double spacing[3] = {1, 1.5, 1};
     const iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 5};
@@ -39,6 +42,8 @@ static int begin(void **state)
     iso_scene scene;
     json_t *root = json_loads(scene_text, 0, NULL);
     build.level_count = 1;
+    if (make_folder(state) != 0)
+        return -1;
     iso_status status = iso_field_sample(&field, ISO_U16, &volume, NULL);
     if (status == ISO_OK)
         status = iso_pyramid_build(&volume, "noise", &build, &pyramid, NULL, NULL);
@@ -55,11 +60,10 @@ static int begin(void **state)
 
 static int end(void **state)
 {
-    (void)state;
     iso_view_destroy(&view);
     iso_pyramid_destroy(&pyramid);
     iso_renderers_end(&renderers);
-    return 0;
+    return remove_folder(state);
 }
 
 static iso_artefact_result open_export(const char *name, void (*tamper)(const char *), const iso_view *planted)
@@ -107,9 +111,9 @@ static void expect_faults_are_seen(const char *name, void (*tamper)(const char *
     iso_artefact_release(&r);
 }
 
-static void lose_values(const char *folder)
+static void lose_values(const char *exported)
 {
-    char *path = iso_path_join(folder, "scene_scalar.df3");
+    char *path = iso_path_join(exported, "scene_scalar.df3");
     assert_int_equal(unlink(path), 0);
     free(path);
 }
@@ -154,11 +158,91 @@ static void a_blend_is_opened(void **state)
     expect_faults_are_seen("blender", lose_grids, swap_grids);
 }
 
+/* In the place of POV-Ray until forget_povray(). */
+static void take_as_povray(const char *script)
+{
+    char *path = iso_path_join(folder, "false-povray");
+    assert_ok(iso_file_write(path, script, strlen(script), &err));
+    assert_int_equal(chmod(path, 0755), 0);
+    assert_int_equal(setenv("ISOSHADE_POVRAY", path, 1), 0);
+    free(path);
+}
+
+static void forget_povray(void)
+{
+    unsetenv("ISOSHADE_POVRAY");
+}
+
+static iso_scene any_scene = {.agreement = {.tier = ISO_TIER_CONVERGENCE}};
+
+/* A validation whose one renderer is POV-Ray. */
+static iso_validation open_validation(const char *name)
+{
+    const iso_report_about about = {.title = "t"};
+    const iso_renderer_info *povray;
+    char *dir = iso_path_join(folder, name);
+    iso_validation v = {.pyramid = &pyramid, .scene = &any_scene, .view = &view, .scene_name = "s", .threads = 1};
+    assert_ok(iso_renderer_from_name("povray", &povray, &err));
+    v.wanted[iso_renderer_index(povray)] = true;
+    assert_ok(iso_report_create(&v.report, dir, &about, &err));
+    free(dir);
+    return v;
+}
+
+static void close_validation(iso_validation *v)
+{
+    iso_report_destroy(v->report);
+    iso_renderers_end(&v->renderers);
+}
+
+static const json_t *rows_of(const iso_validation *v, const char *list)
+{
+    return json_object_get(iso_report_json(v->report), list);
+}
+
+/* What the budget's end ended says nothing of the export: it is left out, as it is where the budget is over before. */
+static void an_export_that_the_budget_ends_is_left_out(void **state)
+{
+    (void)state;
+    iso_validation v = open_validation("late");
+    take_as_povray("#!/bin/sh\nexec sleep 1000\n");
+    v.budget_seconds = 1;
+    v.deadline = iso_clock_seconds() + v.budget_seconds;
+    iso_process_set_deadline(v.deadline);
+    assert_ok(iso_validate_artefacts(&v, &err));
+    iso_process_set_deadline(0);
+    forget_povray();
+    const json_t *row = json_array_get(rows_of(&v, "agreement"), 0);
+    assert_int_equal(json_array_size(rows_of(&v, "calibration")), 0);
+    assert_int_equal(json_array_size(rows_of(&v, "agreement")), 1);
+    assert_string_equal(iso_row_text(row, "variant"), "artefacts");
+    assert_string_equal(iso_row_text(row, "not_compared"), "budget");
+    close_validation(&v);
+}
+
+/* Nor does Ctrl-C: the run ends. The last test here, since nothing is to be begun after it. */
+static void an_export_that_is_interrupted_ends_the_run(void **state)
+{
+    (void)state;
+    char script[128];
+    iso_validation v = open_validation("stopped");
+    snprintf(script, sizeof script, "#!/bin/sh\nkill -TERM %ld\nexec sleep 1000\n", (long)getpid());
+    take_as_povray(script);
+    assert_int_equal(setenv("ISOSHADE_SANDBOX", "off", 1), 0);
+    assert_status(iso_validate_artefacts(&v, &err), ISO_E_PROGRAM);
+    unsetenv("ISOSHADE_SANDBOX");
+    forget_povray();
+    assert_int_equal(json_array_size(rows_of(&v, "calibration")), 0);
+    close_validation(&v);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_folder_of_povray_is_opened),
         cmocka_unit_test(a_blend_is_opened),
+        cmocka_unit_test(an_export_that_the_budget_ends_is_left_out),
+        cmocka_unit_test(an_export_that_is_interrupted_ends_the_run),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }

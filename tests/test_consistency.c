@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/words.h"
 #include "report/levels.h"
 #include "validate/validate.h"
 #include "scene/views.h"
@@ -204,7 +205,7 @@ static const json_t *verdict_of(const subject *s, size_t level, const char **ver
 {
     const json_t *rows = json_object_get(iso_report_json(s->validation.report), "levels"),
                  *row = json_array_get(rows, level - 1);
-    *sentence = iso_levels_summarize(rows);
+    *sentence = iso_levels_summarize(iso_report_json(s->validation.report));
     *verdict = json_string_value(json_object_get(row, "verdict"));
     assert_string_equal(json_string_value(json_object_get(row, "tf")), "scaled");
     assert_int_equal(json_integer_value(json_object_get(row, "level")), level);
@@ -313,6 +314,142 @@ static void a_pyramid_says_whether_it_is_shown_with_scales(void **state)
     }
 }
 
+/* ---- a budget, and the progress ---- */
+
+/* The budget is over when so many pictures are drawn. */
+typedef struct budget_of_pictures {
+    iso_validation *validation;
+    size_t most, drawn;
+    bool leaves_open; /* every other picture of stored directions is white, which may be chance */
+} budget_of_pictures;
+
+static iso_status count_picture(const void *user, const iso_render_request *request, iso_image *image, iso_error *e)
+{
+    budget_of_pictures *b = (budget_of_pictures *)user;
+    (void)e;
+    if (b->leaves_open && b->drawn % 2 == 0 && request->level > 0 && request->options->source == ISO_FROM_CODES)
+        for (size_t i = 0; i < 4 * image->width * image->height; ++i)
+            image->rgba[i] = 1;
+    if (++b->drawn == b->most)
+        b->validation->deadline = 1e-9; /* long ago, by a clock that runs */
+    return ISO_OK;
+}
+
+/* more_views: levels that are open may have them, and are open. Returns the pictures that were drawn. */
+static size_t measure_within(subject *s, const char *name, size_t most_pictures, bool more_views)
+{
+    open_subject(s, ISO_FIELD_SHELLS, name);
+    budget_of_pictures b = {.validation = &s->validation, .most = most_pictures, .leaves_open = more_views};
+    s->validation.budget_seconds = 1;
+    s->validation.may_add_views = more_views;
+    s->validation.renderers.after = (iso_image_hook){count_picture, &b};
+    measure_levels(s);
+    renderers.after = (iso_image_hook){0};
+    return b.drawn;
+}
+
+/* "consistency, bounds of levels": the stages that the budget left out. */
+static void expect_left_out(const subject *s, const char *wanted)
+{
+    char found[256] = "";
+    json_t *row;
+    size_t i;
+    json_array_foreach(json_object_get(iso_report_json(s->validation.report), "agreement"), i, row)
+    {
+        assert_string_equal(iso_row_text(row, "not_compared"), "budget");
+        iso_words_append(found, sizeof found, "%s%s", i > 0 ? ", " : "", iso_row_text(row, "variant"));
+    }
+    assert_string_equal(found, wanted);
+}
+
+static const json_t *levels_of(const subject *s)
+{
+    return json_object_get(iso_report_json(s->validation.report), "levels");
+}
+
+static void a_budget_ends_between_two_views(void **state)
+{
+    (void)state;
+    subject s;
+    assert_int_equal(measure_within(&s, "one view", 1, false), 1);
+    assert_int_equal(json_array_size(rows_of(&s)), 0);
+    expect_left_out(&s, "consistency");
+    close_subject(&s);
+    assert_int_equal(measure_within(&s, "half a row", 3 * views + 1, false), 3 * views + 1);
+    assert_int_equal(json_array_size(rows_of(&s)), 2); /* and not a third one of a view alone */
+    assert_int_equal(json_array_size(levels_of(&s)), 0);
+    expect_left_out(&s, "consistency");
+    close_subject(&s);
+}
+
+/* What the verdict needs is there: it is given, and what it lacks is said. */
+static void a_budget_leaves_out_bounds_and_more_views(void **state)
+{
+    (void)state;
+    subject s;
+    const size_t all = measure_within(&s, "all", SIZE_MAX, false);
+    assert_int_equal(json_array_size(levels_of(&s)), levels - 1);
+    assert_non_null(json_object_get(json_array_get(levels_of(&s), 0), "bound"));
+    expect_left_out(&s, "");
+    close_subject(&s);
+    assert_int_equal(measure_within(&s, "no bound", all, false), all);
+    assert_int_equal(json_array_size(levels_of(&s)), levels - 1);
+    for (size_t i = 0; i + 1 < levels; ++i)
+        assert_null(json_object_get(json_array_get(levels_of(&s), i), "bound"));
+    expect_left_out(&s, "bounds of levels");
+    close_subject(&s);
+    assert_more_than((double)measure_within(&s, "more", SIZE_MAX, true), (double)(all + 2 * ISO_FACE_VIEWS));
+    close_subject(&s);
+    assert_int_equal(measure_within(&s, "no more", all + 1, true), all + 1);
+    assert_int_equal(json_array_size(levels_of(&s)), levels - 1);
+    expect_left_out(&s, "more views of levels, bounds of levels");
+    close_subject(&s);
+}
+
+/* What was reported: each stage by its first report, and how often the verdict said how far it is. */
+typedef struct reported {
+    char stages[64][64];
+    size_t count, verdict_fractions;
+} reported;
+
+static void note_report(void *user, const char *stage, double fraction)
+{
+    reported *r = user;
+    r->verdict_fractions += fraction > 0 && strcmp(stage, "consistency: verdict") == 0;
+    if (r->count == 0 || strcmp(r->stages[r->count - 1], stage) != 0)
+        snprintf(r->stages[r->count++ % 64], 64, "%s", stage);
+}
+
+/* Time left is told from what was foreseen: nothing that takes time may be missing there, nor be silent for long. */
+static void all_stages_were_foreseen_and_tell_how_far_they_are(void **state)
+{
+    (void)state;
+    subject s;
+    reported all = {.count = 0};
+    const iso_progress progress = {note_report, &all};
+    iso_progress_line *line = iso_progress_line_create("test");
+    open_subject(&s, ISO_FIELD_SHELLS, "foreseen");
+    budget_of_pictures b = {.validation = &s.validation, .most = SIZE_MAX, .leaves_open = true};
+    s.validation.may_add_views = true;
+    s.validation.renderers.after = (iso_image_hook){count_picture, &b};
+    s.validation.progress = &progress;
+    s.validation.line = line;
+    iso_validate_forecast(&s.validation);
+    measure_levels(&s);
+    renderers.after = (iso_image_hook){0};
+    assert_in_range(all.count, iso_method_count * (levels - 1) + 5, 63);
+    assert_in_range(all.verdict_fractions, (levels - 1) * views - 1, SIZE_MAX);
+    iso_job *job = iso_progress_line_lock(line);
+    iso_job_begin_phase(job, "consistency", 0);
+    for (size_t i = 0; i < all.count; ++i) {
+        iso_job_report(job, 0, all.stages[i], 0, (double)i);
+        assert_string_equal(iso_job_look(job, (double)i).part, all.stages[i]);
+    }
+    iso_progress_line_unlock(line);
+    iso_progress_line_destroy(line);
+    close_subject(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -323,6 +460,9 @@ int main(void)
         cmocka_unit_test(levels_are_judged_with_their_extinction_scales),
         cmocka_unit_test(the_scale_of_another_level_is_rejected),
         cmocka_unit_test(a_scale_that_is_not_used_is_rejected),
+        cmocka_unit_test(a_budget_ends_between_two_views),
+        cmocka_unit_test(a_budget_leaves_out_bounds_and_more_views),
+        cmocka_unit_test(all_stages_were_foreseen_and_tell_how_far_they_are),
         cmocka_unit_test(a_pyramid_says_whether_it_is_shown_with_scales),
     };
     return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);

@@ -293,6 +293,28 @@ static void a_budget_ends_the_job(void **state)
     iso_job_destroy(job);
 }
 
+/* Pictures that an interrupted job left are there at once: that says nothing of those that are to be drawn. */
+static void what_was_done_before_is_no_measure(void **state)
+{
+    (void)state;
+    double left[2];
+    for (int shortened = 0; shortened < 2; ++shortened) {
+        iso_job *job = iso_job_create(2);
+        for (int i = 0; i < 20; ++i)
+            iso_job_add_part(job, (char[]){(char)('a' + i), 0}, "pictures", 10);
+        for (int i = 0; i < 10; ++i) { /* half of the parts in a second each */
+            iso_job_report(job, 0, (char[]){(char)('a' + i), 0}, 0, i);
+            if (shortened)
+                iso_job_is_shortened(job, 0);
+        }
+        iso_job_report(job, 0, "k", 0, 10);
+        left[shortened] = iso_job_look(job, 10).left_seconds;
+        iso_job_destroy(job);
+    }
+    assert_at_most(left[0], 20);
+    assert_within(left[1], 100, 1e-6);
+}
+
 static void a_job_without_parts_estimates_nothing(void **state)
 {
     (void)state;
@@ -314,6 +336,7 @@ int main(void)
         cmocka_unit_test(parts_that_are_passed_over_leave_the_estimate),
         cmocka_unit_test(phases_that_nobody_laid_out_belong_to_the_one_that_runs),
         cmocka_unit_test(a_budget_ends_the_job),
+        cmocka_unit_test(what_was_done_before_is_no_measure),
         cmocka_unit_test(a_job_without_parts_estimates_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -45,7 +45,7 @@ static void open_subject(subject *s, iso_field_kind kind, const char *name)
 static iso_levels_summary judge(subject *s)
 {
     measure_levels(s);
-    return iso_levels_summarize(json_object_get(iso_report_json(s->validation.report), "levels"));
+    return iso_levels_summarize(iso_report_json(s->validation.report));
 }
 
 static const json_t *row_of(const subject *s, size_t level)
@@ -391,7 +391,7 @@ static void a_failure_tells_what_speaks_against_it(void **state)
     assert_ok(iso_report_create(&report, dir, &about, &err));
     row.simple.behind[ISO_LEVEL_RMSE] = (iso_paired){-0.02, 0.01};
     assert_ok(iso_report_add_level(report, &row, &err));
-    const iso_levels_summary s = iso_levels_summarize(json_object_get(iso_report_json(report), "levels"));
+    const iso_levels_summary s = iso_levels_summarize(iso_report_json(report));
     assert_int_equal(s.differed, 1);
     assert_non_null(strstr(s.sentence, "1-SSIM 0.067 against 0.071, 0.004 +- "));
     assert_non_null(strstr(s.sentence, "; yet less by RMSE 0.067 against 0.047, 0.02 +- 0.01 more"));

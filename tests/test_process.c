@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/process.h"
+#include "base/unfinished.h"
 #include "folder.h"
 #include "test.h"
 
@@ -333,9 +334,40 @@ static void a_program_that_stays_answers_line_by_line(void **state)
     iso_process_end(NULL);
 }
 
+/* What stderr has when the signal ends a process that left such words. */
+static void a_signal_that_ends_the_process_says_how_to_go_on(void **state)
+{
+    (void)state;
+    static const struct {
+        int signal;
+        const char *said;
+    } cases[] = {{SIGTERM, "go on\n"}, {SIGHUP, "go on\n"}, {SIGUSR1, ""}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        int ends[2], result;
+        char said[32] = "";
+        assert_int_equal(pipe(ends), 0);
+        const pid_t child = fork();
+        if (child == 0) {
+            dup2(ends[1], STDERR_FILENO);
+            signal(cases[i].signal, SIG_DFL);
+            iso_unfinished_catch_signals();
+            iso_unfinished_say("go on\n");
+            raise(cases[i].signal);
+            _exit(0);
+        }
+        close(ends[1]);
+        assert_int_equal(waitpid(child, &result, 0), child);
+        assert_true(WIFSIGNALED(result) && WTERMSIG(result) == cases[i].signal);
+        assert_true(read(ends[0], said, sizeof said - 1) >= 0);
+        assert_string_equal(said, cases[i].said);
+        close(ends[0]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_signal_that_ends_the_process_says_how_to_go_on),
         cmocka_unit_test(an_exit_code_is_reported_with_the_line_that_speaks_of_an_error),
         cmocka_unit_test(a_program_that_takes_too_long_is_ended),
         cmocka_unit_test(one_that_hangs_in_silence_is_ended_too),

@@ -31,6 +31,7 @@ typedef struct part {
     double own_seconds; /* what it took, had it been alone */
     double fraction;    /* NAN: not told */
     double began;
+    bool shortened; /* nothing is learned from it */
     part_state state;
 } part;
 
@@ -235,6 +236,8 @@ static void end_part(iso_job *job, part *p)
 {
     if (p->state == PART_RUNS) {
         p->state = PART_OVER;
+        if (p->shortened)
+            return;
         job->kinds[p->kind].cost += p->cost;
         job->kinds[p->kind].own_seconds += p->own_seconds;
     } else if (p->state == PART_WAITS) {
@@ -300,6 +303,14 @@ void iso_job_report(iso_job *job, size_t number, const char *name, double fracti
     }
 }
 
+void iso_job_is_shortened(iso_job *job, size_t number)
+{
+    const phase *p = running_phase(job);
+    part *one = p && number < p->count ? running_part(job, &job->lanes[p->first + number]) : NULL;
+    if (one)
+        one->shortened = true;
+}
+
 void iso_job_end_lane(iso_job *job, size_t number, double now)
 {
     let_pass(job, now);
@@ -343,7 +354,7 @@ static void learn_from_overruns(const iso_job *job, iso_job *with)
     const double all = pace_of_all(job);
     for (size_t i = 0; i < job->part_count; ++i) {
         const part *p = &job->parts[i];
-        if (p->state != PART_RUNS || p->own_seconds <= p->cost * pace_of(job, p->kind, all))
+        if (p->state != PART_RUNS || p->shortened || p->own_seconds <= p->cost * pace_of(job, p->kind, all))
             continue;
         with->kinds[p->kind].cost += p->cost;
         with->kinds[p->kind].own_seconds += p->own_seconds;

@@ -52,6 +52,8 @@ void iso_job_begin_phase(iso_job *job, const char *name, double now);
 /* Lane number `lane` of the phase reports: the part of that name, and those before it are over. A name that the rest of
  * the lane lacks is a detail of the part that runs. NAN: the fraction is not known. */
 void iso_job_report(iso_job *job, size_t lane, const char *name, double fraction, double now);
+/* Some of what the part that runs in the lane has to do was done before, so that its time says nothing of its kind. */
+void iso_job_is_shortened(iso_job *job, size_t lane);
 void iso_job_end_lane(iso_job *job, size_t lane, double now);
 void iso_job_end(iso_job *job, double now);
 

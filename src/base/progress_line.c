@@ -176,7 +176,15 @@ static void start_ticker(iso_progress_line *line)
 
 /* ---- reports --------------------------------------------------------------------------------- */
 
-static void take_report(iso_progress_line *line, size_t lane, const char *stage, double fraction)
+/* Before the next part begins. */
+static void tell_of_taken(iso_job *job, iso_progress_lane *lane)
+{
+    if (lane->taken != lane->told)
+        iso_job_is_shortened(job, lane->number);
+    lane->told = lane->taken;
+}
+
+static void take_report(iso_progress_line *line, iso_progress_lane *lane, const char *stage, double fraction)
 {
     pthread_mutex_lock(&line->lock);
     if (!line->ticks)
@@ -184,7 +192,8 @@ static void take_report(iso_progress_line *line, size_t lane, const char *stage,
     const bool new_stage = strcmp(stage, line->stage) != 0;
     snprintf(line->stage, sizeof line->stage, "%s", stage);
     line->stage_fraction = fmin(fmax(fraction, 0), 1);
-    iso_job_report(line->job, lane, stage, fraction, iso_clock_seconds());
+    tell_of_taken(line->job, lane);
+    iso_job_report(line->job, lane->number, stage, fraction, iso_clock_seconds());
     line->idle = fraction >= 1 && iso_job_is_done(line->job);
     if (line->idle)
         wipe(line);
@@ -195,8 +204,8 @@ static void take_report(iso_progress_line *line, size_t lane, const char *stage,
 
 static void report(void *user, const char *stage, double fraction)
 {
-    const iso_progress_lane *lane = user;
-    take_report(lane->line, lane->number, stage, fraction);
+    iso_progress_lane *lane = user;
+    take_report(lane->line, lane, stage, fraction);
 }
 
 iso_progress iso_progress_of_lane(iso_progress_lane *lane)
@@ -212,8 +221,10 @@ iso_progress iso_progress_of_line(iso_progress_line *line)
 void iso_progress_lane_end(iso_progress_lane *lane)
 {
     iso_job *job = iso_progress_line_lock(lane->line);
-    if (job)
+    if (job) {
+        tell_of_taken(job, lane);
         iso_job_end_lane(job, lane->number, iso_clock_seconds());
+    }
     iso_progress_line_unlock(lane->line);
 }
 

@@ -32,6 +32,8 @@ void iso_progress_line_begin_phase(iso_progress_line *line, const char *name);
 typedef struct iso_progress_lane {
     iso_progress_line *line;
     size_t number;
+    size_t taken; /* counted up by the lane's thread: pieces of work that were done before (iso_job_is_shortened()) */
+    size_t told;  /* of these */
 } iso_progress_lane;
 iso_progress iso_progress_of_lane(iso_progress_lane *lane);
 /* The first lane, which is all that most commands have. */

@@ -92,11 +92,34 @@ void iso_unfinished_remove(bool resumable_too)
             remove_at(AT_FDCWD, slots[i].path, 0);
 }
 
+static const char *_Atomic last_words;
+static _Atomic pid_t speaker; /* a process that was forked from it says nothing */
+
+void iso_unfinished_say(const char *line)
+{
+    speaker = getpid();
+    last_words = line;
+}
+
+static void say_last_words(int number)
+{
+    const char *const line = last_words;
+    if (!line || speaker != getpid() || (number != SIGINT && number != SIGTERM && number != SIGHUP))
+        return;
+    for (size_t left = strlen(line), all = left; left > 0;) {
+        const ssize_t n = write(STDERR_FILENO, line + (all - left), left);
+        if (n < 0 && errno != EINTR)
+            return;
+        left -= n > 0 ? (size_t)n : 0;
+    }
+}
+
 /* The signal comes again when the handler returns, and then ends the process. */
 static void end_by(int number)
 {
     const int cause = errno;
     iso_unfinished_remove(false);
+    say_last_words(number);
     raise(number);
     errno = cause;
 }

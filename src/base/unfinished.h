@@ -15,6 +15,10 @@ void iso_unfinished_drop(const char *path);
 /* Removes all that is listed, by system calls alone: for handlers of signals, and where memory has ended. */
 void iso_unfinished_remove(bool resumable_too);
 
+/* What is said on stderr when Ctrl-C, SIGTERM or SIGHUP ends the process, such as how to go on; the text has to stay.
+ * NULL: nothing, as at the start. */
+void iso_unfinished_say(const char *line);
+
 /* From now on signals that end the process (SIGINT, SIGTERM, ... SIGPIPE, and faults such as SIGSEGV) remove what is listed
  * before they do. Signals that are ignored or handled stay so. For programs; main() calls it. */
 void iso_unfinished_catch_signals(void);

@@ -25,7 +25,7 @@ typedef struct all_bench {
     char **only;             /* names; ends with NULL; or NULL for all */
     int quick, repeats;
     double *values[2]; /* [headline * repeats + repeat]; NaN: not measured */
-    char **causes;     /* why a headline has no figure; or NULL */
+    char **causes[2];  /* why a headline has no figure; or NULL */
 } all_bench;
 
 /* ---- one command ---- */
@@ -41,15 +41,17 @@ static void take_line(void *user, const char *line)
     fprintf(((text *)user)->to, "%s\n", line);
 }
 
-/* argv points into words, which is cut up. */
-static void split(char *words, const char *program, const char *argv[MOST_WORDS])
+/* argv points into words, which is cut up, and to threads; "": as many as the command takes by itself. */
+static void split(char *words, const char *program, const char *threads, const char *argv[MOST_WORDS])
 {
     size_t count = 0;
     argv[count++] = program;
-    for (char *word; count + 4 < MOST_WORDS && (word = strsep(&words, " "));)
+    for (char *word; count + 5 < MOST_WORDS && (word = strsep(&words, " "));)
         argv[count++] = word;
     argv[count++] = "--json";
     argv[count++] = "-q";
+    if (threads[0])
+        argv[count++] = threads;
     argv[count] = NULL;
 }
 
@@ -57,7 +59,7 @@ static void split(char *words, const char *program, const char *argv[MOST_WORDS]
 static iso_status ask(const all_bench *b, const char *program, const char *command, json_t **answer, iso_error *err)
 {
     const char *argv[MOST_WORDS];
-    char *words = strdup(command);
+    char *words = strdup(command), threads[32] = "";
     text out = {0};
     iso_process_outcome took = {0};
     out.to = open_memstream(&out.bytes, &out.size);
@@ -67,8 +69,10 @@ static iso_status ask(const all_bench *b, const char *program, const char *comma
                                          .user = &out,
                                          .outcome = &took};
     iso_status status = ISO_OK;
+    if (b->cli->threads > 0)
+        snprintf(threads, sizeof threads, "--threads=%d", b->cli->threads);
     if (words && out.to) {
-        split(words, program, argv);
+        split(words, program, threads, argv);
         status = iso_process_run(argv, &options, err);
     }
     if (!words || !out.to || fclose(out.to) != 0)
@@ -110,10 +114,10 @@ static bool is_first(const all_bench *b, size_t headline)
     return true;
 }
 
-static void note_cause(all_bench *b, size_t headline, const iso_error *why)
+static void note_cause(char **causes, size_t headline, const iso_error *why)
 {
-    if (!b->causes[headline])
-        b->causes[headline] = strdup(why->text);
+    if (!causes[headline])
+        causes[headline] = strdup(why->text);
 }
 
 /* What fails has no figure, and says why; the others go on. */
@@ -128,7 +132,7 @@ static void measure(all_bench *b, size_t headline, int repeat, int which)
             continue;
         if (asked != ISO_OK || iso_headline_value(&iso_headlines[i], answer, value, &why) != ISO_OK) {
             *value = NAN;
-            note_cause(b, i, &why);
+            note_cause(b->causes[which], i, &why);
         }
     }
     json_decref(answer);
@@ -197,9 +201,18 @@ static json_t *headline_to_json(const all_bench *b, size_t i, int which)
     /* Bars are set for full sizes alone. */
     json_object_set_new(row, "met",
                         isnan(h->bar) || isnan(median) || b->quick ? json_null() : json_boolean(meets(h, median)));
-    if (isnan(median) && b->causes[i])
-        json_object_set_new(row, "cause", json_string(b->causes[i]));
+    if (isnan(median) && b->causes[which][i])
+        json_object_set_new(row, "cause", json_string(b->causes[which][i]));
     return row;
+}
+
+static json_t *list_not_in_quick(void)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < iso_headline_count; ++i)
+        if (!iso_headlines[i].command[1])
+            json_array_append_new(list, json_string(iso_headlines[i].name));
+    return list;
 }
 
 static json_t *to_json(const all_bench *b, int which, const char *session)
@@ -210,22 +223,25 @@ static json_t *to_json(const all_bench *b, int which, const char *session)
     json_object_set_new(root, "program", json_string(which == OURS ? "isoshade" : iso_path_base(b->programs[which])));
     json_object_set_new(root, "session", json_string(session));
     json_object_set_new(root, "machine", iso_machine_describe());
-    json_object_set_new(root, "threads", json_integer(iso_threads(0)));
+    json_object_set_new(root, "threads", json_integer(iso_threads(b->cli->threads)));
     for (size_t i = 0; i < iso_headline_count; ++i)
         if (is_asked(b, i))
             json_array_append_new(rows, headline_to_json(b, i, which));
     json_object_set_new(root, "headlines", rows);
+    if (b->quick)
+        json_object_set_new(root, "not_in_quick", list_not_in_quick());
     return root;
 }
 
-static void print_row(const json_t *row)
+/* other_cause: of the program beside, which has no figure either; or NULL. Bars do not hold for what is quick. */
+static void print_row(const json_t *row, const char *other_cause, bool quick)
 {
     char value[32] = "-", bar[32] = "";
     const json_t *median = json_object_get(row, "median"), *limit = json_object_get(row, "bar"),
                  *met = json_object_get(row, "met"), *cause = json_object_get(row, "cause");
     if (json_is_number(median))
         snprintf(value, sizeof value, "%.4g", json_number_value(median));
-    if (json_is_number(limit))
+    if (json_is_number(limit) && !quick)
         snprintf(bar, sizeof bar, "%s %.4g", json_is_true(json_object_get(row, "lower_is_better")) ? "<=" : ">=",
                  json_number_value(limit));
     printf("%-14s %9s %-16s %-10s %-7s %s\n", json_string_value(json_object_get(row, "name")), value,
@@ -234,14 +250,23 @@ static void print_row(const json_t *row)
            json_string_value(json_object_get(row, "sentence")));
     if (cause)
         printf("%-14s %s\n", "", json_string_value(cause));
+    if (other_cause)
+        printf("%-14s beside: %s\n", "", other_cause);
 }
 
-static void print_all(const json_t *root)
+static void print_all(const all_bench *b, const json_t *ours)
 {
-    size_t i;
-    const json_t *row;
-    printf("%-14s %9s %-16s %-10s\n", "figure", "median", "", "bar");
-    json_array_foreach(json_object_get(root, "headlines"), i, row) print_row(row);
+    const json_t *row, *name;
+    size_t i, shown = 0;
+    printf("%-14s %9s %-16s %-10s\n", "figure", "median", "", b->quick ? "" : "bar");
+    for (i = 0; i < iso_headline_count; ++i) {
+        if (!is_asked(b, i))
+            continue;
+        row = json_array_get(json_object_get(ours, "headlines"), shown++);
+        print_row(row, b->causes[OTHER][i], b->quick);
+    }
+    json_array_foreach(json_object_get(ours, "not_in_quick"), i, name) if (!b->only)
+        printf("%-14s not in --quick\n", json_string_value(name));
 }
 
 static iso_status report(const all_bench *b, const char *output, const char *page, const char *beside_output,
@@ -263,7 +288,7 @@ static iso_status report(const all_bench *b, const char *output, const char *pag
         return ISO_OK;
     }
     if (status == ISO_OK)
-        print_all(ours);
+        print_all(b, ours);
     json_decref(ours);
     return status;
 }
@@ -289,13 +314,13 @@ static iso_status run_all(all_bench *b, const char *output, const char *page, co
 {
     const size_t count = iso_headline_count * (size_t)b->repeats;
     iso_status status = ISO_OK;
-    b->causes = calloc(iso_headline_count, sizeof *b->causes);
     for (int which = 0; which < 2; ++which) {
+        b->causes[which] = calloc(iso_headline_count, sizeof *b->causes[which]);
         b->values[which] = malloc(count * sizeof **b->values);
         for (size_t i = 0; b->values[which] && i < count; ++i)
             b->values[which][i] = NAN;
     }
-    if (!b->causes || !b->values[OURS] || !b->values[OTHER])
+    if (!b->causes[OURS] || !b->causes[OTHER] || !b->values[OURS] || !b->values[OTHER])
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
         status = make_volumes(b, err);
@@ -303,23 +328,26 @@ static iso_status run_all(all_bench *b, const char *output, const char *page, co
         status = measure_all(b, err);
     if (status == ISO_OK)
         status = report(b, output, page, beside_output, err);
-    for (size_t i = 0; b->causes && i < iso_headline_count; ++i)
-        free(b->causes[i]);
-    free(b->causes);
-    free(b->values[OURS]);
-    free(b->values[OTHER]);
+    for (int which = 0; which < 2; ++which) {
+        for (size_t i = 0; b->causes[which] && i < iso_headline_count; ++i)
+            free(b->causes[which][i]);
+        free(b->causes[which]);
+        free(b->values[which]);
+    }
     return status;
 }
 
-static iso_status check_names(char *const *names, iso_error *err)
+static iso_status check_names(char *const *names, bool quick, iso_error *err)
 {
     for (; names && *names; ++names) {
-        bool known = false;
-        for (size_t i = 0; i < iso_headline_count; ++i)
-            known = known || strcmp(*names, iso_headlines[i].name) == 0;
-        if (!known)
+        const iso_headline *found = NULL;
+        for (size_t i = 0; i < iso_headline_count && !found; ++i)
+            found = strcmp(*names, iso_headlines[i].name) == 0 ? &iso_headlines[i] : NULL;
+        if (!found)
             return iso_fail(err, ISO_E_USAGE, "--only %s: no figure of that name; bench all --quick --repeat 1 lists them",
                             *names);
+        if (quick && !found->command[1])
+            return iso_fail(err, ISO_E_USAGE, "--only %s: not in --quick", *names);
     }
     return ISO_OK;
 }
@@ -368,7 +396,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--repeat", b.repeats, 1, MOST_REPEATS, err);
     if (goes_on && status == ISO_OK && only) {
         b.only = split_names(only);
-        status = b.only ? check_names(b.only, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        status = b.only ? check_names(b.only, b.quick, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     }
     if (goes_on && status == ISO_OK && beside)
         status = split_beside(beside, &other, &beside_output, err);
@@ -400,7 +428,8 @@ const iso_command iso_bench_all = {
     .summary = "every figure that the project stands for, with its bar and its peer; for bench compare",
     .usage = "[options]",
     .details = "Each command runs in a process of its own, as often as --repeat says; the median counts. Ratios have both parts from\n"
-               "one run. What cannot be measured says why and the others go on. Exit code 0 also where a bar is missed.",
+               "one run. What cannot be measured says why and the others go on. Exit code 0 also where a bar is missed.\n"
+               "--threads is handed on to each command.",
     .examples = "isoshade bench all --quick --repeat 1 --only build-memory\n",
     .run = run,
 };

@@ -21,6 +21,9 @@ function show(value, unit) {
     return String(Number(value.toPrecision(4)));
 }
 
+// Bars are set for full sizes alone.
+const hasBar = row => row.bar !== null && !data.options.quick;
+
 const WIDTH = 180, FACTOR = 4;
 
 function drawRuns(cell, row) {
@@ -36,7 +39,7 @@ function drawRuns(cell, row) {
     svg.setAttribute('role', 'img');
     svg.setAttribute('aria-label', `runs: ${row.values.map(v => show(v, row.unit)).join(', ')}`);
     add('line', {class: 'axis', x1: 0, x2: WIDTH, y1: 8, y2: 8});
-    if (row.bar !== null && Math.abs(Math.log(row.bar / row.median)) <= Math.log(FACTOR))
+    if (hasBar(row) && Math.abs(Math.log(row.bar / row.median)) <= Math.log(FACTOR))
         add('line', {class: 'bar', x1: place(row.bar), x2: place(row.bar), y1: 1, y2: 15});
     for (const value of row.values)
         add('circle', {class: 'run', cx: Math.min(Math.max(place(value), 3), WIDTH - 3), cy: 8, r: 3, 'fill-opacity': .6});
@@ -50,7 +53,7 @@ for (const row of data.headlines) {
     put(line, 'td', show(row.median, row.unit), 'n');
     put(line, 'td', row.unit === 'bytes' ? '' : row.unit);
     put(line, 'td', row.peer || '');
-    put(line, 'td', row.bar === null ? '' : `${row.lower_is_better ? '≤' : '≥'} ${show(row.bar, row.unit)}`, 'n');
+    put(line, 'td', !hasBar(row) ? '' : `${row.lower_is_better ? '≤' : '≥'} ${show(row.bar, row.unit)}`, 'n');
     put(line, 'td', row.met === null ? '' : row.met ? 'met' : 'missed', row.met === false ? 'fail' : 'pass');
     const runs = put(line, 'td');
     if (row.median !== null && row.median > 0)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* compare.c - two answers of `bench all`: what became slower, beyond the scatter of the runs. */
+/* compare.c - two answers of `bench all`: what became slower, beyond the scatter of the runs, and what is not there any
+ * more. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,14 +13,24 @@
 enum { MOST_RUNS = 99 };
 static const double CONFIDENCE = 0.95;
 
-typedef enum change { CHANGE_NONE, CHANGE_WORSE, CHANGE_BETTER, CHANGE_UNKNOWN } change;
-static const char *const change_words[] = {"", "worse", "better", "not compared"};
+typedef enum change {
+    CHANGE_NONE,
+    CHANGE_WORSE,
+    CHANGE_BETTER,
+    CHANGE_UNKNOWN, /* too few runs, or no value before either */
+    CHANGE_COMMAND, /* measured by another command, so that it is another figure */
+    CHANGE_GONE,    /* it had a value, and has none now */
+    CHANGE_COUNT
+} change;
+static const char *const change_words[CHANGE_COUNT] = {"", "worse", "better", "not compared", "another command",
+                                                       "gone"};
 
 /* How many times worse b is than a: above 1 where it is slower or larger. lower, upper: the interval that holds the mean
  * of its logarithm with CONFIDENCE. */
 typedef struct row_change {
     double factor, lower, upper;
     change is;
+    const char *cause; /* why there is no factor; NULL: there is one */
 } row_change;
 
 /* Logarithms of the values, so that differences are ratios; turned where more is better. false: one cannot be taken. */
@@ -64,15 +75,16 @@ static iso_paired compare_apart(const double *b, size_t b_count, const double *a
     return (iso_paired){difference, iso_student_quantile(CONFIDENCE, freedom) * sqrt(both)};
 }
 
-static row_change compare_rows(const json_t *a, const json_t *b, bool in_turn, double slack)
+static row_change compare_values(const json_t *a, const json_t *b, bool in_turn, double slack)
 {
     double before[MOST_RUNS], after[MOST_RUNS];
     size_t before_count, after_count;
     if (!take_logs(a, before, &before_count) || !take_logs(b, after, &after_count))
-        return (row_change){NAN, NAN, NAN, CHANGE_UNKNOWN};
+        return (row_change){NAN, NAN, NAN, CHANGE_UNKNOWN, "a value is not above 0, or there are too many"};
     iso_paired p = in_turn && before_count == after_count ? iso_paired_compare(after, before, after_count, CONFIDENCE)
                                                           : compare_apart(after, after_count, before, before_count);
-    row_change c = {exp(p.difference), exp(p.difference - p.half_width), exp(p.difference + p.half_width), CHANGE_NONE};
+    row_change c = {exp(p.difference), exp(p.difference - p.half_width), exp(p.difference + p.half_width), CHANGE_NONE,
+                    NULL};
     if (isinf(p.half_width))
         c.is = CHANGE_UNKNOWN;
     else if (iso_paired_is_larger(p, log1p(slack)))
@@ -80,6 +92,37 @@ static row_change compare_rows(const json_t *a, const json_t *b, bool in_turn, d
     p.difference = -p.difference;
     if (c.is == CHANGE_NONE && iso_paired_is_larger(p, log1p(slack)))
         c.is = CHANGE_BETTER;
+    return c;
+}
+
+static bool have_equal(const json_t *a, const json_t *b, const char *key)
+{
+    const json_t *of_a = json_object_get(a, key), *of_b = json_object_get(b, key);
+    return (!of_a && !of_b) || json_equal(of_a, of_b);
+}
+
+static bool has_value(const json_t *row)
+{
+    size_t i;
+    const json_t *value, *values = json_object_get(row, "values");
+    json_array_foreach(values, i, value) if (!json_is_number(value)) return false;
+    return json_array_size(values) > 0;
+}
+
+/* b: NULL where AFTER does not have the figure. */
+static row_change compare_rows(const json_t *a, const json_t *b, bool in_turn, double slack)
+{
+    const bool had = has_value(a), has = has_value(b);
+    if (had && has && have_equal(a, b, "command"))
+        return compare_values(a, b, in_turn, slack);
+    const char *cause = json_string_value(json_object_get(has ? a : b, "cause"));
+    row_change c = {NAN, NAN, NAN, had ? CHANGE_GONE : CHANGE_UNKNOWN, cause ? cause : "it has no value"};
+    if (!b)
+        c.cause = "AFTER does not have it";
+    if (had && has) {
+        c.is = CHANGE_COMMAND;
+        c.cause = json_string_value(json_object_get(b, "command"));
+    }
     return c;
 }
 
@@ -110,55 +153,98 @@ static const json_t *find_row(const json_t *root, const char *name)
     return NULL;
 }
 
-static bool have_equal(const json_t *a, const json_t *b, const char *key)
+/* A hundred times worse is as good as any number above: of few runs an interval has such ends. */
+static void write_times(char text[16], double times)
 {
-    return json_equal(json_object_get(a, key), json_object_get(b, key));
+    snprintf(text, 16, times <= 100 ? "%.3f" : "-", times);
+}
+
+static void print_row(const char *name, const row_change *c)
+{
+    char factor[16], lower[16], upper[16];
+    write_times(factor, c->factor);
+    write_times(lower, c->lower);
+    write_times(upper, c->upper);
+    printf("%-14s %8s  %8s to %-8s %s\n", name, factor, lower, upper, change_words[c->is]);
+    if (c->cause)
+        printf("%-14s %s\n", "", c->cause);
 }
 
 static void report_row(const iso_cli *cli, const char *name, const row_change *c, json_t *rows)
 {
     if (!cli->json)
-        printf("%-14s %8.3f  %8.3f to %-8.3f %s\n", name, c->factor, c->lower, c->upper, change_words[c->is]);
+        print_row(name, c);
     json_t *row = json_pack("{s:s, s:s}", "name", name, "change", c->is == CHANGE_NONE ? "none" : change_words[c->is]);
     json_object_set_new(row, "times_worse", iso_json_number(c->factor));
     json_object_set_new(row, "lower", iso_json_number(c->lower));
     json_object_set_new(row, "upper", iso_json_number(c->upper));
+    if (c->cause)
+        json_object_set_new(row, "cause", json_string(c->cause));
     json_array_append_new(rows, row);
+}
+
+/* What two answers have in common besides their figures. */
+typedef struct alike {
+    bool in_turn, machine, threads;
+} alike;
+
+static void print_head(const alike *are)
+{
+    printf("%-14s %8s  %s; %s%s%s\n", "figure", "factor", "95 % interval",
+           are->in_turn ? "measured in turn" : "measured apart", are->machine ? "" : ", on different machines",
+           are->threads ? "" : ", with other threads");
+}
+
+static void print_json(const iso_cli *cli, const alike *are, json_t *rows)
+{
+    json_t *root = iso_cli_json(cli);
+    json_object_set_new(root, "measured_in_turn", json_boolean(are->in_turn));
+    json_object_set_new(root, "same_machine", json_boolean(are->machine));
+    json_object_set_new(root, "same_threads", json_boolean(are->threads));
+    json_object_set_new(root, "rows", rows);
+    iso_cli_print_json(root);
+}
+
+/* count: of rows, by what became of them. */
+static iso_status judge(const size_t count[CHANGE_COUNT], iso_error *err)
+{
+    const size_t compared = count[CHANGE_NONE] + count[CHANGE_WORSE] + count[CHANGE_BETTER];
+    char gone[96] = "";
+    if (count[CHANGE_GONE] > 0)
+        snprintf(gone, sizeof gone, "%zu that had a value %s none any more", count[CHANGE_GONE],
+                 count[CHANGE_GONE] == 1 ? "has" : "have");
+    if (compared == 0)
+        return iso_fail(err, ISO_E_DIFFERS,
+                        "nothing could be compared: no figure of one command, measured twice or more, in both%s%s",
+                        gone[0] ? "; " : "", gone);
+    if (count[CHANGE_WORSE] > 0)
+        return iso_fail(err, ISO_E_DIFFERS, "%zu of %zu figures became worse%s%s", count[CHANGE_WORSE], compared,
+                        gone[0] ? "; " : "", gone);
+    return gone[0] ? iso_fail(err, ISO_E_DIFFERS, "of the figures %s", gone) : ISO_OK;
 }
 
 static iso_status compare_answers(const iso_cli *cli, const json_t *a, const json_t *b, double slack, iso_error *err)
 {
-    const bool in_turn = have_equal(a, b, "session"), same_machine = have_equal(a, b, "machine");
-    size_t i, worse = 0, unknown = 0, compared = 0;
+    const alike are = {have_equal(a, b, "session"), have_equal(a, b, "machine"), have_equal(a, b, "threads")};
+    size_t i, count[CHANGE_COUNT] = {0};
     const json_t *row;
     json_t *rows = json_array();
     if (!cli->json)
-        printf("%-14s %8s  %s; %s%s\n", "figure", "factor", "95 % interval",
-               in_turn ? "measured in turn" : "measured apart", same_machine ? "" : ", on different machines");
-    json_array_foreach(json_object_get(b, "headlines"), i, row)
+        print_head(&are);
+    json_array_foreach(json_object_get(a, "headlines"), i, row)
     {
         const char *name = json_string_value(json_object_get(row, "name"));
-        const json_t *before = name ? find_row(a, name) : NULL;
-        if (!before || !have_equal(before, row, "command"))
+        if (!name)
             continue;
-        const row_change c = compare_rows(before, row, in_turn, slack);
+        const row_change c = compare_rows(row, find_row(b, name), are.in_turn, slack);
         report_row(cli, name, &c, rows);
-        worse += c.is == CHANGE_WORSE;
-        unknown += c.is == CHANGE_UNKNOWN;
-        ++compared;
+        ++count[c.is];
     }
-    if (cli->json) {
-        json_t *root = iso_cli_json(cli);
-        json_object_set_new(root, "measured_in_turn", json_boolean(in_turn));
-        json_object_set_new(root, "same_machine", json_boolean(same_machine));
-        json_object_set_new(root, "rows", rows);
-        iso_cli_print_json(root);
-    } else {
+    if (cli->json)
+        print_json(cli, &are, rows);
+    else
         json_decref(rows);
-    }
-    if (compared == 0 || compared == unknown)
-        return iso_fail(err, ISO_E_DIFFERS, "nothing could be compared: no figure of one command, measured twice or more, in both");
-    return worse ? iso_fail(err, ISO_E_DIFFERS, "%zu of %zu figures became worse", worse, compared) : ISO_OK;
+    return judge(count, err);
 }
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
@@ -196,7 +282,8 @@ const iso_command iso_bench_compare = {
     .details =
         "A figure became worse where the interval that holds its mean change at 95 % lies on that side, and the change is more\n"
         "than --slack. Files of one run with --beside are compared run by run, others by Welch's interval. One of forty figures\n"
-        "that did not change is flagged so by chance.",
+        "that did not change is flagged so by chance. A figure of BEFORE that AFTER does not have, or could not\n"
+        "measure, is listed with the cause, and exit code 1; one that another command measures is another figure.",
     .examples = "  isoshade bench all --quick --only build-memory --repeat 2 -o a.json\n"
                 "  isoshade bench compare a.json a.json\n",
     .run = run,

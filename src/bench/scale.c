@@ -41,15 +41,16 @@ static const iso_names content_names = ISO_NAMES_OF_ROWS("content", contents);
 static const struct stage {
     const char *name, *command;
     bool is_streamed; /* its memory is to stay, whatever the volume is */
+    bool reads_pyramid;
 } stages[] = {
-    {"build", "build volume.nrrd -o volume.iso --levels 4 --memory 512", true},
-    {"histogram", "info volume.nrrd", true},
-    {"render", "render volume.iso --scene scale.scene.json --memory 256 -o paged.exr", true},
-    {"render-whole", "render volume.iso --scene scale.scene.json --with cpu -o whole.exr", false},
-    {"export", "export volume.nrrd --scene scale.scene.json --to vdb -o volume.vdb", false},
-    {"plan", "plan volume.iso --scene scale.scene.json --size 64 --error 1/64 -o volume.plan.json", false},
+    {"build", "build volume.nrrd -o volume.iso --levels 4 --memory 512", true, false},
+    {"histogram", "info volume.nrrd", true, false},
+    {"render", "render volume.iso --scene scale.scene.json --memory 256 -o paged.exr", true, true},
+    {"render-whole", "render volume.iso --scene scale.scene.json --with cpu -o whole.exr", false, true},
+    {"export", "export volume.nrrd --scene scale.scene.json --to vdb -o volume.vdb", false, false},
+    {"plan", "plan volume.iso --scene scale.scene.json --size 64 --error 1/64 -o volume.plan.json", false, true},
 };
-enum { STAGES = sizeof stages / sizeof *stages };
+enum { STAGES = sizeof stages / sizeof *stages, BUILD_STAGE = 0 };
 
 typedef struct point {
     bool is_measured;
@@ -108,6 +109,23 @@ static iso_status measure_command(const scale_bench *b, const char *command, poi
     return status;
 }
 
+static bool is_asked(const scale_bench *b, size_t stage)
+{
+    char list[256], name[64];
+    snprintf(list, sizeof list, ",%s,", b->only ? b->only : "");
+    snprintf(name, sizeof name, ",%s,", stages[stage].name);
+    return !b->only || strstr(list, name);
+}
+
+/* Of a build that is not measured: the stages that are asked for read what it writes. */
+static bool lacks_pyramid(const scale_bench *b)
+{
+    bool reads = false;
+    for (size_t s = 0; s < STAGES; ++s)
+        reads = reads || (is_asked(b, s) && stages[s].reads_pyramid);
+    return reads && !is_asked(b, BUILD_STAGE);
+}
+
 /* Without the pyramid of the size before, which would be taken for this one's where the build fails. */
 static iso_status make_volume(const scale_bench *b, const size_t size[3], iso_error *err)
 {
@@ -120,7 +138,8 @@ static iso_status make_volume(const scale_bench *b, const size_t size[3], iso_er
     free(pyramid);
     snprintf(command, sizeof command, "%s --size %zux%zux%zu --type uint8 -o volume.nrrd", b->content->make, size[0],
              size[1], size[2]);
-    return run_command(b, command, &unused, err);
+    const iso_status status = run_command(b, command, &unused, err);
+    return status == ISO_OK && lacks_pyramid(b) ? run_command(b, stages[BUILD_STAGE].command, &unused, err) : status;
 }
 
 /* ---- all of them ---- */
@@ -140,14 +159,6 @@ static bool fits_memory(const scale_bench *b, size_t stage, size_t i, char why[1
         return false;
     }
     return true;
-}
-
-static bool is_asked(const scale_bench *b, size_t stage)
-{
-    char list[256], name[64];
-    snprintf(list, sizeof list, ",%s,", b->only ? b->only : "");
-    snprintf(name, sizeof name, ",%s,", stages[stage].name);
-    return !b->only || strstr(list, name);
 }
 
 static void measure_size(scale_bench *b, size_t i, const iso_cli *cli)
@@ -344,6 +355,22 @@ static iso_status count_sizes(const char *largest, size_t *count, iso_error *err
                     largest);
 }
 
+static iso_status check_only(const char *only, iso_error *err)
+{
+    char *names = strdup(only), *rest = names;
+    iso_status status = names ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *name; status == ISO_OK && (name = strsep(&rest, ","));) {
+        size_t s = 0;
+        while (s < STAGES && strcmp(stages[s].name, name) != 0)
+            ++s;
+        if (s == STAGES)
+            status = iso_fail(err, ISO_E_USAGE,
+                              "--only has \"%s\", wanted build, histogram, render, render-whole, export or plan", name);
+    }
+    free(names);
+    return status;
+}
+
 static iso_status run_all(scale_bench *b, const iso_cli *cli, const char *output, const char *format, iso_error *err)
 {
     const ssize_t n = readlink("/proc/self/exe", b->program, sizeof b->program - 1);
@@ -371,7 +398,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "sizes from 64^3 to this one, by a factor of 8: 128, 256, 512, 1024, and 2048 for 2048x2048x1024", "N"},
         {"of", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &of, 0, "what the volumes hold, see below", "NAME"},
         {"only", 0, POPT_ARG_STRING, &only, 0,
-         "these: build, histogram, render, render-whole, export, plan; most of them read what build wrote", "NAME,..."},
+         "these: build, histogram, render, render-whole, export, plan; what they read is made, too, and not measured",
+         "NAME,..."},
         {"repeat", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.repeat, 0,
          "runs of what takes less than 5 seconds, of which the least processor time counts", "N"},
         {"output", 'o', POPT_ARG_STRING, &output, 0, "a folder for the chart and its data", "FOLDER"},
@@ -389,6 +417,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--repeat", b.repeat, 1, 100, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_names_find(&content_names, of, &row, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && only)
+        status = check_only(only, err);
     b.only = only;
     b.content = &contents[row];
     if (status == ISO_OK && next == ISO_CLI_RUN)

@@ -19,6 +19,14 @@ static const char *short_name(const iso_command *benchmark)
     return benchmark->name + strlen("bench ");
 }
 
+const iso_command *iso_benchmark_find(const char *name)
+{
+    for (const iso_command *const *b = iso_benchmarks; *b; ++b)
+        if (strcmp(short_name(*b), name) == 0)
+            return *b;
+    return NULL;
+}
+
 static void print_list(const iso_command *self)
 {
     printf("isoshade %s - %s\n\nusage: isoshade %s %s\n\n%s\n\nbenchmarks:\n", self->name, self->summary, self->name,
@@ -36,10 +44,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         print_list(self);
         return ISO_OK;
     }
-    for (const iso_command *const *b = iso_benchmarks; *b; ++b)
-        if (strcmp(short_name(*b), argv[1]) == 0)
-            return (*b)->run(*b, argc - 1, argv + 1, err);
-    return iso_fail(err, ISO_E_USAGE, "unknown benchmark \"%s\"; isoshade bench --help lists them", argv[1]);
+    const iso_command *benchmark = iso_benchmark_find(argv[1]);
+    if (!benchmark)
+        return iso_fail(err, ISO_E_USAGE, "unknown benchmark \"%s\"; isoshade bench --help lists them", argv[1]);
+    return benchmark->run(benchmark, argc - 1, argv + 1, err);
 }
 
 const iso_command iso_command_bench = {

@@ -93,7 +93,29 @@ typedef struct hdr_flip {
     size_t exposures;
 } hdr_flip;
 
-static void print_text(const iso_metrics *m, const hdr_flip *hdr, bool agree)
+static bool is_opaque(const iso_image *image)
+{
+    for (size_t i = 0; i < image->width * image->height; ++i)
+        if (!(image->rgba[4 * i + 3] >= 1))
+            return false;
+    return true;
+}
+
+/* Programs write pictures with their background in them: beside one that has none alpha tells of nothing else. */
+typedef struct opacity {
+    const char *opaque, *other; /* "A" or "B"; NULL: both are opaque throughout, or neither */
+    double rmse_of_colors;
+} opacity;
+
+static opacity look_at_opacity(const iso_image images[2])
+{
+    const bool a = is_opaque(&images[0]), b = is_opaque(&images[1]);
+    if (a == b)
+        return (opacity){NULL, NULL, NAN};
+    return (opacity){a ? "A" : "B", a ? "B" : "A", iso_metrics_rmse_of_colors(&images[0], &images[1], INFINITY)};
+}
+
+static void print_text(const iso_metrics *m, const opacity *o, const hdr_flip *hdr, bool agree)
 {
     if (m->nonfinite_count > 0)
         printf("%zu pixels are not finite\n", m->nonfinite_count);
@@ -101,6 +123,9 @@ static void print_text(const iso_metrics *m, const hdr_flip *hdr, bool agree)
         printf("rmse      %.4g\nmax_abs   %.4g at column %zu, row %zu\np99_abs   %.4g\npsnr_db   %.4g\n"
                "ssim      %.6f\nflip_mean %.6f\n",
                m->rmse, m->max_abs, m->worst[0], m->worst[1], m->p99_abs, m->psnr_db, m->ssim, m->flip_mean);
+    if (o->opaque)
+        printf("note      %s is opaque throughout, %s is not; the rmse of the colors alone is %.4g\n", o->opaque,
+               o->other, o->rmse_of_colors);
     if (isfinite(hdr->mean))
         printf("hdr_flip  %.6f over %zu exposures, 2^%.4f to 2^%.4f\n", hdr->mean, hdr->exposures, hdr->start,
                hdr->stop);
@@ -132,13 +157,17 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
     }
     if (status != ISO_OK)
         return status;
-    bool agree = iso_metrics_within(&m, &opt->tolerances);
+    const bool agree = iso_metrics_within(&m, &opt->tolerances);
+    const opacity o = look_at_opacity(images);
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
         json_object_set_new(root, "options", json_pack("{s:o}", "limits", describe_tolerances(&opt->tolerances)));
         json_object_set_new(root, "a", json_string(cli->arguments[0]));
         json_object_set_new(root, "b", json_string(cli->arguments[1]));
         json_object_update_new(root, iso_metrics_to_json(&m));
+        if (o.opaque)
+            json_object_update_new(root, json_pack("{s:s, s:o}", "opaque", o.opaque, "rmse_of_colors",
+                                                   iso_json_number(o.rmse_of_colors)));
         if (opt->hdr)
             json_object_set_new(root, "hdr_flip_mean", iso_json_number(hdr.mean));
         if (isfinite(hdr.mean))
@@ -148,7 +177,7 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
         json_object_set_new(root, "verdict", json_string(agree ? "agree" : "differ"));
         iso_cli_print_json(root);
     } else {
-        print_text(&m, &hdr, agree);
+        print_text(&m, &o, &hdr, agree);
     }
     return agree ? ISO_OK : ISO_E_DIFFERS;
 }
@@ -197,7 +226,9 @@ const iso_command iso_command_compare = {
         "Images are .exr (linear), .ppm of 16 bits (linear) or .png of 8 bits (sRGB, which is decoded).\n"
         "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
         "agree only when they are equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
-        "on the sRGB that people see. Pixels that are not finite always differ.",
+        "on the sRGB that people see. Where one image is opaque throughout and the other is not, as a picture with\n"
+        "its background beside one without, that is said, with the RMSE of the colors alone. Pixels that are not\n"
+        "finite always differ.",
     .examples =
         "  isoshade make sphere --size 24 -o v.nrrd\n"
         "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 -o a.exr\n"

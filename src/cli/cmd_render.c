@@ -314,9 +314,10 @@ static const char *describe_quadratures(help_texts *h)
 /* One picture, those of a series, or one within a budget of memory. */
 static iso_status draw(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
 {
-    if (a->refine && a->memory_mb == 0)
+    const bool paged = a->memory_mb != ISO_ALL_IN_MEMORY;
+    if (a->refine && !paged)
         return iso_fail(err, ISO_E_USAGE, "--refine needs --memory");
-    if (a->memory_mb != 0)
+    if (paged)
         return iso_cli_render_paged(a, cli, err);
     return a->frames ? render_series(a, cli, err) : render(a, cli, &(frame_of_series){NULL, 0, NULL}, err);
 }
@@ -337,7 +338,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     help_texts help = {.count = 0};
     iso_cli_cycles cycles = {.blender = NULL};
-    iso_render_arguments a = {.step = ISO_STEP_OF_SCENE, .brick = 16, .brick_levels = 4};
+    iso_render_arguments a = {.step = ISO_STEP_OF_SCENE,
+                              .memory_mb = ISO_ALL_IN_MEMORY,
+                              .brick = 16,
+                              .brick_levels = 4};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);

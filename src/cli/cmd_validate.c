@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/process.h"
 #include "base/provenance.h"
+#include "base/unfinished.h"
 #include "base/work.h"
 #include "cli/made_volume.h"
 #include "options/visible.h"
@@ -132,8 +133,7 @@ static void report_estimate(const iso_cli *cli, iso_report *r)
     iso_report_put(r, "estimate", "worst_from_a_third_on", json_real(e.worst));
 }
 
-/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on: in
- * DIR.work, to be freed. */
+/* DIR.work; to be freed. NULL: no memory. */
 static char *store_folder(const iso_validate_arguments *a)
 {
     char *folder = NULL;
@@ -153,11 +153,33 @@ static iso_status check_store(const iso_validate_arguments *a, iso_error *err)
     return status;
 }
 
+/* How to go on, for the signal's handler, too: it has to be there when the signal comes. */
+static char last_words[4200];
+
+/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
 static iso_status open_store(const iso_validate_arguments *a, iso_validation *v, iso_error *err)
 {
     char *folder = store_folder(a);
-    const iso_status status = folder ? iso_picture_store_open(folder, a->resume, &v->renderers.store, err)
-                                     : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (!folder)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    const iso_status status = iso_picture_store_open(folder, a->resume, &v->renderers.store, err);
+    snprintf(last_words, sizeof last_words, "isoshade validate: stopped; --resume goes on from %s\n", folder);
+    if (status == ISO_OK)
+        iso_unfinished_say(last_words);
+    free(folder);
+    return status;
+}
+
+/* Says how to go on where a signal ended a program, and so the run; its error is in *err. */
+static iso_status close_store(const iso_validate_arguments *a, iso_picture_store *store, bool remove, iso_status status,
+                              iso_error *err)
+{
+    char *folder = store_folder(a);
+    const iso_error why = *err;
+    iso_unfinished_say(NULL);
+    iso_picture_store_close(store, remove);
+    if (status != ISO_OK && !remove && folder && iso_process_was_stopped())
+        iso_fail(err, status, "%s; --resume goes on from %s", why.text, folder);
     free(folder);
     return status;
 }
@@ -172,7 +194,7 @@ static bool has_no_use(const iso_validation *v, iso_status status)
 static void begin_budget(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v)
 {
     const double now = iso_clock_seconds();
-    if (!(a->budget > 0))
+    if (a->budget == ISO_NO_BUDGET)
         return;
     v->budget_seconds = a->budget;
     v->deadline = now + a->budget;
@@ -193,7 +215,7 @@ static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, is
         iso_report_put(v->report, "work", "pictures_taken",
                        json_integer((json_int_t)iso_picture_store_taken(v->renderers.store)));
     const iso_report_summary summary = iso_report_summarise(v->report);
-    const iso_levels_summary levels = iso_levels_summarize(json_object_get(iso_report_json(v->report), "levels"));
+    const iso_levels_summary levels = iso_levels_summarize(iso_report_json(v->report));
     iso_progress_line_begin_phase(v->line, "report");
     iso_progress_report(v->progress, "report", 0);
     iso_status status = iso_report_finish(v->report, err);
@@ -229,7 +251,8 @@ static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *
 static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
                            iso_error *err)
 {
-    iso_progress progress = iso_cli_progress(cli);
+    iso_progress_lane lane = {.line = cli->progress};
+    const iso_progress progress = iso_progress_of_lane(&lane);
     iso_view view = {0};
     char *line = iso_cli_command_line(cli), *name = iso_provenance_scene(a->look.scene, 0),
          *typed = iso_volume_input_line(&a->input), *input = typed ? iso_provenance_line(typed) : NULL;
@@ -246,6 +269,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
                         .seeds = iso_validate_seeds(a),
                         .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
                         .threads = cli->threads,
+                        .renderers = {.taken = &lane.taken},
                         .line = cli->progress,
                         .progress = &progress};
     const iso_report_about about = {.title = iso_provenance_title(cli->arguments[0]),
@@ -276,7 +300,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
     }
     if (status == ISO_OK)
         status = finish(a, cli, &v, err);
-    iso_picture_store_close(store, has_no_use(&v, status));
+    status = close_store(a, store, has_no_use(&v, status), status, err);
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     iso_validate_forget_tfs(&v);
@@ -382,7 +406,7 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
         iso_report_put(v.report, "seconds", "total", json_real(iso_clock_seconds() - start));
         status = finish(a, cli, &v, err);
     }
-    iso_picture_store_close(store, has_no_use(&v, status));
+    status = close_store(a, store, has_no_use(&v, status), status, err);
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     free(line);
@@ -410,7 +434,7 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    iso_validate_arguments a = {0};
+    iso_validate_arguments a = {.budget = ISO_NO_BUDGET};
     char names[256], with[320], seeds[400];
     snprintf(with, sizeof with, "renderers to compare with the reference (%s)",
              iso_renderers_with(ISO_HAS_LIMIT, ",", ",", names, sizeof names));

@@ -29,5 +29,7 @@
 
 /* "bench NAME" each, by src/bench/bench.h. */
 extern const iso_command *const iso_benchmarks[]; /* ends with NULL */
+/* By the word after "bench"; NULL: none has that name. */
+const iso_command *iso_benchmark_find(const char *name);
 
 #endif

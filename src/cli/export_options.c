@@ -64,6 +64,8 @@ static iso_status check_options(const iso_export_arguments *a, const iso_export_
                         a->plan ? "--plan" : "--background");
     if (a->has_background && a->plan)
         return iso_fail(err, ISO_E_USAGE, "--background has no meaning with --plan, which chooses it");
+    if (a->look.tf && a->plan && iso_export_takes(target, ISO_EXPORT_SHOWN))
+        return iso_fail(err, ISO_E_USAGE, "--tf has no meaning with --plan, which was made for a transfer function");
     for (size_t i = 0; i < sizeof looks / sizeof *looks; ++i)
         if (looks[i] && !iso_export_takes(target, ISO_EXPORT_SCENE) && !a->bake.wanted)
             return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s", looks[i], target->name);

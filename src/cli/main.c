@@ -85,6 +85,13 @@ static int say(const char *command, iso_status status, iso_error *err)
     return status;
 }
 
+/* What its messages begin with: a benchmark is called by two words. */
+static const char *name_of(const iso_command *command, int argc, const char **argv)
+{
+    const iso_command *benchmark = command == &iso_command_bench && argc > 2 ? iso_benchmark_find(argv[2]) : NULL;
+    return benchmark ? benchmark->name : command->name;
+}
+
 static int run(int argc, const char **argv)
 {
     iso_error err = {""};
@@ -117,9 +124,10 @@ static int run(int argc, const char **argv)
     for (const iso_command *const *c = iso_commands; *c; ++c) {
         if (strcmp((*c)->name, argv[1]) != 0)
             continue;
-        iso_memory_is_for(argv[1]);
+        const char *const name = name_of(*c, argc, argv);
+        iso_memory_is_for(name);
         status = (*c)->run(*c, argc - 1, argv + 1, &err);
-        return say(argv[1], flush_output(status, &err), &err);
+        return say(name, flush_output(status, &err), &err);
     }
     fprintf(stderr, "isoshade: unknown command \"%s\"; isoshade --help lists them\n", argv[1]);
     return ISO_E_USAGE;

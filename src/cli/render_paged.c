@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "cli/render_paged.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,8 @@
 
 static iso_status check(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
 {
+    if (!iso_path_exists(cli->arguments[0]))
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", cli->arguments[0], strerror(errno));
     if (!iso_pyramid_is_one(cli->arguments[0]))
         return iso_fail(err, ISO_E_USAGE, "--memory is for pyramids on disk: isoshade build %s -o NAME.iso makes one",
                         cli->arguments[0]);

@@ -41,7 +41,7 @@ iso_status iso_validate_check_arguments(const iso_validate_arguments *a, const i
         status = iso_words_check_range("--level-views", a->level_views, 2, ISO_FACE_VIEWS, err);
     if (status == ISO_OK && a->level_size)
         status = iso_words_check_range("--level-size", a->level_size, 16, 1024, err);
-    if (status == ISO_OK && (a->budget < 0 || !isfinite(a->budget)))
+    if (status == ISO_OK && a->budget != ISO_NO_BUDGET && !(a->budget > 0 && isfinite(a->budget)))
         status = iso_fail(err, ISO_E_USAGE, "--budget is %g, must be seconds above 0", a->budget);
     if (status == ISO_OK && a->limit_size)
         status = iso_words_check_range("--limit-size", a->limit_size, 8, 65536, err);

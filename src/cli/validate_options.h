@@ -3,13 +3,17 @@
 #ifndef ISO_VALIDATE_OPTIONS_H
 #define ISO_VALIDATE_OPTIONS_H
 
+#include <math.h>
+
 #include "cli/cycles_options.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
 #include "pyramid/pyramid.h"
 
-/* As given; 0 and NULL: not given. */
+#define ISO_NO_BUDGET (-INFINITY)
+
+/* As given; 0 and NULL: not given, of the budget ISO_NO_BUDGET. */
 typedef struct iso_validate_arguments {
     iso_volume_input input;
     iso_cli_look look;

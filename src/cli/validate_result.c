@@ -24,24 +24,32 @@ iso_status iso_cli_validate_verdict(const iso_validation *v, const iso_report_su
     return levels->differed == 0 ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", levels->sentence);
 }
 
-/* What was asked for and not compared, with the reason; the page has all of them. */
+static bool is_stage(const json_t *row)
+{
+    return strcmp(iso_row_text(row, "comparison"), "stage") == 0;
+}
+
+static void print_uncompared(const json_t *row)
+{
+    char name[ISO_ROW_NAME_BYTES];
+    iso_row_name_of(row, name);
+    if (is_stage(row))
+        printf("not compared: %s: %s\n", name, iso_row_text(row, "why"));
+    else
+        printf("not compared: %s, level %lld, %s: %s\n", iso_row_text(row, "scene"),
+               (long long)json_integer_value(json_object_get(row, "level")), name, iso_row_text(row, "why"));
+}
+
+/* What was asked for and not compared, with the reason, whole stages first; the page has all of them. */
 static void print_not_compared(const iso_report *r)
 {
     enum { most = 6 };
     size_t i, count = 0;
     json_t *row;
-    char name[ISO_ROW_NAME_BYTES];
-    json_array_foreach(json_object_get(iso_report_json(r), "agreement"), i, row)
-    {
-        if (iso_row_verdict(row) != ISO_VERDICT_NOT_COMPARED || ++count > most)
-            continue;
-        iso_row_name_of(row, name);
-        if (strcmp(iso_row_text(row, "comparison"), "stage") == 0)
-            printf("not compared: %s: %s\n", name, iso_row_text(row, "why"));
-        else
-            printf("not compared: %s, level %lld, %s: %s\n", iso_row_text(row, "scene"),
-                   (long long)json_integer_value(json_object_get(row, "level")), name, iso_row_text(row, "why"));
-    }
+    for (int stages = 1; stages >= 0; --stages)
+        json_array_foreach(json_object_get(iso_report_json(r), "agreement"), i, row)
+            if (is_stage(row) == stages && iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED && ++count <= most)
+                print_uncompared(row);
     if (count > most)
         printf("not compared: %zu more, which the report lists\n", count - most);
 }

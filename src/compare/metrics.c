@@ -114,6 +114,17 @@ iso_status iso_metrics_measure_differences(const iso_image *a, const iso_image *
     return measure(a, b, false, m, err);
 }
 
+double iso_metrics_rmse_of_colors(const iso_image *a, const iso_image *b, double most)
+{
+    const size_t pixels = a->width * a->height;
+    double sum = 0;
+    for (size_t i = 0; i < 4 * pixels; ++i) {
+        const double of_a = (double)a->rgba[i], d = (of_a > most ? most : of_a) - (double)b->rgba[i];
+        sum += i % 4 == 3 ? 0 : d * d;
+    }
+    return sqrt(sum / (3 * (double)pixels));
+}
+
 bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances)
 {
     const double pairs[][2] = {

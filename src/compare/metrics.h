@@ -22,6 +22,10 @@ typedef struct iso_tolerances {
 /* iso_metrics_measure() without SSIM and FLIP, which are NaN: they take most of its time. */
 iso_status iso_metrics_measure_differences(const iso_image *a, const iso_image *b, iso_metrics *metrics, iso_error *err);
 
+/* Of red, green and blue alone. Values of a above `most` count as that, which is the most that b can hold; or INFINITY.
+ * The images are of one size. */
+double iso_metrics_rmse_of_colors(const iso_image *a, const iso_image *b, double most);
+
 /* NaN is never within tolerances; without any tolerance only equal images are. */
 bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances);
 

@@ -41,6 +41,7 @@ typedef struct bound {
     double depth_from, slab_mm, pixel_size; /* pixel_size: mm, or at depth 1 of a perspective camera */
     double longest_mm;                      /* of a ray inside a slab */
     region *regions;                        /* slab fastest */
+    bool late;                              /* the deadline came before all points were looked up */
 } bound;
 
 /* Column and row of the pixel, which may be fractions, and depth along the camera's axis. */
@@ -166,6 +167,12 @@ static void add_integrand(const point *p, region *r)
         }
 }
 
+static bool is_late(bound *b)
+{
+    b->late = b->late || (b->in->deadline > 0 && iso_clock_seconds() >= b->in->deadline);
+    return b->late;
+}
+
 /* All points, a plane of voxels at a time: made by threads, taken in order, so that sums do not depend on them. */
 static iso_status for_points(bound *b, void (*take)(const point *p, region *r), iso_error *err)
 {
@@ -174,7 +181,7 @@ static iso_status for_points(bound *b, void (*take)(const point *p, region *r), 
     point *points = malloc(count * sizeof *points);
     if (!points)
         return iso_fail(err, ISO_E_MEMORY, "bound: no memory for %zu points", count);
-    for (size_t z = 0; z < n[2]; ++z) {
+    for (size_t z = 0; z < n[2] && !is_late(b); ++z) {
 #pragma omp parallel for schedule(static) num_threads(iso_threads(b->in->threads))
         for (size_t i = 0; i < count; ++i) {
             const size_t voxel = i / of_voxel;
@@ -366,7 +373,7 @@ iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, i
         status = iso_fail(err, ISO_E_MEMORY, "bound: out of memory");
     if (status == ISO_OK)
         status = sum_squares(&b, ranges, &squares, err);
-    *rmse = sqrt(squares / (double)(CHANNELS * in->view->width * in->view->height));
+    *rmse = b.late ? INFINITY : sqrt(squares / (double)(CHANNELS * in->view->width * in->view->height));
     free(ranges);
     free(b.regions);
     iso_bound_field_destroy(&b.field);

@@ -151,6 +151,15 @@ static iso_status apply_hook(const iso_render_request *q, iso_image *image, iso_
     return status;
 }
 
+/* true: a picture that was made before. */
+static bool find_stored(const iso_render_request *q, const iso_render_options *frame, iso_image *image)
+{
+    const bool found = iso_picture_store_find(q->renderers->store, q, frame, image);
+    if (found && q->renderers->taken)
+        ++*q->renderers->taken;
+    return found;
+}
+
 iso_status iso_render_with(const iso_render_request *frame, iso_image *image, double *seconds, iso_error *err)
 {
     const iso_render_options *opt = frame->options;
@@ -160,7 +169,7 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
     iso_status status = check(frame, err);
     if (status != ISO_OK)
         return status;
-    if (iso_picture_store_find(frame->renderers->store, frame, opt, image))
+    if (find_stored(frame, opt, image))
         return ISO_OK;
     const double start = iso_clock_seconds();
     status = opt->renderer->render(frame, image, &stats, err);
@@ -221,7 +230,7 @@ static iso_status render_stored(const iso_render_request *q, size_t count, iso_i
     size_t lacking = 0;
     iso_status status = frames && drawn ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", count);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        if (!iso_picture_store_find(store, q, &q->options[i], &images[i]))
+        if (!find_stored(q, &q->options[i], &images[i]))
             frames[lacking++] = q->options[i];
     rest.options = frames;
     if (status == ISO_OK && lacking > 0)
@@ -331,7 +340,7 @@ static iso_status render_together(const iso_render_request *scenes, size_t count
     iso_status status = ISO_OK;
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         status = check(&scenes[i], err);
-        if (status == ISO_OK && !iso_picture_store_find(scenes->renderers->store, &scenes[i], scenes[i].options, &images[i]))
+        if (status == ISO_OK && !find_stored(&scenes[i], scenes[i].options, &images[i]))
             lacking[n++] = scenes[i];
     }
     if (status == ISO_OK && n > 0)

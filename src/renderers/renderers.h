@@ -259,6 +259,7 @@ struct iso_renderers {
     const char *scene;            /* the name of what is rendered, for those that look for pictures of it; or NULL */
     iso_image_hook after;         /* of each image that is rendered */
     struct iso_picture_store *store; /* pictures of a job that was interrupted (picture_store.h); borrowed, or NULL */
+    size_t *taken;                   /* counts the pictures that came from there; borrowed, or NULL */
     iso_frame_cache *cache; /* of iso_render_several(), while pyramid, level, view and hook stay; borrowed, or NULL */
 };
 void iso_renderers_end(iso_renderers *r);

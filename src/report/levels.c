@@ -373,8 +373,19 @@ static void tell(iso_levels_summary *s, const json_t *rows)
         iso_words_append(s->sentence, sizeof s->sentence, " Of %.0f views intervals are wide.", views);
 }
 
-iso_levels_summary iso_levels_summarize(const json_t *rows)
+/* The stage that judges them did not run, or not to its end. */
+static void tell_why_none(iso_levels_summary *s, const json_t *agreement)
 {
+    const json_t *row;
+    size_t i;
+    json_array_foreach(agreement, i, row) if (iso_row_identify(row).comparison == ISO_COMPARISON_STAGE &&
+                                              strcmp(iso_row_text(row, "variant"), "consistency") == 0)
+        iso_words_append(s->sentence, sizeof s->sentence, "The levels were not judged: %s.", iso_row_text(row, "why"));
+}
+
+iso_levels_summary iso_levels_summarize(const json_t *report)
+{
+    const json_t *rows = json_object_get(report, "levels");
     iso_levels_summary s = {0};
     json_t *row;
     size_t i;
@@ -390,5 +401,7 @@ iso_levels_summary iso_levels_summarize(const json_t *rows)
     else if (s.not_compared > 0)
         iso_words_append(s.sentence, sizeof s.sentence,
                          "The levels are not compared: level 0 shows nothing in any view.");
+    else
+        tell_why_none(&s, json_object_get(report, "agreement"));
     return s;
 }

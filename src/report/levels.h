@@ -89,9 +89,9 @@ iso_verdict iso_report_level_verdict(const iso_report_level *row);
 
 typedef struct iso_levels_summary {
     size_t agreed, differed, not_compared;
-    char sentence[2048]; /* "" where no level was judged */
+    char sentence[2048]; /* "" where no level was to be judged */
 } iso_levels_summary;
-/* Of report.json's "levels". */
-iso_levels_summary iso_levels_summarize(const json_t *rows);
+/* Of report.json. */
+iso_levels_summary iso_levels_summarize(const json_t *report);
 
 #endif

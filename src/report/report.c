@@ -401,7 +401,7 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
     if (status != ISO_OK)
         return status;
     iso_report_summary summary = iso_report_summarise(r);
-    const iso_levels_summary levels = iso_levels_summarize(json_object_get(r->root, "levels"));
+    const iso_levels_summary levels = iso_levels_summarize(r->root);
     const bool good = summary.good && levels.differed == 0;
     json_object_set_new(r->root, "verdict",
                         json_string(iso_verdict_word(good ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER)));

@@ -10,9 +10,11 @@ function against(row, way, key) {
 }
 function levelVerdicts() {
     const rows = data.levels || [];
+    $('levels-verdict').hidden = !data.levels_sentence;
+    $('levels-verdict').textContent = data.levels_sentence; // why none was judged
     if (rows.length === 0) return;
     const good = rows.every(r => r.verdict === 'agree');
-    $('levels').hidden = $('levels-verdict').hidden = false;
+    $('levels').hidden = false;
     $('levels-verdict').textContent = `${good ? '✓' : '✗'} ${data.levels_sentence}`;
     $('levels-verdict').classList.add(good ? 'good' : 'bad');
     const lines = [];

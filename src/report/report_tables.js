@@ -205,13 +205,25 @@ function failures() {
             el('details', {}, el('summary', {}, 'which'), el('ul', {}, rows.map(row => el('li', {}, title(row)))))));
 }
 
-// What nobody compared, by the reason: a sentence with the row's own numbers stands beside each.
-const reasons = {signal: 'show too little for their limits', trait: 'ask for what the renderer does not have', stage: 'did not run'};
+// What nobody compared, by the reason, whole stages first: a sentence with the row's own numbers stands beside each.
+const reasons = {
+    signal: 'show too little for their limits',
+    trait: 'ask for what the renderer does not have',
+    stage: 'did not run',
+    budget: 'left out by the budget'
+};
 function notCompared() {
-    const groups = new Map();
-    for (const row of data.agreement.filter(uncompared)) groups.set(row.not_compared, [...groups.get(row.not_compared) || [], row]);
+    const groups = new Map(), noun = row => row.comparison === 'stage' ? 'stage' : 'case';
+    const all = data.agreement.filter(uncompared).sort((a, b) => (noun(b) === 'stage') - (noun(a) === 'stage'));
+    for (const row of all) {
+        const key = `${noun(row)} ${row.not_compared}`;
+        groups.set(key, [...groups.get(key) || [], row]);
+    }
     $('uncompared').hidden = groups.size === 0;
-    for (const [reason, rows] of groups)
-        $('uncompared').append(el('details', {open: rows.length <= 8}, el('summary', {}, `${rows.length} ${reason === 'stage' ? 'stage' : 'case'}${rows.length === 1 ? '' : 's'}: ${reasons[reason] || reason}`),
+    for (const rows of groups.values()) {
+        const of = noun(rows[0]), reason = reasons[rows[0].not_compared] || rows[0].not_compared;
+        const summary = `${rows.length} ${of}${rows.length === 1 ? '' : 's'}: ${reason}`;
+        $('uncompared').append(el('details', {open: of === 'stage' || rows.length <= 8}, el('summary', {}, summary),
             el('ul', {}, rows.map(row => el('li', {}, `${title(row)}: ${row.why}.`)))));
+    }
 }

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/process.h"
 
 enum { MOST_PIXELS = 64 }; /* along a side of the picture in a report */
 
@@ -86,22 +87,6 @@ static iso_status render_expected(iso_renderers *renderers, const iso_artefact *
                            err);
 }
 
-/* Of colors alone: pictures for people are opaque. clipped: the picture cannot be brighter than 1. */
-static double rmse_of_colors(const iso_image *expected, const iso_image *picture, bool clipped)
-{
-    const size_t pixels = expected->width * expected->height;
-    double sum = 0;
-    for (size_t i = 0; i < 4 * pixels; ++i) {
-        double a = (double)expected->rgba[i], b = (double)picture->rgba[i];
-        if (i % 4 == 3)
-            continue;
-        if (clipped && a > 1)
-            a = 1;
-        sum += (a - b) * (a - b);
-    }
-    return sqrt(sum / (3 * (double)pixels));
-}
-
 iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a, iso_artefact_result *out,
                                 const iso_progress *progress, iso_error *err)
 {
@@ -118,13 +103,14 @@ iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a,
     if (status == ISO_OK)
         status = render_expected(renderers, a, &out->expected, progress, err);
     if (status == ISO_OK) {
-        status = export_and_open(a, here, there, &out->picture, progress, &failed);
+        status = out->failure = export_and_open(a, here, there, &out->picture, progress, &failed);
         if (status == ISO_OK &&
             (out->picture.width != out->expected.width || out->picture.height != out->expected.height))
             snprintf(out->why, sizeof out->why, "the picture has %zu x %zu pixels, wanted %zu x %zu",
                      out->picture.width, out->picture.height, out->expected.width, out->expected.height);
         else if (status == ISO_OK)
-            out->value = rmse_of_colors(&out->expected, &out->picture, a->target->clipped);
+            out->value = iso_metrics_rmse_of_colors(&out->expected, &out->picture, /* pictures for people are opaque */
+                                                    a->target->clipped ? 1 : INFINITY);
         else if (status == ISO_E_MEMORY)
             iso_fail(err, status, "%s", failed.text);
         else
@@ -165,25 +151,33 @@ static iso_status add_image(iso_validation *v, const iso_artefact *a, const char
     return image->rgba ? iso_report_add_image(v->report, name, image, caption, NULL, err) : ISO_OK;
 }
 
-static iso_status examine(iso_validation *v, const iso_artefact *a, iso_error *err)
+static iso_status add_result(iso_validation *v, const iso_artefact *a, const iso_artefact_result *r, iso_error *err)
+{
+    const iso_report_calibration row = {.renderer = a->renderer->name,
+                                        .check = "what is exported",
+                                        .value = r->value,
+                                        .limit = r->limit,
+                                        .unit = r->unit,
+                                        .detail = r->why};
+    iso_status status = add_image(v, a, "expected", &r->expected, err);
+    if (status == ISO_OK)
+        status = add_image(v, a, "picture", &r->picture, err);
+    return status == ISO_OK ? iso_report_add_calibration(v->report, &row, err) : status;
+}
+
+/* late: the budget's end ended the program, which says nothing of what was exported. */
+static iso_status examine(iso_validation *v, const iso_artefact *a, bool *late, iso_error *err)
 {
     iso_artefact_result r;
     char text[64];
     snprintf(text, sizeof text, "artefacts: %s", a->target->name);
     iso_progress_report(v->progress, text, 0);
     iso_status status = iso_artefact_compare(&v->renderers, a, &r, v->progress, err);
-    const iso_report_calibration row = {.renderer = a->renderer->name,
-                                        .check = "what is exported",
-                                        .value = r.value,
-                                        .limit = r.limit,
-                                        .unit = r.unit,
-                                        .detail = r.why};
-    if (status == ISO_OK)
-        status = add_image(v, a, "expected", &r.expected, err);
-    if (status == ISO_OK)
-        status = add_image(v, a, "picture", &r.picture, err);
-    if (status == ISO_OK)
-        status = iso_report_add_calibration(v->report, &row, err);
+    if (status == ISO_OK && r.failure != ISO_OK && iso_process_was_stopped())
+        status = iso_fail(err, r.failure, "artefacts: %s", r.why);
+    *late = status == ISO_OK && r.failure != ISO_OK && iso_validate_is_out_of_time(v);
+    if (status == ISO_OK && !*late)
+        status = add_result(v, a, &r, err);
     iso_artefact_release(&r);
     return status;
 }
@@ -194,7 +188,7 @@ iso_status iso_validate_artefacts(iso_validation *v, iso_error *err)
     iso_view view = *v->view;
     const size_t longest = view.width > view.height ? view.width : view.height;
     iso_status status = ISO_OK;
-    bool asked = false;
+    bool asked = false, late = false;
     for (size_t i = 0; i < iso_export_target_names.count; ++i)
         asked = asked || renderer_of(v, iso_export_target_at(i));
     if (asked && v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
@@ -212,10 +206,11 @@ iso_status iso_validate_artefacts(iso_validation *v, iso_error *err)
                                 .level = v->pyramid->level_count - 1,
                                 .view = &view,
                                 .threads = v->threads};
-        if (a.renderer && iso_validate_is_out_of_time(v))
+        late = a.renderer && iso_validate_is_out_of_time(v);
+        if (a.renderer && !late)
+            status = examine(v, &a, &late, err);
+        if (late)
             return iso_validate_stage_left_out(v, "artefacts", err);
-        if (a.renderer)
-            status = examine(v, &a, err);
     }
     return status;
 }

@@ -31,6 +31,7 @@ typedef struct iso_artefact_result {
     double value, limit; /* RMSE of the colors; NaN: there is no picture, and `why` says the reason */
     const char *unit;
     char why[512];
+    iso_status failure; /* of the program, or of what it left; ISO_OK: there is a picture */
 } iso_artefact_result;
 
 /* ISO_OK also where the program fails at what was exported. Release with iso_artefact_release(), which accepts what

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/process.h"
 #include "render/sampler.h"
 #include "validate/calibration_stage.h"
 
@@ -416,36 +417,39 @@ iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which,
 }
 
 /* All checks by one start. Where it fails the checks are made one after the other, which tells the one that fails. */
-static bool calibrate_together(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                               iso_calibration out[ISO_CALIBRATION_COUNT])
+static iso_status calibrate_together(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+                                     iso_calibration out[ISO_CALIBRATION_COUNT], iso_error *err)
 {
     iso_calibration_stage stages[ISO_CALIBRATION_COUNT] = {{.got = {0}}};
     int asked[ISO_CALIBRATION_COUNT], count = 0;
-    bool good = true;
-    for (int i = 0; i < ISO_CALIBRATION_COUNT && good; ++i) {
+    iso_status status = ISO_OK;
+    for (int i = 0; i < ISO_CALIBRATION_COUNT && status == ISO_OK; ++i) {
         begin(which, i, &out[i]);
         if (!out[i].lacks) {
-            good = checks[i].prepare(&stages[count], NULL) == ISO_OK;
+            status = checks[i].prepare(&stages[count], err);
             asked[count++] = i;
         }
     }
-    good = good && iso_calibration_render(stages, (size_t)count, r, which, planted, NULL) == ISO_OK;
+    if (status == ISO_OK)
+        status = iso_calibration_render(stages, (size_t)count, r, which, planted, err);
     for (int k = 0; k < count; ++k) {
-        if (good)
+        if (status == ISO_OK)
             judge(&stages[k], which, asked[k], &out[asked[k]]);
         iso_calibration_stage_clear(&stages[k]);
     }
-    return good;
+    return status;
 }
 
 iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
                          iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, const iso_progress *progress,
                          iso_error *err)
 {
-    iso_status status = ISO_OK;
-    *made = 0;
-    if (which->render_scenes && calibrate_together(r, which, planted, out))
-        *made = ISO_CALIBRATION_COUNT;
+    iso_error why = {""};
+    iso_status status = which->render_scenes ? calibrate_together(r, which, planted, out, &why) : ISO_OK;
+    *made = which->render_scenes && status == ISO_OK ? ISO_CALIBRATION_COUNT : 0;
+    if (status != ISO_OK && iso_process_was_stopped()) /* which is no failure of a check */
+        return iso_fail(err, status, "calibration of %s: %s", which->name, why.text);
+    status = ISO_OK;
     for (; *made < ISO_CALIBRATION_COUNT && status == ISO_OK; *made += status == ISO_OK) {
         iso_progress_report(progress, "calibration", (double)*made / ISO_CALIBRATION_COUNT);
         status = iso_calibrate_check(r, which, planted, (int)*made, &out[*made], err);

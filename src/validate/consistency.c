@@ -77,18 +77,29 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
 typedef struct levels_run {
     iso_image finest[max_views];
     bool late;                  /* the budget was over before all was measured */
+    char part[64];              /* of the progress: what is drawn, how much of it there is, and how much is done */
+    size_t to_draw, drawn;
     iso_pyramid made;           /* from level 0, where it is not known that the pyramid's own levels are */
     const iso_pyramid *rebuilt; /* that, or the pyramid */
     iso_measured measured;
 } levels_run;
 
+/* The pictures of one more view are to be made: the budget is asked, and the progress told. */
+static bool may_draw(const iso_validation *v, levels_run *run)
+{
+    run->late = run->late || iso_validate_is_out_of_time(v);
+    if (!run->late)
+        iso_progress_report(v->progress, run->part, (double)run->drawn++ / (double)run->to_draw);
+    return !run->late;
+}
+
 /* The figures of all views, and the picture row->image of the first. */
-static iso_status measure_images(iso_validation *v, const levels_run *run, const iso_pyramid *p,
+static iso_status measure_images(iso_validation *v, levels_run *run, const iso_pyramid *p,
                                  iso_report_consistency *row, iso_measured_level *views, iso_error *err)
 {
     iso_status status = ISO_OK;
     row->ssim_dissimilarity_mean = row->flip_mean = row->rmse_mean = 0;
-    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK && may_draw(v, run); ++i) {
         iso_image image = {0};
         iso_metrics metrics;
         status = iso_validate_render_level(v, p, views, i, &image, err);
@@ -113,11 +124,13 @@ static iso_status measure_images(iso_validation *v, const levels_run *run, const
     return status;
 }
 
-/* Keeps a row, and what was measured in its views. */
+/* Keeps a row, and what was measured in its views: in all of them. */
 static iso_status keep(iso_validation *v, levels_run *run, iso_report_consistency *row, const iso_measured_level *views,
                        iso_error *err)
 {
     iso_measured *all = &run->measured;
+    if (run->late)
+        return ISO_OK;
     if (all->count == all->room)
         return iso_fail(err, ISO_E_RANGE, "more than %zu rows of levels", all->room);
     all->levels[all->count++] = *views;
@@ -158,12 +171,17 @@ static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_
     return status == ISO_OK ? keep(v, run, &row, &views, err) : status;
 }
 
+static bool has_scaled_row(const iso_validation *v, const levels_run *run, const iso_method *m)
+{
+    return v->scales != ISO_SCALES_NONE && m == run->measured.own;
+}
+
 /* The row of what is handed over with extinction scales: the pyramid's own directions alone. */
 static iso_status measure_scaled(iso_validation *v, levels_run *run, const iso_pyramid *p, iso_report_consistency row,
                                  iso_measured_level views, iso_error *err)
 {
     char name[64];
-    if (v->scales == ISO_SCALES_NONE || views.method != run->measured.own)
+    if (!has_scaled_row(v, run, views.method))
         return ISO_OK;
     row.adapted = v->scales == ISO_SCALES_ADAPTED;
     row.scaled = true;
@@ -172,6 +190,15 @@ static iso_status measure_scaled(iso_validation *v, levels_run *run, const iso_p
     row.image = name;
     const iso_status status = measure_images(v, run, p, &row, &views, err);
     return status == ISO_OK ? keep(v, run, &row, &views, err) : status;
+}
+
+/* Begins a part of the progress of so many pictures. */
+static void begin_part(const iso_validation *v, levels_run *run, const char *what, size_t level, size_t pictures)
+{
+    snprintf(run->part, sizeof run->part, "consistency: %s, level %zu", what, level);
+    run->drawn = 0;
+    run->to_draw = pictures;
+    iso_progress_report(v->progress, run->part, 0);
 }
 
 static iso_status measure_level(iso_validation *v, levels_run *run, const iso_pyramid *p, size_t level,
@@ -185,9 +212,11 @@ static iso_status measure_level(iso_validation *v, levels_run *run, const iso_py
                                   .method = m->name,
                                   .image = name,
                                   .reference_image = "consistency-level-0"};
+    const size_t rows = 1 + !v->level_tfs[level].judgment.use_original + has_scaled_row(v, run, m);
     snprintf(name, sizeof name, "consistency-%s-level-%zu", m->name, level);
+    begin_part(v, run, m->name, level, rows * v->consistency_views);
     iso_status status = measure_images(v, run, p, &row, &views, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK && !run->late)
         status = iso_validate_angles(v, p, level, m->source, &angles, err);
     row.gradient_angle_mean_deg = views.angle_deg = angles.mean;
     row.gradient_angle_p95_deg = angles.p95;
@@ -223,13 +252,8 @@ static iso_status measure_method(iso_validation *v, levels_run *run, const iso_m
     run->late = run->late || iso_validate_is_out_of_time(v);
     if (p == &other && !run->late)
         status = iso_validate_build_with(v, m->filter, &other, err);
-    for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK && !run->late; ++level) {
-        char stage[64];
-        snprintf(stage, sizeof stage, "consistency: %s, level %zu", m->name, level);
-        iso_progress_report(v->progress, stage, 0);
+    for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK && !run->late; ++level)
         status = measure_level(v, run, p, level, m, err);
-        run->late = iso_validate_is_out_of_time(v);
-    }
     iso_pyramid_destroy(&other);
     return status;
 }
@@ -263,6 +287,11 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
 
 /* ---- levels that the views leave open ---- */
 
+bool iso_validate_may_add_views(const iso_validation *v)
+{
+    return v->may_add_views && v->consistency_views < ISO_FACE_VIEWS;
+}
+
 /* The default and the simple way again, in twenty views. */
 static iso_status measure_more(iso_validation *v, levels_run *run, size_t level, iso_error *err)
 {
@@ -270,13 +299,14 @@ static iso_status measure_more(iso_validation *v, levels_run *run, size_t level,
     const iso_level_tf_use use = iso_measured_own_use(v, level);
     const iso_method *methods[2] = {all->own, all->on_the_fly};
     iso_status status = ISO_OK;
+    begin_part(v, run, "more views", level, 2 * v->consistency_views);
     for (int i = 0; i < 2 && status == ISO_OK; ++i) {
         iso_measured_level *views = &all->more[all->more_count + (size_t)i];
         iso_report_consistency row = {.level = level, .method = methods[i]->name};
         *views = (iso_measured_level){.level = level, .method = methods[i], .use = i == 0 ? use : ISO_USE_ORIGINAL};
         status = measure_images(v, run, i == 0 ? v->pyramid : run->rebuilt, &row, views, err);
     }
-    all->more_count += 2;
+    all->more_count += run->late ? 0 : 2;
     return status;
 }
 
@@ -289,11 +319,13 @@ static bool is_open(const iso_validation *v, const iso_measured *all, size_t lev
 
 static const iso_method stored = {"stored", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES}; /* at level 0 all filters are alike */
 
-static iso_status render_finest(iso_validation *v, iso_image *finest, iso_error *err)
+static iso_status render_finest(iso_validation *v, levels_run *run, const char *what, iso_error *err)
 {
     iso_status status = ISO_OK;
-    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
-        status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &stored}, i, &finest[i], err);
+    begin_part(v, run, what, 0, v->consistency_views);
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK && may_draw(v, run); ++i)
+        status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &stored}, i,
+                                           &run->finest[i], err);
     return status;
 }
 
@@ -303,6 +335,7 @@ static void forget_finest(iso_image *finest)
         iso_image_destroy(&finest[i]);
 }
 
+/* Where the budget is over before that, levels are judged by the views that there are, which is said. */
 static iso_status measure_open_levels(iso_validation *v, levels_run *run, iso_error *err)
 {
     const size_t views = v->consistency_views, levels = v->pyramid->level_count;
@@ -317,16 +350,14 @@ static iso_status measure_open_levels(iso_validation *v, levels_run *run, iso_er
     if (any) {
         forget_finest(run->finest);
         v->consistency_views = ISO_FACE_VIEWS;
-        status = render_finest(v, run->finest, err);
+        status = render_finest(v, run, "more views", err);
     }
-    for (size_t level = 1; level < levels && status == ISO_OK; ++level) {
-        char stage[64];
-        snprintf(stage, sizeof stage, "consistency: more views, level %zu", level);
-        if (open[level])
-            iso_progress_report(v->progress, stage, 0);
+    for (size_t level = 1; level < levels && status == ISO_OK && !run->late; ++level)
         if (open[level])
             status = measure_more(v, run, level, err);
-    }
+    if (status == ISO_OK && run->late)
+        status = iso_validate_stage_left_out(v, "more views of levels", err);
+    run->late = false;
     v->consistency_views = views;
     free(open);
     return status;
@@ -359,17 +390,17 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
         return not_possible(v, err);
     if (iso_validate_is_out_of_time(v))
         return iso_validate_stage_left_out(v, "consistency", err);
-    status = render_finest(v, run.finest, err);
-    for (size_t i = 0; i < v->consistency_views && status == ISO_OK; ++i)
+    status = render_finest(v, &run, "views", err);
+    for (size_t i = 0; i < v->consistency_views && status == ISO_OK && !run.late; ++i)
         run.measured.shown = run.measured.shown || shows_something(&run.finest[i]);
-    if (status == ISO_OK)
+    if (status == ISO_OK && !run.late)
         status = add_picture(v, "consistency-level-0", &run.finest[0], "level 0", err);
     run.rebuilt = v->is_as_made ? v->pyramid : &run.made;
-    if (status == ISO_OK && !v->is_as_made)
+    if (status == ISO_OK && !run.late && !v->is_as_made)
         status = iso_validate_build_with(v, filter, &run.made, err);
     if (status == ISO_OK)
         status = measure_methods(v, &run, &own, err);
-    if (status == ISO_OK && !run.late && v->may_add_views && v->consistency_views < ISO_FACE_VIEWS)
+    if (status == ISO_OK && !run.late && iso_validate_may_add_views(v))
         status = measure_open_levels(v, &run, err);
     if (status == ISO_OK && run.late)
         status = iso_validate_stage_left_out(v, "consistency", err);

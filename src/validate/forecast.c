@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /* forecast.c - what a validation will do and about how long it takes: the layout of its job (base/job.h).
  *
- * Costs are processor seconds on the machine that they were measured on (a brain of 181 x 217 x 181 voxels at 96 x 96
- * pixels), so that they compare; how fast this machine is, and how far each renderer is from its cost, is learned as rows
- * end. A row that is refused, or that nobody foresaw, changes nothing but the estimate. */
+ * Costs are processor seconds on the machine that they were measured on (shells of 40 to 100 voxels and a brain of 181
+ * along an axis, pictures of 64 to 160 pixels), so that they compare; how fast this machine is, and how far each renderer
+ * is from its cost, is learned as rows end. A row that is refused, or that nobody foresaw, changes nothing but the
+ * estimate. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "targets/targets.h"
 #include "validate/calibrate.h"
-#include "validate/validate.h"
+#include "validate/measured.h"
 
 /* An image costs its start, and each sample of each ray: of the reference, and of a renderer whose relative cost is 1. */
-static const double REFERENCE_SAMPLE_SECONDS = 4e-7, SAMPLE_SECONDS = 2e-8;
+static const double REFERENCE_SAMPLE_SECONDS = 1.5e-7, SAMPLE_SECONDS = 2e-8;
 
 static double start_seconds(const iso_renderer_info *r)
 {
-    return iso_renderer_has(r, ISO_IS_PROGRAM) ? 1.5 : 0.1;
+    return iso_renderer_has(r, ISO_IS_PROGRAM) ? 1.5 : 0.03;
 }
 
 /* Voxels along the longest axis of a level. */
@@ -32,10 +33,10 @@ static double image_seconds(const iso_renderer_info *r, double pixels, double ac
     return start_seconds(r) + pixels * across / step_voxels * SAMPLE_SECONDS * r->relative_cost;
 }
 
-/* Without a step: 13.7 s of level 0 and 8.6 s of level 2. */
+/* Without a step. */
 static double truth_seconds(double pixels, double across)
 {
-    return pixels * (7.2e-4 + 3.4e-6 * across);
+    return pixels * (2.5e-5 + 1e-6 * across);
 }
 
 static double lock_step_seconds(const iso_validation *v, const iso_renderer_info *r, double pixels, double across)
@@ -102,7 +103,8 @@ static void add_calibrations(const iso_validation *v, iso_job *job)
             continue;
         snprintf(name, sizeof name, "calibration: %s", r->name);
         iso_job_add_lane(job);
-        iso_job_add_part(job, name, r->name, (r->render_scenes ? 1 : ISO_CALIBRATION_COUNT) * start_seconds(r) + 0.5);
+        /* By one start or by many: what a program takes for a small picture is about its start. */
+        iso_job_add_part(job, name, r->name, ISO_CALIBRATION_COUNT * start_seconds(r));
     }
 }
 
@@ -129,6 +131,14 @@ static void add_agreement(const iso_validation *v, iso_job *job)
     }
 }
 
+/* Histograms of all voxels, and small views of each coarse level. */
+static void add_adaptation(const iso_validation *v, iso_job *job)
+{
+    const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
+    iso_job_add_phase(job, "adaptation", 1);
+    iso_job_add_part(job, "adaptation", "adaptation", 0.15 * (double)(v->pyramid->level_count - 1) + 5e-7 * voxels);
+}
+
 /* One transfer function of one method at a level: iso_validate_variant() has the same conditions. */
 static void add_variant(const iso_validation *v, iso_job *job, const char *variant, size_t level, bool programs)
 {
@@ -151,38 +161,74 @@ static void add_variant(const iso_validation *v, iso_job *job, const char *varia
     }
 }
 
+/* What a method is shown by, as methods.c has it. Under the original transfer function the pyramid's own directions are
+ * part of the agreement; level 0 has no other one. */
+enum { ORIGINAL_TF, ADAPTED_TF, TF_COUNT = 5 };
+static const char *const tfs[TF_COUNT] = {[ORIGINAL_TF] = "", [ADAPTED_TF] = ", adapted TF", ", extinction scale",
+                                          ", 2D TF (deviation)", ", 2D TF (gradient)"};
+static bool is_asked(size_t tf, size_t level, bool own)
+{
+    return tf == ORIGINAL_TF ? !own : level > 0 && (own || tf == ADAPTED_TF);
+}
+
 static void add_method(const iso_validation *v, iso_job *job, const iso_method *m)
 {
+    const bool own = m->source == ISO_FROM_CODES && m->filter == v->pyramid->options.direction_filter;
     iso_job_add_phase(job, m->name, iso_validate_workers(v, v->pyramid->level_count));
     for (size_t level = 0; level < v->pyramid->level_count; ++level) {
         iso_job_add_lane(job);
-        for (int adapted = 0; adapted < (level > 0 ? 2 : 1); ++adapted) {
+        for (size_t tf = 0; tf < TF_COUNT; ++tf) {
             char variant[64];
-            snprintf(variant, sizeof variant, "%s%s", m->name, adapted ? ", adapted TF" : "");
-            add_variant(v, job, variant, level, m->source == ISO_FROM_CODES && level > 0 && !v->quick);
+            snprintf(variant, sizeof variant, "%s%s", m->name, tfs[tf]);
+            if (is_asked(tf, level, own))
+                add_variant(v, job, variant, level, m->source == ISO_FROM_CODES && level > 0 && !v->quick);
         }
     }
 }
 
-/* Pictures, and what is made of all voxels: the levels of another filter, angles, and the bound of the verdict. 31 s of 256^3
- * voxels, 14 s of the brain. */
+/* A level in so many views, under either transfer function: to draw it, and to compare what was drawn. */
+static double views_seconds(const iso_validation *v, size_t level, double views)
+{
+    const double pixels = (double)(v->consistency_size * v->consistency_size) * views;
+    return pixels * (3e-6 + 3e-8 * voxels_across(v, level));
+}
+
+/* Levels that the views leave open: the finest in twenty views, and each of these levels by two methods. Which these
+ * are is known when all else is measured; until then it is taken to be one of three. */
+static void add_more_views(const iso_validation *v, iso_job *job)
+{
+    const double chance = 1.0 / 3;
+    for (size_t level = 0; level < v->pyramid->level_count; ++level) {
+        char name[64];
+        snprintf(name, sizeof name, "consistency: more views, level %zu", level);
+        iso_job_add_part(job, name, "more views",
+                         chance * views_seconds(v, level, (level == 0 ? 0.5 : 1) * ISO_FACE_VIEWS));
+    }
+}
+
+/* Pictures, and what is made of all voxels: levels of another filter, and angles. Then the bounds, by their points. */
 static void add_consistency(const iso_validation *v, iso_job *job)
 {
     const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
-    const double pixels = (double)(v->consistency_size * v->consistency_size * v->consistency_views);
     iso_job_add_phase(job, "consistency", 1);
     iso_job_add_lane(job);
     const iso_direction_filter own = v->pyramid->options.direction_filter;
     const char *more[] = {iso_direction_filter_name(own), "tensor"}; /* consistency.c has both for auto */
     const size_t more_count = own == ISO_DIRECTION_AUTO ? 2 : own == ISO_DIRECTION_TENSOR;
+    iso_job_add_part(job, "consistency: views, level 0", "consistency",
+                     views_seconds(v, 0, 0.5 * (double)v->consistency_views));
     for (size_t i = 0; i < iso_method_count + more_count; ++i)
         for (size_t level = 1; level < v->pyramid->level_count; ++level) {
             char name[64];
             snprintf(name, sizeof name, "consistency: %s, level %zu",
                      i < iso_method_count ? iso_methods[i].name : more[i - iso_method_count], level);
-            iso_job_add_part(job, name, "consistency", 1e-5 * pixels + 1.2e-7 * voxels);
+            iso_job_add_part(job, name, "consistency",
+                             views_seconds(v, level, (double)v->consistency_views) + 1.2e-7 * voxels);
         }
-    iso_job_add_part(job, "consistency: verdict", "verdict", 7e-7 * voxels);
+    if (v->pyramid->level_count > 1 && iso_validate_may_add_views(v))
+        add_more_views(v, job);
+    iso_job_add_part(job, "consistency: verdict", "verdict",
+                     1e-6 * (double)(v->pyramid->level_count - 1) * iso_validate_bound_points(v));
 }
 
 /* Two runs of each program, small. */
@@ -215,8 +261,7 @@ void iso_validate_forecast(const iso_validation *v)
         add_levels(v, job);
         add_calibrations(v, job);
         add_agreement(v, job);
-        iso_job_add_phase(job, "adaptation", 1);
-        iso_job_add_part(job, "adaptation", "adaptation", 0.1);
+        add_adaptation(v, job);
         for (size_t i = 0; i < iso_method_count; ++i)
             add_method(v, job, &iso_methods[i]);
         add_consistency(v, job);

@@ -16,6 +16,21 @@ static size_t count_views(const iso_validation *v)
     return fit < 1 ? 1 : fit < (double)v->consistency_views ? (size_t)fit : v->consistency_views;
 }
 
+double iso_validate_bound_points(const iso_validation *v)
+{
+    const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
+    return iso_image_bound_is_for(v->view) && v->scales == ISO_SCALES_NONE
+               ? (double)count_views(v) * voxels * (double)iso_image_bound_points(voxels)
+               : 0;
+}
+
+/* Of the verdicts on all coarse levels, as `done` of the views of this level's bound are. */
+static void report_progress(const iso_validation *v, size_t level, double done)
+{
+    iso_progress_report(v->progress, "consistency: verdict",
+                        ((double)level - 1 + done) / ((double)v->pyramid->level_count - 1));
+}
+
 static iso_status bound_view(const iso_validation *v, size_t level, bool adapted, size_t number, double *rmse,
                              iso_error *err)
 {
@@ -28,7 +43,8 @@ static iso_status bound_view(const iso_validation *v, size_t level, bool adapted
                                       .source = ISO_FROM_CODES,
                                       .view = &view,
                                       .coarse_tf = adapted ? &v->level_tfs[level].table : &view.tf,
-                                      .threads = v->threads};
+                                      .threads = v->threads,
+                                      .deadline = v->deadline};
     if (status == ISO_OK)
         status = iso_image_bound_rmse(&in, rmse, err);
     iso_view_destroy(&view);
@@ -36,7 +52,7 @@ static iso_status bound_view(const iso_validation *v, size_t level, bool adapted
 }
 
 iso_status iso_validate_bound_level(const iso_validation *v, const iso_measured_level *own, iso_report_level *row,
-                                    iso_error *err)
+                                    bool *late, iso_error *err)
 {
     const size_t views = count_views(v);
     iso_report_bound bound = {.views = views, .above = -INFINITY};
@@ -45,13 +61,18 @@ iso_status iso_validate_bound_level(const iso_validation *v, const iso_measured_
         return ISO_OK;
     for (size_t i = 0; i < views && status == ISO_OK; ++i) {
         double rmse = NAN;
-        status = bound_view(v, own->level, own->use == ISO_USE_ADAPTED, i, &rmse, err);
+        report_progress(v, own->level, (double)i / (double)views);
+        if (iso_validate_is_out_of_time(v))
+            rmse = INFINITY;
+        else
+            status = bound_view(v, own->level, own->use == ISO_USE_ADAPTED, i, &rmse, err);
         bound.rmse += own->figures[ISO_LEVEL_RMSE][i] / (double)views;
         bound.bound += rmse / (double)views;
         const double above = own->figures[ISO_LEVEL_RMSE][i] - rmse;
         bound.above = isnan(above) || above > bound.above ? above : bound.above;
     }
-    if (status == ISO_OK)
+    *late = *late || isinf(bound.bound);
+    if (status == ISO_OK && !isinf(bound.bound))
         row->bound = bound;
     return status;
 }

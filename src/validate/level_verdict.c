@@ -146,8 +146,9 @@ static const iso_measured_level *find_more(const iso_measured *all, size_t level
     return NULL;
 }
 
+/* late: the level is judged without its bound, for which there was no time. */
 static iso_status judge(iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt, size_t level,
-                        iso_error *err)
+                        bool *late, iso_error *err)
 {
     char options[ISO_MEASURED_MOST][OPTION_BYTES], simple[OPTION_BYTES];
     iso_report_rival rivals[ISO_MEASURED_MOST];
@@ -192,7 +193,7 @@ static iso_status judge(iso_validation *v, const iso_measured *all, const iso_py
         ++row.rival_count;
     }
     compare_with_rebuilt(v, rebuilt, &row);
-    iso_status status = iso_validate_bound_level(v, own, &row, err);
+    iso_status status = iso_validate_bound_level(v, own, &row, late, err);
     if (status == ISO_OK)
         status = iso_validate_judge_scale(v, rebuilt, &row, err);
     return status == ISO_OK ? iso_report_add_level(v->report, &row, err) : status;
@@ -202,7 +203,8 @@ iso_status iso_validate_judge_levels(iso_validation *v, const iso_measured *all,
                                      iso_error *err)
 {
     iso_status status = ISO_OK;
+    bool late = false;
     for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK; ++level)
-        status = judge(v, all, rebuilt, level, err);
-    return status;
+        status = judge(v, all, rebuilt, level, &late, err);
+    return status == ISO_OK && late ? iso_validate_stage_left_out(v, "bounds of levels", err) : status;
 }

@@ -34,10 +34,13 @@ static void run_part(team *t, iso_validation *mine, size_t first, size_t i, iso_
     mine->order = first + i;
     iso_progress_lane lane = {.line = t->line, .number = i};
     const iso_progress progress = iso_progress_of_lane(&lane);
+    size_t *const outer = mine->renderers.taken;
     mine->progress = &progress;
+    mine->renderers.taken = &lane.taken;
     if (may_begin(t))
         end_part(t, part(mine, i, user, &err), &err);
     mine->progress = NULL;
+    mine->renderers.taken = outer;
     iso_progress_lane_end(&lane);
 }
 

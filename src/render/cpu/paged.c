@@ -81,16 +81,27 @@ static void measure(paged *p, const iso_view *view)
     p->tiles[1] = (view->height + ISO_CAST_TILE - 1) / ISO_CAST_TILE;
 }
 
+/* A tenth of a megabyte and more, so that the parts are what the sum is. */
+static double tenths_of_mb(double bytes)
+{
+    return ceil(bytes / 104857.6) / 10;
+}
+
+static iso_status say_what_is_needed(double given, double empty, double rays, double pages, iso_error *err)
+{
+    const double parts[] = {tenths_of_mb(empty), tenths_of_mb(rays), tenths_of_mb(pages)};
+    return iso_fail(err, ISO_E_RANGE,
+                    "paged: %.1f MB are too little, this picture needs %.1f MB: %.1f for what is empty, %.1f for rays "
+                    "and the image, %.1f for %d pages",
+                    given / 1048576, parts[0] + parts[1] + parts[2], parts[0], parts[1], parts[2], (int)LEAST_PAGES);
+}
+
 /* Everything but the pool, which takes what is left of the memory. */
 static iso_status allocate(paged *p, const iso_view *view, double memory_bytes, iso_error *err)
 {
-    const double fixed = fixed_bytes(p, view), least = fixed + LEAST_PAGES * (double)page_bytes(p);
-    if (!(memory_bytes >= least))
-        return iso_fail(err, ISO_E_RANGE,
-                        "paged: %.1f MB are too little, this picture needs %.1f MB: %.1f for what is "
-                        "empty, %.1f for rays and the image",
-                        memory_bytes / 1048576, ceil(least / 104857.6) / 10, (double)p->blocks / 1048576,
-                        (fixed - (double)p->blocks) / 1048576);
+    const double fixed = fixed_bytes(p, view), pages = LEAST_PAGES * (double)page_bytes(p);
+    if (!(memory_bytes >= fixed + pages))
+        return say_what_is_needed(memory_bytes, (double)p->blocks, fixed - (double)p->blocks, pages, err);
     const double room = (memory_bytes - fixed) / (double)page_bytes(p);
     const size_t most = (size_t)(INT32_MAX / ISO_CAST_VOXELS) - 1;
     p->pool = room < (double)most ? (size_t)room : most;
