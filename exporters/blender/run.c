@@ -176,7 +176,6 @@ static iso_sandbox_kind sandbox_kind(void)
 static iso_status start(const blender_run *run, iso_blender_session *s, iso_error *err)
 {
     char threads[16];
-    const iso_sandbox_wish sandbox = {.kind = sandbox_kind()};
     snprintf(threads, sizeof threads, "%d", run->threads);
     const char *argv[] = {
         run->blender, "-b",        "--factory-startup", "-noaudio",       "--python-exit-code", "9", "-t", threads, "-P",
@@ -184,12 +183,17 @@ static iso_status start(const blender_run *run, iso_blender_session *s, iso_erro
     iso_status status = write_script(run->script, err);
     if (status == ISO_OK)
         status = save_calibration_volume(run->calibration, err);
-    if (status != ISO_OK)
-        return status;
-    if (!(s->blender = strdup(run->blender)))
-        return iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    /* Debian's Blender takes the Python that PATH names first for its own, and misses its modules in another one. */
+    char *folder = iso_path_dir(run->blender);
+    const iso_sandbox_wish sandbox = {.kind = sandbox_kind(),
+                                      .first_in_path = folder && folder[0] == '/' ? folder : NULL};
+    if (status == ISO_OK && !(s->blender = strdup(run->blender)))
+        status = iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     s->threads = run->threads;
-    return iso_process_start(argv, s->folder ? s->folder : run->folder, &sandbox, &s->process, err);
+    if (status == ISO_OK)
+        status = iso_process_start(argv, s->folder ? s->folder : run->folder, &sandbox, &s->process, err);
+    free(folder);
+    return status;
 }
 
 /* The one that is there, if it is what a new one would be; it is told the description, which a new one starts with. */

@@ -93,7 +93,9 @@ static void end_line(line_log *log)
     if (log->used > 0) {
         snprintf(log->last, sizeof log->last, "%.*s", (int)sizeof log->last - 1, log->line);
         iso_words_make_printable(log->last);
-        if (strcasestr(log->line, "error") || strcasestr(log->line, "fatal"))
+        /* Blender says at last that a script failed; why, a line before it does. */
+        const bool says_why = !log->error[0] || !strstr(log->line, "Error: script failed");
+        if (says_why && (strcasestr(log->line, "error") || strcasestr(log->line, "fatal")))
             memcpy(log->error, log->last, sizeof log->error);
         if (log->options->line)
             log->options->line(log->options->user, log->line);

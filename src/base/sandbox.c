@@ -296,21 +296,30 @@ static bool is_named(const char *setting, const char *name)
     return strncmp(setting, name, length) == 0 && setting[length] == '=';
 }
 
-/* Ours, with names pointing to the folder: they are copies, and come first. NULL: no memory. */
-static char **make_environment(const char *folder, size_t changed)
+/* Ours, with names pointing to the folder and perhaps another PATH: they are copies, and come first. NULL: no memory. */
+static char **make_environment(const char *folder, size_t changed, const char *first_in_path)
 {
+    const char *path = getenv("PATH");
     size_t count = 0, used = 0;
     while (environ[count])
         ++count;
-    char **all = calloc(count + changed + 1, sizeof *all);
+    char **all = calloc(count + changed + 2, sizeof *all);
     for (; all && used < changed; ++used)
         if (asprintf(&all[used], "%s=%s", folder_names[used], folder) < 0) {
             all[used] = NULL;
             free_environment(all, changed);
             return NULL;
         }
+    if (all && first_in_path) {
+        if (asprintf(&all[used], "PATH=%s:%s", first_in_path, path ? path : "/usr/bin:/bin") < 0) {
+            all[used] = NULL;
+            free_environment(all, changed);
+            return NULL;
+        }
+        ++used;
+    }
     for (size_t i = 0; all && i < count; ++i) {
-        bool is_kept = true;
+        bool is_kept = !first_in_path || !is_named(environ[i], "PATH");
         for (size_t k = 0; k < changed; ++k)
             is_kept = is_kept && !is_named(environ[i], folder_names[k]);
         if (is_kept)
@@ -331,9 +340,11 @@ iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder,
     box->closes = true;
     box->has_sockets = wish->kind == ISO_SANDBOX_DEVICE;
     box->rules = make_rules(wish, whole, &status, err);
-    box->copies = whole ? (size_t)(FOLDER_NAMES - !wish->private_home) : 0;
-    if (whole)
-        box->environment = make_environment(whole, box->copies);
+    if (whole) {
+        const size_t changed = (size_t)(FOLDER_NAMES - !wish->private_home);
+        box->environment = make_environment(whole, changed, wish->first_in_path);
+        box->copies = box->environment ? changed + (wish->first_in_path != NULL) : 0;
+    }
     if (whole && !box->environment && status == ISO_OK)
         status = iso_fail(err, ISO_E_MEMORY, "no memory to start a program");
     free(whole);

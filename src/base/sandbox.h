@@ -32,6 +32,7 @@ typedef struct iso_sandbox_wish {
     iso_sandbox_kind kind;
     const char *output; /* one more folder or file that is there, to write to; or NULL */
     bool private_home;  /* HOME is its own folder, too: settings of the user change nothing */
+    const char *first_in_path; /* a folder in front of all others in its PATH; or NULL */
 } iso_sandbox_wish;
 
 /* Prepared before the fork, entered behind it. {0} is none. */
