@@ -92,6 +92,6 @@ blender silent "exit 0" a_blender_that_writes_nothing "left no picture"
 blender broken "echo no picture >picture-0.exr" a_broken_picture "picture-0.exr"
 blender nan "cp '$dir/nan.exr' picture-0.exr" a_picture_of_nans "no numbers"
 # It looks for Python beside itself, whatever PATH names first; and why its script failed stands before that it did.
-blender looking 'echo "Error: first is ${PATH%%:*}"; exit 9' a_blender_looks_beside_itself_first "first is $dir\$"
+blender looking 'echo "Error: first is ${PATH%%:*}"; exit 9' a_blender_looks_beside_itself_first "first is $dir"
 blender failing "echo \"ModuleNotFoundError: No module named 'numpy'\"; echo 'Error: script failed, exiting'; exit 9" why_a_script_failed "No module named 'numpy'"
 exit $failed

@@ -138,7 +138,7 @@ void iso_gnuplot_put_quoted(FILE *gp, const char *text)
     for (; *text; ++text) {
         const unsigned char c = (unsigned char)*text;
         /* gnuplot 5.4 takes all digits that follow for those of the escape. */
-        is_escaped = !(c >= 0x80 || isalpha(c) || strchr(" ._-", c) || (isdigit(c) && !is_escaped));
+        is_escaped = !(c >= 0x80 || isalpha(c) || strchr(" ./_-", c) || (isdigit(c) && !is_escaped));
         fprintf(gp, is_escaped ? "\\%03o" : "%c", c);
     }
     fputc('"', gp);
