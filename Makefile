@@ -37,7 +37,9 @@ link_coverage := -Wl,-u,__gcov_dump
 # The kernels without AVX-512, to measure on a machine that has it.
 flags_avx2 := $(flags_release) -DISO_WITHOUT_AVX512
 flags_debug := -O0 -g
-flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+# Without where each variable is at each place: the kernels of the CPU ray caster are too large for that, which gcc tells.
+flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer \
+	-fno-var-tracking-assignments
 # By clang, for `make fuzz`; by gcc, for the lines that fuzzing reaches.
 flags_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 flags_coverage := -O1 -g --coverage
