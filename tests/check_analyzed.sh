@@ -24,7 +24,7 @@ END
     elif grep -q "\[$5\]" found; then ok "$1"
     else not_ok "$1" "found: $(grep warning: found | head -n 1)"; fi
 }
-plant a_null_pointer_is_found src/volume/child.c $'if (r && r->process.output)\n        fclose' $'if (!r && r->process.output)\n        fclose' core.NullDereference
+plant a_null_pointer_is_found src/volume/child.c 'if (r && r->process.output >= 0)' 'if (!r && r->process.output >= 0)' core.NullDereference
 plant memory_that_is_freed_twice_is_found src/base/file.c 'free(*data);' 'free(*data), free(*data);' unix.Malloc
 plant a_value_that_nobody_set_is_found src/base/bigfile.c 'fstat(f->fd, &st) != 0' 'st.st_size == 4' core.UndefinedBinaryOperatorResult
 exit $failed

@@ -14,7 +14,7 @@ has_keys data out made_for candidates ssim_dissimilarity rmse adapted_tf seconds
 check threads_change_no_byte diff -r v.iso w.iso
 
 expect a_pyramid_says_what_it_was_made_for 0 "$ISOSHADE" info v.iso
-check with_the_scene_and_each_level grep -q "made for   $scene: level 1 least-squares, level 2" out
+check with_the_scene_and_each_level grep -q "made for   ${scene##*/}: level 1 least-squares, level 2" out
 expect it_is_verified 0 "$ISOSHADE" info v.iso --verify
 check with_all_levels test "$(grep -c 'voxels are made from level 0' out)" = 3
 cp -r v.iso bad.iso
