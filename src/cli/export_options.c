@@ -108,10 +108,11 @@ static iso_status check_frames(const iso_export_arguments *a, const iso_export_t
     return ISO_OK;
 }
 
-/* Those of frames and of several volumes have names that are known when these are read. */
+/* Those of frames and of several volumes have names that are known when these are read. Which target has a .usda, it says
+ * itself. */
 static iso_status guard_files_beside(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
 {
-    if (a->bake.wanted && a->bake.usd)
+    if (a->bake.wanted && a->bake.usd && iso_path_ends_with(a->output, ".vdb"))
         return iso_bake_guard_usda(a->output, a->force, err);
     if (!target->guard || a->frames || a->channels || a->cli->argument_count > 1)
         return ISO_OK;
