@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/file.h"
 #include "bake/grids.h"
 #include "base/stamp.h"
 #include "blender/blender.h"
