@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-#include "base/file.h"
 #include "bake/grids.h"
+#include "base/file.h"
 #include "base/stamp.h"
 #include "blender/blender.h"
 
