@@ -39,7 +39,7 @@ class NetCdf : public Store {
 public:
     explicit NetCdf(const std::string &path) : path_(path), file_(path)
     {
-        check_bytes();
+        check_is_whole();
     }
 
     std::vector<Array> arrays() override
@@ -142,7 +142,7 @@ private:
 
     /* The library gives zeros for what a truncated file lacks. The classic format's header and variables take this, and
      * more in its later versions. */
-    void check_bytes()
+    void check_is_whole()
     {
         int dimensions = 0, count = 0, attributes = 0, of_variable = 0;
         check(nc_inq(file_, &dimensions, &count, &attributes, nullptr), "its header");
