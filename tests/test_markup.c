@@ -67,9 +67,10 @@ static void any_text_comes_back(void **state)
 static void control_characters_become_spaces(void **state)
 {
     (void)state;
-    char *page = page_of("a\033[31m\001b");
-    assert_non_null(strstr(page, "a [31m b"));
+    char *page = page_of("a\033[31m\001b\xc2\x9b\x31m\xc3\x9b");
+    assert_non_null(strstr(page, "a [31m b 1m\xc3\x9b"));
     assert_null(strchr(page, '\033'));
+    assert_null(strstr(page, "\xc2\x9b"));
     free(page);
 }
 

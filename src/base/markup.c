@@ -1,6 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/markup.h"
 
+#include "base/words.h"
+
+/* Returns how many bytes of the text were taken. */
+static size_t put_other(FILE *f, const char *c)
+{
+    const size_t control = *c == '\n' || *c == '\t' ? 0 : iso_words_control(c);
+    fputc(control ? ' ' : *c, f);
+    return control ? control : 1;
+}
+
 void iso_markup_put(FILE *f, const char *text)
 {
     for (const char *c = text; c && *c; ++c)
@@ -10,6 +20,6 @@ void iso_markup_put(FILE *f, const char *text)
         case '>': fputs("&gt;", f); break;
         case '"': fputs("&quot;", f); break;
         case '\'': fputs("&#39;", f); break;
-        default: fputc((unsigned char)*c < ' ' && *c != '\n' && *c != '\t' ? ' ' : *c, f);
+        default: c += put_other(f, c) - 1;
         }
 }

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/words.h"
+
 const char *iso_status_text(iso_status status)
 {
     switch (status) {
@@ -25,9 +27,10 @@ iso_status iso_errno_status(void)
 /* Texts of files and programs may hold anything; a message stays one line. */
 static void one_line(char *text)
 {
-    for (; *text; ++text)
-        if ((unsigned char)*text < ' ' || *text == 127)
-            *text = ' ';
+    for (size_t control; *text; text += control ? control : 1) {
+        control = iso_words_control(text);
+        memset(text, ' ', control);
+    }
 }
 
 iso_status iso_fail(iso_error *err, iso_status status, const char *format, ...)

@@ -13,8 +13,11 @@
 /* A word of a command line, quoted for a shell where it has to be. */
 void iso_words_put_quoted(FILE *f, const char *word);
 
-/* Does a text hold a control character (below a space, or delete)? No name or word of a file needs one, and a line feed
- * would begin a statement in texts that are written for other programs. */
+/* How many bytes of a text's beginning are a control character: below a space, delete, or U+0080 to U+009F in UTF-8, of
+ * which U+009B begins what terminals obey. 0: it is none. */
+size_t iso_words_control(const char *text);
+/* Does a text hold one? No name or word of a file needs it, and a line feed would begin a statement in texts that are
+ * written for other programs. */
 bool iso_words_has_control(const char *text);
 /* A copy without them, spaces in their place, of what fits into size bytes. */
 void iso_words_copy_line(const char *text, char *line, size_t size);

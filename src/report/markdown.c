@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/provenance.h"
+#include "base/words.h"
 #include "report/report.h"
 
 const char *iso_markdown_target(const char *dir)
@@ -22,9 +23,10 @@ enum { MOST_ROWS = 40 }; /* of a table: pages of runs end at a megabyte */
  * stands: it parts no cells and opens no element, no emphasis, no link and no mention. */
 void iso_markdown_put_text(FILE *f, const char *text)
 {
-    for (; *text; ++text) {
+    for (size_t control; *text; text += control ? control : 1) {
         const unsigned char c = (unsigned char)*text;
-        if (c < 0x20 || c == 0x7f)
+        control = iso_words_control(text);
+        if (control)
             fputc(' ', f);
         else if (c < 0x80 && ispunct(c) && !strchr(",.;:/()-+=%'?", c))
             fprintf(f, "&#%u;", c);

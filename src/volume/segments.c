@@ -11,11 +11,13 @@ json_t *iso_segments_text(const char *text)
     char copy[128];
     size_t n = 0;
     for (; text[n] && n + 1 < sizeof copy; ++n)
-        copy[n] = (unsigned char)text[n] < 32 || text[n] == 127 ? '_' : text[n];
+        copy[n] = text[n];
     if (text[n]) /* whole characters */
         while (n > 0 && ((unsigned char)text[n] & 0xC0) == 0x80)
             --n;
     copy[n] = 0;
+    for (size_t i = 0; i < n; ++i)
+        memset(copy + i, '_', iso_words_control(copy + i));
     json_t *json = json_string(copy);
     for (size_t i = 0; !json && i < n; ++i)
         copy[i] = (unsigned char)copy[i] >= 128 ? '_' : copy[i];
