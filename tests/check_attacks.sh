@@ -147,6 +147,8 @@ check and_is_resumed isoshade build large.nrrd -o large.iso --resume -q
 
 # ---- words and files of strangers ----
 check a_name_with_a_line_feed_is_refused ends 2 'control character' isoshade info $'a\nb.nrrd'
+check so_is_one_with_a_control_character_of_two_bytes ends 2 'control character' isoshade info $'a\xc2\x9b31mb.nrrd'
+check a_letter_of_two_bytes_is_none ends 3 'a.*b.nrrd' isoshade info $'a\xc2\xb5\xc3\x9bb.nrrd'
 odd=$'\xff.nrrd'
 for words in "info $odd --json" "compare $odd s.nrrd --json" "build $odd -o odd.iso" "make sphere --size 4 -o $odd" \
     "validate s.nrrd --scene $shells --with gl -o $odd" "chart $odd -o c" "view $odd -o v.html" "tf suggest $odd -o t.tf.json"; do
@@ -286,6 +288,16 @@ refuse grids_of_another_program 3 'beside.vdb: was saved or changed' isoshade ex
 check stay_as_they_are cmp beside.vdb before.vdb
 refuse so_do_those_of_a_level 3 'more_level_1.vdb: was saved or changed' \
     sh -c 'cp before.vdb more_level_1.vdb && trap "rm more_level_1.vdb" EXIT && "$ISOSHADE" export s.nrrd --to blender --levels 2 -o more.blend -q'
+beside() { # a name that -o leads to, command ...: a file of another program is refused before work, and stays
+    cp before.vdb "$1"
+    refuse "at_the_name_$1" 3 "$1: w" isoshade "${@:2}" -q
+    check "$1_stays" cmp "$1" before.vdb
+    rm -f "$1"
+}
+beside play_0001.vdb export 'frames_%04d.vdb' --frames all --to blender -o play.blend
+beside both_s_2.vdb export s.nrrd --add s.nrrd --to blender -o both.blend
+beside shown.json scenes s.nrrd --view front --size 32 -o shown.png
+beside named_level_1.tf.json tf adapt s.nrrd --scene one.json --levels 2 -o named
 stays grids_of_frames frames_0000.vdb export 'frames_%04d.vdb' --frames all --to blender -o frames.blend
 stays a_grid_of_a_file grids.vdb export grids.vdb:density --to vdb -o grids.vdb
 stays a_scene_beside_a_report rep.scene.json validate s.nrrd --scene rep.scene.json --view left --quick --levels 1 --with gl --size 16 -o rep

@@ -167,12 +167,17 @@ char *iso_blender_vdb_path(const char *blend_path, size_t k, size_t count, bool 
     return path;
 }
 
-static iso_status guard_grid(const char *blend_path, size_t k, size_t count, bool roi, bool force, iso_error *err)
+iso_status iso_blender_guard_grid(const char *path, bool force, iso_error *err)
+{
+    const iso_status status = iso_inputs_announce(path, err);
+    return status == ISO_OK ? iso_stamp_guard_other(path, iso_vdb_is_ours(path), force, err) : status;
+}
+
+static iso_status guard_level(const char *blend_path, size_t k, size_t count, bool roi, bool force, iso_error *err)
 {
     char *path = iso_blender_vdb_path(blend_path, k, count, roi);
-    iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
-    if (status == ISO_OK)
-        status = iso_stamp_guard_other(path, iso_vdb_is_ours(path), force, err);
+    const iso_status status = path ? iso_blender_guard_grid(path, force, err)
+                                   : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     free(path);
     return status;
 }
@@ -182,9 +187,9 @@ iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t 
 {
     iso_status status = iso_blender_check_path(blend_path, err);
     for (size_t k = level; k < level + level_count && status == ISO_OK; ++k) {
-        status = guard_grid(blend_path, k, level_count, false, force, err);
+        status = guard_level(blend_path, k, level_count, false, force, err);
         if (status == ISO_OK && roi)
-            status = guard_grid(blend_path, k, level_count, true, force, err);
+            status = guard_level(blend_path, k, level_count, true, force, err);
     }
     return status;
 }

@@ -110,6 +110,7 @@ typedef struct iso_blender_sequence {
     const iso_view *view;                                                         /* of all frames */
     iso_status (*load)(void *user, size_t frame, iso_pyramid *p, iso_error *err); /* to be destroyed */
     void *user;
+    bool force; /* files of such names that are not isoshade's are kept aside; else refused */
 } iso_blender_sequence;
 
 /* One NAME.blend and a NAME_0000.vdb, NAME_0001.vdb ... for each frame, which Blender plays as a sequence: its frame 1 is the
@@ -125,6 +126,7 @@ typedef struct iso_blender_several {
     iso_status (*load)(void *user, size_t i, iso_pyramid *p, iso_view *view, char name[ISO_BLENDER_VOLUME_NAME],
                        iso_error *err);
     void *user;
+    bool force; /* as above */
 } iso_blender_several;
 
 /* opt->step_voxels 0: the first view's. One NAME.blend with a NAME_volume.vdb, a box, a material and a collection for each, a property "show" of each box, and

@@ -26,6 +26,9 @@ iso_status iso_blender_check(const iso_pyramid *p, size_t level, size_t count, c
 /* One file a level, and one a region of interest, all with the same grid names, so that one material reads them. */
 char *iso_blender_vdb_path(const char *blend_path, size_t k, size_t count, bool roi);
 
+/* Before it is replaced: announces a file of grids, and refuses one that is not isoshade's, which force keeps aside. */
+iso_status iso_blender_guard_grid(const char *path, bool force, iso_error *err);
+
 /* ---- the description: all places in Blender's space ---- */
 
 /* A place in Blender is units (world - origin_mm). A unit is a millimetre, but for volumes that are so small or so large

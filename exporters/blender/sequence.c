@@ -93,6 +93,18 @@ static iso_status write_frame(sequence_job *job, size_t frame, iso_error *err)
     return status;
 }
 
+static iso_status guard_frames(const sequence_job *job, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t k = 0; k < job->sequence->count && status == ISO_OK; ++k) {
+        char *path = grid_path(job->blend_path, k);
+        status = path ? iso_blender_guard_grid(path, job->sequence->force, err)
+                      : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+        free(path);
+    }
+    return status;
+}
+
 static iso_status write_blend(sequence_job *job, const char *folder, iso_error *err)
 {
     json_t *about = job->about;
@@ -105,6 +117,8 @@ iso_status iso_blender_export_sequence(const iso_blender_sequence *s, const char
 {
     sequence_job job = {.sequence = s, .blend_path = blend_path, .opt = opt, .progress = progress};
     iso_status status = iso_blender_check_path(blend_path, err);
+    if (status == ISO_OK)
+        status = guard_frames(&job, err);
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();

@@ -55,7 +55,10 @@ static iso_status write_grid(several_job *job, const iso_pyramid *p, const char 
     options.pad_voxels = 1;
     iso_blender_note_space(&job->space, &options);
     char *path = grid_path(job->blend_path, name);
-    iso_status status = path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    iso_status status = path ? iso_blender_guard_grid(path, job->several->force, err)
+                             : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    if (status == ISO_OK)
+        status = iso_output_begin(out, path, err);
     if (status == ISO_OK)
         status = iso_blender_pyramid_in_space(p, &job->space, &scaled, err);
     if (status == ISO_OK)

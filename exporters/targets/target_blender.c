@@ -122,7 +122,8 @@ static iso_status write_blender_frames(const iso_export_job *job, iso_error *err
     o.step_voxels = job->step_voxels > 0 ? job->step_voxels : job->view->step_voxels;
     take_grid_options(job, &o);
     o.physical = job->physical;
-    const iso_blender_sequence all = {job->level, job->frame_count, job->view, job->load_frame, job->frame_user};
+    const iso_blender_sequence all = {job->level, job->frame_count, job->view, job->load_frame, job->frame_user,
+                                      job->force};
     const iso_status status = iso_blender_export_sequence(&all, job->output, &o, job->progress, err);
     if (status == ISO_OK)
         tell_ramps(job, job->view, 1);
@@ -135,7 +136,8 @@ static iso_status write_blender_volumes(const iso_export_job *job, iso_error *er
     o.step_voxels = job->step_voxels;
     take_grid_options(job, &o);
     o.physical = job->physical;
-    const iso_blender_several all = {job->level, job->volume_count, job->load_volume, job->volume_user};
+    const iso_blender_several all = {job->level, job->volume_count, job->load_volume, job->volume_user,
+                                     job->force};
     return iso_blender_export_several(&all, job->output, &o, job->progress, err);
 }
 

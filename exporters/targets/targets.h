@@ -76,6 +76,7 @@ typedef struct iso_export_job {
     bool
         is_shown; /* of a target that takes ISO_EXPORT_SHOWN: the views that view_of_level makes are what the user gave */
     bool dense;   /* grids hold all voxels */
+    bool force;   /* a file beside the output that is not isoshade's is kept aside, else it ends the export */
     const double *background; /* the value that stands for what grids leave out; NULL: chosen, or none is left out */
     const char *command;      /* to be noted in files: without folders */
     bool extinction_scale;    /* the views that view_of_level makes have one (fit/extinction_scale.h) */

@@ -63,6 +63,13 @@ iso_status iso_stamp_guard(const char *path, bool force, iso_error *err)
     return iso_stamp_guard_other(path, iso_stamp_fits(path), force, err);
 }
 
+iso_status iso_stamp_guard_beside(const char *path, bool is_ours, iso_error *err)
+{
+    if (is_ours || !iso_path_exists(path))
+        return ISO_OK;
+    return iso_fail(err, ISO_E_IO, "%s: would be replaced, and is not from isoshade; -o names another", path);
+}
+
 iso_status iso_stamp_guard_other(const char *path, bool is_ours, bool force, iso_error *err)
 {
     if (is_ours || !iso_path_exists(path))

@@ -22,5 +22,7 @@ bool iso_stamp_fits(const char *path);
 iso_status iso_stamp_guard(const char *path, bool force, iso_error *err);
 /* The same for a file that has no room for a stamp, and tells by something else whether it is ours. */
 iso_status iso_stamp_guard_other(const char *path, bool is_ours, bool force, iso_error *err);
+/* The same where a command has no --force: for a file that gets its name from another output's. */
+iso_status iso_stamp_guard_beside(const char *path, bool is_ours, iso_error *err);
 
 #endif

@@ -116,6 +116,7 @@ static iso_export_job job_of(iso_export_arguments *a, const iso_export_target *t
                             .half_float = a->half,
                             .physical = a->material_row == 1,
                             .dense = a->dense,
+                            .force = a->force,
                             .is_shown = iso_export_is_shown(a, target),
                             .background = a->has_background ? &a->background : NULL,
                             .command = command,

@@ -11,6 +11,7 @@
 #include "base/inputs.h"
 #include "base/json.h"
 #include "base/provenance.h"
+#include "base/stamp.h"
 #include "cli/contact_sheet.h"
 #include "cli/scenes_write.h"
 #include "options/cli.h"
@@ -235,11 +236,22 @@ static iso_status save_json(const sheet *s, const json_t *root, iso_error *err)
     return status;
 }
 
-static iso_status announce_json(const char *output, iso_error *err)
+/* The pictures of a sheet, as report() writes them. */
+static bool is_of_a_sheet(const char *path)
+{
+    json_t *root = NULL;
+    const bool found = iso_json_load(path, &root, NULL) == ISO_OK && json_object_get(root, "sheet") &&
+                       json_object_get(root, "pictures");
+    json_decref(root);
+    return found;
+}
+
+static iso_status guard_json(const char *output, iso_error *err)
 {
     char *path = json_path(output);
-    const iso_status status = path ? iso_inputs_announce(path, err)
-                                   : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
+    iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
+    if (status == ISO_OK)
+        status = iso_stamp_guard_beside(path, is_of_a_sheet(path), err);
     free(path);
     return status;
 }
@@ -284,9 +296,9 @@ static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
     if (status == ISO_OK && !iso_gnuplot_ending(a->output))
         status = iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", a->output);
     if (status == ISO_OK)
-        status = announce_json(a->output, err);
-    if (status == ISO_OK)
         status = choose(&s, err);
+    if (status == ISO_OK) /* what was chosen is read, so that an input is told from what a person keeps there */
+        status = guard_json(a->output, err);
     if (status == ISO_OK)
         status = iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &s.pyramid, err);
     if (status == ISO_OK)

@@ -8,6 +8,8 @@
 
 #include "base/file.h"
 #include "base/inputs.h"
+#include "base/json.h"
+#include "base/stamp.h"
 #include "plan/auto_choice.h"
 #include "scene/subject.h"
 #include "tf/format.h"
@@ -25,10 +27,24 @@ static char *adapted_path(const iso_tf_arguments *a, size_t level)
     return asprintf(&path, "%.*s_level_%zu.tf.json", (int)length, a->output, level) < 0 ? NULL : path;
 }
 
-static iso_status announce_level(const iso_tf_arguments *a, size_t level, iso_error *err)
+/* As this command writes them. */
+static bool is_tf(const char *path)
+{
+    iso_tf tf = {0};
+    json_t *root = NULL;
+    const bool is_one = iso_json_load(path, &root, NULL) == ISO_OK && iso_tf_from_json(root, path, &tf, NULL) == ISO_OK;
+    json_decref(root);
+    iso_tf_destroy(&tf);
+    return is_one;
+}
+
+/* A name that was made from -o may be somebody's. */
+static iso_status guard_level(const iso_tf_arguments *a, size_t level, iso_error *err)
 {
     char *path = adapted_path(a, level);
-    const iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_stamp_guard_beside(path, is_tf(path), err);
     free(path);
     return status;
 }
@@ -277,7 +293,7 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
                           a->level, p.level_count - 1);
     for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
         if (a->level == 0)
-            status = announce_level(a, k, err);
+            status = guard_level(a, k, err);
     if (status == ISO_OK)
         status = iso_cli_tf_tabulate(&look, &p, &table, err);
     adapt_run run = {a, &p, &table, NULL, levels};
