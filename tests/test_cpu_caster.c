@@ -248,6 +248,24 @@ static void a_direction_just_below_zero_is_next_to_zero(void **state)
     iso_pyramid_destroy(&p);
 }
 
+/* The box cuts the first and the last segment, and the middle of what is left is moved along the ray: by next to nothing across
+ * it. Next to nothing below 0 was a whole voxel. */
+static void what_the_box_cuts_moves_nothing_across_the_ray(void **state)
+{
+    const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
+    static const double tilts[] = {-1e-17, 1e-17, -1e-9, 1e-9};
+    iso_pyramid p = make_pyramid(&of);
+    iso_view view = make_view(&p, true);
+    (void)state;
+    for (size_t i = 0; i < sizeof tilts / sizeof *tilts; ++i) {
+        look_along_z(&p, &view, tilts[i]);
+        view.camera.position = iso_add(view.camera.position, iso_v3(0.1, 0, 0.17)); /* off the faces of cells */
+        expect_picture(&p, &view, ISO_FROM_CODES, "a direction next to 0, and segments that are cut");
+    }
+    iso_view_destroy(&view);
+    iso_pyramid_destroy(&p);
+}
+
 static void it_has_labels(void **state)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, true};
@@ -350,6 +368,7 @@ int main(void)
         cmocka_unit_test(rays_on_faces_of_cells_miss_nothing),
         cmocka_unit_test(rays_next_to_what_is_empty_miss_nothing),
         cmocka_unit_test(a_direction_just_below_zero_is_next_to_zero),
+        cmocka_unit_test(what_the_box_cuts_moves_nothing_across_the_ray),
         cmocka_unit_test(it_has_labels),
         cmocka_unit_test(it_has_2d_transfer_functions_and_extinction_scales),
         cmocka_unit_test(what_is_a_little_wrong_is_beyond_the_limits),

@@ -104,6 +104,33 @@ static void a_slab_has_the_opacity_of_its_thickness(void **state)
     free_level(&level);
 }
 
+static double a_third(iso_vec3 p)
+{
+    (void)p;
+    return 1.0 / 3; /* no sum of parts of it is sure to be it again */
+}
+
+/* It has no gradient: what rounding leaves of its differences is none, and the light is ambient alone. */
+static void a_constant_volume_has_no_direction_on_the_fly(void **state)
+{
+    (void)state;
+    const float entries[8] = {1, 1, 1, 0.3f, 1, 1, 1, 0.3f};
+    iso_level level = make_level(small_size, small_spacing, a_third);
+    level.min = level.max = (double)level.scalar[0];
+    iso_view view = make_view(iso_normalize(iso_v3(1, 0.3, 0.2)), entries);
+    view.shading = (iso_shading){.ambient = 0.25, .diffuse = 0.75, .power = 1};
+    for (int q = 0; q < 2; ++q) {
+        iso_reference_options opt = iso_reference_defaults();
+        opt.quadrature = q ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_CONVERGED;
+        opt.source = ISO_FROM_ON_THE_FLY;
+        iso_image image = render(&level, &view, &opt);
+        for (size_t i = 0; i < 20; ++i)
+            assert_within(image.rgba[4 * i], 0.25 * (double)image.rgba[4 * i + 3], 1e-7);
+        iso_image_destroy(&image);
+    }
+    free_level(&level);
+}
+
 /* The chord of an oblique ray through the middle of the box is closed as well. */
 static void an_oblique_chord_counts_in_full(void **state)
 {
@@ -298,6 +325,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slab_has_the_opacity_of_its_thickness),
+        cmocka_unit_test(a_constant_volume_has_no_direction_on_the_fly),
         cmocka_unit_test(an_oblique_chord_counts_in_full),
         cmocka_unit_test(a_ramp_of_extinction_and_color_matches_its_integral),
         cmocka_unit_test(a_shell_thinner_than_a_cell_is_met),

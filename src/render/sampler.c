@@ -20,6 +20,14 @@ static void read_bytes(iso_sampler *s)
     }
 }
 
+/* e of n = g / sqrt(|g|^2 + e^2). A constant level has no range, but what rounding leaves of its differences is no direction:
+ * it is next to nothing beside the value. */
+static double on_the_fly_eps(const iso_level *level)
+{
+    const double range = level->max - level->min, scale = range > 0 ? range : fmax(fabs(level->max), 1);
+    return ISO_ON_THE_FLY_EPS * scale / iso_geometry_min_spacing_mm(&level->geometry);
+}
+
 iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code code, iso_direction_source source,
                               iso_error *err)
 {
@@ -29,8 +37,7 @@ iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code c
                        .code = code,
                        .source = source,
                        .gradient_to_world = iso_geometry_gradient_to_world(g),
-                       .on_the_fly_eps = ISO_ON_THE_FLY_EPS * (level->max - level->min) /
-                                         iso_geometry_min_spacing_mm(g)};
+                       .on_the_fly_eps = on_the_fly_eps(level)};
     if (source == ISO_FROM_FLOAT) {
         if (!level->directions)
             return iso_fail(err, ISO_E_RANGE, "the level holds no float directions; build with --keep-float");
@@ -172,8 +179,7 @@ static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
         0.5 * (iso_sample_scalar(s, iso_v3(p.x, p.y, p.z + 1)) - iso_sample_scalar(s, iso_v3(p.x, p.y, p.z - 1))),
     };
     iso_vec3 g = iso_mul(s->gradient_to_world, index_gradient);
-    double square = iso_dot(g, g) + s->on_the_fly_eps * s->on_the_fly_eps;
-    return square > 0 ? iso_scale(g, 1 / sqrt(square)) : g;
+    return iso_scale(g, 1 / sqrt(iso_dot(g, g) + s->on_the_fly_eps * s->on_the_fly_eps));
 }
 
 static iso_vec3 normal_of_voxel(const iso_sampler *s, size_t voxel)

@@ -13,7 +13,7 @@
 #include "scene/field.h"
 
 /* On-the-fly normals are g / sqrt(|g|^2 + e^2), e this part of the level's
- * value range over its smallest spacing: flat regions fade to ambient. */
+ * value range over its smallest spacing, of a constant level of its value or of 1: flat regions fade to ambient. */
 #define ISO_ON_THE_FLY_EPS 1e-4
 
 typedef struct iso_sampler {

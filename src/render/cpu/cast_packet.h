@@ -191,13 +191,14 @@ CAST void advance_by(packet *p, vi n)
     p->k += n;
 }
 
-/* The middles of segments of which the box cuts off parts at the front and at the back; returns what is left of them. */
+/* The middles of segments of which the box cuts off parts at the front and at the back; returns what is left of them. What is
+ * next to nothing below 0 is a float's 1 above -1, and has to stay below the next whole number. */
 CAST vf cut(points *at, vf front, vf back, const vf step[3])
 {
-    const vf shift = 0.5f * (front - back);
+    const vf shift = 0.5f * (front - back), most_part = all_float(0x1.fffffep30f);
     for (int a = 0; a < 3; ++a) {
         const vf delta = shift * step[a], low = round_down(delta);
-        add(at, a, to_int(low), (vu)to_int(most((delta - low) * 0x1p31f - 64.0f, all_float(0))) << 1);
+        add(at, a, to_int(low), (vu)to_int(least((delta - low) * 0x1p31f, most_part)) << 1);
     }
     return 1.0f - front - back;
 }
