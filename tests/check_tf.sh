@@ -33,6 +33,7 @@ if render --scene own.scene.json --adapt --always -o a.exr && render --scene ada
 else
     not_ok adapted_file_and_switch_agree "render failed"
 fi
+check shown_as_json bash -c '"$ISOSHADE" tf show "$0" -o shown.svg --json | grep -q "\"output\": \"shown.svg\""' "$tf"
 check show_png "$ISOSHADE" tf show "$tf" shells_level_1.tf.json --volume shells.nrrd -o tf.png
 head -c 4 tf.png 2>/dev/null | grep -q PNG && ok picture_is_png || not_ok picture_is_png "$(head -c 20 tf.png)"
 check show_svg "$ISOSHADE" tf show "$tf" -o tf.svg
