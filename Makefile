@@ -203,6 +203,7 @@ installed := bin/isoshade lib/isoshade/isoshade_openvdb.so lib/isoshade/isoshade
 	include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
 	lib/$(soname) lib/libisoshade.so lib/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
 	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE \
+	share/doc/isoshade/COPYING \
 	share/isoshade/isoshade-blender-addon.zip
 
 install: all $(addon) ## install program, library, manual page and completions under PREFIX
@@ -221,7 +222,7 @@ install: all $(addon) ## install program, library, manual page and completions u
 	$(program) help --man >$(to)/share/man/man1/isoshade.1
 	$(program) completion bash >$(to)/share/bash-completion/completions/isoshade
 	$(program) completion zsh >$(to)/share/zsh/site-functions/_isoshade
-	install -m 644 LICENSE $(to)/share/doc/isoshade/
+	install -m 644 LICENSE exporters/blender/COPYING $(to)/share/doc/isoshade/
 	install -m 644 $(addon) $(to)/share/isoshade/
 
 uninstall: ## remove what make install put there
@@ -284,9 +285,11 @@ $(build)/isoshade-vdb: $(vdb_cc)
 $(reader_programs): $(build)/isoshade-%: $(child_main) $(child_h) $(build)/child-flags
 	@mkdir -p $(@D)
 	$(call say,CXX)$(READER_CXX) $(child_flags) $($*_flags) -o $@ $(filter %.cc,$^) $($*_libs)
-$(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE
+# With the first day that a zip knows in place of today, so that its bytes are the same whenever it is packed.
+$(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE exporters/blender/COPYING
 	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade && cp $^ $(build)/addon/isoshade/
-	$(call say,ZIP)cd $(build)/addon && python3 -m zipfile -c ../$(@F) isoshade
+	@TZ=UTC touch -d 1980-01-01 $(build)/addon/isoshade/* $(build)/addon/isoshade
+	$(call say,ZIP)cd $(build)/addon && TZ=UTC python3 -m zipfile -c ../$(@F) isoshade
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 # The readers that are programs of their own lie beside it, or nothing is read of their formats.

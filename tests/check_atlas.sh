@@ -5,6 +5,8 @@
 ids=thin-vessels,opposite-normals,sharp-tf,code-folds,lambda
 expect some_cases_are_made 0 "$ISOSHADE" atlas --case $ids -o "an atlas"
 check the_page_is_there test -s "an atlas/index.html"
+one_line() { python3 -c 'import json; assert all("\n" not in c["command"] for c in json.load(open("an atlas/atlas.json"))["cases"])'; }
+check the_command_of_a_case_is_one_line one_line
 check only_they_are_made test "$(ls "an atlas"/*.scene.json | wc -l)" = 4
 
 # Each command, as it is printed, in a folder of its own; `isoshade` is what the check runs.

@@ -109,6 +109,8 @@ for number, line in joined(blocks):
         commands.append((number, "run", re.split(r"\s{3,}", line)[0]))
 for number, line in enumerate(text, 1):
     if not line.startswith("    "):
+        if line.count("`") % 2: # a command that goes on in the next line
+            line += " " + "".join(text[number:number + 1]).strip()
         commands += [(number, "options", m) for m in re.findall(r"`(isoshade [a-z]+ [^`]*--[^`]*)`", line)]
 
 for number, kind, line in commands:
@@ -159,8 +161,9 @@ isoshade palette v.nrrd -o palette.csv --entries 16 --steps 10 -q >/dev/null
 mkdir planted
 printf 'Words.\n\n    isoshade info nothing.nrrd\n' >planted/fails.md
 printf 'Words, `isoshade make --sizes 3`.\n' >planted/option.md
+printf 'Words, `isoshade make\n--sizes 3`, and more.\n' >planted/broken.md
 total=0
-for page in fails option; do
+for page in fails option broken; do
     check "a_page_that_${page}_would_be_seen" grep -q '^not ok' <(run_page "$dir/planted/$page.md")
 done
 total=0

@@ -5,7 +5,7 @@
 # source name pages that are there.
 . "$(dirname "$0")/lib.sh"
 
-pages() { (cd "$1" && find . -maxdepth 1 -name '*.md' -o -path './doc/*' -name '*.md' | sed 's|^\./||' | sort); }
+pages() { (cd "$1" && find . -name '*.md' \( ! -path './*/*' -o -path './doc/*' \) | sed 's|^\./||' | sort); }
 
 # folder: a line for each one that is too long. Tables, code and links cannot be wrapped.
 long_lines() {
@@ -86,6 +86,7 @@ nothing() { # name, what was found
 }
 nothing lines_wrap_at_120_columns "$(long_lines "$top")"
 nothing links_and_pictures_are_there "$(broken_links "$top")"
+nothing parts_that_links_name_are_headings "$(python3 "$top/tests/anchors.py" "$top")"
 nothing no_file_of_doc_is_left_unlinked "$(unlinked "$top")"
 nothing each_picture_has_a_command "$(undrawn "$top")"
 nothing pages_that_comments_name_are_there "$(lost_pages "$top")"
@@ -96,13 +97,18 @@ check there_are_rooms test "$(table_rooms "$top" | wc -l)" -gt 10
 # Planted faults: one of each kind in a small project of its own.
 mkdir -p planted/doc/figures planted/src planted/exporters planted/tests planted/refscenes && touch planted/Makefile
 printf '# a page\n\n%0121d\n\n| %0121d |\n\n    %0121d\n\n[a](doc/a.md) ![p](doc/figures/p.png) [gone](doc/gone.md)\n' 0 0 0 >planted/README.md
-printf '[up](../README.md)\n' >planted/doc/a.md
+printf '# A page\n\n[up](../README.md) [here](#a-page) [nowhere](../README.md#part)\n' >planted/doc/a.md
 printf 'nobody links here\n' >planted/doc/lonely.md
 touch planted/doc/figures/p.png
 printf '/* doc/old.md, doc/a.md */\n' >planted/src/x.c
 printf '# p.png\n' >planted/refscenes/figures.sh
 check a_long_line_is_found test "$(long_lines planted)" = "README.md:3 has 121 columns"
 check a_broken_link_is_found test "$(broken_links planted)" = "README.md links to doc/gone.md, which is not there"
+check a_part_that_is_no_heading_is_found test "$(python3 "$top/tests/anchors.py" planted)" = \
+    "doc/a.md:3 links to README.md#part, which is no heading there"
+printf '%0121d\n\n[gone](gone.md)\n' 0 >planted/doc/lonely.md
+check a_long_line_of_doc_is_found test "$(long_lines planted | sed 1d)" = "doc/lonely.md:1 has 121 columns"
+check a_broken_link_of_doc_is_found test "$(broken_links planted | sed 1d)" = "doc/lonely.md links to doc/gone.md, which is not there"
 check a_lonely_page_is_found test "$(unlinked planted)" = "doc/lonely.md is not linked"
 check a_picture_without_a_command_is_found test "$(undrawn planted)" = "doc/figures/p.png is drawn by no command"
 printf 'draw_p() {\n    echo >p.png\n}\nquick="other"\n' >planted/refscenes/figures.sh

@@ -166,6 +166,20 @@ check its_pictures_are_alike test "$(wc -w <<<"$pixels")" = 1
 check they_have_300_dpi dense_enough volume/figure.pdf
 check its_words_are_apart words_are_apart volume/figure.pdf
 check its_fonts_are_inside fonts_are_inside volume/figure.pdf
+# The first mark of a transfer function's bar may stand at its very end, as that of Hounsfield units from -1024 on.
+python3 - <<'END'
+import array
+values = array.array('h', ((4010 * (x + y + z) // 33 - 1024) if 2 < x < 9 and 2 < y < 9 else -1024
+                           for z in range(12) for y in range(12) for x in range(12)))
+with open('hounsfield.nrrd', 'wb') as f:
+    f.write(b'NRRD0004\ntype: int16\ndimension: 3\nsizes: 12 12 12\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n')
+    values.tofile(f)
+END
+expect a_range_below_zero 0 "$ISOSHADE" figure hounsfield.nrrd --levels 2 --width 85 --tf ct-bone --formats pdf -q -o hounsfield
+check has_its_marks_on_the_page words_are_apart hounsfield/figure.pdf
+check the_first_one_too words_are_all_there hounsfield/figure.pdf -1000
+expect a_narrow_one 0 "$ISOSHADE" figure hounsfield.nrrd --levels 1 --width 40 --tf ct-bone --formats pdf -q -o narrow
+check has_them_as_well words_are_apart narrow/figure.pdf
 check it_keeps_the_aspect test "$(awk -Fx '{d = $2 - $1 * 30 / 48; print (d * d < 1)}' <<<"$pixels")" = 1
 mkdir panels && pdfimages volume/figure.pdf panels/p
 for level in 0 1 2; do

@@ -10,6 +10,7 @@ expect it_is_installed 0 make_it install
 lib=$to/lib/libisoshade.so
 version=$("$ISOSHADE" --version | cut -d' ' -f2)
 
+check both_licenses_are_there test -s "$to/share/doc/isoshade/LICENSE" -a -s "$to/share/doc/isoshade/COPYING"
 check the_program_runs "$to/bin/isoshade" --version
 check the_soname_is_the_major_version test "$(objdump -p "$lib" | sed -n 's/^ *SONAME *//p')" = "libisoshade.so.${version%%.*}"
 check and_leads_to_the_library test -e "$to/lib/libisoshade.so.${version%%.*}" -a -f "$to/lib/libisoshade.so.$version"
@@ -57,6 +58,11 @@ for command in $("$ISOSHADE" --help | sed -n '/^commands:/,/^$/s/^  \([a-z]*\) .
     done
 done
 check each_command_and_option_is_in_it test -z "${missing-}"
+
+# Variables that only tests and benchmarks set are left out.
+variables() { grep -rohE 'ISOSHADE_[A-Z0-9_]*[A-Z0-9]' "$top/README.md" "$top/doc" --include=*.md | grep -v _FUZZ_ | sort -u; }
+for variable in $(variables); do grep -q "$variable" "$man" || unsaid="${unsaid-} $variable"; done
+check each_variable_of_the_pages_is_in_it test -z "${unsaid-}" -a -n "$(variables)"
 
 complete_words() { # WORD ...: what completion proposes for the last one
     bash --norc -c '. "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _isoshade; echo "${COMPREPLY[*]}"' \

@@ -5,7 +5,7 @@
 # for byte, and tests/fuzz/seeds are damaged files.
 . "$(dirname "$0")/lib.sh"
 
-sources() { find "$1"/src "$1"/exporters "$1"/tests "$1"/refscenes "$1"/Makefile "$1"/.ci -type f ! -name '*.json' ! -path '*/__pycache__/*' ! -path '*/node_modules/*' ! -path '*/tests/formats/phantom.*' ! -path '*/tests/fuzz/seeds/*'; }
+sources() { find "$1"/src "$1"/exporters "$1"/tests "$1"/refscenes "$1"/Makefile "$1"/.ci -type f ! -name '*.json' ! -path '*/exporters/blender/COPYING' ! -path '*/__pycache__/*' ! -path '*/node_modules/*' ! -path '*/tests/formats/phantom.*' ! -path '*/tests/fuzz/seeds/*'; }
 
 wrong() { # folder: a line for each file whose licence is not what it should be
     sources "$1" | tr '\n' '\0' | xargs -0 grep -HnE 'SPDX-License-Identifier: |^(import|from) bpy' /dev/null |
@@ -24,6 +24,7 @@ found=$(wrong "$top")
 check each_file_says_its_licence test -z "$found"
 [ -z "$found" ] || head -n 20 <<<"$found"
 check the_licence_itself_is_there grep -q '^MIT License' "$top/LICENSE"
+check and_the_text_of_the_gpl_beside_its_scripts grep -q 'GNU GENERAL PUBLIC LICENSE' "$top/exporters/blender/COPYING"
 
 # Planted faults: a file without a line, and a script for Blender under the other licence.
 mkdir -p planted/src planted/exporters planted/tests planted/refscenes planted/.ci && cd planted || exit 1

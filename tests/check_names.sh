@@ -53,6 +53,22 @@ export export target
 export material
 END
 
+# Help is read in a terminal: its sentences wrap at 120 columns, and examples are indented. Usages, tables and examples
+# cannot be wrapped.
+long_lines() { awk 'length($0) > 120 && !/^usage:/ && !/^ /' "$1"; }
+unindented() { awk 'on && NF && !/^  / {print} /^examples:/ {on = 1}' "$1"; }
+{ "$ISOSHADE" --help; "$ISOSHADE" bench --help; } >commands.txt
+while read -r command; do
+    "$ISOSHADE" $command --help >help.txt
+    [ -z "$(long_lines help.txt | sed 1d)$(unindented help.txt)" ] || bad="${bad-} $command"
+done < <(sed -n '/^commands:/,/^$/s/^  \([a-z]*\) .*/\1/p; /^benchmarks:/,/^$/s/^  \([a-z-]*\) .*/bench \1/p' commands.txt)
+check help_wraps_and_indents_its_examples test -z "${bad-}"
+printf 'isoshade x - y\n%0121d\nexamples:\nisoshade x\n' 0 >help.txt
+check a_long_line_of_help_is_found test "$(long_lines help.txt | wc -l)" = 1
+check an_example_at_the_margin_is_found test "$(unindented help.txt)" = "isoshade x"
+taking_part() { "$ISOSHADE" "$1" --help | grep -A3 -- --with= | grep -o 'gl,[a-z,]*'; }
+check validate_says_who_takes_part test "$(taking_part validate)" = "$(taking_part chart)"
+
 # Each table has its section in doc/extending.md, which says where a row goes.
 for heading in "A renderer" "A direction code" "An estimator" "A volume format" "An export target" "A transfer-function format"; do
     check "extending_has_${heading// /_}" grep -qx "## $heading" "$top/doc/extending.md"

@@ -33,11 +33,16 @@ if render --scene own.scene.json --adapt --always -o a.exr && render --scene ada
 else
     not_ok adapted_file_and_switch_agree "render failed"
 fi
+check shown_as_json bash -c '"$ISOSHADE" tf show "$0" -o shown.svg --json | grep -q "\"output\": \"shown.svg\""' "$tf"
 check show_png "$ISOSHADE" tf show "$tf" shells_level_1.tf.json --volume shells.nrrd -o tf.png
 head -c 4 tf.png 2>/dev/null | grep -q PNG && ok picture_is_png || not_ok picture_is_png "$(head -c 20 tf.png)"
 check show_svg "$ISOSHADE" tf show "$tf" -o tf.svg
 expect triangle 0 "$ISOSHADE" tf triangle shells.nrrd --tf "$tf" --level 1 -o triangle.png
 grep -q 'Gaussian 0.[0-9]*, constant 0' out && [ -s triangle.png ] && ok triangle_shows_corners || not_ok triangle_shows_corners "$(cat out)"
+"$ISOSHADE" tf triangle shells.nrrd --tf "$tf" --level 1 -o triangle.pdf -q >out
+# With room to the edge: in a PNG letters are wider, and what lies beyond is not drawn.
+on_the_page() { pdftotext -bbox "$1" - | awk -F'"' '/<page/ {wide = $2} />'"$2"'</ {found = 1; if ($6 > wide - 6) bad = 1} END {exit !found || bad}'; }
+check what_its_colors_are_is_on_the_page on_the_page triangle.pdf voxels
 check convert_csv "$ISOSHADE" tf convert "$tf" -o tf.csv
 [ "$(wc -l <tf.csv)" = 257 ] && ok csv_has_a_line_an_entry || not_ok csv_has_a_line_an_entry "$(wc -l <tf.csv)"
 expect or_by_two_names 0 "$ISOSHADE" tf convert "$tf" two.csv

@@ -41,6 +41,8 @@ expect steep 0 convert steep.vp.json -o steep.tf.json
 grep -q 'between two entries of the table' out && ok steepness_is_said || not_ok steepness_is_said "$(cat out)"
 expect names_are_listed 0 "$ISOSHADE" tf names "$maps"
 [ "$(cat out)" = "$(printf 'rgb\nhsv\nhsv, wrapped\nlab\nlab out of the gamut\ndiverging\ndiverging from gray\nstep\nciede2000')" ] && ok all_names || not_ok all_names "$(cat out)"
+expect names_as_json 0 "$ISOSHADE" tf names "$maps" --json
+check the_same_names python3 -c 'import json; assert json.load(open("out"))["names"][2:4] == ["hsv, wrapped", "lab"]'
 # Names of a file reach a terminal without what would move its cursor.
 python3 - "$maps" <<'PY'
 import json, sys

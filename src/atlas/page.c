@@ -210,7 +210,7 @@ static char *commands_of(const drawing *d, iso_atlas_which which)
 static char *case_command(const drawing *d)
 {
     char *text = NULL;
-    return asprintf(&text, "isoshade atlas --case %s -o %s\n", d->c->id, d->c->id) < 0 ? NULL : text;
+    return asprintf(&text, "isoshade atlas --case %s -o %s", d->c->id, d->c->id) < 0 ? NULL : text;
 }
 
 /* ---- the section ---- */
@@ -278,6 +278,7 @@ static void put_section(FILE *html, const drawing *d, const char *command)
     put_advice(html, c->advice);
     fputs("</p>\n<details><summary>See it again</summary><pre>", html);
     iso_markup_put(html, command);
+    fputc('\n', html);
     for (int w = ISO_ATLAS_FAILURE; w < ISO_ATLAS_WAYS; ++w) {
         char *lines = commands_of(d, (iso_atlas_which)w);
         if (lines) {

@@ -430,6 +430,6 @@ const iso_command iso_bench_all = {
     .details = "Each command runs in a process of its own, as often as --repeat says; the median counts. Ratios have both parts from\n"
                "one run. What cannot be measured says why and the others go on. Exit code 0 also where a bar is missed.\n"
                "--threads is handed on to each command.",
-    .examples = "isoshade bench all --quick --repeat 1 --only build-memory\n",
+    .examples = "  isoshade bench all --quick --repeat 1 --only build-memory\n",
     .run = run,
 };

@@ -413,6 +413,6 @@ const iso_command iso_bench_build = {
         "The seconds of gradient, encode and pyramid are differences between builds that do less; read and\n"
         "write are 0 in memory, and those of --files where that is given: there the build waits for them. Beside each\n"
         "build to files the disk reads and writes the same bytes with nothing computed; both end when the disk has them.",
-    .examples = "isoshade bench build --size 96 --runs 2\n",
+    .examples = "  isoshade bench build --size 96 --runs 2\n",
     .run = run,
 };

@@ -371,7 +371,7 @@ const iso_command iso_bench_cast = {
         "Volumes, transfer functions and loops are those of bench render. Both draw the same samples by turns in one run "
         "with the\nsame number of threads (--threads, which software OpenGL is given as well where LP_NUM_THREADS "
         "is not set). Times are\nof the drawing alone. The last lines say how many samples of the pictures show "
-        "something, how many times faster the sparse\nones became by leaving out empty space, and the bound that is "
+        "something, how many times faster the\nsparse ones became by leaving out empty space, and the bound that is "
         "left if the others cost nothing (processor time).",
     .examples = "  isoshade bench cast --size 32 --image 48 --rounds 1 --truth 16\n",
     .run = run,

@@ -281,9 +281,9 @@ const iso_command iso_bench_encode = {
         "Holes are exact to 1e-5 degrees where it says so. Largest errors are climbed to from random probes, and\n"
         "attained. Rates count the time of one thread, whatever else runs.\n"
         "With volumes, what each code costs in their images instead.",
-    .examples = "isoshade bench encode --count 20000\n"
-                "isoshade bench encode --json\n"
-                "isoshade make marschner-lobb --size 32 -o small.nrrd\n"
-                "isoshade bench encode small.nrrd --scene refscenes/marschner-lobb.scene.json --size 48\n",
+    .examples = "  isoshade bench encode --count 20000\n"
+                "  isoshade bench encode --json\n"
+                "  isoshade make marschner-lobb --size 32 -o small.nrrd\n"
+                "  isoshade bench encode small.nrrd --scene refscenes/marschner-lobb.scene.json --size 48\n",
     .run = run,
 };

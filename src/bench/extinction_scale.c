@@ -205,7 +205,7 @@ const iso_command iso_bench_extinction_scale = {
         "transfer function: three rounds over the fine voxels of runs that show anything, and a look at the result; by such\n"
         "a voxel, and a million of them in frames of the ray caster. All times are processor time over all cores. Opacity\n"
         "off by: RMS over them, without a scale and with.",
-    .examples = "isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
-                "isoshade bench extinction-scale shells.nrrd --levels 3 --size 64 --runs 1\n",
+    .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+                "  isoshade bench extinction-scale shells.nrrd --levels 3 --size 64 --runs 1\n",
     .run = run,
 };

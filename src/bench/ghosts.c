@@ -221,7 +221,7 @@ const iso_command iso_bench_ghosts = {
         "one as it is, what --adapt takes, the 2D one with the deviation, and the adapted one with an extinction scale. For\n"
         "each the ghost, in percent of what level 0 shows: opacity that is seen in voxels in and round which level 0 shows\n"
         "nothing. And 1 - SSIM against level 0.",
-    .examples = "isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
-                "isoshade bench ghosts shells.nrrd --levels 3\n",
+    .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+                "  isoshade bench ghosts shells.nrrd --levels 3\n",
     .run = run,
 };

@@ -191,6 +191,6 @@ const iso_command iso_bench_gradient = {
     .summary = "gradient estimators: order of convergence, angles on known fields, speed",
     .usage = "[options]",
     .details = "The order is that of the error on smooth noise between a grid of --size and one twice as fine.",
-    .examples = "isoshade bench gradient --size 32\n",
+    .examples = "  isoshade bench gradient --size 32\n",
     .run = run,
 };

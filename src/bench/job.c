@@ -200,9 +200,10 @@ const iso_command iso_bench_job = {
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso [options]",
     .details =
-        "Two runs of validate --quick, one after the other: before, in which limits are drawn with all pixels of the scene and each\n"
-        "pass of each picture by a start or request of its own; and after, as validate does it. Their program starts, pictures, pixels, pixels times steps and\n"
-        "processor time over all cores, programs included, with the ratios. Exit code 1: a comparison has another verdict.",
+        "Two runs of validate --quick, one after the other: before, in which limits are drawn with all pixels of the scene and\n"
+        "each pass of each picture by a start or request of its own; and after, as validate does it. Their program starts,\n"
+        "pictures, pixels, pixels times steps and processor time over all cores, programs included, with the ratios. Exit code\n"
+        "1: a comparison has another verdict.",
     .examples = "  isoshade make shells --size 24x22x20 -o small.nrrd\n"
                 "  isoshade bench job small.nrrd --with gl --size 96 --levels 1\n",
     .run = run,

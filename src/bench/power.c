@@ -421,7 +421,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     power_options o = {.repetitions = -1, .planted = -1, .size = -1, .seed = 1001, .format = "svg"};
     char names[256], with[300];
     snprintf(with, sizeof with, "renderers besides the reference (%s)",
-             iso_renderers_with(ISO_HAS_LIMIT, ",", ",", names, sizeof names));
+             iso_renderers_by_default(ISO_HAS_LIMIT, names, sizeof names));
     struct poptOption options[] = {
         {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0, "random scenes (20; 4 with --quick, 3 with --sensitivity)",
          "N"},

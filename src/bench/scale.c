@@ -445,8 +445,8 @@ const iso_command iso_bench_scale = {
         "The slope is that of the logarithm of processor time, less what a process costs with 16^3 voxels, by that of the\n"
         "number of voxels: 1 where time grows as the volume does. Sizes of whose time a process costs more than a tenth are\n"
         "not in it. What does not fit into memory or on the disk is left out, and says so.",
-    .examples = "isoshade bench scale --largest 64\n"
-                "isoshade bench scale --of grain --largest 128 --only build\n",
+    .examples = "  isoshade bench scale --largest 64\n"
+                "  isoshade bench scale --of grain --largest 128 --only build\n",
     .lists = (const iso_names *const[]){&content_names, NULL},
     .run = run,
 };

@@ -70,8 +70,7 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
     iso_words_put_quoted(f, r->bench->path);
     put_input(f, r->bench->input);
     fputs(r->looks[c->scene], f);
-    if (c->renderer != iso_renderers_usual())
-        put_option(f, "with", c->renderer->name);
+    put_option(f, "with", c->renderer->name); /* always: which one draws where none is named depends on the machine */
     if (c->plan_error > 0) {
         put_number(f, "plan-error", c->plan_error);
         fprintf(f, " --brick %d --brick-levels %d", ISO_CHART_BRICK_VOXELS, ISO_CHART_BRICK_LEVELS);

@@ -426,7 +426,8 @@ const iso_command iso_command_export = {
         "makes it. Grids hold what the transfer function shows and what filtering touches beside it; vdb does so with --scene\n"
         "or --tf. A transfer function that is edited later may need the rest: --dense. With --plan only what the scene\n"
         "needs is written: active voxels and a transparent background, a volume of one grid for blender, cropped DF3 files.\n"
-        "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is exported.",
+        "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is\n"
+        "exported.",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
         "  isoshade export shells.nrrd --to blender -o first.blend\n"

@@ -116,7 +116,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"sources", 0, POPT_ARG_NONE, &job->with_sources, 0,
          "keep the gnuplot script and the pixels that it is drawn from", NULL},
         {"with", 0, POPT_ARG_STRING, &job->with, 0,
-         "of a volume: the renderer (gl), or the renderers to be shown (all)", "LIST"},
+         "of a volume: the renderer (gl, or cpu where OpenGL is software alone), or the renderers to be shown (all)", "LIST"},
         {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &job->level, 0, "the level that is shown", "K"},
         {"levels", 0, POPT_ARG_INT, &job->levels, 0, "how many levels, with level 0 (4)", "N"},
         {"adapt", 0, POPT_ARG_NONE, &job->adapted.wanted, 0,

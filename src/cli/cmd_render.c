@@ -433,10 +433,10 @@ const iso_command iso_command_render = {
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso -o IMAGE [options]",
     .details =
-        "Without --scene it is a first picture: the transfer function is suggested (tf suggest), and the camera frames the box, or\n"
-        "what is visible where that is much smaller. A scene file keeps one camera for several volumes or transfer functions.\n"
-        "All renderers compute the same integral from the same scene. From a volume a pyramid is built in memory; a pyramid\n"
-        "on disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
+        "Without --scene it is a first picture: the transfer function is suggested (tf suggest), and the camera frames the box,\n"
+        "or what is visible where that is much smaller. A scene file keeps one camera for several volumes or transfer\n"
+        "functions. All renderers compute the same integral from the same scene. From a volume a pyramid is built in memory; a\n"
+        "pyramid on disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
         "  isoshade render ml.nrrd -o first.png\n"

@@ -186,13 +186,14 @@ const iso_command iso_command_report = {
     .max_arguments = 3,
     .usage = "diff A B [-o DIR] [--summary-md FILE] [options]",
     .details =
-        "A and B are folders that `isoshade validate` wrote, or their report.json alone, without pictures. A row changed where its\n"
-        "verdict did, where it appeared or disappeared, where a limit is another one, and where a figure that it is held to moved\n"
-        "by more than its tolerance: a hundredth of its limit, or 1.5 times the noise of both rows, and at least 1e-7; of gates and\n"
-        "calibrations a tenth of their limit (half of it in rows with noise), of levels .001. A picture differs by the same tolerance.\n"
-        "Times, dates, commands, folders and the machine are no difference. DIR/index.html shows both pictures in turn, parted by\n"
-        "a slider, and their difference; DIR/difference.json has all as data.\n"
-        "Exit code 0: no difference; 1: there is one, such as a picture that is gone; 3 or 4: a file that is there cannot be read.",
+        "A and B are folders that `isoshade validate` wrote, or their report.json alone, without pictures. A row changed where\n"
+        "its verdict did, where it appeared or disappeared, where a limit is another one, and where a figure that it is held to\n"
+        "moved by more than its tolerance: a hundredth of its limit, or 1.5 times the noise of both rows, and at least 1e-7; of\n"
+        "gates and calibrations a tenth of their limit (half of it in rows with noise), of levels .001. A picture differs by\n"
+        "the same tolerance. Times, dates, commands, folders and the machine are no difference. DIR/index.html shows both\n"
+        "pictures in turn, parted by a slider, and their difference; DIR/difference.json has all as data.\n"
+        "Exit code 0: no difference; 1: there is one, such as a picture that is gone; 3 or 4: a file that is there cannot be\n"
+        "read.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 2 --with gl --size 32 -o report-then\n"

@@ -409,10 +409,11 @@ const iso_command iso_command_scenes = {
     .details =
         "Every picture has a number; the command of that number is printed, and stands with the picture's place in SHEET.json.\n"
         "It makes the same picture; without its --size a larger one. Large volumes are drawn at a coarse level whose voxels are\n"
-        "about a pixel wide: --level in the command. Transfer functions that show next to nothing of the volume, or an opaque box, are left out, which is said with the reason.\n"
-        "--write DIR makes requests of one scene, or of a suite, instead: a folder a scene, level and calibration with request.json,\n"
-        "volume.nrrd and directions.nrrd, and DIR/README.txt, which lists the pictures that are wanted, their sizes and steps.\n"
-        "Whoever has a renderer puts them there; isoshade validate --images NAME=DIR compares them.",
+        "about a pixel wide: --level in the command. Transfer functions that show next to nothing of the volume, or an opaque\n"
+        "box, are left out, which is said with the reason.\n"
+        "--write DIR makes requests of one scene, or of a suite, instead: a folder a scene, level and calibration with\n"
+        "request.json, volume.nrrd and directions.nrrd, and DIR/README.txt, which lists the pictures that are wanted, their\n"
+        "sizes and steps. Whoever has a renderer puts them there; isoshade validate --images NAME=DIR compares them.",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
         "  isoshade scenes shells.nrrd --size 96 -o sheet.png\n"

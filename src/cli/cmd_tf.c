@@ -66,7 +66,7 @@ static iso_status write_triangle(FILE *gp, void *user, iso_error *err)
     (void)err;
     fputs(
         "set key off\nset size ratio 0.866\n"
-        "unset border\nunset tics\nset colorbox\nset cbtics\nset cblabel 'RMS error at the voxels'\nset xrange [-0.1:1.1]\nset yrange [-0.1:1.0]\n"
+        "unset border\nunset tics\nset colorbox\nset cbtics\nset cblabel 'RMS error at the voxels'\nset rmargin at screen 0.76\nset xrange [-0.1:1.1]\nset yrange [-0.1:1.0]\n"
         "set label 'Gaussian' at 0,-0.06 center\nset label 'constant' at 1,-0.06 center\nset label 'triangular' at 0.5,0.94 center\n"
         "title = ",
         gp);
@@ -130,7 +130,7 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
     if (status == ISO_OK)
         status = measure_triangle(&joint, &opt, &table, &p.levels[0].geometry, (size_t)a->level, rms, err);
     if (status == ISO_OK && a->output)
-        status = iso_gnuplot_picture(a->output, 560, 480, write_triangle, &(triangle_picture){a, rms}, err);
+        status = iso_gnuplot_picture(a->output, 640, 480, write_triangle, &(triangle_picture){a, rms}, err);
     if (status == ISO_OK)
         print_triangle(a, rms);
     iso_joint_destroy(&joint);

@@ -436,8 +436,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     iso_validate_arguments a = {.budget = ISO_NO_BUDGET};
     char names[256], with[320], seeds[400];
-    snprintf(with, sizeof with, "renderers to compare with the reference (%s)",
-             iso_renderers_with(ISO_HAS_LIMIT, ",", ",", names, sizeof names));
+    snprintf(with, sizeof with, "renderers to compare with the reference, of those of render (%s)",
+             iso_renderers_by_default(ISO_HAS_LIMIT, names, sizeof names));
     snprintf(seeds, sizeof seeds, "renders of %s at each step, whose mean and scatter are tested (4; 3 with --quick)",
              iso_renderers_with(ISO_IS_RANDOM, ", ", " and ", names, sizeof names));
     iso_volume_input_defaults(&a.input);
@@ -508,14 +508,14 @@ const iso_command iso_command_validate = {
         "What is exported to a program is moved, opened by it as a person would, and has to show the same picture.\n"
         "A pyramid's levels are first built again from its level 0, and have to be the same byte by byte.\n"
         "While it runs DIR.work keeps what is finished: --resume goes on from there, to the same report.\n"
-        "What shows too little for its limits, is left out by --budget, asks for what its renderer does not have, or belongs to a stage in which no\n"
-        "renderer takes part is not compared, which is said with the reason.\n"
+        "What shows too little for its limits, is left out by --budget, asks for what its renderer does not have, or belongs to\n"
+        "a stage in which no renderer takes part is not compared, which is said with the reason.\n"
         "Exit code 0: all that was compared agrees, and the levels hold; 1: something differs, or nothing was compared: at all,\n"
         "in a scene, or of a renderer whose images of a scene show too little or were left out by the budget; 5: the scene\n"
         "shows less than .1 % of the voxels or of the picture, or a box whose faces are opaque to more than 98 % (--anyway);\n"
         "7: a renderer is missing; 9: one failed its calibration.\n"
-        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name it.\n"
-        "A file of that name is replaced only as validate wrote it (exit code 3).",
+        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name\n"
+        "it. A file of that name is replaced only as validate wrote it (exit code 3).",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"

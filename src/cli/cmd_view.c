@@ -226,8 +226,9 @@ const iso_command iso_command_view = {
     .usage = "VOLUME|PYRAMID.iso -o VIEW.html [--scene SCENE.scene.json] [options]",
     .details =
         "The page needs no network, no server and no other file. It draws with WebGL2, by the shaders of the ray caster\n"
-        "(render --with gl), and saves scene.json and tf.json, which every other command takes. Levels are drawn as they are read,\n"
-        "the coarsest first; --plan adds level 0 in the bricks that a scene needs. Shading is by the pyramid's direction codes or by gradients on the fly.",
+        "(render --with gl), and saves scene.json and tf.json, which every other command takes. Levels are drawn as they are\n"
+        "read, the coarsest first; --plan adds level 0 in the bricks that a scene needs. Shading is by the pyramid's direction\n"
+        "codes or by gradients on the fly.",
     .examples = "  isoshade make shells --size 48x44x40 -o shells.nrrd\n"
                 "  isoshade view shells.nrrd -o shells.html\n"
                 "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --code fit,region48 --adapt -o shells.html\n"

@@ -165,6 +165,19 @@ static void put_examples(FILE *f, const iso_command *c)
     }
 }
 
+static void put_environment(FILE *f)
+{
+    fputs(".SH ENVIRONMENT\n.TP\n.BR ISOSHADE_BLENDER ,\\  ISOSHADE_POVRAY ,\\  ISOSHADE_GNUPLOT\n"
+          ".TQ\n.BR ISOSHADE_PYTHON3 ,\\  ISOSHADE_CHROMIUM\n"
+          "The program to run instead of the one on the PATH.\n"
+          ".TP\n.B ISOSHADE_RENDERERS\nPrograms that render, as \\-\\-renderers names them.\n"
+          ".TP\n.B ISOSHADE_GL_DEVICE\nThe device of the OpenGL ray caster, as \\-\\-gl\\-device says it.\n"
+          ".TP\n.B ISOSHADE_CYCLES_DEVICE\nWhat Cycles renders on, as \\-\\-cycles\\-device says it.\n"
+          ".TP\n.B ISOSHADE_SANDBOX\noff: other programs run with all rights of the user, as by \\-\\-no\\-sandbox.\n"
+          ".TP\n.B TMPDIR\nWhere temporary files are made.\n",
+          f);
+}
+
 void iso_manual_print_page(FILE *f)
 {
     fprintf(f, ".TH ISOSHADE 1 \"\" \"isoshade %s\" \"User Commands\"\n", ISO_VERSION);
@@ -183,11 +196,8 @@ void iso_manual_print_page(FILE *f)
 #define ISO_STATUS_ITEM(name, code, text) fprintf(f, ".TP\n.B %d\n%s\n", code, text);
     ISO_STATUS_LIST(ISO_STATUS_ITEM)
 #undef ISO_STATUS_ITEM
-    fputs(".SH ENVIRONMENT\n.TP\n.BR ISOSHADE_BLENDER ,\\  ISOSHADE_POVRAY ,\\  ISOSHADE_GNUPLOT\n"
-          "The program to run instead of the one on the PATH.\n.TP\n.B ISOSHADE_CYCLES_DEVICE\n"
-          "What Cycles renders on, as \\-\\-cycles\\-device says it.\n.TP\n.B TMPDIR\nWhere temporary files are made.\n"
-          ".SH EXAMPLES\n.nf\n",
-          f);
+    put_environment(f);
+    fputs(".SH EXAMPLES\n.nf\n", f);
     for (const iso_command *const *c = iso_commands; *c; ++c)
         put_examples(f, *c);
     fputs(".fi\n.SH SEE ALSO\n.BR blender (1),\n.BR povray (1),\n.BR gnuplot (1)\n", f);

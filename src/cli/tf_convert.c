@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include "cli/tf_convert.h"
 
 #include <math.h>
@@ -214,6 +215,17 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
 
+/* text: a name a line */
+static void print_names_as_json(const iso_cli *cli, char *text)
+{
+    json_t *root = iso_cli_json(cli), *list = json_array();
+    for (char *name; (name = strsep(&text, "\n"));)
+        if (*name)
+            json_array_append_new(list, json_string(name));
+    json_object_set_new(root, "names", list);
+    iso_cli_print_json(root);
+}
+
 iso_status iso_cli_tf_names(const iso_tf_arguments *a, iso_error *err)
 {
     char *names = NULL;
@@ -222,7 +234,10 @@ iso_status iso_cli_tf_names(const iso_tf_arguments *a, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf names FILE");
     iso_status status = iso_tf_load_as(a->cli->arguments[1], &(iso_tf_request){.names = &names}, &tf, err);
     if (names) {
-        fputs(names, stdout);
+        if (a->cli->json)
+            print_names_as_json(a->cli, names);
+        else
+            fputs(names, stdout);
         status = ISO_OK;
     } else if (status == ISO_OK) {
         status = iso_fail(err, ISO_E_FORMAT, "%s: its format has no names, it holds one transfer function",

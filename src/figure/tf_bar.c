@@ -67,6 +67,34 @@ void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf
 
 /* ---- under pictures ---- */
 
+/* About a mark a centimeter. */
+static int foot_ticks(double width_mm)
+{
+    return (int)fmax(2, width_mm / 10);
+}
+
+/* How far the texts of the outermost marks stand out over the ends of a bar of that width. */
+static void overhangs_mm(const iso_page *page, const double range[2], double step, double width, double over[2])
+{
+    const double outermost[2] = {ceil(range[0] / step) * step, floor(range[1] / step) * step};
+    for (int end = 0; end < 2; ++end) {
+        char text[32];
+        snprintf(text, sizeof text, "%g", outermost[end] + 0.0);
+        const double from_end = fabs(outermost[end] - range[end]) / (range[1] - range[0]) * width;
+        over[end] = fmax(0, 0.5 * iso_page_text_mm(page, ISO_PAGE_NOTE, text) - from_end);
+    }
+}
+
+/* At the left, and as wide as there is room beside a text of that width (0: none): its marks' texts stay on the page. */
+static iso_page_box foot_bar(const iso_page *page, const double range[2], double top, double text_mm)
+{
+    const double wide = iso_page_width(page) - text_mm;
+    double over[2] = {0}, width = fmin(wide - 2 * edge_mm, widest_mm);
+    overhangs_mm(page, range, tick_step(range[1] - range[0], foot_ticks(width)), width, over);
+    const double left = fmax(edge_mm, over[0]), right = text_mm > 0 ? edge_mm : fmax(edge_mm, over[1]);
+    return (iso_page_box){left, top, fmin(wide - left - right, width), bar_mm};
+}
+
 iso_figure_tf_foot iso_figure_tf_foot_of(const iso_figure_subject *s)
 {
     const iso_level *level0 = &s->pyramid.levels[0];
@@ -85,13 +113,14 @@ void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, doub
     char text[64];
     if (!(iso_figure_tf_foot_mm(foot) > 0))
         return;
-    const double unit_mm = iso_figure_tf_unit_mm(foot->tf), wide = iso_page_width(page);
+    const double unit_mm = iso_figure_tf_unit_mm(foot->tf), top = iso_page_height(page) - above_mm - foot_mm + 1;
     snprintf(text, sizeof text, "value (opacity of %.3g mm)", unit_mm);
-    const double room = wide - 2 * edge_mm - 2 - iso_page_text_mm(page, ISO_PAGE_NOTE, text);
-    const bool has_text = room >= narrowest_mm;
-    const iso_page_box box = {edge_mm, iso_page_height(page) - above_mm - foot_mm + 1,
-                              fmin(has_text ? room : wide - 2 * edge_mm, widest_mm), bar_mm};
-    iso_figure_put_tf_bar(page, &box, foot->tf, foot->range, (int)fmax(2, box.width / 10));
+    const double text_mm = 2 + iso_page_text_mm(page, ISO_PAGE_NOTE, text);
+    iso_page_box box = foot_bar(page, foot->range, top, text_mm);
+    const bool has_text = box.width >= narrowest_mm;
+    if (!has_text)
+        box = foot_bar(page, foot->range, top, 0);
+    iso_figure_put_tf_bar(page, &box, foot->tf, foot->range, foot_ticks(box.width));
     if (has_text)
         iso_page_put_text(
             page, &(iso_page_text){.x = box.left + box.width + 2, .y = box.top + 0.5 * bar_mm, .role = ISO_PAGE_NOTE},

@@ -172,7 +172,7 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
         "========================\n\n"
         "Each folder holds one request: request.json says what is to be drawn, volume.nrrd has the values and\n"
         "directions.nrrd, where a light can be seen, their directions. The keys and the equation stand in doc/formats.md\n"
-        "of isoshade under \"request.json\"; doc/extending.md has a renderer of sixty lines that reads it.\n\n"
+        "of isoshade under \"request.json\"; doc/extending.md has a short renderer that reads it.\n\n"
         "Draw these, and leave each where its request lies: OpenEXR, 32-bit float, channels R G B A, linear light,\n"
         "color multiplied by alpha, background included, of exactly that size:\n\n",
         f);
