@@ -437,8 +437,8 @@ static void all_stages_were_foreseen_and_tell_how_far_they_are(void **state)
     iso_validate_forecast(&s.validation);
     measure_levels(&s);
     renderers.after = (iso_image_hook){0};
-    assert_in_range(all.count, iso_method_count * (levels - 1) + 5, 63);
-    assert_in_range(all.verdict_fractions, (levels - 1) * views - 1, SIZE_MAX);
+    assert_true(all.count >= iso_method_count * (levels - 1) + 5 && all.count <= 63);
+    assert_true(all.verdict_fractions >= (levels - 1) * views - 1);
     iso_job *job = iso_progress_line_lock(line);
     iso_job_begin_phase(job, "consistency", 0);
     for (size_t i = 0; i < all.count; ++i) {

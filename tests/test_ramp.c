@@ -39,7 +39,7 @@ static void ramps_of_knots_lose_what_baking_cuts(void **state)
     free(t.entries);
     fill_table(&t, 256, 52); /* more knots than stops: lost ones cost half a tooth */
     iso_color_ramp_fit(&t, &ramp);
-    assert_in_range(ramp.count, 2, ISO_RAMP_MAX_STOPS);
+    assert_true(ramp.count >= 2 && ramp.count <= ISO_RAMP_MAX_STOPS);
     assert_more_than(ramp.color_loss, 0.25);
     assert_more_than(ramp.opacity_loss, 0.25);
     assert_more_than(ramp.off, 0.25);
@@ -125,7 +125,7 @@ static void a_smooth_curve_has_few_stops_within_a_thousandth(void **state)
     iso_color_ramp_fit(&t, &ramp);
     assert_within(ramp.lo, 400, 1e-9);
     assert_within(ramp.hi, 1200, 1e-9);
-    assert_in_range(ramp.count, 8, ISO_RAMP_MAX_STOPS - 1);
+    assert_true(ramp.count >= 8 && ramp.count <= ISO_RAMP_MAX_STOPS - 1);
     assert_at_most(ramp.color_loss, 1.1 / 1024);
     assert_at_most(ramp.opacity_loss, 1.1 / 1024);
     free(t.entries);
