@@ -99,6 +99,13 @@ blender python 'echo "Error: python is $PYTHONHOME$PYTHONPATH."; exit 9' a_blend
 export ISOSHADE_SANDBOX=off
 blender unboxed 'echo "Error: is ${PATH%%:*}$PYTHONHOME$PYTHONPATH"; exit 9' nor_without_a_sandbox "is $dir"
 unset PYTHONPATH PYTHONHOME ISOSHADE_SANDBOX
+# What it is told is read where it runs, although TMPDIR says from where isoshade runs where folders are to be.
+mkdir here
+export TMPDIR=here
+blender told 'test -s "${!#}" && echo "Error: it is there"; exit 9' a_tmpdir_that_is_no_whole_path "it is there"
+export TMPDIR=nowhere
+refuse a_tmpdir_that_is_not_there 3 'nowhere: no temporary folder can be made there' "$ISOSHADE" info s.nrrd --histogram h.png -q
+unset TMPDIR
 # gnuplot opens the terminal that GNUTERM names before it reads its script.
 printf '%s\n' '#!/bin/bash' '[ -z "${GNUTERM+set}" ] && exec gnuplot "$@"' 'echo "error: a terminal"; exit 1' >without_terminal && chmod +x without_terminal
 drawn() { env GNUTERM=qt ISOSHADE_GNUPLOT="$dir/without_terminal" "$ISOSHADE" "$@" -q; }

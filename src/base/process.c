@@ -265,7 +265,7 @@ static iso_status begin(const char *const argv[], const char *directory, const i
     snprintf(p->name, sizeof p->name, "%s", iso_path_base(argv[0]));
     const bool has_box = wish->kind != ISO_SANDBOX_NONE && iso_sandbox_is_on();
     if (has_box && !directory && !(p->folder = iso_make_temp_dir()))
-        return iso_fail(err, ISO_E_IO, "%s: no temporary folder can be made", p->name);
+        return iso_temp_dir_fail(err);
     iso_status status = iso_sandbox_prepare(wish, directory ? directory : p->folder, &box, err);
     if (status == ISO_OK)
         status = begin_in(argv, directory, &box, talks, p, err);

@@ -200,7 +200,7 @@ iso_status iso_gnuplot_picture(const char *output, double width, double height, 
         return iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", output);
     iso_status status = iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err);
     if (status == ISO_OK && !(dir = iso_make_temp_dir()))
-        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+        status = iso_temp_dir_fail(err);
     if (status == ISO_OK && !(script = iso_path_join(dir, "picture.gp")))
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
