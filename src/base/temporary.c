@@ -153,8 +153,9 @@ char *iso_make_temp_dir(void)
 
 iso_status iso_temp_dir_fail(iso_error *err)
 {
-    return iso_fail(err, iso_errno_status(), "%s: no temporary folder can be made there (TMPDIR names another place): %s",
-                    temp_base(), strerror(errno));
+    return iso_fail(err, iso_errno_status(),
+                    "%s: no temporary folder can be made there (TMPDIR names another place): %s", temp_base(),
+                    strerror(errno));
 }
 
 /* ---- what dead processes left ---- */

@@ -20,8 +20,8 @@ char *iso_temporary_path(const char *dir, const char *name);
  * each folder in a process. */
 void iso_temporary_sweep(const char *dir);
 
-/* A fresh private directory under $TMPDIR or /tmp, by its whole path, since programs run elsewhere; the caller frees the
- * path and removes the tree. NULL when none can be made. */
+/* A fresh private directory under $TMPDIR or /tmp, by its whole path, since programs run elsewhere; the caller frees
+ * the path and removes the tree. NULL when none can be made. */
 char *iso_make_temp_dir(void);
 
 /* What to fail with then: where none can be made, and why, by errno. */
