@@ -51,6 +51,8 @@ kind tf v.nrrd
 kind sheet v.nrrd --tf auto --tf simulation --view front --view 30,20 --view top
 kind failure --case thin-plates
 kind chart tried --letters
+check a_chart_needs_no_kind "$ISOSHADE" figure tried --width 85 --dpi 72 --formats latex --letters -q -o usual
+check and_is_drawn_as_with_one cmp usual/caption.txt chart/caption.txt
 kind plan v.nrrd --error 0.2 --size 48 # the size that plans are measured at
 kind seams v.nrrd
 kind roi v.nrrd --level 1

@@ -72,6 +72,7 @@ refuse no_argument 2 'wanted: isoshade info VOLUME' "$ISOSHADE" info
 refuse an_empty_number 2 '--levels is empty, wanted a number' "$ISOSHADE" build v.nrrd --levels '' -o x.iso
 refuse an_empty_number_behind_an_equals_sign 2 '--gauss-sigma is empty' "$ISOSHADE" build v.nrrd --gauss-sigma= -o x.iso
 refuse an_empty_number_of_every_command 2 '--threads is empty' "$ISOSHADE" info v.nrrd --threads ''
+check options_stand_anywhere_in_any_environment env POSIXLY_CORRECT=1 "$ISOSHADE" make ramp --size 3 -q -o anywhere.nrrd
 refuse unknown_option 2 '--sizes' "$ISOSHADE" make ramp --sizes 3 -o x.nrrd
 refuse raw_half_given 2 'both --raw-size and --raw-type' "$ISOSHADE" info plain.raw --raw-size 3
 refuse raw_wrong_size 4 'plain.raw: truncated: holds 147840 bytes' "$ISOSHADE" info plain.raw --raw-size 40x56x34 --raw-type int16

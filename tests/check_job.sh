@@ -70,6 +70,15 @@ kept_for_a_person a_folder_that_nothing_says_is_of_a_job
 rm kept.work/* # an empty folder is no loss
 check an_empty_folder_is_taken job --size 16 --levels 1 -o kept
 check and_leaves_nothing_either test ! -e kept.work
+mkdir kept.work && touch kept.work/.isoshade-0123abcd-1-2-abcdefgh-isoshade-pictures
+check so_is_one_of_a_run_that_was_killed_as_it_began job --size 16 --levels 1 -o kept
+# Of two at once for one report neither removes what the other has drawn.
+rm -rf kept.work; cp -r saved kept.work && ls kept.work >listed
+exec 9<kept.work && flock 9
+kept_for_a_person a_folder_that_another_run_works_in
+exec 9<&-
+check and_all_of_it_stays test "$(ls kept.work)" = "$(cat listed)"
+rm -r kept.work
 # ---- an interruption: nothing more is begun, and how to go on is said ----
 cat >stopped <<'END'
 #!/bin/sh

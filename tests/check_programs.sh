@@ -93,5 +93,23 @@ blender broken "echo no picture >picture-0.exr" a_broken_picture "picture-0.exr"
 blender nan "cp '$dir/nan.exr' picture-0.exr" a_picture_of_nans "no numbers"
 # It looks for Python beside itself, whatever PATH names first; and why its script failed stands before that it did.
 blender looking 'echo "Error: first is ${PATH%%:*}"; exit 9' a_blender_looks_beside_itself_first "first is $dir"
+# So it does without a sandbox, and in neither case with the modules of another Python.
+export PYTHONPATH=$dir/other PYTHONHOME=$dir/another
+blender python 'echo "Error: python is $PYTHONHOME$PYTHONPATH."; exit 9' a_blender_has_no_settings_of_another_python "python is ."
+export ISOSHADE_SANDBOX=off
+blender unboxed 'echo "Error: is ${PATH%%:*}$PYTHONHOME$PYTHONPATH"; exit 9' nor_without_a_sandbox "is $dir"
+unset PYTHONPATH PYTHONHOME ISOSHADE_SANDBOX
+# What it is told is read where it runs, although TMPDIR says from where isoshade runs where folders are to be.
+mkdir here
+export TMPDIR=here
+blender told 'test -s "${!#}" && echo "Error: it is there"; exit 9' a_tmpdir_that_is_no_whole_path "it is there"
+export TMPDIR=nowhere
+refuse a_tmpdir_that_is_not_there 3 'nowhere: no temporary folder can be made there' "$ISOSHADE" info s.nrrd --histogram h.png -q
+unset TMPDIR
+# gnuplot opens the terminal that GNUTERM names before it reads its script.
+printf '%s\n' '#!/bin/bash' '[ -z "${GNUTERM+set}" ] && exec gnuplot "$@"' 'echo "error: a terminal"; exit 1' >without_terminal && chmod +x without_terminal
+drawn() { env GNUTERM=qt ISOSHADE_GNUPLOT="$dir/without_terminal" "$ISOSHADE" "$@" -q; }
+check a_terminal_of_the_user_is_none_of_a_histogram drawn info s.nrrd --histogram h.png
+check nor_of_a_figure drawn figure s.nrrd --scene "$scene" --levels 1 --width 40 --dpi 50 -o figure
 blender failing "echo \"ModuleNotFoundError: No module named 'numpy'\"; echo 'Error: script failed, exiting'; exit 9" why_a_script_failed "No module named 'numpy'"
 exit $failed

@@ -13,6 +13,13 @@ check versions_are_in_it grep -q '^| OpenGL ray caster | ' one.md
 check it_links_to_the_page grep -qF '[one/index.html](one/index.html)' one.md
 check nothing_failed_so_there_is_no_table_of_it test -z "$(grep 'at most' one.md)"
 refuse a_summary_needs_a_folder 3 'there is no folder' "$ISOSHADE" validate v.nrrd --quick --summary-md nowhere/one.md -o two
+# In the report's folder, which is not there yet at first, and is replaced with it.
+within() { "$ISOSHADE" validate v.nrrd --scene '<b>|x.scene.json' --quick --levels 1 --with cpu --size 16 -q -o in "$@"; }
+check other_forms_may_lie_in_the_report within --summary-md in/one.md --junit in/j.xml
+check and_do_not_hinder_the_next_one within
+check which_has_none test -s in/report.json -a ! -e in/one.md -a ! -e in/j.xml
+within --summary-md "$dir/in/one.md" >/dev/null && echo more >>in/one.md
+refuse one_that_was_edited_stays 3 'one.md in it was changed' within
 
 cp -r one two
 refuse two_reports_are_wanted 2 'wants two reports' "$ISOSHADE" report diff one
@@ -73,6 +80,8 @@ d['calibration'][0]['verdict'] = 'fail'; d['calibration'][0]['renderer'] = '*_[x
 "$ISOSHADE" render v.nrrd --scene '<b>|x.scene.json' --size 24 --with gl --step 4 -q --png two/images/level-0-gl-limit.png \
     -o two/images/level-0-gl-limit.exr >"$dir/render.out" 2>&1
 expect a_changed_picture_is_a_difference 1 "$ISOSHADE" report diff one two -o page --summary-md diff.md
+expect so_with_a_summary_in_the_page 1 "$ISOSHADE" report diff one two -o page --summary-md page/diff.md
+expect which_is_replaced_too 1 "$ISOSHADE" report diff one two -o page --summary-md diff.md
 check of_exactly_one_picture test "$(grep -c '^picture: level-0-gl-limit: RMSE' "$dir/out")" = 1
 check no_other_picture_differs test "$(grep -c '^picture: ' "$dir/out")" = 1
 check the_summary_has_the_row grep -qF '| &#60;b&#62;&#124;x, level 0: gl, limit against reference | verdict | agree | differ | ' diff.md

@@ -128,6 +128,7 @@ if [ -n "${somebody+known}" ]; then
 else
     skip a_browser_keeps_its_sandboxes "setpriv is not installed"
 fi
+check a_browser_that_ends_at_once_leaves_no_folder test -z "$(find browser -name 'isoshade-chromium.*')"
 
 # ---- pictures by gnuplot stand outside of its folder, which it may write to alone ----
 isoshade tf show "$top/refscenes/hero.tf.json" -o tf.png -q

@@ -104,7 +104,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         return status;
     char *folder = iso_blender_folder(&frames[0]);
     if (!folder)
-        return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+        return iso_temp_dir_fail(err);
     const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);
     char *vdb = iso_path_join(folder, "volume.vdb"), *roi_vdb = iso_path_join(folder, "roi.vdb");
     iso_vdb_options vdb_options = iso_vdb_defaults();
@@ -320,7 +320,7 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
     iso_pyramid scaled = {0};
     const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);
     if (!folder || !outs)
-        status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+        status = iso_temp_dir_fail(err);
     if (status == ISO_OK)
         status = iso_blender_pyramid_in_space(p, &space, &scaled, err);
     const export_job job = {p, &scaled, &space, first, count, levels->views, blend_path, opt};

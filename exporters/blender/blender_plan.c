@@ -75,7 +75,7 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
         return status;
     char *folder = iso_blender_folder(opt), *stem = folder ? iso_path_join(folder, "volume.blend") : NULL;
     if (!stem)
-        return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+        return iso_temp_dir_fail(err);
     const iso_blender_space space = iso_blender_space_of(plan->geometry);
     char *path = plan_vdb_path(plan, stem);
     status = save_lattice(plan, path, iso_vdb_defaults(), progress, err);
@@ -132,8 +132,7 @@ iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view 
     char *folder = iso_make_temp_dir();
     iso_output outs[2] = {0};
     const plan_job job = {plan, view, blend_path, true, opt};
-    status = folder ? write_plan(&job, folder, outs, progress, err)
-                    : iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+    status = folder ? write_plan(&job, folder, outs, progress, err) : iso_temp_dir_fail(err);
     for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
         status = iso_output_commit(&outs[i], err);
     for (size_t i = 0; i < 2; ++i)

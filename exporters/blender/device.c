@@ -102,7 +102,7 @@ static iso_status probe(const char *program, char *device, size_t size, iso_erro
     options.stats = &stats;
     char *folder = iso_make_temp_dir();
     if (!folder)
-        return iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+        return iso_temp_dir_fail(err);
     const iso_status status = iso_blender_run(json_pack("{sb}", "probe", true), folder, &options, NULL, err);
     snprintf(device, size, "%s", stats.device);
     iso_remove_tree(folder);

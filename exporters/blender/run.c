@@ -183,10 +183,12 @@ static iso_status start(const blender_run *run, iso_blender_session *s, iso_erro
     iso_status status = write_script(run->script, err);
     if (status == ISO_OK)
         status = save_calibration_volume(run->calibration, err);
-    /* Debian's Blender takes the Python that PATH names first for its own, and misses its modules in another one. */
+    /* Debian's Blender takes the Python that PATH names first for its own, and that of PYTHONHOME, and modules of
+     * PYTHONPATH before its own: another Python's are none that it can load. */
     char *folder = iso_path_dir(run->blender);
     const iso_sandbox_wish sandbox = {.kind = sandbox_kind(),
-                                      .first_in_path = folder && folder[0] == '/' ? folder : NULL};
+                                      .first_in_path = folder && folder[0] == '/' ? folder : NULL,
+                                      .without = "PYTHON"};
     if (status == ISO_OK && !(s->blender = strdup(run->blender)))
         status = iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     s->threads = run->threads;

@@ -124,7 +124,7 @@ iso_status iso_blender_export_sequence(const iso_blender_sequence *s, const char
     char *folder = iso_make_temp_dir();
     job.outs = calloc(s->count + 1, sizeof *job.outs);
     if (!folder || !job.outs)
-        status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+        status = iso_temp_dir_fail(err);
     for (size_t k = 0; k < s->count && status == ISO_OK; ++k)
         status = write_frame(&job, k, err);
     if (status == ISO_OK)

@@ -139,7 +139,7 @@ iso_status iso_blender_export_several(const iso_blender_several *s, const char *
                        .outs = calloc(s->count + 1, sizeof *job.outs),
                        .more = json_array()};
     if (!folder || !job.outs)
-        status = iso_fail(err, ISO_E_IO, "blender: no temporary folder can be made");
+        status = iso_temp_dir_fail(err);
     for (size_t i = 0; i < s->count && status == ISO_OK; ++i)
         status = write_volume(&job, i, err);
     if (status == ISO_OK)

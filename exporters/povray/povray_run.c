@@ -344,7 +344,7 @@ static iso_status prepare_scenes(const iso_povray_wanted *wanted, size_t count, 
     if (!s->scenes || !s->names)
         return iso_povray_no_memory(err);
     if (!(s->dir = iso_make_temp_dir()))
-        return iso_fail(err, ISO_E_IO, "povray: no temporary folder can be made");
+        return iso_temp_dir_fail(err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         const iso_povray_wanted *w = &wanted[i];
         snprintf(s->names[i], sizeof s->names[i], "scene%zu", i);

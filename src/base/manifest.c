@@ -184,6 +184,18 @@ bool iso_manifest_add(const char *folder, const char *name)
     return good;
 }
 
+iso_status iso_manifest_add_output(const char *folder, const char *path, iso_error *err)
+{
+    char *whole_folder = realpath(folder, NULL), *whole_path = realpath(path, NULL);
+    const size_t length = whole_folder ? strlen(whole_folder) : 0;
+    const bool is_in = whole_folder && whole_path && strncmp(whole_path, whole_folder, length) == 0 &&
+                       whole_path[length] == '/';
+    const bool good = !is_in || iso_manifest_add(folder, whole_path + length + 1);
+    free(whole_folder);
+    free(whole_path);
+    return good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be added to %s/" ISO_MANIFEST_NAME, path, folder);
+}
+
 /* ---- is all of it ours? ---- */
 
 typedef struct listed {

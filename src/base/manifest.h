@@ -21,6 +21,10 @@ iso_status iso_manifest_write(const char *folder, const char *const *own, iso_er
  * not listed, and should go. */
 bool iso_manifest_add(const char *folder, const char *name);
 
+/* The same for another output of the command that wrote the folder, where its path leads into that. ISO_E_IO: it is not
+ * listed. */
+iso_status iso_manifest_add_output(const char *folder, const char *path, iso_error *err);
+
 /* ISO_E_IO, with the first entry that isoshade did not put there or that was changed since, or when there is no list.
  * Entries that are gone are no loss. shown: the folder's name in the message. */
 iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *err);

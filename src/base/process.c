@@ -260,19 +260,16 @@ static void remove_folder(iso_process *p)
 static iso_status begin(const char *const argv[], const char *directory, const iso_sandbox_wish *wish, bool talks,
                         iso_process *p, iso_error *err)
 {
-    iso_sandbox box = {0};
-    iso_status status = ISO_OK;
+    iso_sandbox box;
     *p = (iso_process){.in = -1};
     snprintf(p->name, sizeof p->name, "%s", iso_path_base(argv[0]));
     const bool has_box = wish->kind != ISO_SANDBOX_NONE && iso_sandbox_is_on();
     if (has_box && !directory && !(p->folder = iso_make_temp_dir()))
-        return iso_fail(err, ISO_E_IO, "%s: no temporary folder can be made", p->name);
-    if (has_box)
-        status = iso_sandbox_prepare(wish, directory ? directory : p->folder, &box, err);
+        return iso_temp_dir_fail(err);
+    iso_status status = iso_sandbox_prepare(wish, directory ? directory : p->folder, &box, err);
     if (status == ISO_OK)
         status = begin_in(argv, directory, &box, talks, p, err);
-    if (has_box)
-        iso_sandbox_release(&box);
+    iso_sandbox_release(&box);
     if (status != ISO_OK)
         remove_folder(p);
     return status;

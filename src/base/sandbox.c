@@ -296,8 +296,17 @@ static bool is_named(const char *setting, const char *name)
     return strncmp(setting, name, length) == 0 && setting[length] == '=';
 }
 
-/* Ours, with names pointing to the folder and perhaps another PATH: they are copies, and come first. NULL: no memory. */
-static char **make_environment(const char *folder, size_t changed, const char *first_in_path)
+static bool is_kept(const char *setting, const iso_sandbox_wish *wish, size_t changed)
+{
+    bool kept = !(wish->first_in_path && is_named(setting, "PATH")) &&
+                !(wish->without && strncmp(setting, wish->without, strlen(wish->without)) == 0);
+    for (size_t k = 0; k < changed; ++k)
+        kept = kept && !is_named(setting, folder_names[k]);
+    return kept;
+}
+
+/* Ours as it is wished; names that point to the folder and another PATH are copies, and come first. NULL: no memory. */
+static char **make_environment(const iso_sandbox_wish *wish, const char *folder, size_t changed)
 {
     const char *path = getenv("PATH");
     size_t count = 0, used = 0;
@@ -310,43 +319,46 @@ static char **make_environment(const char *folder, size_t changed, const char *f
             free_environment(all, changed);
             return NULL;
         }
-    if (all && first_in_path) {
-        if (asprintf(&all[used], "PATH=%s:%s", first_in_path, path ? path : "/usr/bin:/bin") < 0) {
+    if (all && wish->first_in_path) {
+        if (asprintf(&all[used], "PATH=%s:%s", wish->first_in_path, path ? path : "/usr/bin:/bin") < 0) {
             all[used] = NULL;
             free_environment(all, changed);
             return NULL;
         }
         ++used;
     }
-    for (size_t i = 0; all && i < count; ++i) {
-        bool is_kept = !first_in_path || !is_named(environ[i], "PATH");
-        for (size_t k = 0; k < changed; ++k)
-            is_kept = is_kept && !is_named(environ[i], folder_names[k]);
-        if (is_kept)
+    for (size_t i = 0; all && i < count; ++i)
+        if (is_kept(environ[i], wish, changed))
             all[used++] = environ[i];
-    }
     return all;
+}
+
+/* Who has no folder of its own keeps names that point to folders. */
+static iso_status set_environment(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err)
+{
+    if (!folder && !wish->first_in_path && !wish->without)
+        return ISO_OK;
+    const size_t changed = folder ? (size_t)(FOLDER_NAMES - !wish->private_home) : 0;
+    box->environment = make_environment(wish, folder, changed);
+    if (!box->environment)
+        return iso_fail(err, ISO_E_MEMORY, "no memory to start a program");
+    box->copies = changed + (wish->first_in_path != NULL);
+    return ISO_OK;
 }
 
 iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err)
 {
     iso_status status = ISO_OK;
-    *box = (iso_sandbox){.rules = -1};
-    if (wish->kind == ISO_SANDBOX_NONE || !iso_sandbox_is_on())
-        return ISO_OK;
-    char *whole = folder ? realpath(folder, NULL) : NULL;
-    if (folder && !whole)
+    *box = (iso_sandbox){.rules = -1, .closes = wish->kind != ISO_SANDBOX_NONE && iso_sandbox_is_on()};
+    char *whole = box->closes && folder ? realpath(folder, NULL) : NULL;
+    if (box->closes && folder && !whole)
         return iso_fail(err, iso_errno_status(), "%s: cannot be a program's folder: %s", folder, strerror(errno));
-    box->closes = true;
-    box->has_sockets = wish->kind == ISO_SANDBOX_DEVICE;
-    box->rules = make_rules(wish, whole, &status, err);
-    if (whole) {
-        const size_t changed = (size_t)(FOLDER_NAMES - !wish->private_home);
-        box->environment = make_environment(whole, changed, wish->first_in_path);
-        box->copies = box->environment ? changed + (wish->first_in_path != NULL) : 0;
+    if (box->closes) {
+        box->has_sockets = wish->kind == ISO_SANDBOX_DEVICE;
+        box->rules = make_rules(wish, whole, &status, err);
     }
-    if (whole && !box->environment && status == ISO_OK)
-        status = iso_fail(err, ISO_E_MEMORY, "no memory to start a program");
+    if (status == ISO_OK)
+        status = set_environment(wish, whole, box, err);
     free(whole);
     if (status != ISO_OK)
         iso_sandbox_release(box);

@@ -33,6 +33,7 @@ typedef struct iso_sandbox_wish {
     const char *output; /* one more folder or file that is there, to write to; or NULL */
     bool private_home;  /* HOME is its own folder, too: settings of the user change nothing */
     const char *first_in_path; /* a folder in front of all others in its PATH; or NULL */
+    const char *without;       /* how the names of settings begin that it does not get, such as "PYTHON"; or NULL */
 } iso_sandbox_wish;
 
 /* Prepared before the fork, entered behind it. {0} is none. */
@@ -44,8 +45,8 @@ typedef struct iso_sandbox {
     size_t copies;      /* its first settings, which are not ours */
 } iso_sandbox;
 
-/* folder: the program's own, which is there; NULL: it may write nowhere, and TMPDIR stays. ISO_E_MEMORY; ISO_E_IO where
- * the folder or the output is not there. */
+/* folder: the program's own, which is there; NULL: it may write nowhere, and TMPDIR stays. Without a sandbox the environment
+ * alone is as wished. ISO_E_MEMORY; ISO_E_IO where the folder or the output is not there. */
 iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err);
 void iso_sandbox_release(iso_sandbox *box);
 

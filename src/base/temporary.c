@@ -128,20 +128,34 @@ void iso_temporary_rename_in(char *text)
     }
 }
 
-char *iso_make_temp_dir(void)
+static const char *temp_base(void)
 {
     const char *base = getenv("TMPDIR");
-    char *path = NULL;
-    base = base && *base ? base : "/tmp";
-    iso_temporary_sweep(base);
-    if (asprintf(&path, "%s/%sXXXXXX", base, my_mark()) < 0)
-        return NULL;
-    if (!mkdtemp(path)) {
+    return base && *base ? base : "/tmp";
+}
+
+char *iso_make_temp_dir(void)
+{
+    char *path = NULL, *base = realpath(temp_base(), NULL);
+    if (base)
+        iso_temporary_sweep(base);
+    if (!base || asprintf(&path, "%s/%sXXXXXX", base, my_mark()) < 0)
+        path = NULL;
+    free(base);
+    if (path && !mkdtemp(path)) {
         free(path);
         return NULL;
     }
-    iso_unfinished_add(path, false);
+    if (path)
+        iso_unfinished_add(path, false);
     return path;
+}
+
+iso_status iso_temp_dir_fail(iso_error *err)
+{
+    return iso_fail(err, iso_errno_status(),
+                    "%s: no temporary folder can be made there (TMPDIR names another place): %s", temp_base(),
+                    strerror(errno));
 }
 
 /* ---- what dead processes left ---- */

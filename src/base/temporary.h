@@ -10,6 +10,8 @@
 
 #include <stdbool.h>
 
+#include "base/status.h"
+
 /* "DIR/.isoshade-...-NAME", to be freed; nothing has that name yet. The end of a long NAME is kept, since libraries choose
  * a format by it. NULL only when memory ends. */
 char *iso_temporary_path(const char *dir, const char *name);
@@ -18,9 +20,12 @@ char *iso_temporary_path(const char *dir, const char *name);
  * each folder in a process. */
 void iso_temporary_sweep(const char *dir);
 
-/* A fresh private directory under $TMPDIR or /tmp; the caller frees the path and removes the tree. NULL when none can be
- * made. */
+/* A fresh private directory under $TMPDIR or /tmp, by its whole path, since programs run elsewhere; the caller frees
+ * the path and removes the tree. NULL when none can be made. */
 char *iso_make_temp_dir(void);
+
+/* What to fail with then: where none can be made, and why, by errno. */
+iso_status iso_temp_dir_fail(iso_error *err);
 
 /* Is the path in, or itself, a temporary of this process? */
 bool iso_temporary_holds(const char *path);

@@ -407,8 +407,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         b.programs[OURS] = own;
         b.programs[OTHER] = other;
         b.folder = folder;
-        status = folder && n > 0 ? run_all(&b, output, page, beside_output, err)
-                                 : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+        status = folder && n > 0 ? run_all(&b, output, page, beside_output, err) : iso_temp_dir_fail(err);
     }
     if (folder)
         iso_remove_tree(folder);

@@ -152,7 +152,7 @@ static iso_status bench(const job_options *o, const iso_cli *cli, iso_error *err
     job_run runs[RUNS] = {{NULL, 0}};
     const iso_progress progress = iso_cli_progress(cli);
     char *folder = iso_make_temp_dir();
-    iso_status status = folder ? ISO_OK : iso_fail(err, ISO_E_IO, "bench job: no temporary folder can be made");
+    iso_status status = folder ? ISO_OK : iso_temp_dir_fail(err);
     for (int which = BEFORE; which < RUNS && status == ISO_OK; ++which) {
         iso_progress_report(&progress, run_names[which], 0.5 * which);
         status = run_validate(o, cli, which, folder, &runs[which], err);

@@ -258,7 +258,7 @@ static iso_status run_all(bench_state *s, const iso_node_levels *nodes, iso_erro
 {
     iso_progress progress = iso_cli_progress(s->bench->cli);
     s->folder = iso_make_temp_dir();
-    iso_status status = s->folder ? ISO_OK : iso_fail(err, ISO_E_IO, "bench plan: no temporary folder can be made");
+    iso_status status = s->folder ? ISO_OK : iso_temp_dir_fail(err);
     if (status == ISO_OK)
         status = make_plan(s, nodes, &progress, err);
     if (status == ISO_OK)

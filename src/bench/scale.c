@@ -375,7 +375,7 @@ static iso_status run_all(scale_bench *b, const iso_cli *cli, const char *output
 {
     const ssize_t n = readlink("/proc/self/exe", b->program, sizeof b->program - 1);
     b->folder = iso_make_temp_dir();
-    iso_status status = n > 0 && b->folder ? ISO_OK : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    iso_status status = n > 0 && b->folder ? ISO_OK : iso_temp_dir_fail(err);
     if (status == ISO_OK)
         status = measure_all(b, cli, err);
     if (status == ISO_OK)

@@ -49,7 +49,8 @@ static iso_status parse_background(const char *text, iso_figure_job *job, iso_er
 
 static iso_status take_names(figure_arguments *a, iso_error *err)
 {
-    iso_status status = iso_figure_kind_from_name(a->kind ? a->kind : "levels", &a->job.kind, err);
+    iso_status status = iso_figure_kind_from_name(a->kind ? a->kind : iso_figure_usual_kind(a->job.input),
+                                                  &a->job.kind, err);
     if (status == ISO_OK)
         status = iso_colormap_from_name(a->map ? a->map : "magma", &a->job.map, err);
     if (status == ISO_OK && a->error)
@@ -98,7 +99,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_adapted_defaults(&job->adapted);
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the figure", "DIR"},
-        {"kind", 0, POPT_ARG_STRING, &a.kind, 0, "what it shows (levels)", "KIND"},
+        {"kind", 0, POPT_ARG_STRING, &a.kind, 0, "what it shows (levels; of a chart: chart)", "KIND"},
         {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->width_mm, 0,
          "of the figure, at most; 85 is one column of many journals, 178 both", "MM"},
         {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->height_mm, 0, "of the figure, at most", "MM"},

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/manifest.h"
 #include "base/provenance.h"
 #include "options/cli.h"
 #include "report/difference.h"
@@ -110,6 +111,8 @@ static iso_status write_files(const report_arguments *a, const json_t *d, const 
         char *link = a->output ? iso_path_join(iso_markdown_target(a->output), "index.html") : NULL;
         status = iso_markdown_of_difference(a->summary_md, d, link, err);
         free(link);
+        if (status == ISO_OK && a->output) /* in the page's folder it goes with the page */
+            status = iso_manifest_add_output(a->output, a->summary_md, err);
     }
     return status;
 }

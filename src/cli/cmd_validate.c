@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/manifest.h"
 #include "base/parallel.h"
 #include "base/process.h"
 #include "base/provenance.h"
@@ -205,6 +206,22 @@ static void begin_budget(const iso_validate_arguments *a, const iso_cli *cli, is
     iso_report_put(v->report, "options", "budget_seconds", json_real(a->budget));
 }
 
+/* Of the finished report. Where they lie in its folder, the next report takes their place as well. */
+static iso_status write_other_forms(const iso_validate_arguments *a, iso_report *r, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    if (a->junit)
+        status = iso_report_write_junit(r, a->junit, err);
+    if (status == ISO_OK && a->junit)
+        status = iso_manifest_add_output(a->output, a->junit, err);
+    if (status != ISO_OK || !a->summary_md)
+        return status;
+    char *page = iso_path_join(iso_markdown_target(a->output), "index.html");
+    status = iso_markdown_of_report(a->summary_md, iso_report_json(r), page, err);
+    free(page);
+    return status == ISO_OK ? iso_manifest_add_output(a->output, a->summary_md, err) : status;
+}
+
 /* Summary, charts and page; the verdict. */
 static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
@@ -219,13 +236,8 @@ static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, is
     iso_progress_line_begin_phase(v->line, "report");
     iso_progress_report(v->progress, "report", 0);
     iso_status status = iso_report_finish(v->report, err);
-    if (status == ISO_OK && a->junit)
-        status = iso_report_write_junit(v->report, a->junit, err);
-    if (status == ISO_OK && a->summary_md) {
-        char *page = iso_path_join(iso_markdown_target(a->output), "index.html");
-        status = iso_markdown_of_report(a->summary_md, iso_report_json(v->report), page, err);
-        free(page);
-    }
+    if (status == ISO_OK)
+        status = write_other_forms(a, v->report, err);
     iso_progress_line_hide(v->line);
     if (status != ISO_OK)
         return status;

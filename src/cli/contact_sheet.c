@@ -113,7 +113,7 @@ iso_status iso_contact_sheet_draw(iso_contact_sheet *s, size_t group, const char
     m.rgb = malloc(3 * (m.columns * (s->side + 1 + GAP) + GAP) * (HEAD + rows * (s->side + 1 + LABEL + GAP)));
     iso_status status = ISO_OK;
     if (!dir)
-        status = iso_fail(err, ISO_E_IO, "sheet: no temporary folder can be made");
+        status = iso_temp_dir_fail(err);
     else if (!raw || !m.rgb)
         status = iso_fail(err, ISO_E_MEMORY, "sheet: out of memory");
     if (status == ISO_OK) {

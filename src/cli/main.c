@@ -92,6 +92,13 @@ static const char *name_of(const iso_command *command, int argc, const char **ar
     return benchmark ? benchmark->name : command->name;
 }
 
+/* popt would take no option behind the first file then, and each command's options may stand there. */
+static void take_options_anywhere(void)
+{
+    unsetenv("POSIXLY_CORRECT");
+    unsetenv("POSIX_ME_HARDER");
+}
+
 static int run(int argc, const char **argv)
 {
     iso_error err = {""};
@@ -148,6 +155,7 @@ int main(int argc, const char **argv)
     on_exit(end_without_memory, NULL);
     iso_unfinished_catch_signals();
     iso_inputs_watch();
+    take_options_anywhere();
     const int code = run(argc, argv);
     has_returned = true;
     return code;

@@ -141,7 +141,7 @@ static iso_status write_suite(const writing *w, iso_error *err)
     if (count < 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be listed: %s", w->asked->suite, strerror(errno));
     char *scratch = iso_make_temp_dir(), *volume = scratch ? iso_path_join(scratch, "volume.nrrd") : NULL;
-    iso_status status = volume ? ISO_OK : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    iso_status status = volume ? ISO_OK : iso_temp_dir_fail(err);
     if (status == ISO_OK && count == 0)
         status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", w->asked->suite);
     for (int i = 0; i < count; ++i) {

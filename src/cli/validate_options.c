@@ -2,7 +2,9 @@
 #include "cli/validate_options.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/file.h"
 #include "scene/views.h"
@@ -20,12 +22,21 @@ size_t iso_validate_limit_size(const iso_validate_arguments *a)
                          : ISO_VALIDATE_LIMIT_PIXELS;
 }
 
+/* The report's, which may not be there yet. */
+static bool is_report(const char *dir, const char *report)
+{
+    size_t length = strlen(report);
+    while (length > 1 && report[length - 1] == '/')
+        --length;
+    return strlen(dir) == length && strncmp(dir, report, length) == 0;
+}
+
 /* Before the work, not after it. */
-static iso_status check_folder(const char *option, const char *path, iso_error *err)
+static iso_status check_folder(const char *option, const char *path, const char *report, iso_error *err)
 {
     char *dir = path ? iso_path_dir(path) : NULL;
     iso_status status = ISO_OK;
-    if (path && (!dir || !iso_path_is_dir(dir)))
+    if (path && (!dir || !(iso_path_is_dir(dir) || is_report(dir, report))))
         status = iso_fail(err, ISO_E_IO, "%s %s: there is no folder %s", option, path, dir ? dir : "");
     free(dir);
     return status;
@@ -60,8 +71,8 @@ iso_status iso_validate_check_arguments(const iso_validate_arguments *a, const i
     if (status == ISO_OK && a->code)
         status = iso_code_from_name(a->code, &build->code, err);
     if (status == ISO_OK)
-        status = check_folder("--junit", a->junit, err);
+        status = check_folder("--junit", a->junit, a->output, err);
     if (status == ISO_OK)
-        status = check_folder("--summary-md", a->summary_md, err);
+        status = check_folder("--summary-md", a->summary_md, a->output, err);
     return status;
 }

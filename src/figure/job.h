@@ -84,6 +84,9 @@ extern const iso_names iso_figure_kind_names;
 /* ISO_E_USAGE, with the names that there are. */
 iso_status iso_figure_kind_from_name(const char *name, const iso_figure_info **kind, iso_error *err);
 
+/* The kind of figure of an input, or of none, where nobody names one. */
+const char *iso_figure_usual_kind(const char *input);
+
 /* DIR with the figure in all its forms and its caption, whole or not at all. ISO_E_USAGE and ISO_E_RANGE as the options are;
  * what reading, rendering and drawing give. */
 iso_status iso_figure_make(const iso_figure_job *job, iso_error *err);

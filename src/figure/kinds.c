@@ -58,6 +58,15 @@ iso_status iso_figure_kind_from_name(const char *name, const iso_figure_info **k
     return status;
 }
 
+/* A folder that `isoshade chart` wrote shows nothing else. */
+const char *iso_figure_usual_kind(const char *input)
+{
+    char *path = input ? iso_path_join(input, "chart.json") : NULL;
+    const bool is_chart = path && iso_path_is_file(path);
+    free(path);
+    return is_chart ? iso_figure_chart.name : iso_figure_levels.name;
+}
+
 /* ---- what is asked ---- */
 
 static iso_status check_numbers(const iso_figure_job *job, iso_error *err)

@@ -151,7 +151,7 @@ static iso_status write_files(const iso_external *e, const char *dir, iso_error 
 static iso_status begin(start *s, const iso_renderer_info *r, iso_error *err)
 {
     *s = (start){.renderer = r, .dir = iso_make_temp_dir(), .outcome = {.exit_code = -1}};
-    return s->dir ? write_files(r->data, s->dir, err) : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+    return s->dir ? write_files(r->data, s->dir, err) : iso_temp_dir_fail(err);
 }
 
 static void end(start *s)

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #define XXH_INLINE_ALL
@@ -20,6 +21,7 @@
 
 struct iso_picture_store {
     char *folder;
+    int lock; /* a descriptor of the folder, which nobody else works in while it is open */
     char versions[ISO_MAX_RENDERERS][96]; /* set before threads share the store */
     atomic_size_t taken;
 };
@@ -33,14 +35,18 @@ static const char suffix[] = ".picture";
 
 enum { HASH_DIGITS = 32 };
 
+static bool is_temporary(const char *name)
+{
+    return strncmp(name, ".isoshade-", 10) == 0;
+}
+
 /* The marker, a picture, or the temporary of either that a killed run has left. */
 static bool is_own_name(const char *name)
 {
-    const bool is_temporary = strncmp(name, ".isoshade-", 10) == 0;
-    if (strcmp(name, MARKER) == 0 || (is_temporary && iso_path_ends_with(name, "-" MARKER)))
+    if (strcmp(name, MARKER) == 0 || (is_temporary(name) && iso_path_ends_with(name, "-" MARKER)))
         return true;
     return iso_path_ends_with(name, suffix) &&
-           (is_temporary || (strspn(name, "0123456789abcdef") == HASH_DIGITS &&
+           (is_temporary(name) || (strspn(name, "0123456789abcdef") == HASH_DIGITS &&
                              strlen(name) == HASH_DIGITS + strlen(suffix)));
 }
 
@@ -66,7 +72,7 @@ static iso_status remove_entry(DIR *dir, const char *folder, const char *name, i
     return iso_fail(err, iso_errno_status(), "%s/%s: cannot be removed: %s", folder, name, strerror(errno));
 }
 
-/* Calls visit for each entry until one fails; *count is how many there are. A folder that is not there has none. */
+/* Calls visit for each entry until one fails; *count is how many there are that are finished. A folder that is not there has none. */
 static iso_status visit_folder(const char *folder, visitor *visit, size_t *count, iso_error *err)
 {
     const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
@@ -83,14 +89,14 @@ static iso_status visit_folder(const char *folder, visitor *visit, size_t *count
     }
     for (const struct dirent *e; status == ISO_OK && (e = readdir(dir));)
         if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0) {
-            ++*count;
+            *count += !is_temporary(e->d_name); /* a run that was killed may have left that of the marker alone */
             status = visit(dir, folder, e->d_name, err);
         }
     closedir(dir);
     return status;
 }
 
-iso_status iso_picture_store_check(const char *folder, iso_error *err)
+static iso_status check_content(const char *folder, iso_error *err)
 {
     size_t count;
     iso_status status = visit_folder(folder, check_entry, &count, err);
@@ -106,20 +112,72 @@ iso_status iso_picture_store_check(const char *folder, iso_error *err)
     return status;
 }
 
-/* What is not the store's own stays, and so does the folder then. */
-static void remove_own(const char *folder)
+/* What is not the store's own stays. */
+static void remove_pictures(const char *folder)
 {
     size_t count;
     visit_folder(folder, remove_entry, &count, NULL);
-    rmdir(folder);
 }
 
-/* The marker comes first: a run that is killed in between leaves an empty folder. */
-static iso_status make_folder(const char *folder, iso_error *err)
+/* The folder's descriptor, or below 0. No link is followed. */
+static int open_folder(const char *folder)
 {
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return iso_fail(err, iso_errno_status(), "%s: the folder for pictures that are finished cannot be made: %s",
-                        folder, strerror(errno));
+    return open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+/* Until the descriptor is closed. A file system that has no locks is no reason to stop. */
+static iso_status lock(int fd, const char *folder, iso_error *err)
+{
+    if (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_IO, "%s: another process keeps its pictures there; wait for its end, or choose another output",
+                    folder);
+}
+
+iso_status iso_picture_store_check(const char *folder, iso_error *err)
+{
+    const int fd = open_folder(folder);
+    iso_status status = fd < 0 ? ISO_OK : lock(fd, folder, err);
+    if (status == ISO_OK)
+        status = check_content(folder, err);
+    if (fd >= 0)
+        close(fd);
+    return status;
+}
+
+/* Whoever worked in the folder may have removed it before it was locked. */
+static bool is_still(int fd, const char *folder)
+{
+    struct stat held, there;
+    return fstat(fd, &held) == 0 && lstat(folder, &there) == 0 && held.st_ino == there.st_ino &&
+           held.st_dev == there.st_dev;
+}
+
+/* Made where it is not there. *fd: of the locked folder. */
+static iso_status make_locked(const char *folder, int *fd, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int tries = 0; tries < 100 && status == ISO_OK; ++tries) {
+        if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+            break;
+        if ((*fd = open_folder(folder)) < 0 && errno != ENOENT)
+            break;
+        status = *fd < 0 ? ISO_OK : lock(*fd, folder, err);
+        if (*fd >= 0 && status == ISO_OK && is_still(*fd, folder))
+            return ISO_OK;
+        if (*fd >= 0)
+            close(*fd);
+        *fd = -1;
+    }
+    return status != ISO_OK ? status
+                            : iso_fail(err, iso_errno_status(),
+                                       "%s: the folder for pictures that are finished cannot be made: %s", folder,
+                                       strerror(errno));
+}
+
+/* In an empty folder it comes first: a run that is killed in between leaves one that the next may take. */
+static iso_status write_marker(const char *folder, iso_error *err)
+{
     char *marker = iso_path_join(folder, MARKER);
     const iso_status status = marker ? iso_file_write(marker, marker_text, sizeof marker_text - 1, err)
                                      : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
@@ -129,19 +187,25 @@ static iso_status make_folder(const char *folder, iso_error *err)
 
 iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_store **store, iso_error *err)
 {
+    int fd = -1;
     *store = NULL;
-    iso_status status = iso_picture_store_check(folder, err);
-    if (status == ISO_OK && !keep)
-        remove_own(folder);
+    iso_status status = make_locked(folder, &fd, err);
     if (status == ISO_OK)
-        status = make_folder(folder, err);
-    if (status != ISO_OK)
-        return status;
-    iso_picture_store *s = calloc(1, sizeof *s);
-    if (!s || !(s->folder = strdup(folder))) {
+        status = check_content(folder, err);
+    if (status == ISO_OK && !keep)
+        remove_pictures(folder);
+    if (status == ISO_OK)
+        status = write_marker(folder, err);
+    iso_picture_store *s = status == ISO_OK ? calloc(1, sizeof *s) : NULL;
+    if (status == ISO_OK && (!s || !(s->folder = strdup(folder))))
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
+    if (status != ISO_OK) {
         free(s);
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
+        if (fd >= 0)
+            close(fd);
+        return status;
     }
+    s->lock = fd;
     *store = s;
     return ISO_OK;
 }
@@ -150,8 +214,11 @@ void iso_picture_store_close(iso_picture_store *store, bool remove)
 {
     if (!store)
         return;
-    if (remove)
-        remove_own(store->folder);
+    if (remove) {
+        remove_pictures(store->folder);
+        rmdir(store->folder); /* not where it holds what is not the store's */
+    }
+    close(store->lock);
     free(store->folder);
     free(store);
 }

@@ -14,7 +14,7 @@
 typedef struct iso_picture_store iso_picture_store;
 
 /* ISO_E_IO, with the first entry that is not the store's own: the folder is absent, empty, or has been made by a store
- * and holds nothing else. Links are not followed. */
+ * and holds nothing else. Links are not followed. Nor may another process have the folder open as a store. */
 iso_status iso_picture_store_check(const char *folder, iso_error *err);
 /* The folder is made, if it passes that check. keep: pictures in it are taken, else they are removed first. */
 iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_store **store, iso_error *err);

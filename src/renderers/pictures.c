@@ -120,8 +120,7 @@ static iso_status check_request(const pictures *p, const iso_render_request *q, 
     iso_status status = json ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK && iso_path_exists(json)) {
         dir = iso_make_temp_dir();
-        status = dir ? iso_request_write(&request, dir, err)
-                     : iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+        status = dir ? iso_request_write(&request, dir, err) : iso_temp_dir_fail(err);
         if (status == ISO_OK)
             status = compare_requests(q->options->renderer->name, dir, there, there + p->hidden, err);
     }

@@ -51,7 +51,9 @@ static const iso_external_file files[] = {
     {NULL, NULL},
 };
 
-static const char *const command[] = {"python3", "webgl.py", NULL}, *const version[] = {"python3", "webgl.py", "--version", NULL};
+/* -E: the standard library is enough, whatever PYTHONPATH has for others. */
+static const char *const command[] = {"python3", "-E", "webgl.py", NULL};
+static const char *const version[] = {"python3", "-E", "webgl.py", "--version", NULL};
 /* Chromium puts what it shows into sandboxes of its own (view/chromium.py), which it speaks to over sockets. */
 static const iso_external webgl = {.command = command,
                                    .version = version,

@@ -58,7 +58,7 @@ def render(path):
     with open(page, "w", encoding="utf-8") as f:
         f.write(page_of(request, folder))
     width, height = request["image"]["width"], request["image"]["height"]
-    with Chromium(size=(200, 150), seconds=3600) as browser:  # whoever starts this has a time limit of its own
+    with Chromium(size=(200, 150), seconds=3600, within=HERE) as browser:  # whoever starts this has a time limit of its own
         browser.open(page, "window.isoshade && document.readyState === 'complete'")
         browser.evaluate("window.draw = isoshade.makeRequest(), 0")
         for i, frame in enumerate(request["frames"]):
@@ -67,7 +67,7 @@ def render(path):
 
 
 def version():
-    with Chromium(size=(200, 150), seconds=60) as browser:
+    with Chromium(size=(200, 150), seconds=60, within=HERE) as browser:
         product = browser.call("Browser.getVersion")["product"]
         name = browser.evaluate("(() => { const gl = document.createElement('canvas').getContext('webgl2'); if (!gl) return '';"
                                 " const e = gl.getExtension('WEBGL_debug_renderer_info');"

@@ -64,6 +64,9 @@ static iso_status check_picture(const char *picture, const char *format, iso_err
     return status;
 }
 
+/* GNUTERM names a terminal that gnuplot opens before it reads the script: one with windows fails in the sandbox. */
+static const char foreign_setting[] = "GNUTERM";
+
 static iso_status run_gnuplot(const char *dir, const char *name, const char *format, iso_error *err)
 {
     char *gnuplot = NULL, *script = NULL, *setting = NULL, *picture = NULL;
@@ -79,7 +82,9 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
         picture = NULL;
     if (script && setting && picture) {
         const char *argv[] = {gnuplot, "-d", "-e", setting, script, NULL};
-        status = iso_process_run(argv, &(iso_process_options){.directory = dir, .timeout_seconds = 600}, err);
+        const iso_process_options process = {
+            .directory = dir, .sandbox = {.without = foreign_setting}, .timeout_seconds = 600};
+        status = iso_process_run(argv, &process, err);
         if (status == ISO_OK)
             status = check_picture(picture, format, err);
     } else {
@@ -195,7 +200,7 @@ iso_status iso_gnuplot_picture(const char *output, double width, double height, 
         return iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", output);
     iso_status status = iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err);
     if (status == ISO_OK && !(dir = iso_make_temp_dir()))
-        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+        status = iso_temp_dir_fail(err);
     if (status == ISO_OK && !(script = iso_path_join(dir, "picture.gp")))
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
@@ -203,7 +208,8 @@ iso_status iso_gnuplot_picture(const char *output, double width, double height, 
     if (status == ISO_OK)
         status = write_script(script, format, out.temp_path, width, height, write, user, err);
     if (status == ISO_OK) {
-        const iso_process_options process = {.sandbox = {.output = out.temp_path}, .timeout_seconds = 600};
+        const iso_process_options process = {.sandbox = {.output = out.temp_path, .without = foreign_setting},
+                                             .timeout_seconds = 600};
         status = iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &process, err);
     }
     if (status == ISO_OK)

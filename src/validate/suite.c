@@ -146,7 +146,7 @@ iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, i
     if (count == 0)
         status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
     else if (!scratch)
-        status = iso_fail(err, ISO_E_IO, "no temporary folder can be made");
+        status = iso_temp_dir_fail(err);
     iso_progress_line_begin_phase(v->line, "scenes");
     if (status == ISO_OK)
         status = iso_validate_each(v, (size_t)count, one_scene, &run, err);

@@ -24,16 +24,23 @@ def sandbox_words():
 
 
 class Chromium:
-    """seconds: how long an answer, or what is waited for, may take."""
+    """seconds: how long an answer, or what is waited for, may take. within: the folder in which it gets one of its own."""
 
-    def __init__(self, driver="mesa", size=(1200, 800), program=None, seconds=120):
-        self.folder = tempfile.mkdtemp(prefix="isoshade-chromium.")
+    def __init__(self, driver="mesa", size=(1200, 800), program=None, seconds=120, within=None):
         self.seconds, self.deadline = seconds, time.monotonic() + seconds
         self.number, self.buffer, self.events = 0, b"", []
         program = program or os.environ.get("ISOSHADE_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser") \
             or shutil.which("google-chrome")
         if not program:
             raise FileNotFoundError("no chromium in the PATH (ISOSHADE_CHROMIUM names one)")
+        self.folder = tempfile.mkdtemp(prefix="isoshade-chromium.", dir=within)
+        try:
+            self.start(program, driver, size)
+        except BaseException:
+            shutil.rmtree(self.folder, ignore_errors=True)
+            raise
+
+    def start(self, program, driver, size):
         ours_in, theirs_out = os.pipe()
         theirs_in, ours_out = os.pipe()
 
@@ -46,6 +53,7 @@ class Chromium:
             [program, "--headless", *sandbox_words(), "--remote-debugging-pipe", "--no-first-run", "--disable-background-networking",
              "--disable-component-update", "--hide-scrollbars", f"--user-data-dir={self.folder}", f"--window-size={size[0]},{size[1]}",
              *DRIVERS[driver], "about:blank"],
+            env={**os.environ, "TMPDIR": tempfile.gettempdir()},  # a whole path, wherever this runs
             preexec_fn=give_pipes, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(theirs_in)
         os.close(theirs_out)
