@@ -40,6 +40,15 @@ check rows_name_the_file_of_the_renderer grep -q -- '--with numpy --renderers re
 check the_list_has_it bash -c "ISOSHADE_RENDERERS=renderers.json '$ISOSHADE' list | grep -q '^  numpy  *numpy ray caster'"
 check not_by_default bash -c "! '$ISOSHADE' list | grep -q numpy"
 
+# ---- a program that was edited while its run was interrupted, which no version tells: nothing of before is taken ----
+mkdir killing edited && printf '#!/bin/sh\nkill -KILL $PPID\n' >killing/gnuplot && chmod +x killing/gnuplot # which the report needs
+cp v.nrrd numpy_renderer.py renderers.json edited
+again() { (cd edited && "$ISOSHADE" validate v.nrrd --scene "$scene" --with numpy --renderers renderers.json --quick --levels 1 --size 8 -q -o r "$@"); }
+(PATH=$dir/killing:$PATH && again) >/dev/null 2>&1
+check a_run_by_the_example_is_interrupted test -e edited/r.work -a ! -e edited/r
+sed -i 's/^        alpha = -np.expm1/        alpha = -0.5 * np.expm1/' edited/numpy_renderer.py
+expect an_edited_program_is_drawn_with_again 9 again --resume
+
 # ---- programs that fail ----
 "$python" - <<'END'
 script = open('numpy_renderer.py').read().split('r = json.load')[0]

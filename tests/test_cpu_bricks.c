@@ -128,6 +128,26 @@ static void views_may_be_cut_orthographic_unlit_or_from_inside(void **state)
     destroy_brick_scene(&s);
 }
 
+/* Planes along the grid that keep .7 voxels of the bricks on a face's other side, which are not left out for that. */
+static void bricks_of_which_a_sliver_is_kept_are_drawn(void **state)
+{
+    static const iso_vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const iso_vec3 face = {2 * 8 + 0.5, 3 * 8 + 0.5, 2 * 8 + 0.5};
+    (void)state;
+    brick_scene s;
+    make_brick_scene(&s, ISO_FIELD_SPHERE);
+    const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
+    s.view.clip_count = 1;
+    for (int a = 0; a < 3; ++a)
+        for (int side = -1; side <= 1; side += 2) {
+            const iso_vec3 at = iso_geometry_to_world(&s.level.geometry, iso_madd(face, axes[a], -0.7 * side));
+            const iso_vec3 normal = iso_normalize(iso_mul(s.level.geometry.index_to_world, iso_scale(axes[a], side)));
+            s.view.clips[0] = (iso_clip_plane){normal, iso_dot(normal, at)};
+            expect_the_reference(&f, &s.view, "a sliver");
+        }
+    destroy_brick_scene(&s);
+}
+
 /* 16 bits: half a step of 1/65535 a value through a transfer function whose slope is 30 and more. */
 static void nodes_of_16_bits_are_close(void **state)
 {
@@ -243,6 +263,7 @@ int main(void)
         cmocka_unit_test(random_levels_agree_with_the_reference),
         cmocka_unit_test(a_brick_of_another_level_is_seen),
         cmocka_unit_test(views_may_be_cut_orthographic_unlit_or_from_inside),
+        cmocka_unit_test(bricks_of_which_a_sliver_is_kept_are_drawn),
         cmocka_unit_test(nodes_of_16_bits_are_close),
         cmocka_unit_test(bricks_that_are_not_wanted_are_left_out),
         cmocka_unit_test(sizes_may_be_odd),

@@ -105,6 +105,35 @@ static void prediction_bounds_the_model_and_is_near_the_measured_error(void **st
     destroy_scene(&s);
 }
 
+/* Wherever it is: of no voxel the plan may think that coarse bricks, which lose it, have it. */
+static void a_voxel_alone_is_not_overlooked(void **state)
+{
+    (void)state;
+    const size_t size[3] = {17, 17, 17}, middle = 8 + 17 * (8 + 17 * 8);
+    static float scalar[17 * 17 * 17];
+    iso_scene file;
+    assert_ok(iso_scene_load("refscenes/shells.scene.json", &file, &err));
+    file.width = file.height = 24;
+    for (size_t at = middle; at < middle + 4; ++at) {
+        iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .scalar = scalar,
+                           .max = 1};
+        scene s = {0};
+        iso_plan p;
+        memset(scalar, 0, sizeof scalar);
+        scalar[at] = 1;
+        assert_ok(iso_node_levels_create(&s.nodes, &level, 16, 3, true, 0, &err));
+        assert_ok(iso_scene_resolve(&file, &level.geometry, 0, 1, &s.view, &err));
+        for (size_t e = 0; e < s.view.tf.count; ++e)
+            s.view.tf.entries[4 * e + 3] = e > s.view.tf.count * 3 / 4 ? 1 : 0;
+        assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
+        iso_plan_choose(&p, &s.nodes, 1e-9);
+        assert_int_equal(p.levels[0], 0);
+        iso_plan_destroy(&p);
+        destroy_scene(&s);
+    }
+    iso_scene_destroy(&file);
+}
+
 static void plan_does_not_depend_on_threads(void **state)
 {
     (void)state;
@@ -153,6 +182,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(prediction_bounds_the_model_and_is_near_the_measured_error),
+        cmocka_unit_test(a_voxel_alone_is_not_overlooked),
         cmocka_unit_test(plan_does_not_depend_on_threads),
         cmocka_unit_test(bricks_behind_the_opaque_and_outside_the_view_are_left_out),
     };

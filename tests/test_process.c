@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/process.h"
+#include "base/sandbox.h"
 #include "base/unfinished.h"
 #include "folder.h"
 #include "test.h"
@@ -239,6 +240,49 @@ static void one_whose_output_cannot_be_read_is_ended_and_not_to_blame(void **sta
     assert_false(outcome.timed_out);
 }
 
+#ifdef __x86_64__
+/* io_uring_setup(), socket() and socketpair() as programs of 32 bits call them, which a process of 64 bits may do as well.
+ * Returns the errors that are not those of the sandbox, as bits. */
+static int call_as_32_bits(void)
+{
+    static const long calls[][2] = {{425, -ENOSYS}, {359, -EACCES}, {360, -EACCES}}; /* number, wanted */
+    int wrong = 0;
+    for (int i = 0; i < 3; ++i) {
+        int result;
+        __asm__ volatile("int $0x80"
+                         : "=a"(result)
+                         : "a"(calls[i][0]), "b"(1), "c"(1), "d"(0), "S"(0)
+                         : "memory", "r8", "r9", "r10", "r11");
+        wrong |= (result != calls[i][1]) << i;
+    }
+    return wrong;
+}
+
+/* In a process of its own, since a sandbox is for ever. A kernel without such calls ends it by a signal. */
+static void the_sandbox_refuses_sockets_of_32_bits_too(void **state)
+{
+    static const iso_sandbox_kind kinds[] = {ISO_SANDBOX_CLOSED, ISO_SANDBOX_DEVICE};
+    char text[200];
+    (void)state;
+    iso_sandbox_describe(text, sizeof text);
+    if (!strstr(text, "use no network"))
+        skip();
+    for (int k = 0; k < 2; ++k) {
+        const pid_t child = fork();
+        if (child == 0) {
+            const iso_sandbox_wish wish = {.kind = kinds[k]};
+            iso_sandbox box;
+            if (iso_sandbox_prepare(&wish, NULL, &box, NULL) != ISO_OK || !iso_sandbox_enter(&box))
+                _exit(8);
+            _exit(call_as_32_bits());
+        }
+        int how = 1;
+        assert_int_equal(waitpid(child, &how, 0), child);
+        assert_true(WIFSIGNALED(how) || how == 0);
+    }
+}
+#endif
+
 static void tell_pid(void *user, const char *line)
 {
     const int *pipe_end = user;
@@ -375,6 +419,9 @@ int main(void)
         cmocka_unit_test(one_whose_output_cannot_be_read_is_ended_and_not_to_blame),
         cmocka_unit_test(one_that_cannot_be_started_says_why),
         cmocka_unit_test(where_no_process_can_be_had_it_is_told_so),
+#ifdef __x86_64__
+        cmocka_unit_test(the_sandbox_refuses_sockets_of_32_bits_too),
+#endif
         cmocka_unit_test(nothing_that_it_started_outlives_it),
         cmocka_unit_test(a_signal_ends_the_program_and_is_a_failure),
         cmocka_unit_test(programs_of_two_threads_run_at_once_and_one_signal_ends_both),

@@ -164,14 +164,16 @@ static bool refuse_sockets(bool but_of_this_machine)
         SKIP_UNLESS(JEQ, SYS_socketpair, 4),
         LOAD(args[1]),
         BPF_STMT(BPF_ALU | BPF_AND | BPF_K, looked_at),
-        SKIP_UNLESS(JEQ, wanted, 8),
+        SKIP_UNLESS(JEQ, wanted, 10),
         LET,
         SKIP_UNLESS(JEQ, SYS_socket, 3),
         LOAD(args[0]),
-        SKIP_UNLESS(JEQ, but_of_this_machine ? AF_UNIX : UINT32_MAX, 4),
+        SKIP_UNLESS(JEQ, but_of_this_machine ? AF_UNIX : UINT32_MAX, 6),
         LET,
         LET, /* any other call */
         LOAD(nr), /* of 32 bits */
+        SKIP_UNLESS(JEQ, IO_URING_SETUP, 1), /* of the same number */
+        REFUSE(ENOSYS),
         SKIP_UNLESS(JEQ, SOCKETCALL_OF_32_BITS, 1),
         REFUSE(EACCES),
         SKIP_UNLESS(JEQ, SOCKETPAIR_OF_32_BITS, 1),

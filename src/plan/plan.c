@@ -57,8 +57,8 @@ static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const s
 }
 
 /* Adds the errors of one node at every level: at the node, and on a face also half-way to the next brick's node, whose
- * cell takes the face with it. */
-static void add_errors(const iso_node_levels *n, const iso_view *view, double voxel_mm, const iso_brick_field *f,
+ * cell takes the face with it. Returns whether level 0 shows anything there. */
+static bool add_errors(const iso_node_levels *n, const iso_view *view, double voxel_mm, const iso_brick_field *f,
                        uint8_t *level, const size_t brick[3], const size_t local[3], double *sum)
 {
     double q[3], exact[2][4], beyond[ISO_NODE_CHANNELS];
@@ -80,11 +80,14 @@ static void add_errors(const iso_node_levels *n, const iso_view *view, double vo
         if (on_face)
             sum[l] += largest_difference(view, voxel_mm, middle, exact[1]);
     }
+    return exact[0][3] > 0 || (on_face && exact[1][3] > 0);
 }
 
-/* A quarter of the nodes, in a lattice that no plane and no row evades. */
+/* A quarter of the nodes, in a lattice that no plane and no row evades; a voxel alone may. So where it meets nothing of what
+ * is shown, the next quarter is looked at as well. */
 static void estimate_brick(const iso_node_levels *n, const iso_view *view, uint8_t *levels, size_t index, float *errors)
 {
+    enum { QUARTERS = 4 };
     const size_t brick[3] = {index % n->count[0], index / n->count[0] % n->count[1],
                              index / (n->count[0] * n->count[1])};
     /* levels[index] alone is looked at: faces of its own. */
@@ -92,10 +95,12 @@ static void estimate_brick(const iso_node_levels *n, const iso_view *view, uint8
     const double voxel_mm = iso_geometry_mean_spacing_mm(&n->geometry);
     double sum[ISO_BRICK_MAX_LEVELS] = {0};
     size_t count = 0, side = n->brick_voxels;
-    for (size_t z = 0; z <= side; ++z)
-        for (size_t y = 0; y <= side; ++y)
-            for (size_t x = (y + 2 * z) % 4; x <= side; x += 4, ++count)
-                add_errors(n, view, voxel_mm, &f, &levels[index], brick, (const size_t[3]){x, y, z}, sum);
+    bool shows = false;
+    for (size_t quarter = 0; quarter < QUARTERS && !shows; ++quarter)
+        for (size_t z = 0; z <= side; ++z)
+            for (size_t y = 0; y <= side; ++y)
+                for (size_t x = (y + 2 * z + quarter) % QUARTERS; x <= side; x += QUARTERS, ++count)
+                    shows |= add_errors(n, view, voxel_mm, &f, &levels[index], brick, (const size_t[3]){x, y, z}, sum);
     /* A mean over the brick, times the voxels of a ray through it; no pixel is wrong by more than 1. */
     for (size_t l = 0; l < n->level_count; ++l)
         errors[l] = (float)fmin(1, sum[l] / (double)count * (double)side);

@@ -196,7 +196,7 @@ static iso_status read_row(row *to, size_t number, iso_error *err)
     iso_json_reader r = {.path = where, .err = err};
     int asked = TIER_SAMPLES;
     to->info = (iso_renderer_info){.color = colors[number % (sizeof colors / sizeof *colors)],
-                                   .traits = ISO_EXTERNAL_TRAITS,
+                                   .traits = ISO_EXTERNAL_TRAITS | ISO_IS_OF_A_USER,
                                    .defaults = {.source = ISO_FROM_CODES},
                                    .relative_cost = 100,
                                    .found_in = to->file,

@@ -236,13 +236,20 @@ size_t iso_picture_store_taken(const iso_picture_store *store)
 
 /* ---- the hash of a request ---- */
 
+/* What a renderer's version says is all that it is made of. */
+static bool has_version(const iso_picture_store *s, const iso_renderer_info *r)
+{
+    return s->versions[iso_renderer_index(r)][0] && !iso_renderer_has(r, ISO_IS_OF_PICTURES) &&
+           !iso_renderer_has(r, ISO_IS_OF_A_USER);
+}
+
 static bool is_kept(const iso_picture_store *s, const iso_render_request *q, const iso_render_options *o)
 {
     const iso_view *v = q->view;
-    return s->versions[iso_renderer_index(o->renderer)][0] && !q->renderers->after.change && !o->stats &&
-           o->repeats <= 1 && !(o->repeat_seconds > 0) && !o->isosurface && !v->tf_2d && !v->extinction_scale && !v->roi &&
+    return has_version(s, o->renderer) && !q->renderers->after.change && !o->stats && o->repeats <= 1 &&
+           !(o->repeat_seconds > 0) && !o->isosurface && !v->tf_2d && !v->extinction_scale && !v->roi &&
            (o->source == ISO_FROM_CODES || o->source == ISO_FROM_DECODED || o->source == ISO_FROM_ON_THE_FLY) &&
-           !iso_renderer_has(o->renderer, ISO_IS_OF_PICTURES) && !q->renderers->shader_dir;
+           !q->renderers->shader_dir;
 }
 
 /* Numbers one by one: structs have gaps between them. */

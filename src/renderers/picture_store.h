@@ -3,9 +3,10 @@
  *
  * A picture is found by a hash of all that it depends on: the voxels and codes of its level, the view, the options of its
  * frame, the renderer and its version, and isoshade's. So what is taken from the folder is what would be drawn, whatever
- * else was asked in between. A file that is cut off or changed does not have its checksum, and counts as not there. Threads may share a
- * store. Not kept: views with 2D transfer functions, scales or regions, directions that are not from codes or on the fly,
- * isosurfaces; what is timed; planted faults; pictures that were made elsewhere. */
+ * else was asked in between. A file that is cut off or changed does not have its checksum, and counts as not there.
+ * Threads may share a store. Not kept: views with 2D transfer functions, scales or regions, directions that are not from
+ * codes or on the fly, isosurfaces; what is timed; planted faults; pictures that were made elsewhere; those of a program of
+ * a renderers.json, which may be edited in between while its version stays. */
 #ifndef ISO_PICTURE_STORE_H
 #define ISO_PICTURE_STORE_H
 

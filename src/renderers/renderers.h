@@ -104,6 +104,7 @@ typedef enum iso_trait {
     ISO_HAS_ORTHOGRAPHIC = 1 << 21, /* cameras */
     ISO_IS_NAMED = 1 << 22,         /* takes part where it is named, and never by default */
     ISO_IS_OF_PICTURES = 1 << 23,   /* made elsewhere, of scenes as they are (pictures.h) */
+    ISO_IS_OF_A_USER = 1 << 24,     /* a row of a renderers.json: what it starts may change and its version stay */
 } iso_trait;
 #define ISO_HAS_ALL_SCENES \
     (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_ROI | ISO_HAS_LIGHTS | \
