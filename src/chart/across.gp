@@ -95,7 +95,7 @@ do for [k = 1:levels] {
     set ytics ()
     do for [n = 1:designs] { set ytics add ((k == 1 ? design[n] : '') n - 1) }
     set ytics font small noenhanced scale 0
-    if (k == 1) { set label 201 sprintf('%s of each design over that of %s: filled, minified; hollow, as rendered.'."\n".'  %s, %s, %d views of %d pixels', metric, design[1], volume, tf, int(views), int(size)) at screen 0.075, screen y(foot - 22.0) left noenhanced font small textcolor rgb ink }
+    if (k == 1) { set label 201 sprintf('%s of each design over that of %s: filled, minified; hollow, as rendered.'."\n".'  %s, %s, %d view%s of %d pixels', metric, design[1], volume, tf, int(views), int(views) == 1 ? '' : 's', int(size)) at screen 0.075, screen y(foot - 22.0) left noenhanced font small textcolor rgb ink }
     if (k > 1) { unset label 201 }
     set label 200 sprintf('level %d', k) at graph 0.02, screen 1 - y(above + 72.0) left
     plot for [t = 1:4] data using (column("level") == k && is(t) ? column("ratio") : outside):(column("at")) with points pt 6 ps 0.75 lw 1.2 lc rgb tint[t], \
