@@ -37,6 +37,20 @@ flatten suited
 check all_seven_calibrations_pass test "$(row suited calibration numpy verdict | sort | uniq -c | tr -s ' ')" = " 7 pass"
 check each_scene_has_rows_that_agree test "$(row suited agreement numpy verdict | sort -u)" = agree
 check rows_name_the_file_of_the_renderer grep -q -- '--with numpy --renderers renderers.json' suited/report.json
+# The step of its row, which the picture is drawn by; --step comes before it.
+sed 's/"tier": "samples",/"tier": "samples", "step_voxels": 0.125,/' renderers.json >stepped.json
+stepped() { "$ISOSHADE" render v.nrrd --scene "$scene" --size 8 --with numpy --renderers stepped.json -o stepped.exr --json -q "$@"; }
+by_step() { # STEP: the picture has it
+    "$ISOSHADE" render v.nrrd --scene "$scene" --size 8 --with reference --quadrature midpoint --step "$1" -o asked.exr -q >/dev/null &&
+        "$ISOSHADE" compare stepped.exr asked.exr --max-abs 1e-6 >/dev/null
+}
+expect a_row_with_a_step_of_its_own 0 stepped
+check says_that_step test "$(json_number out step_voxels)" = 0.125
+check and_takes_it by_step 0.125
+notice and_no_other by_step 0.25
+expect a_step_that_is_asked_for 0 stepped --step 0.5
+check is_said test "$(json_number out step_voxels)" = 0.5
+check and_taken by_step 0.5
 check the_list_has_it bash -c "ISOSHADE_RENDERERS=renderers.json '$ISOSHADE' list | grep -q '^  numpy  *numpy ray caster'"
 check not_by_default bash -c "! '$ISOSHADE' list | grep -q numpy"
 

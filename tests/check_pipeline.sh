@@ -49,6 +49,19 @@ refuse "an option of another renderer" 2 "--intervals is for --with reference an
 refuse "an image size of 0" 2 "--size" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --size 0 -q -o x.exr
 refuse "an output folder that is not there" 3 "nowhere" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --size 8 -q -o nowhere/x.exr
 refuse "a report over a folder of others" 3 "report.json" "$ISOSHADE" validate v.nrrd --scene "$scenes/shells.scene.json" --quick --with gl -q -o v.iso
+# Where no step is asked for, programs have one of their own, and the converged reference has none: the answer and the header
+# of the picture say which.
+step_of() { # words: "" where there is none
+    "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --size 8 -q -o step.exr --json "$@" >step.json &&
+        python3 -c 'import json; step = json.load(open("step.json"))["step_voxels"]; print("" if step is None else "%g" % step)'
+}
+check "the reference has no step" test -z "$(step_of --with reference)"
+check "its header says so" grep -aq 'stepVoxels.\{0,20\}none' step.exr
+check "the ray caster takes the scene's" test "$(step_of --with cpu)" = 0.25
+check "or that of --step" test "$(step_of --with cpu --step 0.5)" = 0.5
+check "a limit begins with a quarter" test "$(step_of --with cpu --limit)" = 0.25
+if has_cycles; then check "Cycles takes a sixteenth" test "$(step_of --with cycles)" = 0.0625; else skip "Cycles takes a sixteenth" "$lack"; fi
+check "POV-Ray takes its most intervals" python3 -c 'import sys; sys.exit(not 0 < float(sys.argv[1]) < 0.1)' "$(step_of --with povray)"
 refuse "a missing POV-Ray" 7 "povray" env ISOSHADE_POVRAY=/nonexistent/povray "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --with povray --size 8 -q -o x.exr
 refuse "a missing Blender" 7 "blender" env ISOSHADE_BLENDER=/nonexistent/blender "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --with cycles --size 8 -q -o x.exr
 refuse "a POV-Ray that fails" 8 "exit code 1" env ISOSHADE_POVRAY=/bin/false "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --with povray --size 8 -q -o x.exr

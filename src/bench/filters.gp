@@ -11,7 +11,7 @@ stats data skip 1 using 3 nooutput
 count = words(filters); panels = words(scenes); rows = (panels + 2) / 3
 width = 980
 legend_rows = (count + 5) / 6
-height = 205 * rows + 20 * legend_rows + 20
+height = 205 * rows + 20 * legend_rows + 44
 load 'style.gp'
 set linetype 9 lc rgb '#8c564b' lw 1.6 pt 12 ps 0.6
 set linetype 10 lc rgb '#17becf' lw 1.6 pt 3 ps 0.6
@@ -22,15 +22,17 @@ set xtics 1 offset 0,0.4
 set xrange [STATS_min - 0.15 : STATS_max + 0.15]
 set logscale y
 unset key
-top(row) = 1 - (26.0 + 205.0 * row) / height
+top(row) = 1 - (32.0 + 205.0 * row) / height
 set multiplot
 do for [p = 1:panels] {
     row = (p - 1) / 3; column = (p - 1) % 3
-    set lmargin at screen 0.055 + 0.325 * column
-    set rmargin at screen 0.055 + 0.325 * column + 0.275
+    set lmargin at screen 0.075 + 0.318 * column
+    set rmargin at screen 0.075 + 0.318 * column + 0.268
     set tmargin at screen top(row)
     set bmargin at screen top(row) - 140.0 / height
-    set title word(scenes, p) . (p == 1 ? ': angle to the truth, ° by level' : '') offset 0,-0.5 noenhanced
+    set title word(scenes, p) offset 0,-0.5 noenhanced
+    set ylabel (column == 0 ? 'angle to the truth, °' : '') offset 0.5,0
+    set xlabel (p + 3 > panels ? 'level' : '') offset 0,0.7
     if (p == 1) {
         do for [i = 1:count] {
             set label i word(filters, i) at screen 0.06 + 0.157 * ((i - 1) % 6), screen (20.0 * (legend_rows - (i - 1) / 6) - 8) / height left offset 1.2, -0.25 point lt i ps 0.8 noenhanced

@@ -23,7 +23,7 @@ dots = designs * row
 width = 980
 above = 300
 foot = 66
-height = above + 74 + dots + foot + 40
+height = above + 82 + dots + foot + 40
 load 'style.gp'
 if (!exists("pale")) pale = '#c4c4c4'
 if (!exists("mark")) mark = vermillion
@@ -71,7 +71,7 @@ do for [p = 1:2] {
          data using (column("auto") > 0 ? column(cost) : outside):(column("error")) with points pt 6 ps 2.0 lw 1.6 lc rgb ink
 }
 # ---- legend ----
-legend = 1 - y(above + 12.0)
+legend = 1 - y(above + 20.0)
 do for [t = 1:4] { set label 100 + t tf_name[t] at screen 0.075 + 0.125 * (t - 1), screen legend left offset 1.3, -0.25 font small point pt 7 ps 1 lc rgb tint[t] noenhanced }
 do for [s = 1:words(scalars)] { set label 110 + s scalar_name[s] at screen 0.075 + 0.125 * (s - 1), screen legend - y(row) left offset 1.3, -0.25 font small point pt int(word(scalar_shapes, s)) ps 1 lc rgb ink noenhanced }
 set label 120 'other directions' at screen 0.60, screen legend left offset 1.3, -0.25 font small point pt 2 ps 1 lc rgb ink
@@ -87,7 +87,7 @@ set xtics ('.4' 0.4, '.5' 0.5, '.6' 0.6, '.7' 0.7, '.8' 0.8, '' 0.9, '1' 1, '1.2
 if (high_ratio / low_ratio > 5) set xtics ('.2' 0.2, '.5' 0.5, '1' 1, '2' 2, '5' 5, '10' 10)
 set xrange [low_ratio : high_ratio]
 set xlabel ''
-set tmargin at screen 1 - y(above + 74.0); set bmargin at screen y(foot + 22.0)
+set tmargin at screen 1 - y(above + 82.0); set bmargin at screen y(foot + 22.0)
 set arrow 1 from 1, graph 0 to 1, graph 1 nohead lc rgb ink lw 0.8 back
 set grid ytics noxtics lc rgb '#e6e6e6' lt 1
 do for [k = 1:levels] {
@@ -95,9 +95,9 @@ do for [k = 1:levels] {
     set ytics ()
     do for [n = 1:designs] { set ytics add ((k == 1 ? design[n] : '') n - 1) }
     set ytics font small noenhanced scale 0
-    if (k == 1) { set label 201 sprintf('%s of each design over that of %s: filled, minified; hollow, as rendered.'."\n".'  %s, %s, %d views of %d pixels', metric, design[1], volume, tf, int(views), int(size)) at screen 0.075, screen y(foot - 22.0) left noenhanced font small textcolor rgb ink }
+    if (k == 1) { set label 201 sprintf('%s of each design over that of %s: filled, minified; hollow, as rendered.'."\n".'  %s, %s, %d view%s of %d pixels', metric, design[1], volume, tf, int(views), int(views) == 1 ? '' : 's', int(size)) at screen 0.075, screen y(foot - 22.0) left noenhanced font small textcolor rgb ink }
     if (k > 1) { unset label 201 }
-    set label 200 sprintf('level %d', k) at graph 0.02, screen 1 - y(above + 64.0) left
+    set label 200 sprintf('level %d', k) at graph 0.02, screen 1 - y(above + 72.0) left
     plot for [t = 1:4] data using (column("level") == k && is(t) ? column("ratio") : outside):(column("at")) with points pt 6 ps 0.75 lw 1.2 lc rgb tint[t], \
          for [t = 1:4] data using (column("level") == k && is(t) ? column("ratio_minified") : outside):(column("at")) with points pt 7 ps 0.95 lc rgb tint[t], \
          data using (column("level") == k && column("auto") > 0 ? column("ratio_minified") : outside):(column("at")) with points pt 6 ps 1.7 lw 1.4 lc rgb ink

@@ -104,6 +104,16 @@ static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cl
     return status;
 }
 
+/* The step that the picture is drawn by: of a limit the finer one that it begins with. */
+static double taken_step(const iso_render_arguments *a, const iso_render_request *q)
+{
+    if (iso_render_is_in_bricks(a))
+        return a->step > 0 ? a->step : q->view->step_voxels;
+    if (a->limit && !(a->step > 0) && !a->intervals)
+        return iso_limit_defaults().step_voxels;
+    return iso_render_taken_step_voxels(q, q->options);
+}
+
 /* Extrapolated from the step and its double; of Cycles the mean over seeds. */
 static iso_status render_limit(const iso_render_arguments *a, const iso_cli *cli, const iso_render_request *q,
                                iso_image *image, double *seconds, iso_error *err)
@@ -210,14 +220,15 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     if (status == ISO_OK)
         status = iso_render_check_finite(opt.renderer, &image, err);
     if (status == ISO_OK)
-        status = iso_render_save(a, cli, &image, version, a->step > 0 ? a->step : view.step_voxels, err);
+        status = iso_render_save(a, cli, &image, version, taken_step(a, &request), err);
     if (status == ISO_OK) {
         iso_visible_take_image(&visible, &image, view.background);
         if (!warned)
             iso_cli_warn_of(cli, &visible);
         iso_render_report(a, cli, &pyramid, &view, &visible,
                           &(iso_rendered){opt.renderer->name, version, seconds,
-                                          iso_render_device_seconds(&opt, &renderers), &stats, of->results});
+                                          iso_render_device_seconds(&opt, &renderers), taken_step(a, &request),
+                                          &stats, of->results});
     }
     iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -367,7 +378,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          NULL},
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0,
          of_those(&help, ISO_READS_SHADE_TABLE, "shade the palette's entries once instead of each sample"), NULL},
-        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level instead of the scene's", "VOXELS"},
+        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "ray step in voxels of the level (the scene's; cycles: 1/16; povray: 9 pieces of 255 intervals, extrapolated)",
+         "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, describe_quadratures(&help), "RULE"},
         {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0,
          "of a volume: gradient estimator of the list below (central)", "NAME"},

@@ -171,7 +171,8 @@ iso_status iso_render_take_options(const iso_render_arguments *a, int threads, i
         opt->isosurface = true;
         opt->iso = value[0];
     }
-    opt->step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step;
+    if (a->step != ISO_STEP_OF_SCENE) /* else the row's of a renderers.json, or the renderer's own */
+        opt->step_voxels = a->step;
     opt->intervals = (size_t)a->intervals;
     opt->planes = (size_t)a->planes;
     opt->samples = a->samples;

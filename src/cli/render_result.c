@@ -19,7 +19,7 @@ iso_status iso_render_save(const iso_render_arguments *a, const iso_cli *cli, co
                            const char *version, double step_voxels, iso_error *err)
 {
     char step[32];
-    snprintf(step, sizeof step, "%g", step_voxels);
+    snprintf(step, sizeof step, isfinite(step_voxels) ? "%g" : "none", step_voxels);
     char *line = iso_cli_command_line(cli);
     const iso_image_note notes[] = {{"isoshade:command", line ? line : ""},
                                     {"isoshade:renderer", version},
@@ -56,10 +56,10 @@ void iso_render_report(const iso_render_arguments *a, const iso_cli *cli, const 
                                      a->source ? a->source : "codes", "code",
                                      iso_code_describe(p->options.code)->name));
     json_object_update_new(root,
-                           json_pack("{s:s, s:s, s:[I,I], s:[I,I,I], s:f, s:f}", "image", a->output, "renderer",
+                           json_pack("{s:s, s:s, s:[I,I], s:[I,I,I], s:o, s:f}", "image", a->output, "renderer",
                                      version, "size", (json_int_t)view->width, (json_int_t)view->height, "level_size",
                                      (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2],
-                                     "step_voxels", a->step > 0 ? a->step : view->step_voxels, "seconds", seconds));
+                                     "step_voxels", iso_json_number(done->step_voxels), "seconds", seconds));
     if (isfinite(done->device_seconds))
         json_object_set_new(root, "device_seconds", iso_json_number(done->device_seconds));
     if (done->stats->error > 0) {

@@ -12,7 +12,7 @@
 /* Who rendered, how long, and where the JSON goes. */
 typedef struct iso_rendered {
     const char *with, *version;
-    double seconds, device_seconds;
+    double seconds, device_seconds, step_voxels; /* step_voxels: INFINITY where there is none */
     const iso_render_stats *stats;
     json_t *frames;
 } iso_rendered;

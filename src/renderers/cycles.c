@@ -41,6 +41,12 @@ static iso_blender_options take_options(const iso_render_options *opt)
     return o;
 }
 
+static double own_step(const iso_level *level)
+{
+    (void)level;
+    return iso_blender_defaults().step_voxels;
+}
+
 static void end(void *kept)
 {
     iso_blender_session_end(kept);
@@ -108,6 +114,7 @@ const iso_renderer_info iso_renderer_cycles = {
     .relative_cost = 100,
     .asked_by = first_asked_by,
     .version = version,
+    .own_step = own_step,
     .render = render,
     .render_several = render_several,
     .end = end,

@@ -36,6 +36,13 @@ static iso_povray_options take_options(const iso_render_request *q)
     return o;
 }
 
+/* The finer one of the two that it extrapolates from. */
+static double own_step(const iso_level *level)
+{
+    const iso_povray_options o = iso_povray_defaults();
+    return iso_level_chord_voxels(level) / (double)(o.intervals * (o.planes + 1));
+}
+
 static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
 {
     const iso_render_options *opt = q->options;
@@ -142,4 +149,5 @@ const iso_renderer_info iso_renderer_povray = {
     .render_several = render_several,
     .render_scenes = render_scenes,
     .ask_steps = ask_steps,
+    .own_step = own_step,
 };

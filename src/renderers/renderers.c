@@ -48,15 +48,20 @@ double iso_render_step_voxels(const iso_level *level, const iso_render_options *
                             : frame->step_voxels;
 }
 
+double iso_render_taken_step_voxels(const iso_render_request *q, const iso_render_options *frame)
+{
+    const iso_level *level = &q->pyramid->levels[q->level];
+    const iso_renderer_info *r = frame->renderer;
+    return frame->step_voxels > 0 || frame->intervals ? iso_render_step_voxels(level, frame)
+           : frame->quadrature == ISO_QUADRATURE_CONVERGED && r == iso_renderers_truth() ? INFINITY
+           : r->own_step                                                                  ? r->own_step(level)
+                                                                                          : q->view->step_voxels;
+}
+
 /* What was drawn, for the sums of the whole job. */
 static void count_picture(const iso_render_request *q, const iso_render_options *frame)
 {
-    const double pixels = (double)(q->view->width * q->view->height);
-    const double step = frame->step_voxels > 0 || frame->intervals
-                            ? iso_render_step_voxels(&q->pyramid->levels[q->level], frame)
-                        : frame->quadrature == ISO_QUADRATURE_CONVERGED && frame->renderer == iso_renderers_truth()
-                            ? INFINITY
-                            : q->view->step_voxels;
+    const double pixels = (double)(q->view->width * q->view->height), step = iso_render_taken_step_voxels(q, frame);
     iso_work_add_picture(frame->renderer->name, pixels,
                          pixels * iso_level_chord_voxels(&q->pyramid->levels[q->level]) / step);
 }

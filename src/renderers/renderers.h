@@ -176,6 +176,8 @@ struct iso_renderer_info {
      * of 1 to 4. NULL: by step_voxels. */
     void (*ask_steps)(const iso_level *level, double finest_voxels, size_t count, double spare,
                       iso_render_options *frames);
+    /* The step that it takes where a frame asks for none, in the level's smallest spacing. NULL: the view's. */
+    double (*own_step)(const iso_level *level);
     /* What a report says of how it was run: a new object (doc/formats.md, "programs"). NULL: nothing. */
     json_t *(*describe)(const iso_renderer_info *self);
     /* Releases what it keeps (iso_renderers_kept()). May be NULL. */
@@ -279,6 +281,8 @@ void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, do
                           double spare, iso_render_options *frames);
 /* The step that a frame asks for, of the longest ray where it has intervals. */
 double iso_render_step_voxels(const iso_level *level, const iso_render_options *frame);
+/* The step that a frame of the request is drawn by, whoever chose it; INFINITY of the converged reference. */
+double iso_render_taken_step_voxels(const iso_render_request *request, const iso_render_options *frame);
 /* The longest ray through a level, in its smallest spacing. */
 double iso_level_chord_voxels(const iso_level *level);
 
