@@ -155,8 +155,8 @@ const float *iso_baked_point(const iso_baked *b, size_t x, size_t y, size_t z)
     return block ? within(block, x, y, z) : NULL;
 }
 
-/* [lo, hi) along one axis of the level: the voxels between whose centers the samples from a to b lie, and one more on each
- * side. */
+/* [lo, hi) along one axis of the level: the voxels between whose centers the samples from a to b lie, and one more on
+ * each side. */
 static void voxels_between(double a, double b, size_t size, size_t *lo, size_t *hi)
 {
     const double first = floor(fmin(a, b) - 0.5) - 1, past = floor(fmax(a, b) - 0.5) + 3, last = (double)size - 1;
@@ -164,8 +164,8 @@ static void voxels_between(double a, double b, size_t size, size_t *lo, size_t *
     *hi = (size_t)(past < last + 1 ? fmax(past, 1) : last + 1);
 }
 
-/* Whether the transfer function shows any value between those of the voxels round a block. Most blocks of most volumes show
- * nothing, and are not sampled for that. A 2D one, whose second value is not looked at: true. */
+/* Whether the transfer function shows any value between those of the voxels round a block. Most blocks of most volumes
+ * show nothing, and are not sampled for that. A 2D one, whose second value is not looked at: true. */
 static bool may_show(const iso_baked *b, const block_place *p)
 {
     const size_t *n = b->level->geometry.size;
