@@ -48,7 +48,7 @@ flags_threads := -O1 -g -fsanitize=thread
 # -fPIC for the shared library. Its functions call each other as in the program: nobody may put others in their place.
 flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
 # Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
-library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib OpenEXR Imath epoxy egl libxxhash
+library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib libdeflate OpenEXR Imath epoxy egl libxxhash
 pkgs := $(library_pkgs) popt
 pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
 pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)

@@ -393,6 +393,47 @@ static void threads_change_nothing(void **state)
     iso_baked_destroy(&four);
 }
 
+/* Every point has the extinction that its place in the level has, 0 or not. */
+static void assert_all_points(const scene *s, const iso_baked *b)
+{
+    iso_sampler sampler;
+    const size_t *n = b->geometry.size;
+    assert_ok(iso_sampler_create(&sampler, &s->level, ISO_CODE_SNORM, ISO_FROM_ON_THE_FLY, &err));
+    for (size_t z = 1; z + 1 < n[2]; ++z)
+        for (size_t y = 1; y + 1 < n[1]; ++y)
+            for (size_t x = 1; x + 1 < n[0]; ++x) {
+                const iso_vec3 p = iso_v3((double)x + 0.5, (double)y + 0.5, (double)z + 0.5);
+                const float *point = iso_baked_point(b, x, y, z);
+                double rgbs[4];
+                iso_tf_lookup(&s->view.tf, iso_sample_scalar(&sampler, iso_baked_in_level(b, p)), rgbs);
+                const float extinction = point ? point[ISO_BAKE_EXTINCTION] : 0;
+                assert_float_equal(extinction, (float)rgbs[3], 0);
+            }
+    iso_sampler_destroy(&sampler);
+}
+
+static void blocks_that_one_voxel_reaches_are_there(void **state)
+{
+    (void)state;
+    float entries[4 * 64] = {0}; /* transparent near 0, so that what is far from the voxel shows nothing */
+    for (size_t i = 2; i < 64; ++i)
+        entries[4 * i + 3] = (float)i;
+    static const size_t places[][3] = {{0, 0, 0}, {2, 1, 1}, {NX - 1, NY - 1, NZ - 1}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; ++i)
+        for (size_t points = 1; points <= ISO_BAKE_MOST_POINTS; ++points)
+            for (int mirrored = 0; mirrored < 2; ++mirrored) {
+                scene s;
+                make_scene(&s);
+                s.view.tf = (iso_tf_table){.count = 64, .hi = 1, .entries = entries};
+                s.scalar[at(places[i][0], places[i][1], places[i][2])] = 1;
+                s.level.geometry.index_to_world.m[0][0] *= mirrored ? -1 : 1;
+                iso_baked b = bake(&s, points, 1);
+                assert_int_equal(b.reversed_x, mirrored);
+                assert_all_points(&s, &b);
+                iso_baked_destroy(&b);
+            }
+}
+
 static void words_are_checked(void **state)
 {
     (void)state;
@@ -453,6 +494,7 @@ int main(void)
         cmocka_unit_test(the_picture_of_a_slab_is_exact),
         cmocka_unit_test(the_error_is_that_of_the_grid),
         cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(blocks_that_one_voxel_reaches_are_there),
         cmocka_unit_test(words_are_checked),
         cmocka_unit_test_setup_teardown(a_unit_that_does_not_suit_is_refused, setup, teardown),
     };

@@ -188,6 +188,51 @@ static void what_is_empty_is_known(void **state)
     iso_pyramid_destroy(&p);
 }
 
+/* Whether one of the fine voxels that judge a coarse one, its own and half its size around it, is 1. */
+static bool has_one(const iso_level *fine, size_t level, const size_t at[3])
+{
+    const long half = (1L << level) / 2;
+    bool found = false;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&fine->geometry); ++i) {
+        const size_t *n = fine->geometry.size, where[3] = {i % n[0], i / n[0] % n[1], i / n[0] / n[1]};
+        bool near = fine->scalar[i] == 1;
+        for (int a = 0; a < 3; ++a)
+            near = near && (long)where[a] >= ((long)at[a] << level) - half &&
+                   (long)where[a] < ((long)(at[a] + 1) << level) + half;
+        found |= near;
+    }
+    return found;
+}
+
+static void what_is_empty_is_so_along_all_axes_and_at_odd_ends(void **state)
+{
+    (void)state;
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){13, 10, 7}, (double[]){1, 1, 1});
+    iso_volume v;
+    iso_pyramid p;
+    uint32_t seed = 7;
+    assert_ok(iso_volume_create(&v, &g, ISO_F32, "v", &err));
+    for (size_t i = 0; i < 13 * 10 * 7; ++i)
+        ((float *)v.data)[i] = (float)((seed = 1664525 * seed + 1013904223) >> 24 < 5);
+    ((float *)v.data)[13 * 10 * 7 - 1] = 1;
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 3;
+    assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
+    iso_tf_table high = band(0.9, 2);
+    for (size_t level = 1; level < 3; ++level) {
+        uint8_t *empty;
+        const size_t *n = p.levels[level].geometry.size;
+        assert_ok(iso_ghost_mask(&p.levels[0], &p.levels[level], level, &high, 3, &empty, &err));
+        for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i)
+            assert_int_equal(empty[i],
+                             !has_one(&p.levels[0], level, (size_t[]){i % n[0], i / n[0] % n[1], i / n[0] / n[1]}));
+        free(empty);
+    }
+    iso_tf_table_destroy(&high);
+    iso_pyramid_destroy(&p);
+    iso_volume_destroy(&v);
+}
+
 static void threads_change_no_entry(void **state)
 {
     (void)state;
@@ -212,6 +257,7 @@ int main(void)
         cmocka_unit_test(adapting_leaves_the_ghost_of_the_skin_out),
         cmocka_unit_test(a_head_without_rests_has_no_ghost_to_leave_out),
         cmocka_unit_test(what_is_empty_is_known),
+        cmocka_unit_test(what_is_empty_is_so_along_all_axes_and_at_odd_ends),
         cmocka_unit_test(threads_change_no_entry),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

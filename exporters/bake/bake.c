@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "brick/occupancy.h"
 #include "render/reference_ray.h"
 
 enum { PAD = 1, SIDE = ISO_BAKE_BLOCK, CHANNELS = ISO_BAKE_CHANNELS };
@@ -102,11 +103,10 @@ static void bake_point(const iso_baked *b, const iso_sampler *sampler, iso_vec3 
                                   index.z + (at[2] - half) / (double)n);
         const iso_vec3 p = iso_baked_in_level(b, q);
         double rgbs[4];
-        sum[ISO_BAKE_PLACE] += place_of(b, iso_sample_scalar(sampler, p)) / count;
-        if (part <= 0)
-            continue;
-        iso_reference_classify(sampler, b->view, p, rgbs);
-        if (!(rgbs[3] > 0))
+        const double value = part > 0 ? iso_reference_classify(sampler, b->view, p, rgbs)
+                                      : iso_sample_scalar(sampler, p);
+        sum[ISO_BAKE_PLACE] += place_of(b, value) / count;
+        if (part <= 0 || !(rgbs[3] > 0))
             continue;
         const double shade = shade_of(b, sampler, p);
         sum[ISO_BAKE_EXTINCTION] += rgbs[3];
@@ -153,6 +153,37 @@ const float *iso_baked_point(const iso_baked *b, size_t x, size_t y, size_t z)
 {
     float *block = b->block[block_of(b, x, y, z)];
     return block ? within(block, x, y, z) : NULL;
+}
+
+/* [lo, hi) along one axis of the level: the voxels between whose centers the samples from a to b lie, and one more on
+ * each side. */
+static void voxels_between(double a, double b, size_t size, size_t *lo, size_t *hi)
+{
+    const double first = floor(fmin(a, b) - 0.5) - 1, past = floor(fmax(a, b) - 0.5) + 3, last = (double)size - 1;
+    *lo = (size_t)(first > 0 ? fmin(first, last) : 0);
+    *hi = (size_t)(past < last + 1 ? fmax(past, 1) : last + 1);
+}
+
+/* Whether the transfer function shows any value between those of the voxels round a block. Most blocks of most volumes
+ * show nothing, and are not sampled for that. A 2D one, whose second value is not looked at: true. */
+static bool may_show(const iso_baked *b, const block_place *p)
+{
+    const size_t *n = b->level->geometry.size;
+    const iso_vec3 from = iso_baked_in_level(b, iso_v3((double)p->first[0], (double)p->first[1], (double)p->first[2]));
+    const iso_vec3 to = iso_baked_in_level(b, iso_v3((double)p->end[0], (double)p->end[1], (double)p->end[2]));
+    const double ends[3][2] = {{from.x, to.x}, {from.y, to.y}, {from.z, to.z}};
+    size_t lo[3], hi[3];
+    float min = INFINITY, max = -INFINITY;
+    for (int a = 0; a < 3; ++a)
+        voxels_between(ends[a][0], ends[a][1], n[a], &lo[a], &hi[a]);
+    for (size_t z = lo[2]; z < hi[2]; ++z)
+        for (size_t y = lo[1]; y < hi[1]; ++y)
+            for (size_t x = lo[0]; x < hi[0]; ++x) {
+                const float value = b->level->scalar[x + n[0] * (y + n[1] * z)];
+                min = value < min ? value : min;
+                max = value > max ? value : max;
+            }
+    return b->view->tf_2d || iso_tf_shows(&b->view->tf, (double)min, (double)max);
 }
 
 static bool fill_block(const iso_baked *b, const iso_sampler *sampler, const block_place *p, float *block)
@@ -250,7 +281,7 @@ static bool bake_blocks(iso_baked *b, const iso_sampler *sampler, const iso_prog
         float block[BLOCK_FLOATS];
         const block_place place = place_of_block(b, i);
         start_block(block);
-        if (!failed && fill_block(b, sampler, &place, block))
+        if (!failed && may_show(b, &place) && fill_block(b, sampler, &place, block))
             failed |= !(b->block[i] = copy_block(block));
         if (i % 256 == 0) {
 #pragma omp critical(iso_bake_progress)

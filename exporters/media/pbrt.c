@@ -97,6 +97,14 @@ static void print_scene(FILE *f, const iso_medium *m)
     print_box(f, m->geometry.size);
 }
 
+static void print_triple(FILE *f, const float v[3])
+{
+    if (v[0] == 0 && v[1] == 0 && v[2] == 0)
+        fputs(" 0 0 0", f); /* most points of most grids, and printf() takes long */
+    else
+        fprintf(f, " %.9g %.9g %.9g", (double)v[0], (double)v[1], (double)v[2]);
+}
+
 /* zero: in place of the values */
 static void print_values(FILE *f, const iso_medium *m, bool color, bool zero)
 {
@@ -107,8 +115,7 @@ static void print_values(FILE *f, const iso_medium *m, bool color, bool zero)
                 float extinction = 0, rgb[3] = {0};
                 if (!zero)
                     iso_medium_point(m, x, y, z, &extinction, rgb);
-                const float *v = color ? rgb : (const float[3]){extinction, extinction, extinction};
-                fprintf(f, " %.9g %.9g %.9g", (double)v[0], (double)v[1], (double)v[2]);
+                print_triple(f, color ? rgb : (const float[3]){extinction, extinction, extinction});
             }
             fputc('\n', f);
         }

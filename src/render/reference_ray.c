@@ -43,7 +43,7 @@ static double extinction_scale_at(const layer *l, iso_vec3 p)
     return l->extinction_scale ? iso_extinction_scale_of(iso_sample_bytes(l->sampler, l->extinction_scale, p)) : 1;
 }
 
-static void classify(const layer *l, iso_vec3 p, double rgbs[4])
+static double classify(const layer *l, iso_vec3 p, double rgbs[4])
 {
     double s = iso_sample_scalar(l->sampler, p);
     if (l->tf_2d)
@@ -52,16 +52,17 @@ static void classify(const layer *l, iso_vec3 p, double rgbs[4])
         iso_tf_lookup(l->tf, s, rgbs);
     if (rgbs[3] > 0)
         rgbs[3] *= extinction_scale_at(l, p);
+    return s;
 }
 
-void iso_reference_classify(const iso_sampler *sampler, const iso_view *view, iso_vec3 index, double rgbs[4])
+double iso_reference_classify(const iso_sampler *sampler, const iso_view *view, iso_vec3 index, double rgbs[4])
 {
     const layer l = {.sampler = sampler,
                      .tf = &view->tf,
                      .tf_2d = view->tf_2d,
                      .extinction_scale = view->extinction_scale,
                      .scale = 1};
-    classify(&l, index, rgbs);
+    return classify(&l, index, rgbs);
 }
 
 static iso_vec3 layer_point(const ray_state *ray, const layer *l, double t)

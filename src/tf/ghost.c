@@ -34,59 +34,80 @@ static bool shows(const iso_tf_table *tf, const uint32_t *below, double min, dou
     return below[end] > below[first];
 }
 
-typedef struct range {
-    float min, max;
-} range;
+/* The fine voxels, [begin, end) along one axis, by which a coarse voxel is judged: its own and half its size around it. */
+typedef struct span {
+    size_t begin, end;
+} span;
 
-static range range_of_block(const iso_level *fine, const size_t begin[3], const size_t end[3])
+static span span_of(size_t at, size_t level, size_t fine_size)
 {
-    const size_t *n = fine->geometry.size;
-    range r = {INFINITY, -INFINITY};
-    for (size_t z = begin[2]; z < end[2]; ++z)
-        for (size_t y = begin[1]; y < end[1]; ++y) {
-            const float *row = fine->scalar + n[0] * (y + n[1] * z);
-            for (size_t x = begin[0]; x < end[0]; ++x) {
-                r.min = fminf(r.min, row[x]);
-                r.max = fmaxf(r.max, row[x]);
-            }
-        }
-    return r;
+    const size_t half = ((size_t)1 << level) / 2, first = at << level, past = ((at + 1) << level) + half;
+    return (span){first > half ? first - half : 0, past < fine_size ? past : fine_size};
 }
 
-static void mark_empty(const iso_level *fine, const iso_geometry *coarse, size_t level, const iso_tf_table *tf,
-                       const uint32_t *below, int threads, uint8_t *empty)
+/* Widens the range at each place of a row by the value there; one that is no number changes none. */
+static void widen(const float *values, size_t count, float *restrict min, float *restrict max)
 {
-    const size_t *n = coarse->size, *fine_size = fine->geometry.size, half = ((size_t)1 << level) / 2;
+    for (size_t x = 0; x < count; ++x) {
+        min[x] = values[x] < min[x] ? values[x] : min[x];
+        max[x] = values[x] > max[x] ? values[x] : max[x];
+    }
+}
+
+/* The ranges along x of all fine rows that judge the coarse row (y, z). */
+static void range_of_rows(const iso_level *fine, size_t level, size_t y, size_t z, float *min, float *max)
+{
+    const size_t *n = fine->geometry.size;
+    const span rows = span_of(y, level, n[1]), planes = span_of(z, level, n[2]);
+    for (size_t x = 0; x < n[0]; ++x) {
+        min[x] = INFINITY;
+        max[x] = -INFINITY;
+    }
+    for (size_t k = planes.begin; k < planes.end; ++k)
+        for (size_t j = rows.begin; j < rows.end; ++j)
+            widen(fine->scalar + n[0] * (j + n[1] * k), n[0], min, max);
+}
+
+/* rows: room for two rows of level 0 a thread. Boxes of fine voxels overlap, so that each voxel is in eight of them: they
+ * are joined along y and z for whole rows, which vectorizes, and along x last, of which little is left. */
+static void mark_empty(const iso_level *fine, const iso_geometry *coarse, size_t level, const iso_tf_table *tf,
+                       const uint32_t *below, int threads, float *rows, uint8_t *empty)
+{
+    const size_t *n = coarse->size, width = fine->geometry.size[0];
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
     for (size_t z = 0; z < n[2]; ++z)
-        for (size_t y = 0; y < n[1]; ++y)
+        for (size_t y = 0; y < n[1]; ++y) {
+            float *min = rows + 2 * width * (size_t)iso_thread_index(), *max = min + width;
+            range_of_rows(fine, level, y, z, min, max);
             for (size_t x = 0; x < n[0]; ++x) {
-                const size_t at[3] = {x, y, z};
-                size_t begin[3], end[3];
-                for (int a = 0; a < 3; ++a) {
-                    const size_t first = at[a] << level, past = (at[a] + 1) << level;
-                    begin[a] = first > half ? first - half : 0;
-                    end[a] = past + half < fine_size[a] ? past + half : fine_size[a];
+                const span box = span_of(x, level, width);
+                float lo = INFINITY, hi = -INFINITY;
+                for (size_t i = box.begin; i < box.end; ++i) {
+                    lo = min[i] < lo ? min[i] : lo;
+                    hi = max[i] > hi ? max[i] : hi;
                 }
-                const range r = range_of_block(fine, begin, end);
-                empty[x + n[0] * (y + n[1] * z)] = !shows(tf, below, (double)r.min, (double)r.max);
+                empty[x + n[0] * (y + n[1] * z)] = !shows(tf, below, (double)lo, (double)hi);
             }
+        }
 }
 
 iso_status iso_ghost_mask(const iso_level *fine, const iso_level *coarse, size_t level, const iso_tf_table *original,
                           int threads, uint8_t **empty, iso_error *err)
 {
+    const int thread_count = iso_threads(threads);
     uint32_t *below = count_shown(original, iso_geometry_min_spacing_mm(&fine->geometry));
+    float *rows = malloc(2 * fine->geometry.size[0] * (size_t)thread_count * sizeof *rows);
     *empty = malloc(iso_geometry_voxel_count(&coarse->geometry));
-    if (below && *empty) {
-        mark_empty(fine, &coarse->geometry, level, original, below, iso_threads(threads), *empty);
-        free(below);
-        return ISO_OK;
+    const bool is_made = below && rows && *empty;
+    if (is_made) {
+        mark_empty(fine, &coarse->geometry, level, original, below, thread_count, rows, *empty);
+    } else {
+        free(*empty);
+        *empty = NULL;
     }
+    free(rows);
     free(below);
-    free(*empty);
-    *empty = NULL;
-    return iso_fail(err, ISO_E_MEMORY, "ghost: no memory for a byte a voxel of level %zu", level);
+    return is_made ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "ghost: no memory for a byte a voxel of level %zu", level);
 }
 
 iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_table *original, const iso_tf_table *tf,
