@@ -38,6 +38,7 @@ check its_values_are_the_metric_s test "$(sed -n 's/.*"max_abs": \([0-9.]\{6\}\)
 expect a_png_is_read 0 "$ISOSHADE" compare "$dir/d.png" "$dir/d.png"
 expect different_sizes_are_refused 5 "$ISOSHADE" compare "$dir/a.ppm" "$dir/small.ppm" --difference "$dir/no.png"
 check both_sizes_are_named grep -q '12x11.*11x12' "$dir/err"
+check and_both_files_once grep -q "compare: $dir/a.ppm and $dir/small.ppm: the images have" "$dir/err"
 check nothing_is_left test ! -e "$dir/no.png"
 expect a_missing_file_is_named 3 "$ISOSHADE" compare "$dir/none.exr" "$dir/a.ppm"
 check the_message_names_the_file grep -q none.exr "$dir/err"

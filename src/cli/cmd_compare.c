@@ -71,7 +71,7 @@ static iso_status measure_flip(const compare_options *opt, const iso_image image
     size_t count = images[0].width * images[0].height;
     float *map = malloc(count * sizeof *map);
     if (!map)
-        return iso_fail(err, ISO_E_MEMORY, "compare: no memory for %zu pixels", count);
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu pixels", count);
     iso_status status = (opt->hdr ? iso_flip_hdr : iso_flip_ldr)(&images[0], &images[1], ISO_FLIP_PIXELS_PER_DEGREE,
                                                                  map, err);
     if (status == ISO_OK)
@@ -142,8 +142,8 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
         status = load(cli->arguments[0], &images[0], err);
     if (status == ISO_OK)
         status = load(cli->arguments[1], &images[1], err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&images[0], &images[1], &m, err);
+    if (status == ISO_OK && (status = iso_metrics_measure(&images[0], &images[1], &m, err)) != ISO_OK)
+        return iso_fail_in(err, status, "%s and %s", cli->arguments[0], cli->arguments[1]);
     if (status == ISO_OK && opt->difference) {
         status = iso_image_difference(&images[0], &images[1], opt->scale, &images[2], err);
         if (status == ISO_OK)

@@ -76,22 +76,22 @@ static iso_status measure(const iso_image *a, const iso_image *b, bool visual, i
     *m = (iso_metrics){.rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
     size_t count = a->width * a->height;
     if (count == 0 || b->width * b->height == 0)
-        return iso_fail(err, ISO_E_RANGE, "compare: an image is empty (%zux%zu and %zux%zu pixels)", a->width,
+        return iso_fail(err, ISO_E_RANGE, "an image is empty (%zux%zu and %zux%zu pixels)", a->width,
                         a->height, b->width, b->height);
     if (a->width != b->width || a->height != b->height)
-        return iso_fail(err, ISO_E_RANGE, "compare: the images have %zux%zu and %zux%zu pixels, wanted the same size",
+        return iso_fail(err, ISO_E_RANGE, "the images have %zux%zu and %zux%zu pixels, wanted the same size",
                         a->width, a->height, b->width, b->height);
     if (a->origin[0] != b->origin[0] || a->origin[1] != b->origin[1])
         return iso_fail(
             err, ISO_E_RANGE,
-            "compare: the images begin at column %d, row %d and at column %d, row %d (their display windows), wanted the same place",
+            "the images begin at column %d, row %d and at column %d, row %d (their display windows), wanted the same place",
             a->origin[0], a->origin[1], b->origin[0], b->origin[1]);
     m->nonfinite_count = count_nonfinite(a, b);
     if (m->nonfinite_count > 0)
         return ISO_OK;
     float *map = malloc(count * sizeof *map);
     if (!map)
-        return iso_fail(err, ISO_E_MEMORY, "compare: no memory for %zu pixels", count);
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu pixels", count);
     measure_differences(a, b, map, m);
     size_t rank = count - count / 100; /* at least 99 % of the pixels are at or below it */
     m->p99_abs = select_smallest(map, count, rank - 1);
