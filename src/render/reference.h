@@ -76,7 +76,8 @@ typedef struct iso_reference_result {
 } iso_reference_result;
 
 /* Linear color and extinction per mm that the view shows at a point of the sampler's level, in its index coordinates: by its
- * transfer function or 2D transfer function, and its extinction scale. A region of interest has no say. Returns the scalar there. */
+ * transfer function or 2D transfer function, and its extinction scale. A region of interest has no say. Returns the
+ * scalar there. */
 double iso_reference_classify(const struct iso_sampler *sampler, const iso_view *view, iso_vec3 index, double rgbs[4]);
 
 /* Creates *image (view->width x view->height, RGBA, premultiplied, background

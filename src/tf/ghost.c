@@ -34,7 +34,7 @@ static bool shows(const iso_tf_table *tf, const uint32_t *below, double min, dou
     return below[end] > below[first];
 }
 
-/* The fine voxels, [begin, end) along one axis, by which a coarse voxel is judged: its own and half its size around it. */
+/* The fine voxels, [begin, end) along one axis, by which a coarse voxel is judged: its own and half its size around. */
 typedef struct span {
     size_t begin, end;
 } span;
@@ -68,8 +68,8 @@ static void range_of_rows(const iso_level *fine, size_t level, size_t y, size_t 
             widen(fine->scalar + n[0] * (j + n[1] * k), n[0], min, max);
 }
 
-/* rows: room for two rows of level 0 a thread. Boxes of fine voxels overlap, so that each voxel is in eight of them: they
- * are joined along y and z for whole rows, which vectorizes, and along x last, of which little is left. */
+/* rows: room for two rows of level 0 a thread. Boxes of fine voxels overlap, so that each voxel is in eight of them:
+ * they are joined along y and z for whole rows, which vectorizes, and along x last, of which little is left. */
 static void mark_empty(const iso_level *fine, const iso_geometry *coarse, size_t level, const iso_tf_table *tf,
                        const uint32_t *below, int threads, float *rows, uint8_t *empty)
 {
