@@ -47,6 +47,16 @@ check all_voxels_of_it "$ISOSHADE" export v.nrrd --to vdb --scene "$scene" --den
 check plain_voxels_left_out "$ISOSHADE" export v.nrrd --to vdb --background 0 -q -o plain.vdb
 check the_command_is_in_it grep -aq 'isoshade export v.nrrd --to vdb --background 0 -q -o plain.vdb' plain.vdb
 refuse a_background_of_all_voxels 2 "one keeps what the other leaves out" "$ISOSHADE" export v.nrrd --to vdb --dense --background 0 -q -o x.vdb
+# A folder that a person gave another name is isoshade's still; its files follow the name.
+for to in povray paraview; do
+    written() { "$ISOSHADE" export v.nrrd --to $to --scene "$scene" --level 2 -q -o "$1"; }
+    written first-$to >/dev/null && mv first-$to other-$to
+    check a_renamed_folder_of_${to}_is_replaced written other-$to
+    check whose_files_have_the_name_${to} test -z "$(find other-$to -name 'first-*')" -a -n "$(find other-$to -name 'other-*')"
+    mkdir folder-of-a-person && echo thesis >folder-of-a-person/thesis.txt
+    refuse one_without_such_files_is_not_${to} 3 'so it is not replaced' written folder-of-a-person
+    rm -r folder-of-a-person
+done
 refuse all_voxels_for_povray 2 "--dense" "$ISOSHADE" export v.nrrd --to povray --scene "$scene" --dense -q -o x
 refuse a_step_for_vdb 2 "--step" "$ISOSHADE" export v.nrrd --to vdb --step 0.5 -q -o x.vdb
 refuse grids_for_blender 2 "--grids" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --grids levels -q -o x.blend

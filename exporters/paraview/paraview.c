@@ -212,18 +212,15 @@ iso_status iso_paraview_export(const iso_pyramid *p, size_t level, const iso_vie
     iso_status status = check(&p->levels[level], view, err);
     if (status != ISO_OK)
         return status;
-    char *name = scene_name(dir), *marker = NULL;
-    if (!name || asprintf(&marker, "%s.vti", name) < 0) {
-        free(name);
+    char *name = scene_name(dir);
+    if (!name)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    }
-    status = iso_output_begin_dir(&out, dir, marker, err);
+    status = iso_output_begin_dir(&out, dir, "*.vti", err); /* the folder may have had another name */
     if (status == ISO_OK)
         status = write_files(&p->levels[level], view, name, out.temp_path, err);
     if (status == ISO_OK)
         status = iso_output_commit(&out, err);
     iso_output_abandon(&out);
-    free(marker);
     free(name);
     return status;
 }

@@ -77,16 +77,14 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
     iso_status status = iso_povray_check(p, level, view, opt, err);
     if (status != ISO_OK)
         return status;
-    char *name = scene_name(dir), *marker = name ? iso_povray_file_path("", name, ".ini") : NULL;
-    if (!marker) {
-        free(name);
+    char *name = scene_name(dir);
+    if (!name)
         return iso_povray_no_memory(err);
-    }
     iso_output out = {0};
     iso_povray_prepared s;
     status = iso_povray_prepare(p, level, view, name, opt, &s, err);
     if (status == ISO_OK)
-        status = iso_output_begin_dir(&out, dir, marker + 1, err);
+        status = iso_output_begin_dir(&out, dir, "*.ini", err); /* the folder may have had another name */
     if (status == ISO_OK) {
         status = iso_povray_write_files(&s, out.temp_path, progress, err);
         if (status == ISO_OK)
@@ -94,7 +92,6 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
     }
     iso_output_abandon(&out);
     iso_povray_release(&s);
-    free(marker);
     free(name);
     return status;
 }

@@ -27,7 +27,7 @@ typedef struct iso_output {
 iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err);
 
 /* The same for a directory, which is created. An existing directory at path is
- * replaced at commit only if it holds a file `marker` (so it is one of ours) and
+ * replaced at commit only if it holds a file `marker`, a pattern of fnmatch() (so it is one of ours), and
  * nothing but what isoshade wrote (manifest.h); else ISO_E_IO, and nothing of the user's is lost. */
 iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err);
 

@@ -96,17 +96,23 @@ iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err)
     return ISO_OK;
 }
 
+static bool has_marker(const char *folder, const char *marker)
+{
+    DIR *dir = opendir(folder);
+    bool found = false;
+    for (const struct dirent *e; dir && !found && (e = readdir(dir));)
+        found = fnmatch(marker, e->d_name, FNM_PERIOD) == 0;
+    if (dir)
+        closedir(dir);
+    return found;
+}
+
 /* What stands at the final path may be replaced: nothing, an empty directory, or one of ours with nothing else in it. */
 static iso_status check_replaceable(const char *final_path, const char *marker, iso_error *err)
 {
     if (!iso_path_exists(final_path))
         return ISO_OK;
-    char *mark = iso_path_join(final_path, marker);
-    if (!mark)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", final_path);
-    const bool ours = iso_path_exists(mark);
-    free(mark);
-    if (ours)
+    if (has_marker(final_path, marker))
         return iso_manifest_check(final_path, final_path, err);
     if (rmdir(final_path) == 0) /* an empty directory is no loss */
         return ISO_OK;
