@@ -55,6 +55,10 @@ cmp -s -i 57 merged.vdb again/merged.vdb && ok export_is_deterministic || not_ok
 "${export_plan[@]}" --to povray -o plan-pov >out 2>err || not_ok export_to_povray_runs "$(cat err)"
 holds df3s_are_cropped "$(cat plan-pov/*.df3 | wc -c) < $(cat full-pov/*.df3 | wc -c)"
 refuse plan_without_its_scene_is_refused 2 "scene" "$ISOSHADE" export v.nrrd --to vdb --plan a.json -o refused.vdb
+sed '/"use"/s/[dh]/u/g' a.json >unseen.json
+for to in vdb povray; do
+    refuse "a_plan_of_nothing_is_refused_by_name_to_$to" 5 "unseen.json: the plan draws none of its" "$ISOSHADE" export v.nrrd --to $to --plan unseen.json --scene "$scene" -o refused --quiet
+done
 refuse a_tf_besides_a_plan_is_refused 2 "--tf has no meaning with --plan" "$ISOSHADE" export v.nrrd --to vdb --plan a.json --tf simulation -o refused.vdb
 refuse plan_for_another_scene_is_refused 5 "another one" "$ISOSHADE" export v.nrrd --to vdb --plan a.json --scene "$top/refscenes/brain.scene.json" -o refused.vdb --quiet
 "$ISOSHADE" make shells --size 20 -o small.nrrd --quiet
