@@ -21,6 +21,10 @@ grep -q "shows anything needs" err && ok memory_in_which_nothing_shows_is_refuse
 "$ISOSHADE" plan v.nrrd --scene "$scene" --size 64 --brick 8 --levels 3 --memory 60000 >out 2>err
 grep -q "warning: RMSE" err && ok memory_that_leaves_little_warns || not_ok memory_that_leaves_little_warns "$(cat out err)"
 
+{ head -c 2456 /dev/zero; printf '\377'; head -c 2456 /dev/zero; } >one.raw # a voxel alone
+"$ISOSHADE" plan one.raw --raw-size 17x17x17 --raw-type uint8 --scene "$scene" --size 32 --brick 16 --levels 4 --error 0.9 >out 2>err
+check an_error_that_leaves_little_is_named grep -q 'warning: RMSE .* within such an --error$' err
+
 # Several views: each brick that one of them sees is kept, and each image is within the error.
 "${plan[@]}" --error 0.02 --views 3 -o views.json >out 2>err || not_ok views_run "$(cat err)"
 holds views_are_all_within_the_error "$(json_number views.json measured_rmse) <= 0.02 && $(json_number views.json views) == 3"
