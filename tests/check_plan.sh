@@ -24,6 +24,8 @@ grep -q "warning: RMSE" err && ok memory_that_leaves_little_warns || not_ok memo
 { head -c 2456 /dev/zero; printf '\377'; head -c 2456 /dev/zero; } >one.raw # a voxel alone
 "$ISOSHADE" plan one.raw --raw-size 17x17x17 --raw-type uint8 --scene "$scene" --size 32 --brick 16 --levels 4 --error 0.9 >out 2>err
 check an_error_that_leaves_little_is_named grep -q 'warning: RMSE .* within such an --error$' err
+"$ISOSHADE" plan one.raw --raw-size 17x17x17 --raw-type uint8 --scene "$scene" --size 32 --brick 16 --levels 4 --error 0.001 -o one.json >out 2>err
+holds what_shows_between_nodes_is_within_its_error "$(json_number one.json measured_rmse) <= 0.001"
 
 # Several views: each brick that one of them sees is kept, and each image is within the error.
 "${plan[@]}" --error 0.02 --views 3 -o views.json >out 2>err || not_ok views_run "$(cat err)"
