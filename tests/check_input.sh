@@ -90,6 +90,7 @@ refuse export_step_of_0 2 '--step is 0, must be 0.001 to 16' "$ISOSHADE" export 
 refuse an_infinite_step 2 '--step is -inf, wanted a finite number' "$ISOSHADE" render v.nrrd --step=-inf -o x.png
 refuse an_infinite_limit 2 '--max-rmse is -inf, wanted a finite number' "$ISOSHADE" compare a.exr b.exr --max-rmse=-inf
 refuse an_infinite_time 2 '--timeout is -inf, wanted a finite number' "$ISOSHADE" info v.nrrd --timeout -inf
+refuse a_cache_of_0_bytes 2 '--cache-bytes is 0, must be 1 to 1e+15' "$ISOSHADE" render v.nrrd --with cpu --cache-bytes 0 -o x.png
 refuse plan_memory_of_0 2 '--memory is 0, must be 1 to 1e+15' "$ISOSHADE" plan v.nrrd --memory 0
 refuse plan_brick_of_nothing 2 '--brick is -1, must be 2 to 64' "$ISOSHADE" plan v.nrrd --brick -1
 refuse render_brick_of_nothing 2 '--brick is -1, must be 2 to 64' \

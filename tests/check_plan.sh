@@ -21,6 +21,12 @@ grep -q "shows anything needs" err && ok memory_in_which_nothing_shows_is_refuse
 "$ISOSHADE" plan v.nrrd --scene "$scene" --size 64 --brick 8 --levels 3 --memory 60000 >out 2>err
 grep -q "warning: RMSE" err && ok memory_that_leaves_little_warns || not_ok memory_that_leaves_little_warns "$(cat out err)"
 
+{ head -c 2456 /dev/zero; printf '\377'; head -c 2456 /dev/zero; } >one.raw # a voxel alone
+"$ISOSHADE" plan one.raw --raw-size 17x17x17 --raw-type uint8 --scene "$scene" --size 32 --brick 16 --levels 4 --error 0.9 >out 2>err
+check an_error_that_leaves_little_is_named grep -q 'warning: RMSE .* within such an --error$' err
+"$ISOSHADE" plan one.raw --raw-size 17x17x17 --raw-type uint8 --scene "$scene" --size 32 --brick 16 --levels 4 --error 0.001 -o one.json >out 2>err
+holds what_shows_between_nodes_is_within_its_error "$(json_number one.json measured_rmse) <= 0.001"
+
 # Several views: each brick that one of them sees is kept, and each image is within the error.
 "${plan[@]}" --error 0.02 --views 3 -o views.json >out 2>err || not_ok views_run "$(cat err)"
 holds views_are_all_within_the_error "$(json_number views.json measured_rmse) <= 0.02 && $(json_number views.json views) == 3"
@@ -55,6 +61,10 @@ cmp -s -i 57 merged.vdb again/merged.vdb && ok export_is_deterministic || not_ok
 "${export_plan[@]}" --to povray -o plan-pov >out 2>err || not_ok export_to_povray_runs "$(cat err)"
 holds df3s_are_cropped "$(cat plan-pov/*.df3 | wc -c) < $(cat full-pov/*.df3 | wc -c)"
 refuse plan_without_its_scene_is_refused 2 "scene" "$ISOSHADE" export v.nrrd --to vdb --plan a.json -o refused.vdb
+sed '/"use"/s/[dh]/u/g' a.json >unseen.json
+for to in vdb povray; do
+    refuse "a_plan_of_nothing_is_refused_by_name_to_$to" 5 "unseen.json: the plan draws none of its" "$ISOSHADE" export v.nrrd --to $to --plan unseen.json --scene "$scene" -o refused --quiet
+done
 refuse a_tf_besides_a_plan_is_refused 2 "--tf has no meaning with --plan" "$ISOSHADE" export v.nrrd --to vdb --plan a.json --tf simulation -o refused.vdb
 refuse plan_for_another_scene_is_refused 5 "another one" "$ISOSHADE" export v.nrrd --to vdb --plan a.json --scene "$top/refscenes/brain.scene.json" -o refused.vdb --quiet
 "$ISOSHADE" make shells --size 20 -o small.nrrd --quiet

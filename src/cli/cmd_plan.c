@@ -144,10 +144,9 @@ static iso_status report(const iso_planner *p, const plan_arguments *a, const pl
     json_decref(plan);
     iso_status status = a->output ? iso_json_save(a->output, root, err) : ISO_OK;
     if (status == ISO_OK && shows_little(p) && !cli->quiet)
-        fprintf(
-            stderr,
-            "isoshade plan: warning: RMSE %.3g, an empty image has %.3g: little of the volume is left in so few bytes\n",
-            p->best.measured.rmse, p->blank_rmse);
+        fprintf(stderr, "isoshade plan: warning: RMSE %.3g, an empty image has %.3g: little of the volume is left %s\n",
+                p->best.measured.rmse, p->blank_rmse,
+                a->memory == NO_MEMORY ? "within such an --error" : "in so few bytes");
     if (status == ISO_OK && cli->json) {
         iso_cli_print_json(root);
         return ISO_OK;

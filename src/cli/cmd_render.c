@@ -85,7 +85,7 @@ static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cl
                                 iso_image *image, double *seconds, iso_error *err)
 {
     iso_cached_report r = {0};
-    const iso_cached_options o = {.cache_bytes = a->cache_bytes,
+    const iso_cached_options o = {.cache_bytes = a->plan_error > 0 ? 0 : a->cache_bytes,
                                   .plan_error = a->plan_error,
                                   .brick_voxels = (size_t)a->brick,
                                   .level_count = (size_t)a->brick_levels,
@@ -351,6 +351,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_cycles cycles = {.blender = NULL};
     iso_render_arguments a = {.step = ISO_STEP_OF_SCENE,
                               .memory_mb = ISO_ALL_IN_MEMORY,
+                              .cache_bytes = ISO_NO_CACHE,
                               .brick = 16,
                               .brick_levels = 4};
     iso_volume_input_defaults(&a.input);

@@ -84,7 +84,7 @@ static iso_status take_quadrature(const char *word, const iso_renderer_info *ren
 
 bool iso_render_is_in_bricks(const iso_render_arguments *a)
 {
-    return a->cache_bytes != 0 || a->plan_error > 0;
+    return a->cache_bytes != ISO_NO_CACHE || a->plan_error > 0;
 }
 
 /* Bricks choose their levels themselves, and are what the ray caster has decoded. */
@@ -93,7 +93,7 @@ static iso_status check_cache(const iso_render_arguments *a, const iso_renderer_
     char names[256];
     if (!iso_render_is_in_bricks(a))
         return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes or --plan-error") : ISO_OK;
-    if (a->cache_bytes != 0 && a->plan_error > 0)
+    if (a->cache_bytes != ISO_NO_CACHE && a->plan_error > 0)
         return iso_fail(err, ISO_E_USAGE,
                         "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
     if (!iso_renderer_has(renderer, ISO_HAS_BRICKS) || a->level != 0 || a->source || a->palette || a->shade_table ||

@@ -11,8 +11,9 @@
 #include "options/roi.h"
 #include "renderers/renderers.h"
 
-/* What --memory is where it is not given: 0 is refused. */
+/* What --memory and --cache-bytes are where they are not given: 0 is refused. */
 #define ISO_ALL_IN_MEMORY (-INFINITY)
+#define ISO_NO_CACHE (-INFINITY)
 
 /* As given; 0 and NULL: not given. */
 typedef struct iso_render_arguments {
@@ -24,7 +25,7 @@ typedef struct iso_render_arguments {
     char *output, *png, *frames, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels,
         page_side;
-    double step, cache_bytes, memory_mb; /* memory_mb: ISO_ALL_IN_MEMORY, or for pages */
+    double step, cache_bytes, memory_mb; /* cache_bytes: ISO_NO_CACHE; memory_mb: ISO_ALL_IN_MEMORY, or for pages */
     int refine;
     char *plan_error_text, *code, *direction_filter, *estimator;
     double plan_error; /* 0: none */

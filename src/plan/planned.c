@@ -185,7 +185,9 @@ static iso_status check_match(const char *path, const iso_planned *p, int thread
         return iso_fail(err, ISO_E_RANGE,
                         "%s: this scene shows %zu bricks that the plan hides: it was made for another one", path,
                         wrong);
-    return ISO_OK;
+    return drawn > 0 ? ISO_OK
+                     : iso_fail(err, ISO_E_RANGE, "%s: the plan draws none of its %zu bricks: there is nothing to export",
+                                path, count);
 }
 
 /* Before the nodes are made: a plan says how many bricks a volume of its size has. */
@@ -258,8 +260,6 @@ iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool w
         status = iso_lattice_create(&lattices->items[lattices->count], &field, &opt, err);
         lattices->count += status == ISO_OK;
     }
-    if (status == ISO_OK && lattices->count == 0)
-        status = iso_fail(err, ISO_E_RANGE, "the plan draws no brick: there is nothing to export");
     if (status != ISO_OK)
         iso_planned_lattices_destroy(lattices);
     return status;

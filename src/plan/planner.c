@@ -214,12 +214,11 @@ static iso_status count_drawn(const iso_planner *p, iso_plan_trial *t, iso_error
     return ISO_OK;
 }
 
-/* Chooses for a predicted error, renders, measures. Once the RMSE of a view is above `limit` the others do not matter. */
-static iso_status try_rmse(iso_planner *p, double rmse, double limit, iso_plan_trial *t, iso_error *err)
+/* Renders the levels that the plan has, and measures. Once the RMSE of a view is above `limit` the others do not matter. */
+static iso_status try_levels(iso_planner *p, double predicted_rmse, double limit, iso_plan_trial *t, iso_error *err)
 {
     size_t count = p->plan.brick_count;
-    *t = (iso_plan_trial){0};
-    t->predicted_rmse = iso_plan_choose(&p->plan, p->nodes, rmse);
+    *t = (iso_plan_trial){.predicted_rmse = predicted_rmse};
     t->levels = malloc(count);
     t->drawn = calloc(count, 1);
     iso_status status = t->levels && t->drawn ? ISO_OK
@@ -244,6 +243,20 @@ static iso_status try_rmse(iso_planner *p, double rmse, double limit, iso_plan_t
     if (status != ISO_OK)
         drop_trial(t);
     return status;
+}
+
+/* Chooses for a predicted error. */
+static iso_status try_rmse(iso_planner *p, double rmse, double limit, iso_plan_trial *t, iso_error *err)
+{
+    return try_levels(p, iso_plan_choose(&p->plan, p->nodes, rmse), limit, t, err);
+}
+
+/* Level 0 everywhere, without what does not show. A coarse brick may be predicted to make no error and make one: where what
+ * shows lies between nodes. */
+static iso_status try_finest(iso_planner *p, iso_plan_trial *t, iso_error *err)
+{
+    memset(p->plan.levels, 0, p->plan.brick_count);
+    return try_levels(p, 0, INFINITY, t, err);
 }
 
 /* ---- the search ------------------------------------------------------------------ */
@@ -293,5 +306,5 @@ iso_status iso_planner_search(iso_planner *p, double error, double memory, const
         return iso_fail(err, ISO_E_RANGE,
                         "--memory is %g bytes; the coarsest plan that shows anything needs %g: allow more levels",
                         memory, least);
-    return try_rmse(p, 0, INFINITY, &p->best, err); /* level 0 everywhere, without what does not show */
+    return try_finest(p, &p->best, err);
 }
