@@ -302,11 +302,11 @@ static void add_object(json_t *cases, const drawing *d, const char *command)
                                c->ways[ISO_ATLAS_FALLBACK].what, "fallback_value", d->r->values[ISO_ATLAS_FALLBACK],
                                "fallback_at_most", c->fallback_at_most, "advice", c->advice, "stands",
                                iso_atlas_is_valid(c, d->r), "command", command);
+    static const char *const keys[ISO_ATLAS_WAYS] = {NULL, "failure_commands", "fallback_commands"};
     for (int w = ISO_ATLAS_FAILURE; w < ISO_ATLAS_WAYS; ++w) {
-        char *lines = commands_of(d, (iso_atlas_which)w), key[32];
-        snprintf(key, sizeof key, "%s_commands", iso_atlas_names[w]);
+        char *lines = commands_of(d, (iso_atlas_which)w);
         if (lines)
-            json_object_set_new(object, key, json_string(lines));
+            json_object_set_new(object, keys[w], json_string(lines));
         free(lines);
     }
     json_array_append_new(cases, object);
