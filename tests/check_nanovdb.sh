@@ -47,12 +47,13 @@ def voxels(grid, box):
     return values, active
 
 def maps(path):
-    """Of each grid its double 3 x 3 matrix, rows first, and its translation: NanoVDB.h, GridData and Map."""
+    """Of each grid its double 3 x 3 matrix, rows first, and its translation: NanoVDB.h, GridData and Map. Files and grids
+    have marks of their own since OpenVDB 11."""
     data, at, found = open(path, "rb").read(), 0, {}
     magic, _, count, codec = struct.unpack_from("<8sIHH", data)
-    assert magic == b"NanoVDB0" and codec == 0, (magic, codec)
+    assert magic in (b"NanoVDB0", b"NanoVDB2") and codec == 0, (magic, codec)
     for _ in range(count):
-        at = data.index(b"NanoVDB0", at + 8)
+        at = data.index(b"NanoVDB0" if magic == b"NanoVDB0" else b"NanoVDB1", at + 8)
         name = data[at + 40:at + 296].split(b"\0")[0].decode()
         found[name] = struct.unpack_from("<9d", data, at + 384), struct.unpack_from("<3d", data, at + 528)
     return found

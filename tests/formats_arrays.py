@@ -420,7 +420,7 @@ def openvdb():
     speed = vdb.Vec3SGrid()
     speed.name = "speed"
     vdb.write("several.vdb", [vdb_grid(holes, vdb.FloatGrid, "a", background=-7),
-                              vdb_grid(values > 0, vdb.BoolGrid, "mask"), speed])
+                              vdb_grid(values > 0, vdb.BoolGrid, "mask", background=False), speed])
     refused("several.vdb", 2, "holds 2 scalar grids, FILE:GRID must name one of: a (float), mask (bool), speed (vec3s)")
     refused("several.vdb:b", 2, 'has no grid "b"')
     refused("several.vdb:speed", 4, "values of type vec3s")

@@ -20,7 +20,7 @@ PROGRESS = re.compile(r"^[a-z ]+: .* [0-9]+ %(, about .* left)?$|^[a-z ]+: ended
 # How long it took stands in what commands print, and may be the same in two runs by chance.
 DURATION = re.compile(r"(?<![0-9a-z.])[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)? (s|ms)\b")
 # An output is a picture, a report ... of one run: what tells when, and how long, differs.
-UUID = re.compile(rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
+UUID = re.compile(rb"[0-9a-fA-F]{8}(-[0-9a-fA-F]{4}){3}-[0-9a-fA-F]{12}") # OpenVDB 13 writes capitals
 # Of a chart also how many frames were timed, and the numbers of the points on its front of time.
 PASSING = re.compile(r"second|time|date|_ms$|per_s|speed|version_of|host|\.processor$|^\.work\.|\.cases\[[0-9]+\]\.(frames|number)$", re.I)
 

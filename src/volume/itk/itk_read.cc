@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* itk_read.cc - the program isoshade-itk: volumes by ITK's readers (child_stream.h). A file that holds a volume is read
  * at once; slices in files of their own are read one after the other. */
+#include <gdcmReader.h>
 #include <gdcmTrace.h>
 #include <itkGDCMImageIO.h>
 #include <itkGDCMSeriesFileNames.h>
@@ -10,7 +11,9 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -71,6 +74,30 @@ std::string name_of_series(const std::string &file)
     return trimmed(text);
 }
 
+bool has_mark_of_dicom(const std::filesystem::path &file)
+{
+    char head[132] = "";
+    std::ifstream(file, std::ios::binary).read(head, sizeof head);
+    return memcmp(head + 128, "DICM", 4) == 0;
+}
+
+/* GDCM passes over a slice that breaks off, as over files of other kinds: the volume would lack it without a word. */
+void check_none_is_damaged(const std::string &folder, const std::vector<Series> &all)
+{
+    std::set<std::string> taken;
+    for (const auto &series : all)
+        for (const auto &file : series.files)
+            taken.insert(std::filesystem::path(file).filename());
+    for (const auto &entry : std::filesystem::directory_iterator(folder)) {
+        if (!entry.is_regular_file() || taken.count(entry.path().filename()) || !has_mark_of_dicom(entry.path()))
+            continue;
+        gdcm::Reader reader;
+        reader.SetFileName(entry.path().c_str());
+        if (!reader.Read())
+            fail(ISO_E_FORMAT, entry.path().string() + ": a DICOM file that is damaged");
+    }
+}
+
 std::vector<Series> series_in(const std::string &folder)
 {
     const auto names = itk::GDCMSeriesFileNames::New();
@@ -81,6 +108,8 @@ std::vector<Series> series_in(const std::string &folder)
         const auto files = names->GetFileNames(uid);
         all.push_back({name_of_series(files.front()), files});
     }
+    if (!all.empty())
+        check_none_is_damaged(folder, all);
     std::sort(all.begin(), all.end(), [](const Series &a, const Series &b) {
         return a.name != b.name ? comes_before(a.name, b.name) : a.files.front() < b.files.front();
     });
