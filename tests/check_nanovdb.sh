@@ -26,6 +26,7 @@ cat >same.py <<'END'
 """An OpenVDB file, and what came back of a NanoVDB file: the same grids, active voxels and values, to the last bit. Transforms
 are read of the NanoVDB file itself: nanovdb_convert 10 transposes a matrix on its way back (NanoToOpenVDB.h drops what
 Mat4::transpose returns), which is seen where axes are turned."""
+import re
 import struct
 import sys
 import numpy
@@ -48,12 +49,12 @@ def voxels(grid, box):
 
 def maps(path):
     """Of each grid its double 3 x 3 matrix, rows first, and its translation: NanoVDB.h, GridData and Map. Files and grids
-    have marks of their own since OpenVDB 11."""
-    data, at, found = open(path, "rb").read(), 0, {}
+    have marks of their own since OpenVDB 11, and each grid may be in a segment of its own."""
+    data, found = open(path, "rb").read(), {}
     magic, _, count, codec = struct.unpack_from("<8sIHH", data)
     assert magic in (b"NanoVDB0", b"NanoVDB2") and codec == 0, (magic, codec)
-    for _ in range(count):
-        at = data.index(b"NanoVDB0" if magic == b"NanoVDB0" else b"NanoVDB1", at + 8)
+    mark = b"NanoVDB0" if magic == b"NanoVDB0" else b"NanoVDB1"
+    for at in [m.start() for m in re.finditer(mark, data) if m.start() > 0][:count if mark == magic else None]:
         name = data[at + 40:at + 296].split(b"\0")[0].decode()
         found[name] = struct.unpack_from("<9d", data, at + 384), struct.unpack_from("<3d", data, at + 528)
     return found
