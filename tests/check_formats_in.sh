@@ -32,5 +32,7 @@ printf '\211HDF\r\n\032\n' >file.h5
 refuse without_hdf5 7 'isoshade-arrays, which is missing' ./alone info file.h5:a
 "$ISOSHADE" make sphere --size 8 -o sphere.nrrd -q
 refuse without_openvdb 7 'isoshade_openvdb.so' ./alone export sphere.nrrd --to vdb -o sphere.vdb
+"$ISOSHADE" make noise --size 48 --gzip -q -o noise.nrrd
+check more_packed_samples_than_are_read_at_once "$ISOSHADE" info noise.nrrd
 refuse a_part_of_one_volume 2 'names none of several' ./alone info "$top/tests/formats/phantom.gipl:a"
 exit $failed

@@ -244,6 +244,8 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
     if (status != ISO_OK)
         return status;
     int fd = dup(fileno(io->dataFile));
+    fclose(io->dataFile); /* before the seek: both have one offset, which closing may set (POSIX; glibc of late) */
+    io->dataFile = NULL;
     source->gz = fd >= 0 && lseek(fd, at, SEEK_SET) == at ? gzdopen(fd, "rb") : NULL;
     if (!source->gz)
         return iso_fail(err, ISO_E_IO, "%s: the samples cannot be read", source->path);
