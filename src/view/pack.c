@@ -40,6 +40,15 @@ static size_t deflate_span(const packer *p, const size_t span[2], bool delta)
                                     p->room);
 }
 
+/* Gives back what is not needed, where that can be done. */
+static unsigned char *fit(unsigned char *bytes, size_t size)
+{
+    unsigned char *fitted = realloc(bytes, size);
+    if (fitted)
+        return fitted;
+    return bytes;
+}
+
 iso_status iso_pack(const iso_pack_array *a, iso_packed *packed, iso_error *err)
 {
     /* Enough to tell which is smaller, and little beside the whole; from the middle, where the object is. */
@@ -57,8 +66,7 @@ iso_status iso_pack(const iso_pack_array *a, iso_packed *packed, iso_error *err)
     if (has_room) {
         packed->delta = deflate_span(&p, part, true) < deflate_span(&p, part, false);
         packed->size = deflate_span(&p, all, packed->delta);
-        unsigned char *fitted = realloc(p.packed, packed->size);
-        packed->bytes = fitted ? fitted : p.packed;
+        packed->bytes = fit(p.packed, packed->size);
     } else {
         free(p.packed);
     }
