@@ -78,7 +78,10 @@ exec 9<kept.work && flock 9
 kept_for_a_person a_folder_that_another_run_works_in
 exec 9<&-
 check and_all_of_it_stays test "$(ls kept.work)" = "$(cat listed)"
-rm -r kept.work
+flock kept.work sleep 0.3 & # as what a killed run had started, until it is gone, too
+check a_lock_that_ends_soon_is_waited_for job --size 16 --levels 1 -o kept
+wait
+rm -rf kept.work
 # ---- an interruption: nothing more is begun, and how to go on is said ----
 cat >stopped <<'END'
 #!/bin/sh

@@ -7,10 +7,24 @@
 #include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/unfinished.h"
+
+bool iso_folder_lock(int fd)
+{
+    enum { TRIES = 40 };
+    const struct timespec pause = {.tv_nsec = 50 * 1000000};
+    for (int i = 0; flock(fd, LOCK_EX | LOCK_NB) != 0; ++i) {
+        if (errno != EWOULDBLOCK || i == TRIES)
+            return false;
+        nanosleep(&pause, NULL);
+    }
+    return true;
+}
 
 char *iso_path_join(const char *dir, const char *name)
 {

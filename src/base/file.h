@@ -67,6 +67,11 @@ int iso_memory_close(FILE *memory);
 /* Removes a directory and all in it. Missing is fine. */
 void iso_remove_tree(const char *path);
 
+/* Locks an open folder until its descriptor is closed. A lock that another process has is waited for, two seconds at most:
+ * what a killed run had started may hold the run's lock until it is gone, too. False: errno says why, EWOULDBLOCK that it
+ * is still held. */
+bool iso_folder_lock(int fd);
+
 /* "dir/name", to be freed. NULL only when memory ends. */
 char *iso_path_join(const char *dir, const char *name);
 /* The folder of path, "." when it has none; to be freed. */

@@ -8,7 +8,6 @@
 #include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -199,7 +198,7 @@ static iso_status lock_partial(iso_output *out, const char *path, bool *is_new, 
         return iso_fail(err, iso_errno_status(), "%s: %s cannot be opened as a folder: %s", path, out->temp_path,
                         strerror(errno));
     out->lock = fd + 1;
-    if (flock(fd, LOCK_EX | LOCK_NB) != 0)
+    if (!iso_folder_lock(fd))
         return iso_fail(err, iso_errno_status(), "%s: another process is making it: %s", path, strerror(errno));
     if (fstat(fd, &st) != 0 || st.st_uid != geteuid())
         return iso_fail(err, ISO_E_IO, "%s: %s is another user's; choose another output", path, out->temp_path);

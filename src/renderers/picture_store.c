@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #define XXH_INLINE_ALL
@@ -128,7 +127,7 @@ static int open_folder(const char *folder)
 /* Until the descriptor is closed. A file system that has no locks is no reason to stop. */
 static iso_status lock(int fd, const char *folder, iso_error *err)
 {
-    if (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+    if (iso_folder_lock(fd) || errno != EWOULDBLOCK)
         return ISO_OK;
     return iso_fail(err, ISO_E_IO, "%s: another process keeps its pictures there; wait for its end, or choose another output",
                     folder);
