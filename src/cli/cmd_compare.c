@@ -142,9 +142,12 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
         status = load(cli->arguments[0], &images[0], err);
     if (status == ISO_OK)
         status = load(cli->arguments[1], &images[1], err);
-    if (status == ISO_OK && (status = iso_metrics_measure(&images[0], &images[1], &m, err)) != ISO_OK)
+    if (status != ISO_OK)
+        return status;
+    status = iso_metrics_measure(&images[0], &images[1], &m, err);
+    if (status != ISO_OK)
         return iso_fail_in(err, status, "%s and %s", cli->arguments[0], cli->arguments[1]);
-    if (status == ISO_OK && opt->difference) {
+    if (opt->difference) {
         status = iso_image_difference(&images[0], &images[1], opt->scale, &images[2], err);
         if (status == ISO_OK)
             status = iso_image_save_png(&images[2], opt->difference, 1, err);

@@ -345,10 +345,8 @@ static iso_status take_and_draw(iso_render_arguments *a, const iso_cli_cycles *c
     return status == ISO_OK ? draw(a, cli, err) : status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static iso_render_arguments usual_arguments(void)
 {
-    help_texts help = {.count = 0};
-    iso_cli_cycles cycles = {.blender = NULL};
     iso_render_arguments a = {.step = ISO_STEP_OF_SCENE,
                               .memory_mb = ISO_ALL_IN_MEMORY,
                               .cache_bytes = ISO_NO_CACHE,
@@ -357,6 +355,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     iso_cli_roi_defaults(&a.roi);
+    return a;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    help_texts help = {.count = 0};
+    iso_cli_cycles cycles = {.blender = NULL};
+    iso_render_arguments a = usual_arguments();
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
