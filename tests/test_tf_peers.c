@@ -25,7 +25,7 @@ static double difference(const char *file, const char *name, const json_t *vtk_c
 {
     const json_t *table = json_object_get(vtk_case, "table"), *range = json_object_get(vtk_case, "range");
     const iso_geometry g = unit_voxels();
-    const iso_tf_request request = {.name = name, .unit_mm = strstr(file, ".paraview") ? 1 : 0};
+    const iso_tf_request request = {.name = name, .unit_mm = strstr(file, ".paraview") ? 1 : 0, .measure = true};
     double most = 0;
     iso_tf tf;
     iso_tf_table t;

@@ -57,6 +57,7 @@ iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, is
     iso_tf_request request;
     iso_volume v = {0};
     iso_status status = iso_cli_transfer_request(&a->look.transfer, &request, err);
+    request.measure = true;
     if (status == ISO_OK)
         status = check_name(a, path, &request, err);
     if (status == ISO_OK)

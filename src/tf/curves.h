@@ -50,9 +50,11 @@ double iso_tf_curve_opacity(const iso_tf_curve *curve, double x, double inside);
 /* Where a curve bends or steps: its nodes, and midpoints that are corners. Ascending, each once; to be freed. */
 double *iso_tf_curves_corners(const iso_tf_curves *curves, size_t *count);
 
-/* Points whose lines in linear light come as close to the curves as a table can show; sets tf->loss. What the file does
- * not say has to be in curves. ISO_E_RANGE, ISO_E_MEMORY. */
+/* Points whose lines in linear light come as close to the curves as a table can show. What the file does not say has to be
+ * in curves. ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_tf_resample(const iso_tf_curves *curves, const char *path, iso_tf *tf, iso_error *err);
+/* Sets tf->loss: how far what renderers look up is from the curves. ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_tf_measure_loss(const iso_tf_curves *curves, iso_tf *tf, iso_error *err);
 
 /* The way back: nodes of display color and opacity (of unit_mm) whose lines are within `most` of a table's entries; at
  * `grid` places the table is looked up, 0: at its entries. x runs from lo to hi. */

@@ -239,6 +239,8 @@ iso_status iso_tf_take_curves(const iso_tf_file *file, iso_tf_curves *curves, is
         status = set_unit(file, curves, err);
     if (status == ISO_OK)
         status = iso_tf_resample(curves, file->path, tf, err);
+    if (status == ISO_OK && file->request->measure && (status = iso_tf_measure_loss(curves, tf, err)) != ISO_OK)
+        iso_tf_destroy(tf);
     iso_tf_curves_destroy(curves);
     return status;
 }

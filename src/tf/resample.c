@@ -148,38 +148,6 @@ static size_t table_size(const iso_tf *tf)
     return even ? n : LARGEST_TABLE;
 }
 
-/* What renderers look up, against what the other program shows. */
-static void compare(const iso_tf_curves *c, const iso_tf_table *t, double unit, double x, double *color,
-                    double *opacity)
-{
-    double seen[4], ours[4];
-    look_up(c, x, x, seen);
-    iso_tf_lookup(t, x, ours);
-    for (int a = 0; a < 3; ++a)
-        *color = fmax(*color, fabs(iso_linear_to_srgb(ours[a]) - seen[a]));
-    *opacity = fmax(*opacity, fabs(-expm1(-ours[3] * unit) - fmin(seen[3], ISO_TF_MAX_OPACITY)));
-}
-
-static iso_status measure(const iso_tf_curves *c, iso_tf *tf, iso_error *err)
-{
-    const iso_geometry unit = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
-    iso_tf_table t = {0};
-    iso_tf_loss *loss = &tf->loss;
-    iso_status status = iso_tf_tabulate(tf, 0, 1, &unit, &t, err);
-    if (status != ISO_OK)
-        return status;
-    enum { BETWEEN = 4 };
-    *loss = (iso_tf_loss){.measured = true};
-    for (size_t i = 0; i < t.count; ++i) {
-        const double width = (t.hi - t.lo) / (double)(t.count - 1), x = t.lo + width * (double)i;
-        compare(c, &t, tf->unit_distance, x, &loss->color, &loss->opacity);
-        for (int k = 1; k < BETWEEN && i + 1 < t.count; ++k)
-            compare(c, &t, tf->unit_distance, x + width * k / BETWEEN, &loss->between, &loss->between);
-    }
-    iso_tf_table_destroy(&t);
-    return ISO_OK;
-}
-
 static iso_status between_corners(resampling *r, const double *corners, size_t count)
 {
     /* Beyond the ends the curves may have other values: steps at the first and the last corner. */
@@ -217,9 +185,40 @@ iso_status iso_tf_resample(const iso_tf_curves *curves, const char *path, iso_tf
             trim(tf);
         set_range(tf);
         tf->table_size = table_size(tf);
-        status = measure(curves, tf, err);
-    }
-    if (status != ISO_OK)
+    } else {
         iso_tf_destroy(tf);
+    }
     return status;
+}
+
+/* What renderers look up, against what the other program shows. */
+static void compare(const iso_tf_curves *c, const iso_tf_table *t, double unit, double x, double *color,
+                    double *opacity)
+{
+    double seen[4], ours[4];
+    look_up(c, x, x, seen);
+    iso_tf_lookup(t, x, ours);
+    for (int a = 0; a < 3; ++a)
+        *color = fmax(*color, fabs(iso_linear_to_srgb(ours[a]) - seen[a]));
+    *opacity = fmax(*opacity, fabs(-expm1(-ours[3] * unit) - fmin(seen[3], ISO_TF_MAX_OPACITY)));
+}
+
+iso_status iso_tf_measure_loss(const iso_tf_curves *c, iso_tf *tf, iso_error *err)
+{
+    const iso_geometry unit = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
+    iso_tf_table t = {0};
+    iso_tf_loss *loss = &tf->loss;
+    iso_status status = iso_tf_tabulate(tf, 0, 1, &unit, &t, err);
+    if (status != ISO_OK)
+        return status;
+    enum { BETWEEN = 4 };
+    *loss = (iso_tf_loss){.measured = true};
+    for (size_t i = 0; i < t.count; ++i) {
+        const double width = (t.hi - t.lo) / (double)(t.count - 1), x = t.lo + width * (double)i;
+        compare(c, &t, tf->unit_distance, x, &loss->color, &loss->opacity);
+        for (int k = 1; k < BETWEEN && i + 1 < t.count; ++k)
+            compare(c, &t, tf->unit_distance, x + width * k / BETWEEN, &loss->between, &loss->between);
+    }
+    iso_tf_table_destroy(&t);
+    return ISO_OK;
 }

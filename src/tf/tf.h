@@ -42,7 +42,7 @@ enum { ISO_TF_MOST_ENTRIES = 16384 }; /* of a table: what textures hold in a row
 /* How far the table of a TF of another program is from what that program shows, in display color and in opacity, each
  * 0 to 1: at the table's entries, and between them, where a curve may be steeper than the table is fine. */
 typedef struct iso_tf_loss {
-    bool measured; /* false: nothing was converted */
+    bool measured; /* false: nothing was converted, or nobody asked */
     double color, opacity;
     double between;
 } iso_tf_loss;
@@ -67,6 +67,7 @@ typedef struct iso_tf_request {
     double opacity[2];
     bool has_range, fit; /* range instead of the file's; fit: the volume's */
     double range[2];
+    bool measure; /* sets the TF's loss where the file is another program's */
 } iso_tf_request;
 
 /* A file of any format that is read (format.h). */

@@ -215,7 +215,7 @@ static double seconds_used(void)
 /* What was run, of which so many were read. */
 typedef struct tally {
     fuzz_random random;
-    uint64_t seeds, mutations, seeds_read, mutations_read;
+    uint64_t seeds, mutations, seeds_read, mutations_read, ended;
 } tally;
 
 static void run_next_seed(tally *t)
@@ -251,30 +251,37 @@ static void run_here(tally *t, uint64_t count, double seconds)
 
 /* ---- readers that may end their program ---- */
 
-enum { INPUTS_OF_ONE_PROCESS = 1 << 14 };
+enum { INPUTS_OF_ONE_PROCESS = 1 << 14, ASSERTIONS_OF_ONE_PROCESS = 32 };
 
-/* Inputs until the run's end, or so many that what libraries lose does not add up. */
+/* Inputs until the run's end, or so many that what libraries lose does not add up. What an assertion left is counted. */
 static void run_some(tally *t, uint64_t count, double seconds)
 {
     const struct rlimit none = {0, 0};
     setrlimit(RLIMIT_CORE, &none);
     has_timer = false;
-    for (int i = 0; i < INPUTS_OF_ONE_PROCESS && (double)clock() < seconds * CLOCKS_PER_SEC; ++i)
+    unsigned assertions = 0;
+    for (int i = 0; i < INPUTS_OF_ONE_PROCESS && (double)clock() < seconds * CLOCKS_PER_SEC; ++i) {
         if (t->seeds < seed_count)
             run_next_seed(t);
         else if (t->mutations < count)
             run_next_mutation(t);
+        if (fuzz_assertions == assertions)
+            continue;
+        t->ended += fuzz_assertions - assertions;
+        assertions = fuzz_assertions;
+        keep_input();
+        if (assertions >= ASSERTIONS_OF_ONE_PROCESS)
+            return;
+    }
 }
 
-/* The same in processes that are forked one after the other, each of which goes on where the one before ended; the number
- * of those that a reader ended. */
-static uint64_t run_in_processes(tally *result, uint64_t count, double seconds)
+/* The same in processes that are forked one after the other, each of which goes on where the one before ended. */
+static void run_in_processes(tally *result, uint64_t count, double seconds)
 {
     tally *t = mmap(NULL, sizeof *t, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (t == MAP_FAILED)
         fuzz_fail("no memory to share");
     *t = *result;
-    uint64_t ended = 0;
     for (double left = seconds;
          t->seeds < seed_count || (t->mutations < count && (t->mutations < LEAST_MUTATIONS || left > 0));
          left = seconds - seconds_used()) {
@@ -290,11 +297,10 @@ static uint64_t run_in_processes(tally *result, uint64_t count, double seconds)
             fuzz_fail("no process can be started: %s", strerror(errno));
         if (WIFEXITED(how) && WEXITSTATUS(how) == BROKEN)
             exit(1);
-        ended += !(WIFEXITED(how) && WEXITSTATUS(how) == 0);
+        t->ended += !(WIFEXITED(how) && WEXITSTATUS(how) == 0);
     }
     *result = *t;
     munmap(t, sizeof *t);
-    return ended;
 }
 
 /* All seeds of a target, as they are. */
@@ -358,10 +364,11 @@ int main(int argc, char **argv)
     has_limit = true;
     fuzz_begin(running);
     if (may_end())
-        printf("%-16s %4llu inputs ended the reader\n", running->name,
-               (unsigned long long)run_in_processes(&t, count, seconds));
+        run_in_processes(&t, count, seconds);
     else
         run_here(&t, count, seconds);
+    if (may_end())
+        printf("%-16s %4llu inputs ended the reader\n", running->name, (unsigned long long)t.ended);
     printf("%-16s %4zu seeds, %4llu read %9llu mutations, %9llu read %7.1f s\n", running->name, seed_count,
            (unsigned long long)t.seeds_read, (unsigned long long)t.mutations, (unsigned long long)t.mutations_read,
            seconds_used());

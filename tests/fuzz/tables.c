@@ -52,7 +52,7 @@ static void check_round_trip(const iso_tf *tf)
     iso_tf_destroy(&again);
 }
 
-static iso_status load_tf(const char *path, const iso_tf_request *request)
+static iso_status load_tf(const char *path, const iso_tf_request *request, bool again)
 {
     iso_tf tf = {0};
     iso_error err = {""};
@@ -61,27 +61,37 @@ static iso_status load_tf(const char *path, const iso_tf_request *request)
     if (status == ISO_OK) {
         fuzz_note_read();
         check_table(&tf);
-        check_round_trip(&tf);
+        if (again)
+            check_round_trip(&tf);
     }
     iso_tf_destroy(&tf);
     return status;
 }
 
-/* Without a name, then by the first name that the file has, and by what it leaves open. */
+/* Without a name, then by the first name that the file has, and by what it leaves open. What a conversion loses is
+ * measured for one file in sixteen and one in four is written and read again: both take several times as long as to read. */
 void fuzz_tf(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
 {
-    (void)target, (void)data, (void)size;
+    (void)target;
+    const unsigned long sum = crc32(0, data, (uInt)size);
+    const bool measure = sum % 16 == 0, again = sum % 4 == 0;
     char *names = NULL;
-    iso_status status = load_tf(path, &(iso_tf_request){.names = &names});
+    iso_status status = load_tf(path, &(iso_tf_request){.names = &names}, again);
     if (names)
         names[strcspn(names, "\n")] = 0;
     const iso_tf_request requests[] = {
-        {.name = names && names[0] ? names : NULL},
-        {.name = names, .unit_mm = 2, .has_opacity = true, .opacity = {0, 0.5}, .has_range = true, .range = {0, 10}},
-        {.name = names, .unit_mm = 1},
-        {.name = names, .has_range = true, .fit = true}};
+        {.name = names && names[0] ? names : NULL, .measure = measure},
+        {.name = names,
+         .unit_mm = 2,
+         .has_opacity = true,
+         .opacity = {0, 0.5},
+         .has_range = true,
+         .range = {0, 10},
+         .measure = measure},
+        {.name = names, .unit_mm = 1, .measure = measure},
+        {.name = names, .has_range = true, .fit = true, .measure = measure}};
     for (size_t i = 0; i < sizeof requests / sizeof *requests && status == ISO_E_USAGE; ++i)
-        status = load_tf(path, &requests[i]);
+        status = load_tf(path, &requests[i], again);
     free(names);
 }
 

@@ -70,6 +70,7 @@ const fuzz_target fuzz_targets[] = {
 static char folder[128], file_path[256];
 
 bool fuzz_has_failed, fuzz_was_read;
+unsigned fuzz_assertions;
 
 void fuzz_fail(const char *format, ...)
 {
