@@ -107,6 +107,18 @@ static void threads_change_nothing_and_a_wrong_level_shows(void **state)
     in.threads = 3;
     assert_ok(iso_small_views_compare(&in, three, &err));
     assert_memory_equal(one, three, sizeof *one);
+    iso_small_views_fine kept = {0}; /* level 0 is drawn by the first of these, and only looked at by the second */
+    in.kept = &kept;
+    for (int i = 0; i < 2; ++i) {
+        assert_ok(iso_small_views_compare(&in, three, &err));
+        assert_memory_equal(one, three, sizeof *one);
+        assert_true(kept.is_drawn);
+    }
+    kept.views[5].rgba[4 * (32 * ISO_SMALL_VIEWS_PIXELS + 32)] += 1;
+    assert_ok(iso_small_views_compare(&in, wrong, &err));
+    assert_more_than(wrong[0].rmse, one[0].rmse);
+    iso_small_views_fine_destroy(&kept);
+    in.kept = NULL;
     in.level = 2; /* the planted fault: level 1 looked up as if it were level 2 */
     assert_ok(iso_small_views_compare(&in, wrong, &err));
     assert_more_than(wrong[0].rmse, 2 * one[0].rmse);

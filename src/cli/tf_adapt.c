@@ -90,6 +90,7 @@ typedef struct adapt_run {
     const iso_tf_table *tf;
     const iso_auto_choice *choice; /* with --auto, or NULL */
     json_t *levels;
+    iso_small_views_fine level_0; /* drawn for the first level that is adapted */
 } adapt_run;
 
 /* What --auto chose for a level. */
@@ -129,7 +130,7 @@ static void print_chosen(const chosen_level *chosen)
            chosen->design->name, chosen->design->summary, chosen->gain, *options ? "; show it with " : "", options);
 }
 
-static iso_status adapt_one(const adapt_run *run, size_t level, iso_error *err)
+static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
 {
     const iso_tf_arguments *a = run->a;
     const char *input = a->cli->arguments[1];
@@ -142,6 +143,7 @@ static iso_status adapt_one(const adapt_run *run, size_t level, iso_error *err)
     iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err)
                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
     opt.folder = iso_pyramid_is_one(input) ? input : NULL;
+    opt.level_0 = &run->level_0;
     if (status == ISO_OK)
         status = choose_level(run, level, &chosen, err);
     opt.fall_back = opt.fall_back && !(chosen.design && chosen.design->always);
@@ -296,9 +298,10 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
             status = guard_level(a, k, err);
     if (status == ISO_OK)
         status = iso_cli_tf_tabulate(&look, &p, &table, err);
-    adapt_run run = {a, &p, &table, NULL, levels};
+    adapt_run run = {.a = a, .p = &p, .tf = &table, .levels = levels};
     if (status == ISO_OK)
         status = adapt_levels(&run, err);
+    iso_small_views_fine_destroy(&run.level_0);
     if (status == ISO_OK && cli->json) {
         json_t *root = iso_cli_json(cli);
         json_object_set(root, "levels", levels);

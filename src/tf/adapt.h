@@ -65,6 +65,8 @@ typedef struct iso_adapt_options {
     bool fall_back;      /* keep the original TF where the judgment says so */
     int threads;
     const char *folder; /* where iso_adapt_level() and iso_adapt_tf_2d() keep histograms (iso_joint_obtain), or NULL */
+    /* Level 0's small views, kept from level to level of one pyramid and transfer function; or NULL: drawn for each. */
+    iso_small_views_fine *level_0;
 } iso_adapt_options;
 iso_adapt_options iso_adapt_defaults(void);
 

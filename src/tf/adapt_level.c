@@ -84,7 +84,8 @@ bool iso_adapt_is_nearer(const iso_small_views_error *original, const iso_small_
 
 /* The views of the level through `tfs`, with what each shows where level 0 shows nothing. */
 static iso_small_views_input views_of(const iso_pyramid *p, size_t level, const iso_tf_table *tf,
-                                      const iso_tf_table *adapted, const uint8_t *empty, int threads)
+                                      const iso_tf_table *adapted, const uint8_t *empty, iso_small_views_fine *level_0,
+                                      int threads)
 {
     return (iso_small_views_input){.fine = &p->levels[0],
                                    .coarse = &p->levels[level],
@@ -93,21 +94,24 @@ static iso_small_views_input views_of(const iso_pyramid *p, size_t level, const 
                                    .tfs = {tf, adapted},
                                    .tf_count = 2,
                                    .empty = empty,
+                                   .kept = level_0,
                                    .threads = threads};
 }
 
 /* Small views of the level through both tables judge, where there are samples to draw; an adapted one that draws a ghost is
  * first relieved of it. */
-static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, iso_tf_table *adapted, int threads,
-                       iso_adapt_judgment *judgment, iso_error *err)
+static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, iso_tf_table *adapted,
+                       const iso_adapt_options *opt, iso_adapt_judgment *judgment, iso_error *err)
 {
+    iso_small_views_fine own = {0};
     iso_small_views_error errors[ISO_SMALL_VIEWS_MAX_TFS];
     uint8_t *empty = NULL;
     if (!p->levels[0].scalar || !p->levels[level].scalar ||
         iso_geometry_voxel_count(&p->levels[0].geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
         return ISO_OK;
-    iso_status status = iso_ghost_mask(&p->levels[0], &p->levels[level], level, tf, threads, &empty, err);
-    const iso_small_views_input in = views_of(p, level, tf, adapted, empty, threads);
+    iso_status status = iso_ghost_mask(&p->levels[0], &p->levels[level], level, tf, opt->threads, &empty, err);
+    const iso_small_views_input in = views_of(p, level, tf, adapted, empty, opt->level_0 ? opt->level_0 : &own,
+                                              opt->threads);
     if (status == ISO_OK)
         status = iso_small_views_compare(&in, errors, err);
     judgment->ghost = status == ISO_OK ? errors[1].ghost : 0;
@@ -116,6 +120,7 @@ static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *t
     if (status == ISO_OK && judgment->given_back > 0)
         status = iso_small_views_compare(&in, errors, err);
     free(empty);
+    iso_small_views_fine_destroy(&own);
     if (status != ISO_OK)
         return status;
     judgment->seen = true;
@@ -147,7 +152,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
     if (status == ISO_OK)
         status = iso_adapt_judge(&joint, tf, table, level0, &verdict, err);
     if (status == ISO_OK && opt->fall_back)
-        status = look(p, level, tf, table, opt->threads, &verdict, err);
+        status = look(p, level, tf, table, opt, &verdict, err);
     verdict.use_original = verdict.use_original && opt->fall_back;
     if (status == ISO_OK && verdict.use_original) {
         iso_tf_table_destroy(table);

@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "compare/ssim.h"
 
-enum { PIXELS = ISO_SMALL_VIEWS_PIXELS, PICTURES = 1 + ISO_SMALL_VIEWS_MAX_TFS };
+enum { PIXELS = ISO_SMALL_VIEWS_PIXELS };
 
 /* Below this transmittance a ray has no more to show: half a step of 8 bits, seen 16 times enlarged. */
 #define OPAQUE 1e-4
@@ -189,26 +189,33 @@ static void note_rows(const iso_tf_table *tf, const iso_small_views_rows *rows, 
     }
 }
 
-/* One pixel of all pictures: level 0's, then one for each transfer function; and what of it is seen where level 0 is empty. */
-static void march(const iso_small_views_input *in, const small_camera *c, iso_vec3 from, double pixels[PICTURES][4],
-                  double ghosts[PICTURES])
+/* A pixel of level 0: premultiplied colour, and its transmittance. */
+static void march_fine(const iso_small_views_input *in, const small_camera *c, iso_vec3 from, double pixel[4])
+{
+    double rgbs[4];
+    long first, last;
+    clip_to_box(c, &in->fine->geometry, from, &first, &last);
+    for (long k = first; k <= last && pixel[3] > OPAQUE; ++k) {
+        const iso_vec3 p = iso_madd(from, c->direction, (double)k);
+        const place at = find_place(&in->fine->geometry, (double[]){p.x, p.y, p.z});
+        iso_tf_lookup(in->original, sample(in->fine->scalar, &at), rgbs);
+        add_step(rgbs, c->step_mm, pixel);
+    }
+}
+
+/* One for each transfer function of the coarse level, and what of it is seen where level 0 is empty. */
+static void march_coarse(const iso_small_views_input *in, const small_camera *c, iso_vec3 from,
+                         double pixels[ISO_SMALL_VIEWS_MAX_TFS][4], double ghosts[ISO_SMALL_VIEWS_MAX_TFS])
 {
     const double scale = ldexp(1, -(int)in->level);
     double rgbs[4];
     long first, last;
-    for (size_t i = 0; i <= in->tf_count; ++i)
-        pixels[i][0] = pixels[i][1] = pixels[i][2] = ghosts[i] = 0, pixels[i][3] = 1;
     clip_to_box(c, &in->fine->geometry, from, &first, &last);
     for (long k = first; k <= last; ++k) {
         const iso_vec3 p = iso_madd(from, c->direction, (double)k);
         const double coarse_index[3] = {scale * p.x, scale * p.y, scale * p.z};
         bool all_opaque = true;
-        if (pixels[0][3] > OPAQUE) {
-            const place at = find_place(&in->fine->geometry, (double[]){p.x, p.y, p.z});
-            iso_tf_lookup(in->original, sample(in->fine->scalar, &at), rgbs);
-            add_step(rgbs, c->step_mm, pixels[0]);
-        }
-        for (size_t i = 0; i <= in->tf_count; ++i)
+        for (size_t i = 0; i < in->tf_count; ++i)
             all_opaque = all_opaque && pixels[i][3] <= OPAQUE;
         if (all_opaque)
             break;
@@ -217,30 +224,69 @@ static void march(const iso_small_views_input *in, const small_camera *c, iso_ve
         const bool empty = in->empty && is_empty(in, coarse_index);
         for (size_t i = 0; i < in->tf_count; ++i) {
             look_up(in, i, &at, value, rgbs);
-            const double seen = add_step(rgbs, c->step_mm, pixels[1 + i]);
-            ghosts[1 + i] += empty ? seen : 0;
+            const double seen = add_step(rgbs, c->step_mm, pixels[i]);
+            ghosts[i] += empty ? seen : 0;
             if (in->rows && i + 1 == in->tf_count && seen > 0)
                 note_rows(in->tfs[i], in->rows, value, seen, empty);
         }
     }
 }
 
-static void draw_view(const iso_small_views_input *in, int view, iso_image pictures[PICTURES], int64_t ghosts[PICTURES])
+static void set_pixel(iso_image *picture, int x, int y, const double pixel[4])
+{
+    float *to = picture->rgba + 4 * (size_t)(y * PIXELS + x);
+    for (int k = 0; k < 3; ++k)
+        to[k] = (float)pixel[k];
+    to[3] = (float)(1 - pixel[3]);
+}
+
+static void draw_fine(const iso_small_views_input *in, int view, iso_image *picture, int64_t *shown)
 {
     const small_camera c = frame_box(&in->fine->geometry, view);
 #pragma omp parallel for schedule(dynamic, 4) num_threads(iso_threads(in->threads))
     for (int y = 0; y < PIXELS; ++y)
         for (int x = 0; x < PIXELS; ++x) {
-            double pixels[PICTURES][4], ghost[PICTURES];
-            march(in, &c, iso_madd(iso_madd(c.corner, c.right, x), c.down, y), pixels, ghost);
-            for (size_t i = 0; i <= in->tf_count; ++i) {
-                float *to = pictures[i].rgba + 4 * (size_t)(y * PIXELS + x);
-                for (int k = 0; k < 3; ++k)
-                    to[k] = (float)pixels[i][k];
-                to[3] = (float)(1 - pixels[i][3]);
-                add_atomic(&ghosts[i], i == 0 ? 1 - pixels[0][3] : ghost[i]); /* of level 0: all that it shows */
+            double pixel[4] = {0, 0, 0, 1};
+            march_fine(in, &c, iso_madd(iso_madd(c.corner, c.right, x), c.down, y), pixel);
+            set_pixel(picture, x, y, pixel);
+            add_atomic(shown, 1 - pixel[3]);
+        }
+}
+
+static void draw_coarse(const iso_small_views_input *in, int view, iso_image *pictures, int64_t *ghosts)
+{
+    const small_camera c = frame_box(&in->fine->geometry, view);
+#pragma omp parallel for schedule(dynamic, 4) num_threads(iso_threads(in->threads))
+    for (int y = 0; y < PIXELS; ++y)
+        for (int x = 0; x < PIXELS; ++x) {
+            double pixels[ISO_SMALL_VIEWS_MAX_TFS][4], ghost[ISO_SMALL_VIEWS_MAX_TFS];
+            for (size_t i = 0; i < in->tf_count; ++i)
+                pixels[i][0] = pixels[i][1] = pixels[i][2] = ghost[i] = 0, pixels[i][3] = 1;
+            march_coarse(in, &c, iso_madd(iso_madd(c.corner, c.right, x), c.down, y), pixels, ghost);
+            for (size_t i = 0; i < in->tf_count; ++i) {
+                set_pixel(&pictures[i], x, y, pixels[i]);
+                add_atomic(&ghosts[i], ghost[i]);
             }
         }
+}
+
+void iso_small_views_fine_destroy(iso_small_views_fine *fine)
+{
+    for (int view = 0; view < ISO_SMALL_VIEWS_COUNT; ++view)
+        iso_image_destroy(&fine->views[view]);
+    *fine = (iso_small_views_fine){0};
+}
+
+static iso_status draw_level_0(const iso_small_views_input *in, iso_small_views_fine *fine, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int view = 0; view < ISO_SMALL_VIEWS_COUNT && status == ISO_OK && !fine->is_drawn; ++view) {
+        status = iso_image_create(&fine->views[view], PIXELS, PIXELS, err);
+        if (status == ISO_OK)
+            draw_fine(in, view, &fine->views[view], &fine->shown);
+    }
+    fine->is_drawn = status == ISO_OK;
+    return status;
 }
 
 /* Notes 1 - SSIM of a view, and adds the mean square difference of colour. */
@@ -262,23 +308,24 @@ static iso_status add_error(const iso_image *wanted, const iso_image *seen, int 
 iso_status iso_small_views_compare(const iso_small_views_input *in,
                                    iso_small_views_error errors[ISO_SMALL_VIEWS_MAX_TFS], iso_error *err)
 {
-    iso_image pictures[PICTURES] = {{0}};
-    int64_t ghosts[PICTURES] = {0};
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i <= in->tf_count && status == ISO_OK; ++i)
+    iso_image pictures[ISO_SMALL_VIEWS_MAX_TFS] = {{0}};
+    int64_t ghosts[ISO_SMALL_VIEWS_MAX_TFS] = {0};
+    iso_small_views_fine own = {0}, *fine = in->kept ? in->kept : &own;
+    iso_status status = draw_level_0(in, fine, err);
+    for (size_t i = 0; i < in->tf_count && status == ISO_OK; ++i)
         status = iso_image_create(&pictures[i], PIXELS, PIXELS, err);
     for (size_t i = 0; i < in->tf_count; ++i)
         errors[i] = (iso_small_views_error){0};
     for (int view = 0; view < ISO_SMALL_VIEWS_COUNT && status == ISO_OK; ++view) {
-        draw_view(in, view, pictures, ghosts);
+        draw_coarse(in, view, pictures, ghosts);
         for (size_t i = 0; i < in->tf_count && status == ISO_OK; ++i)
-            status = add_error(&pictures[0], &pictures[1 + i], view, &errors[i], err);
+            status = add_error(&fine->views[view], &pictures[i], view, &errors[i], err);
     }
     for (size_t i = 0; i < in->tf_count; ++i) {
         errors[i].rmse = sqrt(errors[i].rmse);
-        errors[i].ghost = ghosts[0] > 0 ? (double)ghosts[1 + i] / (double)ghosts[0] : 0;
-    }
-    for (size_t i = 0; i <= in->tf_count; ++i)
+        errors[i].ghost = fine->shown > 0 ? (double)ghosts[i] / (double)fine->shown : 0;
         iso_image_destroy(&pictures[i]);
+    }
+    iso_small_views_fine_destroy(&own);
     return status;
 }

@@ -11,6 +11,7 @@
 #ifndef ISO_TF_SMALL_VIEWS_H
 #define ISO_TF_SMALL_VIEWS_H
 
+#include "image/image.h"
 #include "pyramid/pyramid.h"
 #include "tf/tf.h"
 #include "tf/tf_2d.h"
@@ -32,6 +33,15 @@ typedef struct iso_small_views_rows {
     int64_t *ghost, *seen; /* of as many entries as the last of `tfs` has; zeros before */
 } iso_small_views_rows;
 
+/* Level 0 as the views show it through the original transfer function: half of the work, and the same for all levels. Begins
+ * as {0}; the first comparison draws it. */
+typedef struct iso_small_views_fine {
+    bool is_drawn;
+    iso_image views[ISO_SMALL_VIEWS_COUNT];
+    int64_t shown; /* opacity over all pixels, in units of ISO_SMALL_VIEWS_UNIT */
+} iso_small_views_fine;
+void iso_small_views_fine_destroy(iso_small_views_fine *fine);
+
 /* What is compared: level 0 through `original` is what `coarse` should look like through each of `tfs`. */
 typedef struct iso_small_views_input {
     const iso_level *fine, *coarse; /* with their scalars */
@@ -43,6 +53,7 @@ typedef struct iso_small_views_input {
     size_t tf_count;
     const uint8_t *empty;             /* of the coarse level: whether level 0 shows nothing there (tf/ghost.h), or NULL */
     const iso_small_views_rows *rows; /* of the last of `tfs`, with a mask; or NULL */
+    iso_small_views_fine *kept;       /* of this `fine` and `original`; or NULL */
     int threads;
 } iso_small_views_input;
 

@@ -14,10 +14,12 @@
 iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
+    iso_small_views_fine level_0 = {0};
     iso_status status = ISO_OK;
     iso_progress_report(v->progress, "adaptation", 0);
     opt.threads = v->threads;
     opt.fall_back = true;
+    opt.level_0 = &level_0;
     v->level_tfs = calloc(v->pyramid->level_count, sizeof *v->level_tfs);
     if (!v->level_tfs)
         return iso_fail(err, ISO_E_MEMORY, "no memory for the transfer functions of %zu levels",
@@ -26,6 +28,7 @@ iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
         iso_level_tf *own = &v->level_tfs[level];
         status = iso_adapt_level(v->pyramid, level, &v->view->tf, &opt, &own->table, &own->judgment, err);
     }
+    iso_small_views_fine_destroy(&level_0);
     return status;
 }
 

@@ -195,7 +195,8 @@ static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *content
 
 /* How far pictures of the level are from those of level 0 in small views (tf/small_views.h), through the scene's transfer
  * function and through the adapted one; and whether that is the better one. */
-static iso_status add_errors(const iso_viewer *v, size_t k, json_t *json, iso_error *err)
+static iso_status add_errors(const iso_viewer *v, size_t k, iso_small_views_fine *kept, json_t *json,
+                             iso_error *err)
 {
     const iso_level *level0 = &v->pyramid->levels[0];
     iso_adapt_options opt = iso_adapt_defaults();
@@ -205,6 +206,7 @@ static iso_status add_errors(const iso_viewer *v, size_t k, json_t *json, iso_er
         return ISO_OK;
     opt.threads = v->threads;
     opt.folder = v->folder;
+    opt.level_0 = kept;
     iso_status status = iso_tf_tabulate(&v->scene->tf, iso_pyramid_lo(v->pyramid), iso_pyramid_hi(v->pyramid),
                                         &level0->geometry, &table, err);
     if (status == ISO_OK)
@@ -234,7 +236,8 @@ static json_t *geometry_json(const iso_geometry *g)
                      "box_index", iso_json_numbers(g->box_index, 3));
 }
 
-static iso_status add_level(const iso_viewer *v, size_t k, iso_contents *contents, json_t *list, iso_error *err)
+static iso_status add_level(const iso_viewer *v, size_t k, iso_small_views_fine *kept, iso_contents *contents,
+                            json_t *list, iso_error *err)
 {
     const iso_level *level = &v->pyramid->levels[k];
     json_t *json = geometry_json(&level->geometry);
@@ -247,7 +250,7 @@ static iso_status add_level(const iso_viewer *v, size_t k, iso_contents *content
     if (status == ISO_OK)
         status = add_joint(v, k, contents, json, err);
     if (status == ISO_OK)
-        status = add_errors(v, k, json, err);
+        status = add_errors(v, k, kept, json, err);
     return status;
 }
 
@@ -290,12 +293,14 @@ iso_status iso_contents_make(const iso_viewer *v, const iso_progress *progress, 
     json_object_set_new(root, "geometry", geometry_json(level0));
     for (size_t i = 0; i < v->code_count; ++i)
         json_array_append_new(codes, json_string(iso_code_describe(v->codes[i])->name));
+    iso_small_views_fine kept = {0}; /* level 0 as small views show it */
     iso_status status = add_presets(v, root, err);
     for (size_t n = v->last + 1; n-- > v->first && status == ISO_OK;) {
         iso_progress_report(progress, "pack", (double)(v->last - n) / (double)(v->last + 1));
-        status = add_level(v, n, contents, levels, err);
+        status = add_level(v, n, &kept, contents, levels, err);
         contents->first_count = n == v->last ? contents->count : contents->first_count;
     }
+    iso_small_views_fine_destroy(&kept);
     if (status == ISO_OK && v->plan)
         status = iso_contents_add_plan(v, contents, err);
     if (status != ISO_OK)
