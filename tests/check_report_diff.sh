@@ -39,7 +39,7 @@ $1
 json.dump(d, open('two/report.json', 'w'))"
 }
 limit="next(r for r in d['agreement'] if r['comparison'] == 'lock-step')"
-plant "$limit['rmse'] += 0.02 * $limit['limits']['rmse']"
+plant "$limit['rmse'] += 0.04 * $limit['limits']['rmse']"
 expect one_figure_beyond_its_tolerance_is_a_difference 1 "$ISOSHADE" report diff one two
 check of_exactly_one_row test "$(grep -c '^changed: ' "$dir/out")" = 1
 check with_the_figure test "$(grep -c '^    rmse: ' "$dir/out")" = 1
@@ -51,7 +51,7 @@ plant "$limit['rmse'] += 0.005 * $limit['limits']['rmse']; $limit['seconds'] = 9
 expect a_figure_within_it_and_times_are_none 0 "$ISOSHADE" report diff one two
 plant "$limit['limits']['rmse'] *= 2"
 expect a_stated_limit_that_moved_is_a_difference 1 "$ISOSHADE" report diff one two
-plant "$limit['rmse'] += 0.02 * $limit['limits']['rmse']; $limit.setdefault('statistics', {})['noise_bar'] = 1.0"
+plant "$limit['rmse'] += 0.04 * $limit['limits']['rmse']; $limit.setdefault('statistics', {})['noise_bar'] = 1.0"
 expect a_change_within_the_noise_of_the_second_is_none 0 "$ISOSHADE" report diff one two
 expect nor_within_that_of_the_first 0 "$ISOSHADE" report diff two one
 plant "$limit['rmse'] = None"
