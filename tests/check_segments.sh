@@ -105,7 +105,7 @@ assert looks == ["Closest"], looks
 ramp = [n.color_ramp for n in bpy.data.node_groups["isoshade ramp"].nodes if n.type == "VALTORGB"][0]
 assert ramp.interpolation == "CONSTANT" and len(ramp.elements) == 4
 PY
-check and_labels_as_an_image_without_interpolation blender -b flat.blend --factory-startup -noaudio --python-exit-code 9 -P look.py
+has_cycles && check and_labels_as_an_image_without_interpolation blender -b flat.blend --factory-startup -noaudio --python-exit-code 9 -P look.py
 
 scene=$top/refscenes/marschner-lobb.scene.json
 refuse no_plan_of_them 2 'is a label map, which a plan would interpolate' "$ISOSHADE" plan flat.seg.nrrd --scene "$scene" --size 16 --brick 4 -o x.plan.json

@@ -30,7 +30,7 @@ PY
 expect two_volumes 0 "$ISOSHADE" export a.nrrd --add b.nrrd,quarter.tf.json --to blender --scene s.scene.json -o ab.blend -q
 expect a_field_and_its_labels 0 "$ISOSHADE" export a.nrrd --add seg.nrrd --to blender --scene s.scene.json -o seg.blend -q
 expect channels 0 "$ISOSHADE" export two.nrrd --channels all --to blender --scene s.scene.json -o channels.blend
-check each_has_a_color grep -q 'channel_1: magenta' out
+has_cycles && check each_has_a_color grep -q 'channel_1: magenta' out
 for s in a b; do "$ISOSHADE" export $s.nrrd --to blender --scene s.scene.json -o $s.blend -q >out 2>err || not_ok single "$(cat err)"; done
 if has_cycles; then
     has_files grids . ab_a.vdb ab_b.vdb seg_a.vdb seg_seg.vdb channels_channel_0.vdb channels_channel_1.vdb
