@@ -9,8 +9,8 @@ export PATH=$dir/bin:$PATH
 # A line that needs what this system's Blender lacks, which the program says by name, is skipped, and so is one that opens
 # what such a line would have written.
 fail() { # name, output
-    local lack
-    if lack=$(grep -om1 'Blender [0-9.]* of this system is built without NanoVDB.*' <<<"$2"); then ok "$1 # SKIP $lack"
+    local said
+    if said=$(grep -om1 'Blender [0-9.]* of this system is built without NanoVDB.*' <<<"$2"); then ok "$1 # SKIP $said"
     elif [[ $1 == *" blender -b "* ]] && ! has_cycles; then skip "$1" "no .blend file was made"
     else not_ok "$1" "$(tail -n 2 <<<"$2")"; bad=1; fi
 }
