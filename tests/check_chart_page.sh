@@ -30,6 +30,11 @@ cp -r "$dir/.killed.partial" "$dir/.planted.partial"
 expect it_goes_on 0 going --resume -o "$dir/planted"
 check what_is_kept_is_not_measured_again test "$(column "$dir/planted/pareto.csv" rmse "setting=reference; level 1; snorm moments; step 1")" = 0.777
 check it_says_how_many_were_kept grep -qE '^[1-9][0-9]* settings were measured in an earlier run' "$dir/out"
+# What another version of the renderer drew, the planted error too, is drawn again.
+cp -r "$dir/.killed.partial" "$dir/.other.partial"
+sed -i 's/"renderer_version":"/&older /' "$dir/.other.partial/settings.jsonl"
+expect it_goes_on_with_another_version 0 going --resume -o "$dir/other"
+notice what_another_version_drew_is_drawn_again test "$(column "$dir/other/pareto.csv" rmse "setting=reference; level 1; snorm moments; step 1")" = 0.777
 sed -i '/"setting":"reference; level 1; snorm moments; step 1"/d' "$dir/.killed.partial/settings.jsonl"
 expect it_goes_on_without_the_plant 0 going --resume -o "$dir/killed"
 settings() { python3 "$top/tests/column.py" "$1" setting | paste -d' ' - <(column "$1" rmse) <(column "$1" max_abs) <(column "$1" ssim) | sort; }

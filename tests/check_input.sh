@@ -91,6 +91,15 @@ refuse an_infinite_step 2 '--step is -inf, wanted a finite number' "$ISOSHADE" r
 refuse an_infinite_limit 2 '--max-rmse is -inf, wanted a finite number' "$ISOSHADE" compare a.exr b.exr --max-rmse=-inf
 refuse an_infinite_time 2 '--timeout is -inf, wanted a finite number' "$ISOSHADE" info v.nrrd --timeout -inf
 refuse a_cache_of_0_bytes 2 '--cache-bytes is 0, must be 1 to 1e+15' "$ISOSHADE" render v.nrrd --with cpu --cache-bytes 0 -o x.png
+# 0 is a value, not an option that is not given.
+for option in "render --page-side" "render --intervals" "render --planes" "render --samples" "render --seeds" \
+    "validate --levels" "validate --seeds" "validate --limit-size" "validate --level-views" "validate --level-size" \
+    "scenes --size" "scenes --levels" "figure --levels" "figure --frames" "figure --bits" "figure --bricks" \
+    "figure --entries" "palette --ellipsoid"; do
+    name=${option//[ -]/_}
+    refuse "${name}_of_0" 2 "${option#* } is 0, must be at least 1" "$ISOSHADE" ${option% *} v.nrrd "${option#* }" 0 -o x.png
+done
+refuse page_side_of_0_in_one_word 2 '--page-side is 0, must be' "$ISOSHADE" render v.nrrd --page-side=0 -o x.png
 refuse plan_memory_of_0 2 '--memory is 0, must be 1 to 1e+15' "$ISOSHADE" plan v.nrrd --memory 0
 refuse plan_brick_of_nothing 2 '--brick is -1, must be 2 to 64' "$ISOSHADE" plan v.nrrd --brick -1
 refuse render_brick_of_nothing 2 '--brick is -1, must be 2 to 64' \

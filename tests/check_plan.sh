@@ -27,6 +27,13 @@ check an_error_that_leaves_little_is_named grep -q 'warning: RMSE .* within such
 "$ISOSHADE" plan one.raw --raw-size 17x17x17 --raw-type uint8 --scene "$scene" --size 32 --brick 16 --levels 4 --error 0.001 -o one.json >out 2>err
 holds what_shows_between_nodes_is_within_its_error "$(json_number one.json measured_rmse) <= 0.001"
 
+# What no ray saw of the volume, behind what is nearly opaque, shows a little: it stays where so little is an error.
+"$ISOSHADE" make noise --size 41x44x33 --type float -o noise.nrrd --quiet
+for view in front iso; do
+    "$ISOSHADE" plan noise.nrrd --tf microscopy --view $view --size 48 --brick 8 --levels 3 --error 1e-6 --quiet -o tiny.json >out 2>err
+    holds "a_tiny_error_is_kept_from_$view" "$(json_number tiny.json measured_rmse) <= 1e-6"
+done
+
 # Several views: each brick that one of them sees is kept, and each image is within the error.
 "${plan[@]}" --error 0.02 --views 3 -o views.json >out 2>err || not_ok views_run "$(cat err)"
 holds views_are_all_within_the_error "$(json_number views.json measured_rmse) <= 0.02 && $(json_number views.json views) == 3"

@@ -18,6 +18,9 @@ check the_message_says_how grep -q -- --update "$dir/err"
 check and_none_is_written test ! -e "$dir/base.json"
 expect an_update_accepts 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --update
 expect the_same_report_is_good 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json"
+scene=$top/refscenes/shells.scene.json
+refuse a_scene_is_no_baseline 4 'shells.scene.json: its schema is "isoshade.scene/1", wanted a baseline' "$ISOSHADE" baseline "$dir/one" "$scene"
+refuse nor_a_report 4 'shells.scene.json: its schema is "isoshade.scene/1", wanted a report' "$ISOSHADE" baseline "$scene" "$dir/base.json"
 cp "$dir/base.json" "$dir/kept.json"
 expect a_worse_figure_is_exit_1 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json"
 check the_figure_is_named grep -q '^worse .*agreement/s/level 0/reference/gl/tight/rmse: accepted 0.001, now 0.002' "$dir/out"

@@ -134,6 +134,46 @@ static void a_voxel_alone_is_not_overlooked(void **state)
     iso_scene_destroy(&file);
 }
 
+/* A step from 0 to 1 whose transfer function shows values near 1/4 alone: no voxel has one, and of level 1, whose value
+ * half-way between its nodes is 1/2, none of level 0's places has one either. */
+static void what_shows_between_voxels_alone_is_not_overlooked(void **state)
+{
+    (void)state;
+    enum { SIDE = 17, STEP = 8 };
+    static float scalar[SIDE * SIDE * SIDE];
+    for (size_t i = 0; i < SIDE * SIDE * SIDE; ++i)
+        scalar[i] = i % SIDE >= STEP;
+    iso_level level = {.geometry = iso_geometry_axis_aligned((const size_t[3]){SIDE, SIDE, SIDE},
+                                                             (const double[3]){1, 1, 1}),
+                       .scalar = scalar,
+                       .max = 1};
+    iso_scene file;
+    scene s = {0};
+    iso_plan p;
+    assert_ok(iso_scene_load("refscenes/shells.scene.json", &file, &err));
+    file.width = file.height = 24;
+    assert_ok(iso_node_levels_create(&s.nodes, &level, 16, 2, true, 0, &err));
+    assert_ok(iso_scene_resolve(&file, &level.geometry, 0, 1, &s.view, &err));
+    s.view.step_voxels = 1.0 / 16;
+    for (size_t e = 0; e < s.view.tf.count; ++e) {
+        const double value = (double)e / (double)(s.view.tf.count - 1);
+        s.view.tf.entries[4 * e + 3] = fabs(value - 0.25) < 0.1 ? 1 : 0;
+    }
+    assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
+    const iso_brick_field f = {.nodes = &s.nodes, .levels = p.levels};
+    iso_image full = render(&f, &s.view);
+    p.levels[0] = 1;
+    iso_image coarse = render(&f, &s.view);
+    assert_more_than(rmse(&coarse, &full), 0.01); /* a model that must be rejected */
+    iso_plan_choose(&p, &s.nodes, 1e-3);
+    assert_int_equal(p.levels[0], 0);
+    iso_image_destroy(&coarse);
+    iso_image_destroy(&full);
+    iso_plan_destroy(&p);
+    destroy_scene(&s);
+    iso_scene_destroy(&file);
+}
+
 static void plan_does_not_depend_on_threads(void **state)
 {
     (void)state;
@@ -183,6 +223,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(prediction_bounds_the_model_and_is_near_the_measured_error),
         cmocka_unit_test(a_voxel_alone_is_not_overlooked),
+        cmocka_unit_test(what_shows_between_voxels_alone_is_not_overlooked),
         cmocka_unit_test(plan_does_not_depend_on_threads),
         cmocka_unit_test(bricks_behind_the_opaque_and_outside_the_view_are_left_out),
     };

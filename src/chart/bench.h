@@ -13,6 +13,8 @@
 
 enum { ISO_CHART_MAX_LEVELS = 32, ISO_CHART_MAX_OTHERS = 12 };
 
+typedef char iso_chart_version[320]; /* of a renderer, such as "Blender 3.4.1" */
+
 /* Bytes that were made for one setting and serve others: another code of a level, or a palette's indices. */
 typedef struct iso_chart_kept {
     iso_direction_source source;

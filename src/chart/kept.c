@@ -87,7 +87,12 @@ static iso_status check_job(const char *folder, const json_t *found, const json_
 
 /* ---- lines ---- */
 
-static json_t *case_line(const iso_chart_bench *b, const iso_chart_case *c)
+static const char *version_of(const iso_chart_kept_file *k, const iso_chart_case *c)
+{
+    return k->versions[iso_renderer_index(c->renderer)];
+}
+
+static json_t *case_line(const iso_chart_kept_file *k, const iso_chart_bench *b, const iso_chart_case *c)
 {
     char setting[192];
     const iso_metrics *m = &c->metrics;
@@ -95,9 +100,9 @@ static json_t *case_line(const iso_chart_bench *b, const iso_chart_case *c)
     json_t *frames = json_array();
     for (size_t i = 0; i < c->took.count && i < ISO_RENDER_MAX_FRAMES; ++i)
         json_array_append_new(frames, json_real(c->took.frame_seconds[i]));
-    json_t *line = json_pack("{s:s, s:s, s:o, s:f, s:f, s:f}", "scene", b->scenes[c->scene].name, "setting", setting,
-                             "frame_seconds", frames, "setup_seconds", c->took.setup_seconds, "device_bytes",
-                             c->took.bytes, "stored_bytes", c->stored_bytes);
+    json_t *line = json_pack("{s:s, s:s, s:s, s:o, s:f, s:f, s:f}", "scene", b->scenes[c->scene].name, "setting",
+                             setting, "renderer_version", version_of(k, c), "frame_seconds", frames, "setup_seconds",
+                             c->took.setup_seconds, "device_bytes", c->took.bytes, "stored_bytes", c->stored_bytes);
     if (line)
         json_object_update_new(line, iso_metrics_to_json(m));
     if (line && c->picture)
@@ -127,15 +132,17 @@ static iso_metrics metrics_of(const json_t *line)
     return m;
 }
 
-/* What a line says of a setting. Damaged lines, as the last of a killed process may be, say nothing. */
-static void take_line(const json_t *line, iso_chart_case *c)
+/* What a line says of a setting, whose renderer is of that version now. Damaged lines, as the last of a killed process may
+ * be, say nothing, nor do those of another version: what it drew is none of this chart's. */
+static void take_line(const json_t *line, const char *version, iso_chart_case *c)
 {
+    const char *drawn_by = json_string_value(json_object_get(line, "renderer_version"));
     double frames[ISO_RENDER_MAX_FRAMES];
     const json_t *list = json_object_get(line, "frame_seconds");
     size_t count = 0;
     for (size_t i = 0; i < json_array_size(list) && count < ISO_RENDER_MAX_FRAMES; ++i)
         frames[count++] = json_number_value(json_array_get(list, i));
-    if (count == 0 || !json_is_number(json_object_get(line, "device_bytes")))
+    if (count == 0 || !drawn_by || strcmp(drawn_by, version) != 0 || !json_is_number(json_object_get(line, "device_bytes")))
         return;
     iso_render_stats_sum_up(&c->took, frames, count);
     c->took.setup_seconds = number_of(line, "setup_seconds");
@@ -158,7 +165,8 @@ static int by_text(const void *a, const void *b)
     return strcmp(((const case_key *)a)->text, ((const case_key *)b)->text);
 }
 
-static iso_status take_lines(FILE *f, const iso_chart_bench *b, iso_chart_case *cases, size_t count, iso_error *err)
+static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench *b, iso_chart_case *cases, size_t count,
+                             iso_error *err)
 {
     case_key *keys = malloc((count + 1) * sizeof *keys), wanted;
     char *text = NULL, setting[192];
@@ -171,14 +179,14 @@ static iso_status take_lines(FILE *f, const iso_chart_bench *b, iso_chart_case *
         keys[i].of = &cases[i];
     }
     qsort(keys, count, sizeof *keys, by_text);
-    while (getline(&text, &size, f) > 0) {
+    while (getline(&text, &size, k->lines) > 0) {
         json_t *line = json_loads(text, 0, NULL);
         const char *scene = json_string_value(json_object_get(line, "scene")),
                    *of = json_string_value(json_object_get(line, "setting"));
         snprintf(wanted.text, sizeof wanted.text, "%s; %s", scene ? scene : "", of ? of : "");
         const case_key *found = scene && of ? bsearch(&wanted, keys, count, sizeof *keys, by_text) : NULL;
         if (found)
-            take_line(line, found->of);
+            take_line(line, version_of(k, found->of), found->of);
         json_decref(line);
     }
     free(text);
@@ -297,7 +305,7 @@ iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_c
     }
     rewind(k->lines);
     if (status == ISO_OK)
-        status = take_lines(k->lines, b, cases, count, err);
+        status = take_lines(k, b, cases, count, err);
     fseek(k->lines, 0, SEEK_END);
     /* without its reference nothing of a scene counts, nor what a small budget left unmeasured where it is asked for */
     for (size_t i = 0; i < count; ++i) {
@@ -326,7 +334,7 @@ iso_status iso_chart_kept_put_reference(iso_chart_kept_file *k, const iso_chart_
 
 iso_status iso_chart_kept_put(iso_chart_kept_file *k, const iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
 {
-    json_t *line = case_line(b, c);
+    json_t *line = case_line(k, b, c);
     char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
     iso_status status = text && fprintf(k->lines, "%s\n", text) > 0 && fflush(k->lines) == 0
                             ? ISO_OK

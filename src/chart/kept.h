@@ -15,16 +15,17 @@
 
 typedef struct iso_chart_kept_file {
     iso_output output; /* the folder */
+    const iso_chart_version *versions; /* of the renderers; not copied */
     FILE *lines;
     long begun;   /* bytes before the first setting of a chart that begins anew */
     bool resumed; /* there was something of the same job */
 } iso_chart_kept_file;
 
 /* Begins the folder, or takes the one that is there if `resume`. ISO_E_USAGE: what is there is of another volume, scene or
- * machine, which is named, and stays as it is. */
+ * machine, which is named, and stays as it is. k->versions is the caller's to set afterwards. */
 iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool resume, const iso_chart_bench *b,
                                iso_error *err);
-/* Fills the settings that are there, and those scenes' references. */
+/* Fills the settings that are there and were drawn by these versions of their renderers, and those scenes' references. */
 iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_chart_case *cases, size_t count,
                                iso_error *err);
 iso_status iso_chart_kept_put_reference(iso_chart_kept_file *k, const iso_chart_bench *b, size_t scene, iso_error *err);

@@ -48,7 +48,7 @@ typedef struct iso_chart_result {
     const char *looks[ISO_CHART_MAX_SCENES]; /* the options of a command line for what a scene's pictures show */
     const char *output, *style;
     char viewers[ISO_CHART_MAX_SCENES][160]; /* pages of the viewer beside it; or empty */
-    char versions[ISO_MAX_RENDERERS][320]; /* empty: not used */
+    iso_chart_version versions[ISO_MAX_RENDERERS]; /* empty: not used */
     char left_out[ISO_MAX_RENDERERS][320]; /* why a renderer was; or empty */
     size_t refused_count;                  /* settings that could not be rendered */
     char refusal[320];                     /* why the first could not */

@@ -336,6 +336,7 @@ static iso_status take_kept(chart_run *run, iso_error *err)
 {
     iso_chart_result *result = &run->result;
     iso_status status = iso_chart_kept_open(&run->kept, run->arguments->output, run->arguments->resume, &run->bench, err);
+    run->kept.versions = (const iso_chart_version *)result->versions;
     if (status == ISO_OK)
         status = iso_chart_kept_take(&run->kept, &run->bench, result->cases, result->count, err);
     for (size_t i = 0; i < result->count && status == ISO_OK; ++i)

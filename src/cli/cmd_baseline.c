@@ -64,11 +64,25 @@ static void print_json(const iso_cli *cli, const baseline_arguments *a, const is
     iso_cli_print_json(root);
 }
 
+/* What a file is, against what is wanted there: a scene has no figures either, but is no empty baseline. */
+static iso_status check_schema(const char *path, const json_t *root, const char *wanted, const char *what, iso_error *err)
+{
+    const char *schema = json_string_value(json_object_get(root, "schema"));
+    if (schema && strcmp(schema, wanted) == 0)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_FORMAT, "%s: its schema is \"%s\", wanted %s (%s)", path, schema ? schema : "", what,
+                    wanted);
+}
+
 /* What was accepted before; nothing where --update makes the first baseline. */
 static iso_status load_accepted(const baseline_arguments *a, const char *path, json_t **accepted, iso_error *err)
 {
-    if (iso_path_exists(path))
-        return iso_json_load(path, accepted, err);
+    if (iso_path_exists(path)) {
+        const iso_status status = iso_json_load(path, accepted, err);
+        return status == ISO_OK ? check_schema(path, *accepted, "isoshade.accepted/2",
+                                               "a baseline, as baseline --update writes it", err)
+                                : status;
+    }
     if (!a->update)
         return iso_fail(err, ISO_E_IO, "%s: there is no baseline; --update makes one of this report", path);
     *accepted = json_pack("{s:s}", "schema", "isoshade.accepted/2");
@@ -124,6 +138,8 @@ static iso_status baseline(const iso_cli *cli, const baseline_arguments *a, iso_
     char *path = iso_path_is_dir(cli->arguments[0]) ? iso_path_join(cli->arguments[0], "report.json")
                                                     : strdup(cli->arguments[0]);
     iso_status status = path ? iso_json_load(path, &report, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = check_schema(path, report, "isoshade.validate/1", "a report, as validate writes it to report.json", err);
     if (status == ISO_OK)
         status = iso_baseline_from_report(report, &now, err);
     if (status == ISO_OK)

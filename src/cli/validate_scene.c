@@ -27,17 +27,35 @@ static char *comment_of(const json_t *scene)
     return comment;
 }
 
-static bool is_as_written(const char *path)
+/* What stands at path: nothing (NULL), or its comment as it is and as it has to be. */
+typedef struct standing {
+    json_t *scene;
+    char *wanted;      /* owned */
+    const char *found; /* NULL: none, as older versions wrote it */
+} standing;
+
+static standing look_at(const char *path)
 {
-    json_t *scene = NULL;
-    if (iso_json_load(path, &scene, NULL) != ISO_OK)
-        return false;
-    char *comment = comment_of(scene);
-    const char *found = json_string_value(json_object_get(scene, "comment"));
-    const bool same = comment && found && strcmp(comment, found) == 0;
-    free(comment);
-    json_decref(scene);
-    return same;
+    standing s = {NULL};
+    if (iso_json_load(path, &s.scene, NULL) != ISO_OK)
+        return (standing){NULL};
+    s.wanted = comment_of(s.scene);
+    s.found = json_string_value(json_object_get(s.scene, "comment"));
+    return s;
+}
+
+static void forget(standing *s)
+{
+    free(s->wanted);
+    json_decref(s->scene);
+}
+
+static iso_status refuse(const char *path, iso_error *err)
+{
+    return iso_fail(err, ISO_E_IO,
+                    "%s: was changed since isoshade wrote it, or is not from isoshade, and the report's scene would "
+                    "replace it; move it away, or choose another output",
+                    path);
 }
 
 iso_status iso_validate_scene_name(const char *report, char **path, iso_error *err)
@@ -51,12 +69,24 @@ iso_status iso_validate_scene_name(const char *report, char **path, iso_error *e
 
 iso_status iso_validate_scene_guard(const char *path, iso_error *err)
 {
-    if (!iso_path_exists(path) || is_as_written(path))
+    if (!iso_path_exists(path))
         return ISO_OK;
-    return iso_fail(err, ISO_E_IO,
-                    "%s: was changed since isoshade wrote it, or is not from isoshade, and the report's scene would "
-                    "replace it; move it away, or choose another output",
-                    path);
+    standing s = look_at(path);
+    const bool may_be_ours = s.wanted && (!s.found || strcmp(s.wanted, s.found) == 0);
+    forget(&s);
+    return may_be_ours ? ISO_OK : refuse(path, err);
+}
+
+/* What has no checksum is replaced where nothing of it is lost: by the same scene. */
+static iso_status guard_content(const char *path, const char *comment, iso_error *err)
+{
+    if (!iso_path_exists(path))
+        return ISO_OK;
+    standing s = look_at(path);
+    const char *is = s.found ? s.found : s.wanted, *has_to_be = s.found ? s.wanted : comment;
+    const bool ours = is && has_to_be && strcmp(is, has_to_be) == 0;
+    forget(&s);
+    return ours ? ISO_OK : refuse(path, err);
 }
 
 iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso_error *err)
@@ -66,6 +96,8 @@ iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso
     iso_status status = ISO_OK;
     if (!comment || json_object_set_new(root, "comment", json_string(comment)) != 0)
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (status == ISO_OK)
+        status = guard_content(path, comment, err);
     if (status == ISO_OK)
         status = iso_json_save(path, root, err);
     free(comment);

@@ -75,10 +75,14 @@ static bool is_numeric(const struct poptOption *o)
 }
 
 /* popt reads a number out of an empty word: 0. Infinite ones are no limit; -inf is an option that is not given. */
-static iso_status check_number(const char *option, const char *text, iso_error *err)
+static iso_status check_number(const struct poptOption *o, const char *text, iso_error *err)
 {
+    const char *option = o->longName;
+    char *end;
     if (!*text)
         return iso_fail(err, ISO_E_USAGE, "--%s is empty, wanted a number", option);
+    if (o->val == ISO_CLI_NOT_ZERO && strtod(text, &end) == 0 && !*end)
+        return iso_fail(err, ISO_E_USAGE, "--%s is %s, must be at least 1", option, text);
     return isinf(strtod(text, NULL)) ? iso_fail(err, ISO_E_USAGE, "--%s is %s, wanted a finite number", option, text)
                                      : ISO_OK;
 }
@@ -98,7 +102,7 @@ static iso_status check_numbers(const struct poptOption *o, int argc, const char
                 continue;
             const char *rest = word + 2 + length;
             if (*rest == '=' || (!*rest && i + 1 < argc))
-                status = check_number(o->longName, *rest ? rest + 1 : argv[i + 1], err);
+                status = check_number(o, *rest ? rest + 1 : argv[i + 1], err);
         }
     }
     return status;
@@ -204,8 +208,11 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     if (status != ISO_OK)
         return status;
     cli->context = poptGetContext("isoshade", argc, argv, table, 0);
-    /* popt writes through POPT_ARG_* pointers; every option has val 0, so one call parses all. */
-    int result = poptGetNextOpt(cli->context);
+    /* popt writes through POPT_ARG_* pointers, and stops at options that have a val. */
+    int result;
+    do
+        result = poptGetNextOpt(cli->context);
+    while (result > 0);
     if (result < -1) {
         const char *bad = poptBadOption(cli->context, POPT_BADOPTION_NOALIAS);
         char option[64];

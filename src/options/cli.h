@@ -61,6 +61,9 @@ typedef struct iso_cli {
     iso_progress_line *progress; /* NULL: none */
 } iso_cli;
 
+/* val of a number's poptOption whose variable is 0 where it is not given: 0 itself is refused. */
+enum { ISO_CLI_NOT_ZERO = 1 };
+
 typedef enum iso_cli_next { ISO_CLI_RUN, ISO_CLI_STOP } iso_cli_next;
 
 /* Parses argv by `options` (popt; ended by POPT_TABLEEND) and the common ones.

@@ -11,29 +11,80 @@
 
 /* ---- estimates ---------------------------------------------------------------- */
 
-/* What a node emits over one voxel, and its opacity: all that the image is made of. */
-static void emit(const iso_view *view, double voxel_mm, const double node[ISO_NODE_CHANNELS], double rgba[4])
+/* What the errors of a view's bricks are estimated with. */
+typedef struct estimator {
+    const iso_node_levels *nodes;
+    const iso_view *view;
+    const double (*integral)[4]; /* integrate_tf() of the view's table */
+    double voxel_mm;
+} estimator;
+
+/* What a table's entry emits: extinction times color, and its extinction. */
+static double rate_of(const iso_tf_table *tf, size_t entry, int c)
 {
-    double entry[4], normal[3], shade = view->shading.ambient;
-    iso_tf_lookup(&view->tf, node[0], entry);
-    iso_code_normal(node + 1, normal);
+    const float *e = tf->entries + 4 * entry;
+    return (double)e[3] * (c < 3 ? (double)e[c] : 1);
+}
+
+/* Up to each entry, the integral of the rates; lengths in entries. To be freed; NULL: no memory. */
+static double (*integrate_tf(const iso_tf_table *tf))[4]
+{
+    double(*integral)[4] = calloc(tf->count, sizeof *integral);
+    for (size_t i = 1; integral && i < tf->count; ++i)
+        for (int c = 0; c < 4; ++c)
+            integral[i][c] = integral[i - 1][c] + 0.5 * (rate_of(tf, i - 1, c) + rate_of(tf, i, c));
+    return integral;
+}
+
+/* The integral up to a position among the entries; beyond the table is what its end has. */
+static double integral_at(const estimator *e, double position, int c)
+{
+    const iso_tf_table *tf = &e->view->tf;
+    const double last = (double)(tf->count - 1), inside = fmin(fmax(position, 0), last);
+    const size_t i = (size_t)fmin(inside, last - 1), end = position < 0 ? 0 : tf->count - 1;
+    const double f = inside - (double)i;
+    return (1 - f) * e->integral[i][c] + f * e->integral[i + 1][c] + (position - inside) * rate_of(tf, end, c);
+}
+
+/* The mean entry of the values from a to b, colors weighted by their extinction: between two nodes may show what
+ * neither does, where a transfer function shows few values alone. */
+static void mean_entry(const estimator *e, double a, double b, double entry[4])
+{
+    const iso_tf_table *tf = &e->view->tf;
+    const double scale = (double)(tf->count - 1) / (tf->hi - tf->lo), length = (b - a) * scale;
+    double sum[4];
+    iso_tf_lookup(tf, 0.5 * (a + b), entry);
+    if (fabs(length) < 1e-3)
+        return;
+    for (int c = 0; c < 4; ++c)
+        sum[c] = (integral_at(e, (b - tf->lo) * scale, c) - integral_at(e, (a - tf->lo) * scale, c)) / length;
+    entry[3] = fmax(sum[3], 0);
+    for (int c = 0; c < 3 && sum[3] > 0; ++c)
+        entry[c] = sum[c] / sum[3];
+}
+
+/* What an entry emits over one voxel by a direction, and its opacity: all that the image is made of. */
+static void emit(const estimator *e, const double entry[4], const double direction[ISO_NODE_CHANNELS - 1],
+                 double rgba[4])
+{
+    const iso_view *view = e->view;
+    double normal[3], shade = view->shading.ambient;
+    iso_code_normal(direction, normal);
     for (size_t i = 0; i < view->light_count; ++i) {
         const iso_light *l = &view->lights[i];
         shade += l->intensity * view->shading.diffuse *
                  fabs(normal[0] * l->direction.x + normal[1] * l->direction.y + normal[2] * l->direction.z);
     }
-    rgba[3] = -expm1(-entry[3] * voxel_mm);
+    rgba[3] = -expm1(-entry[3] * e->voxel_mm);
     for (int c = 0; c < 3; ++c)
         rgba[c] = rgba[3] * shade * entry[c];
 }
 
-static double largest_difference(const iso_view *view, double voxel_mm, const double node[ISO_NODE_CHANNELS],
-                                 const double exact[4])
+static double largest_difference(const double a[4], const double b[4])
 {
-    double rgba[4], worst = 0;
-    emit(view, voxel_mm, node, rgba);
+    double worst = 0;
     for (int c = 0; c < 4; ++c)
-        worst = fmax(worst, fabs(rgba[c] - exact[c]));
+        worst = fmax(worst, fabs(a[c] - b[c]));
     return worst;
 }
 
@@ -56,43 +107,67 @@ static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const s
     return moved;
 }
 
-/* Adds the errors of one node at every level: at the node, and on a face also half-way to the next brick's node, whose
- * cell takes the face with it. Returns whether level 0 shows anything there. */
-static bool add_errors(const iso_node_levels *n, const iso_view *view, double voxel_mm, const iso_brick_field *f,
-                       uint8_t *level, const size_t brick[3], const size_t local[3], double *sum)
+/* Where one node's errors are looked for: at the node, half-way to the node beyond the brick's face, on the way to the
+ * brick's next node. */
+enum { AT_NODE, BEYOND_FACE, TO_NEXT, PLACES };
+
+/* The end of the way: along one axis a node, all of them in turn. False at the brick's end. */
+static bool next_node(const iso_node_levels *n, const size_t local[3], double q[3])
 {
-    double q[3], exact[2][4], beyond[ISO_NODE_CHANNELS];
-    bool on_face = node_beyond(n, brick, local, beyond);
+    const size_t axis = (local[0] + local[1] + local[2]) % 3;
+    q[axis] += 1;
+    return local[axis] < n->brick_voxels;
+}
+
+/* Adds the errors of one node at every level: at the node, and on a face also half-way to the next brick's node, whose
+ * cell takes the face with it; on the way to the next node, where that is larger. Returns whether level 0 shows
+ * anything there. */
+static bool add_errors(const estimator *e, const iso_brick_field *f, uint8_t *level, const size_t brick[3],
+                       const size_t local[3], double *sum)
+{
+    const iso_node_levels *n = e->nodes;
+    double q[3], to[3], exact[PLACES][4], beyond[ISO_NODE_CHANNELS];
+    bool looked_at[PLACES] = {[AT_NODE] = true, [BEYOND_FACE] = node_beyond(n, brick, local, beyond)}, shows = false;
     for (int a = 0; a < 3; ++a)
-        q[a] = (double)(brick[a] * n->brick_voxels + local[a]);
+        to[a] = q[a] = (double)(brick[a] * n->brick_voxels + local[a]);
+    looked_at[TO_NEXT] = next_node(n, local, to);
     for (size_t l = 0; l < n->level_count; ++l) {
-        double node[ISO_NODE_CHANNELS], middle[ISO_NODE_CHANNELS];
+        double node[ISO_NODE_CHANNELS], next[ISO_NODE_CHANNELS], entry[PLACES][4], error[PLACES] = {0};
         *level = (uint8_t)l;
         iso_brick_sample_in(f, brick, q, node);
-        for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
-            middle[c] = 0.5 * (node[c] + beyond[c]);
-        if (l == 0) {
-            emit(view, voxel_mm, node, exact[0]);
-            emit(view, voxel_mm, middle, exact[1]);
-            continue;
+        iso_tf_lookup(&e->view->tf, node[0], entry[AT_NODE]);
+        iso_tf_lookup(&e->view->tf, 0.5 * (node[0] + beyond[0]), entry[BEYOND_FACE]);
+        if (looked_at[TO_NEXT]) {
+            iso_brick_sample_in(f, brick, to, next);
+            mean_entry(e, node[0], next[0], entry[TO_NEXT]);
         }
-        sum[l] += largest_difference(view, voxel_mm, node, exact[0]);
-        if (on_face)
-            sum[l] += largest_difference(view, voxel_mm, middle, exact[1]);
+        for (int place = 0; place < PLACES; ++place) {
+            if (!looked_at[place])
+                continue;
+            double direction[ISO_NODE_CHANNELS - 1], rgba[4];
+            const double *other = place == AT_NODE ? node : place == BEYOND_FACE ? beyond : next;
+            for (int c = 1; c < ISO_NODE_CHANNELS; ++c)
+                direction[c - 1] = 0.5 * (node[c] + other[c]);
+            emit(e, entry[place], direction, l == 0 ? exact[place] : rgba);
+            error[place] = l == 0 ? 0 : largest_difference(rgba, exact[place]);
+        }
+        sum[l] += fmax(error[AT_NODE], error[TO_NEXT]) + error[BEYOND_FACE];
     }
-    return exact[0][3] > 0 || (on_face && exact[1][3] > 0);
+    for (int place = 0; place < PLACES; ++place)
+        shows = shows || (looked_at[place] && exact[place][3] > 0);
+    return shows;
 }
 
 /* A quarter of the nodes, in a lattice that no plane and no row evades; a voxel alone may. So where it meets nothing of what
  * is shown, the next quarter is looked at as well. */
-static void estimate_brick(const iso_node_levels *n, const iso_view *view, uint8_t *levels, size_t index, float *errors)
+static void estimate_brick(const estimator *e, uint8_t *levels, size_t index, float *errors)
 {
     enum { QUARTERS = 4 };
+    const iso_node_levels *n = e->nodes;
     const size_t brick[3] = {index % n->count[0], index / n->count[0] % n->count[1],
                              index / (n->count[0] * n->count[1])};
     /* levels[index] alone is looked at: faces of its own. */
     const iso_brick_field f = {.nodes = n, .levels = levels, .faces = ISO_FACES_OWN};
-    const double voxel_mm = iso_geometry_mean_spacing_mm(&n->geometry);
     double sum[ISO_BRICK_MAX_LEVELS] = {0};
     size_t count = 0, side = n->brick_voxels;
     bool shows = false;
@@ -100,7 +175,7 @@ static void estimate_brick(const iso_node_levels *n, const iso_view *view, uint8
         for (size_t z = 0; z <= side; ++z)
             for (size_t y = 0; y <= side; ++y)
                 for (size_t x = (y + 2 * z + quarter) % QUARTERS; x <= side; x += QUARTERS, ++count)
-                    shows |= add_errors(n, view, voxel_mm, &f, &levels[index], brick, (const size_t[3]){x, y, z}, sum);
+                    shows |= add_errors(e, &f, &levels[index], brick, (const size_t[3]){x, y, z}, sum);
     /* A mean over the brick, times the voxels of a ray through it; no pixel is wrong by more than 1. */
     for (size_t l = 0; l < n->level_count; ++l)
         errors[l] = (float)fmin(1, sum[l] / (double)count * (double)side);
@@ -177,6 +252,10 @@ static iso_status add_view(iso_plan *plan, const iso_node_levels *n, const iso_v
     iso_status status = find_footprints(plan, n, view, shown, threads, footprints, err);
     if (status != ISO_OK)
         return status;
+    double(*integral)[4] = integrate_tf(&view->tf);
+    if (!integral)
+        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu entries of a transfer function", view->tf.count);
+    const estimator e = {n, view, (const double(*)[4])integral, iso_geometry_mean_spacing_mm(&n->geometry)};
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads))
     for (size_t i = 0; i < plan->brick_count; ++i) {
         float errors[ISO_BRICK_MAX_LEVELS] = {0};
@@ -184,10 +263,11 @@ static iso_status add_view(iso_plan *plan, const iso_node_levels *n, const iso_v
         if (footprints[i] <= 0 || !shown[i])
             continue;
         plan->shown[i] = 1;
-        estimate_brick(n, view, plan->levels, i, errors);
+        estimate_brick(&e, plan->levels, i, errors);
         for (size_t l = 0; l < n->level_count; ++l)
             plan->squares[i * n->level_count + l] += footprints[i] * errors[l] * errors[l];
     }
+    free(integral);
     plan->pixel_count += (double)(view->width * view->height);
     return ISO_OK;
 }

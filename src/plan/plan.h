@@ -4,8 +4,10 @@
  *
  * For each view, brick and level the error in the view's image is estimated: what a
  * node emits towards the camera over one voxel (TF, extinction, ambient and diffuse
- * light), its difference to level 0, averaged over the brick and taken over the
- * voxels of a ray through it. A brick's footprint is the pixels that see it: rays over
+ * light), or what lies on the way to the next node does on average, where that differs
+ * more: a narrow transfer function may show values that interpolation alone takes. Its
+ * difference to level 0 is averaged over the brick and taken over the voxels of a ray
+ * through it. A brick's footprint is the pixels that see it: rays over
  * the image find which bricks they pass, and count by the square of the transmittance
  * with which they get there. The predicted RMSE over the images of all views is then
  *     sqrt(sum over views and bricks of footprint * error^2 / pixels),

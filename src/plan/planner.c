@@ -251,12 +251,22 @@ static iso_status try_rmse(iso_planner *p, double rmse, double limit, iso_plan_t
     return try_levels(p, iso_plan_choose(&p->plan, p->nodes, rmse), limit, t, err);
 }
 
-/* Level 0 everywhere, without what does not show. A coarse brick may be predicted to make no error and make one: where what
- * shows lies between nodes. */
-static iso_status try_finest(iso_planner *p, iso_plan_trial *t, iso_error *err)
+/* Level 0 everywhere, without what does not show: a coarse brick may make a larger error than is predicted. What no view
+ * was found to see may still show a little, behind what is nearly opaque or between the rays that looked: then it stays,
+ * too. */
+static iso_status try_finest(iso_planner *p, double error, iso_plan_trial *t, iso_error *err)
 {
     memset(p->plan.levels, 0, p->plan.brick_count);
-    return try_levels(p, 0, INFINITY, t, err);
+    iso_status status = try_levels(p, 0, INFINITY, t, err);
+    if (status == ISO_OK && t->measured.rmse > error) {
+        drop_trial(t);
+        memset(p->wanted, 1, p->plan.brick_count);
+        status = try_levels(p, 0, INFINITY, t, err);
+    }
+    if (status == ISO_OK && !(t->measured.rmse <= error))
+        status = iso_fail(err, ISO_E_RANGE, "--error is %g; all bricks at level 0 are off by %g: allow more", error,
+                          t->measured.rmse);
+    return status;
 }
 
 /* ---- the search ------------------------------------------------------------------ */
@@ -306,5 +316,5 @@ iso_status iso_planner_search(iso_planner *p, double error, double memory, const
         return iso_fail(err, ISO_E_RANGE,
                         "--memory is %g bytes; the coarsest plan that shows anything needs %g: allow more levels",
                         memory, least);
-    return try_finest(p, &p->best, err);
+    return try_finest(p, error, &p->best, err);
 }

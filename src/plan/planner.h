@@ -45,8 +45,9 @@ typedef struct iso_planner_options {
 /* The views and nodes are kept, not copied. */
 iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_planner_options *opt,
                               const iso_progress *progress, iso_error *err);
-/* memory 0: the least model whose measured RMSE is at most `error` in every view. Else the model of the least RMSE in
- * at most so many bytes. ISO_E_RANGE when that is too little for anything to be seen, with what is needed. */
+/* memory 0: the least model whose measured RMSE is at most `error` in every view; ISO_E_RANGE where none is. Else the
+ * model of the least RMSE in at most so many bytes. ISO_E_RANGE when that is too little for anything to be seen, with what
+ * is needed. */
 iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress,
                               iso_error *err);
 void iso_planner_destroy(iso_planner *p); /* accepts empty */
