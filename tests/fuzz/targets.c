@@ -160,9 +160,12 @@ const char *fuzz_beside(const char *name)
     return to;
 }
 
+/* A library that ends a process which was forked for some inputs leaves the others their folder. */
+static pid_t folder_owner;
 static void remove_folder(void)
 {
-    iso_remove_tree(folder);
+    if (getpid() == folder_owner)
+        iso_remove_tree(folder);
 }
 
 void fuzz_begin(const fuzz_target *target)
@@ -173,6 +176,7 @@ void fuzz_begin(const fuzz_target *target)
         fprintf(stderr, "fuzz: no folder for the input: %s\n", strerror(errno));
         exit(1);
     }
+    folder_owner = getpid();
     atexit(remove_folder);
     snprintf(file_path, sizeof file_path, "%s/%s", folder, target->file);
     const size_t length = strlen(file_path);
