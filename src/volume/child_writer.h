@@ -139,13 +139,22 @@ inline rlim_t memory_for(const std::string &path)
     return static_cast<rlim_t>(std::min(machine, base + a_byte * bytes_of_input(path, machine / a_byte)));
 }
 
+inline rlim_t memory_limit; /* 0: none was set */
+
 /* Of memory that can be written to: threads reserve more addresses than they use. */
-inline void limit_memory(const std::string &path)
+inline void limit_memory(rlim_t bytes)
 {
     rlimit limit{};
     getrlimit(RLIMIT_DATA, &limit);
-    limit.rlim_cur = std::min(limit.rlim_max, memory_for(path));
+    limit.rlim_cur = memory_limit = std::min(limit.rlim_max, bytes);
     setrlimit(RLIMIT_DATA, &limit);
+}
+
+/* So many bytes beside that limit, for what a reader knows a bound of that does not go by the file's size. */
+inline void allow_memory(size_t bytes)
+{
+    if (memory_limit > 0)
+        limit_memory(memory_limit + bytes);
 }
 
 /* ---- a limit of time, for libraries that a damaged file keeps busy ----
@@ -252,7 +261,7 @@ inline int run_child(const ChildProgram &program, int argc, char **argv)
     FILE *out = fdopen(dup(STDOUT_FILENO), "wb");
     if (argc != 5 || !out || !freopen("/dev/null", "w", stdout))
         return ISO_E_USAGE;
-    limit_memory(argv[1]);
+    limit_memory(memory_for(argv[1]));
     late_output = fileno(out);
     return write_volume(program, argv[1], {argv[2], std::stoul(argv[3]), std::stoul(argv[4])}, out);
 }
