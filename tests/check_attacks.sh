@@ -277,6 +277,10 @@ stays() { # name, file, command ...: the file is an input that the command would
     check "${name}_and_stays" diff -r "$file" ../copy
     rm -rf ../copy
 }
+# A chunk of a Zarr store; a file that is not there could be taken for one.
+cp -r ../named.zarr .
+stays chunk_of_a_store named.zarr tf suggest named.zarr --channel 0 -o named.zarr/0/0.0.0.0
+stays new_file_in_a_store named.zarr build named.zarr --channel 0 -o named.zarr/new.iso
 cp ../s.nrrd . && cp "$shells" rep.scene.json && cp "$shells" one.json
 for tf in sheet.json t_level_1.tf.json shells.tf.json; do cp "${shells%.scene.json}.tf.json" $tf; done
 isoshade export s.nrrd --to vdb -o grids.vdb -q >/dev/null

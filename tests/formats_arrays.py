@@ -108,6 +108,14 @@ def hdf5():
     refused("two.h5:wide", 4, "integers of 64 bits")
     refused("two.h5:frames", 4, "11 x 13 x 7 x 2 samples along 4 axes without names: which are a volume's three is not said")
     refused("two.h5:lzf", 4, "packed by filter 32000 (lzf), which HDF5 has no plugin for")
+    with h5py.File("sparse.h5", "w") as file:  # chunks beside each other unpack to more than the file's size allows
+        data = file.create_dataset("v", shape=(64, 2048, 1024), dtype=np.uint16, chunks=(64, 64, 64), compression="gzip")
+        data[9, 99, 5] = 7
+        file.create_dataset("void", shape=(5000, 5000, 5000), dtype=np.uint8, chunks=(64, 64, 64))
+    got = run("info", "sparse.h5:v", "--spacing", "1", "--json")
+    expect(got.returncode == 0 and json.loads(got.stdout)["max"] == 7, got.stderr)
+    refused("sparse.h5:void", 4, "its chunks have 0 bytes, each of which may stand for 131072 of samples",
+            ["--spacing", "1"])
     values.tofile("plain.raw")
     with open("plain.h5", "wb") as file:
         file.write(b"\x89HDF\r\n\x1a\n" + values.tobytes())
@@ -354,24 +362,37 @@ def ome_zarr():
 
 
 def empty_chunks():
-    """Chunks that are not there are of the fill value: of a large volume not all. And axes without coordinates."""
-    def describe(folder, shape, chunks, axes):
+    """Chunks that are not there are of the fill value: of a huge volume not all. And axes without coordinates."""
+    import numcodecs
+
+    def describe(folder, shape, chunks, axes, codec=None):
         os.makedirs(folder)
         with open(f"{folder}/.zarray", "w", encoding="ascii") as file:
-            json.dump({"zarr_format": 2, "shape": shape, "chunks": chunks, "dtype": "|u1", "compressor": None,
+            json.dump({"zarr_format": 2, "shape": shape, "chunks": chunks, "dtype": "|u1", "compressor": codec,
                        "fill_value": 0, "order": "C", "filters": None}, file)
         with open(f"{folder}/.zattrs", "w", encoding="ascii") as file:
             json.dump({"_ARRAY_DIMENSIONS": axes}, file)
-    for number, (shape, chunks) in enumerate((([2000000000, 1, 1], [1000000, 1, 1]), ([3000] * 3, [1, 3000, 3000]))):
+    for number, (shape, chunks) in enumerate((([2000000000, 1, 1], [1000000, 1, 1]), ([5000] * 3, [1, 5000, 5000]))):
         describe(f"void{number}.zarr", shape, chunks, list("zyx"))
         refused(f"void{number}.zarr", 4, "its chunks have 0 bytes, each of which may stand for 131072 of samples",
                 ["--spacing", "1"])
-    # Of 3000 chunks of 30 kB one is there; and of 512 small ones none.
+    # Of 3000 chunks of 30 kB one is there, or none; and of 512 small ones none.
+    describe("large.zarr", [3000, 300, 100], [1, 300, 100], list("zyx"))
     describe("sparse.zarr", [3000, 300, 100], [1, 300, 100], list("zyx"))
     with open("sparse.zarr/7.0.0", "wb") as file:
         file.write(bytes([5]) * 30000)
     describe("small.zarr", [16] * 3, [2] * 3, list("zyx"))
-    for folder, most in ("sparse.zarr", 5), ("small.zarr", 0):
+    # One chunk, of which zstd makes a 10000th; and one of fewer bytes than any that unpack to so many.
+    one = np.zeros((640, 512, 512), np.uint8)
+    one[3, 4, 5] = 7
+    describe("one.zarr", one.shape, one.shape, list("zyx"), {"id": "zstd"})
+    with open("one.zarr/0.0.0", "wb") as file:
+        file.write(numcodecs.Zstd().encode(one))
+    describe("bomb.zarr", [1290] * 3, [1290] * 3, list("zyx"), {"id": "zstd"})
+    with open("bomb.zarr/0.0.0", "wb") as file:
+        file.write(bytes(1000))
+    refused("bomb.zarr", 4, "does not unpack to 2146689000 bytes", ["--spacing", "1"])
+    for folder, most in ("sparse.zarr", 5), ("large.zarr", 0), ("small.zarr", 0), ("one.zarr", 7):
         got = json.loads(run("info", folder, "--spacing", "1", "--json").stdout)
         expect(got["max"] == most, f"{folder}: largest value {got['max']}")
     os.makedirs("none.zarr")

@@ -72,6 +72,26 @@ static void nor_is_an_input_an_output_later(void **state)
     free(path);
 }
 
+/* Also one that is not there yet, by a link to the folder, and one that was announced before. */
+static void nothing_in_a_folder_that_is_read_is_an_output(void **state)
+{
+    (void)state;
+    char *store = iso_path_join(folder, "store"), *link = iso_path_join(folder, "way");
+    char *deep = iso_path_join(store, "0"), *beside = iso_path_join(folder, "store.iso");
+    assert_int_equal(mkdir(store, 0700) + mkdir(deep, 0700) + symlink(store, link), 0);
+    char *chunk = iso_path_join(deep, "0.0.0"), *early = make_file("store/early"), *other = iso_path_join(link, "new");
+    assert_ok(iso_inputs_note_folder(deep, &err));
+    assert_ok(iso_inputs_announce(early, &err));
+    assert_status(iso_inputs_announce(chunk, &err), ISO_E_USAGE);
+    assert_ok(iso_inputs_check(other, &err));
+    assert_status(iso_inputs_note_folder(store, &err), ISO_E_USAGE);
+    assert_status(iso_inputs_check(other, &err), ISO_E_USAGE);
+    assert_ok(iso_inputs_check(beside, &err));
+    char *const all[] = {store, link, deep, beside, chunk, early, other};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        free(all[i]);
+}
+
 static void what_is_not_there_is_neither(void **state)
 {
     (void)state;
@@ -139,6 +159,7 @@ int main(void)
         cmocka_unit_test(a_program_may_save_what_it_has_loaded),
         cmocka_unit_test(an_output_that_was_announced_is_no_input),
         cmocka_unit_test(nor_is_an_input_an_output_later),
+        cmocka_unit_test(nothing_in_a_folder_that_is_read_is_an_output),
         cmocka_unit_test(what_is_not_there_is_neither),
         cmocka_unit_test(an_output_that_was_written_may_be_read),
         cmocka_unit_test(a_folder_is_not_replaced_where_a_file_of_it_is_read),

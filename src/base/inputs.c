@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
 #include "base/temporary.h"
 
 /* A regular file that was noted or announced; the name under which it was is NULL where it was not. */
@@ -22,15 +23,23 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static bool is_watching;
 static void *files; /* of tsearch() */
 
+/* A folder that was noted. */
+typedef struct folder {
+    struct statx at;
+    char *name;
+    struct folder *next;
+} folder;
+
+static folder *folders;
+
 static int compare(uint64_t a, uint64_t b)
 {
     return (a > b) - (a < b);
 }
 
 /* The time of birth, where the file system keeps it: an inode's number goes to another file when its own is removed. */
-static int by_inode(const void *a, const void *b)
+static int compare_files(const struct statx *x, const struct statx *y)
 {
-    const struct statx *x = &((const known *)a)->at, *y = &((const known *)b)->at;
     int order = compare(x->stx_ino, y->stx_ino);
     if (order == 0)
         order = compare(x->stx_dev_major, y->stx_dev_major);
@@ -39,6 +48,11 @@ static int by_inode(const void *a, const void *b)
     if (order == 0)
         order = compare((uint64_t)x->stx_btime.tv_sec, (uint64_t)y->stx_btime.tv_sec);
     return order ? order : compare(x->stx_btime.tv_nsec, y->stx_btime.tv_nsec);
+}
+
+static int by_inode(const void *a, const void *b)
+{
+    return compare_files(&((const known *)a)->at, &((const known *)b)->at);
 }
 
 static bool look_at(const char *path, known *file)
@@ -70,6 +84,37 @@ static iso_status refuse(const known *file, iso_error *err)
     return iso_fail(err, ISO_E_USAGE, "the output %s is the input %s, which would be lost", file->output, file->input);
 }
 
+static const folder *noted_folder(const char *path)
+{
+    struct statx at;
+    const folder *f = statx(AT_FDCWD, path, 0, STATX_INO | STATX_BTIME, &at) == 0 ? folders : NULL;
+    while (f && compare_files(&at, &f->at) != 0)
+        f = f->next;
+    return f;
+}
+
+/* With the lock held: the noted folder that a path stands in, however deep; NULL: none. */
+static const folder *folder_of(const char *path)
+{
+    char *parent = folders ? iso_path_dir(path) : NULL, *whole = parent ? realpath(parent, NULL) : NULL;
+    const folder *found = whole ? noted_folder(whole) : NULL;
+    for (char *end; whole && !found && (end = strrchr(whole, '/')) > whole;) {
+        *end = 0;
+        found = noted_folder(whole);
+    }
+    free(whole);
+    free(parent);
+    return found;
+}
+
+static iso_status check_folders(const char *output, iso_error *err)
+{
+    const folder *of = folder_of(output);
+    return of ? iso_fail(err, ISO_E_USAGE, "the output %s stands in the input %s, part of which would be lost", output,
+                         of->name)
+              : ISO_OK;
+}
+
 /* is_input: path is one, else an output. */
 static iso_status take(const char *path, bool is_input, iso_error *err)
 {
@@ -98,16 +143,64 @@ iso_status iso_inputs_note(const char *path, iso_error *err)
     return iso_temporary_holds(path) ? ISO_OK : take(path, true, err);
 }
 
+/* What is looked for among the announced outputs. */
+typedef struct announced {
+    iso_status status;
+    iso_error *err;
+} announced;
+
+static void check_announced(const void *node, VISIT visit, void *closure)
+{
+    const known *file = *(known *const *)node;
+    announced *found = closure;
+    if ((visit == postorder || visit == leaf) && file->output && found->status == ISO_OK)
+        found->status = check_folders(file->output, found->err);
+}
+
+static iso_status add_folder(const char *path, const struct statx *at, iso_error *err)
+{
+    folder *own = malloc(sizeof *own);
+    char *name = strdup(path);
+    if (!own || !name) {
+        free(own);
+        free(name);
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    }
+    *own = (folder){.at = *at, .name = name, .next = folders};
+    folders = own;
+    return ISO_OK;
+}
+
+iso_status iso_inputs_note_folder(const char *path, iso_error *err)
+{
+    struct statx at;
+    if (!is_watching || iso_temporary_holds(path) || statx(AT_FDCWD, path, 0, STATX_INO | STATX_BTIME, &at) != 0)
+        return ISO_OK;
+    announced found = {.err = err};
+    pthread_mutex_lock(&lock);
+    if (!noted_folder(path))
+        found.status = add_folder(path, &at, err);
+    twalk_r(files, check_announced, &found);
+    pthread_mutex_unlock(&lock);
+    return found.status;
+}
+
 iso_status iso_inputs_announce(const char *output, iso_error *err)
 {
-    return take(output, false, err);
+    pthread_mutex_lock(&lock);
+    const iso_status status = check_folders(output, err);
+    pthread_mutex_unlock(&lock);
+    return status == ISO_OK ? take(output, false, err) : status;
 }
 
 iso_status iso_inputs_check(const char *output, iso_error *err)
 {
     known file;
-    if (!look_at(output, &file))
-        return ISO_OK;
+    pthread_mutex_lock(&lock);
+    const iso_status status = check_folders(output, err);
+    pthread_mutex_unlock(&lock);
+    if (status != ISO_OK || !look_at(output, &file))
+        return status;
     pthread_mutex_lock(&lock);
     void *found = tfind(&file, &files, by_inode);
     file.input = found ? (*(known **)found)->input : NULL;

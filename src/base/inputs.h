@@ -4,8 +4,9 @@
  * Files are known by device and inode, whatever the name or link that leads to them. What reads a file that a person
  * named, or a file that such a file names, notes it; a command announces the outputs that it knows beforehand, also
  * those that get a name of their own beside -o. A file that is both is refused at once, whichever came first; what was
- * not announced is refused where it begins (iso_output_begin()), and a folder by each file in it. Threads may note at
- * once.
+ * not announced is refused where it begins (iso_output_begin()), and a folder by each file in it. Of a folder that is
+ * read as one thing, such as a Zarr store, whose chunks may be millions, all that stands in it is an input, and so is
+ * what would: a new file in it could be taken for a chunk. Threads may note at once.
  *
  * Nothing is kept before iso_inputs_watch(): a program that uses the library may save what it has loaded. Temporaries
  * of this process are no inputs. */
@@ -21,7 +22,10 @@ void iso_inputs_watch(void);
  * for its reader to refuse. */
 iso_status iso_inputs_note(const char *path, iso_error *err);
 
-/* An output that will be written. ISO_E_USAGE: it is an input; what is not there yet is none. */
+/* A folder that is about to be read as one thing. ISO_E_USAGE: an output that was announced stands in it. */
+iso_status iso_inputs_note_folder(const char *path, iso_error *err);
+
+/* An output that will be written. ISO_E_USAGE: it is an input; what is not there yet is none, but in such a folder. */
 iso_status iso_inputs_announce(const char *output, iso_error *err);
 
 /* The same for one that is written now. */

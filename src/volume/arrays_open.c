@@ -5,13 +5,15 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/inputs.h"
 #include "volume/child.h"
 
 static iso_status open_arrays(iso_volume_source *source, iso_error *err)
 {
     static const iso_child_program arrays = {"isoshade-arrays", "HDF5 or netCDF",
                                              "libhdf5-dev, libnetcdf-dev, libblosc-dev and libzstd-dev"};
-    return iso_child_open(source, &arrays, source->part, err);
+    const iso_status status = iso_path_is_dir(source->path) ? iso_inputs_note_folder(source->path, err) : ISO_OK;
+    return status == ISO_OK ? iso_child_open(source, &arrays, source->part, err) : status;
 }
 
 static bool starts_like_hdf5(const unsigned char *head, size_t size)

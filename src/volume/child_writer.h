@@ -130,22 +130,37 @@ inline double bytes_of_input(const std::string &path, double most)
     return bytes;
 }
 
-/* What a file of its size may ask for: deflate packs at most 1032 bytes into one, and libraries hold what they unpack up to
- * three times, and have a stack for each core. At most what the machine has. */
-inline rlim_t memory_for(const std::string &path)
+/* What a library has for itself, with a stack for each core. */
+inline double base_memory()
 {
-    const double base = 192e6 + 16e6 * static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), a_byte = 3100,
-                 machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    return static_cast<rlim_t>(std::min(machine, base + a_byte * bytes_of_input(path, machine / a_byte)));
+    return 192e6 + 16e6 * static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN));
 }
 
+/* What a file of its size may ask for: deflate packs at most 1032 bytes into one, and libraries hold what they unpack up to
+ * three times. At most what the machine has. */
+inline rlim_t memory_for(const std::string &path)
+{
+    const double a_byte = 3100,
+                 machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    return static_cast<rlim_t>(std::min(machine, base_memory() + a_byte * bytes_of_input(path, machine / a_byte)));
+}
+
+inline rlim_t memory_limit; /* 0: none was set */
+
 /* Of memory that can be written to: threads reserve more addresses than they use. */
-inline void limit_memory(const std::string &path)
+inline void limit_memory(rlim_t bytes)
 {
     rlimit limit{};
     getrlimit(RLIMIT_DATA, &limit);
-    limit.rlim_cur = std::min(limit.rlim_max, memory_for(path));
+    limit.rlim_cur = memory_limit = std::min(limit.rlim_max, bytes);
     setrlimit(RLIMIT_DATA, &limit);
+}
+
+/* So many bytes beside that limit, for what a reader knows a bound of that does not go by the file's size. */
+inline void allow_memory(size_t bytes)
+{
+    if (memory_limit > 0)
+        limit_memory(memory_limit + bytes);
 }
 
 /* ---- a limit of time, for libraries that a damaged file keeps busy ----
@@ -252,7 +267,7 @@ inline int run_child(const ChildProgram &program, int argc, char **argv)
     FILE *out = fdopen(dup(STDOUT_FILENO), "wb");
     if (argc != 5 || !out || !freopen("/dev/null", "w", stdout))
         return ISO_E_USAGE;
-    limit_memory(argv[1]);
+    limit_memory(memory_for(argv[1]));
     late_output = fileno(out);
     return write_volume(program, argv[1], {argv[2], std::stoul(argv[3]), std::stoul(argv[4])}, out);
 }

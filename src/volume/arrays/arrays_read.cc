@@ -11,6 +11,10 @@ namespace {
 
 constexpr size_t SLAB_BYTES = 256 << 20;
 
+/* A header of some bytes may promise samples of the fill value that are given for hours. Up to so many bytes, a volume of
+ * 2048^3 floats, there are minutes of them, which a sparse volume may have; a plane costs as much as this one. */
+constexpr double MOST_WITHOUT_CHUNKS = 2048. * 2048 * 2048 * 4, LEAST_OF_A_PLANE = 4096;
+
 std::unique_ptr<Store> open_store(const std::string &path)
 {
     char head[4] = "";
@@ -124,7 +128,6 @@ public:
         shown_ = array_.name.empty() ? path : path + ":" + array_.name;
         if (!array_.refused.empty())
             fail(ISO_E_FORMAT, shown_ + ": " + array_.refused);
-        store_->check_bytes(array_);
         axes_ = axes_of(array_, shown_);
         for (int a = 0; a < 3; ++a)
             header.size[a] = array_.size[axes_.space[a]];
@@ -132,6 +135,8 @@ public:
         if (std::count(header.size, header.size + 3, 0))
             fail(ISO_E_FORMAT, shown_ + ": has no samples: " + sizes_of(array_));
         header.type = array_.type;
+        check_stored_bytes();
+        allow_slab();
         place(*store_, array_, axes_.space, shown_, header);
         if (header.frames > 1)
             take_frame_step(*store_, array_, axes_.frame < 0 ? 0 : static_cast<size_t>(axes_.frame), header);
@@ -175,6 +180,33 @@ private:
             snprintf(header.channel_name[c], sizeof header.channel_name[c], "%s", names[c].c_str());
         if (wanted_.frame >= header.frames || wanted_.channel >= header.channels)
             fail(ISO_E_RANGE, shown_ + ": has no such frame or channel");
+    }
+
+    double plane_bytes() const
+    {
+        return static_cast<double>(header.size[0]) * static_cast<double>(header.size[1]) *
+               static_cast<double>(bytes_of(array_.type));
+    }
+
+    void check_stored_bytes()
+    {
+        const double planes = static_cast<double>(header.size[2]), need = planes * plane_bytes();
+        if (planes * std::max(plane_bytes(), LEAST_OF_A_PLANE) <= MOST_WITHOUT_CHUNKS)
+            return;
+        const double enough = need / MOST_OF_A_BYTE, there = store_->stored_bytes(array_, enough);
+        if (there < enough)
+            fail(ISO_E_FORMAT, shown_ + ": its chunks have " + std::to_string(static_cast<size_t>(there)) +
+                                   " bytes, each of which may stand for " +
+                                   std::to_string(static_cast<size_t>(MOST_OF_A_BYTE)) + " of samples: too few for " +
+                                   sizes_of(array_));
+    }
+
+    /* What is held of a sparse volume, or of zeros well packed, does not go by the bytes that are there: a slab, a
+     * plane as it is given, and a chunk. A plane of more than a slab has to be in the file's bytes, as all else has. */
+    void allow_slab()
+    {
+        const double plane = std::min(plane_bytes(), static_cast<double>(SLAB_BYTES));
+        allow_memory(SLAB_BYTES + static_cast<size_t>(plane) + store_->chunk_memory(array_));
     }
 
     void load_slab(size_t plane)

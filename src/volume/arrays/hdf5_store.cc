@@ -163,6 +163,12 @@ public:
         return result;
     }
 
+    double stored_bytes(const Array &array, double) override
+    {
+        const Handle set(H5Dopen2(file_, array.name.c_str(), H5P_DEFAULT), H5Dclose);
+        return set >= 0 ? static_cast<double>(H5Dget_storage_size(set)) : 0;
+    }
+
     /* ---- Imaris: an array for each level, time point and channel; the image as a box ---- */
 
     std::string main_array(size_t frame, size_t channel) override

@@ -18,6 +18,11 @@ struct Array {
     std::vector<size_t> chunk;     /* samples that are packed together; empty: none are */
 };
 
+/* For how many bytes of samples one of a file may stand where zeros are packed by zstd or blosc, or were never
+ * written. zstd has 2^15 at most, blosc somewhat more; where a thousandth of the chunks is there, each packed to a
+ * 130th, it is so many. */
+constexpr double MOST_OF_A_BYTE = 1 << 17;
+
 class Store {
 public:
     virtual ~Store() = default;
@@ -44,8 +49,18 @@ public:
     {
         return false;
     }
-    /* Fails where the array's samples cannot be in the bytes that are there. */
-    virtual void check_bytes(const Array &) {}
+    /* The packed bytes that an array has, counted up to `enough`. Chunks that were never written have none: they are of
+     * the fill value. Formats without such chunks have enough. */
+    virtual double stored_bytes(const Array &, double enough)
+    {
+        return enough;
+    }
+    /* Memory for one chunk as it is unpacked, where a byte of the file may stand for more of it than deflate packs
+     * into one; 0: for no more. */
+    virtual size_t chunk_memory(const Array &)
+    {
+        return 0;
+    }
     /* Names of channels; empty where the format has none. */
     virtual std::vector<std::string> channel_names(const Array &)
     {

@@ -155,22 +155,23 @@ public:
         });
     }
 
-    void check_bytes(const Array &array) override
+    double stored_bytes(const Array &array, double enough) override
     {
-        double need = static_cast<double>(bytes_of(array.type)), there = 0;
-        for (const size_t n : array.size)
-            need *= static_cast<double>(n);
-        if (need <= MOST_WITHOUT_CHUNKS)
-            return;
+        double there = 0;
         for (const auto &entry : fs::recursive_directory_iterator(path_of(array.name))) {
             if (entry.is_regular_file() && entry.path().filename().string()[0] != '.')
                 there += static_cast<double>(entry.file_size());
-            if (need <= there * MOST_OF_A_BYTE) /* mostly of the first one */
-                return;
+            if (there >= enough) /* mostly by the first one */
+                break;
         }
-        fail(ISO_E_FORMAT, shown(array.name) + ": its chunks have " + std::to_string(static_cast<size_t>(there)) +
-                               " bytes, each of which may stand for " + std::to_string(MOST_OF_A_BYTE) +
-                               " of samples: too few for what \"shape\" says");
+        return there;
+    }
+
+    /* zstd and blosc pack zeros better than deflate. Fewer bytes than that are refused before a chunk has memory. */
+    size_t chunk_memory(const Array &array) override
+    {
+        const double chunk = chunk_bytes(layout(array.name));
+        return stored_bytes(array, chunk / MOST_OF_A_BYTE) < chunk / MOST_OF_A_BYTE ? 0 : static_cast<size_t>(chunk);
     }
 
     std::string main_array(size_t, size_t) override
@@ -363,18 +364,15 @@ private:
 
     static bool take_sizes(const json_t *meta, Layout &l, std::string &refused)
     {
-        double bytes = static_cast<double>(l.bytes);
         for (const double n : numbers_of(json_object_get(meta, "shape")))
             l.size.push_back(n >= 0 && n < 9e15 ? static_cast<size_t>(n) : 0);
-        for (const double n : numbers_of(json_object_get(meta, "chunks"))) {
+        for (const double n : numbers_of(json_object_get(meta, "chunks")))
             l.chunk.push_back(n >= 0 && n < 9e15 ? static_cast<size_t>(n) : 0);
-            bytes *= n;
-        }
         if (l.size.size() != l.chunk.size() || std::count(l.chunk.begin(), l.chunk.end(), 0))
             refused = "\"shape\" and \"chunks\" of .zarray do not fit";
         else if (chunks_of(l) > MOST_CHUNKS)
             refused = "more than " + std::to_string(MOST_CHUNKS) + " chunks";
-        else if (bytes > 2147483647.)
+        else if (chunk_bytes(l) > 2147483647.)
             refused = "chunks of more than 2 GB";
         return refused.empty();
     }
@@ -458,10 +456,13 @@ private:
      * samples in chunks of 32^3 are so many. */
     static constexpr size_t MOST_CHUNKS = 1 << 21;
 
-    /* A chunk that is not there is of the fill value: .zarray alone may promise samples that are read for hours. Of a
-     * volume of more bytes than the first number some chunks have to be there. Where a thousandth of them is, each
-     * packed to a 130th, a byte stands for as many as the second says. */
-    static constexpr size_t MOST_WITHOUT_CHUNKS = 1 << 26, MOST_OF_A_BYTE = 1 << 17;
+    static double chunk_bytes(const Layout &l)
+    {
+        double bytes = static_cast<double>(l.bytes);
+        for (const size_t n : l.chunk)
+            bytes *= static_cast<double>(n);
+        return bytes;
+    }
 
     static double chunks_of(const Layout &l)
     {
@@ -471,17 +472,26 @@ private:
         return count;
     }
 
-    /* A chunk's samples as they are stored; false where the chunk was never written. */
-    bool load_chunk(const Array &array, const Layout &l, const std::vector<size_t> &at, std::vector<char> &out) const
+    [[noreturn]] static void fail_to_unpack(const std::string &path, double bytes)
+    {
+        fail(ISO_E_FORMAT, path + ": truncated or damaged: a chunk that does not unpack to " +
+                               std::to_string(static_cast<size_t>(bytes)) + " bytes");
+    }
+
+    /* A chunk's samples as they are stored; none where the chunk was never written. */
+    std::vector<char> load_chunk(const Array &array, const Layout &l, const std::vector<size_t> &at) const
     {
         std::string name;
         for (const size_t i : at)
             name += (name.empty() ? "" : l.separator) + std::to_string(i);
         const std::string path = path_of(array.name) + "/" + (name.empty() ? "0" : name);
         if (!has_file(path))
-            return false;
+            return {};
         std::ifstream file(path, std::ios::binary);
         const std::string packed((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+        if (chunk_bytes(l) > MOST_OF_A_BYTE * static_cast<double>(packed.size()))
+            fail_to_unpack(path, chunk_bytes(l));
+        std::vector<char> out(static_cast<size_t>(chunk_bytes(l)));
         size_t size = 0, told = 0;
         if (l.codec.empty() && packed.size() == out.size()) {
             memcpy(out.data(), packed.data(), size = packed.size());
@@ -496,9 +506,8 @@ private:
             size = code > 0 ? static_cast<size_t>(code) : 0;
         }
         if (size != out.size())
-            fail(ISO_E_FORMAT, path + ": truncated or damaged: a chunk that does not unpack to " +
-                                   std::to_string(out.size()) + " bytes");
-        return true;
+            fail_to_unpack(path, chunk_bytes(l));
+        return out;
     }
 
     static double value_at(const char *from, iso_type type)
@@ -565,27 +574,27 @@ private:
             first[a] = std::max(at[a] * l.chunk[a], start[a]);
             last[a] = std::min((at[a] + 1) * l.chunk[a], start[a] + count[a]) - 1;
         }
-        std::vector<char> stored(samples * l.bytes);
-        const bool there = load_chunk(array, l, at, stored);
+        const std::vector<char> stored = load_chunk(array, l, at);
+        const bool there = !stored.empty();
         char fill[8];
         store(l.fill, array.type, fill);
         const bool plain = there && !l.swapped && l.kind != "f2" && stride[rank - 1] == 1;
         std::vector<size_t> row_last = last;
         row_last[rank - 1] = first[rank - 1];
         const size_t n = last[rank - 1] - first[rank - 1] + 1;
+        std::vector<char> filled;
+        for (size_t i = 0; i < n && !there; ++i)
+            filled.insert(filled.end(), fill, fill + bytes);
         for_each(first, row_last, [&](const std::vector<size_t> &row) {
             size_t from = 0, into = 0;
             for (size_t a = 0; a < rank; ++a) {
                 from += (row[a] - at[a] * l.chunk[a]) * stride[a];
                 into += (row[a] - start[a]) * to[a];
             }
-            if (plain)
-                memcpy(out + into * bytes, stored.data() + from * bytes, n * bytes);
-            for (size_t i = 0; i < n && !plain; ++i)
-                if (there)
-                    convert(l, stored.data() + (from + i * stride[rank - 1]) * l.bytes, out + (into + i) * bytes);
-                else
-                    memcpy(out + (into + i) * bytes, fill, bytes);
+            if (plain || !there)
+                memcpy(out + into * bytes, there ? stored.data() + from * bytes : filled.data(), n * bytes);
+            for (size_t i = 0; i < n && there && !plain; ++i)
+                convert(l, stored.data() + (from + i * stride[rank - 1]) * l.bytes, out + (into + i) * bytes);
         });
     }
 };

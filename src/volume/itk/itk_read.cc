@@ -98,8 +98,18 @@ void check_none_is_damaged(const std::string &folder, const std::vector<Series> 
     }
 }
 
+double most_to_parse(const std::string &folder)
+{
+    double most = 0;
+    for (const auto &entry : std::filesystem::directory_iterator(folder))
+        if (entry.is_regular_file())
+            most = std::max(most, bytes_to_parse(entry.path().string()));
+    return most;
+}
+
 std::vector<Series> series_in(const std::string &folder)
 {
+    const ParseMemory memory(most_to_parse(folder));
     const auto names = itk::GDCMSeriesFileNames::New();
     names->SetUseSeriesDetails(true);
     names->SetDirectory(folder);

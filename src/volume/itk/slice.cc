@@ -49,6 +49,36 @@ iso_type type_of(const itk::ImageIOBase &io, const std::string &path)
 
 } // namespace
 
+/* Beside what is in use: libraries hold what they parse up to four times, and have a stack for each core. */
+ParseMemory::ParseMemory(double file_bytes)
+{
+    double used = 0;
+    std::ifstream file("/proc/self/statm");
+    for (int i = 0; i < 6; ++i) /* the sixth is what RLIMIT_DATA counts, in pages */
+        file >> used;
+    getrlimit(RLIMIT_DATA, &before_);
+    const double most = used * static_cast<double>(sysconf(_SC_PAGESIZE)) + base_memory() + 4 * file_bytes;
+    rlimit less = before_;
+    if (file && most < static_cast<double>(before_.rlim_cur))
+        less.rlim_cur = static_cast<rlim_t>(most);
+    setrlimit(RLIMIT_DATA, &less);
+}
+
+ParseMemory::~ParseMemory()
+{
+    setrlimit(RLIMIT_DATA, &before_);
+}
+
+double bytes_to_parse(const std::string &path)
+{
+    const char deflated[] = "1.2.840.10008.1.2.1.99";
+    std::string head(1024, 0);
+    std::ifstream(path, std::ios::binary).read(&head[0], static_cast<std::streamsize>(head.size()));
+    std::error_code failed;
+    const double bytes = static_cast<double>(std::filesystem::file_size(path, failed));
+    return failed ? 0 : bytes * (head.find(deflated) == std::string::npos ? 1 : 1032);
+}
+
 /* ITK's text has lines of where it was thrown, and its own words before the cause. */
 std::string cause_of(const std::exception &e)
 {
@@ -62,6 +92,7 @@ std::string cause_of(const std::exception &e)
 
 Slice open_slice(const std::string &path)
 {
+    const ParseMemory memory(bytes_to_parse(path));
     Slice s;
     s.path = path;
     s.io = reader_of(path);
@@ -144,6 +175,8 @@ void read_samples(const Slice &s, char *out, size_t bytes)
                                " bytes of samples, not " + std::to_string(bytes));
     check_samples_are_there(s);
     check_jpeg_end(s);
+    /* Decoders hold what they give several times. */
+    const ParseMemory memory(bytes_to_parse(s.path) + 4 * static_cast<double>(bytes));
     try {
         s.io->Read(out);
     } catch (const itk::ExceptionObject &e) { /* of a folder, the file is to be named */

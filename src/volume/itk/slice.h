@@ -5,6 +5,8 @@
 
 #include <itkImageIOBase.h>
 
+#include <sys/resource.h>
+
 #include <array>
 #include <string>
 
@@ -28,6 +30,23 @@ Slice open_slice(const std::string &path);
 bool is_patient(const Slice &s);
 /* All samples of the file; `bytes` is what the header says they take. */
 void read_samples(const Slice &s, char *out, size_t bytes);
+
+/* While it lives, the memory for what GDCM parses of files of at most so many bytes. Data of implicit VR under a header
+ * that says explicit have lengths of gigabytes, which GDCM would allocate and clear, each time that a file is read,
+ * before it reads the data as they are: this it does as soon as it gets no memory. */
+class ParseMemory {
+public:
+    explicit ParseMemory(double file_bytes);
+    ParseMemory(const ParseMemory &) = delete;
+    ParseMemory &operator=(const ParseMemory &) = delete;
+    ~ParseMemory();
+
+private:
+    rlimit before_{};
+};
+
+/* The bytes of a file that GDCM parses; of a deflated one those that it may unpack to. */
+double bytes_to_parse(const std::string &path);
 
 /* What an exception says. */
 std::string cause_of(const std::exception &e);
