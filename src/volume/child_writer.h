@@ -130,19 +130,16 @@ inline double bytes_of_input(const std::string &path, double most)
     return bytes;
 }
 
-/* What a library has for itself, with a stack for each core. */
-inline double base_memory()
-{
-    return 192e6 + 16e6 * static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN));
-}
+/* What a library has for itself, without the stacks of its threads. */
+constexpr double own_memory = 192e6;
 
 /* What a file of its size may ask for: deflate packs at most 1032 bytes into one, and libraries hold what they unpack up to
- * three times. At most what the machine has. */
+ * three times, and have a stack for each core. At most what the machine has. */
 inline rlim_t memory_for(const std::string &path)
 {
-    const double a_byte = 3100,
+    const double base = own_memory + 16e6 * static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), a_byte = 3100,
                  machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    return static_cast<rlim_t>(std::min(machine, base_memory() + a_byte * bytes_of_input(path, machine / a_byte)));
+    return static_cast<rlim_t>(std::min(machine, base + a_byte * bytes_of_input(path, machine / a_byte)));
 }
 
 inline rlim_t memory_limit; /* 0: none was set */

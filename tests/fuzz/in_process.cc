@@ -86,7 +86,7 @@ void limit_milliseconds(long ms)
         timer_settime(timer, 0, &limit, nullptr);
 }
 
-/* A reader has 192 MB and more beside 3100 bytes a byte of its file (limit_memory). What is cleared for damaged lengths, up to
+/* A reader has 192 MB and more beside 3100 bytes a byte of its file (memory_for). What is cleared for damaged lengths, up to
  * that, was nine tenths of the time; so here it has less, of which the small files of tests/fuzz/seeds need a part. */
 void limit_further(const char *path)
 {
@@ -130,7 +130,7 @@ extern "C" iso_status iso_child_start(iso_child_process *process, const char *co
     if (!strstr(words[0], FUZZ_PROGRAM))
         return iso_fail(err, ISO_E_MISSING, "%s is asked for, and this is " FUZZ_PROGRAM, words[0]);
     if (!is_sanitized) {
-        limit_memory(words[1]);
+        limit_memory(memory_for(words[1]));
         limit_further(words[1]);
     }
     limit_milliseconds(is_sanitized ? 900 : 100);

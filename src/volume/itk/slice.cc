@@ -49,7 +49,8 @@ iso_type type_of(const itk::ImageIOBase &io, const std::string &path)
 
 } // namespace
 
-/* Beside what is in use: libraries hold what they parse up to four times, and have a stack for each core. */
+/* Beside what is in use: libraries hold what they parse up to four times. No thread begins in that time, whose stack would
+ * take memory for each core. */
 ParseMemory::ParseMemory(double file_bytes)
 {
     double used = 0;
@@ -57,7 +58,7 @@ ParseMemory::ParseMemory(double file_bytes)
     for (int i = 0; i < 6; ++i) /* the sixth is what RLIMIT_DATA counts, in pages */
         file >> used;
     getrlimit(RLIMIT_DATA, &before_);
-    const double most = used * static_cast<double>(sysconf(_SC_PAGESIZE)) + base_memory() + 4 * file_bytes;
+    const double most = used * static_cast<double>(sysconf(_SC_PAGESIZE)) + own_memory + 4 * file_bytes;
     rlimit less = before_;
     if (file && most < static_cast<double>(before_.rlim_cur))
         less.rlim_cur = static_cast<rlim_t>(most);
