@@ -27,7 +27,7 @@
  *            volume may be freed once its pyramid is built. Arrays of the caller are read or filled, and not kept.
  * Threads    Handles that no function is changing may be read by several threads at once. Work is spread over all
  *            processor cores, or over as many as an option says; results do not depend on how many.
- * Units      Positions and lengths are millimetres, extinction is 1/mm, gradients are value per mm. Colors are linear
+ * Units      Positions and lengths are millimeters, extinction is 1/mm, gradients are value per mm. Colors are linear
  *            light, 0 to 1. Arrays of voxels stand x fastest, then y, then z; directions point along the world's
  *            axes.
  * Options    A struct of options comes from its function of defaults; change what is to differ. NULL stands for the
@@ -225,7 +225,7 @@ typedef struct iso_tf_point {
  * and `isoshade tf convert` has to be told what. */
 iso_status iso_tf_open(const char *path, iso_tf **tf, iso_error *err);
 /* At least two points of rising values; between them color and opacity are linear. opacity is that of unit_mm
- * millimetres: extinction = -ln(1 - opacity) / unit_mm. ISO_E_RANGE, with the number of the point; ISO_E_MEMORY. */
+ * millimeters: extinction = -ln(1 - opacity) / unit_mm. ISO_E_RANGE, with the number of the point; ISO_E_MEMORY. */
 iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double unit_mm, iso_tf **tf, iso_error *err);
 /* The TF for a level, made so that the level looks as the volume does with tf. Where that would not be closer, and at
  * level 0, a copy. ISO_E_RANGE: a level that is not there; ISO_E_MEMORY. */

@@ -161,7 +161,7 @@ tell("its_stops_keep_their_values", off <= 1e-6 * (hi - lo), ramp.points())
 
 
 def strip(ramp, table):
-    """The ramp's group on a plane whose pixels are the entries of the table: colour and extinction as Cycles has them."""
+    """The ramp's group on a plane whose pixels are the entries of the table: color and extinction as Cycles has them."""
     about = bpy.data.scenes.new("strip")
     about.render.engine, about.render.resolution_x, about.render.resolution_y = 'CYCLES', table.count, 4
     about.cycles.samples, about.cycles.pixel_filter_type, about.cycles.filter_width, about.cycles.max_bounces = 1, 'BLACKMAN_HARRIS', 0.01, 0

@@ -115,7 +115,7 @@ unset ISOSHADE_POVRAY ISOSHADE_BLENDER
 
 sed 's/#0072b2/#123456/; s/Helvetica Neue/Some Font/' "$dir/c/style.gp" >"$dir/mine.gp"
 expect a_style_can_be_given 0 chart --levels 1 --steps 1 --style "$dir/mine.gp" --json -o "$dir/c"
-check the_colour_of_the_style_is_used grep -q 'rgb( 18,  52,  86)' "$dir/c/pareto.svg"
+check the_color_of_the_style_is_used grep -q 'rgb( 18,  52,  86)' "$dir/c/pareto.svg"
 check the_font_of_the_style_is_used grep -q 'Some Font' "$dir/c/pareto.svg"
 check the_chart_follows_its_style_by_gnuplot_alone bash -c "cd '$dir/c' && sed -i 's/#123456/#654321/' style.gp && ! LC_ALL=C.UTF-8 gnuplot pareto.gp 2>&1 | grep . && grep -q 'rgb(101,  67,  33)' pareto.svg"
 has_keys json_has "$dir/out" schema command options machine versions cases skipped_count untried milliseconds milliseconds_median setup_milliseconds device_bytes rmse on_time_front on_bytes_front

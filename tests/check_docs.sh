@@ -85,6 +85,16 @@ nothing() { # name, what was found
     [ -z "$2" ] || head -n 20 <<<"$2"
 }
 nothing lines_wrap_at_120_columns "$(long_lines "$top")"
+# Texts are in American spelling; units are read in both (src/volume/unit.c).
+british() {
+    local verbs='normal|quant|vector|summar|recogn|minim|maxim|initial|discret'
+    grep -rnoiE --include='*.md' --include='*.[ch]' --include='*.cc' --include='*.py' --include='*.html' --include='*.js' \
+        "\\w*(colour|neighbour|behaviour|licence|[a-z]metre|centre)\\w*|\\bgreys?\\b|\\w*($verbs)is(e|es|ed|ing|ation)\\b" "$@" |
+        grep -v 'src/volume/unit\.c'
+}
+mkdir -p spelled && echo 'The color of each centre.' >spelled/a.md && echo 'Normalized colors, and their center.' >spelled/b.md
+check a_british_spelling_would_be_seen test "$(british spelled | wc -l)" = 1
+nothing spelling_is_american "$(british "$top/README.md" "$top/CONTRIBUTING.md" "$top/doc" "$top/src" "$top/exporters")"
 nothing links_and_pictures_are_there "$(broken_links "$top")"
 nothing parts_that_links_name_are_headings "$(python3 "$top/tests/anchors.py" "$top")"
 nothing no_file_of_doc_is_left_unlinked "$(unlinked "$top")"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# The renderer that doc/extending.md shows is the one that the tests compile and validate, to the letter but for its licence.
+# The renderer that doc/extending.md shows is the one that the tests compile and validate, to the letter but for its license.
 . "$(dirname "$0")/lib.sh"
 
 example() { # document: the block of C of its section "A renderer"

@@ -39,7 +39,7 @@ report methods 4 moments "gl,gl; limit,gl; naive; adapted TF,gl; eq1" && sed -i 
 report one 1 "" gl
 
 # What a word processor's checks would look at.
-millimetres() { pdfinfo "$1" | awk '/Page size/ {printf "%.0f %.0f", $3 / 72 * 25.4, $5 / 72 * 25.4}'; }
+millimeters() { pdfinfo "$1" | awk '/Page size/ {printf "%.0f %.0f", $3 / 72 * 25.4, $5 / 72 * 25.4}'; }
 fonts_are_inside() { pdffonts "$1" | awk 'NR > 2 {++n; if ($(NF - 4) != "yes") bad = 1} END {exit !(n > 0 && !bad)}'; }
 # gnuplot 6 draws the color legend as an image one pixel wide, a pixel a shade: that is no picture.
 dense_enough() {
@@ -90,7 +90,7 @@ for kind in levels renderers; do
         methods=()
         [ $kind = levels ] && methods=(--methods "$(sed -n 's/.*"method": "\([^"]*\)".*/\1/p' $from/report.json | uniq | paste -sd,)")
         expect "$name" 0 "$ISOSHADE" figure $from --formats $([ $name = four_levels_178 ] && echo svg || echo pdf) --sources --kind $kind --width $width "${methods[@]}" -o $name
-        read -r wide high <<<"$(millimetres $name/figure.pdf)"
+        read -r wide high <<<"$(millimeters $name/figure.pdf)"
         check ${name}_fits test "$wide" -le $width -a "$high" -le 230
         check ${name}_has_its_fonts fonts_are_inside $name/figure.pdf
         check ${name}_has_300_dpi dense_enough $name/figure.pdf

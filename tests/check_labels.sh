@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Label maps through the commands: recognised, by majority, drawn alike, refused where they would be interpolated.
+# Label maps through the commands: recognized, by majority, drawn alike, refused where they would be interpolated.
 . "$(dirname "$0")/lib.sh"
 scene=$top/refscenes/marschner-lobb.scene.json
 python3 - <<'PY'
@@ -19,7 +19,7 @@ write("mask.seg.nrrd", lambda x, y, z: cell(x, y, z) > 0, "Segment0_ID:=liver\n"
 write("field.nrrd", lambda x, y, z: min(255, (x - 10) ** 2 + (y - 9) ** 2 + (z - 8) ** 2))
 PY
 says() { "$ISOSHADE" info "${@:2}" | grep -q "$1"; }
-check labels_are_recognised says 'label map, 6 labels' labels.nrrd
+check labels_are_recognized says 'label map, 6 labels' labels.nrrd
 check intensities_are_not test -z "$("$ISOSHADE" info field.nrrd | grep 'label map')"
 check nor_two_values test -z "$("$ISOSHADE" info mask.nrrd | grep 'label map')"
 check but_a_segmentation_is_by_its_header says 'label map, 2 labels' mask.seg.nrrd

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Each file of source says its licence in its first lines: MIT, or GPL-3.0-or-later where it is a script for Blender, whose
+# Each file of source says its license in its first lines: MIT, or GPL-3.0-or-later where it is a script for Blender, whose
 # Python interface (bpy) asks for that. Volumes under tests/formats are what another program wrote, byte
 # for byte, and tests/fuzz/seeds are damaged files.
 . "$(dirname "$0")/lib.sh"
 
 sources() { find "$1"/src "$1"/exporters "$1"/tests "$1"/refscenes "$1"/Makefile "$1"/.ci -type f ! -name '*.json' ! -path '*/exporters/blender/COPYING' ! -path '*/__pycache__/*' ! -path '*/node_modules/*' ! -path '*/tests/formats/phantom.*' ! -path '*/tests/fuzz/seeds/*'; }
 
-wrong() { # folder: a line for each file whose licence is not what it should be
+wrong() { # folder: a line for each file whose license is not what it should be
     sources "$1" | tr '\n' '\0' | xargs -0 grep -HnE 'SPDX-License-Identifier: |^(import|from) bpy' /dev/null |
         awk -F: -v folder="$1/" '
             $3 ~ /^(import|from) bpy/ && $1 ~ /\.py$/ { wanted[$1] = "GPL-3.0-or-later"; next }
@@ -21,12 +21,12 @@ wrong() { # folder: a line for each file whose licence is not what it should be
 }
 
 found=$(wrong "$top")
-check each_file_says_its_licence test -z "$found"
+check each_file_says_its_license test -z "$found"
 [ -z "$found" ] || head -n 20 <<<"$found"
-check the_licence_itself_is_there grep -q '^MIT License' "$top/LICENSE"
+check the_license_itself_is_there grep -q '^MIT License' "$top/LICENSE"
 check and_the_text_of_the_gpl_beside_its_scripts grep -q 'GNU GENERAL PUBLIC LICENSE' "$top/exporters/blender/COPYING"
 
-# Planted faults: a file without a line, and a script for Blender under the other licence.
+# Planted faults: a file without a line, and a script for Blender under the other license.
 mkdir -p planted/src planted/exporters planted/tests planted/refscenes planted/.ci && cd planted || exit 1
 printf '# SPDX-License-Identifier: MIT\n' >Makefile
 printf 'int x;\n' >src/x.c

@@ -51,7 +51,7 @@ check and_named grep -q '^two.csv: ' out
 refuse but_not_both 2 'wanted: isoshade tf convert FILE|PRESET OUT' "$ISOSHADE" tf convert "$tf" two.csv -o three.csv
 check convert_tf "$ISOSHADE" tf convert "$tf" --volume shells.nrrd -o plain.tf.json
 
-# A .blend of three levels: a row of the colour map a level, each the adapted table of its own level.
+# A .blend of three levels: a row of the color map a level, each the adapted table of its own level.
 "$ISOSHADE" tf convert shells_level_2.tf.json -o level_2.csv -q
 if "$ISOSHADE" export shells.iso --to blender --scene own.scene.json --levels 3 --adapt --always -o all.blend -q >/dev/null 2>err; then
     blender -b --factory-startup all.blend --python-expr 'import bpy

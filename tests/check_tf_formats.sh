@@ -105,7 +105,7 @@ refuse unknown_column 4 '"gloss", must be one of: value, r, g, b, opacity' conve
 sed 's/"points"/"size_of_table": 3, "points"/' "$shells" >key.tf.json
 refuse unknown_key_lists_the_keys 4 'unknown key "size_of_table" in the transfer function, must be one of: schema, comment, range' convert key.tf.json -o z.tf.json
 
-# ---- truncated and mislabelled files: one line, exit code 4 (or 5 for a value outside its limits) ---------------------------
+# ---- truncated and mislabeled files: one line, exit code 4 (or 5 for a value outside its limits) ---------------------------
 printf '<?xml version="1.0" ?>\n<InviwoTreeData>\n<dataPoints><point><pos x="0" y="0"/><rgba x="0" y="0" z="0" w="0"/></point>
 <point><pos x="1" y="0"/><rgba x="1" y="1" z="1" w="1"/></point></dataPoints></InviwoTreeData>\n' >a.itf
 printf '<VoreenData><TransFuncIntensity><domain x="0" y="9"/><Keys><key><intensity value="0"/><split value="false"/><colorL r="0" g="0" b="0" a="0"/></key>

@@ -22,7 +22,7 @@ static inline double field(iso_vec3 w, iso_vec3 *gradient)
     return 0.5 + 0.4 * sin(x) * cos(y) + 0.05 * cos(2 * x) + 0.05 * cos(z);
 }
 
-/* Samples at the voxel centres of a level, directions encoded as bytes. */
+/* Samples at the voxel centers of a level, directions encoded as bytes. */
 static inline void fill_level(iso_level *level, const iso_geometry *g, iso_type type)
 {
     const size_t count = iso_geometry_voxel_count(g);
@@ -215,7 +215,7 @@ static inline double compare(comparison *c, double *rmse)
     return most;
 }
 
-/* Half a step of POV-Ray's 16 bits is 7.6e-6, of emission up to 1.2 times that and of the background; its colours
+/* Half a step of POV-Ray's 16 bits is 7.6e-6, of emission up to 1.2 times that and of the background; its colors
  * and optical depths are floats. */
 static const double lock_step_max = 2e-5;
 /* What is left of 240 and 480 midpoint samples a ray behind extrapolation, on a TF with a continuous slope. */

@@ -21,7 +21,7 @@
     const choose = async (control, value, event) => { control.value = value; control.dispatchEvent(new Event(event, {bubbles: true})); await settle(); };
     const listed = () => [...document.querySelectorAll('#agreement tbody tr')];
     const texts = column => listed().map(tr => tr.cells[column].textContent);
-    // WCAG: relative luminance, and the ratio of two colours of the style sheet.
+    // WCAG: relative luminance, and the ratio of two colors of the style sheet.
     const luminance = hex => [1, 3, 5].map(i => parseInt(hex.length > 4 ? hex.slice(i, i + 2) : hex[(i + 1) / 2].repeat(2), 16) / 255)
         .map(c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
     const contrast = (a, b) => { const [x, y] = [luminance(a), luminance(b)].sort((u, v) => v - u); return (x + 0.05) / (y + 0.05); };

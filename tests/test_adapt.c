@@ -37,7 +37,7 @@ static iso_joint make_joint(const entry *entries, size_t count)
     return j;
 }
 
-/* Colour and extinction that differ at every bin; transparent below bin 4. */
+/* Color and extinction that differ at every bin; transparent below bin 4. */
 static iso_tf_table make_tf(void)
 {
     iso_tf_table t = {.count = BINS, .lo = 10, .hi = 10 + 2 * (BINS - 1)};
@@ -184,7 +184,7 @@ static void empty_rows_are_filled_on_premultiplied_entries(void **state)
     const double opacity = 1 - exp(-(double)tf.entries[4 * 12 + 3]);
     for (size_t row = 5; row < 8; ++row) {
         assert_within(1 - exp(-(double)out.entries[4 * row + 3]), opacity * (double)(row - 4) / 4, 3e-7);
-        for (int c = 0; c < 3; ++c) /* the transparent end gives no colour */
+        for (int c = 0; c < 3; ++c) /* the transparent end gives no color */
             assert_within(out.entries[4 * row + (size_t)c], (double)tf.entries[4 * 12 + c], 3e-7);
     }
     assert_memory_equal(out.entries, out.entries + 4 * 4, 4 * sizeof(float)); /* below the first row: its copy */

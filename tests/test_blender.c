@@ -41,7 +41,7 @@ typedef struct scene_case {
     bool clipped;
 } scene_case;
 
-/* 5 mm of volume 60 m from the origin: there single precision steps by 4 micrometres, a twentieth of a voxel. */
+/* 5 mm of volume 60 m from the origin: there single precision steps by 4 micrometers, a twentieth of a voxel. */
 static const scene_case far_away = {.field = ISO_FIELD_NOISE,
                                     .type = ISO_I16,
                                     .scale = 0.1,
@@ -203,7 +203,7 @@ static void a_left_handed_grid_agrees(void **state)
         SMOOTH_LIMIT);
 }
 
-/* Voxels of a tenth of a micrometre: Blender's single precision would lose them in its own unit. A plane cuts them. */
+/* Voxels of a tenth of a micrometer: Blender's single precision would lose them in its own unit. A plane cuts them. */
 static void thin_shells_under_the_microscope_agree_at_a_coarse_level(void **state)
 {
     (void)state;
@@ -256,7 +256,7 @@ static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **stat
     iso_image_destroy(&wrong);
     s.view.lights[0].direction = light;
 
-    for (size_t i = 0; i < 4 * s.view.tf.count; ++i) /* colours taken for sRGB */
+    for (size_t i = 0; i < 4 * s.view.tf.count; ++i) /* colors taken for sRGB */
         if (i % 4 != 3)
             s.view.tf.entries[i] = powf(s.view.tf.entries[i], 2.2f);
     wrong = reference(&s, 0, &s.view);
@@ -375,7 +375,7 @@ static iso_image load(const char *dir, const char *name)
     return image;
 }
 
-/* Level 1 has other colours, another range and fewer entries, as adapted tables do. */
+/* Level 1 has other colors, another range and fewer entries, as adapted tables do. */
 static void make_tables(const iso_tf_table *tf, iso_tf_table tables[2])
 {
     for (int k = 0; k < 2; ++k) {

@@ -297,7 +297,7 @@ static double nearest_of_all_deg(iso_code code, iso_vec3 d)
     return 2 * asin(0.5 * sqrt(least)) / degree;
 }
 
-/* Random directions, and those on which a table or a search of neighbours would slip: on borders and corners of the
+/* Random directions, and those on which a table or a search of neighbors would slip: on borders and corners of the
  * table's cells, half-way between two codes, in the biggest hole, at the region's edges, and short ones. */
 static iso_vec3 hard_direction(int i)
 {

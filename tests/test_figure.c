@@ -48,7 +48,7 @@ static void read_text(const char *dir, const char *name, char **text, size_t *si
     free(path);
 }
 
-/* Grey, brighter by `bias` in the left half. */
+/* Gray, brighter by `bias` in the left half. */
 static void add_picture(iso_report *r, const char *name, double bias, double mm_per_pixel)
 {
     iso_image image;
@@ -65,7 +65,7 @@ static char *make_report(const char *name, double mm_per_pixel)
 {
     char *dir = inside(name);
     iso_report *r;
-    const iso_report_about about = {.title = "t", .volume = "grey, \"quoted\".nrrd", .scene = "s"};
+    const iso_report_about about = {.title = "t", .volume = "gray, \"quoted\".nrrd", .scene = "s"};
     assert_ok(iso_report_create(&r, dir, &about, &err));
     add_picture(r, "fine", 0, mm_per_pixel);
     const char *const methods[] = {"a", "b, c", "d"};
@@ -352,7 +352,7 @@ static void bad_requests_are_refused_and_leave_nothing(void **state)
     free(missing);
 }
 
-/* A pixel's size from two rays: where neighbours meet the plane through the centre of the box. */
+/* A pixel's size from two rays: where neighbors meet the plane through the center of the box. */
 static void the_pixel_of_a_view_is_measured_at_the_center(void **state)
 {
     (void)state;

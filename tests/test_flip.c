@@ -50,7 +50,7 @@ static void flip_of_green_and_blue_is_one(void **state)
     iso_image_destroy(&b);
 }
 
-/* Greys have no chroma: HyAB is the difference of L*, here 100 and L*(.5) = 116 cbrt(.5) - 16. */
+/* Grays have no chroma: HyAB is the difference of L*, here 100 and L*(.5) = 116 cbrt(.5) - 16. */
 static void flip_of_uniform_grays_is_the_closed_form(void **state)
 {
     (void)state;
@@ -73,7 +73,7 @@ typedef struct direct_percept {
     double lab[3], edge, point;
 } direct_percept;
 
-/* Solves m x = y by Cramer's rule: the inverse colour matrix without a table. */
+/* Solves m x = y by Cramer's rule: the inverse color matrix without a table. */
 static void solve(const double m[3][3], const double y[3], double x[3])
 {
     double det = 0, minor[3][3];
@@ -272,7 +272,7 @@ static void brighten(iso_image *image, float gain)
 }
 
 /* Means that the authors' own program gives for these pairs. It works in single precision with
- * colour matrices of other digits: up to 8e-6 of a value near 1. */
+ * color matrices of other digits: up to 8e-6 of a value near 1. */
 static void flip_equals_the_published_program(void **state)
 {
     (void)state;

@@ -68,7 +68,7 @@ static double largest_error(const iso_geometry *g, const float *out, iso_vec3 ex
 }
 
 /* Samples are below 64, so a float holds them to 64 x 2^-24; the difference of two, over half a
- * millimetre or more, and the sum of three axes stay within 10 times that. */
+ * millimeter or more, and the sum of three axes stay within 10 times that. */
 static const double rounding = 10 * 64 * 0x1p-24;
 
 static void linear_field_is_exact_with_borders_in_any_geometry(void **state)

@@ -147,7 +147,7 @@ static void png_is_decoded_from_srgb_of_8_and_16_bits(void **state)
     char *path = iso_path_join(folder, "a.png");
     assert_ok(iso_image_create(&a, 256, 1, &err));
     for (size_t i = 0; i < 256; ++i)
-        for (size_t c = 0; c < 4; ++c) /* greys of all kinds, in red backwards */
+        for (size_t c = 0; c < 4; ++c) /* grays of all kinds, in red backwards */
             a.rgba[4 * i + c] = c == 3 ? 1 : (float)pow((double)(c == 0 ? 255 - i : i) / 255, 2.2);
     assert_ok(iso_image_save_png(&a, path, 1, &err));
     assert_ok(iso_image_load_png(path, &b, &err));
@@ -155,7 +155,7 @@ static void png_is_decoded_from_srgb_of_8_and_16_bits(void **state)
     iso_image_destroy(&a);
     assert_ok(iso_image_save_png(&b, path, 1, &err));
     assert_ok(iso_image_load_png(path, &a, &err));
-    assert_memory_equal(a.rgba, b.rgba, 16 * 256); /* a byte and its colour are one */
+    assert_memory_equal(a.rgba, b.rgba, 16 * 256); /* a byte and its color are one */
     iso_image_destroy(&a);
     iso_image_destroy(&b);
 

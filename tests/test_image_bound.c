@@ -28,7 +28,7 @@ static iso_pyramid pyramid_of(iso_field_kind kind, size_t levels)
     return p;
 }
 
-/* A step to `opacity` a voxel at `at` of the range, in two colours. */
+/* A step to `opacity` a voxel at `at` of the range, in two colors. */
 static iso_view view_of(const iso_pyramid *p, double at, double opacity, bool orthographic, bool lit)
 {
     iso_tf_point points[] = {{0, {0.2, 0.8, 0.5}, 0},

@@ -373,7 +373,7 @@ static void an_update_leaves_what_baking_from_nothing_leaves(void **state)
     destroy_scene(&s);
 }
 
-/* The planted fault: a store that follows the levels but does not look at neighbours. */
+/* The planted fault: a store that follows the levels but does not look at neighbors. */
 static void bricks_beside_a_change_do_change(void **state)
 {
     (void)state;

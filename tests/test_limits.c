@@ -27,7 +27,7 @@ static int end_renderers(void **state)
     return 0;
 }
 
-/* Unequal sizes and spacings; a TF of one colour where `colors` is not asked for. */
+/* Unequal sizes and spacings; a TF of one color where `colors` is not asked for. */
 static subject open_subject(iso_field_kind kind, bool colors, bool step)
 {
     enum { entries = 17 };
@@ -158,7 +158,7 @@ static void a_closed_form_is_refused_where_there_is_none(void **state)
     assert_int_equal(iso_closed_form_render(&colorful.pyramid.levels[0], colorful.pyramid.options.code, &colorful.view,
                                             &image, &why),
                      ISO_E_RANGE);
-    assert_non_null(strstr(why.text, "colours"));
+    assert_non_null(strstr(why.text, "colors"));
     close_subject(&bent);
     close_subject(&colorful);
 }

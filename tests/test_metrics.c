@@ -171,7 +171,7 @@ static void ssim_of_uniform_images_is_the_luminance_term(void **state)
     iso_image_destroy(&b);
 }
 
-/* Linear light whose sRGB is the grey v. */
+/* Linear light whose sRGB is the gray v. */
 static float linear_of(double v)
 {
     return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
@@ -259,7 +259,7 @@ static void ssim_of_an_inverted_pattern_is_negative(void **state)
             }
     double mean;
     assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
-    /* Variance 1/4, covariance -1/4, C2 = 9e-4; a Gaussian of sigma 1.5 sees both colours alike to 1e-4. */
+    /* Variance 1/4, covariance -1/4, C2 = 9e-4; a Gaussian of sigma 1.5 sees both colors alike to 1e-4. */
     assert_within(mean, (-0.5 + 9e-4) / (0.5 + 9e-4), 1e-4);
     iso_image_destroy(&a);
     iso_image_destroy(&b);

@@ -23,7 +23,7 @@ static void nifti_places_centers_by_its_sform(void **state)
         assert_ok(iso_volume_load(in_dir(name), &v, &err));
         assert_int_equal(v.type, ISO_I16);
         assert_memory_equal(v.data, nifti_samples, 24);
-        iso_vec3 at = iso_geometry_to_world(&v.geometry, iso_v3(1.5, 2.5, 0.5)); /* the centre of voxel (1, 2, 0) */
+        iso_vec3 at = iso_geometry_to_world(&v.geometry, iso_v3(1.5, 2.5, 0.5)); /* the center of voxel (1, 2, 0) */
         assert_within(iso_norm(iso_sub(at, iso_v3(10 - 4, 20 + 1, 30))), 0, 1e-14);
         assert_true(v.notes.world_is_ras);
         assert_within(v.notes.scale_slope, 2, 0);
@@ -81,7 +81,7 @@ static void nifti_of_the_other_byte_order_and_in_two_files_is_read(void **state)
     double spacing[3];
     iso_geometry_spacing_mm(&v.geometry, spacing);
     assert_within(spacing[2], 3, 0);
-    assert_within(v.geometry.origin_mm.z, -3, 0); /* bare spacings: centred */
+    assert_within(v.geometry.origin_mm.z, -3, 0); /* bare spacings: centered */
     iso_volume_destroy(&v);
     h = nifti_header(2, 3, 2);
     memcpy(h.magic, "ni1", 4);

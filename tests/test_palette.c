@@ -354,7 +354,7 @@ static void moved_mesh_stays_convex_and_reverts_exactly(void **state)
     assert_true(iso_mesh_is_convex(&m));
     assert_true(kept > 1000);
     assert_true(refused < 1000);
-    /* Power: a vertex pushed across its neighbours without swaps is not convex. */
+    /* Power: a vertex pushed across its neighbors without swaps is not convex. */
     m.position[5] = iso_scale(m.position[5], -1);
     assert_false(iso_mesh_is_convex(&m));
     free(before);

@@ -149,7 +149,7 @@ static void a_palette_of_all_directions_is_the_float_field(void **state)
     subject s;
     subject_create(&s, 32000, false);
     difference d = compare(by_reference(&s, ISO_FROM_PALETTE), by_reference(&s, ISO_FROM_FLOAT));
-    /* Directions normalised again in floats (1e-7), up to 1 / eps = 100 times larger where eight of them cancel. */
+    /* Directions normalized again in floats (1e-7), up to 1 / eps = 100 times larger where eight of them cancel. */
     assert_at_most(d.max_abs, 1e-5);
     d = compare(by_gl(&s, ISO_FROM_PALETTE, false), by_gl(&s, ISO_FROM_FLOAT, false));
     assert_at_most(d.max_abs, 2e-5);

@@ -63,7 +63,7 @@ static void visit_vector(const double g[3], double weight, double sum[4])
     sum[3] += weight;
 }
 
-/* Sums over the 2 radius fine voxels around each axis' centre, clamped to the edge. */
+/* Sums over the 2 radius fine voxels around each axis' center, clamped to the edge. */
 static void direct_sum(const field *fine, const size_t at[3], long radius, double sigma, visit take, double sum[4])
 {
     memset(sum, 0, 4 * sizeof *sum);

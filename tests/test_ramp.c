@@ -7,7 +7,7 @@
 
 #include "blender/blender.h"
 
-/* Colours and opacities of a length of 2 mm go up and down. */
+/* Colors and opacities of a length of 2 mm go up and down. */
 static void fill_table(iso_tf_table *t, size_t count, size_t knots)
 {
     *t = (iso_tf_table){.count = count, .lo = 0, .hi = 1, .unit_mm = 2, .entries = malloc(4 * count * sizeof(float))};

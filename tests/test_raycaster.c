@@ -73,7 +73,7 @@ static iso_pyramid make_pyramid(iso_type type, iso_code code)
     return p;
 }
 
-/* A TF over the level-0 range with a half-transparent skin and an opaque core, in colours that differ. */
+/* A TF over the level-0 range with a half-transparent skin and an opaque core, in colors that differ. */
 static void make_tf(iso_tf_table *t, const iso_level *level)
 {
     enum { count = 64 };
@@ -237,7 +237,7 @@ static void exact_lookups_leave_out_what_texture_coordinates_round(void **state)
             if (getenv("ISOSHADE_TEST_VERBOSE"))
                 printf("level %zu, %s: exact %.2e %.2e, filtered %.2e %.2e\n", k, iso_direction_source_name(sources[i]),
                        of_exact.max_abs, of_exact.rmse, of_filtered.max_abs, of_filtered.rmse);
-            assert_at_most(of_exact.max_abs, MAX_ABS / 2); /* 4.2e-6 and 1e-7 are seen: floats of sums and colours */
+            assert_at_most(of_exact.max_abs, MAX_ABS / 2); /* 4.2e-6 and 1e-7 are seen: floats of sums and colors */
             assert_at_most(of_exact.rmse, RMSE / 2);
             if (k == 0) /* the most voxels, of which a coordinate rounds the same part */
                 assert_more_than(of_filtered.rmse, 2 * of_exact.rmse);
@@ -334,7 +334,7 @@ static void every_reference_scene_agrees_at_every_level(void **state)
     }
 }
 
-/* Axes of one voxel, no contrast, rays along the axes, cameras in the box's centre, beyond it and beside it. */
+/* Axes of one voxel, no contrast, rays along the axes, cameras in the box's center, beyond it and beside it. */
 static void degenerate_volumes_and_cameras_agree(void **state)
 {
     (void)state;

@@ -65,7 +65,7 @@ static double constant(iso_vec3 p)
     (void)p;
     return 0.5;
 }
-/* size 6 along z at spacing 2: voxel centres at -5 .. 5; 0.1 to 0.9 between them */
+/* size 6 along z at spacing 2: voxel centers at -5 .. 5; 0.1 to 0.9 between them */
 static double ramp(iso_vec3 p)
 {
     return 0.5 + 0.08 * p.z;
@@ -146,7 +146,7 @@ static void an_oblique_chord_counts_in_full(void **state)
     free_level(&level);
 }
 
-/* sigma = k s and colour = s on a ramp: front half voxel constant, a linear part, back half voxel constant. */
+/* sigma = k s and color = s on a ramp: front half voxel constant, a linear part, back half voxel constant. */
 static double ramp_color(double k, double s0, double s1, double half, double length)
 {
     double g = (s1 - s0) / length, root = sqrt(k / (2 * g));
@@ -179,7 +179,7 @@ static void a_ramp_of_extinction_and_color_matches_its_integral(void **state)
     free_level(&level);
 }
 
-/* Opacity of the ball with extinction s0 (1 - r^2) through its centre: tau = s0 4/3. Trilinear
+/* Opacity of the ball with extinction s0 (1 - r^2) through its center: tau = s0 4/3. Trilinear
  * interpolation of r^2 is off by h^2 f (1 - f) an axis, so the error falls with h^2. */
 static double sphere_error(size_t n)
 {

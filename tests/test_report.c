@@ -269,7 +269,7 @@ static void the_page_needs_nothing_from_outside(void **state)
     assert_int_equal(count_of(page, "</script>"), 3);                   /* its own: text in the data cannot end one */
     assert_int_equal(count_of(page, "data:image/png;base64,"), 18 + 8); /* images and differences */
     assert_int_equal(count_of(page, "data:image/svg+xml;base64,"), 2);
-    iso_report_summary summary = iso_report_summarise(r);
+    iso_report_summary summary = iso_report_summarize(r);
     assert_int_equal(count_of(page, summary.sentence), 2); /* in the page, and in the data */
     json_t *root = data_of_page(page), *alone;
     assert_non_null(root);
@@ -292,21 +292,21 @@ static void the_sentence_tells_each_outcome(void **state)
     iso_report *r;
     const iso_report_about about = {.title = "nothing"};
     assert_ok(iso_report_create(&r, dir, &about, &err));
-    assert_false(iso_report_summarise(r).good); /* nothing compared is not agreement */
+    assert_false(iso_report_summarize(r).good); /* nothing compared is not agreement */
     iso_report_agreement row = {.scene = "s", .a = "a", .renderer = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
     assert_ok(iso_report_add_agreement(r, &row, &err));
-    assert_true(iso_report_summarise(r).good);
+    assert_true(iso_report_summarize(r).good);
     assert_ok(iso_report_add_calibration(r, &(iso_report_calibration){"gl", "check", NAN, 1, NULL, NULL, false}, &err));
-    assert_false(iso_report_summarise(r).good); /* NaN fails a calibration */
+    assert_false(iso_report_summarize(r).good); /* NaN fails a calibration */
     row.metrics.nonfinite_count = 1;
     row.uncompared = ISO_UNCOMPARED_FAINT; /* not even a row that shows too little forgives NaN */
     assert_ok(iso_report_add_agreement(r, &row, &err));
-    assert_int_equal(iso_report_summarise(r).differed, 1);
+    assert_int_equal(iso_report_summarize(r).differed, 1);
     row.metrics.nonfinite_count = 0;
     row.metrics.rmse = NAN;
     row.uncompared = ISO_UNCOMPARED_NOT;
     assert_ok(iso_report_add_agreement(r, &row, &err));
-    assert_int_equal(iso_report_summarise(r).differed, 2);
+    assert_int_equal(iso_report_summarize(r).differed, 2);
     iso_report_destroy(r);
     free(dir);
 }
@@ -323,7 +323,7 @@ static void a_refusal_is_told_as_what_it_is(void **state)
     assert_ok(iso_report_add_agreement(r, &row, &err));
     row.refused = "missing: povray";
     assert_ok(iso_report_add_agreement(r, &row, &err));
-    iso_report_summary s = iso_report_summarise(r);
+    iso_report_summary s = iso_report_summarize(r);
     assert_false(s.good);
     assert_non_null(strstr(s.sentence, "1 comparison agrees; 1 could not be made"));
     iso_report_destroy(r);

@@ -66,7 +66,7 @@ static void level_0_is_at_no_distance_from_itself(void **state)
     assert_more_than(e.truth_mean_deg, 0.01); /* central differences are not the truth, */
     assert_at_most(e.truth_mean_deg, 8);      /* but near it: a tube is a few voxels thick */
     assert_ok(iso_shading_floor(&s, &p.levels[0], &p.levels[0], 0, ISO_CODE_SNORM, &e, &err));
-    assert_within(e.dssim_mean, 0, 1e-6); /* the scalar is resampled at its own centres */
+    assert_within(e.dssim_mean, 0, 1e-6); /* the scalar is resampled at its own centers */
     /* the fault that both must see: level 2 */
     assert_ok(iso_shading_measure(&s, &(iso_shading_shown){&p.levels[2], 2, ISO_CODE_SNORM, ISO_FROM_CODES, NULL, 0},
                                   &e, &err));

@@ -266,7 +266,7 @@ static void critical_values_are_those_of_the_header(void **state)
     }
 }
 
-/* Red up and blue down; and alpha alone: neither shows in the mean of all channels' colours. */
+/* Red up and blue down; and alpha alone: neither shows in the mean of all channels' colors. */
 static void channels_do_not_cancel_and_alpha_counts(void **state)
 {
     (void)state;

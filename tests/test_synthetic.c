@@ -128,7 +128,7 @@ static void known_values_are_where_they_should_be(void **state)
     assert_within(iso_field_value(&f, iso_v3(0, 0, 4.5), NULL), 1, 1e-12);
     assert_within(iso_field_value(&f, iso_v3(8, 0, 0), NULL), 1, 1e-12);
     f.kind =
-        ISO_FIELD_MARSCHNER_LOBB; /* at the centre: (1 - 0 + alpha (1 + cos 12 pi)) / (2 (1 + alpha)) = 1.5 / 2.5 */
+        ISO_FIELD_MARSCHNER_LOBB; /* at the center: (1 - 0 + alpha (1 + cos 12 pi)) / (2 (1 + alpha)) = 1.5 / 2.5 */
     assert_within(iso_field_value(&f, iso_v3(0, 0, 0), NULL), 0.6, 1e-12);
     f.kind = ISO_FIELD_SLAB;
     assert_within(iso_field_value(&f, iso_v3(0, 0, 4.4), NULL), 1, 0);

@@ -16,7 +16,7 @@
 #include "volume/synthetic.h"
 
 /* The ray caster: samples in float, some 100 a ray. POV-Ray: 16 bits a channel, half a step is 7.6e-6 of the brightest
- * colour. Cycles: the error of a step of an eighth of a voxel, of second order; the sixteenth has a quarter of it. */
+ * color. Cycles: the error of a step of an eighth of a voxel, of second order; the sixteenth has a quarter of it. */
 #define GL_MAX_ABS 2e-5
 #define GL_RMSE 1e-6
 #define POVRAY_MAX_ABS 2e-5
@@ -39,7 +39,7 @@ static iso_pyramid noise_pyramid(void)
     return build_field(&field, 2);
 }
 
-/* Soft, in colours that differ; a second light and highlights, so that nothing is left out. */
+/* Soft, in colors that differ; a second light and highlights, so that nothing is left out. */
 static iso_view make_view(const iso_pyramid *p)
 {
     static iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0},

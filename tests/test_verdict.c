@@ -364,7 +364,7 @@ static void the_sentence_counts_what_was_asked_for(void **state)
         iso_report *r = open_report("asked");
         for (size_t k = 0; k < 4 && cases[i].rows[k].scene; ++k)
             add_told(r, &cases[i].rows[k]);
-        const iso_report_summary s = iso_report_summarise(r);
+        const iso_report_summary s = iso_report_summarize(r);
         if (s.good != cases[i].good || !strstr(s.sentence, cases[i].said))
             fail_msg("case %zu: %s, said: %s", i, s.good ? "good" : "not good", s.sentence);
         /* What is not good is a failure there too, but for refused rows, whose renderer has an error of its own. */

@@ -41,7 +41,7 @@ static void assert_same_geometry(const iso_geometry *a, const iso_geometry *b)
     for (int i = 0; i < 3; ++i) {
         assert_int_equal(a->size[i], b->size[i]);
         assert_within(a->box_index[i], b->box_index[i], 0);
-        for (int j = 0; j < 3; ++j) /* 17 digits in the file; the corner is recomputed from a centre */
+        for (int j = 0; j < 3; ++j) /* 17 digits in the file; the corner is recomputed from a center */
             assert_within(a->index_to_world.m[i][j], b->index_to_world.m[i][j], 1e-15);
     }
     assert_within(iso_norm(iso_sub(a->origin_mm, b->origin_mm)), 0, 1e-13);
@@ -360,7 +360,7 @@ static void spacings_axis_mins_and_units_are_kept(void **state)
 {
     (void)state;
     iso_geometry g = geometry_of(HEAD "spacings: 1 2 3\n\n");
-    assert_within(iso_norm(iso_sub(g.origin_mm, iso_v3(-1, -2, -3))), 0, 0); /* centred */
+    assert_within(iso_norm(iso_sub(g.origin_mm, iso_v3(-1, -2, -3))), 0, 0); /* centered */
     g = geometry_of(HEAD "spacings: 1 2 3\naxis mins: 5 6 7\ncenterings: cell cell node\n\n");
     assert_within(iso_norm(iso_sub(g.origin_mm, iso_v3(5, 6, 5.5))), 0, 0);
     g = geometry_of(HEAD "spacings: 100 100 100\nunits: \"um\" \"um\" \"um\"\n\n");

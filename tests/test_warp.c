@@ -69,7 +69,7 @@ static double worst_jump(const iso_warp_field *f, int points)
     return worst;
 }
 
-/* Fine and coarse bricks meet by edges or corners alone: there is a fine brick with a coarse neighbour at an edge or
+/* Fine and coarse bricks meet by edges or corners alone: there is a fine brick with a coarse neighbor at an edge or
  * corner and none at the faces between. */
 static bool meets_by_edge_or_corner(const uint8_t levels[8])
 {

@@ -196,7 +196,7 @@ iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t 
 
 /* Levels [first, first + count) of a pyramid in one file. */
 typedef struct export_job {
-    const iso_pyramid *p, *scaled; /* in millimetres, in Blender's space */
+    const iso_pyramid *p, *scaled; /* in millimeters, in Blender's space */
     const iso_blender_space *space;
     size_t first, count;
     const iso_view *views;

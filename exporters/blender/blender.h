@@ -43,7 +43,7 @@ void iso_blender_session_end(iso_blender_session *session);
 typedef struct iso_blender_options {
     const char *program; /* a path of Blender, or a name that PATH finds; NULL: as iso_process_find() finds blender */
     double step_voxels; /* Cycles' step in the level's smallest spacing */
-    int samples;        /* 1 goes exactly through the pixel centres; more are spread by a filter */
+    int samples;        /* 1 goes exactly through the pixel centers; more are spread by a filter */
     int seed;
     int threads;
     bool physical; /* of exports: which material a file opens with (iso_blender_material_names) */
@@ -86,7 +86,7 @@ iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t 
                                    iso_error *err);
 
 /* NAME.blend and NAME.vdb beside it; both or none. The folder can be moved. A
- * Blender unit is a millimetre, or a power of ten of it where the volume is
+ * Blender unit is a millimeter, or a power of ten of it where the volume is
  * smaller than 1 mm or larger than 10 m; the VDB is in the same unit.
  * ISO_E_USAGE when blend_path does not end in .blend. */
 iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *blend_path,
@@ -100,7 +100,7 @@ typedef struct iso_blender_levels {
 
 /* Levels in one NAME.blend, with a NAME_level_K.vdb each.
  * A property "level" of the object NAME chooses the one that is seen; material,
- * shading and lights are shared, and the colour map has the rows of each level. */
+ * shading and lights are shared, and the color map has the rows of each level. */
 iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_levels *levels, const char *blend_path,
                                      const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
@@ -170,7 +170,7 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
  * carries one for each different TF in the group "isoshade ramp", beside the exact image.
  *
  * Alpha is the opacity of unit_mm, as in a TF file; nodes behind the ramp make extinction = -ln(1 - alpha) / unit_mm of
- * it. So a TF's own points are the stops where there are at most 32. Others get the fewest stops that keep colour
+ * it. So a TF's own points are the stops where there are at most 32. Others get the fewest stops that keep color
  * and opacity within 1/1024, or within more where 32 do not suffice. The ramp spans the values between which the TF
  * changes, or the table's range where that loses less. */
 #define ISO_RAMP_MAX_STOPS 32
@@ -180,12 +180,12 @@ typedef struct iso_color_ramp {
     double lo, hi;                       /* values of positions 0 and 1 */
     double unit_mm;                      /* that alpha is the opacity of */
     double position[ISO_RAMP_MAX_STOPS]; /* single precision, ascending without equals */
-    double rgba[ISO_RAMP_MAX_STOPS][4];  /* linear colour, opacity */
-    /* The largest differences from the table after either baking, at its entries: colour (of entries of an opacity of at least
+    double rgba[ISO_RAMP_MAX_STOPS][4];  /* linear color, opacity */
+    /* The largest differences from the table after either baking, at its entries: color (of entries of an opacity of at least
      * 1/1024), opacity of unit_mm, both of 1, and extinction as a part of the largest one. */
     double color_loss, opacity_loss, extinction_loss;
-    double worst_value; /* where colour or opacity differ most */
-    double off;         /* share of the entries where colour or opacity differ by more than 1/255 */
+    double worst_value; /* where color or opacity differ most */
+    double off;         /* share of the entries where color or opacity differ by more than 1/255 */
 } iso_color_ramp;
 void iso_color_ramp_fit(const iso_tf_table *table, iso_color_ramp *ramp);
 

@@ -31,7 +31,7 @@ iso_status iso_blender_guard_grid(const char *path, bool force, iso_error *err);
 
 /* ---- the description: all places in Blender's space ---- */
 
-/* A place in Blender is units (world - origin_mm). A unit is a millimetre, but for volumes that are so small or so large
+/* A place in Blender is units (world - origin_mm). A unit is a millimeter, but for volumes that are so small or so large
  * that single precision and Cycles' fixed offsets do not suit them. The origin is the world's, but for volumes that stand
  * so far from it that single precision would lose parts of a voxel: there it is in the volume. */
 typedef struct iso_blender_space {

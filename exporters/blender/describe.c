@@ -293,7 +293,7 @@ void iso_blender_append_level(json_t *levels, const blender_level *l, const iso_
     json_array_append_new(levels, around);
 }
 
-/* Planes over fractions of the box, counted from its centre: [x, y, z, w], x fx + y fy + z fz >= w stays. */
+/* Planes over fractions of the box, counted from its center: [x, y, z, w], x fx + y fy + z fz >= w stays. */
 static json_t *describe_clips(const iso_view *view, const iso_geometry *g)
 {
     json_t *clips = json_array();

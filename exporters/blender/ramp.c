@@ -40,7 +40,7 @@ static double larger_difference(const double a[4], const double b[4])
     return most;
 }
 
-/* What is transparent has no colour to lose. */
+/* What is transparent has no color to lose. */
 static double visible_difference(const double want[4], const double have[4])
 {
     return want[3] < close_enough ? fabs(want[3] - have[3]) : larger_difference(want, have);
@@ -105,7 +105,7 @@ static void separate(iso_color_ramp *ramp)
 
 /* ---- a TF's own points ---- */
 
-/* Colour and opacity of the points at a value, before a step there if that is asked for. */
+/* Color and opacity of the points at a value, before a step there if that is asked for. */
 static void points_at(const iso_tf_table *t, double value, bool before, double rgba[4])
 {
     size_t above = 0;

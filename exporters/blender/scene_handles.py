@@ -71,11 +71,11 @@ The wire box "{name}" stands for the volume: move, turn and scale it, grids and 
 {far}{levels}Turn a sun "isoshade light N" to turn a light of the volume; its color and strength, over pi, are the light's.
 The property "physical" of the box chooses the material: 0 emission and absorption, exact, lit by these suns alone; 1 scattering with
 shadows, lit by every lamp and the world. The text "isoshade agreement" sets what the validated picture needs (run it: Alt P). Material "{name}", group
-"isoshade": ambient, diffuse, specular, power, and Density Scale for more or less opacity. The colour map is the image "isoshade transfer function", exact and
+"isoshade": ambient, diffuse, specular, power, and Density Scale for more or less opacity. The color map is the image "isoshade transfer function", exact and
 packed. Use Ramp = 1 takes the ColorRamps in "isoshade ramp" instead, to edit by hand. Their alpha is the opacity of a
 length, as in a transfer function's file. As exported they differ from the exact map by up to:
 {ramps}
-A millimetre is {units:g} Blender unit(s).{unit} Cycles takes a step of {step:.4g} units; a longer step is faster, a shorter one
+A millimeter is {units:g} Blender unit(s).{unit} Cycles takes a step of {step:.4g} units; a longer step is faster, a shorter one
 more exact (change both the volume's render step and its property isoshade_step). For pictures with an alpha channel
 turn on Film > Transparent. Cycles renders on the {device} (Render > Device). Made by Blender {blender}, which puts voxels {shift}
 of a voxel off: the volume objects are moved back by that. Other versions of Blender may differ; export again with the one that you
@@ -85,7 +85,7 @@ use.
 
 def tell_ramps(ramps):
     """A line each: of what, how many stops, opacity of which length, what it loses."""
-    return "".join("    {}: {} stops{}, opacity of {:.4g} mm; {:.2g} in colour, {:.2g} in opacity\n".format(
+    return "".join("    {}: {} stops{}, opacity of {:.4g} mm; {:.2g} in color, {:.2g} in opacity\n".format(
         ", ".join(ramp["of"]), len(ramp["stops"]), ", the points of the transfer function" if ramp["own_points"] else "",
         ramp["unit_distance_mm"], ramp["color_loss"], ramp["opacity_loss"]) for ramp in ramps)
 
@@ -95,7 +95,7 @@ def explain(about, shift):
     several = ('Its property "level" chooses the level of the pyramid that is seen.\n'
                if len({level["level"] for level in about["levels"]}) > 1 else "")
     if "sequence" in about:
-        several = (f"Frames 1 to {about['sequence']} are those of a series, counted from 0 in the names of their files: one colour map and\n"
+        several = (f"Frames 1 to {about['sequence']} are those of a series, counted from 0 in the names of their files: one color map and\n"
                    "one range for all of them.\n")
     if "planned" in about:
         several = "A plan left only what the scene needs, finer where it shows and coarser where it does not.\n"
@@ -107,11 +107,11 @@ def explain(about, shift):
         several += ('The object "... roi" is a finer level inside a box; in the band around the box both are blended. Its properties\n'
                     'isoshade_roi_* and those of the volume around it have to be the same but for the side.\n')
     far = ("The volume stands far from the world's origin, and Blender's positions are in single precision: the origin of this\n"
-           "file is the point ({:.17g}, {:.17g}, {:.17g}) of the world, in millimetres.\n".format(*about["origin_mm"])
+           "file is the point ({:.17g}, {:.17g}, {:.17g}) of the world, in millimeters.\n".format(*about["origin_mm"])
            if any(about["origin_mm"]) else "")
     if "labels" in about:
         several += ('A label map: the image "isoshade labels" holds the class of each voxel, and is looked up without interpolation; the\n'
-                    'colour map and the ColorRamp have an entry a class. Classes, by label:\n'
+                    'color map and the ColorRamp have an entry a class. Classes, by label:\n'
                     + "".join(f"    {number}: {label}{', ' if name else ''}{name}\n"
                               for number, (label, name) in enumerate(about["labels"]["classes"])))
     text = bpy.data.texts.new("README")

@@ -124,13 +124,13 @@ def box_group(to_box, clip_planes):
 
     A hard mask errs by up to a step where the ray crosses a face. The overlap of the box with the interval of one
     step around the sample makes the sum over the samples telescope instead. Slab method, in fractions of the box
-    with 0 at its centre: the ray is inside for  -f/g -+ 1/(2 |g|)  on each axis. A clip plane is a face of its own:
+    with 0 at its center: the ray is inside for  -f/g -+ 1/(2 |g|)  on each axis. A clip plane is a face of its own:
     n.f >= w, which the ray enters or leaves at  (w - n.f) / n.g  by the sign of n.g."""
     group = Group("isoshade box", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Ray", (0, 0, 1)),
                                    ('NodeSocketFloat', "Step", 1.0)], [('NodeSocketFloat', "Inside")])
     linear = [row[:3] for row in to_box]
     f = group.vector('ADD', dots(group, linear, group.given["Position"], "position in the box"),
-                     [row[3] - 0.5 for row in to_box], label="from its centre")
+                     [row[3] - 0.5 for row in to_box], label="from its center")
     g = dots(group, linear, group.given["Ray"], "ray in the box")
     g = group.vector('ADD', g, (1e-20, 1e-20, 1e-20), label="never 0")
     middle = group.vector('DIVIDE', group.vector('SCALE', f, -1.0), g, label="to the middle")
@@ -236,7 +236,7 @@ def shade_group(light_count, eps):
     length = group.vector('LENGTH', d)
     root = group.math('SQRT', group.math('MULTIPLY_ADD', length, length, eps * eps), label="sqrt(|d|^2 + eps^2)")
     trust = group.math('DIVIDE', length, root, label="|n|")
-    # The transform normalises: a zero direction needs a length, which its trust of 0 takes away again.
+    # The transform normalizes: a zero direction needs a length, which its trust of 0 takes away again.
     turned = group.transform('NORMAL', group.vector('ADD', d, (0, 0, 1e-18)), 'OBJECT', 'WORLD')
     n = group.vector('SCALE', turned, trust, label="n")
     viewer = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]

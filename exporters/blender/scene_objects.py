@@ -58,7 +58,7 @@ def camera_object(camera, collection):
 def set_samples(cycles, about):
     cycles.samples = about["samples"]
     cycles.seed = about["seed"]
-    # One sample goes through the pixel's centre but for the filter table's coarseness, a thousandth of its width.
+    # One sample goes through the pixel's center but for the filter table's coarseness, a thousandth of its width.
     cycles.pixel_filter_type = 'BLACKMAN_HARRIS'
     cycles.filter_width = 0.01 if about["samples"] == 1 else 1.5
 
@@ -165,9 +165,9 @@ def emission_centroid(path):
 
 
 def calibrate(about):
-    """Where this Blender puts the voxels: 0 when voxel i is centred at index i, 1/2 when at i + 1/2.
+    """Where this Blender puts the voxels: 0 when voxel i is centered at index i, 1/2 when at i + 1/2.
 
-    A small volume centred at 0 is seen along z and along x; what is measured must be one of the two answers."""
+    A small volume centered at 0 is seen along z and along x; what is measured must be one of the two answers."""
     scene = bpy.data.scenes.new("calibration")
     configure(scene, {"device": about["device"], "samples": 1, "seed": 0, "max_steps": 1024, "image": (24, 24), "film_transparent": True,
                       "background": (0, 0, 0)})

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The physical look of a volume beside the exact one, and what only it needs: lamps, a lit world, bounces.
 
-Exact is emission and absorption, which is what all renderers agree on. Physical scatters light, from the same colour map:
+Exact is emission and absorption, which is what all renderers agree on. Physical scatters light, from the same color map:
 
     scattering = albedo sigma(s),  absorption = (1 - albedo) sigma(s),  albedo = c(s) within 0 and 1
 
@@ -16,7 +16,7 @@ import bpy
 
 
 def physical_group():
-    """Colour and extinction to a volume: what a share of 0 leaves is the exact one, bit for bit."""
+    """Color and extinction to a volume: what a share of 0 leaves is the exact one, bit for bit."""
     group = Group("isoshade physical", [('NodeSocketColor', "Color", (1, 1, 1, 1)), ('NodeSocketVector', "Shade", (1, 1, 1)),
                                         ('NodeSocketFloat', "Extinction", 0.0), ('NodeSocketFloat', "Physical", 0.0),
                                         ('NodeSocketFloat', "Anisotropy", 0.0)],

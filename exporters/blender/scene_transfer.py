@@ -15,7 +15,7 @@ MOST_OPAQUE = 1e-4  # what passes the unit distance where the opacity is at its 
 
 
 def color_table(tf):
-    """The colour maps as an image: one row a level, or the rows of its 2D transfer function, one column an entry; packed, exact in 32-bit float.
+    """The color maps as an image: one row a level, or the rows of its 2D transfer function, one column an entry; packed, exact in 32-bit float.
 
     Where rows have fewer entries than columns the last one is repeated."""
     rows = [row for table in tf["tables"]
@@ -40,7 +40,7 @@ def table_properties(table):
 
 
 def transfer_function_group(tf):
-    """Scalar to colour and extinction per unit: entry (s - lo) (N - 1) / (hi - lo), at the texels' centres."""
+    """Scalar to color and extinction per unit: entry (s - lo) (N - 1) / (hi - lo), at the texels' centers."""
     group = Group("isoshade transfer function", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketVector', "Table", (0, 1, 1)),
                                                  ('NodeSocketFloat', "Row", 0.0)],
                   [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
@@ -50,7 +50,7 @@ def transfer_function_group(tf):
     offset = group.math('SUBTRACT', group.given["Scalar"], first, label="from the first value")
     entry = group.math('MAXIMUM', group.math('MULTIPLY', offset, scale), 0.0)
     entry = group.math('MINIMUM', entry, last, label="entry")
-    x = group.math('MULTIPLY_ADD', entry, 1 / width, 0.5 / width, label="between texel centres")
+    x = group.math('MULTIPLY_ADD', entry, 1 / width, 0.5 / width, label="between texel centers")
     y = group.math('MULTIPLY_ADD', group.given["Row"], 1 / rows, 0.5 / rows, label="the level's row")
     where = group.join(x, y)
     texel = group.node('ShaderNodeTexImage', "", {"Vector": where}, image=image, interpolation='Linear', extension='EXTEND',
@@ -59,7 +59,7 @@ def transfer_function_group(tf):
 
 
 def set_stops(color_ramp, ramp):
-    """The stops. Blender sorts them by position, so the colours are given when all have their places."""
+    """The stops. Blender sorts them by position, so the colors are given when all have their places."""
     color_ramp.interpolation = 'CONSTANT' if ramp.get("constant") else 'LINEAR'
     stops = color_ramp.elements
     while len(stops) > len(ramp["stops"]):
@@ -73,7 +73,7 @@ def set_stops(color_ramp, ramp):
 
 
 def one_ramp(group, ramp, number):
-    """Colour and opacity by a ColorRamp; extinction = -ln(1 - opacity) / unit distance. The add-on finds the nodes by their
+    """Color and opacity by a ColorRamp; extinction = -ln(1 - opacity) / unit distance. The add-on finds the nodes by their
     names."""
     name = f"isoshade ramp {number}"
     offset = group.node('ShaderNodeMath', "from the first value", dict(zip(MATH, (group.given["Scalar"], ramp["lo"]))), operation='SUBTRACT',
@@ -90,7 +90,7 @@ def one_ramp(group, ramp, number):
 
 
 def ramp_group(ramps):
-    """The colour maps by ColorRamps of at most 32 stops, one for each that differs; Ramp, the number of the object's, chooses.
+    """The color maps by ColorRamps of at most 32 stops, one for each that differs; Ramp, the number of the object's, chooses.
     Less exact than the image, but easy to edit. Of classes a stop each, constant from halfway to the class before: exact."""
     group = Group("isoshade ramp", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketFloat', "Ramp", 0.0)],
                   [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])

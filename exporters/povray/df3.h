@@ -6,7 +6,7 @@
  * Ours have a rim of one voxel of edge values: POV-Ray's trilinear lookup puts
  * sample i at i / N and wraps in the last cell. With the rim, and
  *     scale <nx + 2, ny + 2, nz + 2>  translate -1/2
- * the lookup at index coordinates is trilinear between voxel centres (i + 1/2)
+ * the lookup at index coordinates is trilinear between voxel centers (i + 1/2)
  * and clamped to the edge. */
 #ifndef ISO_DF3_H
 #define ISO_DF3_H

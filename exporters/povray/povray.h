@@ -14,8 +14,8 @@
  *
  * Scalars of 8 and 16 bits and linear direction codes (fit, snorm) are stored
  * exactly (8 or 16 bits); what is float is stored in df3_bits over its range. POV-Ray
- * computes colours in float and writes 16 bits: half a step is 7.6e-6 of the
- * brightest possible colour. Alpha comes from a second pass without emission
+ * computes colors in float and writes 16 bits: half a step is 7.6e-6 of the
+ * brightest possible color. Alpha comes from a second pass without emission
  * over white.
  *
  * A 2D transfer function is a DF3 of its rows. A region of interest
@@ -24,7 +24,7 @@
  *
  * Isosurface: instead of the media, the first point of a ray inside the box
  * where the value is at least iso, opaque: C = c(iso) shade(d), A = 1, with the
- * TF's colour c and the shade of the pre-computed direction. The same as
+ * TF's color c and the shade of the pre-computed direction. The same as
  * ISO_QUADRATURE_FIRST_HIT. */
 #ifndef ISO_EXPORT_POVRAY_H
 #define ISO_EXPORT_POVRAY_H

@@ -321,7 +321,7 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
 {
     const iso_roi *f = opt->isosurface ? NULL : view->roi;
     *s = (iso_povray_prepared){.pyramid = p};
-    const iso_tf_2d *tf_2d = opt->isosurface ? NULL : view->tf_2d; /* a surface takes its colour from the view's TF */
+    const iso_tf_2d *tf_2d = opt->isosurface ? NULL : view->tf_2d; /* a surface takes its color from the view's TF */
     iso_status status = tf_2d ? iso_tf_2d_envelope(tf_2d, &s->envelope, err) : ISO_OK;
     if (status == ISO_OK && f && asprintf(&s->roi_name, "%s_roi", name) < 0) {
         s->roi_name = NULL;

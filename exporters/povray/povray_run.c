@@ -240,7 +240,7 @@ static iso_status run_povray(const render_job *job, size_t first, size_t count, 
     return iso_povray_run_program(argv, &options, err);
 }
 
-/* Emission and transmittance to premultiplied colour over the background, and alpha. */
+/* Emission and transmittance to premultiplied color over the background, and alpha. */
 static void compose(iso_image *emission, const iso_image *transmittance, const iso_view *view, double peak)
 {
     for (size_t i = 0; i < emission->width * emission->height; ++i) {

@@ -54,7 +54,7 @@ static void write_header(FILE *f, const iso_povray_scene *s)
         "// Iso_To_World turns and stretches it as the data say, and makes it about %g units across. Scale it as you\n"
         "// like, but not far below 100: POV-Ray works to 0.001 units. Tell Iso_Scale, or it becomes denser or thinner.\n"
         "//\n"
-        "// The colour is emitted and already shaded, from directions computed beforehand: as exported its lights are those\n"
+        "// The color is emitted and already shaded, from directions computed beforehand: as exported its lights are those\n"
         "// of Iso_Lights, not the scene's. With Iso_Scattering = 1 it is lit by the scene's light_sources instead.\n"
         "//\n"
         "// Declare before the #include, or numbers on the command line (Declare=Iso_Intervals=100):\n"

@@ -5,7 +5,7 @@
  * anisotropic, rotated and sheared grids need nothing else. POV-Ray's
  * tolerances are absolute (1e-3 units): where a cutting plane is nearer than that to the
  * face through which a ray enters, a piece of the ray is lost, and the pixel is wrong. So
- * world millimetres are scaled to a box of ISO_POVRAY_UNITS_ACROSS, centred. At 100
+ * world millimeters are scaled to a box of ISO_POVRAY_UNITS_ACROSS, centered. At 100
  * units one pixel in 25600 was lost with 7, 14 or 15 planes, at 10000 none. */
 #ifndef ISO_POVRAY_SCENE_TEXT_H
 #define ISO_POVRAY_SCENE_TEXT_H
@@ -38,7 +38,7 @@ typedef struct iso_povray_scene {
     double max_gradient; /* of the stored scalar, per voxel; for the isosurface */
     iso_vec3 center_mm;  /* world to POV-Ray: (world - center) * units_per_mm */
     double units_per_mm;
-    double peak_extinction, peak_color; /* of the TF: what its tables are divided by; at least 1 for colour */
+    double peak_extinction, peak_color; /* of the TF: what its tables are divided by; at least 1 for color */
     double peak;                        /* no pixel can be brighter */
 } iso_povray_scene;
 

@@ -100,7 +100,7 @@ static void write_to_viewer(FILE *f, const iso_povray_scene *s)
     fprintf(f, "#end\n");
 }
 
-/* sum of intensity |n.h|^p over the sum of the intensities, h = normalise(l + v): n.h = (d.l + d.v) / (|d| sqrt(2 + 2 l.v)). */
+/* sum of intensity |n.h|^p over the sum of the intensities, h = normalize(l + v): n.h = (d.l + d.v) / (|d| sqrt(2 + 2 l.v)). */
 void iso_povray_write_specular(FILE *f, const iso_povray_scene *s)
 {
     fprintf(f, "// Highlights need the direction to the viewer: they belong to this camera, or to Iso_Viewer.\n");
@@ -128,7 +128,7 @@ void iso_povray_write_specular(FILE *f, const iso_povray_scene *s)
             iso_povray_lazily(s, "select(Iso_Opaque(x, y, z), 0, "), iso_povray_lazily(s, ")"));
 }
 
-/* Opaque, in the TF's colour at the value times the shade of the stored
+/* Opaque, in the TF's color at the value times the shade of the stored
  * direction: POV-Ray's own normals are gradients of the trilinear field, which
  * jump from cell to cell. */
 void iso_povray_write_surface(FILE *f, const iso_povray_scene *s)

@@ -111,14 +111,14 @@ static void write_map_of(FILE *f, const iso_povray_scene *s)
             "//\n"
             "//     [Iso_At (VALUE) rgbt <RED, GREEN, BLUE, TRANSPARENCY>]\n"
             "//\n"
-            "// VALUE: of the data, %.9g to %.9g. Colours are linear light, 0 to 1; srgbt takes them as they are displayed.\n"
+            "// VALUE: of the data, %.9g to %.9g. Colors are linear light, 0 to 1; srgbt takes them as they are displayed.\n"
             "// TRANSPARENCY: what is left of light behind Iso_TF_Unit of the material, 0 to 1; 1 is nothing at all.\n"
             "// As long as the map is as it was exported the exact table is used, of %zu entries. A changed one is taken at\n"
             "// 256 places from the lowest value to the highest%s",
             s->name, tf->lo, tf->hi, tf->count, map.are_own ? ".\n" : ".\n// ");
     if (!map.are_own)
         fprintf(f,
-                "These points are fitted to the table, within %.2g in colours and transparency: a change takes them instead.\n",
+                "These points are fitted to the table, within %.2g in colors and transparency: a change takes them instead.\n",
                 map.loss);
     fprintf(f,
             "#macro Iso_At (Value) ((Value - (%.17g)) / %.17g) #end\n"
@@ -152,7 +152,7 @@ void iso_povray_write_map(FILE *f, const iso_povray_scene *s)
 static void write_comparison(FILE *f, const editable_map *map)
 {
     fprintf(f,
-            "// Is the color_map still that of the export? Its points then: position, colour, transparency.\n"
+            "// Is the color_map still that of the export? Its points then: position, color, transparency.\n"
             "#declare Iso_TF_Exported = array[%zu][5] {\n",
             map->count);
     for (size_t i = 0; i < map->count; ++i)

@@ -4,7 +4,7 @@
 
 #include "povray/scene_parts.h"
 
-/* POV-Ray's colours are floats: entries this close to a line, as a part of the peak, make no difference. */
+/* POV-Ray's colors are floats: entries this close to a line, as a part of the peak, make no difference. */
 static const double color_map_tolerance = 6e-8;
 
 static double peak_color(const iso_tf_table *tf)
@@ -23,7 +23,7 @@ double iso_povray_peak(const iso_view *view)
     return peak_color(&view->tf) * (1 + iso_povray_specular_sum(view));
 }
 
-/* Density values above 1 wrap in POV-Ray, and colours above 1 are clipped: both are divided by a peak. */
+/* Density values above 1 wrap in POV-Ray, and colors above 1 are clipped: both are divided by a peak. */
 void iso_povray_measure_peaks(iso_povray_scene *s)
 {
     const iso_tf_table *tf = s->tf;
@@ -198,7 +198,7 @@ void iso_povray_write_transfer_function(FILE *f, const iso_povray_scene *s)
     iso_povray_begin_edited(f, s);
     fprintf(
         f,
-        "// %zu entries from %.9g to %.9g; colours are linear light (assumed_gamma 1). Entries on a straight line are\n"
+        "// %zu entries from %.9g to %.9g; colors are linear light (assumed_gamma 1). Entries on a straight line are\n"
         "// left out; what needs more than the 256 of a color_map is a table in a DF3 file.\n"
         "#declare Iso_Extinction = %.17g / Iso_Scale; // a unit, where Iso_TF_Extinction is 1\n",
         tf->count, tf->lo, tf->hi, s->peak_extinction / s->units_per_mm);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* fields.h - grids of any name in the conventions of the program that will read them: unit of length, axes, class.
  *
- * Inside isoshade the world is in millimetres, right-handed, with z up. A convention takes it to scene units:
+ * Inside isoshade the world is in millimeters, right-handed, with z up. A convention takes it to scene units:
  *
  *     y up:  (x, y, z) -> (x, z, -y)     a rotation by -90 degrees about x: nothing is mirrored
  *
@@ -21,7 +21,7 @@ typedef struct iso_vdb_convention {
     bool y_up;
 } iso_vdb_convention;
 
-/* Millimetres with z up: what isoshade itself has. */
+/* Millimeters with z up: what isoshade itself has. */
 iso_vdb_convention iso_vdb_own_convention(void);
 /* A place of the world in scene units. */
 iso_vec3 iso_vdb_in_scene(const iso_vdb_convention *c, iso_vec3 world_mm);

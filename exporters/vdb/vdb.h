@@ -4,7 +4,7 @@
  * A file holds a float grid "density" (the scalar) and a vec3s grid "gradient"
  * (decoded shading directions, world axes) of one level, and where asked for a
  * float grid "second_value" (tf/tf_2d.h) or "log2_extinction_scale" (fit/extinction_scale.h). The transform puts the
- * centre of voxel (i, j, k) at integer index (i, j, k), as OpenVDB has it: world
+ * center of voxel (i, j, k) at integer index (i, j, k), as OpenVDB has it: world
  * = origin + index_to_world (ijk + 1/2). Where index_to_world is left-handed, as in
  * many scans, x is stored in reverse order and the transform is reversed with it: voxels stay in
  * their place in the world. Blender draws left-handed grids wrong. Several levels in one file are named
@@ -21,7 +21,7 @@
  *
  * Metadata of the file: creator, command, source (the name of what it was made from, without folders) and units. Of a grid:
  * level, value range, directions' meaning, what made it, and the unit of the world (isoshade_unit_mm, isoshade_unit
- * where it has a name), which is the millimetre as a rule.
+ * where it has a name), which is the millimeter as a rule.
  *
  * Files are written leaf by leaf: beside the voxels themselves memory holds a mask a leaf, 30 MB of 512 x 512 x 512. */
 #ifndef ISO_EXPORT_VDB_H

@@ -83,7 +83,7 @@ bool iso_vdb_reverses_x(const iso_geometry *g)
     return iso_mat3_det(g->index_to_world) < 0;
 }
 
-/* Index x becomes size - 1 - x, for a transform from the first voxel's centre. */
+/* Index x becomes size - 1 - x, for a transform from the first voxel's center. */
 static void reverse_x(iso_vdb_source *s)
 {
     s->reversed_x = true;

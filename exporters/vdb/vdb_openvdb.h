@@ -5,7 +5,7 @@
  * OpenVDB and what it stands on take longer to load than all the rest of the program.
  *
  * Transforms are rows of a 3 x 4 matrix that takes OpenVDB's index (integers at
- * the voxels' centres) to world. Private to exporters/vdb. */
+ * the voxels' centers) to world. Private to exporters/vdb. */
 #ifndef ISO_VDB_OPENVDB_H
 #define ISO_VDB_OPENVDB_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* vdb_sparse.h - which voxels of a level a file has to hold, when it is known what the level is shown by.
  *
- * A cell is the cube between eight voxels' centres; within it the scalar is interpolated, so that it takes every value
+ * A cell is the cube between eight voxels' centers; within it the scalar is interpolated, so that it takes every value
  * between the least and the greatest of the eight. A cell is seen where a transfer function has an extinction above 0
  * for any of these; beyond the outermost voxels the edge is repeated. Every reader that interpolates finds in a file of the
  * kept voxels, with the background elsewhere, what it would find in a file of all:

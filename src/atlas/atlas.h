@@ -35,12 +35,12 @@ extern const char *const iso_atlas_names[ISO_ATLAS_WAYS]; /* right, failure, fal
 /* The value, and the unit normal (zero where there is none), at a point of the world. */
 typedef double iso_atlas_field(iso_vec3 world_mm, iso_vec3 *normal);
 
-/* The box is 2 mm along each edge and centred at the origin. */
+/* The box is 2 mm along each edge and centered at the origin. */
 typedef struct iso_atlas_scene {
     iso_atlas_field *field; /* NULL: there is no volume, the case draws something else */
     size_t size[3];         /* voxels */
     double noise;           /* added to the value, uniform in +-noise */
-    size_t values;          /* grey values that [0, 1] is rounded to; 0: none */
+    size_t values;          /* gray values that [0, 1] is rounded to; 0: none */
     bool band;              /* the TF: transparent but for a band lo .. hi; else from a ramp lo .. hi on */
     double lo, hi, extinction_per_mm;
     iso_vec3 forward, light; /* of the camera; towards the light. Zero: from above, aslant */
@@ -74,7 +74,7 @@ extern const size_t iso_atlas_case_count;
 const iso_atlas_case *iso_atlas_find(const char *id); /* NULL: there is none */
 static inline const char *iso_atlas_measure(const iso_atlas_case *c)
 {
-    return c->measure ? c->measure : "RMSE to the right picture, linear colour and opacity from 0 to 1";
+    return c->measure ? c->measure : "RMSE to the right picture, linear color and opacity from 0 to 1";
 }
 
 typedef struct iso_atlas_result {

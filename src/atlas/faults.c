@@ -112,7 +112,7 @@ iso_status iso_atlas_coarse_vectors(const iso_atlas_scene *scene, iso_pyramid *p
 
 /* ---- lambda of Eq. 2 ---- */
 
-/* [diaz-garcia-2017] Eq. 2, for sorted lattice points e.x >= e.y >= e.z >= 0; not normalised, which is only a scale. */
+/* [diaz-garcia-2017] Eq. 2, for sorted lattice points e.x >= e.y >= e.z >= 0; not normalized, which is only a scale. */
 static iso_vec3 equation2(double lambda, iso_vec3 e)
 {
     double t[3] = {1 - e.y / e.x, (e.y - e.z) / e.x, e.z / e.x};
@@ -142,7 +142,7 @@ static iso_vec3 before_equation2(double lambda, iso_vec3 d)
     return iso_v3(1, c + inverse_of_equation2(lambda, hi * v), c);
 }
 
-/* The stored direction nearest to sorted d: odd components up to 255, all lengths, all neighbours of the rounding. */
+/* The stored direction nearest to sorted d: odd components up to 255, all lengths, all neighbors of the rounding. */
 static iso_vec3 nearest_of_48_regions(double lambda, iso_vec3 d)
 {
     const iso_vec3 t = before_equation2(lambda, d);
@@ -187,7 +187,7 @@ iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_
 
 /* ---- bricks ---- */
 
-/* A cut as grey values. Its left half lies in a fine brick, its right half in a coarse one. */
+/* A cut as gray values. Its left half lies in a fine brick, its right half in a coarse one. */
 static iso_status show_cut(const iso_brick_field *f, iso_image *image, double *jump, iso_error *err)
 {
     const double face = (double)f->nodes->brick_voxels, tiny = 1e-7, n = ISO_ATLAS_PIXELS;

@@ -75,7 +75,7 @@ double iso_atlas_block_and_plates(iso_vec3 p, iso_vec3 *n)
     return voxel < 30 ? 115.0 / 255 : in_turn == 1 || in_turn == 2 ? 230.0 / 255 : 0;
 }
 
-/* Two textures of the same mean: on one side grey, on the other black and white in cells of a fine voxel. For 48 voxels. */
+/* Two textures of the same mean: on one side gray, on the other black and white in cells of a fine voxel. For 48 voxels. */
 double iso_atlas_two_textures(iso_vec3 p, iso_vec3 *n)
 {
     const double voxels_per_mm = 24;

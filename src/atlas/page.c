@@ -18,7 +18,7 @@ typedef struct drawing {
     const iso_atlas_page *page;
     const iso_atlas_case *c;
     const iso_atlas_result *r;
-    double largest; /* the top of the difference maps' colours */
+    double largest; /* the top of the difference maps' colors */
     size_t zoom[2]; /* column and row of the zoomed square's corner */
 } drawing;
 
@@ -74,7 +74,7 @@ static void find_zoom(drawing *d)
         }
 }
 
-/* Colours from dark to bright, made linear as images are. */
+/* Colors from dark to bright, made linear as images are. */
 static void paint(double t, float rgba[4])
 {
     static const double stops[5][3] = {{8, 8, 24}, {72, 20, 110}, {176, 44, 104}, {244, 126, 60}, {252, 246, 190}};

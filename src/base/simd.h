@@ -3,7 +3,7 @@
  *
  *     ISO_SIMD void kernel(const float *restrict in, size_t n, float *restrict out) ...
  *
- * Plain C loops that the compiler vectorises for several instruction sets. Products and
+ * Plain C loops that the compiler vectorizes for several instruction sets. Products and
  * sums are never fused (-ffp-contract=off), so that all of them give the same bits. */
 #ifndef ISO_SIMD_H
 #define ISO_SIMD_H

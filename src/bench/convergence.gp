@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# The RMSE against the converged reference by ray step: what falls with the square of the step follows the grey lines.
+# The RMSE against the converged reference by ray step: what falls with the square of the step follows the gray lines.
 # A circle is the error of the limit extrapolated from the two finest steps, a cross its error bar.
 name = 'convergence'
 data = name . '.csv'

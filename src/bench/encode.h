@@ -19,7 +19,7 @@ iso_status iso_bench_encode_holes(bool text, const char *chart_dir, json_t *root
 /* "convexity": how far between voxels the paper's warp leaves the directions it lies between. */
 iso_status iso_bench_encode_convexity(bool text, json_t *root, iso_error *err);
 
-/* "stiffness": the best fit's error between neighbours by its mu. */
+/* "stiffness": the best fit's error between neighbors by its mu. */
 iso_status iso_bench_encode_stiffness(bool text, size_t count, json_t *root, iso_error *err);
 
 /* "coherence": directions whose length is a weight, by code. */

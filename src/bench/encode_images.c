@@ -175,7 +175,7 @@ static iso_status run_volume(images_run *run, const char *path, iso_error *err)
     return status;
 }
 
-static void summarise(const images_run *run, json_t *root)
+static void summarize(const images_run *run, json_t *root)
 {
     json_t *list = json_array();
     if (!run->cli->json)
@@ -207,6 +207,6 @@ iso_status iso_bench_encode_images(const iso_cli *cli, const iso_image_bench *b,
     for (size_t i = 0; i < cli->argument_count && status == ISO_OK; ++i)
         status = run_volume(&run, cli->arguments[i], err);
     if (status == ISO_OK)
-        summarise(&run, root);
+        summarize(&run, root);
     return status;
 }

@@ -100,7 +100,7 @@ iso_status iso_bench_encode_holes(bool text, const char *chart_dir, json_t *root
 
 /* ---- convexity ---- */
 
-/* Within `radius` of centre, uniform. */
+/* Within `radius` of center, uniform. */
 static iso_vec3 random_in_cap(iso_vec3 center, double radius, uint64_t *state)
 {
     for (;;) {
@@ -112,7 +112,7 @@ static iso_vec3 random_in_cap(iso_vec3 center, double radius, uint64_t *state)
     }
 }
 
-/* The lattice vector that decodes to d exactly, on the cube's surface: no quantisation. */
+/* The lattice vector that decodes to d exactly, on the cube's surface: no quantization. */
 static iso_vec3 warp(iso_vec3 d)
 {
     double v[3] = {d.x, d.y, d.z}, e[3];
@@ -174,7 +174,7 @@ iso_status iso_bench_encode_convexity(bool text, json_t *root, iso_error *err)
                         json_pack("{s:{s:f, s:f}, s:{s:f, s:i, s:f, s:f}, s:{s:f, s:f, s:f}}", "counter_example",
                                   "decoded_y_over_x", mean.y / mean.x, "off_arc_deg", off, "triples", "cap_radius_deg",
                                   15.0, "count", TRIPLES, "outside_fraction", fraction, "outside_max_deg", worst,
-                                  "warp_without_quantisation", "apart_deg", 15.0, "mean_error_deg", pair_mean,
+                                  "warp_without_quantization", "apart_deg", 15.0, "mean_error_deg", pair_mean,
                                   "max_error_deg", pair_max));
     if (text)
         printf(

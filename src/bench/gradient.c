@@ -44,7 +44,7 @@ static iso_status sample(iso_field_kind kind, size_t n, double noise, iso_field 
     return status;
 }
 
-/* Over voxels at least MARGIN off the border; of the sphere, as many off its kinks at the centre and at the distance of
+/* Over voxels at least MARGIN off the border; of the sphere, as many off its kinks at the center and at the distance of
  * the faces, so that estimators of a longer reach see what they are made for. */
 static field_errors measure(const iso_field *field, const float *g, size_t n)
 {
@@ -167,7 +167,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &size, 0, "voxels along each axis", "N"},
         {"noise", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &noise, 0,
-         "standard deviation, of the sphere's range of 1 from centre to face", "S"},
+         "standard deviation, of the sphere's range of 1 from center to face", "S"},
         POPT_TABLEEND,
     };
     iso_cli cli;

@@ -280,7 +280,7 @@ iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, is
     return status;
 }
 
-/* Annealing assigns again at each move: it gets the bundles of a coarser grid, as the paper pre-quantised its foot;
+/* Annealing assigns again at each move: it gets the bundles of a coarser grid, as the paper pre-quantized its foot;
  * 6 * 48^2 cells of 1.9 degrees. All are measured on the finer bundles. */
 #define ANNEAL_CELLS 48
 

@@ -71,8 +71,8 @@ static void random_camera(iso_random *r, const iso_geometry *g, iso_camera *c)
     c->position = iso_madd(iso_geometry_box_center_mm(g), c->forward, -(c->orthographic ? 3 * radius : 4.2 * radius));
 }
 
-/* Five colours and extinctions, linear between them. Bright: thrice as dense, so that highlights are not diluted. Sharp:
- * nothing below a random entry, half an opacity or more a millimetre from it on. */
+/* Five colors and extinctions, linear between them. Bright: thrice as dense, so that highlights are not diluted. Sharp:
+ * nothing below a random entry, half an opacity or more a millimeter from it on. */
 static iso_status random_tf(iso_random *r, const iso_level *level, iso_power_kind kind, iso_tf_table *tf,
                             iso_error *err)
 {

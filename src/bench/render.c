@@ -187,7 +187,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"processor-time", 0, POPT_ARG_NONE, &opt.processor_time, 0,
          "of all cores instead of the clock's: software GL on a busy machine", NULL},
         {"transition", 0, POPT_ARG_STRING, &opt.transition, 0,
-         "with --bricks, one alone: discontinuous, baked, centres-discontinuous, paper or paper-corrected", "NAME"},
+         "with --bricks, one alone: discontinuous, baked, centers-discontinuous, paper or paper-corrected", "NAME"},
         {"output", 'o', POPT_ARG_STRING, &opt.picture, 0, "with --transition: the shaded image", "FILE.png"},
         {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "instead: bricks of two levels against one texture", "VOXELS"},
         ISO_CLI_INPUT_OPTIONS(&opt.input),

@@ -23,9 +23,9 @@ typedef enum bench_texture {
     TEXTURE_COUNT
 } bench_texture;
 static const char *const texture_names[TEXTURE_COUNT] = {"uniform",     "bricks-own", "bricks-baked",
-                                                         "centres-own", "paper",      "paper-corrected"};
+                                                         "centers-own", "paper",      "paper-corrected"};
 /* What --transition calls them. */
-static const char *const transition_names[TEXTURE_COUNT] = {NULL,    "discontinuous",  "baked", "centres-discontinuous",
+static const char *const transition_names[TEXTURE_COUNT] = {NULL,    "discontinuous",  "baked", "centers-discontinuous",
                                                             "paper", "paper-corrected"};
 static const iso_warp_mode warp_modes[TEXTURE_COUNT] = {
     [TEXTURE_PAPER] = ISO_WARP_WRITTEN, [TEXTURE_PAPER_CORRECTED] = ISO_WARP_CORRECTED};
@@ -133,7 +133,7 @@ static iso_status measure_textures(iso_gl *gl, const bench_fields *fields, const
 static void print_ratios(const double s[TEXTURE_COUNT])
 {
     printf(
-        "  smooth / discontinuous %.3f (baked / bricks-own); paper %.2f, corrected %.2f (to centres-own); bricks / uniform %.3f\n",
+        "  smooth / discontinuous %.3f (baked / bricks-own); paper %.2f, corrected %.2f (to centers-own); bricks / uniform %.3f\n",
         s[TEXTURE_BAKED] / s[TEXTURE_OWN], s[TEXTURE_PAPER] / s[TEXTURE_CENTERS_OWN],
         s[TEXTURE_PAPER_CORRECTED] / s[TEXTURE_CENTERS_OWN], s[TEXTURE_BAKED] / s[TEXTURE_UNIFORM]);
 }
@@ -295,7 +295,7 @@ static iso_status check_transition(const char *name, iso_error *err)
         known = known || strcmp(name, transition_names[t]) == 0;
     return known ? ISO_OK
                  : iso_fail(err, ISO_E_USAGE,
-                            "--transition is \"%s\", wanted discontinuous, baked, centres-discontinuous, "
+                            "--transition is \"%s\", wanted discontinuous, baked, centers-discontinuous, "
                             "paper or paper-corrected",
                             name);
 }

@@ -13,7 +13,7 @@
 #include "options/look.h"
 #include "image/image.h"
 
-/* What a point emits and absorbs over one level-0 voxel, unshaded: premultiplied colour and opacity. */
+/* What a point emits and absorbs over one level-0 voxel, unshaded: premultiplied color and opacity. */
 static void emit(const iso_roi_setup *s, const iso_sampler *at, iso_vec3 index, const iso_tf_table *tf, double weight,
                  double e[4])
 {
@@ -153,7 +153,7 @@ iso_status iso_roi_make_view(const iso_scene *scene, const iso_pyramid *p, iso_v
     return iso_scene_resolve(&along, g, p->levels[0].min, p->levels[0].max, view, err);
 }
 
-/* RMS over the rows between of the difference of two neighbouring columns, of colour. */
+/* RMS over the rows between of the difference of two neighboring columns, of color. */
 static double column_step(const iso_image *image, size_t column, size_t row0, size_t row1)
 {
     squares q = {0};
@@ -376,7 +376,7 @@ const iso_command iso_bench_roi = {
     .max_arguments = 1,
     .usage = "VOLUME [--scene SCENE.scene.json] [options]",
     .details =
-        "Differences of what a point emits and absorbs over one voxel of level 0 (colour and opacity). step: across the faces\n"
+        "Differences of what a point emits and absorbs over one voxel of level 0 (color and opacity). step: across the faces\n"
         "of the box and of its band (rms and largest). own: of the finest level over one voxel there, for comparison.\n"
         "levels: between the two levels at the same place (rms). tone: between the means of the two levels. image: between the\n"
         "pixels on both sides of the box's faces, seen along them. 1-SSIM and RMSE compare the whole image with level 0.",

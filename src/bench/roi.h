@@ -19,7 +19,7 @@ iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t l
                                 iso_error *err);
 void iso_roi_setup_destroy(iso_roi_setup *s);
 
-/* Distances of (premultiplied colour, opacity) over one level-0 voxel, unshaded, on the faces of the box and of its band. */
+/* Distances of (premultiplied color, opacity) over one level-0 voxel, unshaded, on the faces of the box and of its band. */
 typedef struct iso_roi_step {
     double rms, largest; /* between the limits from both sides */
     double own;          /* rms: the finer level, half a voxel to either side of the box's faces */
@@ -32,7 +32,7 @@ iso_roi_step iso_roi_measure_step(const iso_roi_setup *s, const iso_roi *roi, co
 /* Along -z, orthographic, ISO_ROI_PIXELS pixels a voxel. ISO_E_RANGE: a turned grid. */
 #define ISO_ROI_PIXELS 2
 iso_status iso_roi_make_view(const iso_scene *scene, const iso_pyramid *p, iso_view *view, iso_error *err);
-/* RMS of the colour's difference between the pixels on both sides of the box's faces in x, in such an image. */
+/* RMS of the color's difference between the pixels on both sides of the box's faces in x, in such an image. */
 double iso_roi_image_step(const iso_image *image, const iso_pyramid *p, const iso_roi_options *box);
 
 #endif

@@ -28,11 +28,11 @@ static const size_t sizes[MOST_SIZES][3] = {{64, 64, 64},    {128, 128, 128},   
                                             {512, 512, 512}, {1024, 1024, 1024}, {2048, 2048, 1024}};
 
 /* What the volumes hold. Shells are as thick in parts of the box at each size, so that a larger volume has more voxels that
- * equal their neighbours; grain has the same statistics around each voxel whatever the size. */
+ * equal their neighbors; grain has the same statistics around each voxel whatever the size. */
 static const struct content {
     const char *name, *summary, *make;
 } contents[] = {
-    {"shells", "two thin shells: the larger, the more voxels are like their neighbours", "make shells"},
+    {"shells", "two thin shells: the larger, the more voxels are like their neighbors", "make shells"},
     {"grain", "noise in each voxel: around a voxel all sizes are alike", "make constant --grain 0.1"},
 };
 static const iso_names content_names = ISO_NAMES_OF_ROWS("content", contents);
@@ -441,7 +441,7 @@ const iso_command iso_bench_scale = {
     .usage = "[options]",
     .details =
         "Each command runs in a process of its own, on volumes of 8 bits. Shells are as thick in parts of the box at each\n"
-        "size, so that a larger volume has more voxels that equal their neighbours; grain is alike around each voxel.\n"
+        "size, so that a larger volume has more voxels that equal their neighbors; grain is alike around each voxel.\n"
         "The slope is that of the logarithm of processor time, less what a process costs with 16^3 voxels, by that of the\n"
         "number of voxels: 1 where time grows as the volume does. Sizes of whose time a process costs more than a tenth are\n"
         "not in it. What does not fit into memory or on the disk is left out, and says so.",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* seams.c - how far neighbouring bricks of mixed resolution disagree on their faces, by scheme. */
+/* seams.c - how far neighboring bricks of mixed resolution disagree on their faces, by scheme. */
 #include "base/random.h"
 #include "bench/bench.h"
 
@@ -15,10 +15,10 @@
 enum { BRICK = 8, SIDE = 3, VOXELS = BRICK * SIDE };
 
 typedef enum scheme { OWN_NODES, BAKED, OWN_CENTERS, PAPER_WRITTEN, PAPER_CORRECTED, SCHEME_COUNT } scheme;
-static const char *const scheme_names[SCHEME_COUNT] = {"nodes-own", "nodes-baked", "centres-own", "paper-written",
+static const char *const scheme_names[SCHEME_COUNT] = {"nodes-own", "nodes-baked", "centers-own", "paper-written",
                                                        "paper-corrected"};
 
-/* White noise, in bricks whose nodes are the samples and in bricks whose centres are. */
+/* White noise, in bricks whose nodes are the samples and in bricks whose centers are. */
 typedef struct seams {
     float *noise;
     iso_node_levels nodes;
@@ -201,7 +201,7 @@ const iso_command iso_bench_seams = {
     .usage = "[options]",
     .details =
         "White noise in 3 x 3 x 3 bricks of 8, random layouts of two levels. Jumps are parts of the range. The picture\n"
-        "is a plane across an edge where fine and coarse bricks meet: centres-own, paper-written, paper-corrected,\n"
+        "is a plane across an edge where fine and coarse bricks meet: centers-own, paper-written, paper-corrected,\n"
         "nodes-baked.",
     .examples = "  isoshade bench seams --layouts 5 -o seams.png\n",
     .run = run,

@@ -21,7 +21,7 @@ set lmargin 0.8 * longest
 set tmargin 3.8
 place(r) = (sum [i = 1:count] (word(rows, i) eq r ? i : 0))
 offset(k) = 0.8 * ((k - 0.5) / series - 0.5)
-# A colour a renderer, a shape a gate.
+# A color a renderer, a shape a gate.
 shape(g) = strstrt(g, 'lock-step') > 0 ? 5 : strstrt(g, 'limit') > 0 ? 7 : 13
 set errorbars 0.5
 set logscale x

@@ -204,7 +204,7 @@ iso_status iso_shading_measure(const iso_shading_subject *s, const iso_shading_s
     return status == ISO_OK ? measure_angles(s, shown->level, shown->k, shown->code, shown->source, e, err) : status;
 }
 
-/* The level's scalar on the grid of level 0, so that one texture coordinate serves both: at fine centres it is exact, and
+/* The level's scalar on the grid of level 0, so that one texture coordinate serves both: at fine centers it is exact, and
  * linear between them. */
 iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *level0, const iso_level *level, size_t k,
                              iso_code code, iso_shading_error *e, iso_error *err)

@@ -40,7 +40,7 @@ typedef struct summary {
     size_t truth_cases;
 } summary;
 
-static summary summarise(const iso_shading_run *run, iso_shading_block b, size_t k, int m)
+static summary summarize(const iso_shading_run *run, iso_shading_block b, size_t k, int m)
 {
     summary s = {0};
     double ratios[ISO_SHADING_SUBJECTS];
@@ -96,7 +96,7 @@ static void report_method(const iso_shading_run *run, iso_shading_block b, int m
     columns text = {"", "", "", ""};
     size_t better = 0, images = 0, levels_better = 0, cases = 0;
     for (size_t k = 1; k < (size_t)run->levels; ++k) {
-        const summary s = summarise(run, b, k, m);
+        const summary s = summarize(run, b, k, m);
         add(text.means, sizeof text.means, " %6.3f", s.ratios.geometric_mean, 0, 0);
         add(text.medians, sizeof text.medians, " %.3f (%.3f-%.3f)", s.ratios.median, s.ratios.lower, s.ratios.upper);
         add(text.angles, sizeof text.angles, " %5.1f", s.angle, 0, 0);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* bricks.h - mixed resolution without seams: bricks whose faces pass through samples.
  *
- * Nodes are the voxel centres of level 0: node q stands at index q + 1/2. Brick b
+ * Nodes are the voxel centers of level 0: node q stands at index q + 1/2. Brick b
  * of n voxels a side spans the nodes n b .. n (b + 1), the faces' shared by its
- * neighbours. Level l has its nodes at every 2^l-th node of level 0, made by the
+ * neighbors. Level l has its nodes at every 2^l-th node of level 0, made by the
  * filter of iso_node_filter from level to level, so that a brick holds (n / 2^l + 1)^3:
  *
  *     level 0   o-o-o-o-o-o-o-o-o       n = 8: 9 nodes
@@ -25,7 +25,7 @@
  * the nodes that the volume has. Four channels a node: the scalar, and the direction d
  * (world axes) of the moments N = sum w m^2 d, S = sum w m^2 of the gradients
  * m d of level 0: d = N/|N| L^2, L = |N| / S, as in pyramid.h with the weights w
- * of the filter. Directions are baked like the scalar, and not normalised before
+ * of the filter. Directions are baked like the scalar, and not normalized before
  * they are interpolated. */
 #ifndef ISO_BRICKS_H
 #define ISO_BRICKS_H

@@ -45,7 +45,7 @@ typedef struct iso_lattice {
     size_t level;
     long first[3];         /* of its nodes, counted in nodes of the level from node (0, 0, 0); may be -1 */
     size_t size[3];        /* the box of the active nodes */
-    iso_geometry geometry; /* its voxels have the nodes as centres; the box is all of them */
+    iso_geometry geometry; /* its voxels have the nodes as centers; the box is all of them */
     long corner[3];        /* the first node of the first block: multiples of ISO_LATTICE_SIDE */
     size_t block_count[3];
     iso_lattice_block **blocks;       /* owned, x fastest; NULL where no node is active */

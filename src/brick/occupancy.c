@@ -100,8 +100,8 @@ bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, d
     return next[from] <= to;
 }
 
-/* The chessboard distance is the least over the 26 neighbours plus one: exact after a forward and a backward sweep,
- * each over the neighbours that it has visited [rosenfeld-1968]. */
+/* The chessboard distance is the least over the 26 neighbors plus one: exact after a forward and a backward sweep,
+ * each over the neighbors that it has visited [rosenfeld-1968]. */
 static void sweep(const size_t count[3], uint8_t *distance, int direction)
 {
     size_t n = count[0] * count[1] * count[2];
@@ -109,7 +109,7 @@ static void sweep(const size_t count[3], uint8_t *distance, int direction)
         size_t i = direction > 0 ? j : n - 1 - j;
         long x = (long)(i % count[0]), y = (long)(i / count[0] % count[1]), z = (long)(i / (count[0] * count[1]));
         int least = distance[i];
-        for (int o = 0; o < 13; ++o) { /* the half of the neighbours that was visited before */
+        for (int o = 0; o < 13; ++o) { /* the half of the neighbors that was visited before */
             long dx = o % 3 - 1, dy = o / 3 % 3 - 1, dz = o / 9 - 1;
             long qx = x + direction * dx, qy = y + direction * dy, qz = z + direction * dz;
             if (qx < 0 || qy < 0 || qz < 0 || qx >= (long)count[0] || qy >= (long)count[1] || qz >= (long)count[2])

@@ -6,7 +6,7 @@
  * n b - 1 to n (b + 1), so that a position that rounding puts on the wrong side
  * of a brick's face still finds its values in the range.
  *
- *     voxels   |  o  |  o  |  o  |  o  |  o  |  o  |       o  centre
+ *     voxels   |  o  |  o  |  o  |  o  |  o  |  o  |       o  center
  *     brick          [=======================]             n = 4
  *     range       o-----o-----o-----o-----o-----o          n + 2 voxels
  *

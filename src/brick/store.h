@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* store.h - the baked nodes of the bricks that are drawn, kept from one plan to the next.
  *
- * What a brick holds depends on its own level and, on its faces, on those of its up to 26 neighbours that are or were
+ * What a brick holds depends on its own level and, on its faces, on those of its up to 26 neighbors that are or were
  * coarser than it: a face node takes values of the coarsest brick that it touches, which interpolates them among nodes
  * of the same face, edge or corner, so that nothing further away matters. An update therefore bakes the bricks that are
  * new or of another level and those beside a brick whose level changed, and leaves the others as they are: the store is

@@ -75,7 +75,7 @@ static const float *sample_coarse(const iso_warp_field *f, const size_t brick[3]
     return coarse_at(f, at);
 }
 
-/* ---- neighbours ---------------------------------------------------------------- */
+/* ---- neighbors ---------------------------------------------------------------- */
 
 static bool is_coarse(const iso_warp_field *f, const size_t brick[3], const int step[3])
 {
@@ -130,7 +130,7 @@ static const float *sample_fixed_up(const iso_warp_field *f, const size_t brick[
         long first = (long)(brick[a] * f->brick_voxels), last = first + (long)f->brick_voxels - 1;
         step[a] = at[a] < first ? -1 : at[a] > last;
         inside = inside && step[a] == 0;
-        /* The voxel's centre is at + 1/2: even positions nearest to it; outside, the one on the face. */
+        /* The voxel's center is at + 1/2: even positions nearest to it; outside, the one on the face. */
         nearest[a] = step[a] < 0 ? first / 2 : step[a] > 0 ? (last + 1) / 2 : (at[a] + 1) / 2;
     }
     if (inside || !adjoins_coarse(f, brick, step))

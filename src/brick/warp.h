@@ -3,11 +3,11 @@
  * has them, and corrected. For comparison with brick/bricks.h. Where they fetch is
  * defined once, in brick/warp_map.h, for this module and for the shaders.
  *
- * Two levels. Fine samples are the voxel centres i + 1/2, coarse ones stand half-way
+ * Two levels. Fine samples are the voxel centers i + 1/2, coarse ones stand half-way
  * between them, at even positions 2 j (the mean of the eight voxels around), so that
  * the faces of bricks pass through coarse samples. In a coarse brick the function is
  * trilinear among coarse samples; in a fine brick among fine ones, except within half
- * a voxel of a coarse neighbour:
+ * a voxel of a coarse neighbor:
  *
  *     fine     o-----o-----o-----o      depth v = 0
  *             /       \   / \     \     trapezoids over coarse cells, Eq. 6, 7;
@@ -68,7 +68,7 @@ static inline size_t iso_warp_bricks(const iso_warp_field *f, int axis)
     return f->size[axis] / f->brick_voxels;
 }
 
-/* A bit for each coarse neighbour (iso_warp_bit of warp_map.h); none for a brick that is coarse itself. */
+/* A bit for each coarse neighbor (iso_warp_bit of warp_map.h); none for a brick that is coarse itself. */
 unsigned iso_warp_neighbors(const iso_warp_field *f, const size_t brick[3]);
 
 /* The samples of a brick as a cache holds them: fine bricks have side + 2 voxels along each axis, whose border is that

@@ -11,11 +11,11 @@
  *     ISO_WARP_NEAR        the least 1/2 - v: a few of its type's steps
  *
  * Places are voxels from a brick's low corner, 0 .. side: fine samples at i + 1/2,
- * coarse ones at 2 j. `coarse` has a bit for each of the 26 neighbours that is
+ * coarse ones at 2 j. `coarse` has a bit for each of the 26 neighbors that is
  * coarse, iso_warp_bit(). The value at p is
  *     (1 - part) F(top) + part C(foot)
  * with F trilinear among the brick's own samples and their border, as written
- * fixed up, and C among the samples of the coarse neighbour at `step`. */
+ * fixed up, and C among the samples of the coarse neighbor at `step`. */
 #ifndef __STDC__ /* GLSL */
 #ifndef ISO_REAL
 #define ISO_REAL float
@@ -39,9 +39,9 @@ typedef struct iso_warp_fetch iso_warp_fetch;
 #define ISO_TRANSITION_WRITTEN 1
 #define ISO_TRANSITION_CORRECTED 2
 
-/* The coarse neighbour whose primitive holds a point, and how deep the point is in it. */
+/* The coarse neighbor whose primitive holds a point, and how deep the point is in it. */
 struct iso_warp_primitive {
-    ISO_VEC3 step;  /* towards the neighbour, each -1, 0 or 1 */
+    ISO_VEC3 step;  /* towards the neighbor, each -1, 0 or 1 */
     ISO_REAL depth; /* v, at most 1/2; 0: in none */
     int axes;       /* across it: 1 face, 2 edge, 3 corner */
 };

@@ -95,7 +95,7 @@ void iso_chart_describe(const iso_chart_case *c, char *text, size_t size);
 void iso_chart_name_shading(const iso_chart_case *c, char *text, size_t size);
 /* "original", "adapted", "deviation" or "gradient" (2D transfer functions) */
 const char *iso_chart_name_tf(const iso_chart_case *c);
-/* What has one colour in the chart. */
+/* What has one color in the chart. */
 void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size);
 
 #endif

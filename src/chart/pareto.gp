@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Image error against time and against bytes. A kind of gradients has one colour and shape, a level one size, the front is a
-# staircase whose corners are named below, but for those that are hardly better than a cheaper one. Restyle in style.gp: fonts, colours, shapes (linetype 1, 2 ...), sizes.
+# Image error against time and against bytes. A kind of gradients has one color and shape, a level one size, the front is a
+# staircase whose corners are named below, but for those that are hardly better than a cheaper one. Restyle in style.gp: fonts, colors, shapes (linetype 1, 2 ...), sizes.
 name = 'pareto'
 data = name . '.csv'
 set datafile separator comma

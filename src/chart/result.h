@@ -3,7 +3,7 @@
  *
  *     DIR/pareto.svg, .pdf   error against time and against bytes, with the fronts
  *         pareto.csv         a line a setting: all that is drawn, and the command that renders it again
- *         pareto.gp          draws the CSV; style.gp: fonts, colours, shapes
+ *         pareto.gp          draws the CSV; style.gp: fonts, colors, shapes
  *         chart.json         the same as data (schema isoshade.chart/2), with what was not tried
  *         index.html         the same as a page, with a picture of each setting
  *         reference.exr      what errors are measured against; of several scenes reference-SCENE.exr

@@ -414,7 +414,7 @@ const iso_command iso_command_export = {
     .usage = "VOLUME|PYRAMID.iso --to TARGET -o PATH [options]",
     .details =
         "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
-        "it opens; colour map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
+        "it opens; color map packed, the grids beside it by relative paths, levels switched by a property; doc/blender.md.\n"
         "Its material is exact, or physical: lit by lamps and world, with shadows; a property switches.\n"
         "vdb with --bake, or --for PROGRAM: extinction and color for other programs, and what that changes in the picture, by\n"
         "the scene, as every --to has it; doc/openvdb.md. (build --for SCENE is another thing: levels made for a scene.)\n"

@@ -71,7 +71,7 @@ static iso_status parse_center(const char *text, iso_vec3 *center, iso_error *er
     return ISO_OK;
 }
 
-/* The box's centre stays at the world's origin, or at --center. */
+/* The box's center stays at the world's origin, or at --center. */
 static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_error *err)
 {
     size_t size[3];
@@ -217,7 +217,7 @@ const iso_command iso_command_make = {
     .max_arguments = 1,
     .usage = "KIND --size NXxNYxNZ -o FILE.nrrd [options]",
     .details = "Kinds, in coordinates that run from -1 to 1 along the shortest edge of the box:\n" ISO_FIELD_LIST(
-        KIND_LINE) "Integer types use their whole range. The box is centred at the world's origin.\n"
+        KIND_LINE) "Integer types use their whole range. The box is centered at the world's origin.\n"
                    "What is known of the values is so without --grain.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade make sphere --size 48 --type float --rotate 1,2,3,30 -o sphere.nrrd\n"

@@ -231,7 +231,7 @@ static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, is
     if (a->resume)
         iso_report_put(v->report, "work", "pictures_taken",
                        json_integer((json_int_t)iso_picture_store_taken(v->renderers.store)));
-    const iso_report_summary summary = iso_report_summarise(v->report);
+    const iso_report_summary summary = iso_report_summarize(v->report);
     const iso_levels_summary levels = iso_levels_summarize(iso_report_json(v->report));
     iso_progress_line_begin_phase(v->line, "report");
     iso_progress_report(v->progress, "report", 0);

@@ -131,7 +131,7 @@ static iso_status mean_pair(const iso_image *images, size_t seeds, iso_image *co
 }
 
 /* The mean square error of the mean, over pixels and all four channels (the alpha of a picture may be noisier than its
- * colours, where volume and background are alike), and how well n images tell it: a variance from n samples has a
+ * colors, where volume and background are alike), and how well n images tell it: a variance from n samples has a
  * variance of 2 / (n - 1) times its square; the channels of a pixel err together. */
 static iso_extrapolated_noise noise_of_mean(const iso_image *images, size_t n, const iso_image *mean)
 {

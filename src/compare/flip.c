@@ -97,7 +97,7 @@ static double hyab(const double a[3], const double b[3])
     return fabs(a[0] - b[0]) + hypot(a[1] - b[1], a[2] - b[2]);
 }
 
-/* The largest colour difference in the gamut: green against blue. */
+/* The largest color difference in the gamut: green against blue. */
 static double largest_color_difference(void)
 {
     double green[3], blue[3];
@@ -168,7 +168,7 @@ static double gaussian(double factor, size_t radius, double *taps)
     return sum;
 }
 
-/* The eye's filter of one channel (sec. 4.1.1), normalised to keep a constant. */
+/* The eye's filter of one channel (sec. 4.1.1), normalized to keep a constant. */
 static void filter_channel(const double *in, const planes *size, int channel, double ppd, size_t radius,
                            double *scratch, double *out)
 {
@@ -292,7 +292,7 @@ static iso_status perceive(const iso_image *image, double ppd, double scale, boo
     return iso_fail(err, ISO_E_MEMORY, "FLIP: no memory for %zu pixels", count);
 }
 
-/* Colour difference raised to 1 - feature difference (Eq. 7): what is kept of map is the larger. */
+/* Color difference raised to 1 - feature difference (Eq. 7): what is kept of map is the larger. */
 static void combine(const percept *a, const percept *b, size_t count, float *map)
 {
     double largest = largest_color_difference();

@@ -2,7 +2,7 @@
 /* flip.h - the difference that a person sees when two images alternate.
  *
  * LDR: [andersson-2020]. HDR: [andersson-2021].
- * Colours are linear; alpha is not looked at. Borders repeat the edge pixel.
+ * Colors are linear; alpha is not looked at. Borders repeat the edge pixel.
  * Values lie in [0, 1]: 0 where nobody sees a difference. Symmetric in the two
  * images (LDR); HDR takes its exposures from the first, the reference.
  * Threads do not change the result. */
@@ -14,7 +14,7 @@
 /* The paper's observer: 0.7 m from a screen 0.7 m and 3840 pixels wide, 67 pixels a degree. */
 #define ISO_FLIP_PIXELS_PER_DEGREE (3840 * 3.14159265358979323846 / 180)
 
-/* width * height values to map; colours are clipped to [0, 1].
+/* width * height values to map; colors are clipped to [0, 1].
  * ISO_E_RANGE: empty, different sizes, fewer than 1 pixel a degree; ISO_E_MEMORY. */
 iso_status iso_flip_ldr(const iso_image *a, const iso_image *b, double pixels_per_degree, float *map, iso_error *err);
 
@@ -24,7 +24,7 @@ iso_status iso_flip_exposures(const iso_image *reference, double *start, double 
 
 /* The largest LDR value over exposures from the one that keeps the reference's
  * brightest pixel to the one that lifts its median, both to 0.85 of the display
- * after the ACES tone curve. Non-finite or negative colours count as 0. */
+ * after the ACES tone curve. Non-finite or negative colors count as 0. */
 iso_status iso_flip_hdr(const iso_image *reference, const iso_image *b, double pixels_per_degree, float *map,
                         iso_error *err);
 

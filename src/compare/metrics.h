@@ -2,7 +2,7 @@
 /* metrics.h - how far two images are apart.
  *
  * On RGB in linear light and alpha, over all pixels. FLIP and SSIM are taken on
- * what people see: sRGB of the colours clipped to [0, 1].
+ * what people see: sRGB of the colors clipped to [0, 1].
  *   SSIM  [wang-2004]: luma, Gaussian window 11x11, sigma 1.5, K = .01, .03.
  *   FLIP  [andersson-2020] (LDR), at 67 pixels a degree.
  * A comparison with a non-finite pixel, of different sizes or of pictures that begin elsewhere, fails. */
@@ -32,7 +32,7 @@ bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances);
 /* Keys: rmse, max_abs, p99_abs, psnr_db, ssim, flip_mean, nonfinite_count. */
 json_t *iso_metrics_to_json(const iso_metrics *m);
 
-/* |a - b| of the colours, scaled: an image to look at. scale 0: the largest difference becomes 1. */
+/* |a - b| of the colors, scaled: an image to look at. scale 0: the largest difference becomes 1. */
 iso_status iso_image_difference(const iso_image *a, const iso_image *b, double scale, iso_image *out, iso_error *err);
 
 #endif

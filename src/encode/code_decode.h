@@ -42,7 +42,7 @@
 /* Codes that keep the direction alone have |d| = 1 at every defined voxel, and
  * |d| falls to 0 only where filtering meets undefined voxels or opposite
  * directions: |d| = slope (|e| - zero), at most 1. "zero" is the length of the
- * eight codes round the centre of the unsigned lattice, one of which,
+ * eight codes round the center of the unsigned lattice, one of which,
  * (128,128,128), stands for "undefined" (0,0,0 does on the signed one).
  * Encoders emit no other vector shorter than 1/3: its multiples, odd ones on
  * the unsigned lattice, have the same direction. */
@@ -83,7 +83,7 @@ ISO_FUNCTION ISO_REAL iso_decode_pick(ISO_REAL component, ISO_REAL high, ISO_REA
 
 /* [diaz-garcia-2017] section 4.2: the region is the order and the signs of the
  * components; the cube-dot (a, b, c) / a of the sorted ones is
- * u (1,0,0) + v (1,1,0) + w (1,1,1); Eq. 2 moves (u, v, w). Its normalisation
+ * u (1,0,0) + v (1,1,0) + w (1,1,1); Eq. 2 moves (u, v, w). Its normalization
  * is only a scale of the vector, which the last step undoes anyway. */
 ISO_FUNCTION ISO_VEC3 iso_decode_region48(ISO_VEC3 e)
 {

@@ -123,7 +123,7 @@ static void keep_if_worst(workspace *w, const probe *p)
         w->worst[least] = *p;
 }
 
-/* Each of the worst moves to the worst of its neighbours, within a reach that shrinks. */
+/* Each of the worst moves to the worst of its neighbors, within a reach that shrinks. */
 static void climb(const iso_scheme *scheme, const iso_code_error_options *opt, workspace *w, uint64_t *state)
 {
     enum { NEIGHBORS = BATCH / CLIMBERS };

@@ -2,7 +2,7 @@
 /* code_error.h - how far off a direction code is, at voxels and between them.
  *
  * A probe is what a filter does along one axis: directions a and b at two
- * neighbouring voxels are encoded, their lattice vectors are mixed with weights
+ * neighboring voxels are encoded, their lattice vectors are mixed with weights
  * 1 - t and t and decoded. The truth is a and b themselves, mixed alike. At a
  * voxel t = 0. Means are over random directions (and t uniform in [0, 1]); the
  * maximum starts from the worst of those and climbs from there, so it is

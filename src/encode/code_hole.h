@@ -9,7 +9,7 @@
 
 /* *how says what the figure is:
  *   exact    branch and bound over all directions that the code holds
- *   circles  the biggest circle round the triangles of neighbouring codes: a bound (oct24)
+ *   circles  the biggest circle round the triangles of neighboring codes: a bound (oct24)
  *   bound    closed form, of the rounding (snorm, half)
  * tolerance_deg: of the exact ones. ISO_E_MEMORY. */
 iso_status iso_code_hole(iso_code code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err);

@@ -18,7 +18,7 @@ typedef struct vec3f {
 
 #define SIMD static inline __attribute__((always_inline)) void
 
-/* One loop a decoder, so that each vectorises. */
+/* One loop a decoder, so that each vectorizes. */
 SIMD decode_loop(int decoder, const float *restrict lattice, float *restrict directions, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {

@@ -85,7 +85,7 @@ iso_vec3 iso_region48_transform(iso_vec3 U)
 
 /* Odd (a, b, c), a >= b >= c > 0, whose decoded direction is nearest to the
  * sorted unit vector d. Lengths up to 1/3 add no direction: three times the
- * vector is on the lattice too. At each length all neighbours of the rounding
+ * vector is on the lattice too. At each length all neighbors of the rounding
  * are tried. */
 static iso_vec3 region48_search(iso_vec3 d)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* fit_rows.c - the codes "fit" and "snorm", over rows of components: plain C that the
- * compiler vectorises for each instruction set, the same bytes from all. */
+ * compiler vectorizes for each instruction set, the same bytes from all. */
 #include "encode/fit_rows.h"
 
 #include <math.h>
@@ -34,7 +34,7 @@ INLINE float best_candidate(float b, float c, float b_step, float c_step, float 
 }
 
 /* The three bytes of one direction in a word. The shorter it is, the less its
- * direction is worth, since neighbours then differ: mu grows (fit.h). */
+ * direction is worth, since neighbors then differ: mu grows (fit.h). */
 INLINE uint32_t fit_word(float x, float y, float z)
 {
     const float length = sqrtf(x * x + y * y + z * z), ax = fabsf(x), ay = fabsf(y), az = fabsf(z);

@@ -10,7 +10,7 @@
  * only moves it away; so one chamber is enough.
  *
  * Exact by branch and bound: the distance to the nearest member changes by no
- * more than the way one goes, so a triangle of directions with centre q and
+ * more than the way one goes, so a triangle of directions with center q and
  * radius rho holds none above distance(q) + rho. Triangles are cut in four
  * until this is below the largest distance found plus the tolerance. The result
  * lies below the supremum by the tolerance at most, and is attained. */

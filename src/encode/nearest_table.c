@@ -11,7 +11,7 @@
 #include "encode/simd.h"
 
 enum { CELLS = 640, CANDIDATES = 256 };
-/* Of an entry's place: 3e-6 degrees, thousands of them in the distance of neighbours. Entries reach five cells. */
+/* Of an entry's place: 3e-6 degrees, thousands of them in the distance of neighbors. Entries reach five cells. */
 #define STEP (5.0 / CELLS / 32767)
 
 /* ---- what codes decode to ---- */

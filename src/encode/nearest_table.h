@@ -18,7 +18,7 @@
 
 /* Eight codes, a line of the cache. */
 typedef struct iso_nearest_block {
-    int16_t y[8], z[8]; /* of the decoded (y, z) / x, from the cell's centre, in small steps */
+    int16_t y[8], z[8]; /* of the decoded (y, z) / x, from the cell's center, in small steps */
     uint8_t size[3][8]; /* the code's |components|, largest first: odd, in 255ths */
     uint8_t none[8];
 } iso_nearest_block;

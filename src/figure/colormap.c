@@ -7,7 +7,7 @@
  * cividis' first colors. They are measurements of color, facts, not program text:
  *   viridis, magma   S. van der Walt, N. Smith, matplotlib 2015, CC0
  *   cividis          J. Nunez, C. Anderton, R. Renslow, PLoS ONE 13(7) 2018, CC0
- *   batlow           F. Crameri, Scientific colour maps, doi:10.5281/zenodo.1243862, MIT */
+ *   batlow           F. Crameri, Scientific color maps, doi:10.5281/zenodo.1243862, MIT */
 /* clang-format off */
 static const uint32_t viridis[ISO_COLORMAP_POINTS] = {
     0x440154, 0x46085c, 0x471063, 0x481769, 0x481d6f, 0x482475, 0x472a7a, 0x46307e, 0x453781, 0x433d84,

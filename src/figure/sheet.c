@@ -59,7 +59,7 @@ static size_t break_lines(const char *text, double room_mm, double pt, char out[
     return count;
 }
 
-/* ---- where things stand: millimetres from the left and the top ---- */
+/* ---- where things stand: millimeters from the left and the top ---- */
 
 typedef struct layout {
     double panel_width, panel_height, left, right, head, width, height;

@@ -3,7 +3,7 @@
  *
  * In:  iso_volume.   Out: 3 floats a voxel (gx, gy, gz), x fastest.
  * Paper: [diaz-garcia-2017] sec. 2; [bentum-1996].
- * At a border the missing neighbour is left out and the difference one-sided,
+ * At a border the missing neighbor is left out and the difference one-sided,
  * so that fields linear in x, y, z are exact everywhere; an axis of one voxel
  * has no gradient along it. Index gradients go to the world by the inverse
  * transpose of index_to_world. */

@@ -6,7 +6,7 @@
  * filter along its own axis:
  *     D(z) = 3 (z - 1/z) / (z + 4 + 1/z) = sum over k > 0 of w_k (z^k - z^-k),   w_k = sqrt(3)/2 (1 - p^2) p^(k-1),
  * with the pole p = sqrt(3) - 2. The recursion would reach over the whole axis; its response shrinks to .268 a voxel,
- * so REACH taps a side are the same to float precision, need no more than a halo of slabs, and vectorise along x
+ * so REACH taps a side are the same to float precision, need no more than a halo of slabs, and vectorize along x
  * whatever the axis. The last two taps take up the rest, so that linear and cubic data are exact.
  *
  * Beyond a border the samples go on as the cubic through the last four, which keeps the border at third order. */

@@ -4,8 +4,8 @@
 #include "base/simd.h"
 
 /* The rows around the row (y, z), and the factors of the differences. At a
- * border the missing neighbour is the row itself and the factor 1 instead of
- * 1/2: the one-sided difference. An axis of one voxel has both neighbours
+ * border the missing neighbor is the row itself and the factor 1 instead of
+ * 1/2: the one-sided difference. An axis of one voxel has both neighbors
  * equal, and so no gradient. Samples of 8 and 16 bits are subtracted as
  * integers, which is exact and leaves fewer conversions. */
 /* clang-format off */

@@ -109,7 +109,7 @@ static void along_x(iso_gradient_method method, bool derivative, const float *re
 
 /* The 8 corners of the voxel, half a step away along each axis, are the means
  * of 8 samples, as a trilinear fetch returns them [sigg-2005]. At
- * voxel centres their differences are those of the 3x3x3 Sobel operator: two
+ * voxel centers their differences are those of the 3x3x3 Sobel operator: two
  * halves (1 1) make (1 2 1). Rows first: sums of the corners' rows, signed. */
 static void corner_rows(const iso_planes *p, size_t y, size_t z, float sign_y, float sign_z, float *row,
                         float *restrict sum)

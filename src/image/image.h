@@ -26,7 +26,7 @@ typedef struct iso_exr_header {
 } iso_exr_header;
 iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, iso_error *err);
 
-/* colour += (1 - alpha) * background: for images of renderers that do not draw the background. */
+/* color += (1 - alpha) * background: for images of renderers that do not draw the background. */
 void iso_image_add_background(iso_image *image, const double background[3]);
 
 /* The share of the pixels that show something of what was rendered: whose alpha is at least 1/255. */

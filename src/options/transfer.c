@@ -28,7 +28,7 @@ iso_status iso_cli_transfer_request(const iso_cli_transfer *a, iso_tf_request *q
     int numbers = 0;
     *q = (iso_tf_request){.name = a->name, .has_opacity = a->opacity, .has_range = a->range};
     if (a->unit_distance && read_pair(a->unit_distance, 1e-6, 1e6, unit) != 1)
-        return iso_fail(err, ISO_E_USAGE, "--unit-distance is \"%s\", wanted millimetres, 1e-6 to 1e6",
+        return iso_fail(err, ISO_E_USAGE, "--unit-distance is \"%s\", wanted millimeters, 1e-6 to 1e6",
                         a->unit_distance);
     q->unit_mm = unit[0];
     if (a->opacity && (numbers = read_pair(a->opacity, 0, 1, q->opacity)) == 0)

@@ -19,7 +19,7 @@
 
 typedef struct face {
     double normal[3];  /* of the triangle's plane: the palette's entry */
-    double edge[3][3]; /* normals of the planes through the centre and each edge, inwards */
+    double edge[3][3]; /* normals of the planes through the center and each edge, inwards */
     double cost;       /* sum of w (1 - cos) */
     uint32_t head;
 } face;

@@ -169,7 +169,7 @@ size_t iso_palette_lookup_bytes(const iso_palette_lookup *l)
 
 /* ---- the query --------------------------------------------------------------------- */
 
-/* Directions go through in blocks: the projection vectorises, the lookup that follows has no branch that depends on
+/* Directions go through in blocks: the projection vectorizes, the lookup that follows has no branch that depends on
  * the data, and the few that need a list wait until the block's end. */
 #define BLOCK 256
 

@@ -59,7 +59,7 @@ void iso_clusters_seed_random(clusters *c, iso_random *random)
     iso_clusters_assign_all(c);
 }
 
-/* Items in planes, so that a pass over them vectorises. */
+/* Items in planes, so that a pass over them vectorizes. */
 typedef struct greedy {
     float *x, *y, *z, *r, *best; /* best: the largest dot product with an entry so far */
     double *cumulative;
@@ -202,7 +202,7 @@ void iso_clusters_find_neighbors(clusters *c, uint32_t k)
 }
 
 /* The nearest entry to u, which was nearest to k. An entry more than twice as far from k as u is cannot be nearer to u
- * (triangle inequality on the sphere), so the neighbours that are sorted by distance end the search early. */
+ * (triangle inequality on the sphere), so the neighbors that are sorted by distance end the search early. */
 static uint32_t nearest_from(clusters *c, uint32_t k, const float *u)
 {
     const cluster *own = &c->cluster[k];

@@ -3,7 +3,7 @@
  *
  * A cluster's entry is the direction of its resultant S = sum of r u over its
  * bundles (r = weight times length). Its cost is sum of weights - |S|, so that
- * the fit maximises the sum of all |S|; that is spherical k-means. */
+ * the fit maximizes the sum of all |S|; that is spherical k-means. */
 #ifndef ISO_PALETTE_CLUSTERS_H
 #define ISO_PALETTE_CLUSTERS_H
 
@@ -49,7 +49,7 @@ iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *
 void iso_clusters_assign_all(clusters *c);
 /* Each entry's nearest others. */
 void iso_clusters_find_neighbors(clusters *c, uint32_t k);
-/* Assigns and recentres until the sum of |S| grows by less than a millionth, at most `rounds` times. Entries that
+/* Assigns and recenters until the sum of |S| grows by less than a millionth, at most `rounds` times. Entries that
  * lose all items go to the item that costs most. Returns the sum of |S|. */
 double iso_clusters_lloyd(clusters *c, size_t rounds);
 /* The lists of items, S and |S| from the owners. Returns the sum of |S|. */

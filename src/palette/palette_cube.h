@@ -44,7 +44,7 @@ static inline uint32_t iso_cube_cell(const iso_cube_point *p, int cells)
     return (uint32_t)(((2 * p->axis + p->negative) * cells + row) * cells + column);
 }
 
-/* The vector, not normalised, at (u, v) of a face. */
+/* The vector, not normalized, at (u, v) of a face. */
 static inline void iso_cube_vector(int face, double u, double v, double out[3])
 {
     int axis = face / 2;

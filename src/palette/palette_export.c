@@ -117,7 +117,7 @@ iso_status iso_palette_save_python(const iso_palette *palette, const char *path,
     static const char function[] =
         "\n\ndef make_image(name=\"palette\"):\n"
         "    \"\"\"A float image of one row in Blender: entry i is pixel i. Look it up at ((i + 0.5) / count, 0.5) with\n"
-        "    interpolation Closest and colour space Non-Color.\"\"\"\n"
+        "    interpolation Closest and color space Non-Color.\"\"\"\n"
         "    import bpy\n"
         "    image = bpy.data.images.new(name, len(palette), 1, float_buffer=True, is_data=True)\n"
         "    image.pixels = [c for n in palette for c in (*n, 1.0)]\n"

@@ -78,7 +78,7 @@ static iso_status fit_search(clusters *c, const iso_palette_options *opt, iso_ra
         return status;
     iso_clusters_lloyd(c, 20);
     status = iso_clusters_improve(c, opt->swap_trials, random, progress, err);
-    /* The exchange looks at neighbours only; this makes each item's owner the nearest of all. */
+    /* The exchange looks at neighbors only; this makes each item's owner the nearest of all. */
     iso_clusters_lloyd(c, 2);
     return status;
 }

@@ -9,7 +9,7 @@
 #define MARK_PATCH 2
 /* A move touches some ten triangles; a hundred edges to check are usual, and beyond this many it is refused. */
 #define EDGE_ROOM 4096
-/* A triangle seen from the centre must have at least this volume, an edge count as concave only above it: well over
+/* A triangle seen from the center must have at least this volume, an edge count as concave only above it: well over
  * the rounding of a determinant of unit vectors (1e-16), well under the volumes of real triangles (1e-4). */
 #define LEAST_VOLUME 1e-12
 
@@ -88,7 +88,7 @@ static bool is_concave(const mesh *m, uint32_t t, int side)
     return iso_dot(iso_cross(iso_sub(b, a), iso_sub(c, a)), iso_sub(q, a)) > LEAST_VOLUME;
 }
 
-/* The two triangles that the swap would make are seen positive from the centre. */
+/* The two triangles that the swap would make are seen positive from the center. */
 static bool can_swap(const mesh *m, uint32_t t, int side)
 {
     const uint32_t *v = m->triangle[t].v;
@@ -180,7 +180,7 @@ static bool resolve(mesh *m, uint32_t vertex, uint32_t t, iso_vec3 p)
     iso_vec3 a = m->position[m->triangle[t].v[(i + 1) % 3]], b = m->position[m->triangle[t].v[(i + 2) % 3]];
     iso_vec3 n = iso_cross(a, b);
     double after_a = iso_dot(iso_cross(a, p), n), before_b = iso_dot(iso_cross(p, b), n);
-    /* The vertex meets the edge a b; or a lies on the edge to b, or b on that to a, which then goes to the neighbour
+    /* The vertex meets the edge a b; or a lies on the edge to b, or b on that to a, which then goes to the neighbor
      * beyond it. */
     int side = after_a < 0 ? (i + 1) % 3 : before_b < 0 ? (i + 2) % 3 : i;
     if (degree(m, m->triangle[t].v[(side + 1) % 3]) < 4 || degree(m, m->triangle[t].v[(side + 2) % 3]) < 4)

@@ -5,7 +5,7 @@
  * All vertices lie on the sphere, so that the locally convex triangulation is
  * their convex hull. A move drags a vertex along a great circle: where a
  * triangle of its star degenerates, the edge in the way is swapped, which
- * keeps the weaker condition (every triangle seen from the centre keeps its
+ * keeps the weaker condition (every triangle seen from the center keeps its
  * orientation). Then every edge concerned is made convex by further swaps.
  *
  *         a                 triangle t: v[0..2] counter-clockwise from outside,
@@ -38,7 +38,7 @@ typedef struct mesh {
     uint32_t moved_vertex;
     iso_vec3 moved_from;
     size_t saved_count, patch_count;
-    mesh_saved *saved; /* all whose neighbours or corners changed */
+    mesh_saved *saved; /* all whose neighbors or corners changed */
     uint32_t *patch;   /* those whose shape changed */
     uint8_t *mark;     /* bit 0: saved, bit 1: in the patch */
     uint32_t *edges;   /* edges to be made convex: 3 triangle + side */
@@ -47,7 +47,7 @@ typedef struct mesh {
 } mesh;
 
 /* A random one of an even number of triangles, at least 8: four vertices are a randomly turned tetrahedron, so that
- * the centre is inside, the others are uniform on the sphere. */
+ * the center is inside, the others are uniform on the sphere. */
 iso_status iso_mesh_create_random(mesh *m, size_t triangle_count, iso_random *random, iso_error *err);
 void iso_mesh_destroy(mesh *m);
 
@@ -57,7 +57,7 @@ bool iso_mesh_move(mesh *m, uint32_t vertex, double angle, iso_random *random);
 void iso_mesh_keep(mesh *m);
 void iso_mesh_revert(mesh *m);
 
-/* Whether every edge is convex and every triangle seen from the centre is positive: for tests. */
+/* Whether every edge is convex and every triangle seen from the center is positive: for tests. */
 bool iso_mesh_is_convex(const mesh *m);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "palette/palette.h"
 
-/* PNG: the sphere from both sides, each point in the colour of its nearest entry (x, y, z as red, green, blue),
+/* PNG: the sphere from both sides, each point in the color of its nearest entry (x, y, z as red, green, blue),
  * regions outlined, the set's directions as dots; set may be NULL. */
 iso_status iso_palette_picture_png(const iso_palette *palette, const iso_direction_set *set, const char *path,
                                    iso_error *err);

@@ -48,7 +48,7 @@ static void start_vertices(mesh *m)
         for (int b = a + 1; b < 12; ++b)
             for (int c = b + 1; c < 12; ++c) {
                 iso_vec3 p = m->vertices[a], q = m->vertices[b], r = m->vertices[c];
-                /* Neighbours of the icosahedron stand at a cosine of 1/sqrt(5) = .447; the next at -.447. */
+                /* Neighbors of the icosahedron stand at a cosine of 1/sqrt(5) = .447; the next at -.447. */
                 if (iso_dot(p, q) > 0 && iso_dot(q, r) > 0 && iso_dot(r, p) > 0)
                     m->vertices[m->vertex_count++] = iso_normalize(iso_add(iso_add(p, q), r));
             }
@@ -63,7 +63,7 @@ static void start_mesh(mesh *m)
         for (uint32_t b = a + 1; b < 32; ++b)
             for (uint32_t c = 0; c < 12; ++c) {
                 iso_vec3 p = m->vertices[a], q = m->vertices[b], r = m->vertices[c];
-                /* Neighbours: .745 along the dodecahedron's edges, .795 to the icosahedron's vertices; the next
+                /* Neighbors: .745 along the dodecahedron's edges, .795 to the icosahedron's vertices; the next
                  * .333. */
                 if (iso_dot(p, q) < 0.6 || iso_dot(q, r) < 0.6 || iso_dot(r, p) < 0.6)
                     continue;
@@ -142,7 +142,7 @@ static int grid_side(size_t directions)
     return (int)floor(sqrt((double)(directions / 2)));
 }
 
-/* The centre of cell (i, j), or of what the disc has of it; false where the cell and the disc do not meet. */
+/* The center of cell (i, j), or of what the disc has of it; false where the cell and the disc do not meet. */
 static bool grid_entry(int side, int i, int j, double sign, iso_vec3 *out)
 {
     double x = (2 * i + 1.0) / side - 1, y = (2 * j + 1.0) / side - 1, half = 1.0 / side;
@@ -150,7 +150,7 @@ static bool grid_entry(int side, int i, int j, double sign, iso_vec3 *out)
     if (near_x * near_x + near_y * near_y >= 1)
         return false;
     double r2 = x * x + y * y;
-    *out = iso_v3(x, y, sign * sqrt(fmax(0, 1 - r2))); /* beyond the disc: its edge, once normalised */
+    *out = iso_v3(x, y, sign * sqrt(fmax(0, 1 - r2))); /* beyond the disc: its edge, once normalized */
     return true;
 }
 

@@ -90,7 +90,7 @@ static iso_status pool_planes(iso_direction_pool *pool, const iso_volume *v, siz
     if (status != ISO_OK)
         return status;
     if (is_weighted(w)) {
-        /* No difference of neighbours is larger than the range in one step of the least spacing, along each axis. */
+        /* No difference of neighbors is larger than the range in one step of the least spacing, along each axis. */
         double most = sqrt(3) * w->value_span / iso_geometry_min_spacing_mm(&v->geometry);
         float scale = most > 0 ? (float)(1 / most) : 0;
 #pragma omp parallel for schedule(static) num_threads(b->threads)

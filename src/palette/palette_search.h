@@ -3,7 +3,7 @@
  *
  *   exchange  one item moves to another cluster when the two resultants together become longer (Hartigan): with
  *             few items an entry this is well below Lloyd's optimum, since an item pulls its own entry towards it.
- *   swap      the entry that is missed least is taken away and set where it gains most, the neighbourhood is
+ *   swap      the entry that is missed least is taken away and set where it gains most, the neighborhood is
  *             exchanged, and all is undone unless the total improved. */
 #ifndef ISO_PALETTE_SEARCH_H
 #define ISO_PALETTE_SEARCH_H

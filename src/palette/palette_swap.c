@@ -106,7 +106,7 @@ static void relocate(palette_search *s, uint32_t k, uint32_t target, const float
             iso_search_move(s, i, k);
     }
     iso_clusters_find_neighbors(c, k);
-    /* Those around it do not know it yet; it takes the place of their farthest neighbour. */
+    /* Those around it do not know it yet; it takes the place of their farthest neighbor. */
     cluster *own = &c->cluster[k];
     for (uint32_t j = 0; j < own->neighbor_count; ++j) {
         cluster *other = &c->cluster[own->neighbor[j]];

@@ -11,13 +11,13 @@
  * the image find which bricks they pass, and count by the square of the transmittance
  * with which they get there. The predicted RMSE over the images of all views is then
  *     sqrt(sum over views and bricks of footprint * error^2 / pixels),
- * and the levels are those of the least number of nodes for it: each brick minimises
+ * and the levels are those of the least number of nodes for it: each brick minimizes
  * nodes + lambda * sum of footprint * error^2, with one lambda for all.
  *
  * A brick outside every view, or behind what is opaque in all of them, has footprint 0
  * and is left out, as are those that no TF shows. Bricks that are left out stay at level
  * 0: there they cost nothing, while a coarse level would make the faces of their
- * neighbours coarse too. The prediction has to be verified by rendering: `isoshade plan`
+ * neighbors coarse too. The prediction has to be verified by rendering: `isoshade plan`
  * lowers or raises it until every view has at most the error that was asked for. All
  * results are deterministic. */
 #ifndef ISO_PLAN_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cascade_gauss.c - filters wider than the own children, plane by plane: the
- * normalised convolution of [diaz-garcia-2017] Eq. 1, and the Gaussian of scalars,
+ * normalized convolution of [diaz-garcia-2017] Eq. 1, and the Gaussian of scalars,
  * separable and decimated as they go. */
 #include <math.h>
 #include <stdlib.h>

@@ -177,7 +177,7 @@ void iso_unit_rows(float *const g[3], size_t n, float *const d[3], float *restri
     unit_rows(g[0], g[1], g[2], n, d[0], d[1], d[2], length);
 }
 
-/* Samples are finite and the sign of zero does not matter: so told, the compiler vectorises the comparisons. */
+/* Samples are finite and the sign of zero does not matter: so told, the compiler vectorizes the comparisons. */
 ISO_SIMD __attribute__((optimize("finite-math-only", "no-signed-zeros"))) void iso_row_range(const float *row, size_t n,
                                                                                              float *lo, float *hi)
 {

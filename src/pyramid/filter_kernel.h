@@ -20,7 +20,7 @@ size_t iso_state_count(iso_direction_filter f);
 
 /* ---- Gaussian taps ---- */
 
-/* The weights of the 2 radius fine voxels around a coarse voxel's centre,
+/* The weights of the 2 radius fine voxels around a coarse voxel's center,
  * which lies between two of them; their sum is 1. */
 typedef struct iso_taps {
     size_t count;

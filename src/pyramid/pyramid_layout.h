@@ -29,7 +29,7 @@ void iso_layout_name(const level_file *f, size_t level, char name[64]);
 /* The type that the scalars of level 0 are stored in. */
 iso_type iso_layout_type(iso_type input);
 /* The text before the samples: NRRD0004, raw, little-endian. Space origin is the
- * centre of the first voxel. A comment fills it up to a multiple of 64 bytes, so
+ * center of the first voxel. A comment fills it up to a multiple of 64 bytes, so
  * that a mapped file has its samples aligned. To be freed. */
 char *iso_layout_header(const iso_geometry *g, const level_file *f);
 

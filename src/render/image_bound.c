@@ -195,7 +195,7 @@ static iso_status for_points(bound *b, void (*take)(const point *p, region *r), 
     return ISO_OK;
 }
 
-/* What a slab of transmittance in [t_min, t_max], of colours in [g_min, g_max], makes of a range of L behind it. */
+/* What a slab of transmittance in [t_min, t_max], of colors in [g_min, g_max], makes of a range of L behind it. */
 static void pass_slab(const side *s, double slab_mm, bool whole, double lo[CHANNELS], double hi[CHANNELS])
 {
     if (!(s->sigma_max > 0))

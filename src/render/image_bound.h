@@ -3,7 +3,7 @@
  *
  * An upper bound of the RMSE over all pixels and the four channels (as compare/metrics.h has it), for a scene, a level
  * and its transfer function. Derivation, assumptions and each inequality: doc/method/level-bound.md. In short, with s
- * the extinction, g the colour times the shade, L the radiance that arrives from behind and T the transmittance in front:
+ * the extinction, g the color times the shade, L the radiance that arrives from behind and T the transmittance in front:
  *
  *     C_k - C_0 = integral of T_k [ s_k (g_k - L_0) - s_0 (g_0 - L_0) ] dt      exact
  *     |C_k - C_0| <= I = integral of sup T_k * sup over L of | ... | dt,  and <= M, what the two can differ by at all

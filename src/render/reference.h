@@ -81,7 +81,7 @@ typedef struct iso_reference_result {
 double iso_reference_classify(const struct iso_sampler *sampler, const iso_view *view, iso_vec3 index, double rgbs[4]);
 
 /* Creates *image (view->width x view->height, RGBA, premultiplied, background
- * included in the colour, A = 1 - T_end). */
+ * included in the color, A = 1 - T_end). */
 iso_status iso_reference_render(const iso_level *level, iso_code code, const iso_view *view,
                                 const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                 iso_error *err);

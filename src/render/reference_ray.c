@@ -232,7 +232,7 @@ static stretch integrate_piece(const ray_state *ray, double a, double b, double 
     return compose(front, back);
 }
 
-/* The first plane of voxel centres (i + 1/2) beyond index position p, as t from there. */
+/* The first plane of voxel centers (i + 1/2) beyond index position p, as t from there. */
 static double to_next_plane(double p, double d)
 {
     if (d == 0)

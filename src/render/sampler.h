@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* sampler.h - a level's scalar and shading normal at any point, in double precision.
  *
- * Points are in the level's index coordinates (voxel i has its centre at i + 1/2).
+ * Points are in the level's index coordinates (voxel i has its center at i + 1/2).
  * The field's data are the floats and bytes of the level; all arithmetic on them
- * is double. Trilinear between voxel centres, clamped to the edge; labels are those of
+ * is double. Trilinear between voxel centers, clamped to the edge; labels are those of
  * the voxel that holds the point. */
 #ifndef ISO_SAMPLER_H
 #define ISO_SAMPLER_H

@@ -95,7 +95,7 @@ static const iso_lock_step lock_step = {
     .sharp = {.rmse = 5e-6, .max_abs = 2e-4},
     .why = "the same samples at texture coordinates in float, 3e-8 of the volume off",
     .exact = {.rmse = 5e-7, .max_abs = 1e-5},
-    .exact_why = "the same samples, filtered and classified in double: floats of texels, colours and sums are left",
+    .exact_why = "the same samples, filtered and classified in double: floats of texels, colors and sums are left",
     .rounded = {.rmse = 5e-6, .max_abs = 1.0 / 510},
     .rounded_why =
         "filtered and classified in double the same samples are within their limits, so that what is more is "

@@ -13,7 +13,7 @@ set lmargin 0.8 * longest
 set tmargin 2.8
 least = 1e-9
 above(x) = x > least ? x : least
-colour(v) = v eq 'agree' ? 0x0072b2 : v eq 'not compared' ? 0x999999 : 0xd55e00
+color(v) = v eq 'agree' ? 0x0072b2 : v eq 'not compared' ? 0x999999 : 0xd55e00
 set logscale x
 set format x '10^{%T}'
 set xrange [least:*]
@@ -27,7 +27,7 @@ set ytics noenhanced scale 0
 set grid noytics
 set border 1
 set key at screen 0.02, screen 0.99 left top horizontal maxrows 1 width -2
-plot name . '.csv' every ::1::rows using (least):0:(least):(above($2)):($0 - 0.3):($0 + 0.3):(colour(strcol(7))):ytic(1) \
+plot name . '.csv' every ::1::rows using (least):0:(least):(above($2)):($0 - 0.3):($0 + 0.3):(color(strcol(7))):ytic(1) \
          with boxxyerror fill solid 0.85 noborder lc rgb variable notitle, \
      '' every ::1::rows using 3:0:(0):(0.42) with vectors nohead lc rgb black lw 2 notitle, \
      '' every ::1::rows using 3:0:(0):(-0.42) with vectors nohead lc rgb black lw 2 notitle, \

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# How far each level is from level 0, a colour a method, solid under the original TF and dashed under the adapted one:
+# How far each level is from level 0, a color a method, solid under the original TF and dashed under the adapted one:
 # structure, what people see, directions.
 name = 'consistency'
 data = name . '.csv'

@@ -2,7 +2,7 @@
 /* gnuplot.h - charts by gnuplot, so that each can be restyled and drawn again by hand.
  *
  * A chart NAME leaves in its folder NAME.csv (the data), NAME.gp (how it is
- * drawn), style.gp (what all charts share: terminal, fonts, colours) and the
+ * drawn), style.gp (what all charts share: terminal, fonts, colors) and the
  * picture. To restyle, edit style.gp and run "gnuplot NAME.gp" in the folder. */
 #ifndef ISO_REPORT_GNUPLOT_H
 #define ISO_REPORT_GNUPLOT_H

@@ -400,7 +400,7 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
     iso_status status = sort_rows(r, err);
     if (status != ISO_OK)
         return status;
-    iso_report_summary summary = iso_report_summarise(r);
+    iso_report_summary summary = iso_report_summarize(r);
     const iso_levels_summary levels = iso_levels_summarize(r->root);
     const bool good = summary.good && levels.differed == 0;
     json_object_set_new(r->root, "verdict",

@@ -49,7 +49,7 @@ void iso_report_describe_machine(iso_report *report);
 iso_status iso_report_add_image(iso_report *report, const char *name, const iso_image *image, const char *caption,
                                 const iso_image_note *notes, iso_error *err);
 
-/* How wide a pixel of the image is, for scale bars; at the centre of the box when the camera has a perspective. */
+/* How wide a pixel of the image is, for scale bars; at the center of the box when the camera has a perspective. */
 void iso_report_set_scale(iso_report *report, const char *name, double mm_per_pixel);
 
 /* What is asked of two images besides their metrics: enum, key in report.json, name. */
@@ -87,7 +87,7 @@ typedef struct iso_report_agreement {
     const char *image_a, *image_b; /* names given to iso_report_add_image(), or NULL */
     const char *tier;              /* which kind of agreement is asked: "tight", "convergence" ...; or NULL */
     iso_metrics metrics;
-    double error_bar; /* RMSE that the discretisation alone explains; NaN: not measured */
+    double error_bar; /* RMSE that the discretization alone explains; NaN: not measured */
     iso_tolerances tolerances;
     size_t gate_count;
     iso_report_gate gates[ISO_REPORT_MAX_GATES];
@@ -148,7 +148,7 @@ typedef struct iso_report_summary {
     bool good; /* nothing differed, was refused or failed, and something was compared wherever it was asked for */
     char sentence[768];
 } iso_report_summary;
-iso_report_summary iso_report_summarise(const iso_report *report);
+iso_report_summary iso_report_summarize(const iso_report *report);
 
 /* Charts, report.json and index.html; then the directory is put in place. Without gnuplot the
  * report has no charts and says so. */

@@ -41,17 +41,17 @@ function differenceOfPixels(a, b) {
     return {logs, width: a.width, height: a.height};
 }
 const stops = [[0, 8, 8, 24], [0.25, 72, 20, 110], [0.5, 176, 44, 104], [0.75, 244, 126, 60], [1, 252, 246, 190]];
-const shades = 1024, colours = new Uint8ClampedArray(3 * (shades + 1));
+const shades = 1024, colors = new Uint8ClampedArray(3 * (shades + 1));
 for (let i = 0; i <= shades; ++i) {
     const t = i / shades;
     let k = 1;
     while (k < stops.length - 1 && t > stops[k][0]) ++k;
     const [t0, ...a] = stops[k - 1], [t1, ...b] = stops[k], f = (t - t0) / (t1 - t0);
-    a.forEach((v, c) => { colours[3 * i + c] = v + f * (b[c] - v); });
+    a.forEach((v, c) => { colors[3 * i + c] = v + f * (b[c] - v); });
 }
 const shadeOf = t => 3 * Math.round(Math.min(Math.max(t, 0), 1) * shades);
 const scaleLow = -8, scaleHigh = 0; // one scale for all cases, so that they can be compared
-// Above the threshold in colour; below it the image itself, grey and faint.
+// Above the threshold in color; below it the image itself, gray and faint.
 function paintDifference(d, under, threshold) {
     const canvas = el('canvas', {width: d.width, height: d.height}), context = canvas.getContext('2d');
     const out = context.createImageData(d.width, d.height);
@@ -61,7 +61,7 @@ function paintDifference(d, under, threshold) {
         if (log === Infinity) out.data.set([0, 255, 255], o);
         else if (log > threshold) {
             const at = shadeOf((log - scaleLow) / (scaleHigh - scaleLow));
-            for (let c = 0; c < 3; ++c) out.data[o + c] = colours[at + c];
+            for (let c = 0; c < 3; ++c) out.data[o + c] = colors[at + c];
         } else if (under) out.data.fill(0.12 * (under.bytes[o] + under.bytes[o + 1] + under.bytes[o + 2]) / 3, o, o + 3);
         out.data[o + 3] = 255;
         above += log > threshold;
@@ -73,7 +73,7 @@ function legend() {
     const width = 320, canvas = el('canvas', {width, height: 12, style: 'height:12px;width:320px', 'aria-hidden': 'true'});
     const context = canvas.getContext('2d');
     for (let x = 0; x < width; ++x) {
-        context.fillStyle = `rgb(${colours.slice(shadeOf(x / (width - 1)), shadeOf(x / (width - 1)) + 3)})`;
+        context.fillStyle = `rgb(${colors.slice(shadeOf(x / (width - 1)), shadeOf(x / (width - 1)) + 3)})`;
         context.fillRect(x, 0, 1, 12);
     }
     const ticks = el('div', {style: 'display:flex;justify-content:space-between;width:320px;font:11px/1.4 var(--sans);color:var(--quiet)'});

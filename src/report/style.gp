@@ -21,9 +21,9 @@ set output name . (format eq 'tex' ? '-latex' : '') . '.' . format
 set encoding utf8
 set datafile separator comma
 set datafile missing NaN
-# Colours that differ for every kind of sight (Okabe and Ito).
+# Colors that differ for every kind of sight (Okabe and Ito).
 blue = '#0072b2'; vermillion = '#d55e00'; green = '#009e73'; orange = '#e69f00'
-sky = '#56b4e9'; purple = '#cc79a7'; black = '#222222'; grey = '#999999'
+sky = '#56b4e9'; purple = '#cc79a7'; black = '#222222'; gray = '#999999'
 set linetype 1 lc rgb blue lw 1.6 pt 7 ps 0.55
 set linetype 2 lc rgb vermillion lw 1.6 pt 5 ps 0.5
 set linetype 3 lc rgb green lw 1.6 pt 9 ps 0.6
@@ -31,7 +31,7 @@ set linetype 4 lc rgb orange lw 1.6 pt 13 ps 0.6
 set linetype 5 lc rgb purple lw 1.6 pt 11 ps 0.6
 set linetype 6 lc rgb sky lw 1.6 pt 6 ps 0.55
 set linetype 7 lc rgb black lw 1.6 pt 4 ps 0.5
-set linetype 8 lc rgb grey lw 1.6 pt 8 ps 0.6
+set linetype 8 lc rgb gray lw 1.6 pt 8 ps 0.6
 set linetype 9 lc rgb '#6a3d9a' lw 1.6 pt 15 ps 0.6
 set linetype 10 lc rgb '#8c564b' lw 1.6 pt 10 ps 0.6
 set linetype 11 lc rgb '#8a9a00' lw 1.6 pt 12 ps 0.6

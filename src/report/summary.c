@@ -87,7 +87,7 @@ static void tell(iso_report_summary *s, json_t *unanswered)
     iso_words_append(s->sentence, sizeof s->sentence, ".");
 }
 
-iso_report_summary iso_report_summarise(const iso_report *r)
+iso_report_summary iso_report_summarize(const iso_report *r)
 {
     iso_report_summary s = {
         .agreed = count_verdicts(r, "agreement", ISO_VERDICT_AGREE),

@@ -26,7 +26,7 @@
  *     "levels": {"ssim_dissimilarity": 0.1, "flip": [0.05, 0.1], "rmse": 0.02},   how far levels may be from level 0; optional
  *     "suite": {"make": "shells --size 31x37x29", "isosurface": 0.5} }   the volume, as options of isoshade make; optional
  *
- *   shade(d) = ka + sum over lights of intensity (kd |n.l| + ks |n.h|^p),  h = normalise(l + v), v towards the viewer
+ *   shade(d) = ka + sum over lights of intensity (kd |n.l| + ks |n.h|^p),  h = normalize(l + v), v towards the viewer
  * two-sided; ka + kd sum(intensity) <= 1. Every renderer computes
  *   C = integral of T(t) sigma(s) c(s) shade(d) dt + T_end * background,  T = exp(-integral of sigma). */
 #ifndef ISO_SCENE_H
@@ -40,7 +40,7 @@
 
 typedef struct iso_camera {
     bool orthographic;
-    iso_vec3 position;           /* world mm; of the image plane's centre when orthographic */
+    iso_vec3 position;           /* world mm; of the image plane's center when orthographic */
     iso_vec3 forward, right, up; /* orthonormal, right-handed: right = forward x up */
     double half_height;          /* tan(fov_y / 2), or mm when orthographic */
 } iso_camera;
@@ -160,7 +160,7 @@ json_t *iso_view_lights_to_json(const iso_view *view);
 /* Ray steps are counted in the spacing of this geometry: that of the finest level that the view shows. */
 const iso_geometry *iso_view_step_geometry(const iso_view *view, const iso_geometry *level);
 
-/* The height of a pixel in the plane through the centre of the box, parallel to the image; for scale bars.
+/* The height of a pixel in the plane through the center of the box, parallel to the image; for scale bars.
  * 0 when that plane is not in front of the camera. */
 double iso_view_mm_per_pixel(const iso_view *view, const iso_geometry *level0);
 
@@ -168,7 +168,7 @@ typedef struct iso_ray {
     iso_vec3 origin, direction; /* world mm, unit direction */
 } iso_ray;
 
-/* The ray through the centre of pixel (column, row); row 0 is the top. */
+/* The ray through the center of pixel (column, row); row 0 is the top. */
 iso_ray iso_camera_ray(const iso_camera *camera, size_t width, size_t height, size_t column, size_t row);
 
 /* Where the ray is inside the box of g: [*t0, *t1] in mm, *t0 >= 0. False when it misses. */

@@ -5,7 +5,7 @@
 
 #include "base/linalg.h"
 
-/* Through the centres of an icosahedron's faces, i below 20: the views of [diaz-garcia-2016] sec. 5. Eight of them are
+/* Through the centers of an icosahedron's faces, i below 20: the views of [diaz-garcia-2016] sec. 5. Eight of them are
  * the cube's diagonals. */
 enum { ISO_FACE_VIEWS = 20 };
 iso_vec3 iso_view_through_face(int i);

@@ -175,7 +175,7 @@ iso_status iso_adapter_create(const iso_joint *j, const iso_adapt_options *opt, 
 
 /* ---- Eq. 7 ------------------------------------------------------------------------ */
 
-/* What is summed along a row: colour times its weight, the weight, and the
+/* What is summed along a row: color times its weight, the weight, and the
  * largest extinction, which no mean may exceed. */
 typedef struct weighted_tf {
     double rgbw[4];
@@ -224,7 +224,7 @@ static row_sums sum_row(const iso_adapter *a, const weighted_tf *tf, size_t row)
     return r;
 }
 
-/* Colour and extinction of the sums. */
+/* Color and extinction of the sums. */
 static void finish_row(const iso_adapter *a, const row_sums *r, double length_mm, float entry[4])
 {
     double mean = r->rgbw[3], color_sum = a->average == ISO_AVERAGE_RGBA ? 1 : mean;

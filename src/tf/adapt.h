@@ -14,17 +14,17 @@
  *     mixed      mix_s C + mix_t T + (1 - mix_s - mix_t) G, each of unit area
  *                over [-2.5, 2.5]                            sec. 5, window 2.5
  * What is averaged, with sigma the extinction and a = 1 - exp(-sigma length):
- *     rgba          colour and a, each by itself             the paper
- *     opacity       a; colour weighted by a                  default, length = level-0 spacing
- *     extinction    sigma; colour weighted by sigma
+ *     rgba          color and a, each by itself             the paper
+ *     opacity       a; color weighted by a                  default, length = level-0 spacing
+ *     extinction    sigma; color weighted by sigma
  *     transmittance as opacity over the length sqrt(h_0 h_k), h the spacings
  * The result is an extinction again, so it depends on no length; it never exceeds
  * the largest extinction of its row.
  *
  * Rows that no fine voxel falls into are filled linearly between their filled
- * neighbours on premultiplied entries (beyond the outermost: its copy); a
+ * neighbors on premultiplied entries (beyond the outermost: its copy); a
  * histogram without entries leaves the TF as it is. A row of one entry takes
- * TF_0 there. A row without opacity keeps the mean colour and extinction 0.
+ * TF_0 there. A row without opacity keeps the mean color and extinction 0.
  *
  * An adapted table has an entry a row, so its range is that of the values. A
  * level whose voxels have one fine value each leaves the TF unchanged at them. */
@@ -100,7 +100,7 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
  * Before that, an adapted TF that draws more of a ghost than ISO_GHOST_LIMIT (ghost.h) has the entries given back that draw
  * it; where more is left, the original is kept.
  *
- * A prediction from H_k cannot tell. The rms over all pairs of H_k of the differences of premultiplied colour and
+ * A prediction from H_k cannot tell. The rms over all pairs of H_k of the differences of premultiplied color and
  * opacity, over the length of a level-0 voxel (the error of Eq. 6 and Figure 7), falls while the image gets worse:
  *   - it weighs a voxel in front of black as one inside an opaque wall, but a haze of .003 a voxel before black is all
  *     that is seen, and adds up along the ray: rms adds squares, pixels add what is emitted;

@@ -8,7 +8,7 @@
 
 #include "tf/ghost.h"
 
-/* Premultiplied colour and opacity over a length, and the square of their norm. */
+/* Premultiplied color and opacity over a length, and the square of their norm. */
 typedef struct seen {
     double rgba[4], square;
 } seen;

@@ -2,7 +2,7 @@
 /* histogram.h - the joint histogram H_k(z, s) of a coarse level against level 0.
  *
  * Paper: [diaz-garcia-2016] secs. 3 and 4. For every fine voxel, z is its value
- * and s the value of level k at its centre, by trilinear lookup, as a renderer
+ * and s the value of level k at its center, by trilinear lookup, as a renderer
  * of level k sees it (at the coarse voxels themselves adaptation would be worse
  * than none). It depends on the volume alone: no change of a TF touches it.
  *
@@ -10,10 +10,10 @@
  * of a TF). Bin i stands at lo + i step and takes what is nearest to it.
  * Integers whose range fits get step 1, so that each value has its own bin.
  *
- * The grid is cell-centred: voxel i of level k covers the fine voxels [i 2^k,
+ * The grid is cell-centered: voxel i of level k covers the fine voxels [i 2^k,
  * (i + 1) 2^k), so trilinear weights take 2^k phases, the same in every voxel:
  *
- *     fine      | 0 | 1 | 2 | 3 |        weights of the two coarse neighbours at
+ *     fine      | 0 | 1 | 2 | 3 |        weights of the two coarse neighbors at
  *     level 1   |   0   |   1   |        k = 1: 1/4 3/4, 3/4 1/4, ...
  *
  * They are multiples of 2^-(k+1), hence exact in float, and so is s while its

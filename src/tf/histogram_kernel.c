@@ -6,7 +6,7 @@
 iso_phase iso_phase_at(size_t fine, size_t level, size_t coarse_count)
 {
     size_t cell = fine >> level, phase = fine & (((size_t)1 << level) - 1), width = (size_t)1 << level;
-    /* the centre of the fine voxel against the centre of its cell, in halves of fine voxels */
+    /* the center of the fine voxel against the center of its cell, in halves of fine voxels */
     float offset = ((float)(2 * phase + 1) - (float)width) / (float)(2 * width);
     iso_phase p = {cell, cell, 1, 0};
     if (offset < 0) {

@@ -23,7 +23,7 @@ typedef struct iso_row_scale {
 void iso_blend_rows(const float *const rows[4], const float weights[4], iso_row_scale scale, size_t count,
                     float *restrict out);
 
-/* bins[x] = that row looked up at the fine voxels' centres, truncated; row: with its repeated ends. */
+/* bins[x] = that row looked up at the fine voxels' centers, truncated; row: with its repeated ends. */
 void iso_expand_bins(const float *row, size_t level, size_t fine_count, uint32_t *restrict bins);
 
 /* keys[x] = keys[x] z_count + nearest bin of values[x]. */

@@ -6,10 +6,10 @@
  * however many entries lie between: no shell of a sharp TF falls between two samples.
  *
  *   opacity  1 - exp(-mean sigma length)
- *   colour   opacity * (mean of sigma c) / (mean of sigma)
+ *   color   opacity * (mean of sigma c) / (mean of sigma)
  *
  * [engel-2001] sec. 3.3: the integral functions instead of a table over both ends. Absorption within a segment ignores
- * the order of its colours, which is an error of third order in the length of the segment. */
+ * the order of its colors, which is an error of third order in the length of the segment. */
 #ifndef ISO_TF_INTEGRAL_H
 #define ISO_TF_INTEGRAL_H
 

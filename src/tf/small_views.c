@@ -14,7 +14,7 @@ enum { PIXELS = ISO_SMALL_VIEWS_PIXELS };
 
 /* An orthographic camera in the index space of level 0, which its rays cross. */
 typedef struct small_camera {
-    iso_vec3 corner, right, down, direction; /* of the first pixel's centre; a pixel's steps; a ray step */
+    iso_vec3 corner, right, down, direction; /* of the first pixel's center; a pixel's steps; a ray step */
     double step_mm;
     long step_count;
 } small_camera;
@@ -79,7 +79,7 @@ static void clip_to_box(const small_camera *c, const iso_geometry *g, iso_vec3 p
     *last = t1 < t0 ? *first - 1 : (long)floor(t1);
 }
 
-/* A place between voxel centres at i + 1/2, clamped to the edge: the first of its eight voxels, the way to the others, and
+/* A place between voxel centers at i + 1/2, clamped to the edge: the first of its eight voxels, the way to the others, and
  * how far it lies between them. */
 typedef struct place {
     size_t first, step[3];
@@ -189,7 +189,7 @@ static void note_rows(const iso_tf_table *tf, const iso_small_views_rows *rows, 
     }
 }
 
-/* A pixel of level 0: premultiplied colour, and its transmittance. */
+/* A pixel of level 0: premultiplied color, and its transmittance. */
 static void march_fine(const iso_small_views_input *in, const small_camera *c, iso_vec3 from, double pixel[4])
 {
     double rgbs[4];
@@ -289,7 +289,7 @@ static iso_status draw_level_0(const iso_small_views_input *in, iso_small_views_
     return status;
 }
 
-/* Notes 1 - SSIM of a view, and adds the mean square difference of colour. */
+/* Notes 1 - SSIM of a view, and adds the mean square difference of color. */
 static iso_status add_error(const iso_image *wanted, const iso_image *seen, int view, iso_small_views_error *e,
                             iso_error *err)
 {

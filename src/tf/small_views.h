@@ -4,7 +4,7 @@
  * Orthographic views that frame the box, along (2, 2, 1) in all orders of its numbers and with all signs: twelve lines,
  * none along an axis of the world and none of those that benchmarks look along (scene/views.h). Rays take a sample a voxel of level 0 (the smallest
  * spacing) in the middle of each step, classify after filtering as renderers do, and stop where every picture is opaque.
- * No light: what a transfer function changes is colour and opacity, and a picture without light shows all of it.
+ * No light: what a transfer function changes is color and opacity, and a picture without light shows all of it.
  *
  * Cost: 12 * 64^2 rays at most, each of as many samples as it crosses voxels; so by the voxel of level 0 it falls with
  * the square of the volume's size. Results do not depend on threads. */
@@ -22,7 +22,7 @@ enum { ISO_SMALL_VIEWS_COUNT = 12, ISO_SMALL_VIEWS_PIXELS = 64, ISO_SMALL_VIEWS_
 typedef struct iso_small_views_error {
     double of_view[ISO_SMALL_VIEWS_COUNT]; /* 1 - SSIM, as compare/ssim.h */
     double ssim_dissimilarity;             /* their mean */
-    double rmse;                           /* of linear colour, over all views */
+    double rmse;                           /* of linear color, over all views */
     double ghost;                          /* with a mask: what is seen where level 0 shows nothing (tf/ghost.h) */
 } iso_small_views_error;
 

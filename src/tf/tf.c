@@ -133,7 +133,7 @@ void iso_tf_destroy(iso_tf *tf)
     *tf = (iso_tf){0};
 }
 
-/* Colour and opacity of the points at a value: linear between, constant beyond. */
+/* Color and opacity of the points at a value: linear between, constant beyond. */
 static void sample_points(const iso_tf *tf, double value, double rgba[4])
 {
     const iso_tf_point *p = tf->points;

@@ -15,7 +15,7 @@
  *     "table_size": 256,                 2 to 16384
  *     "points": [ {"value": 0, "r": 0, "g": 0, "b": 0, "opacity": 0}, ... ] }
  *
- * Between points colour and opacity are linear in value; entry i of M stands at
+ * Between points color and opacity are linear in value; entry i of M stands at
  * lo + i (hi - lo) / (M - 1). Two points of equal value make a step. */
 #ifndef ISO_TF_H
 #define ISO_TF_H

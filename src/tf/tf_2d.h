@@ -14,7 +14,7 @@
  *                                 lo  scalar   hi
  *
  * The second value is stored as one byte a voxel of the level and interpolated
- * trilinearly between voxel centres, as the scalar is. It stands for the row
+ * trilinearly between voxel centers, as the scalar is. It stands for the row
  *
  *     byte / 255 (ISO_TF_2D_ROWS - 1).
  *
@@ -52,7 +52,7 @@ static inline void iso_tf_2d_lookup(const iso_tf_2d *t, double value, double row
         rgbs[k] += (r - i) * (above[k] - rgbs[k]);
 }
 
-/* A 1D transfer function that bounds t: each entry has the largest extinction and the largest colour components of that
+/* A 1D transfer function that bounds t: each entry has the largest extinction and the largest color components of that
  * entry in any row, so that it is transparent only where all rows are. *envelope is created. ISO_E_MEMORY. */
 iso_status iso_tf_2d_envelope(const iso_tf_2d *t, iso_tf_table *envelope, iso_error *err);
 

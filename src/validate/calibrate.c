@@ -19,7 +19,7 @@ static double blob(const iso_geometry *g, iso_vec3 index)
     return fmax(0, 1 - r2 / 12); /* ends inside the grid: the border is zero */
 }
 
-/* Trilinear hats have their centroid at the voxel's centre, and projection is linear. */
+/* Trilinear hats have their centroid at the voxel's center, and projection is linear. */
 static void expected_centroid(const iso_calibration_stage *s, double at[2])
 {
     const iso_level *level = &s->pyramid.levels[0];
@@ -90,7 +90,7 @@ static iso_status prepare_slab(iso_calibration_stage *s, iso_error *err)
     return ISO_OK;
 }
 
-/* 16 intervals between the first and the last voxel centre: every TF entry is met. */
+/* 16 intervals between the first and the last voxel center: every TF entry is met. */
 static double ramp_along_x(const iso_geometry *g, iso_vec3 index)
 {
     return (index.x - 0.5) / (double)(g->size[0] - 1);
@@ -342,7 +342,7 @@ static const struct {
     {{.check = "interpolation",
       .unit = "largest difference",
       .limit = 5e-4,
-      .why = "directions travel as bytes, floats or 16-bit files; those not normalised again would be off by 0.1"},
+      .why = "directions travel as bytes, floats or 16-bit files; those not normalized again would be off by 0.1"},
      ISO_HAS_ORTHOGRAPHIC | ISO_HAS_LIGHTS,
      "how directions are filtered",
      prepare_interpolation,

@@ -2,13 +2,13 @@
 /* calibrate.h - checks of each renderer before it is compared: tiny volumes whose
  * images are known in closed form.
  *
- *   placement          a small blob off the centre of a rotated, anisotropic grid: the
+ *   placement          a small blob off the center of a rotated, anisotropic grid: the
  *                      centroid of the optical depth is the projection of the centroid
  *                      of the voxels. Half a voxel is about one pixel.
  *   slab               a constant volume, rotated, in perspective: 1 - exp(-sigma chord)
  *                      in every pixel.
  *   transfer function  a ramp seen from the side: every column shows one value, so the
- *                      colours and extinctions of the table stand side by side.
+ *                      colors and extinctions of the table stand side by side.
  *   light              a linear field has one gradient everywhere: one shade, by the
  *                      inverse transpose of the rotated, anisotropic matrix, from
  *                      behind, with a highlight above 1.
@@ -17,7 +17,7 @@
  *   view vector        the linear field in perspective from near by: each pixel has
  *                      its own highlight, by its own direction to the eye.
  *   interpolation      two directions of unequal length at right angles, voxel by
- *                      voxel: filtered as they are, then normalised. */
+ *                      voxel: filtered as they are, then normalized. */
 #ifndef ISO_VALIDATE_CALIBRATE_H
 #define ISO_VALIDATE_CALIBRATE_H
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* s = base + slope . (index - 1/2), the index clamped to the voxels' centres. */
+/* s = base + slope . (index - 1/2), the index clamped to the voxels' centers. */
 typedef struct linear_field {
     double base, slope[3], last[3]; /* last: size - 1 */
 } linear_field;
@@ -37,7 +37,7 @@ static iso_status fit_linear(const iso_level *level, linear_field *f, iso_error 
     return ISO_OK;
 }
 
-/* The colour of the entries that show something. */
+/* The color of the entries that show something. */
 static iso_status single_color(const iso_tf_table *tf, double color[3], iso_error *err)
 {
     const float *found = NULL;
@@ -46,7 +46,7 @@ static iso_status single_color(const iso_tf_table *tf, double color[3], iso_erro
         if (e[3] > 0 && !found)
             found = e;
         if (e[3] > 0 && (e[0] != found[0] || e[1] != found[1] || e[2] != found[2]))
-            return iso_fail(err, ISO_E_RANGE, "closed form: the transfer function has several colours");
+            return iso_fail(err, ISO_E_RANGE, "closed form: the transfer function has several colors");
     }
     for (int c = 0; c < 3; ++c)
         color[c] = found ? (double)found[c] : 0;

@@ -189,7 +189,7 @@ static void turn_lights(iso_view *view, double angle)
     }
 }
 
-/* About the centre of the box, so that the rest stays where it is. */
+/* About the center of the box, so that the rest stays where it is. */
 static void lengthen_x(iso_geometry *g, double factor)
 {
     const iso_vec3 center = iso_geometry_box_center_mm(g);

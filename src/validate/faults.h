@@ -16,8 +16,8 @@
     X(ISO_FAULT_MIRRORED, "the direction matrix is mirrored along x", "placement")           \
     X(ISO_FAULT_STALE, "the volume is an older one", "placement")                            \
     X(ISO_FAULT_UNIT, "extinction is for 10 % more length", "slab")                          \
-    X(ISO_FAULT_PREMULTIPLIED, "colour is multiplied by alpha twice", "slab")                \
-    X(ISO_FAULT_SRGB, "the TF's colours are taken for sRGB", "transfer function")            \
+    X(ISO_FAULT_PREMULTIPLIED, "color is multiplied by alpha twice", "slab")                \
+    X(ISO_FAULT_SRGB, "the TF's colors are taken for sRGB", "transfer function")            \
     X(ISO_FAULT_RANGE, "the TF's range is off by one entry", "transfer function")            \
     X(ISO_FAULT_LEVEL, "the level is off by one", "transfer function")                       \
     X(ISO_FAULT_AXIS_SWAP, "x and y of the directions are exchanged", "light")               \
@@ -27,7 +27,7 @@
     X(ISO_FAULT_CLIPPED, "radiance is clipped at 1", "light")                                \
     X(ISO_FAULT_ORDER, "back and front are exchanged along the ray", "order")                \
     X(ISO_FAULT_VIEW_VECTOR, "highlights are those of the other projection", "view vector")  \
-    X(ISO_FAULT_INTERPOLATION, "directions are not normalised after filtering", "interpolation")
+    X(ISO_FAULT_INTERPOLATION, "directions are not normalized after filtering", "interpolation")
 /* clang-format on */
 
 typedef enum iso_fault {
@@ -51,7 +51,7 @@ const char *iso_fault_check(iso_fault fault); /* NULL for it */
     X(ISO_DEVIATION_UNIT, "extinction is for more length", "percent", 20.0, "slab")                \
     X(ISO_DEVIATION_GAIN, "radiance is too bright", "percent", 20.0, "slab")                       \
     X(ISO_DEVIATION_PIXEL, "the middle pixel is too bright", "of 1", 1.0, "slab")                  \
-    X(ISO_DEVIATION_GAMMA, "the TF's colours have a gamma", "percent", 120.0, "transfer function") \
+    X(ISO_DEVIATION_GAMMA, "the TF's colors have a gamma", "percent", 120.0, "transfer function") \
     X(ISO_DEVIATION_RANGE, "the TF's range ends too late", "entry", 2.0, "transfer function")      \
     X(ISO_DEVIATION_DIRECTIONS, "the directions are turned", "degree", 20.0, "light")              \
     X(ISO_DEVIATION_LIGHT, "the lights are turned", "degree", 20.0, "light")                       \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* ray_faults.h - faults of what happens along a ray, for renderers that cannot be told to make them.
  *
- * Neither the order of compositing, nor the view vector, nor what is normalised when, can be wrong in what a renderer is
+ * Neither the order of compositing, nor the view vector, nor what is normalized when, can be wrong in what a renderer is
  * given: the scene has no words for them. So the fault's own share is computed here, with the equation of scene.h in
  * double precision: the picture with one thing wrong, less the picture with nothing wrong, at the same samples of an
  * eighth of a voxel. That difference is added to the renderer's picture, whose own errors stay in it. Step and

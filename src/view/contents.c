@@ -16,7 +16,7 @@
 
 /* value = zero + number * step */
 typedef struct scalar_form {
-    const char *kind; /* "integer", "quantised", "float" */
+    const char *kind; /* "integer", "quantized", "float" */
     const float *values;
     double zero, step;
     size_t width; /* bytes */
@@ -40,7 +40,7 @@ static scalar_form form_of(const iso_level *level, bool floats)
         f.step = range > 0 ? range : 1;
         f.width = 4;
     } else {
-        f.kind = "quantised";
+        f.kind = "quantized";
         f.step = range > 0 ? range / 65535 : 1;
         f.width = 2;
     }
@@ -97,7 +97,7 @@ static iso_status add_scalar(const iso_viewer *v, size_t k, iso_contents *conten
     snprintf(name, sizeof name, "level-%zu-scalar", k);
     json_t *scalar = json_pack("{s:s, s:f, s:f}", "kind", f.kind, "zero", f.zero, "step", f.step);
     json_object_set_new(json, "scalar", scalar);
-    if (strcmp(f.kind, "quantised") == 0)
+    if (strcmp(f.kind, "quantized") == 0)
         contents->size.quantum = 1.0 / 65535;
     return iso_contents_add_array(contents, name,
                      &(iso_pack_array){iso_geometry_voxel_count(&level->geometry), 1, f.width, scalar_number, &f},

@@ -103,7 +103,7 @@ static iso_status add_arrays(const iso_viewer *v, const brick_cache *cache, iso_
                              iso_error *err)
 {
     const iso_node_levels *n = v->plan->nodes;
-    json_t *scalar = json_pack("{s:s, s:f, s:f}", "kind", "quantised", "zero", n->min, "step",
+    json_t *scalar = json_pack("{s:s, s:f, s:f}", "kind", "quantized", "zero", n->min, "step",
                                n->max > n->min ? (n->max - n->min) / 65535 : 1),
            *code = iso_contents_code_json(v->codes[0]), *layout = json_object();
     json_object_set_new(json, "scalar", scalar);

@@ -38,7 +38,7 @@ typedef struct iso_viewer {
     size_t code_count;       /* codes that go in; those that are not the pyramid's need its floats */
     iso_code codes[ISO_VIEWER_CODES];
     const iso_viewer_plan *plan; /* stands for level 0, beside levels first to last; or NULL */
-    bool floats;             /* no quantisation of what is stored in floats */
+    bool floats;             /* no quantization of what is stored in floats */
     bool errors;             /* say of each coarse level how far it is from level 0; else of the finest alone */
     bool adapted;            /* the page begins with adapted transfer functions */
     int threads;

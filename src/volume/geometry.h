@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* geometry.h - where a grid of voxels lies in the world.
  *
- * Index coordinates are continuous: voxel i covers [i, i+1) and has its centre
- * at i + 1/2. World coordinates are millimetres, right-handed:
+ * Index coordinates are continuous: voxel i covers [i, i+1) and has its center
+ * at i + 1/2. World coordinates are millimeters, right-handed:
  *     world = origin_mm + index_to_world * index.
  * The columns of index_to_world are the world steps of one voxel, so they hold
  * spacing, rotation and, if the input has them, shear and reflection.
@@ -32,7 +32,7 @@ typedef struct iso_geometry {
     bool is_patient; /* the file names an anatomical space: the world is right, anterior, superior of a body */
 } iso_geometry;
 
-/* size, spacing along the world's axes, centred at the world's origin. */
+/* size, spacing along the world's axes, centered at the world's origin. */
 iso_geometry iso_geometry_axis_aligned(const size_t size[3], const double spacing_mm[3]);
 
 /* ISO_E_RANGE: a size of 0, a product that overflows, an index_to_world that
@@ -53,7 +53,7 @@ void iso_geometry_spacing_mm(const iso_geometry *g, double spacing_mm[3]);
 double iso_geometry_min_spacing_mm(const iso_geometry *g);
 /* The cube root of a voxel's volume. */
 double iso_geometry_mean_spacing_mm(const iso_geometry *g);
-/* The centre of the box, and half its diagonal. */
+/* The center of the box, and half its diagonal. */
 iso_vec3 iso_geometry_box_center_mm(const iso_geometry *g);
 double iso_geometry_box_radius_mm(const iso_geometry *g);
 /* transpose(inverse(index_to_world)): index gradients to world gradients. */

@@ -141,7 +141,7 @@ static const char *unit_name(int units)
     }
 }
 
-/* The affine of voxel centres; false when the file gives only spacings. */
+/* The affine of voxel centers; false when the file gives only spacings. */
 static bool center_affine(const nifti_header *h, double m[3][4])
 {
     if (h->sform_code > 0) {

@@ -4,18 +4,18 @@
  * A source reads a file from its first plane to its last; a sink writes one.
  * iso_volume_load() and iso_volume_save() are built on them.
  *
- * World coordinates (geometry.h) are millimetres. Where the file names an
+ * World coordinates (geometry.h) are millimeters. Where the file names an
  * anatomical space (NRRD: left-posterior-superior and the like; NIfTI with an
  * sform or a qform) they are turned to right, anterior, superior, so that one
  * patient lies in one place whatever the file format; a reflected space (LAS)
  * gives a reflected index_to_world. Else the world is the file's own frame.
  *   NRRD   space directions are the columns of index_to_world; space origin is
- *          the centre of the first sample, so origin_mm = space origin - half a
+ *          the center of the first sample, so origin_mm = space origin - half a
  *          step along each axis. Without a space: spacings along the world's
- *          axes, axis mins where all three are given, else the box is centred.
+ *          axes, axis mins where all three are given, else the box is centered.
  *          Known units (unit.h) are converted, others refused; without one lengths are mm.
- *   NIfTI  (1 and 2) sform before qform before bare pixdim (centred); its matrix maps
- *          voxel centres, so the corner lies at (-1/2, -1/2, -1/2).
+ *   NIfTI  (1 and 2) sform before qform before bare pixdim (centered); its matrix maps
+ *          voxel centers, so the corner lies at (-1/2, -1/2, -1/2).
  * doc/formats-in.md has the other formats. Trailing axes of one sample are dropped. Of several
  * time steps or several numbers a voxel one is chosen (frames.h). Volumes of two axes are refused. */
 #ifndef ISO_VOLUME_STREAM_H

@@ -40,13 +40,13 @@ static double half_shortest_edge_mm(const iso_geometry *g)
     return 0.5 * shortest;
 }
 
-/* Each field below takes the normalised position p and gives its value in
+/* Each field below takes the normalized position p and gives its value in
  * [0, 1] and its gradient by p. */
 
 static double ramp(iso_vec3 p, double extent, iso_vec3 *d)
 {
     /* Slopes differ by axis; scaled so that the whole box, `extent` half-edges
-     * away from its centre, stays in [0, 1]. */
+     * away from its center, stays in [0, 1]. */
     *d = iso_scale(iso_v3(1, 2, 3), 1 / (12 * extent));
     return 0.5 + iso_dot(*d, p);
 }

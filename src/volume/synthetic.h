@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* synthetic.h - volumes whose values and gradients are known in closed form.
  *
- * A field is a function of the normalised position p = (world - box centre) /
+ * A field is a function of the normalized position p = (world - box center) /
  * (half the shortest box edge), evaluated in double precision; p is in [-1, 1]
- * along the shortest edge. Samples are the field at the voxel centres. */
+ * along the shortest edge. Samples are the field at the voxel centers. */
 #ifndef ISO_SYNTHETIC_H
 #define ISO_SYNTHETIC_H
 
@@ -18,7 +18,7 @@
 #define ISO_FIELD_LIST(X)                                                                     \
     X(ISO_FIELD_RAMP, "ramp", "linear in x, y and z")                                         \
     X(ISO_FIELD_SLAB, "slab", "1 inside |z| < 1/2, linear flanks one voxel wide")             \
-    X(ISO_FIELD_SPHERE, "sphere", "1 - |p|: distance to the centre, spherical iso-surfaces")  \
+    X(ISO_FIELD_SPHERE, "sphere", "1 - |p|: distance to the center, spherical iso-surfaces")  \
     X(ISO_FIELD_SHELLS, "shells", "two thin concentric Gaussian shells")                      \
     X(ISO_FIELD_PLATE, "plate", "a thin tilted Gaussian plate: opposite gradients close by")  \
     X(ISO_FIELD_MARSCHNER_LOBB, "marschner-lobb", "the test signal of Marschner and Lobb [marschner-1994]") \
@@ -38,7 +38,7 @@ typedef enum iso_field_kind {
 
 typedef struct iso_field {
     iso_field_kind kind;
-    iso_geometry geometry; /* where p is normalised */
+    iso_geometry geometry; /* where p is normalized */
     uint64_t seed;         /* of noise, vessels and grain */
     bool has_range;        /* samples run over `range` instead of the type's own */
     double range[2];       /* what the values 0 and 1 become; within the type */
@@ -52,7 +52,7 @@ iso_status iso_field_from_name(const char *name, iso_field_kind *kind, iso_error
 /* Value in [0, 1], and its gradient per mm in world axes (gradient may be NULL). */
 double iso_field_value(const iso_field *f, iso_vec3 world_mm, iso_vec3 *gradient);
 
-/* Samples the field at f->geometry's voxel centres: lo + value * (hi - lo), rounded for integer types. [lo, hi] is
+/* Samples the field at f->geometry's voxel centers: lo + value * (hi - lo), rounded for integer types. [lo, hi] is
  * f->range, or the whole range of an integer type, or [0, 1]. */
 iso_status iso_field_sample(const iso_field *f, iso_type type, iso_volume *v, iso_error *err);
 

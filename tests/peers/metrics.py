@@ -6,9 +6,9 @@
     python3 tests/peers/metrics.py --flip REFERENCE.png TEST.png MAP.png
 
 SSIM: scikit-image's structural_similarity as [wang-2004] has it (Gaussian window of sigma 1.5 and 11 x 11, sample
-variances without correction, range 1), on the luma of the sRGB colours, windows inside the image; limit 1e-7, for pictures
+variances without correction, range 1), on the luma of the sRGB colors, windows inside the image; limit 1e-7, for pictures
 travel as 16 bits, which both read alike, and isoshade's pixels are floats. FLIP: MAP.png is what the program of its authors
-wrote for the pair (colours of matplotlib's magma, 8 bits): 99 % of the pixels have to lie within half a step of it, all within
+wrote for the pair (colors of matplotlib's magma, 8 bits): 99 % of the pixels have to lie within half a step of it, all within
 two thirds of one (single precision), and the means within 1e-4. Debian packages: python3-skimage, python3-matplotlib."""
 import argparse
 import json
@@ -52,7 +52,7 @@ def pairs():
     picture = numpy.clip(picture + 0.03 * random.standard_normal(picture.shape), 0, 1)
     yield "noise", picture, picture + 0.1 * random.standard_normal(picture.shape)
     yield "one pixel aside", picture, numpy.roll(picture, 1, axis=1)
-    yield "mean of neighbours", picture, (picture + numpy.roll(picture, 1, 0) + numpy.roll(picture, 1, 1)) / 3
+    yield "mean of neighbors", picture, (picture + numpy.roll(picture, 1, 0) + numpy.roll(picture, 1, 1)) / 3
     yield "half the contrast", picture, 0.25 + 0.5 * picture
     yield "twice as bright", 0.5 * picture, picture
     yield "something else", picture, picture[::-1, ::-1]
@@ -80,7 +80,7 @@ def check_flip(folder, reference, test, map_path):
     colors = numpy.round(255 * theirs).astype(int).reshape(-1, 3)
     steps = numpy.array([table.get(tuple(c), -1) for c in colors.tolist()])
     if (steps < 0).any():
-        sys.exit(f"{map_path}: has colours that are none of magma's")
+        sys.exit(f"{map_path}: has colors that are none of magma's")
     own = os.path.join(folder, "map.exr")
     gray = os.path.join(folder, "authors.ppm")
     mean = compare(reference, test, "--flip-map", own)["flip_mean"]

@@ -24,7 +24,7 @@ TOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 ISOSHADE = os.environ.get("ISOSHADE", os.path.join(TOP, "isoshade"))
 DIRECTION, UP, FOV, MARGIN = (0.5, 1.0, -0.4), (0, 0, 1), 30.0, 0.8
 LIGHT = (-0.5, 0.5, 1.0)  # towards the light: right, up, backwards
-# (part of the range, linear colour, opacity of one voxel), as bench render has them
+# (part of the range, linear color, opacity of one voxel), as bench render has them
 POINTS = {"dense": [(0, (0.2, 0.3, 0.9), 0.002), (1, (1, 0.9, 0.7), 0.02)],
           "sparse": [(0, (0, 0, 0), 0), (0.6, (0.9, 0.4, 0.2), 0), (0.7, (1, 0.9, 0.7), 0.3), (1, (1, 0.9, 0.7), 0.3)]}
 WANTED = {"dense": 1.5, "sparse": 6.0}

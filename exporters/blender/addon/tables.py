@@ -2,7 +2,7 @@
 """Transfer functions as stops, tables and files. Knows nothing of Blender; what is read is checked, never run.
 
 A curve is a function of value that gives linear red, green, blue and the opacity of a unit distance. A table has entries
-at even distances over [lo, hi], each colour and extinction; between them renderers interpolate.
+at even distances over [lo, hi], each color and extinction; between them renderers interpolate.
 """
 import json
 import math
@@ -51,7 +51,7 @@ def make_table(curve, lo, hi, count, unit):
 
 
 def look_up(table, lo, hi, values, unit):
-    """Colour and opacity that a table of r, g, b, extinction has at values."""
+    """Color and opacity that a table of r, g, b, extinction has at values."""
     x = numpy.clip((values - lo) / (hi - lo), 0, 1) * (len(table) - 1)
     i = numpy.minimum(x.astype(int), len(table) - 2)
     f = (x - i)[:, None]
@@ -113,7 +113,7 @@ def stops_of_points(points, lo, hi):
 
 
 def fewest_stops(rows):
-    """Of rows at even distances: numbers of those that suffice, at most 32, each as far behind the one before as colour and
+    """Of rows at even distances: numbers of those that suffice, at most 32, each as far behind the one before as color and
     opacity allow. The same as exporters/blender/ramp.c."""
     within = CLOSE_ENOUGH
     while True:
@@ -124,7 +124,7 @@ def fewest_stops(rows):
                 f = (numpy.arange(1, reach + 1 - at) / (reach + 1 - at))[:, None]
                 want = rows[at + 1:reach + 1]
                 off = abs((1 - f) * rows[at] + f * rows[reach + 1] - want)
-                off[want[:, 3] < CLOSE_ENOUGH, :3] = 0  # what is transparent has no colour to lose
+                off[want[:, 3] < CLOSE_ENOUGH, :3] = 0  # what is transparent has no color to lose
                 if off.max() > within:
                     break
                 reach += 1

@@ -147,7 +147,7 @@ class Ramp:
         return [v for stop in self.stops() for v in stop]
 
     def is_plain(self):
-        """Whether its stops are points of a transfer function: straight lines between linear colours."""
+        """Whether its stops are points of a transfer function: straight lines between linear colors."""
         ramp = self.node.color_ramp
         return ramp.interpolation == 'LINEAR' and ramp.color_mode == 'RGB'
 

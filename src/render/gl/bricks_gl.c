@@ -150,7 +150,7 @@ static iso_status fill_cache(const iso_gl *gl, const iso_brick_field *f, const i
     return status == ISO_OK ? iso_gl_check("filling the brick cache", err) : status;
 }
 
-/* Offsets become texture coordinates of node centres. */
+/* Offsets become texture coordinates of node centers. */
 static iso_status upload_layout(const iso_gl *gl, const iso_node_levels *n, const iso_brick_pack *pack,
                                 brick_textures *t, iso_error *err)
 {

@@ -179,7 +179,7 @@ static iso_status upload_layout(const iso_gl *gl, warp_cache *c, const uint8_t *
 
 /* ---- culling ---------------------------------------------------------------------- */
 
-/* distance: of each brick to the nearest one that the TF shows; held: those, and their neighbours, whose samples their
+/* distance: of each brick to the nearest one that the TF shows; held: those, and their neighbors, whose samples their
  * transitions fetch. NULL: all. */
 static iso_status cull(const warp_cache *c, const iso_level *level, const iso_tf_table *tf, uint8_t *distance,
                        uint8_t *held, double *shown, iso_error *err)

@@ -4,7 +4,7 @@
  *
  * Cache as the paper has it: slots of (n + 2)^3 texels, one fine brick with its
  * border or eight coarse ones of (n / 2 + 1)^3; a layout texel and the 26
- * neighbours' bits a brick. As written the border is fixed up on upload and the
+ * neighbors' bits a brick. As written the border is fixed up on upload and the
  * warped place fetched once; corrected, places in transition are fetched twice. */
 #ifndef ISO_GL_WARP_GL_H
 #define ISO_GL_WARP_GL_H

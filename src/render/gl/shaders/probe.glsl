@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// probe.glsl - what linear filtering makes of two texels, 0 and 1, at `count` places between their centres.
+// probe.glsl - what linear filtering makes of two texels, 0 and 1, at `count` places between their centers.
 uniform sampler3D texels;
 uniform float count;
 out vec4 color;

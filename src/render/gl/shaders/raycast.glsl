@@ -343,7 +343,7 @@ vec4 cell_mean(int i, float a, float b)
     return (emission_in(i, a) + 4.0 * emission_in(i, 0.5 * (a + b)) + emission_in(i, b)) / 6.0;
 }
 
-// The mean colour by extinction, and the mean extinction, between two texel values: tf/integral.h.
+// The mean color by extinction, and the mean extinction, between two texel values: tf/integral.h.
 vec4 mean_between(float s0, float s1)
 {
     float x0 = min(s0, s1) * held.tf_scale + held.tf_offset, x1 = max(s0, s1) * held.tf_scale + held.tf_offset;

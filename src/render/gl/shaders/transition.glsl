@@ -24,7 +24,7 @@ vec4 address_in(vec3 brick, vec3 p)
     if (min(inwards.x, min(inwards.y, inwards.z)) < 0.5) {
         uint coarse = texelFetch(coarse_neighbors, ivec3(brick), 0).r;
         iso_warp_fetch at = iso_warp_place(in_brick * brick_side, brick_side, coarse, TRANSITION);
-        // Coarse bricks have no neighbours that count: their own places stay as they are.
+        // Coarse bricks have no neighbors that count: their own places stay as they are.
         in_brick = coarse != 0u ? at.top / brick_side : in_brick;
 #if TRANSITION == ISO_TRANSITION_CORRECTED
         foot_part = at.part;
