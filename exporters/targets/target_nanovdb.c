@@ -29,14 +29,14 @@ static iso_status write_nanovdb(const iso_export_job *job, iso_error *err)
         return iso_nanovdb_from_vdb("", job->output, err);
     char *folder = iso_path_dir(job->output);
     char *vdb = folder ? iso_temporary_path(folder, iso_path_base(job->output)) : NULL;
+    if (vdb)
+        iso_unfinished_add(vdb, false); /* as soon as it may be there: its writer forgets it when it is finished */
     iso_export_job grids = *job;
     grids.output = vdb;
     grids.float_directions = true; /* NanoVDB has no metadata that could say what half floats were multiplied by */
     iso_status status = vdb ? iso_export_target_vdb.write(&grids, err)
                             : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", job->output);
     iso_progress_report(job->progress, stage, 0);
-    if (status == ISO_OK)
-        iso_unfinished_add(vdb, false);
     if (status == ISO_OK)
         status = iso_nanovdb_from_vdb(vdb, job->output, err);
     iso_progress_report(job->progress, stage, 1);

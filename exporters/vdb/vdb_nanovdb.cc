@@ -44,17 +44,34 @@ handle convert(const openvdb::GridBase::Ptr &grid)
                              ", wanted float or vec3s");
 }
 
+/* All grids of a file that this process wrote a moment ago: whatever is wrong with it, the disk did not keep or give it. One
+ * grid at a time as OpenVDB holds it. */
+std::vector<handle> read_again(const char *vdb_path)
+{
+    std::vector<handle> grids;
+    openvdb::io::File file(vdb_path);
+    const auto read = [](auto what) {
+        try {
+            return what();
+        } catch (const std::bad_alloc &) {
+            throw;
+        } catch (const std::exception &e) {
+            throw openvdb::IoError(std::string("what was written of it cannot be read again: ") + e.what());
+        }
+    };
+    read([&] { return file.open(/*delayLoad=*/false); });
+    for (auto name = file.beginName(); name != file.endName(); ++name)
+        grids.push_back(convert(read([&] { return file.readGrid(name.gridName()); })));
+    return grids;
+}
+
 } // namespace
 
 int iso_vdb::to_nanovdb(const char *vdb_path, const char *path, iso_vdb_message *message)
 {
     return iso_vdb::guarded(message, [&] {
         openvdb::initialize();
-        openvdb::io::File file(vdb_path);
-        std::vector<handle> grids;
-        file.open(/*delayLoad=*/false);
-        for (auto name = file.beginName(); name != file.endName(); ++name)
-            grids.push_back(convert(file.readGrid(name.gridName()))); /* one at a time as OpenVDB holds it */
+        const std::vector<handle> grids = read_again(vdb_path);
         std::ofstream out;
         out.exceptions(std::ios::failbit | std::ios::badbit);
         out.open(path, std::ios::out | std::ios::binary | std::ios::trunc);
