@@ -43,6 +43,6 @@ fi
 # A value that nobody set decides; the same reader without it is quiet.
 mkdir -p planted quiet/planted && echo '{"level": 12}' >planted/a.json && cp "$top/tests/fuzz/seeds/planted/"* quiet/planted/
 notice a_planted_value_that_nobody_set_is_found memcheck "$dir" planted
-check and_it_is_what_was_found grep -q 'uninitialized' err
+check and_it_is_what_was_found grep -q 'uninitialised' err
 check what_is_set_is_not memcheck "$dir/quiet" planted
 exit $failed
