@@ -38,8 +38,9 @@ link_coverage := -Wl,-u,__gcov_dump
 flags_avx2 := $(flags_release) -DISO_WITHOUT_AVX512
 flags_debug := -O0 -g
 # Without where each variable is at each place: the kernels of the CPU ray caster are too large for that, which gcc tells.
+# What a new texture holds is no number, so that reading what nobody wrote shows.
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer \
-	-fno-var-tracking-assignments
+	-fno-var-tracking-assignments -DISO_POISON_TEXTURES
 # By clang, for `make fuzz`; by gcc, for the lines that fuzzing reaches.
 flags_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 flags_coverage := -O1 -g --coverage

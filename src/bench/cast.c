@@ -53,6 +53,7 @@ static iso_status draw_gl(iso_gl *gl, const iso_pyramid *p, const cast_case *c, 
     o.skip = gl_skips[c->loop];
     o.repeats = DRAWS + 1; /* the first compiles */
     o.stats = &stats;
+    o.fast_filter = true;
     const iso_status status = iso_gl_render(gl, &p->levels[0], p->options.code, view, &o, image, err);
     *time = (cast_time){INFINITY, INFINITY};
     for (size_t i = 1; i < stats.draw_count; ++i) {

@@ -57,6 +57,7 @@ iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_rende
     options.skip = loop_skips[what.loop];
     options.repeats = (size_t)opt->runs + 1; /* the first one compiles */
     options.seconds = seconds;
+    options.fast_filter = true;
     iso_view view;
     iso_image image;
     iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);

@@ -97,6 +97,7 @@ static iso_status draw_texture(iso_gl *gl, const bench_fields *fields, const ben
     options.shaded = gradients != GRADIENTS_NONE;
     options.skip = ISO_GL_SKIP_NEVER;
     options.repeats = 2;
+    options.fast_filter = true;
     f.faces = texture == TEXTURE_BAKED ? ISO_FACES_BAKED : ISO_FACES_OWN;
     warp.mode = warp_modes[texture];
     if (texture <= TEXTURE_BAKED)

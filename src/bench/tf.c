@@ -143,6 +143,7 @@ static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const i
     iso_gl_options opt = iso_gl_defaults();
     opt.repeats = (size_t)b->runs;
     opt.seconds = seconds;
+    opt.fast_filter = true;
     static iso_tf_point points[] = {{0, {0, 0, 0}, 0}, {1, {1, 1, 1}, 0.1}};
     const iso_scene scene = {.path = "bench",
                              .width = 512,

@@ -86,6 +86,7 @@ static iso_status draw_by_gl(cache *c, const iso_brick_field *field, iso_image *
     o.step_voxels = c->opt->step_voxels;
     o.repeats = c->opt->repeats;
     o.repeat_seconds = c->opt->repeat_seconds;
+    o.fast_filter = o.repeats > 1 || o.repeat_seconds > 0;
     const iso_status status = iso_gl_render_bricks(c->gl, field, c->view, &o, image, &stats, err);
     if (status != ISO_OK)
         return status;

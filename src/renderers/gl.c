@@ -42,17 +42,6 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
     return ISO_OK;
 }
 
-/* A device that weighs texels coarsely draws by lookups of the shader's own, where they can: a verdict is not to depend on it.
- * What is timed is drawn as a viewer would draw it. */
-static bool wants_exact_lookups(const iso_gl *gl, const iso_render_request *q)
-{
-    const bool is_coarse = iso_gl_describe(gl).filter_bits_float < ISO_GL_FINE_FILTER_BITS;
-    const iso_render_options *opt = q->options;
-    const bool can = !opt->isosurface && opt->quadrature != ISO_QUADRATURE_PREINTEGRATED && !q->view->roi;
-    const bool timed = opt->repeats > 1 || opt->repeat_seconds > 0;
-    return opt->exact_lookups || (is_coarse && can && !timed);
-}
-
 static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
 {
     const iso_render_options *opt = q->options;
@@ -67,10 +56,10 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     o.surface = opt->isosurface ? &surface : NULL;
     o.repeats = opt->repeats;
     o.repeat_seconds = opt->repeat_seconds;
+    o.exact_lookups = opt->exact_lookups;
+    o.fast_filter = opt->repeats > 1 || opt->repeat_seconds > 0; /* what is timed is drawn as a viewer would draw it */
     o.stats = &inside;
     iso_status status = iso_renderers_need_gl(q->renderers, &gl, err);
-    if (status == ISO_OK)
-        o.exact_lookups = wants_exact_lookups(gl, q);
     if (status == ISO_OK && opt->processor_time)
         iso_gl_time_processor(gl, true);
     if (status == ISO_OK)

@@ -138,10 +138,14 @@ static iso_status fill_cache(const iso_gl *gl, const iso_brick_field *f, const i
         if (status == ISO_OK && !together)
             status = iso_gl_create_texture_3d(gl, small ? GL_R16 : GL_R32F, pack->size, "a brick cache", &t->scalar[k],
                                               err);
+        if (status == ISO_OK && !together)
+            status = iso_gl_clear_texture_3d(pack->size, err);
         glActiveTexture(GL_TEXTURE0 + unit_of_directions(k));
         if (status == ISO_OK && opt->shaded)
             status = iso_gl_create_texture_3d(gl, directions, pack->size, "a brick cache of directions",
                                               &t->directions[k], err);
+        if (status == ISO_OK && opt->shaded)
+            status = iso_gl_clear_texture_3d(pack->size, err);
     }
     for (size_t i = 0; status == ISO_OK && i < iso_brick_count(f->nodes); ++i)
         if (pack->layout[4 * i + 3] > 0)
@@ -293,6 +297,7 @@ static iso_status get_program(const brick_job *job, GLuint *program, iso_error *
         .specular = opt->shaded && view->shading.specular > 0,
         .skip_empty = job->textures.skip_empty,
         .bricks = true,
+        .filtered_by_hand = iso_gl_filters_by_hand(job->gl, opt->fast_filter),
         .pages = job->pack.page_count,
     };
     return iso_gl_get_variant(job->gl, &variant, program, err);

@@ -20,6 +20,7 @@ typedef struct iso_gl_brick_options {
     double step_voxels;         /* 0: the view's */
     iso_gl_skip skip;           /* of hidden bricks */
     const iso_surface *surface; /* its first hit instead of the integral, or NULL */
+    bool fast_filter;           /* as in iso_gl_options */
     size_t repeats;             /* draws; the time is that of the fastest */
     double repeat_seconds;      /* as in iso_gl_options */
 } iso_gl_brick_options;

@@ -144,6 +144,11 @@ iso_gl_info iso_gl_describe(const iso_gl *gl)
     return gl->info;
 }
 
+bool iso_gl_filters_by_hand(const iso_gl *gl, bool fast_filter)
+{
+    return gl->info.filter_bits_float < ISO_GL_FINE_FILTER_BITS && !fast_filter;
+}
+
 double iso_gl_device_seconds(const iso_gl *gl)
 {
     return gl->device_seconds;

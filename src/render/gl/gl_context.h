@@ -2,8 +2,7 @@
 /* gl_context.h - a headless OpenGL context (gl_context.c), its programs (gl_program.c) and its textures (gl_draw.c).
  *
  * The context comes from EGL through libepoxy (gl_devices.h): the device that is asked for, or each EGL device that is no
- * software renderer, then Mesa without a surface (llvmpipe). Core profile,
- * 4.3 or newer. Nothing here knows about volumes.
+ * software renderer, then the platform without a surface (Mesa's llvmpipe). Core profile, 4.3 or newer. Nothing here knows about volumes.
  *
  * Private to src/render and src/brick: commands see render/gl/raycaster.h. */
 #ifndef ISO_GL_CONTEXT_H
@@ -49,6 +48,9 @@ iso_status iso_gl_get_program(iso_gl *gl, const char *fragment, const char *defi
  * size and limit when it is too large for this GL, ISO_E_MEMORY. */
 iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, const size_t size[3], const char *what,
                                     GLuint *texture, iso_error *err);
+/* Sets all texels of the bound texture to 0: of one that is not written as a whole. Where a filter reaches beyond what was
+ * written, by a rounding, a NaN there would be a NaN of the picture. */
+iso_status iso_gl_clear_texture_3d(const size_t size[3], iso_error *err);
 /* One texel a brick, nearest: its distance to the nearest occupied one (brick/occupancy.h). */
 iso_status iso_gl_create_occupancy(const iso_gl *gl, const size_t count[3], const uint8_t *distance, GLuint *texture,
                                    iso_error *err);
@@ -79,6 +81,9 @@ typedef struct iso_gl_repeats {
 /* Adds the draws to the stats; *least (may be NULL) is the fastest. */
 iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, const iso_gl_repeats *repeats, iso_image *image,
                                   double *least, iso_gl_stats *stats, iso_error *err);
+
+/* Whether the shader filters textures itself: where the device's filter is coarse, unless it is to be fast. */
+bool iso_gl_filters_by_hand(const iso_gl *gl, bool fast_filter);
 
 /* Bytes of a texture by the bits that GL says its format has; 0 for the name 0. */
 double iso_gl_texture_bytes(GLenum target, GLuint texture);

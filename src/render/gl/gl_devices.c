@@ -76,12 +76,17 @@ static bool open_display(iso_gl *gl, EGLDisplay display, const char *name, bool 
     return true;
 }
 
+static bool has(const char *extension)
+{
+    return epoxy_has_egl_extension(EGL_NO_DISPLAY, extension);
+}
+
+/* EGL_EXT_device_base is enumeration and query in one: Mesa names all three, NVIDIA's driver that one alone. */
 static bool list(EGLDeviceEXT devices[MOST_DEVICES], EGLint *count)
 {
     *count = 0;
-    return epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") &&
-           epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device") &&
-           eglQueryDevicesEXT(MOST_DEVICES, devices, count);
+    const bool lists = has("EGL_EXT_device_base") || has("EGL_EXT_device_enumeration");
+    return lists && has("EGL_EXT_platform_device") && eglQueryDevicesEXT(MOST_DEVICES, devices, count);
 }
 
 static bool is_software(EGLDeviceEXT device)
@@ -120,8 +125,8 @@ static bool open_devices(iso_gl *gl, trial *t)
 
 static bool open_surfaceless(iso_gl *gl, bool by_name, trial *t)
 {
-    static const char name[] = "Mesa without a surface";
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
+    static const char name[] = "without a surface";
+    if (!has("EGL_MESA_platform_surfaceless")) {
         note(t, name, "no such platform (Debian package libegl-mesa0)");
         return false;
     }

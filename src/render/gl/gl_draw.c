@@ -1,9 +1,41 @@
 /* SPDX-License-Identifier: MIT */
 /* Textures, and a program drawn over a whole image. */
 #include <math.h>
+#include <stdlib.h>
 
 #include "base/parallel.h"
 #include "render/gl/gl_context.h"
+
+/* GL says nothing of what is in a new texture: Mesa clears it, other drivers leave what the memory held. Builds with the
+ * sanitizers put NaN there, so that reading what nobody wrote shows. */
+static void poison(GLenum internal_format, const size_t size[3])
+{
+#ifdef ISO_POISON_TEXTURES
+    const bool integers = internal_format == GL_R8UI || internal_format == GL_R16UI || internal_format == GL_R32UI;
+    const size_t plane = size[0] * size[1];
+    float *none = integers ? NULL : malloc(plane * 4 * sizeof *none);
+    for (size_t i = 0; none && i < 4 * plane; ++i)
+        none[i] = NAN;
+    for (size_t z = 0; none && z < size[2]; ++z)
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGBA, GL_FLOAT,
+                        none);
+    free(none);
+#else
+    (void)internal_format, (void)size;
+#endif
+}
+
+iso_status iso_gl_clear_texture_3d(const size_t size[3], iso_error *err)
+{
+    uint8_t *zeros = calloc(size[0] * size[1], 1);
+    if (!zeros)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu x %zu texels", size[0], size[1]);
+    for (size_t z = 0; z < size[2]; ++z)
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
+                        GL_UNSIGNED_BYTE, zeros);
+    free(zeros);
+    return iso_gl_check("clearing a texture", err);
+}
 
 iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, const size_t size[3], const char *what,
                                     GLuint *texture, iso_error *err)
@@ -22,6 +54,7 @@ iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, co
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    poison(internal_format, size);
     iso_status status = iso_gl_check(what, err);
     if (status != ISO_OK) {
         glDeleteTextures(1, texture);

@@ -27,17 +27,17 @@ int iso_gl_output(const iso_surface *surface)
 
 iso_status iso_gl_get_variant(iso_gl *gl, const iso_gl_variant *v, GLuint *program, iso_error *err)
 {
-    char defines[704], transition[48] = "";
+    char defines[736], transition[48] = "";
     if (v->transition)
         snprintf(transition, sizeof transition, "#define TRANSITION %s\n", v->transition);
     snprintf(defines, sizeof defines,
              "#define DIRECTION_SOURCE %s\n#define DECODER %s\n#define OUTPUT %s\n#define LIGHT_COUNT %zu\n"
              "#define SPECULAR %d\n#define SHADE_TABLE %d\n#define SKIP_EMPTY %d\n#define PREINTEGRATED %d\n"
              "#define EXACT %d\n#define ROI %d\n#define BRICKS %d\n#define TF_2D_ROWS %d\n#define EXTINCTION_SCALE %s\n"
-             "#define PAGES %zu\n#define SCREEN_TILE %d\n#define SCALAR_WITH_DIRECTIONS %d\n%s",
+             "#define PAGES %zu\n#define SCREEN_TILE %d\n#define SCALAR_WITH_DIRECTIONS %d\n%s%s",
              source_names[v->direction_source], decoder_names[v->decoder], output_names[v->output], v->light_count,
              v->specular, v->shade_table, v->skip_empty, v->preintegrated, v->exact, v->roi, v->bricks, v->tf_2d_rows,
              scale_names[v->extinction_scale], v->pages ? v->pages : 1, v->screen_tile, v->scalar_with_directions,
-             transition);
+             v->filtered_by_hand ? "#define FILTERED_BY_HAND 1\n" : "", transition);
     return iso_gl_get_program(gl, "raycast.glsl", defines, program, err);
 }

@@ -13,7 +13,7 @@ typedef struct iso_gl_variant {
     int decoder;          /* ISO_DECODER_... of code_decode.h, for SOURCE_CODES */
     int output;           /* OUTPUT_... */
     size_t light_count;
-    bool scalar_with_directions, specular, shade_table, skip_empty, preintegrated, exact, roi, bricks;
+    bool scalar_with_directions, specular, shade_table, skip_empty, preintegrated, exact, filtered_by_hand, roi, bricks;
     int screen_tile;        /* pixels a side of the tiles that know where they can show anything; 0: there are none */
     int tf_2d_rows;         /* of a 2D transfer function; 0: it is 1D */
     int extinction_scale;   /* SCALE_... */

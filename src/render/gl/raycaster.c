@@ -414,6 +414,7 @@ static iso_status get_program(iso_gl *gl, iso_code code, const iso_gl_options *o
         .screen_tile = t->skip_empty && !opt->surface ? ISO_SCREEN_TILE : 0,
         .preintegrated = opt->preintegrated,
         .exact = opt->exact_lookups,
+        .filtered_by_hand = iso_gl_filters_by_hand(gl, opt->fast_filter),
         .roi = view->roi != NULL,
         .tf_2d_rows = view->tf_2d ? ISO_TF_2D_ROWS : 0,
         .extinction_scale = opt->surface || !view->extinction_scale ? SCALE_NONE

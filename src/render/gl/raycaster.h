@@ -7,7 +7,8 @@
  * the reference's definition (reference.h). Textures: scalar R16 where the
  * stored type has 8 or 16 bits, else R32F; directions from the 3-byte codes,
  * from floats, or on the fly. At start the texture filter is probed: where
- * 8-bit textures are filtered in 8 bits, codes travel in 16 bits. On llvmpipe
+ * 8-bit textures are filtered in 8 bits, codes travel in 16 bits, and where all are,
+ * the shader filters (ISO_GL_FINE_FILTER_BITS). On llvmpipe
  * codes and a scalar of at most 16 bits are one texture, and one fetch. */
 #ifndef ISO_GL_RAYCASTER_H
 #define ISO_GL_RAYCASTER_H
@@ -23,7 +24,7 @@ typedef struct iso_gl_info {
     int filter_bits_unorm8; /* bits that linear filtering of the format keeps, as probed */
     int filter_bits_unorm16;
     int filter_bits_float;
-    char device[64]; /* "EGL device 0", "Mesa without a surface" */
+    char device[64]; /* "EGL device 0", "without a surface" */
     int timer_bits;  /* of its counter of nanoseconds (GL_TIME_ELAPSED); 0: it has none */
 } iso_gl_info;
 
@@ -84,6 +85,8 @@ typedef struct iso_gl_options {
     bool shade_table;      /* palettes: shading by a table of the entries, made anew for each view and its
                                   * lights, with one direction to the viewer; exact for orthographic cameras and the
                                   * nearest entry, else shades are filtered instead of directions */
+    bool fast_filter;      /* the device's filter also where it is coarse, for frames that are timed; else the shader
+                                  * filters there itself, in float, eight fetches for one */
     bool preintegrated;    /* not with a 2D transfer function */
     bool exact_lookups;    /* the shader filters textures and finds the table's entry itself, at positions in double
                                   * precision; texture units take float coordinates. Slow, for validation; not with a

@@ -115,10 +115,14 @@ static iso_status fill_cache(const iso_gl *gl, warp_cache *c, const uint8_t *hel
     glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
     if (status == ISO_OK)
         status = iso_gl_create_texture_3d(gl, bits == 16 ? GL_R16 : GL_R32F, c->size, "a brick cache", &c->scalar, err);
+    if (status == ISO_OK)
+        status = iso_gl_clear_texture_3d(c->size, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
     if (status == ISO_OK && c->shaded)
         status = iso_gl_create_texture_3d(gl, bits == 16 ? GL_RGBA16_SNORM : GL_RGB32F, c->size,
                                           "a brick cache of directions", &c->directions, err);
+    if (status == ISO_OK && c->shaded)
+        status = iso_gl_clear_texture_3d(c->size, err);
     for (size_t i = 0; status == ISO_OK && i < all_bricks(c); ++i)
         if (held[i])
             upload_brick(c, i, at[i], bits, &s);
@@ -277,6 +281,7 @@ static iso_status get_program(const warp_cache *c, const iso_view *view, GLuint 
         .specular = lit && view->shading.specular > 0,
         .skip_empty = c->skip_empty,
         .bricks = true,
+        .filtered_by_hand = iso_gl_filters_by_hand(c->gl, c->opt->fast_filter),
         .transition = transitions[c->field->mode],
     };
     return iso_gl_get_variant(c->gl, &variant, program, err);

@@ -21,7 +21,8 @@
 //     EXTINCTION_SCALE           where its bytes are, a name of variants.h
 //     BRICKS, PAGES              a cache of bricks, and how many textures hold it
 //     TRANSITION                 with BRICKS whose samples lie inside them: transition.glsl; else undefined
-//     FILTERED_BY_HAND           floats that the texture unit does not filter (WebGL2 on some telephones); else undefined
+//     FILTERED_BY_HAND           textures are filtered here, in float: where the texture unit weighs texels coarsely, or does
+//                                not filter floats (WebGL2 on some telephones); else undefined
 // In WebGL2 es.glsl stands before this file: doubles are floats there, and the rests that they leave are 0.
 #include "variants.h"
 
@@ -210,6 +211,28 @@ bool leave_empty_bricks(Ray ray, inout float k, inout float until)
 }
 #endif
 
+#if EXACT || defined FILTERED_BY_HAND
+uniform bool labels; // are not filtered: the voxel that holds the position
+#endif
+
+// What the texture has at p: eight texels, weighted.
+#ifdef FILTERED_BY_HAND
+vec4 filtered(sampler3D texels, vec3 p)
+{
+    ivec3 last = textureSize(texels, 0) - 1;
+    vec3 q = clamp(p * vec3(last + 1) - 0.5, vec3(0.0), vec3(last)), lo = floor(q);
+    vec4 sum = vec4(0.0);
+    for (int c = 0; c < 8; ++c) {
+        ivec3 corner = ivec3(c & 1, c >> 1 & 1, c >> 2);
+        vec3 w = mix(1.0 - (q - lo), q - lo, vec3(corner));
+        sum += w.x * w.y * w.z * texelFetch(texels, min(ivec3(lo) + corner, last), 0);
+    }
+    return sum;
+}
+#else
+vec4 filtered(sampler3D texels, vec3 p) { return textureLod(texels, p, 0.0); }
+#endif
+
 #if BRICKS
 // Whole numbers.
 vec3 brick_of(vec3 p) { return min(floor(clamp(p, vec3(0.0), held.last_node)), held.last_brick); }
@@ -257,28 +280,14 @@ dvec4 fetch_exactly(sampler3D texels, vec3 p)
 }
 vec4 fetch(sampler3D texels, vec3 p) { return vec4(fetch_exactly(texels, p)); }
 
-uniform bool labels; // are not filtered: the voxel that holds the position
 double label_exactly(sampler3D texels, vec3 p)
 {
     ivec3 last = textureSize(texels, 0) - 1;
     dvec3 q = (exact_p + dvec3(p - rounded_p)) * dvec3(last + 1);
     return double(texelFetch(texels, clamp(ivec3(floor(q)), ivec3(0), last), 0).r);
 }
-#elif defined FILTERED_BY_HAND
-vec4 fetch(sampler3D texels, vec3 p)
-{
-    ivec3 last = textureSize(texels, 0) - 1;
-    vec3 q = clamp(p * vec3(last + 1) - 0.5, vec3(0.0), vec3(last)), lo = floor(q);
-    vec4 sum = vec4(0.0);
-    for (int c = 0; c < 8; ++c) {
-        ivec3 corner = ivec3(c & 1, c >> 1 & 1, c >> 2);
-        vec3 w = mix(1.0 - (q - lo), q - lo, vec3(corner));
-        sum += w.x * w.y * w.z * texelFetch(texels, min(ivec3(lo) + corner, last), 0);
-    }
-    return sum;
-}
 #elif !defined TRANSITION
-vec4 fetch(sampler3D texels, vec3 p) { return textureLod(texels, p, 0.0); }
+vec4 fetch(sampler3D texels, vec3 p) { return filtered(texels, p); }
 #endif
 
 #if PAGES > 1
@@ -303,6 +312,8 @@ vec4 fetch_direction(vec3 p) { return fetch(directions, p); }
 float scalar_at(vec3 p) { return labels ? float(label_exactly(scalar, p)) : fetch_scalar(p).r; }
 #elif SCALAR_WITH_DIRECTIONS
 float scalar_at(vec3 p) { return fetch_direction(p).a; }
+#elif defined FILTERED_BY_HAND
+float scalar_at(vec3 p) { return labels ? textureLod(scalar, p, 0.0).r : fetch_scalar(p).r; }
 #else
 float scalar_at(vec3 p) { return fetch_scalar(p).r; }
 #endif

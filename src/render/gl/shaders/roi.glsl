@@ -21,14 +21,14 @@ float roi_weight(vec3 p)
 
 vec4 roi_classify(vec3 q)
 {
-    float x = clamp(textureLod(roi_scalar, q, 0.0).r * roi_tf_scale + roi_tf_offset, 0.0, float(roi_tf_count - 1));
+    float x = clamp(filtered(roi_scalar, q).r * roi_tf_scale + roi_tf_offset, 0.0, float(roi_tf_count - 1));
     int i = min(int(x), roi_tf_count - 2);
     return mix(texelFetch(roi_tf, ivec2(i, 0), 0), texelFetch(roi_tf, ivec2(i + 1, 0), 0), x - float(i));
 }
 
 vec3 roi_normal(vec3 q)
 {
-    vec3 e = textureLod(roi_directions, q, 0.0).rgb;
+    vec3 e = filtered(roi_directions, q).rgb;
 #if DIRECTION_SOURCE == SOURCE_CODES
     return iso_shading_normal(iso_decode(DECODER, e * held.direction_scale + held.direction_offset));
 #else

@@ -38,10 +38,10 @@ vec4 address_in(vec3 brick, vec3 p)
 
 vec4 fetch(sampler3D texels, vec3 p)
 {
-    vec4 top = textureLod(texels, p, 0.0);
+    vec4 top = filtered(texels, p);
 #if TRANSITION == ISO_TRANSITION_CORRECTED
     if (foot_part > 0.0)
-        top = mix(top, textureLod(texels, foot_place, 0.0), foot_part);
+        top = mix(top, filtered(texels, foot_place), foot_part);
 #endif
     return top;
 }
