@@ -62,6 +62,16 @@ refuse a_step_for_vdb 2 "--step" "$ISOSHADE" export v.nrrd --to vdb --step 0.5 -
 refuse grids_for_blender 2 "--grids" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --grids levels -q -o x.blend
 refuse an_unknown_target 2 "wanted vdb, nanovdb, blender, povray, pbrt, mitsuba or paraview" "$ISOSHADE" export v.nrrd --to maya -q -o x
 refuse adapted_vdb 2 "--adapt" "$ISOSHADE" export v.nrrd --to vdb --adapt -q -o x.vdb
+# A folder of temporary files that is too small for a .blend file, of which Blender says "No such file".
+mkdir small
+in_small_folder() { unshare --map-root-user --mount sh -c 'mount -t tmpfs -o size=256k tmpfs small && exec "$@"' sh "$@"; }
+if in_small_folder true 2>/dev/null; then
+    refuse no_room_for_temporary_files 8 'temporary files ($TMPDIR), which has 0.' in_small_folder \
+        env TMPDIR="$PWD/small" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --no-sandbox -q -o small.blend
+    check nothing_is_left_of_it test ! -e small.blend
+else
+    skip no_room_for_temporary_files "no file system may be mounted here"
+fi
 # A level of two voxels along each axis, of which Cycles once drew a part: the rest of the picture was background, an RMSE of
 # .38. The step and the noise of one sample are .004.
 if has_cycles; then

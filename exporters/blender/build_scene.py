@@ -13,6 +13,8 @@ Positions are taken in the space of the frame, an object that stands for the vol
 it moves box, grids and normals together.
 """
 import json
+import os
+import shutil
 import sys
 
 import bpy
@@ -123,7 +125,11 @@ def save(about, shift):
     arrange_windows(scene, about)
     bpy.context.preferences.filepaths.save_version = 0
     # Not compressed: the checksum behind the end (base/stamp.h) would stand in the way of the compressed blocks' table.
-    bpy.ops.wm.save_as_mainfile(filepath=about["save"], check_existing=False, compress=False, relative_remap=False)
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=about["save"], check_existing=False, compress=False, relative_remap=False)
+    except RuntimeError as why:  # says "No such file" of a full disk
+        free = shutil.disk_usage(os.path.dirname(about["save"])).free / 1e6
+        raise OSError(f"the file cannot be saved in the folder of temporary files ($TMPDIR), which has {free:.1f} MB left: {why}")
 
 
 def work(path, shift):
