@@ -79,13 +79,13 @@ static iso_status load_accepted(const baseline_arguments *a, const char *path, j
 {
     if (iso_path_exists(path)) {
         const iso_status status = iso_json_load(path, accepted, err);
-        return status == ISO_OK ? check_schema(path, *accepted, "isoshade.accepted/2",
+        return status == ISO_OK ? check_schema(path, *accepted, ISO_BASELINE_SCHEMA,
                                                "a baseline, as baseline --update writes it", err)
                                 : status;
     }
     if (!a->update)
         return iso_fail(err, ISO_E_IO, "%s: there is no baseline; --update makes one of this report", path);
-    *accepted = json_pack("{s:s}", "schema", "isoshade.accepted/2");
+    *accepted = json_pack("{s:s}", "schema", ISO_BASELINE_SCHEMA);
     return *accepted ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
 }
 

@@ -8,7 +8,7 @@
 
 #include "report/report.h"
 
-static const char schema[] = "isoshade.accepted/2";
+static const char schema[] = ISO_BASELINE_SCHEMA;
 
 /* Ends the key of a gate's value, which is kept in parts of its limit: what counts pixels and what counts standard errors
  * then have one measure, and one floor below which a change says nothing. */

@@ -19,6 +19,8 @@
 
 #include "base/json.h"
 
+#define ISO_BASELINE_SCHEMA "isoshade.accepted/2"
+
 /* The rows of a report.json; new. ISO_E_FORMAT: no report; ISO_E_RANGE: no figure in it, or two rows of one name. */
 iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso_error *err);
 
