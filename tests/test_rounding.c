@@ -124,14 +124,14 @@ static void change_shaders(const char *dir, const char *old, const char *new)
 static void a_fault_is_no_rounding(void **state)
 {
     (void)state;
-    static const char filter[] = "vec4 fetch(sampler3D texels, vec3 p) { return textureLod(texels, p, 0.0); }";
+    static const char filter[] = "vec4 fetch(sampler3D texels, vec3 p) { return filtered(texels, p); }";
     static const struct fault {
         const char *name, *old, *new;
         iso_verdict exact;
     } faults[] = {
         {"weights of 8 bits", filter,
          "vec4 fetch(sampler3D texels, vec3 p) { vec3 n = vec3(256 * textureSize(texels, 0));\n"
-         "return textureLod(texels, floor(p * n + 0.5) / n, 0.0); }",
+         "return filtered(texels, floor(p * n + 0.5) / n); }",
          ISO_VERDICT_AGREE},
         {"a table that is off by a part of an entry", "float x = clamp(s * held.tf_scale + held.tf_offset, 0.0,",
          "float x = clamp(s * held.tf_scale + held.tf_offset + 0.005, 0.0,", ISO_VERDICT_AGREE},

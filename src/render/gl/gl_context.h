@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* gl_context.h - a headless OpenGL context (gl_context.c), its programs (gl_program.c) and its textures (gl_draw.c).
  *
- * The context comes from EGL through libepoxy (gl_devices.h): the device that is asked for, or each EGL device that is no
- * software renderer, then the platform without a surface (Mesa's llvmpipe). Core profile, 4.3 or newer. Nothing here knows about volumes.
+ * The context comes from EGL through libepoxy (gl_devices.h): the device that is asked for, or each EGL device that is
+ * no software renderer, then the platform without a surface (Mesa's llvmpipe). Core profile, 4.3 or newer. Nothing here
+ * knows about volumes.
  *
  * Private to src/render and src/brick: commands see render/gl/raycaster.h. */
 #ifndef ISO_GL_CONTEXT_H
