@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "render/cell_ray.h"
 #include "render/lanes.h"
@@ -355,6 +356,64 @@ static void one_voxel_is_never_passed_over(void **state)
     iso_shown_destroy(&shown);
 }
 
+/* A few voxels are shown, and rays go through edges of blocks that show nothing, where a place is rounded to either side of
+ * both faces: they end, and with what they have where no block is passed over. The walk once went to and fro at some of
+ * these without end, which the alarm tells. */
+static void rays_along_edges_of_empty_blocks_end(void **state)
+{
+    (void)state;
+    enum { N = 32, COUNT = N * N * N, RAYS = 200000 };
+    static float scalar[COUNT];
+    float entries[8] = {0, 0, 0, 0, 1, 0.5f, 0.2f, 1};
+    const iso_level level = {
+        .geometry = iso_geometry_axis_aligned((size_t[]){N, N, N}, (double[]){1, 1, 1}), .scalar = scalar, .max = 1};
+    const iso_view view = {
+        .tf = {.count = 2, .lo = 0, .hi = 1, .entries = entries}, .shading = {.ambient = 1}, .step_voxels = 0.25};
+    iso_sampler sampler;
+    iso_shown shown;
+    iso_empty_space empty, unknown = {.cells = {N + 1, N + 1, N + 1}};
+    iso_cell_scene cells, all;
+    iso_cell_ray_variant v[4];
+    state_of_random = 5;
+    for (int i = 0; i < 6; ++i)
+        scalar[(size_t)random_in(0, COUNT)] = 1;
+    assert_more_than((double)iso_cell_ray_variants(v), 0);
+    assert_ok(iso_sampler_create(&sampler, &level, ISO_CODE_FIT, ISO_FROM_ON_THE_FLY, &err));
+    assert_ok(iso_shown_create(&shown, &view.tf, NULL, &err));
+    assert_ok(iso_empty_space_create(&empty, &level, &shown, NULL, NULL, 1, &err));
+    assert_ok(iso_cell_scene_create(&cells, &sampler, &view, &shown, &empty, &err));
+    assert_ok(iso_cell_scene_create(&all, &sampler, &view, &shown, &unknown, &err));
+    alarm(120);
+    for (int i = 0; i < RAYS; ++i) {
+        const int along = i % 3;
+        const double back = random_in(60, 300);
+        double at[3], way[3], error[2], t0 = 0, t1 = INFINITY;
+        for (int a = 0; a < 3; ++a) {
+            at[a] = a == along ? random_in(0, N) : 4 * floor(random_in(1, N / 4)) - 0.5;
+            way[a] = random_in(-1, 1);
+        }
+        const double length = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+        for (int a = 0; a < 3; ++a) { /* the part in the box */
+            way[a] /= length;
+            at[a] -= back * way[a];
+            t0 = fmax(t0, fmin(-at[a] / way[a], (N - at[a]) / way[a]));
+            t1 = fmin(t1, fmax(-at[a] / way[a], (N - at[a]) / way[a]));
+        }
+        const iso_vec3 direction = iso_v3(way[0], way[1], way[2]);
+        const iso_cell_ray ray = {iso_v3(at[0], at[1], at[2]), direction, iso_scale(direction, -1), t0, t1, 1e-9};
+        const stretch passing = v[0].integrate(&cells, &ray, &error[0]), whole = v[0].integrate(&all, &ray, &error[1]);
+        for (int c = 0; c < 3; ++c)
+            assert_within(passing.color[c], whole.color[c], 1e-11);
+        assert_within(exp(-passing.depth), exp(-whole.depth), 1e-11);
+    }
+    alarm(0);
+    iso_cell_scene_destroy(&all);
+    iso_cell_scene_destroy(&cells);
+    iso_empty_space_destroy(&empty);
+    iso_shown_destroy(&shown);
+    iso_sampler_destroy(&sampler);
+}
+
 /* An interval that ends on an entry that shows nothing stays empty; a bit farther it does not. */
 static void intervals_end_at_the_entries_that_show_nothing(void **state)
 {
@@ -399,6 +458,7 @@ int main(void)
         cmocka_unit_test(instruction_sets_give_the_same_bits),
         cmocka_unit_test(only_what_shows_nothing_is_passed_over),
         cmocka_unit_test(one_voxel_is_never_passed_over),
+        cmocka_unit_test(rays_along_edges_of_empty_blocks_end),
         cmocka_unit_test(intervals_end_at_the_entries_that_show_nothing),
         cmocka_unit_test(the_exponential_is_right_to_its_last_digits),
     };

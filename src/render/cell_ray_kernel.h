@@ -17,10 +17,19 @@ ISO_LANES_INLINE void set_next(cell_walk *k, int a)
     k->next[a] = k->way[a] != 0 ? (plane - k->at[a]) * k->inverse[a] : INFINITY;
 }
 
-ISO_LANES_INLINE void stand_at(cell_walk *k, int a, double t)
+/* The plane before which the ray is at t, between two voxels or beyond the outermost. */
+ISO_LANES_INLINE int plane_at(const cell_walk *k, int a, double t)
 {
     const double q = (k->at[a] + t * k->way[a]) * k->per_cell;
-    k->plane[a] = k->step[a] > 0 ? (int)floor(q) : (int)ceil(q) - 1;
+    return k->step[a] > 0 ? (int)floor(q) : (int)ceil(q) - 1;
+}
+
+/* Never back: at an edge of two blocks a place may be rounded to before a plane that was passed, and the walk would go to and
+ * fro between them without end. */
+ISO_LANES_INLINE void go_on_to(cell_walk *k, int a, double t)
+{
+    const int plane = plane_at(k, a, t);
+    k->plane[a] = (plane - k->plane[a]) * k->step[a] > 0 ? plane : k->plane[a];
     set_next(k, a);
 }
 
@@ -34,7 +43,8 @@ ISO_LANES_INLINE cell_walk start_walk(const iso_cell_scene *c, const iso_cell_ra
         k.last[a] = (int)size[a] - 1;
         k.step[a] = k.way[a] >= 0 ? 1 : -1;
         k.inverse[a] = 1 / k.way[a];
-        stand_at(&k, a, ray->t0);
+        k.plane[a] = plane_at(&k, a, ray->t0);
+        set_next(&k, a);
     }
     return k;
 }
@@ -66,7 +76,7 @@ ISO_LANES_INLINE double leave_block(cell_walk *k, const int lo[3], const int hi[
         return until;
     for (int a = 0; a < 3; ++a)
         if (a != axis)
-            stand_at(k, a, until);
+            go_on_to(k, a, until);
     k->plane[axis] = k->step[axis] > 0 ? (hi[axis] - 1) * k->per_cell : (lo[axis] - 1) * k->per_cell - 1;
     set_next(k, axis);
     return until;
