@@ -239,6 +239,85 @@ static void a_part_that_tells_its_fraction_needs_no_cost(void **state)
     iso_job_destroy(job);
 }
 
+/* From a quarter that was told once, after 10 s, 30 s are left: they go by though nothing more is told, and where they
+ * are over the part goes on for some time. */
+static void a_fraction_that_was_told_once_is_played_down(void **state)
+{
+    (void)state;
+    iso_job *job = iso_job_create(2);
+    iso_job_add_part(job, "limit", "a", 1000);
+    iso_job_state s = {0};
+    for (int i = 0; i <= 80; ++i) {
+        iso_job_report(job, 0, "limit", i == 10 ? 0.25 : NAN, i);
+        s = iso_job_look(job, i);
+        if (i == 30)
+            assert_within(s.left_seconds, 10, 2);
+    }
+    assert_more_than(s.left_seconds, 5);
+    assert_at_most(s.left_seconds, 0.2 * 70);
+    iso_job_report(job, 0, "limit", 0.2, 80); /* more is to be done than was thought: 400 s in all */
+    for (int i = 80; i <= 160; ++i)
+        s = iso_job_look(job, i);
+    assert_within(s.left_seconds, 240, 25);
+    iso_job_destroy(job);
+}
+
+static double cost_of(const iso_job *job, const char *name)
+{
+    for (size_t i = 0; i < iso_job_part_count(job); ++i)
+        if (strcmp(iso_job_part_at(job, i).name, name) == 0)
+            return iso_job_part_at(job, i).cost_seconds;
+    return NAN;
+}
+
+static void what_becomes_known_changes_parts_of_that_name_that_are_not_over(void **state)
+{
+    (void)state;
+    iso_job *job = iso_job_create(2);
+    static const char *const names[] = {"first", "level 1: a", "moments, level 1: a", "level 11: a", "level 1: ab"};
+    iso_job_add_phase(job, "agreement", 1);
+    for (size_t i = 0; i < 5; ++i)
+        iso_job_add_part(job, names[i], "a", 10);
+    iso_job_begin_phase(job, "agreement", 0);
+    iso_job_report(job, 0, "first", NAN, 0);
+    iso_job_report(job, 0, "level 1: a", NAN, 10);
+    iso_job_foresee(job, "first", false, 70); /* it is over */
+    iso_job_foresee(job, "level 1: a", false, 40);
+    iso_job_foresee(job, "level 1: a", true, 20);
+    assert_within(cost_of(job, "first"), 10, 0);
+    assert_within(cost_of(job, "level 1: a"), 40, 0);
+    assert_within(cost_of(job, "moments, level 1: a"), 20, 0);
+    assert_within(cost_of(job, "level 11: a"), 10, 0);
+    assert_within(cost_of(job, "level 1: ab"), 10, 0);
+    assert_within(iso_job_look(job, 10).left_seconds, 80, 1e-9);
+    assert_string_equal(iso_job_part_at(job, 3).phase, "agreement");
+    assert_string_equal(iso_job_part_at(job, 3).kind, "a");
+    assert_within(iso_job_part_at(job, 0).seconds, 10, 1e-9);
+    iso_job_destroy(job);
+}
+
+/* A limit by one program took three times as long as was foreseen, much else as long: a limit by another one is taken to
+ * be like the first. */
+static void kinds_of_one_word_are_wrong_by_the_same(void **state)
+{
+    (void)state;
+    double lefts[2];
+    for (int related = 0; related < 2; ++related) {
+        iso_job *job = iso_job_create(2);
+        iso_job_add_part(job, "other", "other", 60);
+        iso_job_add_part(job, "one", "limit/one", 10);
+        iso_job_add_part(job, "two", related ? "limit/two" : "two", 100);
+        iso_job_report(job, 0, "other", NAN, 0);
+        iso_job_report(job, 0, "one", NAN, 60);
+        iso_job_report(job, 0, "two", NAN, 90);
+        const double left = iso_job_look(job, 90).left_seconds;
+        lefts[related] = left;
+        iso_job_destroy(job);
+    }
+    assert_within(lefts[0], 100, 35); /* 90 s were 70: a little of that */
+    assert_more_than(lefts[1], 1.2 * lefts[0]);
+}
+
 static void parts_that_are_passed_over_leave_the_estimate(void **state)
 {
     (void)state;
@@ -333,6 +412,9 @@ int main(void)
         cmocka_unit_test(the_estimate_moves_by_a_tenth_at_most_from_one_look_to_the_next),
         cmocka_unit_test(the_fraction_never_falls_and_is_1_at_the_end_alone),
         cmocka_unit_test(a_part_that_tells_its_fraction_needs_no_cost),
+        cmocka_unit_test(a_fraction_that_was_told_once_is_played_down),
+        cmocka_unit_test(what_becomes_known_changes_parts_of_that_name_that_are_not_over),
+        cmocka_unit_test(kinds_of_one_word_are_wrong_by_the_same),
         cmocka_unit_test(parts_that_are_passed_over_leave_the_estimate),
         cmocka_unit_test(phases_that_nobody_laid_out_belong_to_the_one_that_runs),
         cmocka_unit_test(a_budget_ends_the_job),

@@ -29,7 +29,7 @@ typedef struct part {
     size_t kind;
     double cost;
     double own_seconds; /* what it took, had it been alone */
-    double fraction;    /* NAN: not told */
+    double fraction, told_seconds; /* the last that was told, and own_seconds then. NAN: not told */
     double began;
     bool shortened; /* nothing is learned from it */
     part_state state;
@@ -156,6 +156,23 @@ void iso_job_add_part(iso_job *job, const char *name, const char *kind_name, dou
     job->lanes[job->lane_count - 1].count++;
 }
 
+static bool is_named(const part *p, const char *name, bool of_variants)
+{
+    const size_t all = strlen(p->name), end = strlen(name);
+    return of_variants ? all > end && strcmp(p->name + all - end, name) == 0 : strcmp(p->name, name) == 0;
+}
+
+void iso_job_foresee(iso_job *job, const char *name, bool of_variants, double cost_seconds)
+{
+    for (size_t i = 0; i < job->part_count; ++i) {
+        part *p = &job->parts[i];
+        if (p->state == PART_OVER || p->state == PART_DROPPED || !is_named(p, name, of_variants))
+            continue;
+        job->kinds[p->kind].all_cost += fmax(cost_seconds, 1e-6) - p->cost;
+        p->cost = fmax(cost_seconds, 1e-6);
+    }
+}
+
 void iso_job_set_deadline(iso_job *job, double now, double seconds)
 {
     job->deadline = now + seconds;
@@ -194,11 +211,22 @@ static double pace_of_all(const iso_job *job)
     return (prior + own) / (prior + cost);
 }
 
+static bool are_related(const kind *a, const kind *b)
+{
+    const char *end = strchr(a->name, '/');
+    return end && strncmp(a->name, b->name, (size_t)(end - a->name) + 1) == 0;
+}
+
 static double pace_of(const iso_job *job, size_t i, double all)
 {
     const kind *k = &job->kinds[i];
     const double prior = PRIOR_PARTS * k->all_cost / fmax((double)k->count, 1);
-    return (prior * all + k->own_seconds) / (prior + k->cost);
+    double cost = 0, own = 0;
+    for (size_t r = 0; r < job->kind_count; ++r)
+        if (are_related(k, &job->kinds[r]))
+            cost += job->kinds[r].cost, own += job->kinds[r].own_seconds;
+    const double of_relatives = (prior * all + own) / (prior + cost);
+    return (prior * of_relatives + k->own_seconds) / (prior + k->cost);
 }
 
 /* ---- the clock ----------------------------------------------------------------------------- */
@@ -299,7 +327,7 @@ void iso_job_report(iso_job *job, size_t number, const char *name, double fracti
         part *one = &job->parts[l->first + found];
         begin_part(one, now);
         if (isfinite(fraction) && fraction > 0)
-            one->fraction = fmin(fmax(isnan(one->fraction) ? 0 : one->fraction, fraction), 1);
+            one->fraction = fmin(fraction, 1), one->told_seconds = one->own_seconds;
     }
 }
 
@@ -332,6 +360,12 @@ void iso_job_end(iso_job *job, double now)
 
 /* ---- the rest, played forward --------------------------------------------------------------- */
 
+/* From a fifth on a part's own pace is believed, before that more and more of it. */
+static double belief_in(const part *p)
+{
+    return isnan(p->fraction) ? 0 : fmin(5 * p->fraction, 1);
+}
+
 /* Seconds of its own that a part needs yet. */
 static double left_of_part(const part *p, double pace)
 {
@@ -343,21 +377,25 @@ static double left_of_part(const part *p, double pace)
     const double by_cost = fmax(foreseen - p->own_seconds, OVERRUN_PART * p->own_seconds);
     if (isnan(p->fraction))
         return by_cost;
-    /* From a fifth on its own pace is believed, before that more and more of it. */
-    const double by_fraction = p->own_seconds / p->fraction - p->own_seconds, belief = fmin(5 * p->fraction, 1);
+    const double by_fraction = fmax(p->told_seconds / p->fraction - p->own_seconds,
+                                    OVERRUN_PART * (p->own_seconds - p->told_seconds)),
+                 belief = belief_in(p);
     return belief * by_fraction + (1 - belief) * by_cost;
 }
 
-/* What took longer than foreseen says so before it ends. */
-static void learn_from_overruns(const iso_job *job, iso_job *with)
+/* What tells how far it is, or took longer than foreseen, says so before it ends. */
+static void learn_from_running(const iso_job *job, iso_job *with)
 {
     const double all = pace_of_all(job);
     for (size_t i = 0; i < job->part_count; ++i) {
         const part *p = &job->parts[i];
-        if (p->state != PART_RUNS || p->shortened || p->own_seconds <= p->cost * pace_of(job, p->kind, all))
+        kind *k = &with->kinds[p->kind];
+        if (p->state != PART_RUNS || p->shortened)
             continue;
-        with->kinds[p->kind].cost += p->cost;
-        with->kinds[p->kind].own_seconds += p->own_seconds;
+        if (!isnan(p->fraction))
+            k->cost += belief_in(p) * p->fraction * p->cost, k->own_seconds += belief_in(p) * p->told_seconds;
+        else if (p->own_seconds > p->cost * pace_of(job, p->kind, all))
+            k->cost += p->cost, k->own_seconds += p->own_seconds;
     }
 }
 
@@ -400,7 +438,7 @@ static double play_rest(const iso_job *job)
 {
     iso_job played = *job; /* the arrays are shared, and lanes' left_seconds are for this alone */
     double seconds = 0;
-    learn_from_overruns(job, &played);
+    learn_from_running(job, &played);
     sum_up_lanes(&played);
     for (size_t i = 0; i < job->phase_count; ++i)
         if (!job->phases[i].over)
@@ -494,4 +532,21 @@ iso_job_estimate iso_job_judge(const iso_job *job, double now)
         ++e.looks;
     }
     return e;
+}
+
+size_t iso_job_part_count(const iso_job *job)
+{
+    return job->part_count;
+}
+
+iso_job_part iso_job_part_at(const iso_job *job, size_t i)
+{
+    const part *p = &job->parts[i];
+    const char *of = "";
+    for (size_t k = 0; k < job->phase_count; ++k) {
+        const lane *first = job->phases[k].count ? &job->lanes[job->phases[k].first] : NULL;
+        if (first && first->first <= i)
+            of = job->phases[k].name;
+    }
+    return (iso_job_part){of, p->name, job->kinds[p->kind].name, p->cost, p->own_seconds};
 }

@@ -8,8 +8,8 @@
  *   parts    of a lane, one after the other:   reference, gl, Cycles
  *
  * Each part has a cost, in seconds that it would take on a usual machine with nothing beside it, and a kind: parts of one
- * kind are wrong by the same factor. What a kind is wrong by is learned as its parts end, and until then it is what all
- * parts are wrong by. What is left is then played forward: so many lanes at a time, each slowed down by those beside it,
+ * kind are wrong by the same factor. What a kind is wrong by is learned as its parts end or tell how far they are, and
+ * until then it is what all parts are wrong by. What is left is then played forward: so many lanes at a time, each slowed down by those beside it,
  * the next phase when the last lane is over.
  *
  *   fraction   time passed / (time passed + time left); it never falls, and is 1 at the end alone
@@ -34,10 +34,14 @@ void iso_job_destroy(iso_job *job); /* accepts NULL */
 
 /* ---- the layout ---------------------------------------------------------------------------- */
 
-/* Each of the three is added to the last of what holds it; names are copied. A part without a phase or lane gets one. */
+/* Each of the three is added to the last of what holds it; names are copied. A part without a phase or lane gets one. What
+ * a kind is wrong by is taken to be what kinds with the same word before a slash ("limit/cycles") are, until it is known. */
 void iso_job_add_phase(iso_job *job, const char *name, size_t workers);
 void iso_job_add_lane(iso_job *job);
 void iso_job_add_part(iso_job *job, const char *name, const char *kind, double cost_seconds);
+/* What became known of parts that are not over: those that have this name, and where `of_variants` those whose names end with
+ * it after something else. */
+void iso_job_foresee(iso_job *job, const char *name, bool of_variants, double cost_seconds);
 /* The job is over then, whatever its parts say: the end of a budget. */
 void iso_job_set_deadline(iso_job *job, double now, double seconds);
 /* Without a part the job has no estimate. */
@@ -76,5 +80,13 @@ typedef struct iso_job_estimate {
     size_t looks;
 } iso_job_estimate;
 iso_job_estimate iso_job_judge(const iso_job *job, double now);
+
+/* A part as it was laid out and as it went; names are valid until the job is destroyed. */
+typedef struct iso_job_part {
+    const char *phase, *name, *kind;
+    double cost_seconds, seconds; /* foreseen, and taken so far had it been alone: 0 of what did not run */
+} iso_job_part;
+size_t iso_job_part_count(const iso_job *job);
+iso_job_part iso_job_part_at(const iso_job *job, size_t i);
 
 #endif

@@ -259,7 +259,7 @@ static double relative_cost(const iso_level *level, const iso_chart_case *c)
                      : c->source == ISO_FROM_PALETTE  ? 4
                                                       : 2;
     return longest / c->step_voxels * (fetches + (c->preintegrated || c->second != ISO_SECOND_VALUE_NONE ? 1 : 0)) *
-           c->renderer->relative_cost;
+           c->renderer->sample_seconds;
 }
 
 /* What is usual, from which a setting departs. */

@@ -121,11 +121,25 @@ static void report_work(iso_report *r)
     json_decref(work);
 }
 
+/* What each part of the job was foreseen to take, and took. */
+static json_t *parts_to_json(const iso_job *job)
+{
+    json_t *parts = json_array();
+    for (size_t i = 0; i < iso_job_part_count(job); ++i) {
+        const iso_job_part p = iso_job_part_at(job, i);
+        json_array_append_new(parts, json_pack("{s:s, s:s, s:s, s:f, s:f}", "phase", p.phase, "part", p.name, "kind",
+                                               p.kind, "foreseen_seconds", p.cost_seconds, "seconds", p.seconds));
+    }
+    return parts;
+}
+
 /* How good the time was that the progress showed. */
 static void report_estimate(const iso_cli *cli, iso_report *r)
 {
     const iso_job *job = iso_progress_line_lock(cli->progress);
     const iso_job_estimate e = job ? iso_job_judge(job, iso_clock_seconds()) : (iso_job_estimate){.looks = 0};
+    if (e.looks)
+        iso_report_put(r, "estimate", "parts", parts_to_json(job));
     iso_progress_line_unlock(cli->progress);
     if (!e.looks)
         return;
@@ -407,7 +421,7 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
     if (status == ISO_OK) {
         describe_options(a, &v, build->code);
         begin_budget(a, cli, &v);
-        iso_validate_suite_forecast(&v, suite.folder);
+        iso_validate_suite_forecast(&v, &suite);
         status = run_stage(&v, "calibration", iso_validate_renderers, err);
     }
     iso_process_set_deadline(v.deadline);

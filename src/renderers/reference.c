@@ -68,7 +68,7 @@ const iso_renderer_info iso_renderer_reference = {
     .quadratures = 1u << ISO_QUADRATURE_CONVERGED | 1u << ISO_QUADRATURE_MIDPOINT | 1u << ISO_QUADRATURE_PREINTEGRATED |
                    1u << ISO_QUADRATURE_POVRAY,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_CONVERGED},
-    .relative_cost = 10,
+    .sample_seconds = 4e-8,
     .version = version,
     .render = render,
 };

@@ -105,6 +105,7 @@ typedef enum iso_trait {
     ISO_IS_NAMED = 1 << 22,         /* takes part where it is named, and never by default */
     ISO_IS_OF_PICTURES = 1 << 23,   /* made elsewhere, of scenes as they are (pictures.h) */
     ISO_IS_OF_A_USER = 1 << 24,     /* a row of a renderers.json: what it starts may change and its version stay */
+    ISO_WAITS_BETWEEN = 1 << 25,    /* one start's pictures each begin with a wait: side by side they end sooner */
 } iso_trait;
 #define ISO_HAS_ALL_SCENES \
     (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_ROI | ISO_HAS_LIGHTS | \
@@ -146,7 +147,7 @@ struct iso_renderer_info {
     unsigned traits;       /* iso_trait */
     unsigned quadratures;  /* 1 << iso_quadrature of those that it reads */
     iso_render_options defaults;    /* .renderer need not be set */
-    double relative_cost;           /* of a frame, in those of the ray caster */
+    double start_seconds, sample_seconds; /* about, for estimates: of a start, and of each sample of a ray */
     double first_step_voxels;       /* where the search for its limit begins; 0: where the transfer function says */
     size_t max_intervals;           /* of a ray, or of its piece between two planes; 0: it has steps */
     size_t step_count;              /* of its pictures, each step half of the one before; 0: as fine as is asked */

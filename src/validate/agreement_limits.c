@@ -29,7 +29,7 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
 {
     const iso_truth *a = t->differ && iso_renderer_has(renderer, ISO_IS_PROGRAM) ? &t->exported : &t->main;
     const iso_scene_agreement *asked = &v->scene->agreement;
-    char what[64], options[64], why[512];
+    char what[64], stage[160], options[64], why[512];
     iso_extrapolated limit = {0};
     iso_report_agreement row = {.comparison = ISO_COMPARISON_LIMIT,
                                 .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE
@@ -53,6 +53,8 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
     opt.truth = &reference;
     opt.deadline = v->deadline;
     opt.keep = kept != NULL;
+    iso_validate_name_row(stage, sizeof stage, v->variant, level, what);
+    opt.stage = stage;
     iso_signal signal;
     iso_status status = iso_signal_of(&a->image, v->view->background, 0, ISO_SIGNAL_RMS, &signal, err);
     opt.wanted_held_to = fmin(signal.color, signal.alpha) / ISO_SIGNAL_FACTOR;
@@ -72,6 +74,8 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
         iso_extrapolated_destroy(&limit);
         return iso_validate_add_without_images(v, level, row, a->name, renderer, err);
     }
+    if (!v->variant[0])
+        iso_validate_foresee_limits(v, level, renderer, &limit);
     if (limit.intervals)
         snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);
     else if (limit.seeds > 1)

@@ -357,6 +357,11 @@ int iso_calibration_number(const char *check)
     return i;
 }
 
+const char *iso_calibration_name(int check)
+{
+    return checks[check].blank.check;
+}
+
 static const char *lacking(const iso_renderer_info *which, int check)
 {
     const unsigned lacks = checks[check].needs & ~which->traits;

@@ -43,8 +43,9 @@ iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const
                          iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, const iso_progress *progress,
                          iso_error *err);
 
-/* The place of a check in the list above. */
+/* The place of a check in the list above, and its name. */
 int iso_calibration_number(const char *check);
+const char *iso_calibration_name(int check);
 
 /* One check alone, by its place. */
 iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,

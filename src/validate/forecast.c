@@ -1,25 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /* forecast.c - what a validation will do and about how long it takes: the layout of its job (base/job.h).
  *
- * Costs are processor seconds on the machine that they were measured on (shells of 40 to 100 voxels and a brain of 181
- * along an axis, pictures of 64 to 160 pixels), so that they compare; how fast this machine is, and how far each renderer
- * is from its cost, is learned as rows end. A row that is refused, or that nobody foresaw, changes nothing but the
- * estimate. */
+ * Costs are seconds that a part had two cores of a Xeon of 2.6 GHz for itself, with volumes of 41 to 256 voxels along an
+ * axis and pictures of 64 to 256 pixels: `estimate.parts` of a report has them beside what was taken. How fast this
+ * machine is, and how far each renderer is from its cost, is learned as rows end; how fine a limit's steps will be, from
+ * the limits that are known. A row that is refused, or that nobody foresaw, changes nothing but the estimate. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "targets/targets.h"
 #include "validate/calibrate.h"
+#include "validate/limits.h"
 #include "validate/measured.h"
 
-/* An image costs its start, and each sample of each ray: of the reference, and of a renderer whose relative cost is 1. */
-static const double REFERENCE_SAMPLE_SECONDS = 1.5e-7, SAMPLE_SECONDS = 4e-9;
-
-static double start_seconds(const iso_renderer_info *r)
-{
-    return iso_renderer_has(r, ISO_IS_PROGRAM) ? 1.5 : 0.03;
-}
+/* Of a sample of the reference in lock-step. */
+static const double REFERENCE_SAMPLE_SECONDS = 1.2e-8;
 
 /* Voxels along the longest axis of a level. */
 static double voxels_across(const iso_validation *v, size_t level)
@@ -28,29 +24,47 @@ static double voxels_across(const iso_validation *v, size_t level)
     return fmax((double)n[0], fmax((double)n[1], (double)n[2]));
 }
 
-static double image_seconds(const iso_renderer_info *r, double pixels, double across, double step_voxels)
+static double voxel_count(const iso_validation *v, size_t level)
 {
-    return start_seconds(r) + pixels * across / step_voxels * SAMPLE_SECONDS * r->relative_cost;
+    return (double)iso_geometry_voxel_count(&v->pyramid->levels[level].geometry);
 }
 
 /* Without a step. */
 static double truth_seconds(double pixels, double across)
 {
-    return pixels * (2.5e-5 + 1e-6 * across);
+    return pixels * (1.2e-5 + 1.2e-7 * across);
 }
 
-static double lock_step_seconds(const iso_validation *v, const iso_renderer_info *r, double pixels, double across)
+/* The step is that of level 0 at every level, or there are so many intervals. */
+static double lock_step_seconds(const iso_validation *v, const iso_renderer_info *r, size_t level, double pixels)
 {
-    return pixels * across / v->view->step_voxels * REFERENCE_SAMPLE_SECONDS +
-           image_seconds(r, pixels, across, v->view->step_voxels);
+    const size_t intervals = r->lock_step->intervals;
+    const double of_a_ray = intervals ? (double)intervals : voxels_across(v, 0) / v->view->step_voxels;
+    return r->start_seconds + voxel_count(v, level) * ISO_LIMIT_VOXEL_SECONDS +
+           pixels * of_a_ray * (r->sample_seconds + REFERENCE_SAMPLE_SECONDS);
 }
 
-/* The step is halved until its error is small, which the coarser levels, less smooth from voxel to voxel, want once more;
- * all steps together have twice the samples of the last. */
+static iso_limit_options limit_options(const iso_validation *v, const iso_renderer_info *r)
+{
+    return iso_validate_limit_options(&v->scene->agreement, r, v->seeds, v->threads);
+}
+
+/* The step is halved until its error is small, once more for the coarser levels, less smooth from voxel to voxel. */
 static double limit_seconds(const iso_validation *v, const iso_renderer_info *r, size_t level, double pixels)
 {
-    const double last_step = v->scene->agreement.sharp ? 1.0 / 32 : level == 0 ? 1.0 / 8 : 1.0 / 16;
-    return 3 * start_seconds(r) + image_seconds(r, pixels, voxels_across(v, level), last_step / 2);
+    const iso_limit_options opt = limit_options(v, r);
+    return iso_limit_seconds(&v->pyramid->levels[level], r, &opt, pixels,
+                             v->scene->agreement.sharp ? 1.0 / 32 : level == 0 ? 1.0 / 8 : 1.0 / 16);
+}
+
+void iso_validate_name_version(char *text, size_t size, const iso_renderer_info *which)
+{
+    snprintf(text, size, "version: %s", which->name);
+}
+
+void iso_validate_name_checks(char *text, size_t size, const iso_renderer_info *which, const char *check)
+{
+    snprintf(text, size, "calibration: %s%s%s", which->name, check ? ", " : "", check ? check : "");
 }
 
 void iso_validate_name_row(char *text, size_t size, const char *variant, size_t level, const char *what)
@@ -71,42 +85,64 @@ static void add_lock_step(const iso_validation *v, iso_job *job, const char *var
 {
     char what[64];
     snprintf(what, sizeof what, "%s-lockstep", r->name);
-    /* Its step is that of level 0 at every level. */
-    add_row(job, variant, level, what, what, lock_step_seconds(v, r, pixels, voxels_across(v, 0)));
+    add_row(job, variant, level, what, what, lock_step_seconds(v, r, level, pixels));
 }
 
+static void name_limit(char *what, size_t size, const iso_renderer_info *r)
+{
+    snprintf(what, size, "%s-limit", r->name);
+}
+
+/* Kinds of limits are related: what makes the one of a volume slow makes others slow. */
 static void add_limit(const iso_validation *v, iso_job *job, const char *variant, size_t level,
                       const iso_renderer_info *r, double pixels)
 {
-    char what[64];
-    snprintf(what, sizeof what, "%s-limit", r->name);
-    add_row(job, variant, level, what, what, limit_seconds(v, r, level, pixels));
+    char what[64], kind[64];
+    name_limit(what, sizeof what, r);
+    snprintf(kind, sizeof kind, "%s/%s", iso_renderer_has(r, ISO_IS_PROGRAM) ? "limit" : "frame", r->name);
+    add_row(job, variant, level, what, kind, limit_seconds(v, r, level, pixels));
 }
 
 static void add_levels(const iso_validation *v, iso_job *job)
 {
-    const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
     iso_job_add_phase(job, "levels", 1);
     iso_job_add_lane(job);
-    iso_job_add_part(job, "levels", "levels", v->loaded ? 3e-8 * voxels : 0);
+    iso_job_add_part(job, "levels", "levels", v->loaded ? 3e-8 * voxel_count(v, 0) : 0);
+}
+
+/* A part for each check, or one for all by one start. */
+static void add_checks(const iso_validation *v, iso_job *job, const iso_renderer_info *r)
+{
+    const bool apart = iso_validate_checks_apart(v, r);
+    const double picture_seconds = iso_renderer_has(r, ISO_IS_PROGRAM) ? 0.08 : 0.005;
+    char name[96];
+    for (int check = 0; check < (apart ? ISO_CALIBRATION_COUNT : 1); ++check) {
+        iso_validate_name_checks(name, sizeof name, r, apart ? iso_calibration_name(check) : NULL);
+        iso_job_add_lane(job);
+        iso_job_add_part(job, name, r->name,
+                         r->start_seconds + (apart ? 1 : ISO_CALIBRATION_COUNT) * picture_seconds);
+    }
 }
 
 static void add_calibrations(const iso_validation *v, iso_job *job)
 {
     char name[64];
-    size_t count = 0;
+    size_t count = 0, parts = 0;
     for (size_t i = 0; i < iso_renderer_count(); ++i)
-        count += v->wanted[i];
+        if (v->wanted[i])
+            ++count, parts += iso_validate_checks_apart(v, iso_renderer_at(i)) ? ISO_CALIBRATION_COUNT : 1;
     iso_job_add_phase(job, "calibration", iso_validate_workers(v, count));
     for (size_t i = 0; i < iso_renderer_count(); ++i) {
-        const iso_renderer_info *r = iso_renderer_at(i);
         if (!v->wanted[i])
             continue;
-        snprintf(name, sizeof name, "calibration: %s", r->name);
+        iso_validate_name_version(name, sizeof name, iso_renderer_at(i));
         iso_job_add_lane(job);
-        /* By one start or by many: what a program takes for a small picture is about its start. */
-        iso_job_add_part(job, name, r->name, ISO_CALIBRATION_COUNT * start_seconds(r));
+        iso_job_add_part(job, name, "version", 0.3 * iso_renderer_at(i)->start_seconds);
     }
+    iso_job_add_phase(job, "checks", iso_validate_workers(v, parts));
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        if (v->wanted[i])
+            add_checks(v, job, iso_renderer_at(i));
 }
 
 static void add_agreement(const iso_validation *v, iso_job *job)
@@ -135,9 +171,9 @@ static void add_agreement(const iso_validation *v, iso_job *job)
 /* Histograms of all voxels, and small views of each coarse level. */
 static void add_adaptation(const iso_validation *v, iso_job *job)
 {
-    const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
     iso_job_add_phase(job, "adaptation", 1);
-    iso_job_add_part(job, "adaptation", "adaptation", 0.15 * (double)(v->pyramid->level_count - 1) + 5e-7 * voxels);
+    iso_job_add_part(job, "adaptation", "adaptation",
+                     0.02 * (double)(v->pyramid->level_count - 1) + 3.5e-8 * voxel_count(v, 0));
 }
 
 /* One transfer function of one method at a level: iso_validate_variant() has the same conditions. */
@@ -188,10 +224,9 @@ static void add_method(const iso_validation *v, iso_job *job, const iso_method *
 }
 
 /* A level in so many views, under either transfer function: to draw it, and to compare what was drawn. */
-static double views_seconds(const iso_validation *v, size_t level, double views)
+static double views_seconds(const iso_validation *v, double views)
 {
-    const double pixels = (double)(v->consistency_size * v->consistency_size) * views;
-    return pixels * (3e-6 + 3e-8 * voxels_across(v, level));
+    return (double)(v->consistency_size * v->consistency_size) * views * 3e-6;
 }
 
 /* Levels that the views leave open: the finest in twenty views, and each of these levels by two methods. Which these
@@ -203,33 +238,33 @@ static void add_more_views(const iso_validation *v, iso_job *job)
         char name[64];
         snprintf(name, sizeof name, "consistency: more views, level %zu", level);
         iso_job_add_part(job, name, "more views",
-                         chance * views_seconds(v, level, (level == 0 ? 0.5 : 1) * ISO_FACE_VIEWS));
+                         chance * views_seconds(v, (level == 0 ? 0.5 : 1) * ISO_FACE_VIEWS));
     }
 }
 
 /* Pictures, and what is made of all voxels: levels of another filter, and angles. Then the bounds, by their points. */
 static void add_consistency(const iso_validation *v, iso_job *job)
 {
-    const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
+    const double voxels = voxel_count(v, 0);
     iso_job_add_phase(job, "consistency", 1);
     iso_job_add_lane(job);
     const iso_direction_filter own = v->pyramid->options.direction_filter;
     const char *more[] = {iso_direction_filter_name(own), "tensor"}; /* consistency.c has both for auto */
     const size_t more_count = own == ISO_DIRECTION_AUTO ? 2 : own == ISO_DIRECTION_TENSOR;
     iso_job_add_part(job, "consistency: views, level 0", "consistency",
-                     views_seconds(v, 0, 0.5 * (double)v->consistency_views));
+                     views_seconds(v, 0.5 * (double)v->consistency_views) + 4e-8 * voxels);
     for (size_t i = 0; i < iso_method_count + more_count; ++i)
         for (size_t level = 1; level < v->pyramid->level_count; ++level) {
             char name[64];
             snprintf(name, sizeof name, "consistency: %s, level %zu",
                      i < iso_method_count ? iso_methods[i].name : more[i - iso_method_count], level);
             iso_job_add_part(job, name, "consistency",
-                             views_seconds(v, level, (double)v->consistency_views) + 1.2e-7 * voxels);
+                             views_seconds(v, (double)v->consistency_views) + 1.1e-8 * voxels);
         }
     if (v->pyramid->level_count > 1 && iso_validate_may_add_views(v))
         add_more_views(v, job);
     iso_job_add_part(job, "consistency: verdict", "verdict",
-                     1e-6 * (double)(v->pyramid->level_count - 1) * iso_validate_bound_points(v));
+                     2.5e-7 * (double)(v->pyramid->level_count - 1) * iso_validate_bound_points(v));
 }
 
 /* Two runs of each program, small. */
@@ -244,7 +279,7 @@ static void add_artefacts(const iso_validation *v, iso_job *job)
             if (!v->wanted[r] || strcmp(iso_renderer_at(r)->name, target->renderer) != 0)
                 continue;
             snprintf(name, sizeof name, "artefacts: %s", target->name);
-            iso_job_add_part(job, name, "artefacts", 3 * start_seconds(iso_renderer_at(r)));
+            iso_job_add_part(job, name, "artefacts", 2.2 * iso_renderer_at(r)->start_seconds);
         }
     }
 }
@@ -252,7 +287,7 @@ static void add_artefacts(const iso_validation *v, iso_job *job)
 static void add_report(iso_job *job)
 {
     iso_job_add_phase(job, "report", 1);
-    iso_job_add_part(job, "report", "report", 0.5);
+    iso_job_add_part(job, "report", "report", 0.2);
 }
 
 void iso_validate_forecast(const iso_validation *v)
@@ -272,18 +307,48 @@ void iso_validate_forecast(const iso_validation *v)
     iso_progress_line_unlock(v->line);
 }
 
-void iso_validate_forecast_scenes(const iso_validation *v, char (*stages)[100], size_t count)
+void iso_validate_foresee_limits(const iso_validation *v, size_t level, const iso_renderer_info *by,
+                                 const iso_extrapolated *known)
+{
+    const double pixels = (double)(v->view->width * v->view->height),
+                 few = ISO_VALIDATE_METHOD_PIXELS * ISO_VALIDATE_METHOD_PIXELS;
+    iso_job *job = iso_progress_line_lock(v->line);
+    for (size_t i = 0; job && i < iso_renderer_count(); ++i) {
+        const iso_renderer_info *r = iso_renderer_at(i);
+        char what[64], name[160];
+        if (!v->wanted[i] || !iso_renderer_has(r, ISO_HAS_LIMIT))
+            continue;
+        const iso_limit_options opt = limit_options(v, r);
+        const double last = r == by ? known->step_voxels : iso_limit_foresee_step(known, &opt);
+        name_limit(what, sizeof what, r);
+        iso_validate_name_row(name, sizeof name, "", level, what);
+        iso_job_foresee(job, name, false, iso_limit_seconds(&v->pyramid->levels[level], r, &opt, pixels, last));
+        iso_job_foresee(job, name, true, iso_limit_seconds(&v->pyramid->levels[level], r, &opt, few, last));
+    }
+    iso_progress_line_unlock(v->line);
+}
+
+/* Small volumes: about so many samples of each pixel by each renderer, which is started less than once a scene. */
+static double scene_seconds(const iso_validation *v, double pixels)
+{
+    const double samples = 800;
+    double seconds = 0.1;
+    for (size_t i = 0; i < iso_renderer_count(); ++i) {
+        const iso_renderer_info *r = iso_renderer_at(i);
+        seconds += v->wanted[i] ? 0.9 * r->start_seconds + pixels * samples * r->sample_seconds : 0;
+    }
+    return seconds;
+}
+
+void iso_validate_forecast_scenes(const iso_validation *v, char (*stages)[100], size_t count, double pixels)
 {
     iso_job *job = iso_progress_line_lock(v->line);
     if (job) {
         add_calibrations(v, job);
         iso_job_add_phase(job, "scenes", iso_validate_workers(v, count));
         for (size_t i = 0; i < count; ++i) {
-            double seconds = 1;
-            for (size_t r = 0; r < iso_renderer_count(); ++r)
-                seconds += v->wanted[r] ? 4 * start_seconds(iso_renderer_at(r)) : 0;
             iso_job_add_lane(job);
-            iso_job_add_part(job, stages[i], "scene", seconds);
+            iso_job_add_part(job, stages[i], "scene", scene_seconds(v, pixels));
         }
         add_report(job);
     }

@@ -2,8 +2,10 @@
 /* renderers.c - which renderers answer, and which may be trusted. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/process.h"
 #include "renderers/picture_store.h"
 #include "renderers/pictures.h"
 #include "validate/calibrate.h"
@@ -18,6 +20,15 @@ typedef struct fitness {
     iso_status failure; /* ISO_OK: it answered all; ISO_E_MISSING; ISO_E_UNTRUSTED: it failed itself */
     char why[512];
 } fitness;
+
+/* One check of a renderer, or all by one start. */
+enum { ALL_CHECKS = -1 };
+typedef struct examination {
+    fitness *of;
+    int check;
+    iso_status status;
+    iso_error why;
+} examination;
 
 /* A renderer that fails itself is refused, with the check in which it did. */
 static iso_status note_failure(fitness *f, iso_status status, const iso_error *why, iso_error *err)
@@ -35,19 +46,69 @@ static iso_status note_failure(fitness *f, iso_status status, const iso_error *w
     return ISO_OK;
 }
 
-static iso_status examine(iso_validation *v, size_t part, void *user, iso_error *err)
+static iso_status ask_version(iso_validation *v, size_t part, void *user, iso_error *err)
 {
     fitness *f = (fitness *)user + part;
     char stage[64];
     iso_error why = {""};
-    snprintf(stage, sizeof stage, "calibration: %s", f->which->name);
+    iso_validate_name_version(stage, sizeof stage, f->which);
     iso_progress_report(v->progress, stage, 0);
-    iso_status status = f->which->version(f->which, &v->renderers, f->version, sizeof f->version, &why);
+    const iso_status status = f->which->version(f->which, &v->renderers, f->version, sizeof f->version, &why);
     if (status == ISO_OK)
         iso_picture_store_set_version(v->renderers.store, f->which, f->version);
-    if (status == ISO_OK)
-        status = iso_calibrate(&v->renderers, f->which, NULL, f->checks, &f->check_count, v->progress, &why);
     return status == ISO_OK ? ISO_OK : note_failure(f, status, &why, err);
+}
+
+bool iso_validate_checks_apart(const iso_validation *v, const iso_renderer_info *which)
+{
+    return iso_renderer_has(which, ISO_WAITS_BETWEEN) && iso_validate_workers(v, ISO_CALIBRATION_COUNT) > 1;
+}
+
+static iso_status examine(iso_validation *v, size_t part, void *user, iso_error *err)
+{
+    examination *e = (examination *)user + part;
+    const iso_renderer_info *which = e->of->which;
+    char stage[96];
+    iso_validate_name_checks(stage, sizeof stage, which, e->check == ALL_CHECKS ? NULL : iso_calibration_name(e->check));
+    iso_progress_report(v->progress, stage, 0);
+    if (e->check == ALL_CHECKS)
+        e->status = iso_calibrate(&v->renderers, which, NULL, e->of->checks, &e->of->check_count, v->progress, &e->why);
+    else
+        e->status = iso_calibrate_check(&v->renderers, which, NULL, e->check, &e->of->checks[e->check], &e->why);
+    if (e->status != ISO_OK && iso_process_was_stopped())
+        return iso_fail(err, e->status, "%s", e->why.text);
+    return ISO_OK; /* what failed is said in the order of the checks */
+}
+
+/* What to examine of each renderer that has a version. Its memory is the caller's. */
+static size_t list_examinations(const iso_validation *v, fitness *all, size_t count, examination *list)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const bool apart = iso_validate_checks_apart(v, all[i].which);
+        for (int check = apart ? 0 : ALL_CHECKS; all[i].failure == ISO_OK && check < ISO_CALIBRATION_COUNT; ++check) {
+            list[n++] = (examination){.of = &all[i], .check = check};
+            if (!apart)
+                break;
+        }
+    }
+    return n;
+}
+
+/* In the order of the checks: those before the first that failed count. */
+static iso_status sum_up(const examination *list, size_t count, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        fitness *f = list[i].of;
+        if (f->failure != ISO_OK)
+            continue;
+        if (list[i].status != ISO_OK)
+            status = note_failure(f, list[i].status, &list[i].why, err);
+        else if (list[i].check != ALL_CHECKS)
+            f->check_count++;
+    }
+    return status;
 }
 
 static iso_status add_check(iso_validation *v, const fitness *f, const iso_calibration *c, iso_refusal *refusal,
@@ -109,8 +170,18 @@ iso_status iso_validate_renderers(iso_validation *v, iso_error *err)
     for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (v->wanted[i])
             all[count++] = (fitness){.which = iso_renderer_at(i)};
-    iso_status status = iso_validate_each(v, count, examine, all, err);
+    examination *list = calloc(count * ISO_CALIBRATION_COUNT + 1, sizeof *list);
+    if (!list)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = iso_validate_each(v, count, ask_version, all, err);
+    const size_t n = status == ISO_OK ? list_examinations(v, all, count, list) : 0;
+    iso_progress_line_begin_phase(v->line, "checks");
+    if (status == ISO_OK)
+        status = iso_validate_each(v, n, examine, list, err);
+    if (status == ISO_OK)
+        status = sum_up(list, n, err);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = add_to_report(v, &all[i], err);
+    free(list);
     return status;
 }

@@ -116,10 +116,12 @@ static iso_status one_scene(iso_validation *mine, size_t i, void *user, iso_erro
     return status;
 }
 
-void iso_validate_suite_forecast(const iso_validation *v, const char *folder)
+void iso_validate_suite_forecast(const iso_validation *v, const iso_suite_options *opt)
 {
+    enum { usual_pixels = 160 }; /* of a scene's own picture */
     struct dirent **entries;
-    const int count = scandir(folder, &entries, is_scene, alphasort);
+    const size_t width = opt->width ? opt->width : usual_pixels, height = opt->height ? opt->height : usual_pixels;
+    const int count = scandir(opt->folder, &entries, is_scene, alphasort);
     if (count < 0)
         return; /* said by the run */
     char(*stages)[100] = calloc((size_t)count + 1, sizeof *stages);
@@ -129,7 +131,7 @@ void iso_validate_suite_forecast(const iso_validation *v, const char *folder)
         free(entries[i]);
     }
     if (stages)
-        iso_validate_forecast_scenes(v, stages, (size_t)count);
+        iso_validate_forecast_scenes(v, stages, (size_t)count, (double)(width * height));
     free(stages);
     free(entries);
 }

@@ -84,6 +84,8 @@ iso_status iso_validate_levels(iso_validation *v, iso_error *err);
 /* Versions and calibration of the wanted renderers; fills refusal and refused. A missing
  * program is a reason to refuse, not a failure. */
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
+/* Are the checks of a renderer made side by side, each by a start of its own, because that ends sooner? */
+bool iso_validate_checks_apart(const iso_validation *v, const iso_renderer_info *which);
 
 /* Did a program fail by itself, so that it is refused and the others go on? */
 bool iso_validate_is_its_fault(const iso_renderer_info *which, iso_status status);
@@ -195,9 +197,15 @@ iso_status iso_validate_artefacts(iso_validation *v, iso_error *err);
 
 /* What will be done, for v->line: by stages, levels and rows, or by the scenes of a suite, named as they are reported. */
 void iso_validate_forecast(const iso_validation *v);
-void iso_validate_forecast_scenes(const iso_validation *v, char (*stages)[100], size_t count);
-void iso_validate_suite_forecast(const iso_validation *v, const char *folder);
-/* How a row is reported. */
+/* pixels: of a scene's picture. */
+void iso_validate_forecast_scenes(const iso_validation *v, char (*stages)[100], size_t count, double pixels);
+/* What the limit of one renderer at a level tells of those to come: how fine their steps will be. v->view is that of limits. */
+void iso_validate_foresee_limits(const iso_validation *v, size_t level, const iso_renderer_info *by,
+                                 const iso_extrapolated *known);
+/* How versions, calibrations and rows are reported. */
+void iso_validate_name_version(char *text, size_t size, const iso_renderer_info *which);
+/* check: NULL where all are made by one start. */
+void iso_validate_name_checks(char *text, size_t size, const iso_renderer_info *which, const char *check);
 void iso_validate_name_row(char *text, size_t size, const char *variant, size_t level, const char *what);
 
 /* A folder of scenes with a "suite": each one's volume is made, and its agreement validated. */
@@ -209,6 +217,7 @@ typedef struct iso_suite_options {
     /* Writes the volume that `isoshade make` would make with these words as its arguments. */
     iso_status (*make_volume)(const char *words, const char *path, iso_error *err);
 } iso_suite_options;
+void iso_validate_suite_forecast(const iso_validation *v, const iso_suite_options *opt);
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err);
 
 #endif
