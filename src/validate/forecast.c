@@ -54,7 +54,7 @@ static double limit_seconds(const iso_validation *v, const iso_renderer_info *r,
 {
     const iso_limit_options opt = limit_options(v, r);
     return iso_limit_seconds(&v->pyramid->levels[level], r, &opt, pixels,
-                             v->scene->agreement.sharp ? 1.0 / 32 : level == 0 ? 1.0 / 8 : 1.0 / 16);
+                             v->scene->agreement.sharp ? 1.0 / 16 : level == 0 ? 1.0 / 8 : 1.0 / 16);
 }
 
 void iso_validate_name_version(char *text, size_t size, const iso_renderer_info *which)
