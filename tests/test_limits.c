@@ -310,7 +310,7 @@ static void the_last_step_is_foreseen_from_a_known_limit(void **state)
     iso_extrapolated known = {.step_voxels = 1.0 / 16, .bar = 0.001, .coarse_rmse = 8e-4, .fine_rmse = 2e-4};
     static const struct {
         double wanted, coarse, step;
-    } rows[] = {{0.0011, 8e-4, 16}, {0.0009, 8e-4, 32}, {0.00024, 8e-4, 64},  {1e-9, 8e-4, 64}, {0.0041, 8e-4, 8},
+    } rows[] = {{0.0011, 8e-4, 16}, {0.0009, 8e-4, 32}, {0.00024, 8e-4, 64}, {1e-9, 8e-4, 64},  {0.0041, 8e-4, 8},
                 {0.0039, 8e-4, 16}, {1, 8e-4, 4},       {0.0039, 80e-4, 16}, {0.0016, 2e-4, 8}, {0.0014, 2e-4, 16}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
         opt.wanted_bar = rows[i].wanted;

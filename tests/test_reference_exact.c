@@ -331,8 +331,9 @@ static void one_voxel_is_never_passed_over(void **state)
     (void)state;
     enum { NX = 6, NY = 9, NZ = 10, COUNT = NX * NY * NZ };
     static float scalar[COUNT];
-    const iso_level level = {
-        .geometry = iso_geometry_axis_aligned((size_t[]){NX, NY, NZ}, (double[]){1, 1, 1}), .scalar = scalar, .max = 1};
+    const iso_level level = {.geometry = iso_geometry_axis_aligned((size_t[]){NX, NY, NZ}, (double[]){1, 1, 1}),
+                             .scalar = scalar,
+                             .max = 1};
     float entries[8] = {0, 0, 0, 0, 1, 1, 1, 1};
     const iso_tf_table tf = {.count = 2, .lo = 0, .hi = 1, .entries = entries};
     iso_shown shown;
@@ -365,10 +366,12 @@ static void rays_along_edges_of_empty_blocks_end(void **state)
     enum { N = 32, COUNT = N * N * N, RAYS = 200000 };
     static float scalar[COUNT];
     float entries[8] = {0, 0, 0, 0, 1, 0.5f, 0.2f, 1};
-    const iso_level level = {
-        .geometry = iso_geometry_axis_aligned((size_t[]){N, N, N}, (double[]){1, 1, 1}), .scalar = scalar, .max = 1};
-    const iso_view view = {
-        .tf = {.count = 2, .lo = 0, .hi = 1, .entries = entries}, .shading = {.ambient = 1}, .step_voxels = 0.25};
+    const iso_level level = {.geometry = iso_geometry_axis_aligned((size_t[]){N, N, N}, (double[]){1, 1, 1}),
+                             .scalar = scalar,
+                             .max = 1};
+    const iso_view view = {.tf = {.count = 2, .lo = 0, .hi = 1, .entries = entries},
+                           .shading = {.ambient = 1},
+                           .step_voxels = 0.25};
     iso_sampler sampler;
     iso_shown shown;
     iso_empty_space empty, unknown = {.cells = {N + 1, N + 1, N + 1}};

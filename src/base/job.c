@@ -28,7 +28,7 @@ typedef struct part {
     char name[NAME_BYTES];
     size_t kind;
     double cost;
-    double own_seconds; /* what it took, had it been alone */
+    double own_seconds;            /* what it took, had it been alone */
     double fraction, told_seconds; /* the last that was told, and own_seconds then. NAN: not told */
     double began;
     bool shortened; /* nothing is learned from it */

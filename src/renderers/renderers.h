@@ -146,7 +146,7 @@ struct iso_renderer_info {
     const char *color;     /* of its marks in charts */
     unsigned traits;       /* iso_trait */
     unsigned quadratures;  /* 1 << iso_quadrature of those that it reads */
-    iso_render_options defaults;    /* .renderer need not be set */
+    iso_render_options defaults;          /* .renderer need not be set */
     double start_seconds, sample_seconds; /* about, for estimates: of a start, and of each sample of a ray */
     double first_step_voxels;       /* where the search for its limit begins; 0: where the transfer function says */
     size_t max_intervals;           /* of a ray, or of its piece between two planes; 0: it has steps */

@@ -218,8 +218,7 @@ double iso_limit_foresee_step(const iso_extrapolated *known, const iso_limit_opt
 {
     const double gain = gain_of_halving(known);
     double step = opt->step_voxels;
-    while (step / 2 >= opt->finest_voxels &&
-           known->bar * pow(gain, log2(step / known->step_voxels)) > opt->wanted_bar)
+    while (step / 2 >= opt->finest_voxels && known->bar * pow(gain, log2(step / known->step_voxels)) > opt->wanted_bar)
         step /= 2;
     return step;
 }
@@ -234,8 +233,8 @@ size_t iso_limit_rounds(double first_voxels, double last_voxels)
     return 1 + (size_t)fmax(round(log2(first_voxels / last_voxels)), 0);
 }
 
-double iso_limit_seconds(const iso_level *level, const iso_renderer_info *which, const iso_limit_options *opt, double pixels,
-                         double last_voxels)
+double iso_limit_seconds(const iso_level *level, const iso_renderer_info *which, const iso_limit_options *opt,
+                         double pixels, double last_voxels)
 {
     const size_t *n = level->geometry.size, most = n[0] > n[1] ? n[0] : n[1];
     const double voxels = (double)iso_geometry_voxel_count(&level->geometry), first = opt->step_voxels,

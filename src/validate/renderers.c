@@ -69,7 +69,8 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
     examination *e = (examination *)user + part;
     const iso_renderer_info *which = e->of->which;
     char stage[96];
-    iso_validate_name_checks(stage, sizeof stage, which, e->check == ALL_CHECKS ? NULL : iso_calibration_name(e->check));
+    iso_validate_name_checks(stage, sizeof stage, which,
+                             e->check == ALL_CHECKS ? NULL : iso_calibration_name(e->check));
     iso_progress_report(v->progress, stage, 0);
     if (e->check == ALL_CHECKS)
         e->status = iso_calibrate(&v->renderers, which, NULL, e->of->checks, &e->of->check_count, v->progress, &e->why);
