@@ -310,8 +310,7 @@ static void kinds_of_one_word_are_wrong_by_the_same(void **state)
         iso_job_report(job, 0, "other", NAN, 0);
         iso_job_report(job, 0, "one", NAN, 60);
         iso_job_report(job, 0, "two", NAN, 90);
-        const double left = iso_job_look(job, 90).left_seconds;
-        lefts[related] = left;
+        lefts[related] = iso_job_look(job, 90).left_seconds;
         iso_job_destroy(job);
     }
     assert_within(lefts[0], 100, 35); /* 90 s were 70: a little of that */

@@ -300,8 +300,8 @@ static void wide_bars_are_halved_until_they_are_narrow(void **state)
     close_subject(&s);
 }
 
-/* Of another limit, or of this one so far: the bar at a step of 1/16 was .001, and a halving divided the error by 4, by more than
- * can be, or by less than is believed. */
+/* Of another limit, or of this one so far: the bar at a step of 1/16 was .001, and a halving divided the error by 4, by more
+ * than can be, or by less than is believed. */
 static void the_last_step_is_foreseen_from_a_known_limit(void **state)
 {
     (void)state;
@@ -358,10 +358,14 @@ static void a_search_tells_how_far_it_is(void **state)
         iso_extrapolated_destroy(&l);
         assert_int_equal(t.count, named ? 3 : 0);
     }
-    for (size_t i = 0; i < t.count; ++i) {
-        assert_more_than(t.fraction[i], 0);
-        assert_at_most(t.fraction[i], 0.999);
-    }
+    const iso_level *level = &s.pyramid.levels[0];
+    const double whole = iso_limit_seconds(level, &iso_renderer_gl, &opt, pixels * pixels, 1.0 / 8);
+    for (size_t i = 0; i < t.count; ++i) /* the bar is out of reach, so that all halvings are foreseen */
+        assert_within(t.fraction[i],
+                      iso_limit_seconds(level, &iso_renderer_gl, &opt, pixels * pixels, ldexp(1, -(int)i)) / whole, 1e-12);
+    assert_more_than(t.fraction[1], 1.2 * t.fraction[0]);
+    assert_more_than(t.fraction[2], 1.2 * t.fraction[1]);
+    assert_at_most(t.fraction[2], 0.9);
     iso_image_destroy(&truth);
     close_subject(&s);
 }

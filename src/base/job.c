@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_KINDS = 24, NAME_BYTES = 96 };
+enum { MOST_KINDS = 64, NAME_BYTES = 96 };
 
 /* A lane keeps about so many cores busy: renderers use several threads, and start with one. */
 static const double CORES_OF_A_LANE = 2;
@@ -48,7 +48,7 @@ typedef struct phase {
 } phase;
 
 typedef struct kind {
-    char name[32];
+    char name[NAME_BYTES];
     double cost, own_seconds; /* of what is over, and of what took longer than foreseen */
     double all_cost;
     size_t count;

@@ -9,8 +9,8 @@
  *
  * Each part has a cost, in seconds that it would take on a usual machine with nothing beside it, and a kind: parts of one
  * kind are wrong by the same factor. What a kind is wrong by is learned as its parts end or tell how far they are, and
- * until then it is what all parts are wrong by. What is left is then played forward: so many lanes at a time, each slowed down by those beside it,
- * the next phase when the last lane is over.
+ * until then it is what all parts are wrong by. What is left is then played forward: so many lanes at a time, each slowed
+ * down by those beside it, the next phase when the last lane is over.
  *
  *   fraction   time passed / (time passed + time left); it never falls, and is 1 at the end alone
  *   left       follows the played rest smoothly: it falls with the clock and leans towards what is played
@@ -39,8 +39,8 @@ void iso_job_destroy(iso_job *job); /* accepts NULL */
 void iso_job_add_phase(iso_job *job, const char *name, size_t workers);
 void iso_job_add_lane(iso_job *job);
 void iso_job_add_part(iso_job *job, const char *name, const char *kind, double cost_seconds);
-/* What became known of parts that are not over: those that have this name, and where `of_variants` those whose names end with
- * it after something else. */
+/* What became known of parts that are not over: of those that have this name, or, where `of_variants`, of those whose names
+ * end with it after something else. */
 void iso_job_foresee(iso_job *job, const char *name, bool of_variants, double cost_seconds);
 /* The job is over then, whatever its parts say: the end of a budget. */
 void iso_job_set_deadline(iso_job *job, double now, double seconds);

@@ -24,8 +24,8 @@ ISO_LANES_INLINE int plane_at(const cell_walk *k, int a, double t)
     return k->step[a] > 0 ? (int)floor(q) : (int)ceil(q) - 1;
 }
 
-/* Never back: at an edge of two blocks a place may be rounded to before a plane that was passed, and the walk would go to and
- * fro between them without end. */
+/* Never back: at an edge of two blocks a place may be rounded to before a plane that was passed, and the walk would go to
+ * and fro between them without end. */
 ISO_LANES_INLINE void go_on_to(cell_walk *k, int a, double t)
 {
     const int plane = plane_at(k, a, t);

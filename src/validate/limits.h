@@ -53,16 +53,16 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
 /* Of a voxel that a renderer is given, for estimates. */
 #define ISO_LIMIT_VOXEL_SECONDS 1e-8
 
-/* The step at which a limit of these options will probably be good enough, as far as another limit tells: of the same picture
- * by another renderer, or its own so far. Bars shrink from one halving to the next as those of that limit did. */
+/* The step at which a limit of these options will probably be good enough, as far as another limit tells: of the same
+ * picture by another renderer, or its own so far. Bars shrink from one halving to the next as those of that limit did. */
 double iso_limit_foresee_step(const iso_extrapolated *known, const iso_limit_options *opt);
 /* Pictures of all steps from the first pair to `last_voxels`, counted in those of a step of one voxel, and by how many
  * renders one after the other. */
 double iso_limit_pictures(double first_voxels, double last_voxels);
 size_t iso_limit_rounds(double first_voxels, double last_voxels);
 /* About how many seconds a limit of that level takes, down to that step, with so many pixels. */
-double iso_limit_seconds(const iso_level *level, const iso_renderer_info *which, const iso_limit_options *opt, double pixels,
-                         double last_voxels);
+double iso_limit_seconds(const iso_level *level, const iso_renderer_info *which, const iso_limit_options *opt,
+                         double pixels, double last_voxels);
 
 /* The image of a limit alone, from opt->step_voxels and its double, created. With the step, seeds, planes and intervals
  * of a limit that iso_limit_find() gave, it is the same image. */

@@ -199,7 +199,8 @@ iso_status iso_validate_artefacts(iso_validation *v, iso_error *err);
 void iso_validate_forecast(const iso_validation *v);
 /* pixels: of a scene's picture. */
 void iso_validate_forecast_scenes(const iso_validation *v, char (*stages)[100], size_t count, double pixels);
-/* What the limit of one renderer at a level tells of those to come: how fine their steps will be. v->view is that of limits. */
+/* What the limit of one renderer at a level tells of those to come: how fine their steps will be. v->view is that of
+ * limits. */
 void iso_validate_foresee_limits(const iso_validation *v, size_t level, const iso_renderer_info *by,
                                  const iso_extrapolated *known);
 /* How versions, calibrations and rows are reported. */
