@@ -14,16 +14,47 @@
 
 #include "base/unfinished.h"
 
-bool iso_folder_lock(int fd)
+/* True if the name still means the folder that was opened. */
+static bool is_named(int fd, const char *folder)
 {
-    enum { TRIES = 40 };
-    const struct timespec pause = {.tv_nsec = 50 * 1000000};
-    for (int i = 0; flock(fd, LOCK_EX | LOCK_NB) != 0; ++i) {
-        if (errno != EWOULDBLOCK || i == TRIES)
-            return false;
-        nanosleep(&pause, NULL);
+    struct stat opened, named;
+    return fstat(fd, &opened) == 0 && lstat(folder, &named) == 0 && opened.st_ino == named.st_ino &&
+           opened.st_dev == named.st_dev;
+}
+
+/* cause is ESTALE if the name meant another folder when the lock was there. */
+static iso_folder_lock try_lock(const char *folder, bool make)
+{
+    iso_folder_lock lock = {.fd = -1, .made = make && mkdir(folder, 0777) == 0};
+    lock.cause = make && !lock.made && errno != EEXIST ? errno : 0;
+    if (!lock.cause)
+        lock.fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (lock.fd < 0) {
+        lock.cause = lock.cause ? lock.cause : errno == ENOENT && make ? ESTALE : errno;
+        return lock;
     }
-    return true;
+    lock.cause = flock(lock.fd, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+    if (lock.cause != EWOULDBLOCK && !is_named(lock.fd, folder))
+        lock.cause = ESTALE;
+    if (lock.cause == EWOULDBLOCK || lock.cause == ESTALE) {
+        close(lock.fd);
+        lock.fd = -1;
+    }
+    return lock;
+}
+
+iso_folder_lock iso_folder_lock_take(const char *folder, bool make)
+{
+    enum { PAUSES = 40, CHANGES = 1000 };
+    const struct timespec pause = {.tv_nsec = 50 * 1000000};
+    iso_folder_lock lock;
+    for (int pauses = 0, changes = 0;;) {
+        lock = try_lock(folder, make);
+        if (lock.cause == EWOULDBLOCK && pauses++ < PAUSES)
+            nanosleep(&pause, NULL);
+        else if (lock.cause != ESTALE || changes++ == CHANGES)
+            return lock;
+    }
 }
 
 char *iso_path_join(const char *dir, const char *name)

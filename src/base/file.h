@@ -67,10 +67,19 @@ int iso_memory_close(FILE *memory);
 /* Removes a directory and all in it. Missing is fine. */
 void iso_remove_tree(const char *path);
 
-/* Locks an open folder until its descriptor is closed. A lock that another process has is waited for, two seconds at most:
- * what a killed run had started may hold the run's lock until it is gone, too. False: errno says why, EWOULDBLOCK that it
- * is still held. */
-bool iso_folder_lock(int fd);
+/* The lock of a folder; it ends when fd is closed. */
+typedef struct iso_folder_lock {
+    int fd;    /* of the folder; below 0: not locked */
+    int cause; /* errno: EWOULDBLOCK, another process has the lock; ENOENT, there is no folder. With an fd: 0, or the
+                * reason why this file system has no locks, so that nobody is kept out */
+    bool made; /* True if the folder is new */
+} iso_folder_lock;
+
+/* Opens a folder, which is made first if `make` is set, and locks it. No link is followed. The folder that is locked is the
+ * one that has the name: whoever had the lock before may have renamed or removed the folder, and then its new bearer is
+ * locked. A lock of another process is waited for, two seconds at most: programs that a killed run had started may hold
+ * its lock until they end. */
+iso_folder_lock iso_folder_lock_take(const char *folder, bool make);
 
 /* "dir/name", to be freed. NULL only when memory ends. */
 char *iso_path_join(const char *dir, const char *name);

@@ -106,16 +106,44 @@ static bool has_marker(const char *folder, const char *marker)
     return found;
 }
 
-/* What stands at the final path may be replaced: nothing, an empty directory, or one of ours with nothing else in it. */
-static iso_status check_replaceable(const char *final_path, const char *marker, iso_error *err)
+/* Who looks at a finished folder, or replaces it, holds its lock: nobody else puts another in its place meanwhile. fd is
+ * below 0 without an error if nothing, or no folder, has the name. */
+static iso_status lock_final(const char *final_path, iso_folder_lock *lock, iso_error *err)
 {
-    if (!iso_path_exists(final_path))
+    *lock = iso_folder_lock_take(final_path, false);
+    if (lock->fd >= 0 || lock->cause == ENOENT || lock->cause == ENOTDIR)
         return ISO_OK;
+    if (lock->cause == EWOULDBLOCK)
+        return iso_fail(err, ISO_E_IO, "%s: another process works in it; wait for its end, or choose another output",
+                        final_path);
+    errno = lock->cause;
+    return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", final_path, strerror(errno));
+}
+
+static void unlock(const iso_folder_lock *lock)
+{
+    if (lock->fd >= 0)
+        close(lock->fd);
+}
+
+static iso_status check_locked(const char *final_path, const char *marker, iso_error *err)
+{
     if (has_marker(final_path, marker))
         return iso_manifest_check(final_path, final_path, err);
     if (rmdir(final_path) == 0) /* an empty directory is no loss */
         return ISO_OK;
     return iso_fail(err, ISO_E_IO, "%s: exists and holds no %s, so it is not replaced", final_path, marker);
+}
+
+/* Refuses all but nothing, an empty directory, and one of ours with nothing else in it. */
+static iso_status check_replaceable(const char *final_path, const char *marker, iso_error *err)
+{
+    iso_folder_lock lock;
+    iso_status status = lock_final(final_path, &lock, err);
+    if (status == ISO_OK && lock.cause != ENOENT)
+        status = check_locked(final_path, marker, err);
+    unlock(&lock);
+    return status;
 }
 
 iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err)
@@ -186,23 +214,26 @@ void iso_output_clear(const iso_output *out)
 }
 
 /* Made, or opened where it is there; locked. No link is followed, and no folder of another user is worked in: its owner
- * may change what is in it meanwhile. */
+ * may change what is in it meanwhile. Without locks two processes could mix their work in it. */
 static iso_status lock_partial(iso_output *out, const char *path, bool *is_new, iso_error *err)
 {
     struct stat st;
-    *is_new = mkdir(out->temp_path, 0777) == 0;
-    if (!*is_new && errno != EEXIST)
+    const iso_folder_lock lock = iso_folder_lock_take(out->temp_path, true);
+    out->lock = lock.fd + 1;
+    *is_new = lock.fd >= 0 && lock.made;
+    errno = lock.cause;
+    if (lock.cause == EWOULDBLOCK)
+        return iso_fail(err, ISO_E_IO, "%s: another process is making it; wait for its end, or choose another output", path);
+    if (lock.fd < 0 && (lock.cause == ENOTDIR || lock.cause == ELOOP))
+        return iso_fail(err, ISO_E_IO, "%s: %s cannot be opened as a folder: %s", path, out->temp_path, strerror(errno));
+    if (lock.fd < 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", path, strerror(errno));
-    const int fd = open(out->temp_path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    if (fd < 0)
-        return iso_fail(err, iso_errno_status(), "%s: %s cannot be opened as a folder: %s", path, out->temp_path,
+    if (lock.cause)
+        return iso_fail(err, ISO_E_IO, "%s: the file system cannot lock a folder: %s; choose another output", path,
                         strerror(errno));
-    out->lock = fd + 1;
-    if (!iso_folder_lock(fd))
-        return iso_fail(err, iso_errno_status(), "%s: another process is making it: %s", path, strerror(errno));
-    if (fstat(fd, &st) != 0 || st.st_uid != geteuid())
+    if (fstat(lock.fd, &st) != 0 || st.st_uid != geteuid())
         return iso_fail(err, ISO_E_IO, "%s: %s is another user's; choose another output", path, out->temp_path);
-    return *is_new ? ISO_OK : check_own(out, path, err);
+    return lock.made ? ISO_OK : check_own(out, path, err);
 }
 
 /* Instead of the temporary's name, which is not known beforehand. */
@@ -230,9 +261,9 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
     out->own = own;
     status = name_partial(out, path, err);
     if (status == ISO_OK)
-        status = check_replaceable(out->final_path, own[0], err);
-    if (status == ISO_OK)
         status = lock_partial(out, path, &is_new, err);
+    if (status == ISO_OK) /* after the lock: another process may have finished meanwhile */
+        status = check_replaceable(out->final_path, own[0], err);
     if (status != ISO_OK) {
         if (is_new)
             rmdir(out->temp_path);
@@ -263,14 +294,12 @@ void iso_output_rename_all_in(iso_error *err)
     iso_temporary_rename_in(err->text);
 }
 
-/* A directory cannot be renamed over a full one: they change places in one step, or, on file systems that cannot do that,
- * the old one steps aside first, under a name that nobody takes for a temporary. */
-static int rename_dir(const char *from, const char *to)
+/* Both folders change places: in one step, or, on file systems that cannot do that, the old one steps aside first, under a
+ * name that nobody takes for a temporary. */
+static int exchange(const char *from, const char *to)
 {
-    if (!iso_path_exists(to))
-        return rename(from, to);
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_EXCHANGE) == 0)
-        return 0; /* the old one is what iso_output_abandon() removes */
+        return 0;
     char *aside = NULL;
     if (asprintf(&aside, "%s.before", to) < 0)
         return -1;
@@ -278,10 +307,9 @@ static int rename_dir(const char *from, const char *to)
     if (result == 0) {
         result = rename(from, to);
         const int cause = errno;
-        if (result == 0)
+        /* Else another process has put its own there meanwhile, which replaces the old one, too. */
+        if (rename(aside, result == 0 ? from : to) != 0 && iso_path_exists(to))
             iso_remove_tree(aside);
-        else
-            rename(aside, to);
         errno = cause;
     }
     free(aside);
@@ -316,17 +344,75 @@ static void flush_folder_of(const char *path)
     free(dir);
 }
 
-static iso_status commit_dir(const iso_output *out, iso_error *err)
+/* The finished folder has its name. The partial one's is free for others then: what is there from now on is not ours. */
+static void forget_temporary(iso_output *out)
+{
+    iso_unfinished_drop(out->temp_path);
+    free(out->temp_path);
+    out->temp_path = NULL;
+}
+
+/* The replaced folder has the temporary's name. The name of a partial one is known to others, who may take it as soon as
+ * that folder is gone: it is removed under a name of our own. */
+static void move_replaced_aside(iso_output *out)
+{
+    char *dir = iso_path_dir(out->final_path),
+         *aside = dir ? iso_temporary_path(dir, iso_path_base(out->final_path)) : NULL;
+    free(dir);
+    const bool is_moved = aside && rename(out->temp_path, aside) == 0;
+    forget_temporary(out); /* if it is not moved, the next run clears it */
+    if (is_moved) {
+        iso_unfinished_add(aside, false);
+        out->temp_path = aside;
+    } else
+        free(aside);
+}
+
+/* A finished folder has the name already, locked: it is looked at again, since a person may have put something there in the
+ * meantime. *done stays false if others have replaced or removed it. */
+static iso_status replace(iso_output *out, bool *done, iso_error *err)
+{
+    iso_folder_lock lock;
+    iso_status status = lock_final(out->final_path, &lock, err);
+    if (status == ISO_OK && lock.fd >= 0)
+        status = iso_manifest_check(out->final_path, out->final_path, err);
+    if (status == ISO_OK && lock.fd >= 0) {
+        *done = exchange(out->temp_path, out->final_path) == 0;
+        if (!*done && errno != ENOENT && errno != EEXIST && errno != ENOTEMPTY)
+            status = iso_fail(err, iso_errno_status(), "%s: cannot be put in place: %s", out->final_path, strerror(errno));
+        if (*done && out->own)
+            move_replaced_aside(out);
+    }
+    unlock(&lock); /* the removal needs none: nobody knows the folder's name */
+    return status;
+}
+
+/* A directory takes the place of an empty one by a rename, of a full one only by an exchange. Others may put theirs there
+ * at any time. */
+static iso_status put_in_place(iso_output *out, iso_error *err)
+{
+    enum { TRIES = 1000 };
+    for (int i = 0; i < TRIES; ++i) {
+        bool done = false;
+        if (rename(out->temp_path, out->final_path) == 0) {
+            forget_temporary(out);
+            return ISO_OK;
+        }
+        if (errno != EEXIST && errno != ENOTEMPTY)
+            break;
+        const iso_status status = replace(out, &done, err);
+        if (status != ISO_OK || done)
+            return status;
+    }
+    return iso_fail(err, iso_errno_status(), "%s: cannot be put in place: %s", out->final_path, strerror(errno));
+}
+
+static iso_status commit_dir(iso_output *out, iso_error *err)
 {
     iso_status status = iso_manifest_write(out->temp_path, out->own, err);
-    /* Again, since a person may have put something there in the meantime. */
-    if (status == ISO_OK && iso_path_exists(out->final_path) && rmdir(out->final_path) != 0)
-        status = iso_manifest_check(out->final_path, out->final_path, err);
     if (status == ISO_OK && nftw(out->temp_path, flush_entry, 16, FTW_DEPTH | FTW_PHYS) != 0)
         status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", out->final_path, strerror(errno));
-    if (status == ISO_OK && rename_dir(out->temp_path, out->final_path) != 0)
-        status = iso_fail(err, iso_errno_status(), "%s: cannot be put in place: %s", out->final_path, strerror(errno));
-    return status;
+    return status == ISO_OK ? put_in_place(out, err) : status;
 }
 
 static iso_status commit_file(const iso_output *out, bool is_final, iso_error *err)
@@ -338,15 +424,24 @@ static iso_status commit_file(const iso_output *out, bool is_final, iso_error *e
     return ISO_OK;
 }
 
+static void release_lock(iso_output *out)
+{
+    if (out->lock > 0)
+        close(out->lock - 1);
+    out->lock = 0;
+}
+
 iso_status iso_output_commit(iso_output *out, iso_error *err)
 {
     /* A file inside of a folder that is not finished itself is flushed with that folder. */
     const bool is_final = !iso_temporary_holds(out->final_path);
     const iso_status status = out->is_folder ? commit_dir(out, err) : commit_file(out, is_final, err);
+    if (status == ISO_OK)
+        release_lock(out); /* others may replace it while the old one is removed */
     if (status == ISO_OK && is_final)
         flush_folder_of(out->final_path);
     if (status == ISO_OK)
-        out->own = NULL; /* what has the temporary's name now is what stood there before, which was looked at */
+        out->own = NULL; /* the temporary is the folder that was replaced, which was looked at */
     iso_output_abandon(out);
     return status;
 }
@@ -355,8 +450,7 @@ void iso_output_keep(iso_output *out)
 {
     if (!out || !out->final_path)
         return;
-    if (out->lock > 0)
-        close(out->lock - 1);
+    release_lock(out);
     if (out->temp_path)
         iso_unfinished_drop(out->temp_path);
     free(out->temp_path);

@@ -64,9 +64,9 @@ static iso_status check_entry(DIR *dir, const char *folder, const char *name, is
                           folder, name);
 }
 
-static iso_status remove_entry(DIR *dir, const char *folder, const char *name, iso_error *err)
+static iso_status remove_picture(DIR *dir, const char *folder, const char *name, iso_error *err)
 {
-    if (!is_own_name(name) || unlinkat(dirfd(dir), name, 0) == 0)
+    if (!is_own_name(name) || strcmp(name, MARKER) == 0 || unlinkat(dirfd(dir), name, 0) == 0)
         return ISO_OK;
     return iso_fail(err, iso_errno_status(), "%s/%s: cannot be removed: %s", folder, name, strerror(errno));
 }
@@ -111,67 +111,44 @@ static iso_status check_content(const char *folder, iso_error *err)
     return status;
 }
 
-/* What is not the store's own stays. */
+/* What is not the store's own stays. So does the marker: a run that is killed in between leaves a folder of the store's. */
 static void remove_pictures(const char *folder)
 {
     size_t count;
-    visit_folder(folder, remove_entry, &count, NULL);
+    visit_folder(folder, remove_picture, &count, NULL);
 }
 
-/* The folder's descriptor, or below 0. No link is followed. */
-static int open_folder(const char *folder)
+/* The marker goes last, after a look that meets nothing else. */
+static void remove_folder(const char *folder)
 {
-    return open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    char *marker = iso_path_join(folder, MARKER);
+    size_t met = 2;
+    for (int looks = 0; looks < 4 && met > 1; ++looks)
+        if (visit_folder(folder, remove_picture, &met, NULL) != ISO_OK)
+            break;
+    if (marker && met <= 1 && unlink(marker) == 0)
+        rmdir(folder);
+    free(marker);
 }
 
-/* Until the descriptor is closed. A file system that has no locks is no reason to stop. */
-static iso_status lock(int fd, const char *folder, iso_error *err)
+/* ISO_E_IO while another process has it. A file system that has no locks is no reason to stop. */
+static iso_status fail_to_lock(const iso_folder_lock *lock, const char *folder, iso_error *err)
 {
-    if (iso_folder_lock(fd) || errno != EWOULDBLOCK)
-        return ISO_OK;
-    return iso_fail(err, ISO_E_IO, "%s: another process keeps its pictures there; wait for its end, or choose another output",
-                    folder);
+    errno = lock->cause;
+    if (lock->cause == EWOULDBLOCK)
+        return iso_fail(err, ISO_E_IO,
+                        "%s: another process keeps its pictures there; wait for its end, or choose another output", folder);
+    return iso_fail(err, iso_errno_status(), "%s: is no folder that pictures can be kept in: %s", folder, strerror(errno));
 }
 
 iso_status iso_picture_store_check(const char *folder, iso_error *err)
 {
-    const int fd = open_folder(folder);
-    iso_status status = fd < 0 ? ISO_OK : lock(fd, folder, err);
-    if (status == ISO_OK)
-        status = check_content(folder, err);
-    if (fd >= 0)
-        close(fd);
+    const iso_folder_lock lock = iso_folder_lock_take(folder, false);
+    if (lock.fd < 0)
+        return lock.cause == ENOENT ? ISO_OK : fail_to_lock(&lock, folder, err);
+    const iso_status status = check_content(folder, err);
+    close(lock.fd);
     return status;
-}
-
-/* Whoever worked in the folder may have removed it before it was locked. */
-static bool is_still(int fd, const char *folder)
-{
-    struct stat held, there;
-    return fstat(fd, &held) == 0 && lstat(folder, &there) == 0 && held.st_ino == there.st_ino &&
-           held.st_dev == there.st_dev;
-}
-
-/* Made where it is not there. *fd: of the locked folder. */
-static iso_status make_locked(const char *folder, int *fd, iso_error *err)
-{
-    iso_status status = ISO_OK;
-    for (int tries = 0; tries < 100 && status == ISO_OK; ++tries) {
-        if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-            break;
-        if ((*fd = open_folder(folder)) < 0 && errno != ENOENT)
-            break;
-        status = *fd < 0 ? ISO_OK : lock(*fd, folder, err);
-        if (*fd >= 0 && status == ISO_OK && is_still(*fd, folder))
-            return ISO_OK;
-        if (*fd >= 0)
-            close(*fd);
-        *fd = -1;
-    }
-    return status != ISO_OK ? status
-                            : iso_fail(err, iso_errno_status(),
-                                       "%s: the folder for pictures that are finished cannot be made: %s", folder,
-                                       strerror(errno));
 }
 
 /* In an empty folder it comes first: a run that is killed in between leaves one that the next may take. */
@@ -186,11 +163,11 @@ static iso_status write_marker(const char *folder, iso_error *err)
 
 iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_store **store, iso_error *err)
 {
-    int fd = -1;
+    const iso_folder_lock lock = iso_folder_lock_take(folder, true);
     *store = NULL;
-    iso_status status = make_locked(folder, &fd, err);
-    if (status == ISO_OK)
-        status = check_content(folder, err);
+    if (lock.fd < 0)
+        return fail_to_lock(&lock, folder, err);
+    iso_status status = check_content(folder, err);
     if (status == ISO_OK && !keep)
         remove_pictures(folder);
     if (status == ISO_OK)
@@ -200,11 +177,10 @@ iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_sto
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
     if (status != ISO_OK) {
         free(s);
-        if (fd >= 0)
-            close(fd);
+        close(lock.fd);
         return status;
     }
-    s->lock = fd;
+    s->lock = lock.fd;
     *store = s;
     return ISO_OK;
 }
@@ -213,10 +189,8 @@ void iso_picture_store_close(iso_picture_store *store, bool remove)
 {
     if (!store)
         return;
-    if (remove) {
-        remove_pictures(store->folder);
-        rmdir(store->folder); /* not where it holds what is not the store's */
-    }
+    if (remove)
+        remove_folder(store->folder);
     close(store->lock);
     free(store->folder);
     free(store);
