@@ -208,3 +208,55 @@ iso_status iso_inputs_check(const char *output, iso_error *err)
     pthread_mutex_unlock(&lock);
     return file.input ? refuse(&file, err) : ISO_OK;
 }
+
+/* ---- all of them ---- */
+
+/* Names stay as long as the process, so they are borrowed. */
+typedef struct names {
+    const char **all;
+    size_t count, room;
+    bool has_failed;
+} names;
+
+static void add_name(names *n, const char *name)
+{
+    if (n->count == n->room) {
+        const size_t room = n->room ? 2 * n->room : 64;
+        const char **more = realloc(n->all, room * sizeof *more);
+        n->has_failed = n->has_failed || !more;
+        if (!more)
+            return;
+        n->all = more;
+        n->room = room;
+    }
+    n->all[n->count++] = name;
+}
+
+static void add_input(const void *node, VISIT visit, void *closure)
+{
+    const known *file = *(known *const *)node;
+    if ((visit == postorder || visit == leaf) && file->input)
+        add_name(closure, file->input);
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+iso_status iso_inputs_visit(iso_input_visitor *visit, void *user, iso_error *err)
+{
+    names n = {.count = 0};
+    pthread_mutex_lock(&lock);
+    twalk_r(files, add_input, &n);
+    for (const folder *f = folders; f; f = f->next)
+        add_name(&n, f->name);
+    pthread_mutex_unlock(&lock);
+    iso_status status = n.has_failed ? iso_fail(err, ISO_E_MEMORY, "no memory for the names of the inputs") : ISO_OK;
+    if (n.count > 0)
+        qsort(n.all, n.count, sizeof *n.all, by_name);
+    for (size_t i = 0; i < n.count && status == ISO_OK; ++i)
+        status = visit(user, n.all[i], err);
+    free(n.all);
+    return status;
+}

@@ -31,4 +31,8 @@ iso_status iso_inputs_announce(const char *output, iso_error *err);
 /* The same for one that is written now. */
 iso_status iso_inputs_check(const char *output, iso_error *err);
 
+/* Calls visit for each file and folder that was noted, in the order of their names, until one fails. */
+typedef iso_status iso_input_visitor(void *user, const char *path, iso_error *err);
+iso_status iso_inputs_visit(iso_input_visitor *visit, void *user, iso_error *err);
+
 #endif

@@ -7,14 +7,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 #include "base/json.h"
 #include "base/machine.h"
-#include "base/version.h"
-#include "scene/scene.h"
 
-static const char lines_name[] = "settings.jsonl", part_name[] = ".part.exr", schema[] = "isoshade.chart-settings/1";
+static const char lines_name[] = "settings.jsonl", part_name[] = ".part.exr", schema[] = "isoshade.chart-settings/2";
 
 /* All that a chart's folder may hold (result.h), unfinished or not. */
 static const char *const own_names[] = {
@@ -29,67 +26,42 @@ void iso_chart_reference_name(const iso_chart_bench *b, size_t scene, char *text
         snprintf(text, size, "reference-%s.exr", b->scenes[scene].name);
 }
 
-/* ---- what a chart is of ---- */
+/* ---- the chart's key ---- */
 
-static json_t *hash_json(const void *bytes, size_t size)
+/* Settings are the same measurement if all of these are the same. */
+static iso_status complete_key(iso_key *key, const iso_chart_bench *b, iso_error *err)
 {
-    char text[24];
-    snprintf(text, sizeof text, "%016llx", (unsigned long long)XXH3_64bits(bytes, size));
-    return json_string(text);
-}
-
-static json_t *scene_hash_json(const iso_chart_scene *s)
-{
-    json_t *json = iso_scene_to_json(&s->scene);
-    char *text = json ? json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
-    json_t *hash = hash_json(text ? text : "", text ? strlen(text) : 0);
-    free(text);
-    json_decref(json);
-    return hash;
-}
-
-/* Settings are the same measurement where all of these are. */
-static json_t *job_json(const iso_chart_bench *b)
-{
-    const iso_level *level0 = &b->first.levels[0];
-    json_t *scenes = json_array(), *machine = iso_machine_describe(), *job = json_object();
-    const iso_pyramid_options *build = &b->first.options;
-    json_object_set_new(job, "version", json_string(ISO_VERSION));
-    json_object_set_new(job, "machine", json_incref(json_object_get(machine, "processor")));
-    json_object_set_new(job, "volume",
-                        hash_json(level0->scalar, sizeof(float) * iso_geometry_voxel_count(&level0->geometry)));
-    for (size_t i = 0; i < b->scene_count; ++i)
-        json_array_append_new(scenes, scene_hash_json(&b->scenes[i]));
-    json_object_set_new(job, "scene", scenes);
-    json_object_set_new(job, "first estimator", json_string(iso_gradient_name(build->gradient.method)));
-    json_object_set_new(job, "kind of time", json_string(b->processor_time ? "processor" : "clock"));
+    json_t *machine = iso_machine_describe();
+    const char *processor = json_string_value(json_object_get(machine, "processor"));
+    iso_key_add_text(key, "the processor", processor ? processor : "");
+    iso_key_add_text(key, "the first estimator", iso_gradient_name(b->first.options.gradient.method));
     json_decref(machine);
-    return job;
+    return iso_key_add_surroundings(key, err);
 }
 
-/* Of what the file says: ISO_OK where there is no job in it, or this one. */
-static iso_status check_job(const char *folder, const json_t *found, const json_t *job, bool *same, iso_error *err)
+/* The first line. */
+static json_t *head_json(const iso_key *key, const iso_chart_bench *b)
 {
-    const char *key;
-    json_t *value;
-    *same = false;
-    if (!found)
+    json_t *parts = iso_key_to_json(key);
+    return parts ? json_pack("{s:s, s:b, s:o}", "schema", schema, "hasty", b->hasty, "key", parts) : NULL;
+}
+
+/* *same: the chart goes on. A chart in haste has coarser references than one that is not, which begins again. */
+static iso_status check_key(const char *folder, const json_t *found, const iso_key *key, const iso_chart_bench *b,
+                            bool *same, iso_error *err)
+{
+    char why[256];
+    *same = found && (b->hasty || !json_is_true(json_object_get(found, "hasty")));
+    if (!found || !iso_key_differs(key, json_object_get(found, "key"), why, sizeof why))
         return ISO_OK;
-    json_object_foreach((json_t *)job, key, value) {
-        if (!json_equal(value, json_object_get(found, key)))
-            return iso_fail(err, ISO_E_USAGE,
-                            "--resume: what %s has measured is of another %s; without --resume the chart begins anew", folder,
-                            key);
-    }
-    *same = true;
-    return ISO_OK;
+    return iso_fail(err, ISO_E_USAGE, "%s: --resume: %s; without --resume the chart begins again", folder, why);
 }
 
 /* ---- lines ---- */
 
-static const char *version_of(const iso_chart_kept_file *k, const iso_chart_case *c)
+static const char *renderer_of(const iso_chart_kept_file *k, const iso_chart_case *c)
 {
-    return k->versions[iso_renderer_index(c->renderer)];
+    return k->renderers[iso_renderer_index(c->renderer)];
 }
 
 static json_t *case_line(const iso_chart_kept_file *k, const iso_chart_bench *b, const iso_chart_case *c)
@@ -101,7 +73,7 @@ static json_t *case_line(const iso_chart_kept_file *k, const iso_chart_bench *b,
     for (size_t i = 0; i < c->took.count && i < ISO_RENDER_MAX_FRAMES; ++i)
         json_array_append_new(frames, json_real(c->took.frame_seconds[i]));
     json_t *line = json_pack("{s:s, s:s, s:s, s:o, s:f, s:f, s:f}", "scene", b->scenes[c->scene].name, "setting",
-                             setting, "renderer_version", version_of(k, c), "frame_seconds", frames, "setup_seconds",
+                             setting, "renderer", renderer_of(k, c), "frame_seconds", frames, "setup_seconds",
                              c->took.setup_seconds, "device_bytes", c->took.bytes, "stored_bytes", c->stored_bytes);
     if (line)
         json_object_update_new(line, iso_metrics_to_json(m));
@@ -132,17 +104,18 @@ static iso_metrics metrics_of(const json_t *line)
     return m;
 }
 
-/* What a line says of a setting, whose renderer is of that version now. Damaged lines, as the last of a killed process may
- * be, say nothing, nor do those of another version: what it drew is none of this chart's. */
-static void take_line(const json_t *line, const char *version, iso_chart_case *c)
+/* What a line says of a setting. Damaged lines, as the last of a killed process may be, say nothing, nor do those of another
+ * renderer than the one that is there now: what it drew is none of this chart's. */
+static void take_line(const json_t *line, const char *renderer, iso_chart_case *c)
 {
-    const char *drawn_by = json_string_value(json_object_get(line, "renderer_version"));
+    const char *drawn_by = json_string_value(json_object_get(line, "renderer"));
     double frames[ISO_RENDER_MAX_FRAMES];
     const json_t *list = json_object_get(line, "frame_seconds");
     size_t count = 0;
     for (size_t i = 0; i < json_array_size(list) && count < ISO_RENDER_MAX_FRAMES; ++i)
         frames[count++] = json_number_value(json_array_get(list, i));
-    if (count == 0 || !drawn_by || strcmp(drawn_by, version) != 0 || !json_is_number(json_object_get(line, "device_bytes")))
+    if (count == 0 || !drawn_by || !*drawn_by || strcmp(drawn_by, renderer) != 0 ||
+        !json_is_number(json_object_get(line, "device_bytes")))
         return;
     iso_render_stats_sum_up(&c->took, frames, count);
     c->took.setup_seconds = number_of(line, "setup_seconds");
@@ -186,7 +159,7 @@ static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench
         snprintf(wanted.text, sizeof wanted.text, "%s; %s", scene ? scene : "", of ? of : "");
         const case_key *found = scene && of ? bsearch(&wanted, keys, count, sizeof *keys, by_text) : NULL;
         if (found)
-            take_line(line, version_of(k, found->of), found->of);
+            take_line(line, renderer_of(k, found->of), found->of);
         json_decref(line);
     }
     free(text);
@@ -196,20 +169,23 @@ static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench
 
 /* ---- the folder ---- */
 
-static json_t *read_job(const char *dir)
+/* The first line; NULL: there is none of this schema. */
+static json_t *read_head(const char *dir)
 {
     char *path = iso_path_join(dir, lines_name), *text = NULL;
     size_t size = 0;
     FILE *f = path ? fopen(path, "r") : NULL;
     json_t *first = f && getline(&text, &size, f) > 0 ? json_loads(text, 0, NULL) : NULL;
     const char *found = json_string_value(json_object_get(first, "schema"));
-    json_t *job = found && strcmp(found, schema) == 0 ? json_incref(json_object_get(first, "job")) : NULL;
-    json_decref(first);
+    if (!found || strcmp(found, schema) != 0) {
+        json_decref(first);
+        first = NULL;
+    }
     if (f)
         fclose(f);
     free(text);
     free(path);
-    return job;
+    return first;
 }
 
 static iso_status copy_file(const char *from, const char *to, const char *name, iso_error *err)
@@ -240,7 +216,7 @@ static iso_status copy_finished(iso_chart_kept_file *k, const iso_chart_bench *b
     return status;
 }
 
-static iso_status begin_lines(iso_chart_kept_file *k, const json_t *job, iso_error *err)
+static iso_status begin_lines(iso_chart_kept_file *k, const json_t *head, iso_error *err)
 {
     char *path = iso_path_join(k->output.temp_path, lines_name);
     k->lines = path ? fopen(path, k->resumed ? "a+" : "w") : NULL;
@@ -252,10 +228,8 @@ static iso_status begin_lines(iso_chart_kept_file *k, const json_t *job, iso_err
     if (k->resumed) /* what a killed process wrote last may lack its end */
         fputc('\n', k->lines);
     else {
-        json_t *first = json_pack("{s:s, s:O}", "schema", schema, "job", (json_t *)job);
-        json_dumpf(first, k->lines, JSON_COMPACT);
+        json_dumpf(head, k->lines, JSON_COMPACT);
         fputc('\n', k->lines);
-        json_decref(first);
     }
     if (fflush(k->lines) != 0)
         return iso_fail(err, ISO_E_IO, "%s: cannot be written", k->output.final_path);
@@ -263,18 +237,22 @@ static iso_status begin_lines(iso_chart_kept_file *k, const json_t *job, iso_err
     return ISO_OK;
 }
 
-iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool resume, const iso_chart_bench *b,
-                               iso_error *err)
+iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool resume, iso_key *key,
+                               const iso_chart_bench *b, iso_error *err)
 {
     *k = (iso_chart_kept_file){.lines = NULL};
     bool partial = false;
-    json_t *job = job_json(b), *found = NULL;
-    iso_status status = iso_output_resume_dir(&k->output, folder, own_names, resume, &partial, err);
+    json_t *head = NULL, *found = NULL;
+    iso_status status = complete_key(key, b, err);
+    if (status == ISO_OK && !(head = head_json(key, b)))
+        status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    if (status == ISO_OK)
+        status = iso_output_resume_dir(&k->output, folder, own_names, resume, &partial, err);
     if (status == ISO_OK && resume && !partial)
         status = copy_finished(k, b, err);
     if (status == ISO_OK && resume) {
-        found = read_job(k->output.temp_path);
-        status = check_job(folder, found, job, &k->resumed, err);
+        found = read_head(k->output.temp_path);
+        status = check_key(folder, found, key, b, &k->resumed, err);
         if (status != ISO_OK) { /* what is there stays, but for the copy of a finished chart */
             if (partial)
                 iso_output_keep(&k->output);
@@ -283,9 +261,9 @@ iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool 
         }
     }
     if (status == ISO_OK)
-        status = begin_lines(k, job, err);
+        status = begin_lines(k, head, err);
     json_decref(found);
-    json_decref(job);
+    json_decref(head);
     return status;
 }
 

@@ -331,12 +331,30 @@ static iso_status make_references(chart_run *run, iso_error *err)
     return status;
 }
 
+static iso_status identify_renderers(chart_run *run, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t r = 0; r < iso_renderer_count() && status == ISO_OK; ++r)
+        if (run->grid.with[r])
+            status = iso_renderer_identify(iso_renderer_at(r), run->result.versions[r], run->kept.renderers[r], err);
+    return status;
+}
+
 /* What an earlier run has measured, and the references. */
 static iso_status take_kept(chart_run *run, iso_error *err)
 {
+    /* A line a setting has the values on the axes; the others change what is shown of the lines. Threads change times. */
+    static const char *const without[] = {"with",  "steps",  "quadratures", "estimators", "levels", "filters",
+                                          "codes", "tfs",    "plans",       "budget",     "want",   "metric",
+                                          "bytes", "viewer", "style",       NULL};
     iso_chart_result *result = &run->result;
-    iso_status status = iso_chart_kept_open(&run->kept, run->arguments->output, run->arguments->resume, &run->bench, err);
-    run->kept.versions = (const iso_chart_version *)result->versions;
+    iso_key *key = iso_cli_key(run->cli, without);
+    iso_status status = key ? iso_chart_kept_open(&run->kept, run->arguments->output, run->arguments->resume, key,
+                                                  &run->bench, err)
+                            : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    iso_key_destroy(key);
+    if (status == ISO_OK)
+        status = identify_renderers(run, err);
     if (status == ISO_OK)
         status = iso_chart_kept_take(&run->kept, &run->bench, result->cases, result->count, err);
     for (size_t i = 0; i < result->count && status == ISO_OK; ++i)

@@ -163,6 +163,17 @@ static iso_status build_auto(const iso_cli *cli, const iso_volume_input *input, 
     return status;
 }
 
+/* What changes no byte of a pyramid. */
+static const char *const not_in_key[] = {"threads", "memory", "save-every", NULL};
+
+static void warn_of_beginning_anew(const iso_cli *cli, const iso_stream_report *r)
+{
+    if (!r->not_resumed[0] || cli->quiet)
+        return;
+    iso_progress_line_hide(cli->progress);
+    fprintf(stderr, "isoshade build: --resume: %s; the build began again\n", r->not_resumed);
+}
+
 /* One pyramid; *json, where it is not NULL, takes what is printed as JSON, to be freed. */
 static iso_status build_one(const build_job *job, const iso_pyramid_options *opt, const char *output, json_t **json,
                             iso_error *err)
@@ -176,11 +187,18 @@ static iso_status build_one(const build_job *job, const iso_pyramid_options *opt
     iso_cli_expect(cli, stages + is_given, 2 - (size_t)is_given);
     open_user user = {path, job->input};
     const iso_stream_input source = {open_input, &user, path};
+    iso_key *key = iso_cli_key(cli, not_in_key);
+    if (!key)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
     const iso_stream_options stream = {.memory_bytes = (size_t)(job->options->memory_mb * 1048576),
                                        .resume = job->options->resume,
                                        .save_seconds = job->options->save_seconds,
+                                       .key = key,
                                        .ranks = job->ranks};
     const iso_status status = iso_pyramid_stream(&source, opt, &stream, output, &report, &progress, err);
+    iso_key_destroy(key);
+    if (status == ISO_OK)
+        warn_of_beginning_anew(cli, &report);
     if (status == ISO_OK && cli->json)
         *json = to_json(cli, opt, &report, output);
     else if (status == ISO_OK)

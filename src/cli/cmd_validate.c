@@ -172,12 +172,19 @@ static iso_status check_store(const iso_validate_arguments *a, iso_error *err)
 static char last_words[4200];
 
 /* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
-static iso_status open_store(const iso_validate_arguments *a, iso_validation *v, iso_error *err)
+static iso_status open_store(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
+    /* They choose which pictures are drawn; each picture has the rest in its own hash. */
+    static const char *const without[] = {"threads", "with", "levels", "budget", "anyway",
+                                          "viewer",  "junit", "summary-md", NULL};
     char *folder = store_folder(a);
+    iso_key *key = iso_cli_key(cli, without);
+    iso_status status = folder && key ? iso_key_add_surroundings(key, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK)
+        status = iso_picture_store_open(folder, a->resume, key, &v->renderers.store, err);
+    iso_key_destroy(key);
     if (!folder)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    const iso_status status = iso_picture_store_open(folder, a->resume, &v->renderers.store, err);
+        return status;
     snprintf(last_words, sizeof last_words, "isoshade validate: stopped; --resume goes on from %s\n", folder);
     if (status == ISO_OK)
         iso_unfinished_say(last_words);
@@ -312,7 +319,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK)
-        status = open_store(a, &v, err);
+        status = open_store(a, cli, &v, err);
     struct iso_picture_store *store = v.renderers.store;
     if (status == ISO_OK) {
         describe_options(a, &v, pyramid->options.code);
@@ -416,7 +423,7 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK)
-        status = open_store(a, &v, err);
+        status = open_store(a, cli, &v, err);
     struct iso_picture_store *store = v.renderers.store;
     if (status == ISO_OK) {
         describe_options(a, &v, build->code);

@@ -171,6 +171,92 @@ static iso_status take_common(double timeout, bool no_sandbox, bool full_paths, 
     return status;
 }
 
+/* ---- the values of all options, for keys ---- */
+
+/* One text of all words of a list, each in quotes. */
+static json_t *words_json(char **words)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return NULL;
+    for (; words && *words; ++words) {
+        iso_words_put_quoted(f, *words);
+        fputc(' ', f);
+    }
+    json_t *json = fclose(f) == 0 ? json_string_nocheck(text) : NULL; /* a path need not be UTF-8 */
+    free(text);
+    return json;
+}
+
+static json_t *value_json(const struct poptOption *o)
+{
+    switch (o->argInfo & POPT_ARG_MASK) {
+    case POPT_ARG_NONE:
+    case POPT_ARG_VAL:
+    case POPT_ARG_INT: return json_sprintf("%d", *(int *)o->arg);
+    case POPT_ARG_SHORT: return json_sprintf("%d", *(short *)o->arg);
+    case POPT_ARG_LONG: return json_sprintf("%ld", *(long *)o->arg);
+    case POPT_ARG_LONGLONG: return json_sprintf("%lld", *(long long *)o->arg);
+    case POPT_ARG_FLOAT: return json_sprintf("%.9g", (double)*(float *)o->arg);
+    case POPT_ARG_DOUBLE: return json_sprintf("%.17g", *(double *)o->arg);
+    case POPT_ARG_ARGV: return words_json(*(char ***)o->arg);
+    default: return *(char **)o->arg ? json_string_nocheck(*(char **)o->arg) : json_null();
+    }
+}
+
+/* False: no memory. */
+static bool keep_values(const struct poptOption *o, json_t *given)
+{
+    bool good = true;
+    for (; good && (o->longName || o->shortName || o->arg); ++o)
+        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
+            good = keep_values(o->arg, given);
+        else if (o->longName && o->arg)
+            good = json_object_set_new(given, o->longName, value_json(o)) == 0;
+    return good;
+}
+
+static iso_status keep_given(iso_cli *cli, const struct poptOption *table, iso_error *err)
+{
+    cli->given = json_object();
+    bool good = cli->given && keep_values(table, cli->given);
+    for (size_t i = 0; i < cli->argument_count && good; ++i) {
+        char name[32];
+        snprintf(name, sizeof name, " %zu", i + 1);
+        good = json_object_set_new(cli->given, name, json_string_nocheck(cli->arguments[i])) == 0;
+    }
+    return good ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+}
+
+static bool is_among(const char *name, const char *const *names)
+{
+    while (*names && strcmp(*names, name) != 0)
+        ++names;
+    return *names;
+}
+
+iso_key *iso_cli_key(const iso_cli *cli, const char *const *without)
+{
+    static const char *const never[] = {"json",       "quiet",         "timeout", "help",
+                                        "full-paths", "no-provenance", "output",  "resume", NULL};
+    iso_key *key = iso_key_create();
+    const char *name;
+    json_t *value;
+    if (!key)
+        return NULL;
+    iso_key_add_text(key, "the command", cli->command->name);
+    json_object_foreach(cli->given, name, value) {
+        char part[80];
+        if (json_is_null(value) || is_among(name, never) || is_among(name, without))
+            continue;
+        snprintf(part, sizeof part, "%s%s", name[0] == ' ' ? "argument" : "--", name);
+        iso_key_add_text(key, part, json_string_value(value));
+    }
+    return key;
+}
+
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, iso_cli_next *next, iso_error *err)
 {
@@ -237,6 +323,8 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: isoshade %s %s", cli->argument_count, command->name,
                         command->usage);
     status = iso_words_check_range("--threads", cli->threads, 0, 1024, err);
+    if (status == ISO_OK)
+        status = keep_given(cli, table, err);
     /* What tf writes has names of its own beside -o; it looks for itself. */
     return status == ISO_OK && strcmp(command->name, "tf") != 0
                ? iso_cli_refuse_overwriting(options, cli->arguments, err)
@@ -248,6 +336,7 @@ void iso_cli_end(iso_cli *cli)
     iso_progress_line_destroy(cli->progress);
     if (cli->context)
         poptFreeContext(cli->context);
+    json_decref(cli->given);
     *cli = (iso_cli){0};
 }
 

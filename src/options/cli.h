@@ -14,6 +14,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "base/key.h"
 #include "base/names.h"
 #include "base/progress_line.h"
 #include "base/status.h"
@@ -59,6 +60,7 @@ typedef struct iso_cli {
     const char **argv;
     const iso_command *command;
     iso_progress_line *progress; /* NULL: none */
+    json_t *given;               /* values of all options and arguments, as texts by name, defaults included */
 } iso_cli;
 
 /* val of a number's poptOption whose variable is 0 where it is not given: 0 itself is refused. */
@@ -78,6 +80,11 @@ void iso_cli_end(iso_cli *cli);
  * that every command has. For one thread at a time. */
 typedef void (*iso_cli_option_visitor)(void *user, const struct poptOption *option, bool is_common);
 void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor visit, void *user);
+
+/* A key of all options and arguments, for stored work (base/key.h), but for the options of `without`, whose values change
+ * no result or are compared otherwise. It ends with NULL. Options of all commands that only change messages are left out, and
+ * so are --output and --resume. Each other option is a part, so that a new one cannot be forgotten. NULL: no memory. */
+iso_key *iso_cli_key(const iso_cli *cli, const char *const *without);
 
 /* The line on stderr that says how far the command is (base/progress_line.h); silent with --quiet. */
 iso_progress iso_cli_progress(const iso_cli *cli);

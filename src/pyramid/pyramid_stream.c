@@ -51,10 +51,10 @@ static iso_status set_up(pyramid_build *s, double *scale, const iso_progress *pr
 }
 
 /* Where the build begins: 0, or where a killed one stood. */
-static iso_status begin(pyramid_build *s, const json_t *job, size_t *done, iso_error *err)
+static iso_status begin(pyramid_build *s, size_t *done, iso_error *err)
 {
     bool same = false;
-    const iso_status read = s->resumed ? iso_stream_read_progress(s, job, &same, done, err) : ISO_OK;
+    const iso_status read = s->resumed ? iso_stream_read_progress(s, &same, done, err) : ISO_OK;
     if (read != ISO_OK)
         return read;
     if (!same) {
@@ -89,12 +89,15 @@ static iso_status begin_all(pyramid_build *s, const char *dir, double scale, jso
     iso_status status = ISO_OK;
     if (stream_is_first(s)) {
         status = iso_output_resume_dir(&s->output, dir, own_names, s->how->resume, &s->resumed, err);
-        *job = iso_stream_describe_job(s, scale);
+        if (status == ISO_OK)
+            status = iso_stream_make_key(s, scale, err);
+        if (status == ISO_OK && !(*job = iso_stream_describe_job(s)))
+            status = iso_fail(err, ISO_E_MEMORY, "out of memory");
         if (status == ISO_OK &&
             snprintf(s->plan.folder, sizeof s->plan.folder, "%s", s->output.temp_path) >= (int)sizeof s->plan.folder)
             status = iso_fail(err, ISO_E_IO, "%s: the path is too long", dir);
         if (status == ISO_OK)
-            status = begin(s, *job, done, err);
+            status = begin(s, done, err);
     }
     status = iso_ranks_agree(s->how->ranks, status, err);
     if (status != ISO_OK)
@@ -152,6 +155,7 @@ static void clean_up(pyramid_build *s, bool keep)
     iso_bigfile_abandon(s->carry);
     free(s->turn);
     iso_cascade_destroy(s->cascade);
+    iso_key_destroy(s->key);
     iso_source_close(s->source);
     if (keep)
         iso_output_keep(&s->output);

@@ -35,6 +35,7 @@ typedef struct iso_stream_options {
     bool direct;         /* write past the page cache, as large files are in any case */
     double save_seconds; /* between two notes of how far the build is; 0: one after each slab */
     size_t stop_after;   /* planes; 0: all. For tests: ends as if killed */
+    const struct iso_key *key; /* what the build depends on besides the files that are opened (base/key.h); or NULL */
     iso_ranks *ranks;    /* NULL: no MPI. Each rank makes the same call and takes memory_bytes */
 } iso_stream_options;
 
@@ -47,6 +48,7 @@ typedef struct iso_stream_report {
     } levels[32];
     iso_direction_choice choice; /* with ISO_DIRECTION_AUTO */
     size_t slab_planes, buffer_bytes, resumed_at_plane;
+    char not_resumed[256]; /* why an earlier build was not taken up, such as "v.raw changed since"; or empty */
     double seconds_read, seconds_build, seconds_write,
         seconds_total;                       /* read, write: waiting for the threads that do it */
     double seconds_reading, seconds_writing; /* of these threads, summed, with hashing */

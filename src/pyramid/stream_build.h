@@ -13,6 +13,7 @@
 #include "base/bigfile.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "base/key.h"
 #include "pyramid/cascade.h"
 #include "pyramid/pyramid_stream.h"
 #include "pyramid/stream_input.h"
@@ -44,6 +45,7 @@ typedef struct pyramid_build {
     iso_stream_report *report;
     iso_output output; /* rank 0's */
     bool resumed;      /* the folder was there, left by an earlier run */
+    iso_key *key;      /* rank 0's */
     iso_volume_source *source;
     iso_volume header;
     iso_cascade *cascade;
@@ -115,11 +117,13 @@ iso_status iso_stream_close_in_turns(pyramid_build *s, iso_error *err);
 
 /* ---- progress.json ---- */
 
-/* What identifies this job: input, geometry, options. */
-json_t *iso_stream_describe_job(const pyramid_build *s, double scale);
-/* Whether an earlier build in the folder was the same job, and how many planes it finished. ISO_E_IO where that is noted and
- * cannot be read. */
-iso_status iso_stream_read_progress(pyramid_build *s, const json_t *job, bool *is_same, size_t *planes, iso_error *err);
+/* Makes s->key. The inputs are open. */
+iso_status iso_stream_make_key(pyramid_build *s, double scale, iso_error *err);
+/* A new progress.json of this key; NULL: no memory. */
+json_t *iso_stream_describe_job(const pyramid_build *s);
+/* Tests whether an earlier build in the folder had the same key, and how many planes it finished. ISO_E_IO: its notes cannot
+ * be read. */
+iso_status iso_stream_read_progress(pyramid_build *s, bool *is_same, size_t *planes, iso_error *err);
 /* Reads the cascade's carry up to plane z from the folder's file. */
 iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t z, iso_error *err);
 /* Whether to write progress.json now. Not after every slab, because each time the last blocks of the files are written

@@ -4,22 +4,39 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/parallel.h"
 #include "pyramid/pyramid_layout.h"
 
-#define PROGRESS_SCHEMA "isoshade.progress/1"
+#define PROGRESS_SCHEMA "isoshade.progress/2"
 
-json_t *iso_stream_describe_job(const pyramid_build *s, double scale)
+static void add_json(iso_key *key, const char *part, json_t *value)
 {
-    struct stat st = {0};
-    stat(s->in->path, &st);
-    return json_pack("{s:s, s:s, s:I, s:I, s:o, s:s, s:f, s:o}", "schema", PROGRESS_SCHEMA, "source", s->in->path,
-                     "source_bytes", (json_int_t)st.st_size, "source_time", (json_int_t)st.st_mtime, "geometry",
-                     iso_layout_geometry(&s->header.geometry), "type", iso_type_name(s->header.type), "scale", scale,
-                     "options", iso_layout_options(s->opt));
+    char *text = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
+    iso_key_add_text(key, part, text ? text : "");
+    free(text);
+    json_decref(value);
+}
+
+iso_status iso_stream_make_key(pyramid_build *s, double scale, iso_error *err)
+{
+    s->key = iso_key_create();
+    if (!s->key)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (s->how->key)
+        iso_key_add_all(s->key, s->how->key);
+    add_json(s->key, "the volume", iso_layout_geometry(&s->header.geometry));
+    add_json(s->key, "the samples' type", json_string(iso_type_name(s->header.type)));
+    add_json(s->key, "the samples' range", json_real(scale));
+    add_json(s->key, "the list of options", iso_layout_options(s->opt));
+    return iso_key_add_surroundings(s->key, err);
+}
+
+json_t *iso_stream_describe_job(const pyramid_build *s)
+{
+    json_t *parts = iso_key_to_json(s->key);
+    return parts ? json_pack("{s:s, s:o}", "schema", PROGRESS_SCHEMA, "key", parts) : NULL;
 }
 
 static iso_status save_progress(const pyramid_build *s, json_t *job, size_t planes, iso_error *err)
@@ -56,31 +73,34 @@ iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t
     return status;
 }
 
-iso_status iso_stream_read_progress(pyramid_build *s, const json_t *job, bool *is_same, size_t *planes, iso_error *err)
+/* What a build can go on from; false where the notes are not whole. */
+static bool take_notes(pyramid_build *s, const json_t *found, size_t *planes)
 {
-    char *path = iso_path_join(s->output.temp_path, STREAM_PROGRESS_NAME);
-    json_t *found = NULL;
-    iso_error why;
-    const iso_status status = path && iso_path_exists(path) ? iso_json_load(path, &found, &why) : ISO_E_FORMAT;
-    bool same = status == ISO_OK;
-    const char *key;
-    json_t *value;
-    if (same)
-        json_object_foreach((json_t *)job, key, value) same = same && json_equal(value, json_object_get(found, key));
-    json_t *ranges = same ? json_object_get(found, "ranges") : NULL;
-    *planes = same ? (size_t)json_integer_value(json_object_get(found, "planes")) : 0;
-    same = same && *planes > 0 && *planes <= s->header.geometry.size[2] &&
-           json_array_size(ranges) == s->out.level_count;
-    for (size_t k = 0; same && k < s->out.level_count; ++k) {
+    const json_t *ranges = json_object_get(found, "ranges");
+    *planes = (size_t)json_integer_value(json_object_get(found, "planes"));
+    if (*planes == 0 || *planes > s->header.geometry.size[2] || json_array_size(ranges) != s->out.level_count)
+        return false;
+    for (size_t k = 0; k < s->out.level_count; ++k) {
         json_t *range = json_array_get(ranges, k);
         if (json_is_number(json_array_get(range, 0)))
             iso_cascade_set_range(s->cascade, k, json_number_value(json_array_get(range, 0)),
                                   json_number_value(json_array_get(range, 1)));
     }
-    *is_same = same;
+    return true;
+}
+
+iso_status iso_stream_read_progress(pyramid_build *s, bool *is_same, size_t *planes, iso_error *err)
+{
+    char *path = iso_path_join(s->output.temp_path, STREAM_PROGRESS_NAME), *why = s->report->not_resumed;
+    json_t *found = NULL;
+    iso_error failure;
+    const iso_status status = path && iso_path_exists(path) ? iso_json_load(path, &found, &failure) : ISO_E_FORMAT;
+    *is_same = status == ISO_OK &&
+               !iso_key_differs(s->key, json_object_get(found, "key"), why, sizeof s->report->not_resumed) &&
+               take_notes(s, found, planes);
     json_decref(found);
     free(path);
-    return status == ISO_E_IO ? iso_fail(err, status, "%s", why.text) : ISO_OK;
+    return status == ISO_E_IO ? iso_fail(err, status, "%s", failure.text) : ISO_OK;
 }
 
 /* Up to plane z of the input. */

@@ -103,9 +103,12 @@ static const char *first_asked_by(const iso_renderer_info *self)
     return first_command ? first_command : self->name;
 }
 
+static const char *const programs[] = {"blender", NULL};
+
 const iso_renderer_info iso_renderer_cycles = {
     .name = "cycles",
     .title = "Blender Cycles",
+    .programs = programs,
     .stages = {"OpenVDB grids", "Blender"},
     .color = "#d55e00",
     .traits = ISO_IS_PROGRAM | ISO_IS_RANDOM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_READS_SAMPLES |
@@ -130,6 +133,7 @@ static const char *const colors[MAX_BLENDERS - 1] = {"#cc79a7", "#56b4e9", "#8c5
 typedef struct more_blender {
     iso_renderer_info info;
     char name[48], title[64], *program, *command;
+    const char *programs[2];
 } more_blender;
 static more_blender more[MAX_BLENDERS - 1];
 static size_t more_count;
@@ -186,7 +190,8 @@ static iso_status add_blender(const char *program, const char *found_version, is
     b->info.name = b->name;
     b->info.title = b->title;
     b->info.color = colors[more_count];
-    b->info.data = b->program;
+    b->info.data = b->programs[0] = b->program;
+    b->info.programs = b->programs;
     b->info.asked_by = asked_by;
     b->info.beside = &iso_renderer_cycles;
     ++more_count;

@@ -16,12 +16,12 @@
 #include <xxhash.h>
 
 #include "base/file.h"
-#include "isoshade.h"
 
 struct iso_picture_store {
     char *folder;
     int lock; /* a descriptor of the folder, which nobody else works in while it is open */
-    char versions[ISO_MAX_RENDERERS][96]; /* set before threads share the store */
+    char key[ISO_KEY_DIGEST_BYTES];
+    char renderers[ISO_MAX_RENDERERS][ISO_KEY_DIGEST_BYTES]; /* set before threads share the store */
     atomic_size_t taken;
 };
 
@@ -161,7 +161,8 @@ static iso_status write_marker(const char *folder, iso_error *err)
     return status;
 }
 
-iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_store **store, iso_error *err)
+iso_status iso_picture_store_open(const char *folder, bool keep, const iso_key *key, iso_picture_store **store,
+                                  iso_error *err)
 {
     const iso_folder_lock lock = iso_folder_lock_take(folder, true);
     *store = NULL;
@@ -173,7 +174,7 @@ iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_sto
     if (status == ISO_OK)
         status = write_marker(folder, err);
     iso_picture_store *s = status == ISO_OK ? calloc(1, sizeof *s) : NULL;
-    if (status == ISO_OK && (!s || !(s->folder = strdup(folder))))
+    if (status == ISO_OK && (!s || !iso_key_digest(key, s->key) || !(s->folder = strdup(folder))))
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
     if (status != ISO_OK) {
         free(s);
@@ -199,7 +200,7 @@ void iso_picture_store_close(iso_picture_store *store, bool remove)
 void iso_picture_store_set_version(iso_picture_store *store, const iso_renderer_info *r, const char *version)
 {
     if (store)
-        snprintf(store->versions[iso_renderer_index(r)], sizeof store->versions[0], "%s", version);
+        iso_renderer_identify(r, version, store->renderers[iso_renderer_index(r)], NULL);
 }
 
 size_t iso_picture_store_taken(const iso_picture_store *store)
@@ -209,17 +210,15 @@ size_t iso_picture_store_taken(const iso_picture_store *store)
 
 /* ---- the hash of a request ---- */
 
-/* What a renderer's version says is all that it is made of. */
-static bool has_version(const iso_picture_store *s, const iso_renderer_info *r)
+static bool is_known(const iso_picture_store *s, const iso_renderer_info *r)
 {
-    return s->versions[iso_renderer_index(r)][0] && !iso_renderer_has(r, ISO_IS_OF_PICTURES) &&
-           !iso_renderer_has(r, ISO_IS_OF_A_USER);
+    return s->renderers[iso_renderer_index(r)][0] && !iso_renderer_has(r, ISO_IS_OF_PICTURES);
 }
 
 static bool is_kept(const iso_picture_store *s, const iso_render_request *q, const iso_render_options *o)
 {
     const iso_view *v = q->view;
-    return has_version(s, o->renderer) && !q->renderers->after.change && !o->stats && o->repeats <= 1 &&
+    return is_known(s, o->renderer) && !q->renderers->after.change && !o->stats && o->repeats <= 1 &&
            !(o->repeat_seconds > 0) && !o->isosurface && !v->tf_2d && !v->extinction_scale && !v->roi &&
            (o->source == ISO_FROM_CODES || o->source == ISO_FROM_DECODED || o->source == ISO_FROM_ON_THE_FLY) &&
            !q->renderers->shader_dir;
@@ -301,9 +300,8 @@ static char *path_of(const iso_picture_store *s, const iso_render_request *q, co
         XXH3_freeState(h);
         return NULL;
     }
-    add_text(h, ISO_VERSION);
-    add_text(h, frame->renderer->name);
-    add_text(h, s->versions[iso_renderer_index(frame->renderer)]);
+    add_text(h, s->key);
+    add_text(h, s->renderers[iso_renderer_index(frame->renderer)]);
     add_frame(h, frame);
     add_view(h, q->view);
     add_level(h, q->pyramid, q->level);

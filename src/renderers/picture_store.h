@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* picture_store.h - pictures that were rendered, in a folder, so that a job that was interrupted need not draw them again.
  *
- * A picture is found by a hash of all that it depends on: the voxels and codes of its level, the view, the options of its
- * frame, the renderer and its version, and isoshade's. So what is taken from the folder is what would be drawn, whatever
- * else was asked in between. A file that is cut off or changed does not have its checksum, and counts as not there.
+ * A picture is found by a hash of all that it depends on: the command's key (base/key.h), the voxels and codes of its level,
+ * the view, the options of its frame, and the renderer with its programs. So a picture from the folder is the one that would
+ * be drawn. A file that is cut off or changed does not have its checksum, and counts as not there.
  * Threads may share a store. Not kept: views with 2D transfer functions, scales or regions, directions that are not from
  * codes or on the fly, isosurfaces; what is timed; planted faults; pictures that were made elsewhere; those of a program of
  * a renderers.json, which may be edited in between while its version stays. */
@@ -17,8 +17,9 @@ typedef struct iso_picture_store iso_picture_store;
 /* ISO_E_IO, with the first entry that is not the store's own: the folder is absent, empty, or has been made by a store
  * and holds nothing else. Links are not followed. Nor may another process have the folder open as a store. */
 iso_status iso_picture_store_check(const char *folder, iso_error *err);
-/* The folder is made, if it passes that check. keep: pictures in it are taken, else they are removed first. */
-iso_status iso_picture_store_open(const char *folder, bool keep, iso_picture_store **store, iso_error *err);
+/* The folder is made, if it passes that check. keep: pictures of the same key are taken; else all are removed first. */
+iso_status iso_picture_store_open(const char *folder, bool keep, const iso_key *key, iso_picture_store **store,
+                                  iso_error *err);
 /* remove: the store's own files, and the folder where it holds no others. NULL: nothing. */
 void iso_picture_store_close(iso_picture_store *store, bool remove);
 

@@ -132,9 +132,12 @@ static const iso_lock_step lock_step = {
     .why = "the same samples; POV-Ray writes 16 bits a channel (7.6e-6 of the brightest there can be)",
 };
 
+static const char *const programs[] = {"povray", "~/.povray/3.7/povray.ini", "/etc/povray/3.7/povray.ini", NULL};
+
 const iso_renderer_info iso_renderer_povray = {
     .name = "povray",
     .title = "POV-Ray",
+    .programs = programs,
     .stages = {"povray: writing DF3", "povray: rendering"},
     .color = "#009e73",
     .traits = ISO_IS_PROGRAM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES |

@@ -19,6 +19,24 @@ void iso_renderers_end(iso_renderers *r)
     *r = (iso_renderers){0};
 }
 
+iso_status iso_renderer_identify(const iso_renderer_info *r, const char *version, char hash[ISO_KEY_DIGEST_BYTES],
+                                 iso_error *err)
+{
+    iso_key *key = iso_key_create();
+    iso_status status = key ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    hash[0] = 0;
+    if (key) {
+        iso_key_add_text(key, "its name", r->name);
+        iso_key_add_text(key, "its version", version);
+    }
+    for (const char *const *name = r->programs; status == ISO_OK && name && *name; ++name)
+        status = iso_key_add_dependency(key, *name, err);
+    if (status == ISO_OK && !iso_renderer_has(r, ISO_IS_OF_A_USER) && !iso_key_digest(key, hash))
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_key_destroy(key);
+    return status;
+}
+
 iso_render_options iso_render_defaults(const iso_renderer_info *r)
 {
     iso_render_options opt = r->defaults;

@@ -10,6 +10,7 @@
 
 #include <jansson.h>
 
+#include "base/key.h"
 #include "base/progress.h"
 #include "image/image.h"
 #include "pyramid/pyramid.h"
@@ -154,6 +155,8 @@ struct iso_renderer_info {
     size_t seeds;                   /* of a random one: as many as its limit is made of at least */
     const iso_lock_step *lock_step; /* or NULL */
     iso_render_output output;
+    const char *const *programs; /* of other programs: what its pictures depend on besides this program, each as
+                                  * iso_key_add_dependency() takes it; ends with NULL. NULL: nothing */
     const char *found_in; /* of a program that the user brought: the renderers.json that names it; or NULL */
 
     const void *data; /* of the file that made it: what tells it apart from others that this file made; or NULL */
@@ -235,6 +238,11 @@ iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERE
 const char *iso_renderers_with(unsigned traits, const char *join, const char *last_join, char *text, size_t size);
 /* Those of them that take part where none is named: "reference,gl". */
 const char *iso_renderers_by_default(unsigned traits, char *text, size_t size);
+
+/* Hash of its version, as it has told it, and of its programs: stored pictures of a renderer with another hash are not its own.
+ * Empty for programs of a user, whose files are not known: they may change in any way while their version stays. */
+iso_status iso_renderer_identify(const iso_renderer_info *r, const char *version, char hash[ISO_KEY_DIGEST_BYTES],
+                                 iso_error *err);
 
 /* ---- rendering ---- */
 

@@ -27,9 +27,12 @@ static const iso_lock_step lock_step = {
         "steps that leaves less than 1/255. By itself (--as-is: 8 bits, a box from center to center) it is 0.4 off a slab",
 };
 
+static const char *const programs[] = {"python3", NULL};
+
 const iso_renderer_info iso_renderer_vtk = {
     .name = "vtk",
     .title = "VTK",
+    .programs = programs,
     .color = "#7b4173",
     .traits = ISO_EXTERNAL_TRAITS | ISO_HAS_ORTHOGRAPHIC | ISO_HAS_CLIP_PLANES | ISO_HAS_LABELS,
     .defaults = {.source = ISO_FROM_CODES},
@@ -63,6 +66,7 @@ static const iso_lock_step gpu_lock_step = {
 const iso_renderer_info iso_renderer_vtk_gpu = {
     .name = "vtk-gpu",
     .title = "VTK, OpenGL",
+    .programs = programs,
     .color = "#637939",
     .traits = ISO_EXTERNAL_TRAITS | ISO_HAS_ORTHOGRAPHIC | ISO_HAS_CLIP_PLANES,
     .defaults = {.source = ISO_FROM_CODES},

@@ -71,8 +71,11 @@ static const iso_lock_step lock_step = {
     .why = "the same samples, of rays that are set up in floats, up to 1e-5 voxels off: WebGL2 has no doubles",
 };
 
+static const char *const programs[] = {"python3", "chromium", "chromium-browser", "google-chrome", NULL};
+
 const iso_renderer_info iso_renderer_webgl = {
     .name = "webgl",
+    .programs = programs,
     .title = "viewer in Chromium",
     .stages = {"webgl"},
     .color = "#56b4e9",
