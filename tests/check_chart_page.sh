@@ -30,11 +30,11 @@ cp -r "$dir/.killed.partial" "$dir/.planted.partial"
 expect it_goes_on 0 going --resume -o "$dir/planted"
 check what_is_kept_is_not_measured_again test "$(column "$dir/planted/pareto.csv" rmse "setting=reference; level 1; snorm moments; step 1")" = 0.777
 check it_says_how_many_were_kept grep -qE '^[1-9][0-9]* settings were measured in an earlier run' "$dir/out"
-# What another version of the renderer drew, the planted error too, is drawn again.
+# What another renderer drew, the planted error too, is drawn again.
 cp -r "$dir/.killed.partial" "$dir/.other.partial"
-sed -i 's/"renderer_version":"/&older /' "$dir/.other.partial/settings.jsonl"
-expect it_goes_on_with_another_version 0 going --resume -o "$dir/other"
-notice what_another_version_drew_is_drawn_again test "$(column "$dir/other/pareto.csv" rmse "setting=reference; level 1; snorm moments; step 1")" = 0.777
+sed -i 's/"renderer":"/&older /' "$dir/.other.partial/settings.jsonl"
+expect it_goes_on_with_another_renderer 0 going --resume -o "$dir/other"
+notice what_another_renderer_drew_is_drawn_again test "$(column "$dir/other/pareto.csv" rmse "setting=reference; level 1; snorm moments; step 1")" = 0.777
 sed -i '/"setting":"reference; level 1; snorm moments; step 1"/d' "$dir/.killed.partial/settings.jsonl"
 expect it_goes_on_without_the_plant 0 going --resume -o "$dir/killed"
 settings() { python3 "$top/tests/column.py" "$1" setting | paste -d' ' - <(column "$1" rmse) <(column "$1" max_abs) <(column "$1" ssim) | sort; }
@@ -42,7 +42,7 @@ check the_resumed_chart_is_that_of_one_go diff <(settings "$dir/whole/pareto.csv
 check so_is_its_reference cmp <(tail -c 3000 "$dir/whole/reference.exr") <(tail -c 3000 "$dir/killed/reference.exr")
 expect a_finished_chart_goes_on_with_more_axes 0 going --steps 1,0.5,0.25 --resume -o "$dir/killed"
 check its_old_settings_are_kept test "$(grep -oE '^[0-9]+ settings were measured in an earlier run' "$dir/out" | grep -oE '^[0-9]+')" = $(($(wc -l <"$dir/whole/pareto.csv") - 1))
-refuse another_scene_is_not_gone_on_with 2 "is of another scene" "$ISOSHADE" chart "$dir/v.nrrd" --scene refscenes/shells.scene.json --size 24 --resume -q -o "$dir/killed"
+refuse another_scene_is_not_gone_on_with 2 "--scene is not the same" "$ISOSHADE" chart "$dir/v.nrrd" --scene refscenes/shells.scene.json --size 24 --resume -q -o "$dir/killed"
 check and_the_chart_stays test -s "$dir/killed/pareto.svg"
 
 # ---- several scenes, a front for each and for each renderer; the page, in a browser that is started once ----

@@ -54,8 +54,11 @@ static void put_pictures(const char *work)
 
 static void open_store(const char *work, bool keep, iso_picture_store **store)
 {
+    iso_key *key = iso_key_create();
+    assert_non_null(key);
     assert_ok(iso_picture_store_check(work, &err));
-    assert_ok(iso_picture_store_open(work, keep, store, &err));
+    assert_ok(iso_picture_store_open(work, keep, key, store, &err));
+    iso_key_destroy(key);
 }
 
 /* How many removals there are is not assumed: one more each time, until all were made. */
