@@ -80,11 +80,26 @@ static iso_key *make_key(void)
     return key;
 }
 
-static void change_option(void) { setenv("FRAME", "1", 1); }
-static void change_file(void) { overwrite_in_place("v.raw", 3, "X"); }
-static void change_large_file(void) { overwrite_in_place("large.raw", 70000, "X"); } /* between two samples */
-static void change_chunk(void) { overwrite_in_place("v.zarr/0.0", 0, "X"); }
-static void add_chunk(void) { write_text("v.zarr/0.1", ""); }
+static void change_option(void)
+{
+    setenv("FRAME", "1", 1);
+}
+static void change_file(void)
+{
+    overwrite_in_place("v.raw", 3, "X");
+}
+static void change_large_file(void)
+{
+    overwrite_in_place("large.raw", 70000, "X");
+} /* between two samples */
+static void change_chunk(void)
+{
+    overwrite_in_place("v.zarr/0.0", 0, "X");
+}
+static void add_chunk(void)
+{
+    write_text("v.zarr/0.1", "");
+}
 static void rename_chunk(void)
 {
     char *from = path_of("v.zarr/0.1"), *to = path_of("v.zarr/1.0");
@@ -92,10 +107,22 @@ static void rename_chunk(void)
     free(from);
     free(to);
 }
-static void change_variable(void) { setenv("LIBGL_ALWAYS_SOFTWARE", "2", 1); }
-static void add_variable(void) { setenv("POVINI", "/nowhere", 1); }
-static void change_renderer(void) { overwrite_in_place("renderer", 10, "X"); }
-static void add_settings(void) { write_text("renderer.ini", "Quality=1\n"); }
+static void change_variable(void)
+{
+    setenv("LIBGL_ALWAYS_SOFTWARE", "2", 1);
+}
+static void add_variable(void)
+{
+    setenv("POVINI", "/nowhere", 1);
+}
+static void change_renderer(void)
+{
+    overwrite_in_place("renderer", 10, "X");
+}
+static void add_settings(void)
+{
+    write_text("renderer.ini", "Quality=1\n");
+}
 
 /* The last is the same in each key of a process. */
 static const struct {

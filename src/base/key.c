@@ -71,7 +71,8 @@ void iso_key_add_text(iso_key *key, const char *part, const char *text)
 
 void iso_key_add_all(iso_key *key, const iso_key *other)
 {
-    const bool good = json_object_update(key->parts, other->parts) == 0 && json_object_update(key->shown, other->shown) == 0;
+    const bool good = json_object_update(key->parts, other->parts) == 0 &&
+                      json_object_update(key->shown, other->shown) == 0;
     key->has_failed = !good || other->has_failed || key->has_failed;
 }
 
@@ -106,7 +107,7 @@ static bool hash_bytes(XXH3_state_t *state, int fd, off_t at, size_t bytes)
 /* What changes when somebody writes the file, whatever its bytes are. */
 static void hash_marks(XXH3_state_t *state, const struct stat *st)
 {
-    const int64_t marks[] = {(int64_t)st->st_size,         (int64_t)st->st_ino,          (int64_t)st->st_mtim.tv_sec,
+    const int64_t marks[] = {(int64_t)st->st_size,         (int64_t)st->st_ino,         (int64_t)st->st_mtim.tv_sec,
                              (int64_t)st->st_mtim.tv_nsec, (int64_t)st->st_ctim.tv_sec, (int64_t)st->st_ctim.tv_nsec};
     XXH3_64bits_update(state, marks, sizeof marks);
 }
@@ -269,9 +270,10 @@ static iso_status add_program(iso_key *key, iso_error *err)
 /* ---- the environment ---- */
 
 /* Beginnings of names: our own variables; Mesa's, EGL's and the makers' of graphics cards; those of renderers. */
-static const char *const variables[] = {"ISOSHADE_", "LIBGL_", "MESA_", "GALLIUM_", "GALLIVM_", "LP_", "EGL_", "__EGL_",
-                                        "GL_",       "__GL",   "DRI_",  "VK_",      "NVIDIA_",  "AMD_", "RADV_", "CUDA_",
-                                        "POV",       "BLENDER_", "CYCLES_", "OCIO", "VTK_",     "PYTHON"};
+static const char *const variables[] = {"ISOSHADE_", "LIBGL_", "MESA_", "GALLIUM_", "GALLIVM_", "LP_",
+                                        "EGL_",      "__EGL_", "GL_",   "__GL",     "DRI_",     "VK_",
+                                        "NVIDIA_",   "AMD_",   "RADV_", "CUDA_",    "POV",      "BLENDER_",
+                                        "CYCLES_",   "OCIO",   "VTK_",  "PYTHON"};
 
 static void add_environment(iso_key *key)
 {
@@ -360,7 +362,8 @@ bool iso_key_differs(const iso_key *key, const json_t *stored, char *text, size_
 {
     const char *part;
     json_t *value;
-    json_object_foreach(key->parts, part, value) {
+    json_object_foreach(key->parts, part, value)
+    {
         const json_t *then = json_object_get(stored, part);
         if (json_equal(value, then))
             continue;
@@ -370,7 +373,8 @@ bool iso_key_differs(const iso_key *key, const json_t *stored, char *text, size_
             describe(key, part, text, size);
         return true;
     }
-    json_object_foreach((json_t *)stored, part, value) {
+    json_object_foreach((json_t *)stored, part, value)
+    {
         if (json_object_get(key->parts, part))
             continue;
         describe(key, part, text, size);
