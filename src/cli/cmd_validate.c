@@ -175,11 +175,12 @@ static char last_words[4200];
 static iso_status open_store(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
     /* They choose which pictures are drawn; each picture has the rest in its own hash. */
-    static const char *const without[] = {"threads", "with", "levels", "budget", "anyway",
+    static const char *const without[] = {"threads", "with",  "levels",     "budget", "anyway",
                                           "viewer",  "junit", "summary-md", NULL};
     char *folder = store_folder(a);
     iso_key *key = iso_cli_key(cli, without);
-    iso_status status = folder && key ? iso_key_add_surroundings(key, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = folder && key ? iso_key_add_surroundings(key, err)
+                                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
         status = iso_picture_store_open(folder, a->resume, key, &v->renderers.store, err);
     iso_key_destroy(key);

@@ -239,8 +239,8 @@ static bool is_among(const char *name, const char *const *names)
 
 iso_key *iso_cli_key(const iso_cli *cli, const char *const *without)
 {
-    static const char *const never[] = {"json",       "quiet",         "timeout", "help",
-                                        "full-paths", "no-provenance", "output",  "resume", NULL};
+    static const char *const never[] = {"json",          "quiet",  "timeout", "help", "full-paths",
+                                        "no-provenance", "output", "resume",  NULL};
     iso_key *key = iso_key_create();
     const char *name;
     json_t *value;
