@@ -15,7 +15,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev
 	libegl1 libgl1-mesa-dri libopenvdb-dev libnanovdb-dev libnanovdb-tools libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
-	teem-apps python3-tifffile python3-mrcfile python3-pydicom python3-nibabel python3-vtk9 \
+	teem-apps python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel python3-vtk9 \
 	python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev cppcheck valgrind strace
 
 # The rooms that meet files of strangers and other programs.
@@ -89,7 +89,7 @@ mpi_library := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/iso
 # their names.
 itk := $(notdir $(lastword $(sort $(wildcard /usr/include/ITK-*))))
 itk_program := $(if $(itk),$(build)/isoshade-itk)
-itk_parts := Common IOImageBase IOGDCM IOPNG IOJPEG IOTIFF
+itk_parts := Common IOImageBase IOPNG IOJPEG IOTIFF
 # Started for HDF5, netCDF, MINC and OME-Zarr.
 array_pkgs := hdf5-serial netcdf blosc libzstd jansson zlib
 # A file of its own describes HDF5's high-level library since HDF5 2; before, it lies beside the other.
@@ -277,7 +277,7 @@ vdb_cc := src/volume/vdb/vdb_read.cc
 itk_flags := -isystem /usr/include/$(itk) $(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*)))
 arrays_flags = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(array_pkgs)))
 vdb_flags = $(pkg_cflags)
-itk_libs := $(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon
+itk_libs := $(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon -lz
 arrays_libs = $(shell pkg-config --libs $(array_pkgs)) $(hdf5_hl)
 vdb_libs = $(openvdb_libs)
 $(build)/isoshade-itk: $(itk_cc) $(wildcard src/volume/itk/*.h)

@@ -332,7 +332,7 @@ def dicom_time():
     dicom_times("times", values, set_words(ContentTime=lambda t, k: f"1000{t:02d}"))
     refused("times", 4, "3 slices at each place, which no time, echo or b-value alone tells apart", ["--frame", "0"])
     dicom_times("times", values[:1], lambda d, t, k: setattr(d, "ImageOrientationPatient", [1, 0, 0, 0, 1, 0]) if k == 3 else None)
-    refused("times", 4, "slices of different directions or spacings")
+    refused("times", 4, "slices are not equally far apart (one is missing?)")  # the turned one is left out
     dicom_times("times", values[:1], lambda d, t, k: setattr(d, "ImageType", ["ORIGINAL", "PRIMARY", "M", "MOSAIC"]))
     refused("times", 4, "a mosaic of slices in one picture")
 
@@ -380,12 +380,13 @@ def dicom_multiframe_time():
         return [own]
 
     write("scaled.dcm", PixelValueTransformationSequence=scale)
-    refused("scaled.dcm", 4, "have different rescale slopes or intercepts", ["--frame", "0"])
+    scales = (1 + np.arange(values.shape[1]))[:, None, None]
+    each_frame("scaled.dcm", (values * scales).astype(np.int16), (25, "ms"))
     # neither a place a frame nor a spacing: pictures of one place in a row, as of ultrasound
     d.PerFrameFunctionalGroupsSequence, measures.SliceThickness = [], None
     del d.PerFrameFunctionalGroupsSequence, d.SharedFunctionalGroupsSequence
     d.save_as("cine.dcm", write_like_original=False)
-    refused("cine.dcm", 4, "does not say the spacing between its frames")
+    refused("cine.dcm", 4, "does not say the spacing of its voxels")
 
 
 # ---- lists of files, and arrays with a time ----

@@ -60,14 +60,11 @@ def run(*words):
     return subprocess.run([ISOSHADE, *words], stdin=subprocess.DEVNULL, capture_output=True, text=True)
 
 
-def load(path, options=()):
-    """Samples [z, y, x], steps, the first sample's center, whether the world is right, anterior, superior."""
+def build(path, options=()):
+    """Level 0 of a pyramid, and its samples [z, y, x]."""
     shutil.rmtree("read.iso", ignore_errors=True)
     got = run("build", path, "--levels", "1", "-q", "-o", "read.iso", *options)
     expect(got.returncode == 0, f"exit code {got.returncode}: {got.stderr.strip()}")
-    info = run("info", path, "--json", *options)
-    expect(info.returncode == 0 and not info.stderr, f"info ends with {info.returncode}: {info.stderr.strip()}")
-    info = json.loads(info.stdout)
     with open("read.iso/pyramid.json", encoding="utf-8") as file:
         level = json.load(file)["levels"][0]
     with open(os.path.join("read.iso", level["files"]["scalar"]["name"]), "rb") as file:
@@ -76,7 +73,19 @@ def load(path, options=()):
     g = level["geometry"]
     samples = np.frombuffer(data, types[level["stored_type"]], offset=data.index(b"\n\n") + 2)
     size = samples.size - int(np.prod(g["size"]))
-    samples = samples[size:].reshape(g["size"][::-1])
+    return level, samples[size:].reshape(g["size"][::-1])
+
+
+def read_samples(path, options=()):
+    return build(path, options)[1]
+
+
+def load(path, options=()):
+    """Samples [z, y, x], steps, the first sample's center, whether the world is right, anterior, superior."""
+    level, samples = build(path, options)
+    info = run("info", path, "--json", *options)
+    expect(info.returncode == 0 and not info.stderr, f"info ends with {info.returncode}: {info.stderr.strip()}")
+    info, g = json.loads(info.stdout), level["geometry"]
     steps = np.array(g["index_to_world"]).reshape(3, 3)
     return samples, steps, np.array(g["origin_mm"]) + steps @ [0.5, 0.5, 0.5], info
 

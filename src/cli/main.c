@@ -12,6 +12,7 @@
 #include "base/inputs.h"
 #include "base/json.h"
 #include "base/unfinished.h"
+#include "base/warnings.h"
 #include "base/words.h"
 #include "options/cli.h"
 #include "cli/commands.h"
@@ -85,6 +86,11 @@ static int say(const char *command, iso_status status, iso_error *err)
     return status;
 }
 
+static void print_warning(const char *text)
+{
+    fprintf(stderr, "isoshade: warning: %s\n", text);
+}
+
 /* What its messages begin with: a benchmark is called by two words. */
 static const char *name_of(const iso_command *command, int argc, const char **argv)
 {
@@ -155,6 +161,7 @@ int main(int argc, const char **argv)
     on_exit(end_without_memory, NULL);
     iso_unfinished_catch_signals();
     iso_inputs_watch();
+    iso_warnings_print_by(print_warning);
     take_options_anywhere();
     const int code = run(argc, argv);
     has_returned = true;

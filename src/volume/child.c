@@ -15,6 +15,8 @@
 #include "base/beside.h"
 #include "base/parallel.h"
 #include "base/process.h"
+#include "base/warnings.h"
+#include "base/words.h"
 #include "volume/child_check.h"
 #include "volume/child_start.h"
 #include "volume/child_stream.h"
@@ -203,6 +205,15 @@ static iso_status choose(iso_volume_source *source, const iso_child_program *p, 
     return read_header(source, p, part, h, err);
 }
 
+/* The file names in it may hold anything. */
+static void warn(const iso_child_header *h)
+{
+    char text[sizeof h->warning];
+    iso_words_copy_line(h->warning, text, sizeof text);
+    if (text[0])
+        iso_warn(text);
+}
+
 iso_status iso_child_open(iso_volume_source *source, const iso_child_program *program, const char *part, iso_error *err)
 {
     iso_child_header h;
@@ -217,5 +228,6 @@ iso_status iso_child_open(iso_volume_source *source, const iso_child_program *pr
     if (status != ISO_OK)
         return status;
     take_geometry(&h, mm, &source->header);
+    warn(&h);
     return iso_geometry_check(&source->header.geometry, source->path, err);
 }

@@ -21,6 +21,7 @@ void iso_child_end_texts(iso_child_header *h)
         END_TEXT(h->channel_name[c]);
     END_TEXT(h->frame_unit);
     END_TEXT(h->unspaced);
+    END_TEXT(h->warning);
 }
 
 /* Of what a reader may come to: no comparison, and no renderer. */

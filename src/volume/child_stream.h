@@ -42,6 +42,7 @@ typedef struct iso_child_header {
     double frame_step; /* how far frames are apart; 0: not said */
     char frame_unit[16];
     char unspaced[160]; /* "", or which spacing the file does not say: "between its slices" */
+    char warning[320];  /* "", or a thing that a user should know, such as a file that is left out */
 } iso_child_header;
 
 #endif

@@ -41,9 +41,11 @@ typedef struct tiff_notes {
     char unit[3][32];
 } tiff_notes;
 
+/* The preamble of a DICOM file may be a TIFF header (PS3.10 7.1). */
 static bool starts_like_tiff(const unsigned char *head, size_t size)
 {
-    return size >= 4 && (memcmp(head, "II*\0", 4) == 0 || memcmp(head, "MM\0*", 4) == 0 ||
+    const bool is_dicom = size >= 132 && memcmp(head + 128, "DICM", 4) == 0;
+    return size >= 4 && !is_dicom && (memcmp(head, "II*\0", 4) == 0 || memcmp(head, "MM\0*", 4) == 0 ||
                          memcmp(head, "II+\0", 4) == 0 || memcmp(head, "MM\0+", 4) == 0);
 }
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/itk/slice.h"
 
-#include <itkGDCMImageIO.h>
 #include <itkJPEGImageIO.h>
 #include <itkPNGImageIO.h>
 #include <itkTIFFImageIO.h>
@@ -15,7 +14,6 @@ namespace {
 itk::ImageIOBase::Pointer reader_of(const std::string &path)
 {
     const itk::ImageIOBase::Pointer all[] = {
-        itk::GDCMImageIO::New().GetPointer(),
         itk::PNGImageIO::New().GetPointer(),
         itk::JPEGImageIO::New().GetPointer(),
         itk::TIFFImageIO::New().GetPointer(),
@@ -72,12 +70,11 @@ ParseMemory::~ParseMemory()
 
 double bytes_to_parse(const std::string &path)
 {
-    const char deflated[] = "1.2.840.10008.1.2.1.99";
     std::string head(1024, 0);
     std::ifstream(path, std::ios::binary).read(&head[0], static_cast<std::streamsize>(head.size()));
     std::error_code failed;
     const double bytes = static_cast<double>(std::filesystem::file_size(path, failed));
-    return failed ? 0 : bytes * (head.find(deflated) == std::string::npos ? 1 : 1032);
+    return failed ? 0 : bytes * (head.find(deflated_syntax) == std::string::npos ? 1 : 1032);
 }
 
 /* ITK's text has lines of where it was thrown, and its own words before the cause. */
@@ -110,44 +107,12 @@ Slice open_slice(const std::string &path)
         if (s.io->GetDimensions(a) != 1)
             fail(ISO_E_FORMAT, path + ": " + std::to_string(axes) + " axes, which is not read of this format");
     s.type = type_of(*s.io, path);
-    for (unsigned a = 0; a < 3 && a < axes; ++a) {
-        const auto direction = s.io->GetDirection(a);
+    for (unsigned a = 0; a < 3 && a < axes; ++a)
         s.size[a] = s.io->GetDimensions(a);
-        s.first[a] = s.io->GetOrigin(a);
-        for (unsigned r = 0; r < 3; ++r)
-            s.step[a][r] = (r < direction.size() ? direction[r] : 0) * s.io->GetSpacing(a);
-    }
     return s;
 }
 
 namespace {
-
-/* GDCM takes a file that breaks off within its samples, and gives what happens to be in memory for the rest. So their
- * element is looked for: its tag, its type where that is written, and a length that would be right. Compressed samples
- * have none; their decoders notice. */
-void check_samples_are_there(const Slice &s)
-{
-    const auto *dicom = dynamic_cast<const itk::GDCMImageIO *>(s.io.GetPointer());
-    if (!dicom)
-        return;
-    const auto type = dicom->GetInternalComponentType();
-    const size_t bytes = type == itk::IOComponentEnum::CHAR || type == itk::IOComponentEnum::UCHAR     ? 1
-                         : type == itk::IOComponentEnum::SHORT || type == itk::IOComponentEnum::USHORT ? 2
-                                                                                                       : 4;
-    const size_t need = s.size[0] * s.size[1] * s.size[2] * bytes, size = std::filesystem::file_size(s.path);
-    std::string head(std::min<size_t>(size, 16 << 20), 0);
-    std::ifstream(s.path, std::ios::binary).read(&head[0], static_cast<std::streamsize>(head.size()));
-    const std::string tag("\xe0\x7f\x10\x00", 4);
-    for (size_t at = head.find(tag); at != std::string::npos && at + 12 <= head.size(); at = head.find(tag, at + 1)) {
-        const bool is_typed = head[at + 4] == 'O';
-        uint32_t length;
-        memcpy(&length, &head[at + (is_typed ? 8 : 4)], 4);
-        const size_t there = size - at - (is_typed ? 12 : 8);
-        if (length >= need && length <= need + 1 && there < need)
-            fail(ISO_E_FORMAT, s.path + ": truncated: holds " + std::to_string(there) + " bytes of samples, needs " +
-                                   std::to_string(need));
-    }
-}
 
 /* The decoder draws gray for what a truncated file lacks; a whole one has its end marker, and padding at most behind it. */
 void check_jpeg_end(const Slice &s)
@@ -174,7 +139,6 @@ void read_samples(const Slice &s, char *out, size_t bytes)
     if (static_cast<size_t>(s.io->GetImageSizeInBytes()) != bytes)
         fail(ISO_E_FORMAT, s.path + ": holds " + std::to_string(s.io->GetImageSizeInBytes()) +
                                " bytes of samples, not " + std::to_string(bytes));
-    check_samples_are_there(s);
     check_jpeg_end(s);
     /* Decoders hold what they give several times. */
     const ParseMemory memory(bytes_to_parse(s.path) + 4 * static_cast<double>(bytes));
@@ -183,9 +147,4 @@ void read_samples(const Slice &s, char *out, size_t bytes)
     } catch (const itk::ExceptionObject &e) { /* of a folder, the file is to be named */
         fail(ISO_E_FORMAT, s.path + ": " + cause_of(e));
     }
-}
-
-bool is_patient(const Slice &s)
-{
-    return dynamic_cast<const itk::GDCMImageIO *>(s.io.GetPointer()) != nullptr;
 }

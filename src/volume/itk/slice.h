@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* slice.h - one file, by that of ITK's readers that takes it: a slice, or a volume. */
+/* slice.h - one picture, by that of ITK's readers that takes it. */
 #ifndef ISO_VOLUME_ITK_SLICE_H
 #define ISO_VOLUME_ITK_SLICE_H
 
@@ -20,14 +20,10 @@ struct Slice {
     itk::ImageIOBase::Pointer io;
     iso_type type = ISO_U8;
     std::array<size_t, 3> size{1, 1, 1};
-    Vector first{0, 0, 0};
-    std::array<Vector, 3> step{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 };
 
 /* Its header; throws Failure, or ITK's own. */
 Slice open_slice(const std::string &path);
-/* Whether it has a place in a patient: DICOM. */
-bool is_patient(const Slice &s);
 /* All samples of the file; `bytes` is what the header says they take. */
 void read_samples(const Slice &s, char *out, size_t bytes);
 
@@ -44,6 +40,8 @@ public:
 private:
     rlimit before_{};
 };
+
+constexpr char deflated_syntax[] = "1.2.840.10008.1.2.1.99";
 
 /* The bytes of a file that GDCM parses; of a deflated one those that it may unpack to. */
 double bytes_to_parse(const std::string &path);

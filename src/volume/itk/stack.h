@@ -20,8 +20,12 @@ extern const std::vector<PlaneKey> plane_keys;
 struct Plane {
     std::string name; /* for messages */
     Vector first{0, 0, 0};
-    std::vector<std::string> keys; /* of each of plane_keys, "" where it has none */
-    double resolution_ms = 0;      /* TemporalResolution; 0: not said */
+    std::vector<std::string> keys;    /* of each of plane_keys, "" where it has none */
+    double resolution_ms = 0;         /* TemporalResolution; 0: not said */
+    double repetition_ms = 0;         /* RepetitionTime; 0: not said */
+    double number = 0;                /* InstanceNumber; NAN: not said */
+    size_t times = 0;                 /* NumberOfTemporalPositions; 0: not said */
+    double digit = 0, turn_digit = 0; /* units of the last digits of its place, and of its direction */
 };
 
 struct Stack {

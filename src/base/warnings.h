@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/* warnings.h - facts about an input that a user should know although it is read, such as a file that is left out.
+ *
+ * The library prints nothing: a program names the function that prints. Without one, warnings are dropped. */
+#ifndef ISO_WARNINGS_H
+#define ISO_WARNINGS_H
+
+typedef void iso_warning_print(const char *text);
+
+/* Before threads start. */
+void iso_warnings_print_by(iso_warning_print *print);
+/* Prints a text the first time that it is given: an input may be opened several times. Threads may warn at once. */
+void iso_warn(const char *text);
+
+#endif

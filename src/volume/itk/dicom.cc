@@ -1,0 +1,449 @@
+/* SPDX-License-Identifier: MIT */
+#include "volume/itk/dicom.h"
+
+#include <gdcmReader.h>
+#include <gdcmSequenceOfItems.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+
+namespace {
+
+using gdcm::DataSet;
+using gdcm::Tag;
+using Numbers = std::vector<double>;
+
+constexpr uint16_t pixels = 0x7fe0;
+
+/* The items of a sequence. They live no longer than this: a sequence whose type the file does not say (VR UN) is made
+ * of its bytes when it is asked for, and belongs to the caller. */
+class Items {
+public:
+    Items(const DataSet *set, const Tag &tag)
+    {
+        if (set && set->FindDataElement(tag))
+            items_ = set->GetDataElement(tag).GetValueAsSQ();
+    }
+    size_t count() const
+    {
+        return items_ ? items_->GetNumberOfItems() : 0;
+    }
+    const DataSet *at(size_t i) const
+    {
+        return i < count() ? &items_->GetItem(i + 1).GetNestedDataSet() : nullptr;
+    }
+
+private:
+    gdcm::SmartPointer<gdcm::SequenceOfItems> items_;
+};
+
+/* Bytes of an element, without padding; empty if it is missing. */
+std::string bytes_in(const DataSet *set, const Tag &tag)
+{
+    const gdcm::ByteValue *value = set && set->FindDataElement(tag) ? set->GetDataElement(tag).GetByteValue() : nullptr;
+    return value ? std::string(value->GetPointer(), value->GetLength()) : "";
+}
+
+std::string text_in(const DataSet *set, const Tag &tag)
+{
+    std::string text = bytes_in(set, tag);
+    text.erase(std::find(text.begin(), text.end(), '\0'), text.end());
+    const size_t first = text.find_first_not_of(' '), last = text.find_last_not_of(' ');
+    return first == std::string::npos ? "" : text.substr(first, last + 1 - first);
+}
+
+std::vector<std::string> words_of(const std::string &text)
+{
+    std::vector<std::string> words;
+    for (size_t at = 0; at < text.size();) {
+        const size_t end = std::min(text.find('\\', at), text.size());
+        words.push_back(text.substr(at, end - at));
+        at = end + 1;
+    }
+    return words;
+}
+
+/* Decimals between backslashes; none if one of them is no finite number. */
+Numbers decimals_of(const std::string &text)
+{
+    Numbers values;
+    for (const auto &word : words_of(text)) {
+        char *end;
+        values.push_back(strtod(word.c_str(), &end));
+        if (end == word.c_str() || !std::isfinite(values.back()))
+            return {};
+    }
+    return values;
+}
+
+Numbers decimals_in(const DataSet *set, const Tag &tag)
+{
+    return decimals_of(text_in(set, tag));
+}
+
+/* Unit of the last digit of any of the decimals. */
+double last_digit_of(const std::string &text)
+{
+    int most = 0;
+    for (const auto &word : words_of(text)) {
+        const size_t end = std::min(word.find_first_of("eE"), word.size()), point = word.find('.');
+        const int exponent = end < word.size() ? atoi(word.c_str() + end + 1) : 0;
+        const size_t last = word.find_last_of("0123456789", end);
+        const int after = point < end && last != std::string::npos && last > point ? static_cast<int>(last - point) : 0;
+        most = std::max(most, after - exponent);
+    }
+    return std::pow(10, -most);
+}
+
+/* A binary number, which GDCM gives in the machine's byte order. */
+template <typename T> double binary_in(const DataSet *set, const Tag &tag)
+{
+    const std::string bytes = bytes_in(set, tag);
+    T value;
+    if (bytes.size() < sizeof value)
+        return NAN;
+    memcpy(&value, bytes.data(), sizeof value);
+    return static_cast<double>(value);
+}
+
+std::string binary_text(double value)
+{
+    char text[40];
+    snprintf(text, sizeof text, "%.17g", value);
+    return std::isnan(value) ? "" : text;
+}
+
+/* The element sets of a frame, the first of which comes first: its own groups, the shared ones, and the file's. */
+struct Sets {
+    const DataSet *file, *frame, *shared;
+
+    /* An element of a functional group, or of the file itself. */
+    std::string text(const Tag &group, const Tag &tag) const
+    {
+        for (const DataSet *set : {frame, shared}) {
+            const Items items(set, group);
+            const std::string own = text_in(items.at(0), tag);
+            if (!own.empty())
+                return own;
+        }
+        return text_in(file, tag);
+    }
+    template <typename T> std::string binary(const Tag &group, const Tag &tag) const
+    {
+        for (const DataSet *set : {frame, shared}) {
+            const Items items(set, group);
+            const std::string own = binary_text(binary_in<T>(items.at(0), tag));
+            if (!own.empty())
+                return own;
+        }
+        return "";
+    }
+};
+
+const Tag pixel_measures(0x0028, 0x9110), plane_orientation(0x0020, 0x9116), plane_position(0x0020, 0x9113),
+    value_transformation(0x0028, 0x9145), frame_content(0x0020, 0x9111), cardiac(0x0018, 0x9118), echo(0x0018, 0x9114),
+    diffusion(0x0018, 0x9117);
+
+/* For each key of stack.h its value, by the frame's groups or by the file. */
+std::vector<std::string> keys_of(const Sets &sets)
+{
+    std::vector<std::string> keys;
+    for (const auto &key : plane_keys) {
+        const std::string tag = key.tag;
+        std::string value = tag == "0020|0100"   ? sets.binary<uint32_t>(frame_content, Tag(0x0020, 0x9128))
+                            : tag == "0018|1060" ? sets.binary<double>(cardiac, Tag(0x0020, 0x9153))
+                            : tag == "0008|002a" ? sets.text(frame_content, Tag(0x0018, 0x9074))
+                            : tag == "0018|0081" ? sets.binary<double>(echo, Tag(0x0018, 0x9082))
+                            : tag == "0018|9087" ? sets.binary<double>(diffusion, Tag(0x0018, 0x9087))
+                                                 : "";
+        unsigned group, element;
+        sscanf(key.tag, "%x|%x", &group, &element);
+        const Tag own(static_cast<uint16_t>(group), static_cast<uint16_t>(element));
+        const bool is_binary = tag == "0018|9087";
+        if (value.empty())
+            value = is_binary ? binary_text(binary_in<double>(sets.file, own)) : text_in(sets.file, own);
+        keys.push_back(value);
+    }
+    return keys;
+}
+
+double length_of(const Vector &a)
+{
+    return std::hypot(a[0], a[1], a[2]);
+}
+
+Vector cross(const Vector &a, const Vector &b)
+{
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/* Two spacings, between rows and then between columns; empty if the file does not say them. */
+Numbers pixel_spacing(const Sets &sets, DicomFile &file)
+{
+    struct {
+        Tag tag;
+        const char *warning;
+    } const all[] = {
+        {Tag(0x0028, 0x0030), ""},
+        {Tag(0x0018, 0x2010), ""},
+        {Tag(0x0018, 0x1164), "the spacing of pixels is ImagerPixelSpacing, at the detector: the patient is smaller"},
+    };
+    for (const auto &one : all) {
+        const Numbers spacing = decimals_of(sets.text(pixel_measures, one.tag));
+        if (spacing.size() != 2 || !(spacing[0] > 0) || !(spacing[1] > 0))
+            continue;
+        file.warning = *one.warning ? file.path + ": " + one.warning : "";
+        return spacing;
+    }
+    return {};
+}
+
+/* Directions are unit vectors at right angles, up to the digits that the file has. */
+void take_axes(const Sets &sets, DicomFile &file, DicomFrame &frame)
+{
+    const std::string text = sets.text(plane_orientation, Tag(0x0020, 0x0037));
+    const Numbers turn = decimals_of(text), spacing = pixel_spacing(sets, file);
+    Vector u{1, 0, 0}, v{0, 1, 0};
+    file.has_direction = turn.size() == 6;
+    if (file.has_direction) {
+        u = {turn[0], turn[1], turn[2]}, v = {turn[3], turn[4], turn[5]};
+        const Vector n = cross(u, v);
+        const double dot = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        if (!(std::fabs(length_of(u) - 1) < 0.01) || !(std::fabs(length_of(v) - 1) < 0.01) || !(std::fabs(dot) < 0.01))
+            fail(ISO_E_FORMAT, file.path + ": ImageOrientationPatient is \"" + text +
+                                   "\", must be two unit vectors at a right angle");
+        const double nu = length_of(u), nn = length_of(n);
+        for (size_t r = 0; r < 3; ++r)
+            u[r] /= nu;
+        v = cross({n[0] / nn, n[1] / nn, n[2] / nn}, u);
+        frame.plane.turn_digit = last_digit_of(text);
+    }
+    if (spacing.empty())
+        file.unspaced = "of its pixels";
+    for (size_t r = 0; r < 3; ++r) {
+        frame.u[r] = u[r] * (spacing.empty() ? 1 : spacing[1]);
+        frame.v[r] = v[r] * (spacing.empty() ? 1 : spacing[0]);
+    }
+}
+
+void take_place(const Sets &sets, DicomFrame &frame)
+{
+    const std::string text = sets.text(plane_position, Tag(0x0020, 0x0032));
+    const Numbers place = decimals_of(text);
+    frame.has_place = place.size() == 3;
+    if (!frame.has_place)
+        return;
+    frame.plane.first = {place[0], place[1], place[2]};
+    frame.plane.digit = last_digit_of(text);
+}
+
+/* An element of the file that has to be a number if it is there; `none` if it is not. */
+double number_or(const std::string &text, double none, const char *name, const DicomFile &file)
+{
+    const Numbers value = decimals_of(text);
+    if (text.empty())
+        return none;
+    if (value.size() != 1)
+        fail(ISO_E_FORMAT, file.path + ": " + name + " is \"" + text + "\", must be a number");
+    return value[0];
+}
+
+void take_scale(const Sets &sets, const DicomFile &file, DicomFrame &frame)
+{
+    const std::string slope = sets.text(value_transformation, Tag(0x0028, 0x1053)),
+                      intercept = sets.text(value_transformation, Tag(0x0028, 0x1052));
+    const std::string dose = text_in(sets.file, Tag(0x3004, 0x000e));
+    frame.slope = number_or(slope, 1, "RescaleSlope", file) * number_or(dose, 1, "DoseGridScaling", file);
+    frame.intercept = number_or(intercept, 0, "RescaleIntercept", file);
+    if (frame.slope == 0)
+        fail(ISO_E_FORMAT, file.path + ": the slope of its values is 0, must not be");
+    const bool is_dose = text_in(sets.file, Tag(0x0008, 0x0016)) == "1.2.840.10008.5.1.4.1.1.481.2";
+    if (is_dose && dose.empty())
+        fail(ISO_E_FORMAT, file.path + ": an RT dose without DoseGridScaling, which gives its values their unit");
+    if (slope.empty() && Items(sets.file, Tag(0x0028, 0x3000)).count() > 0)
+        fail(ISO_E_FORMAT, file.path + ": its values go through a ModalityLUTSequence, which is not read");
+}
+
+void check_kind(const DataSet &all, const DicomFile &file)
+{
+    const double components = binary_in<uint16_t>(&all, Tag(0x0028, 0x0002));
+    const std::string color = text_in(&all, Tag(0x0028, 0x0004));
+    if (components > 1)
+        fail(ISO_E_FORMAT, file.path + ": " + binary_text(components) + " components a voxel (" + color +
+                               "), which is not read of this format");
+    if (color == "PALETTE COLOR")
+        fail(ISO_E_FORMAT, file.path + ": its samples are indices into a palette of colors, which is not read");
+    if (text_in(&all, Tag(0x0008, 0x0008)).find("MOSAIC") != std::string::npos)
+        fail(ISO_E_FORMAT, file.path + ": a mosaic of slices in one picture, which is not read; dcm2niix converts it");
+}
+
+void take_samples(const DataSet &all, DicomFile &file)
+{
+    const auto number = [&](uint16_t element, unsigned none) {
+        const double value = binary_in<uint16_t>(&all, Tag(0x0028, element));
+        return std::isnan(value) ? none : static_cast<unsigned>(value);
+    };
+    file.samples = all.FindDataElement(Tag(pixels, 0x0008))   ? Samples::float32
+                   : all.FindDataElement(Tag(pixels, 0x0009)) ? Samples::float64
+                                                              : Samples::integer;
+    if (file.samples != Samples::integer) {
+        file.bits_allocated = file.samples == Samples::float32 ? 32 : 64;
+        return;
+    }
+    file.bits_allocated = number(0x0100, 0);
+    file.bits_stored = number(0x0101, file.bits_allocated);
+    file.high_bit = number(0x0102, file.bits_stored - 1);
+    file.is_signed = number(0x0103, 0) == 1;
+    const unsigned bits = file.bits_allocated;
+    if (bits != 8 && bits != 16 && bits != 32)
+        fail(ISO_E_FORMAT, file.path + ": BitsAllocated is " + std::to_string(bits) + ", must be 8, 16 or 32");
+    if (file.bits_stored < 1 || file.bits_stored > bits || file.high_bit >= bits ||
+        file.high_bit + 1 < file.bits_stored)
+        fail(ISO_E_FORMAT, file.path + ": damaged: BitsStored is " + std::to_string(file.bits_stored) + ", HighBit " +
+                               std::to_string(file.high_bit) + " of " + std::to_string(bits) + " bits");
+}
+
+void move(Plane &plane, const Vector &along, double by)
+{
+    for (size_t r = 0; r < 3; ++r)
+        plane.first[r] += by * along[r];
+}
+
+/* Offsets of the frames (PS3.3 C.8.8.3.2), from the first frame along the normal, or, if they start with the first
+ * frame's z, the z of each. Empty if the file has none. */
+Numbers frame_offsets(const DataSet &all, const DicomFile &file, const Vector &n)
+{
+    Numbers offsets = decimals_in(&all, Tag(0x3004, 0x000c));
+    if (offsets.empty())
+        return {};
+    const Plane &first = file.frames[0].plane;
+    const double start = offsets[0];
+    const bool is_z = start != 0 && std::fabs(start - first.first[2]) <= 1e-3 && std::fabs(n[2]) > 0.999;
+    if (offsets.size() != file.frames.size() || (start != 0 && !is_z))
+        fail(ISO_E_FORMAT, file.path + ": GridFrameOffsetVector has " + std::to_string(offsets.size()) +
+                               " offsets for " + std::to_string(file.frames.size()) + " frames, the first is " +
+                               binary_text(start) + ", must be 0 or the frame's z");
+    for (auto &offset : offsets)
+        offset = (offset - start) * (is_z ? n[2] : 1);
+    return offsets;
+}
+
+/* Frames of a file that gives but the first one's place, or none. */
+void place_frames(const DataSet &all, const DataSet *shared, DicomFile &file)
+{
+    const DicomFrame &first = file.frames[0];
+    Vector n = cross(first.u, first.v);
+    const double length = length_of(n);
+    for (auto &r : n)
+        r /= length;
+    Numbers offsets = frame_offsets(all, file, n);
+    const std::string said = Sets{&all, nullptr, shared}.text(pixel_measures, Tag(0x0018, 0x0088));
+    const double step = number_or(said, 0, "SpacingBetweenSlices", file);
+    if (offsets.empty() && step == 0 && !file.unspaced.empty())
+        file.unspaced = "of its voxels";
+    else if (offsets.empty() && step == 0) {
+        const std::string thick = Sets{&all, nullptr, shared}.text(pixel_measures, Tag(0x0018, 0x0050));
+        file.unspaced = "between its frames" + (thick.empty() ? "" : " (SliceThickness " + thick + " is not that)");
+    }
+    for (size_t k = 0; k < file.frames.size(); ++k) {
+        file.frames[k].plane.first = first.plane.first;
+        file.frames[k].has_place = first.has_place;
+    }
+    for (size_t k = 1; k < file.frames.size(); ++k)
+        move(file.frames[k].plane, n, offsets.empty() ? static_cast<double>(k) * (step == 0 ? 1 : step) : offsets[k]);
+}
+
+void check_frames(const DicomFile &file)
+{
+    const DicomFrame &first = file.frames[0];
+    for (size_t i = 1; i < file.frames.size(); ++i) {
+        const DicomFrame &other = file.frames[i];
+        for (size_t r = 0; r < 3; ++r)
+            if (!(std::fabs(first.u[r] - other.u[r]) <= 1e-4) || !(std::fabs(first.v[r] - other.v[r]) <= 1e-4))
+                fail(ISO_E_FORMAT, file.path + ": its frames 1 and " + std::to_string(i + 1) +
+                                       " are turned against each other, or of different spacings");
+    }
+}
+
+void take_frames(const DataSet &all, DicomFile &file)
+{
+    const Items shared_items(&all, Tag(0x5200, 0x9229)), frame_items(&all, Tag(0x5200, 0x9230));
+    const DataSet *shared = shared_items.at(0);
+    const double count = number_or(text_in(&all, Tag(0x0028, 0x0008)), 1, "NumberOfFrames", file);
+    if (!(count >= 1 && count <= 1e6) || (frame_items.count() > 0 && static_cast<double>(frame_items.count()) != count))
+        fail(ISO_E_FORMAT, file.path + ": damaged: NumberOfFrames is " + binary_text(count) + ", there are " +
+                               std::to_string(frame_items.count()) + " functional groups of frames");
+    bool has_own_places = count == 1;
+    const double resolution = number_or(text_in(&all, Tag(0x0020, 0x0110)), 0, "TemporalResolution", file);
+    for (size_t k = 0; k < static_cast<size_t>(count); ++k) {
+        const Sets sets{&all, frame_items.at(k), shared};
+        DicomFrame frame;
+        frame.plane.name = count == 1 ? file.path : "frame " + std::to_string(k + 1) + " of " + file.path;
+        frame.plane.resolution_ms = resolution;
+        take_axes(sets, file, frame);
+        take_place(sets, frame);
+        take_scale(sets, file, frame);
+        frame.plane.keys = keys_of(sets);
+        has_own_places = has_own_places || Items(sets.frame, plane_position).count() > 0;
+        file.frames.push_back(frame);
+    }
+    check_frames(file);
+    if (!has_own_places)
+        return place_frames(all, shared, file);
+    for (const auto &frame : file.frames)
+        if (!frame.has_place && count > 1)
+            fail(ISO_E_FORMAT, file.path + ": some frames have ImagePositionPatient, others do not");
+}
+
+/* Frames of one place that InstanceNumber alone tells apart, if the file says how many there are. */
+void take_repetition(const DataSet &all, DicomFile &file)
+{
+    const Numbers times = decimals_in(&all, Tag(0x0020, 0x0105)), repetition = decimals_in(&all, Tag(0x0018, 0x0080));
+    for (auto &frame : file.frames) {
+        frame.plane.number = file.number;
+        frame.plane.times = times.size() == 1 && times[0] >= 1 ? static_cast<size_t>(times[0]) : 0;
+        frame.plane.repetition_ms = repetition.size() == 1 ? repetition[0] : 0;
+    }
+}
+
+} // namespace
+
+bool has_mark_of_dicom(const std::string &path)
+{
+    char head[132] = "";
+    std::ifstream(path, std::ios::binary).read(head, sizeof head);
+    return memcmp(head + 128, "DICM", 4) == 0;
+}
+
+bool read_dicom(const std::string &path, DicomFile &file)
+{
+    const ParseMemory memory(bytes_to_parse(path));
+    const Tag samples(pixels, 0x0010);
+    gdcm::Reader reader;
+    reader.SetFileName(path.c_str());
+    if (!reader.ReadUpToTag(samples, {samples}) && !is_whole_deflated(path)) {
+        if (has_mark_of_dicom(path))
+            fail(ISO_E_FORMAT, path + ": a DICOM file that is damaged");
+        return false;
+    }
+    const DataSet &all = reader.GetFile().GetDataSet();
+    const double rows = binary_in<uint16_t>(&all, Tag(0x0028, 0x0010)),
+                 columns = binary_in<uint16_t>(&all, Tag(0x0028, 0x0011));
+    if (!(rows > 0) || !(columns > 0))
+        return false;
+    file = DicomFile{};
+    file.path = path;
+    file.rows = static_cast<size_t>(rows), file.columns = static_cast<size_t>(columns);
+    file.series = text_in(&all, Tag(0x0020, 0x000e));
+    file.description = text_in(&all, Tag(0x0008, 0x103e));
+    file.instance = text_in(&all, Tag(0x0008, 0x0018));
+    const Numbers number = decimals_in(&all, Tag(0x0020, 0x0013));
+    file.number = number.size() == 1 ? number[0] : NAN;
+    check_kind(all, file);
+    take_samples(all, file);
+    take_frames(all, file);
+    take_repetition(all, file);
+    return true;
+}

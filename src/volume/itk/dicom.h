@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/* dicom.h - the header of a DICOM file, by PS3.3, from the file's own elements.
+ *
+ * Spacing and places: PixelSpacing, else NominalScannedPixelSpacing, else ImagerPixelSpacing; ImagePositionPatient and
+ * ImageOrientationPatient; GridFrameOffsetVector; SpacingBetweenSlices. Functional groups of the frame come before the
+ * shared ones, and both before the file's own elements. An element that is missing has no default: its spacing is one
+ * that the file does not say. Values: RescaleSlope and RescaleIntercept, DoseGridScaling. GDCM parses elements and
+ * decodes compressed samples; its own geometry and scale are not used. */
+#ifndef ISO_VOLUME_ITK_DICOM_H
+#define ISO_VOLUME_ITK_DICOM_H
+
+#include "volume/itk/stack.h"
+
+struct DicomFrame {
+    Plane plane;
+    bool has_place = false;
+    Vector u{1, 0, 0}, v{0, 1, 0}; /* from pixel to pixel in a row, and from row to row */
+    double slope = 1, intercept = 0;
+};
+
+enum class Samples { integer, float32, float64 };
+
+struct DicomFile {
+    std::string path;
+    std::string series, description, instance; /* UIDs, and the series' name */
+    double number = 0;                         /* InstanceNumber */
+    size_t columns = 0, rows = 0;
+    Samples samples = Samples::integer;
+    unsigned bits_allocated = 0, bits_stored = 0, high_bit = 0;
+    bool is_signed = false;
+    bool has_direction = false;
+    std::vector<DicomFrame> frames;
+    std::string unspaced; /* "", or which spacing the file does not say */
+    std::string warning;  /* "", or a thing that a user should know */
+};
+
+/* True if the file starts as DICOM files do. */
+bool has_mark_of_dicom(const std::string &path);
+/* Reads the header of a file that holds an image; false if it is none. Throws Failure if it is damaged, or if its
+ * samples are of a kind that is not read. */
+bool read_dicom(const std::string &path, DicomFile &file);
+
+/* GDCM reports some deflated files as damaged that it has read to their end. True if this is such a file. */
+bool is_whole_deflated(const std::string &path);
+/* All samples as they are stored, frame after frame, in the machine's byte order. */
+std::vector<char> stored_samples(const DicomFile &file);
+size_t stored_frame_bytes(const DicomFile &file);
+/* Type that holds the values of all frames: an integer if slopes and intercepts are. */
+iso_type type_of_values(const std::vector<DicomFile> &files);
+/* Converts a stored frame to values of that type. */
+void values_of_frame(const DicomFile &file, size_t frame, const char *stored, iso_type type, char *out);
+
+#endif

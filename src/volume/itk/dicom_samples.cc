@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: MIT */
+/* dicom_samples.cc - the samples of a DICOM file, and the values that they stand for. */
+#include <gdcmPixmapReader.h>
+#include <gdcmReader.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <limits>
+
+#include "volume/itk/dicom.h"
+
+namespace {
+
+using gdcm::Tag;
+using gdcm::TransferSyntax;
+
+size_t sample_bytes(const DicomFile &file)
+{
+    return file.bits_allocated / 8;
+}
+
+size_t all_bytes(const DicomFile &file)
+{
+    return stored_frame_bytes(file) * file.frames.size();
+}
+
+Tag tag_of_samples(const DicomFile &file)
+{
+    return Tag(0x7fe0, file.samples == Samples::float32 ? 0x0008 : file.samples == Samples::float64 ? 0x0009 : 0x0010);
+}
+
+/* Bytes of the words that GDCM swaps when it reads an element of a big-endian file. */
+size_t swapped_bytes(const gdcm::DataElement &element, TransferSyntax syntax)
+{
+    if (syntax == TransferSyntax::ExplicitVRBigEndian)
+        return element.GetVR() == gdcm::VR::OW   ? 2
+               : element.GetVR() == gdcm::VR::OF ? 4
+               : element.GetVR() == gdcm::VR::OD ? 8
+                                                 : 1;
+    return syntax == TransferSyntax::ImplicitVRBigEndianPrivateGE ? 1 : 0; /* 0: a little-endian file */
+}
+
+/* Samples longer than the words that were swapped have these in the wrong order still. */
+void turn_words(std::vector<char> &data, size_t sample, size_t word)
+{
+    if (word == 0 || word >= sample)
+        return;
+    std::vector<char> turned(sample);
+    for (size_t at = 0; at + sample <= data.size(); at += sample) {
+        for (size_t i = 0; i < sample; i += word)
+            memcpy(&turned[sample - word - i], &data[at + i], word);
+        memcpy(&data[at], turned.data(), sample);
+    }
+}
+
+/* GDCM takes a file that breaks off within its samples, and gives zeros for the rest. So the element is looked for: its
+ * tag, its type if that is written, and a length that would be right. */
+void check_samples_are_there(const DicomFile &file)
+{
+    const size_t need = all_bytes(file), size = std::filesystem::file_size(file.path);
+    std::string head(std::min<size_t>(size, 16 << 20), 0);
+    std::ifstream(file.path, std::ios::binary).read(&head[0], static_cast<std::streamsize>(head.size()));
+    const std::string tags[] = {{'\xe0', '\x7f', static_cast<char>(tag_of_samples(file).GetElement()), '\0'},
+                                {'\x7f', '\xe0', '\0', static_cast<char>(tag_of_samples(file).GetElement())}};
+    for (const auto &tag : tags)
+        for (size_t at = head.find(tag); at != std::string::npos && at + 12 <= head.size();
+             at = head.find(tag, at + 1)) {
+            const bool is_typed = head[at + 4] == 'O';
+            uint32_t length;
+            memcpy(&length, &head[at + (is_typed ? 8 : 4)], 4);
+            length = &tag == &tags[1] ? __builtin_bswap32(length) : length;
+            const size_t there = size - at - (is_typed ? 12 : 8);
+            if (length >= need && length <= need + 1 && there < need)
+                fail(ISO_E_FORMAT, file.path + ": truncated: holds " + std::to_string(there) +
+                                       " bytes of samples, needs " + std::to_string(need));
+        }
+}
+
+[[noreturn]] void fail_of_size(const DicomFile &file, size_t has)
+{
+    fail(ISO_E_FORMAT, file.path + ": truncated or damaged: holds " + std::to_string(has) +
+                           " bytes of samples, needs " + std::to_string(all_bytes(file)));
+}
+
+/* Samples that are not compressed, in the machine's byte order. */
+std::vector<char> plain_samples(const DicomFile &file, const gdcm::ByteValue &value, size_t word)
+{
+    const size_t bytes = all_bytes(file);
+    if (value.GetLength() < bytes)
+        fail_of_size(file, value.GetLength());
+    if (word == 2 && sample_bytes(file) == 4)
+        fail(ISO_E_FORMAT, file.path +
+                               ": big-endian samples of 32 bits, of which programs write the 16-bit words in "
+                               "different orders; convert the file to little endian with the program that wrote it");
+    check_samples_are_there(file);
+    std::vector<char> data(value.GetPointer(), value.GetPointer() + bytes);
+    turn_words(data, sample_bytes(file), word);
+    return data;
+}
+
+std::vector<char> unpacked_samples(const DicomFile &file)
+{
+    const size_t bytes = all_bytes(file);
+    gdcm::PixmapReader reader;
+    reader.SetFileName(file.path.c_str());
+    if (file.high_bit + 1 != file.bits_stored)
+        fail(ISO_E_FORMAT, file.path + ": compressed samples whose HighBit is not BitsStored - 1, which is not read");
+    if (!reader.Read())
+        fail(ISO_E_FORMAT, file.path + ": GDCM: its compressed samples are damaged, or of a kind that is not read");
+    const gdcm::Pixmap &image = reader.GetPixmap();
+    if (image.GetBufferLength() != bytes)
+        fail_of_size(file, image.GetBufferLength());
+    std::vector<char> data(bytes);
+    if (!image.GetBuffer(data.data()) || image.GetBufferLength() != bytes)
+        fail(ISO_E_FORMAT, file.path + ": GDCM: its compressed samples are damaged, or of a kind that is not read");
+    return data;
+}
+
+template <typename T> T sample_at(const char *stored, size_t i)
+{
+    T value;
+    memcpy(&value, stored + i * sizeof value, sizeof value);
+    return value;
+}
+
+/* The number of a sample: the stored bits below HighBit, with their sign. Other bits may hold overlays. */
+double integer_of(const DicomFile &file, const char *stored, size_t i)
+{
+    const unsigned bits = file.bits_stored;
+    uint64_t word = file.bits_allocated == 8    ? sample_at<uint8_t>(stored, i)
+                    : file.bits_allocated == 16 ? sample_at<uint16_t>(stored, i)
+                                                : sample_at<uint32_t>(stored, i);
+    word = (word >> (file.high_bit + 1 - bits)) & ((UINT64_C(1) << bits) - 1);
+    const bool is_negative = file.is_signed && (word >> (bits - 1)) != 0;
+    return static_cast<double>(static_cast<int64_t>(word) - (is_negative ? INT64_C(1) << bits : 0));
+}
+
+double number_of(const DicomFile &file, const char *stored, size_t i)
+{
+    switch (file.samples) {
+    case Samples::float32: return sample_at<float>(stored, i);
+    case Samples::float64: return sample_at<double>(stored, i);
+    default: return integer_of(file, stored, i);
+    }
+}
+
+struct Range {
+    double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
+};
+
+/* Widens the range by the values that a frame's samples can have. */
+void widen(Range &range, const DicomFile &file, const DicomFrame &frame)
+{
+    const double span = std::ldexp(1.0, static_cast<int>(file.bits_stored)), low = file.is_signed ? -span / 2 : 0;
+    for (const double stored : {low, low + span - 1}) {
+        const double value = frame.slope * stored + frame.intercept;
+        range.least = std::min(range.least, value), range.most = std::max(range.most, value);
+    }
+}
+
+template <typename T> bool holds(const Range &range)
+{
+    return range.least >= static_cast<double>(std::numeric_limits<T>::lowest()) &&
+           range.most <= static_cast<double>(std::numeric_limits<T>::max());
+}
+
+template <typename T> void convert(const DicomFile &file, const DicomFrame &frame, const char *stored, char *out)
+{
+    for (size_t i = 0; i < file.rows * file.columns; ++i) {
+        const T value = static_cast<T>(frame.slope * number_of(file, stored, i) + frame.intercept);
+        memcpy(out + i * sizeof value, &value, sizeof value);
+    }
+}
+
+} // namespace
+
+bool is_whole_deflated(const std::string &path)
+{
+    constexpr size_t meta = 132, of_length = 12; /* the preamble; the element of the length of what is not deflated */
+    std::ifstream file(path, std::ios::binary);
+    std::string head(1024, 0), packed(65536, 0), unpacked(65536, 0);
+    file.read(&head[0], static_cast<std::streamsize>(head.size()));
+    uint32_t length;
+    memcpy(&length, &head[meta + 8], sizeof length);
+    if (head.find(deflated_syntax) == std::string::npos || memcmp(&head[meta], "\2\0\0\0UL\4\0", 8) != 0)
+        return false;
+    file.clear();
+    file.seekg(static_cast<std::streamoff>(meta + of_length + length));
+    z_stream z{};
+    int result = inflateInit2(&z, -MAX_WBITS);
+    while (result == Z_OK && (z.avail_in > 0 || file)) {
+        if (z.avail_in == 0) {
+            file.read(&packed[0], static_cast<std::streamsize>(packed.size()));
+            z.next_in = reinterpret_cast<Bytef *>(&packed[0]), z.avail_in = static_cast<uInt>(file.gcount());
+        }
+        z.next_out = reinterpret_cast<Bytef *>(&unpacked[0]), z.avail_out = static_cast<uInt>(unpacked.size());
+        result = z.avail_in > 0 ? inflate(&z, Z_NO_FLUSH) : Z_BUF_ERROR;
+    }
+    inflateEnd(&z);
+    return result == Z_STREAM_END;
+}
+
+size_t stored_frame_bytes(const DicomFile &file)
+{
+    return file.rows * file.columns * sample_bytes(file);
+}
+
+std::vector<char> stored_samples(const DicomFile &file)
+{
+    /* Decoders hold what they give several times. */
+    const ParseMemory memory(bytes_to_parse(file.path) + 4 * static_cast<double>(all_bytes(file)));
+    gdcm::Reader reader;
+    reader.SetFileName(file.path.c_str());
+    const Tag tag = tag_of_samples(file);
+    if (!reader.Read() && !is_whole_deflated(file.path))
+        fail(ISO_E_FORMAT, file.path + ": a DICOM file that is damaged");
+    const gdcm::DataSet &all = reader.GetFile().GetDataSet();
+    if (!all.FindDataElement(tag))
+        fail(ISO_E_FORMAT, file.path + ": holds no samples");
+    const gdcm::DataElement &element = all.GetDataElement(tag);
+    if (const gdcm::ByteValue *value = element.GetByteValue())
+        return plain_samples(file, *value,
+                             swapped_bytes(element, reader.GetFile().GetHeader().GetDataSetTransferSyntax()));
+    if (file.samples != Samples::integer)
+        fail(ISO_E_FORMAT, file.path + ": compressed floats, which are not read of this format");
+    return unpacked_samples(file);
+}
+
+iso_type type_of_values(const std::vector<DicomFile> &files)
+{
+    Range range;
+    bool is_integer = true, is_wide = false;
+    for (const auto &file : files)
+        for (const auto &frame : file.frames) {
+            is_integer = is_integer && file.samples == Samples::integer && frame.slope == std::round(frame.slope) &&
+                         frame.intercept == std::round(frame.intercept);
+            is_wide = is_wide || file.samples == Samples::float64 || file.bits_stored > 24;
+            widen(range, file, frame);
+        }
+    if (!is_integer)
+        return is_wide ? ISO_F64 : ISO_F32;
+    return holds<uint8_t>(range)    ? ISO_U8
+           : holds<int8_t>(range)   ? ISO_I8
+           : holds<uint16_t>(range) ? ISO_U16
+           : holds<int16_t>(range)  ? ISO_I16
+           : holds<uint32_t>(range) ? ISO_U32
+           : holds<int32_t>(range)  ? ISO_I32
+                                    : ISO_F64;
+}
+
+void values_of_frame(const DicomFile &file, size_t frame, const char *stored, iso_type type, char *out)
+{
+    const DicomFrame &f = file.frames[frame];
+    switch (type) {
+    case ISO_U8: return convert<uint8_t>(file, f, stored, out);
+    case ISO_I8: return convert<int8_t>(file, f, stored, out);
+    case ISO_U16: return convert<uint16_t>(file, f, stored, out);
+    case ISO_I16: return convert<int16_t>(file, f, stored, out);
+    case ISO_U32: return convert<uint32_t>(file, f, stored, out);
+    case ISO_I32: return convert<int32_t>(file, f, stored, out);
+    case ISO_F32: return convert<float>(file, f, stored, out);
+    case ISO_F64: return convert<double>(file, f, stored, out);
+    }
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/* dicom_series.h - the series of a folder of DICOM files: of one SeriesInstanceUID, size, direction and spacing. */
+#ifndef ISO_VOLUME_ITK_DICOM_SERIES_H
+#define ISO_VOLUME_ITK_DICOM_SERIES_H
+
+#include "volume/itk/dicom.h"
+
+struct DicomSeries {
+    std::string name;
+    std::vector<DicomFile> files; /* in the order of their names */
+    std::string warning;          /* "", or which files are left out */
+};
+
+/* "a9" before "a10": runs of digits count as numbers. */
+bool comes_before(const std::string &a, const std::string &b);
+
+/* Takes the series of this name or number; NULL: the only one that is more than one slice. Without files if the folder
+ * holds no image of DICOM. Throws Failure if there are several, or if a file is damaged. */
+DicomSeries choose_series(const std::string &folder, const char *wanted);
+
+#endif

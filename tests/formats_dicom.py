@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: MIT
+"""DICOM beyond one slice a file: transfer syntaxes, sample types, scales and spacings. Cases of formats_in.py.
+
+pydicom writes files, dcmtk and OpenJPEG compress them. What is expected is the array that was written, never what GDCM
+says of the file.
+"""
+import os
+import shutil
+import subprocess
+
+import numpy as np
+
+from formats_medical import dicom_series, dicom_slice
+from phantom import FIRST, LPS, SPACING, STEPS, Wrong, case, expect, phantom, read_samples, refused, run, same
+
+ENHANCED = "1.2.840.10008.5.1.4.1.1.2.1"
+DOSE = "1.2.840.10008.5.1.4.1.1.481.2"
+
+
+def item(**elements):
+    from pydicom.dataset import Dataset
+    one = Dataset()
+    for name, value in elements.items():
+        setattr(one, name, value)
+    return one
+
+
+def multiframe(path, values, without=(), **elements):
+    """All slices in a file that gives the first one's place, and how far frames are apart."""
+    import pydicom
+    dicom_slice(path, values[0].astype(np.uint16), FIRST, "1.2.3.8", 1)
+    d = pydicom.dcmread(path)
+    bits = 8 * values.dtype.itemsize
+    d.BitsAllocated, d.BitsStored, d.HighBit = bits, bits, bits - 1
+    d.PixelRepresentation = int(values.dtype.kind == "i")
+    d.NumberOfFrames, d.SpacingBetweenSlices = len(values), str(SPACING[2])
+    data = values.astype(values.dtype.newbyteorder("<")).tobytes()
+    d.PixelData = data + b"\0" * (len(data) % 2)
+    d["PixelData"].VR = "OB" if bits == 8 else "OW"
+    for name, value in elements.items():
+        setattr(d, name, value)
+    d.file_meta.MediaStorageSOPClassUID = d.SOPClassUID
+    for name in without:
+        delattr(d, name)
+    d.save_as(path, write_like_original=False)
+    return d
+
+
+def stored(kind):
+    """The phantom in all the bits of a type."""
+    v = phantom(np.int16).astype(np.int64)
+    if kind.itemsize == 1:
+        v = (v * 7) % 250 - (125 if kind.kind == "i" else 0)
+        v[5, 3, 8] = 124 if kind.kind == "i" else 250
+    elif kind.kind == "u":
+        v = v + 500
+    return (v * (70001 if kind.itemsize == 4 else 1)).astype(kind)
+
+
+# ---- transfer syntaxes ----
+
+def dcmtk(*words):
+    done = subprocess.run(words, capture_output=True, text=True)
+    expect(done.returncode == 0, f"{' '.join(words)}: {done.stderr.strip()}")
+
+
+def jpeg2000(path, to):
+    import pydicom
+    from pydicom.encaps import encapsulate
+    d = pydicom.dcmread(path)
+    frames, bits = [], d.BitsAllocated
+    size = d.Rows * d.Columns * bits // 8
+    for k in range(int(d.get("NumberOfFrames", 1))):
+        with open("frame.rawl", "wb") as file:
+            file.write(d.PixelData[k * size:(k + 1) * size])
+        form = f"{d.Columns},{d.Rows},1,{bits},{'s' if d.PixelRepresentation else 'u'}"
+        dcmtk("opj_compress", "-i", "frame.rawl", "-o", "frame.j2k", "-F", form, "-n", "3")
+        with open("frame.j2k", "rb") as file:
+            frames.append(file.read())
+    d.PixelData = encapsulate(frames)
+    d["PixelData"].is_undefined_length = True
+    d["PixelData"].VR = "OB"
+    d.file_meta.TransferSyntaxUID = "1.2.840.10008.1.2.4.90"
+    d.save_as(to, write_like_original=False)
+
+
+SYNTAXES = {  # name: how, and the largest samples in bytes
+    "explicit": (shutil.copyfile, 4),
+    "implicit": (lambda path, to: dcmtk("dcmconv", "+ti", path, to), 4),
+    "big": (lambda path, to: dcmtk("dcmconv", "+tb", path, to), 4),
+    "deflated": (lambda path, to: dcmtk("dcmconv", "+td", path, to), 4),
+    "rle": (lambda path, to: dcmtk("dcmcrle", path, to), 4),
+    "jpeg57": (lambda path, to: dcmtk("dcmcjpeg", "+el", path, to), 2),
+    "jpeg70": (lambda path, to: dcmtk("dcmcjpeg", "+e1", path, to), 2),
+    "jpegls": (lambda path, to: dcmtk("dcmcjpls", "+el", path, to), 2),
+    "jpeg2000": (jpeg2000, 2),
+}
+
+
+def same_values(path, values):
+    got = read_samples(path)
+    expect(got.shape == values.shape and np.array_equal(got, values), f"{(got != values).sum()} of {values.size} values differ")
+
+
+@case
+def dicom_forms():
+    for kind in map(np.dtype, ("u1", "i1", "u2", "i2", "u4", "i4")):
+        values = stored(kind)[3:6]
+        multiframe("plain.dcm", values)
+        for name, (convert, most) in SYNTAXES.items():
+            if kind.itemsize > most:
+                continue
+            try:
+                convert("plain.dcm", "form.dcm")
+                if (name, kind.itemsize) == ("big", 4):
+                    refused("form.dcm", 4, "big-endian samples of 32 bits")
+                else:
+                    same_values("form.dcm", values.astype(np.float32) if kind.itemsize == 4 else values)
+            except Wrong as why:
+                raise Wrong(f"{name}, {kind}: {why}") from why
+    dicom_series("plain", phantom())
+    for name in "rle", "jpeg70":
+        shutil.rmtree("form", ignore_errors=True)
+        os.makedirs("form")
+        for slice_name in os.listdir("plain"):
+            SYNTAXES[name][0](f"plain/{slice_name}", f"form/{slice_name}")
+        same("form", phantom(), unit="mm")
+
+
+# ---- values ----
+
+def per_frame(values, slopes, **shared):
+    frames = [item(PlanePositionSequence=[item(ImagePositionPatient=[f"{c:.11f}" for c in LPS @ (FIRST + STEPS[:, 2] * k)])],
+                   PixelValueTransformationSequence=[item(RescaleIntercept="0", RescaleSlope=str(s), RescaleType="US")])
+              for k, s in zip(range(len(values)), slopes)]
+    measures = item(PixelSpacing=[str(SPACING[1]), str(SPACING[0])], SliceThickness="1")
+    return {"SOPClassUID": ENHANCED, "PerFrameFunctionalGroupsSequence": frames,
+            "SharedFunctionalGroupsSequence": [item(PixelMeasuresSequence=[measures], **shared)]}
+
+
+@case
+def dicom_values():
+    values = stored(np.dtype("u2"))
+    slopes = 1 + 0.25 * np.arange(len(values))
+    multiframe("slopes.dcm", values, ["PixelSpacing", "ImagePositionPatient", "RescaleSlope", "RescaleIntercept",
+                                      "SpacingBetweenSlices", "SliceThickness"], **per_frame(values, slopes))
+    same("slopes.dcm", (values * slopes[:, None, None]).astype(np.float32), unit="mm")
+    offsets = [str(k * SPACING[2]) for k in range(len(values))]
+    dose = {"SOPClassUID": DOSE, "GridFrameOffsetVector": offsets}
+    multiframe("dose.dcm", values, ["SpacingBetweenSlices"], DoseGridScaling="0.001", **dose)
+    same("dose.dcm", (values * 0.001).astype(np.float32), unit="mm")
+    multiframe("unscaled.dcm", values, **dose)
+    refused("unscaled.dcm", 4, "an RT dose without DoseGridScaling")
+    multiframe("zero.dcm", values, RescaleSlope="0")
+    refused("zero.dcm", 4, "the slope of its values is 0")
+    multiframe("mono.dcm", values, PhotometricInterpretation="MONOCHROME1")
+    same("mono.dcm", values)
+    # 12 bits with a sign, whose upper bits hold overlays; then 10 bits in the middle
+    signed = np.clip(phantom(), -2048, 2047)
+    words = (signed & 0xfff).astype(np.uint16) | np.uint16(0xa000)
+    multiframe("overlay.dcm", words, BitsStored=12, HighBit=11, PixelRepresentation=1)
+    same("overlay.dcm", signed)
+    small = values % 1024
+    multiframe("middle.dcm", ((small << 3) | 0xe005).astype(np.uint16), BitsStored=10, HighBit=12)
+    same("middle.dcm", small)
+    for bits, name in (32, "FloatPixelData"), (64, "DoubleFloatPixelData"):
+        floats = phantom(np.float32).astype(f"f{bits // 8}")
+        multiframe("float.dcm", values, ["PixelData", "BitsStored", "HighBit", "PixelRepresentation"], BitsAllocated=bits,
+                   **{name: floats.tobytes()})
+        same("float.dcm", floats.astype(np.float32))
+        dcmtk("dcmconv", "+tb", "float.dcm", "big.dcm")
+        same("big.dcm", floats.astype(np.float32))
+    multiframe("palette.dcm", values, PhotometricInterpretation="PALETTE COLOR")
+    refused("palette.dcm", 4, "indices into a palette of colors")
+    multiframe("lut.dcm", values, ["RescaleSlope", "RescaleIntercept"],
+               ModalityLUTSequence=[item(LUTDescriptor=[2, 0, 16], ModalityLUTType="US", LUTData=b"\1\0\2\0")])
+    refused("lut.dcm", 4, "ModalityLUTSequence")
+    multiframe("wide.dcm", values, BitsAllocated=64, BitsStored=64, HighBit=63)
+    refused("wide.dcm", 4, "BitsAllocated is 64")
+    multiframe("colors.dcm", values, SamplesPerPixel=3, PhotometricInterpretation="RGB", PlanarConfiguration=1)
+    refused("colors.dcm", 4, "3 components a voxel (RGB)")
+
+
+# ---- spacings ----
+
+@case
+def dicom_spacings():
+    values = stored(np.dtype("u2"))
+    multiframe("between.dcm", values)
+    same("between.dcm", values, unit="mm")
+    multiframe("unsaid.dcm", values, ["SpacingBetweenSlices"])
+    refused("unsaid.dcm", 4, "does not say the spacing between its frames (SliceThickness 1 is not that); --spacing")
+    spacing = ["--spacing", "x".join(map(str, SPACING))]
+    expect(run("info", "unsaid.dcm", *spacing).returncode == 0, "--spacing is no remedy")
+    multiframe("pixels.dcm", values, ["PixelSpacing"])
+    refused("pixels.dcm", 4, "does not say the spacing of its pixels")
+    for name in "NominalScannedPixelSpacing", "ImagerPixelSpacing":
+        multiframe("other.dcm", values, ["PixelSpacing"], **{name: [str(SPACING[1]), str(SPACING[0])]})
+        got = run("info", "other.dcm")
+        expect("0.75 x 0.5 x 2.5 mm" in got.stdout, f"{name}: {got.stdout}{got.stderr}")
+        expect(("warning: other.dcm: the spacing of pixels is ImagerPixelSpacing" in got.stderr) == (name[0] == "I"), got.stderr)
+    # offsets as z of axial slices, from below and from above; uneven ones; those of neither form
+    axial = {"SOPClassUID": DOSE, "DoseGridScaling": "1", "ImagePositionPatient": ["1", "2", "3"]}
+    for side in 1, -1:
+        z = [str(3 + side * 2.5 * k) for k in range(len(values))]
+        multiframe("z.dcm", values, GridFrameOffsetVector=z, ImageOrientationPatient=["1", "0", "0", "0", "1", "0"], **axial)
+        turned = values[::side]
+        same("z.dcm", turned, np.diag([-0.75, -0.5, 2.5]), np.array([-1, -2, 3 - (6 * 2.5 if side < 0 else 0)]))
+    offsets = [0, 2.5, 5, 7.5, 10, 12.5, 18]
+    multiframe("uneven.dcm", values, GridFrameOffsetVector=[str(v) for v in offsets], **axial)
+    refused("uneven.dcm", 4, "slices are not equally far apart")
+    multiframe("neither.dcm", values, GridFrameOffsetVector=[str(v + 50) for v in offsets], **axial)
+    refused("neither.dcm", 4, "GridFrameOffsetVector")
+    # steps that were rounded and added up, and a tilt that is none of rounding
+    for shift, is_straight in (1e-5, True), (1e-3, False):
+        steps = np.diag([-0.75, -0.5, 2.5])
+        for k in range(len(values)):
+            dicom_slice(f"{k}.dcm", values[k], np.zeros(3), "1.2.3.9", k + 1, steps=steps)
+        shutil.rmtree("rounded", ignore_errors=True)
+        os.makedirs("rounded")
+        import pydicom
+        for k in range(len(values)):
+            d = pydicom.dcmread(f"{k}.dcm")
+            d.ImagePositionPatient = [f"{5 + shift * k:.5f}", "6.00000", f"{2.5 * k:.5f}"]
+            d.save_as(f"rounded/{k}.dcm", write_like_original=False)
+        z = [line for line in run("info", "rounded").stdout.splitlines() if line.startswith("  z axis")]
+        expect((" 0, 0, 1" in z[0].replace("-0,", "0,")) == is_straight, f"a shift of {shift} mm: {z}")
+
+
+# ---- what a folder holds ----
+
+@case
+def dicom_left_out():
+    dicom_series("folder", phantom())
+    names = sorted(os.listdir("folder"))
+    shutil.copyfile(f"folder/{names[3]}", f"folder/copy of {names[3]}")
+    got = run("info", "folder")
+    expect(got.returncode == 0 and f"copy of {names[3]}" in got.stderr and "is ignored" in got.stderr, got.stderr)
+    expect("11 x 13 x 7" in got.stdout, got.stdout)
+    os.remove(f"folder/copy of {names[3]}")
+    turned = STEPS[:, [0, 2, 1]]
+    dicom_slice("folder/scout.dcm", phantom()[0], FIRST, "1.2.3.4", 99, steps=turned)
+    got = run("info", "folder")
+    expect(got.returncode == 0 and "folder/scout.dcm is left out" in got.stderr and "11 x 13 x 7" in got.stdout, got.stderr)
+    shutil.rmtree("cd", ignore_errors=True)
+    os.makedirs("cd/IMAGES/SERIES")
+    for k, name in enumerate(names):
+        shutil.copyfile(f"folder/{name}", f"cd/IMAGES/SERIES/S{k}")
+    dcmtk("dcmmkdir", "+D", "cd/DICOMDIR", "+id", "cd", "+r", "+I")
+    refused("cd", 4, "give the folder that holds them: cd/IMAGES/SERIES")
+    # a multi-frame file for each time
+    shutil.rmtree("times", ignore_errors=True)
+    os.makedirs("times")
+    values = stored(np.dtype("u2"))
+    for t in range(2):
+        multiframe(f"times/{t}.dcm", values + t, TemporalPositionIdentifier=t + 1, SOPInstanceUID=f"1.2.3.77.{t}")
+    same("times", values + 1, options=["--frame", "1"])
+    # times that InstanceNumber alone tells apart
+    import pydicom
+    shutil.rmtree("numbers", ignore_errors=True)
+    os.makedirs("numbers")
+    for t in range(2):
+        for k in range(len(values)):
+            path = f"numbers/{(5 * (7 * t + k)) % 14}.dcm"
+            dicom_slice(path, values[k] + t, FIRST + STEPS[:, 2] * k, "1.2.3.10", 7 * t + k + 1)
+            d = pydicom.dcmread(path)
+            d.NumberOfTemporalPositions, d.RepetitionTime = 2, "2000"
+            d.save_as(path, write_like_original=False)
+    same("numbers", values + 1, options=["--frame", "1"])
+    refused("numbers", 2, "has 2 frames (2 s apart)")
+    # no place at all: in the order of their numbers, if the spacing is given
+    for name in os.listdir("plain") if os.path.isdir("plain") else []:
+        os.remove(f"plain/{name}")
+    dicom_series("plain", values)
+    for name in os.listdir("plain"):
+        d = pydicom.dcmread(f"plain/{name}")
+        del d.ImagePositionPatient, d.ImageOrientationPatient
+        d.save_as(f"plain/{name}", write_like_original=False)
+    refused("plain", 4, "does not say the spacing between its slices")
+    same("plain", values, np.diag(SPACING), None, False, ["--spacing", "x".join(map(str, SPACING))])
+    multiframe("preamble.dcm", values)
+    with open("preamble.dcm", "r+b") as file:
+        file.write(b"II*\0\x08\0\0\0")
+    same("preamble.dcm", values, unit="mm")
+
+
+# ---- planted ----
+
+@case
+def dicom_faults():
+    """The comparison finds a reader that does one of these."""
+    values = stored(np.dtype("i4"))
+    multiframe("plain.dcm", values, RescaleSlope="0.5", RescaleIntercept="-1")
+    right = (values * 0.5 - 1).astype(np.float32)
+    faults = {
+        "slope ignored": ((values - 1).astype(np.float32), STEPS),
+        "bytes swapped": ((values.byteswap() * 0.5 - 1).astype(np.float32), STEPS),
+        "words swapped": ((((values.view("u4") >> 16) | (values.view("u4") << 16)).view("i4") * 0.5 - 1).astype(np.float32), STEPS),
+        "inverted": ((~values * 0.5 - 1).astype(np.float32), STEPS),
+        "sign lost": ((values.view("u4") * 0.5 - 1).astype(np.float32), STEPS),
+        "1 mm": (right, STEPS / SPACING),
+        "1 mm between frames": (right, STEPS / [1, 1, SPACING[2]]),
+    }
+    same("plain.dcm", right)
+    for name, (wrong, steps) in faults.items():
+        try:
+            same("plain.dcm", wrong, steps)
+        except Wrong:
+            continue
+        raise Wrong(f"not found: {name}")
