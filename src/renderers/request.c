@@ -2,8 +2,10 @@
 #include "renderers/request.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -26,6 +28,14 @@ static json_t *numbers_json(const double *values, size_t count)
 
 /* ---- the volume ---- */
 
+/* Also of a file that is left out: a picture tells by it which samples it is of. */
+static json_t *checksum_json(const void *values, size_t bytes, uint64_t seed)
+{
+    char text[17];
+    snprintf(text, sizeof text, "%016llx", (unsigned long long)XXH3_64bits_withSeed(values, bytes, seed));
+    return json_string(text);
+}
+
 static json_t *volume_json(const iso_level *level)
 {
     const iso_geometry *g = &level->geometry;
@@ -35,7 +45,9 @@ static json_t *volume_json(const iso_level *level)
         const double origin[3] = {g->origin_mm.x, g->origin_mm.y, g->origin_mm.z}, *m = g->index_to_world.m[r];
         json_array_append_new(rows, json_pack("[f,f,f,f]", m[0], m[1], m[2], origin[r]));
     }
-    return json_pack("{s:s, s:[I,I,I], s:s, s:o, s:[[f,f,f],[f,f,f]]}", "file", "volume.nrrd", "size",
+    json_t *checksum = checksum_json(level->scalar, iso_geometry_voxel_count(g) * sizeof *level->scalar, 0);
+    return json_pack("{s:s, s:o, s:[I,I,I], s:s, s:o, s:[[f,f,f],[f,f,f]]}", "file", "volume.nrrd",
+                     ISO_REQUEST_CHECKSUM, checksum, "size",
                      (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2], "interpolation",
                      level->labels ? "nearest" : "linear", "index_to_world", rows, "box_index", 0.0, 0.0, 0.0, box[0],
                      box[1], box[2]);
@@ -169,7 +181,10 @@ static json_t *request_json(const iso_request *q, bool lit)
 {
     const iso_view *v = q->view;
     const iso_level *level = &q->pyramid->levels[q->level];
-    json_t *directions = lit ? json_pack("{s:s, s:f}", "file", "directions.nrrd", "epsilon", ISO_DIRECTION_EPS)
+    const size_t code_bytes = 3 * iso_geometry_voxel_count(&level->geometry);
+    json_t *directions = lit ? json_pack("{s:s, s:o, s:f}", "file", "directions.nrrd", ISO_REQUEST_CHECKSUM,
+                                         checksum_json(level->codes, code_bytes, q->pyramid->options.code),
+                                         "epsilon", ISO_DIRECTION_EPS)
                              : json_null();
     return json_pack(
         "{s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:{s:I, s:I}, s:o, s:i}", "schema",

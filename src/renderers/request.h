@@ -29,6 +29,9 @@ typedef struct iso_request {
     int threads; /* 0: all cores */
 } iso_request;
 
+/* Key of "volume" and "directions": a checksum of the values, for a folder whose files were left out. */
+#define ISO_REQUEST_CHECKSUM "xxh3_64"
+
 /* Writes the three files into a folder that is there. ISO_E_USAGE where the view has what the format does not: a 2D transfer
  * function, extinction scales, a region of interest. ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_request_write(const iso_request *request, const char *dir, iso_error *err);
