@@ -47,10 +47,9 @@ static json_t *volume_json(const iso_level *level)
     }
     json_t *checksum = checksum_json(level->scalar, iso_geometry_voxel_count(g) * sizeof *level->scalar, 0);
     return json_pack("{s:s, s:o, s:[I,I,I], s:s, s:o, s:[[f,f,f],[f,f,f]]}", "file", "volume.nrrd",
-                     ISO_REQUEST_CHECKSUM, checksum, "size",
-                     (json_int_t)g->size[0], (json_int_t)g->size[1], (json_int_t)g->size[2], "interpolation",
-                     level->labels ? "nearest" : "linear", "index_to_world", rows, "box_index", 0.0, 0.0, 0.0, box[0],
-                     box[1], box[2]);
+                     ISO_REQUEST_CHECKSUM, checksum, "size", (json_int_t)g->size[0], (json_int_t)g->size[1],
+                     (json_int_t)g->size[2], "interpolation", level->labels ? "nearest" : "linear", "index_to_world",
+                     rows, "box_index", 0.0, 0.0, 0.0, box[0], box[1], box[2]);
 }
 
 static iso_status write_volume(const iso_level *level, const char *path, iso_error *err)
@@ -183,8 +182,8 @@ static json_t *request_json(const iso_request *q, bool lit)
     const iso_level *level = &q->pyramid->levels[q->level];
     const size_t code_bytes = 3 * iso_geometry_voxel_count(&level->geometry);
     json_t *directions = lit ? json_pack("{s:s, s:o, s:f}", "file", "directions.nrrd", ISO_REQUEST_CHECKSUM,
-                                         checksum_json(level->codes, code_bytes, q->pyramid->options.code),
-                                         "epsilon", ISO_DIRECTION_EPS)
+                                         checksum_json(level->codes, code_bytes, q->pyramid->options.code), "epsilon",
+                                         ISO_DIRECTION_EPS)
                              : json_null();
     return json_pack(
         "{s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:{s:I, s:I}, s:o, s:i}", "schema",
