@@ -62,19 +62,23 @@ openvdb_libs = -fopenmp -lopenvdb $(shell pkg-config --libs tbb Imath libdeflate
 
 # ---- files -----------------------------------------------------------------
 # The library is what others link with; the rooms that only commands need stand beside it, in an archive of their own.
-command_rooms := atlas bench chart cli figure options report rivals validate view
+command_rooms := atlas bench chart cli figure options report validate view
 all_c := $(filter-out src/base/mpi/%,$(wildcard src/*.c src/*/*.c src/*/*/*.c exporters/*/*.c))
 commands_c := $(filter $(command_rooms:%=src/%/%),$(all_c))
-lib_c := $(filter-out $(commands_c),$(all_c))
+lab_c := $(filter src/lab/%,$(all_c))
+lib_c := $(filter-out $(commands_c) $(lab_c),$(all_c))
 # OpenVDB takes longer to load than all else: what stands on it is loaded when files of grids are written or read.
 openvdb_cc := $(wildcard exporters/vdb/*.cc)
 openvdb_o := $(openvdb_cc:%.cc=$(build)/%.o)
 openvdb_library := $(build)/isoshade_openvdb.so
 lib_o := $(lib_c:%.c=$(build)/%.o)
+lab_o := $(patsubst %.c,$(build)/%.o,$(filter-out src/lab/main.c,$(lab_c)))
 commands_o := $(patsubst %.c,$(build)/%.o,$(filter-out src/cli/main.c,$(commands_c)))
 lib := $(build)/libisoshade.a
 commands := $(build)/libcommands.a
 program := $(build)/isoshade
+# Research: the papers' tables and figures, rival methods, experiments. Not installed.
+lab_program := $(build)/isoshade-lab
 
 # The version stands in the header. Programs ask for the library by its major number (its soname).
 version_of = $(shell sed -n 's/^.define ISO_VERSION_$(1) \([0-9]*\)$$/\1/p' src/isoshade.h)
@@ -98,8 +102,10 @@ arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) && echo yes),$(
 vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb)
 reader_programs := $(itk_program) $(arrays_program) $(vdb_program)
 beside := $(openvdb_library) $(mpi_library) $(reader_programs)
-test_c := $(wildcard tests/test_*.c)
-tests := $(test_c:tests/%.c=$(build)/tests/%)
+test_c := $(wildcard tests/test_*.c tests/lab/test_*.c)
+# Those of src/lab stand among the others, so that each finds what the program loads beside it.
+lab_tests := $(patsubst tests/lab/%.c,$(build)/tests/%,$(filter tests/lab/%,$(test_c)))
+tests := $(patsubst tests/%.c,$(build)/tests/%,$(filter-out tests/lab/%,$(test_c))) $(lab_tests)
 # Readers on damaged files: targets and a driver with mutations of its own, for `make check`.
 fuzz_c := $(filter-out tests/fuzz/libfuzzer.c,$(wildcard tests/fuzz/*.c))
 fuzz := $(build)/isoshade-fuzz
@@ -116,6 +122,10 @@ embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/
 
 all: $(program) $(shared) $(beside) ## build the program for $(config)
 	@[ "$$(readlink isoshade)" = $(program) ] || ln -sfn $(program) isoshade
+
+lab: all $(lab_program) ## build isoshade-lab, which reproduces papers and experiments
+	@[ "$$(readlink isoshade-lab)" = $(lab_program) ] || ln -sfn $(lab_program) isoshade-lab
+.PHONY: lab
 
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -149,7 +159,7 @@ addon: $(addon) ## pack the add-on of Blender as a zip that Blender installs
 .PHONY: addon
 
 # Those with a reader within them are for speed: the sanitizers watch the readers as programs.
-tests: $(tests) $(fuzz) $(if $(filter release,$(config)),$(fuzz_programs)) $(openvdb_library) ## build the test programs
+tests: $(tests) $(lab_program) $(fuzz) $(if $(filter release,$(config)),$(fuzz_programs)) $(openvdb_library) ## build the test programs
 .PHONY: tests
 # FIGURES="hero sheet" draws these alone, FIGURES=quick those that take minutes; refscenes/figures.sh has the names.
 figures: $(needs_setup) ## draw the pictures of the documentation again
@@ -237,7 +247,7 @@ format: ## lay out the C and C++ files by .clang-format
 .PHONY: format
 
 clean: ## remove what was built
-	rm -rf build/release build/avx2 build/debug build/sanitize build/fuzz build/coverage build/threads build/analyzed build/cppchecked isoshade
+	rm -rf build/release build/avx2 build/debug build/sanitize build/fuzz build/coverage build/threads build/analyzed build/cppchecked isoshade isoshade-lab
 
 # make V=1 shows the whole commands.
 ifndef V
@@ -249,6 +259,8 @@ endif
 # ---- rules -----------------------------------------------------------------
 $(program): $(build)/src/cli/main.o $(commands) $(lib) $(build)/child-flags
 	$(call say,LD )$(CC) $(flags_$(config)) $(link_$(config)) -fopenmp -o $@ $(filter %.o %.a,$^) $(LDLIBS)
+$(lab_program): $(build)/src/lab/main.o $(lab_o) $(commands) $(lib)
+	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $(filter %.o %.a,$^) $(LDLIBS)
 $(lib): $(lib_o) $(openvdb_o)
 	@rm -f $@
 	$(call say,AR )ar rcs $@ $^
@@ -291,6 +303,8 @@ $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml
 	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade && cp $^ $(build)/addon/isoshade/
 	@TZ=UTC touch -d 1980-01-01 $(build)/addon/isoshade/* $(build)/addon/isoshade
 	$(call say,ZIP)cd $(build)/addon && TZ=UTC python3 -m zipfile -c ../$(@F) isoshade
+$(lab_tests): $(build)/tests/%: $(build)/tests/lab/%.o $(lab_o) $(commands) $(lib)
+	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 # The readers that are programs of their own lie beside it, or nothing is read of their formats.
@@ -325,7 +339,7 @@ $(build)/%.o: %.cc $(build)/flags
 $(build)/src/encode/decode_float.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/render/cpu/cast_%.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/encode/encode_region48.o: CFLAGS += -ffp-contract=fast
-fortified_o := $(if $(filter release,$(config)),$(filter-out $(inner_loops:%=$(build)/src/%/%.o),$(lib_o)) $(commands_o) \
+fortified_o := $(if $(filter release,$(config)),$(filter-out $(inner_loops:%=$(build)/src/%/%.o),$(lib_o)) $(commands_o) $(lab_o) \
 	$(openvdb_o) $(build)/src/cli/main.o)
 $(fortified_o): CFLAGS += $(fortified)
 $(fortified_o): CXXFLAGS += $(fortified)
@@ -339,4 +353,4 @@ $(embedders:%.c=$(build)/%.o): $(embedded)
 
 # Kept, though only a pattern names them. Not all targets: a new source older than the library must still be built.
 .SECONDARY: $(test_c:%.c=$(build)/%.o)
--include $(lib_o:.o=.d) $(openvdb_o:.o=.d) $(commands_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(fuzz_c:%.c=$(build)/%.d) $(build)/tests/threads/threads.d $(build)/src/cli/main.d
+-include $(lab_o:.o=.d) $(build)/src/lab/main.d $(lib_o:.o=.d) $(openvdb_o:.o=.d) $(commands_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(fuzz_c:%.c=$(build)/%.d) $(build)/tests/threads/threads.d $(build)/src/cli/main.d

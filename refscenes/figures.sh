@@ -3,7 +3,7 @@
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              all of them: hours, since some time a machine
 #   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels adaptive-tf seams failures palettes papers kinds
-#   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity scale chart chart-page chart-across opened viewer addon
+#   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity scale chart chart-page opened viewer addon
 #                                        first-pictures
 # What needs a volume or a program that is not there says so and is left out: the volume of $ENGINE (256 x 256 x 128, else
 # ../shared/data/engine_256x256x128.nrrd), the folder $VOLUMES of doc/results/first-pictures.md, Xvfb, ImageMagick,
@@ -68,7 +68,7 @@ opened() { # doc/blender.md: the window of Blender by Xvfb, and ImageMagick's im
 adaptive_tf() { # doc/method/adaptive-tf.md
     kind adaptive-tf.png $templates/ch2.nii.gz --scene refscenes/brain.scene.json --kind tf --levels 4 --adapt --width 170
 }
-seams() { "$isoshade" bench seams -o "$out/mixed-resolution-seams.png"; } # doc/method/mixed-resolution.md
+seams() { "$isoshade-lab" seams -o "$out/mixed-resolution-seams.png"; } # doc/method/mixed-resolution.md
 failures() { # doc/results/failures.md
     "$isoshade" atlas --case vanishing-gradients,sharp-tf,code-poles -q -o "$work/atlas"
     screenshot "$work/atlas/index.html" "$out/failures.png" 1150 2720
@@ -98,23 +98,23 @@ kinds() { # doc/figures.md, doc/method/adaptive-tf.md
     kind figure-tf.png $templates/ch2bet.nii.gz $scene --kind tf --width 110
     kind figure-plan.png $templates/ch2bet.nii.gz $scene --kind plan --width 120
     kind figure-failure.png --kind failure --case noise --width 110
-    kind figure-roi.png $templates/ch2bet.nii.gz $scene --kind roi --level 3 --roi 0,90,60,90,180,150 --width 170
+    isoshade=$isoshade-lab kind figure-roi.png $templates/ch2bet.nii.gz $scene --kind roi --level 3 --roi 0,90,60,90,180,150 --width 170
     kind figure-slices.png $templates/ch2bet.nii.gz --kind slices --levels 3 --width 110
     kind figure-turntable.png $templates/ch2bet.nii.gz $scene --kind turntable --frames 6 --zoom 0.86 --width 120
 }
 
 # Longer ones.
 codes() { # doc/results/direction-codes.md
-    "$isoshade" bench encode --chart "$work"
+    "$isoshade-lab" encode --chart "$work"
     cp "$work/figure10.svg" "$out/gradients-figure10.svg"
 }
 gradients() { # doc/results/gradients.md
-    "$isoshade" bench consistency --filters --holes -q -o "$work/gradients"
+    "$isoshade-lab" consistency --filters --holes -q -o "$work/gradients"
     cp "$work/gradients/filters.svg" "$out/gradients-filters.svg"
     cp "$work/gradients/holes.svg" "$out/gradients-holes.svg"
 }
 sensitivity() { # doc/results/validation.md
-    "$isoshade" bench power --sensitivity -q -o "$work/sensitivity"
+    "$isoshade-lab" power --sensitivity -q -o "$work/sensitivity"
     cp "$work/sensitivity/sensitivity.svg" "$out/validation-sensitivity.svg"
 }
 scale() { # doc/scale.md: 4 minutes, 12 GB of disk and of memory
@@ -125,12 +125,6 @@ chart() { # doc/results/chart.md
     "$isoshade" chart $templates/ch2bet.nii.gz --scene refscenes/brain.scene.json --size 128 --codes fit --filters moments \
         --estimators central --processor-time --budget 165 --want 1/255 -q -o "$work/chart-brain"
     cp "$work/chart-brain/pareto.svg" "$out/chart-brain.svg"
-}
-chart_across() { # doc/results/chart.md
-    teem-unu crop -min 80 80 16 -max 175 175 111 -i "$engine" -o "$work/engine.nrrd"
-    "$isoshade" chart "$work/engine.nrrd" --across-levels --scene refscenes/shells.scene.json --size 128 --views 3 --levels 4 \
-        -q -o "$work/chart-engine"
-    cp "$work/chart-engine/across.svg" "$out/chart-across.svg"
 }
 addon() { # doc/blender.md; by Xvfb and ImageMagick
     make -s SETUP=no addon
@@ -159,7 +153,6 @@ needs() { # name
         viewer | chart-page) echo $templates/ch2bet.nii.gz chromium python3 ;;
         opened) echo $templates/ch2bet.nii.gz blender xvfb-run import ;;
         failures) echo chromium ;;
-        chart-across) echo "$engine" teem-unu ;;
         addon) echo blender xvfb-run convert ;;
         first-pictures) echo "${VOLUMES:-./\$VOLUMES}" montage ;;
     esac
@@ -174,7 +167,7 @@ missing() { # name: the first thing that it needs and that is not there
 }
 
 quick="hero sheet report levels adaptive-tf seams failures palettes papers kinds"
-longer="codes gradients sensitivity scale chart chart-page chart-across opened viewer addon first-pictures"
+longer="codes gradients sensitivity scale chart chart-page opened viewer addon first-pictures"
 [ $# -gt 0 ] || set -- $quick $longer
 [ "$*" != quick ] || set -- $quick
 skipped=

@@ -3,6 +3,7 @@
 # Files from strangers, outputs that are not files, programs that hang: a clear error, and nothing lost.
 . "$(dirname "$0")/lib.sh"
 isoshade() { "$ISOSHADE" "$@"; }
+isoshade-lab() { "$LAB" "$@"; }
 shells=$top/refscenes/shells.scene.json
 isoshade make shells --size 12x10x11 -o s.nrrd -q
 isoshade build s.nrrd -o s.iso --levels 2 -q >/dev/null
@@ -314,7 +315,7 @@ isoshade build s.nrrd -o own.iso --levels 2 -q >/dev/null
 stays a_pyramid_by_its_level own.iso build own.iso/level_1.nrrd -o own.iso --levels 1
 ln own.iso/level_0.nrrd p_level_0.nrrd
 stays a_level_by_another_name p_level_0.nrrd palette own.iso --per-level --entries 4 -o p.nrrd
-stays a_volume_for_a_table s.nrrd bench levels s.nrrd --quick --levels 2 --methods default,original --csv s.nrrd
+stays a_volume_for_a_table s.nrrd isoshade-lab levels s.nrrd --quick --levels 2 --methods default,original --csv s.nrrd
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\nencoding: raw\ndata file: data.nrrd\n' >d.nhdr
 seq 100 | head -c 64 >data.nrrd
 stays samples_that_a_header_names data.nrrd palette d.nhdr --entries 4 -o data.nrrd
@@ -335,7 +336,7 @@ fi
 again() { isoshade validate s.nrrd --quick --levels 1 --with cpu --size 16 --limit-size 8 -q -o again; }
 check a_report_with_a_scene_of_its_own again
 check is_made_again again
-table() { isoshade bench levels s.nrrd --quick --levels 2 --size 16 --methods default,original --csv table.csv -q "$@"; }
+table() { isoshade-lab levels s.nrrd --quick --levels 2 --size 16 --methods default,original --csv table.csv -q "$@"; }
 check a_table table
 check goes_on_with_itself table --have table.csv
 # A cache that is damaged is no input that has to stay.

@@ -97,8 +97,6 @@ check and_the_answer_has_them grep -q '"threads": 1,' ours.json
 check why_the_other_one_failed_is_said grep -q 'beside: failing: exit code 6' out
 check in_its_own_answer_alone sh -c "grep -q '\"cause\": \"failing: exit code 6' other.json && ! grep -q cause ours.json"
 check no_bar_for_small_sizes sh -c "! grep -q '<= 6' out"
-check what_is_not_quick_is_in_the_answer sh -c "grep -A1 not_in_quick ours.json | grep -q encode-fit"
-refuse a_figure_that_is_not_quick 2 'isoshade bench all: --only encode-fit: not in --quick' "$ISOSHADE" bench all --quick --only encode-fit
 refuse no_figures 4 'with figures' "$ISOSHADE" bench compare none.json a.json
 refuse another_file 4 'schema' "$ISOSHADE" bench compare "$top/refscenes/shells.tf.json" a.json
 refuse a_name_that_is_none 2 'no figure of that name' "$ISOSHADE" bench all --only nothing

@@ -149,16 +149,6 @@ done
 for bad in 0 2 1/0 x 1/255, none,1/255; do
     expect "plans_$bad"_is_refused 2 chart --plans="$bad" -o "$dir/n"
 done
-# Designs of coarse levels.
-across() { "$ISOSHADE" chart "$dir/v.nrrd" --across-levels --scene $scene --size 16 --views 1 --threads 1 -q "$@"; }
-expect designs_across_levels 0 across --levels 3 --designs original,damped,scaled -o "$dir/a" --json
-has_keys of_designs_and_levels "$dir/out" designs levels design ratio ratio_minified bytes_front time_front chosen_within error_minified
-check a_row_a_design_and_level test "$(wc -l <"$dir/a/across.csv")" = 7
-check a_picture_of_them test -s "$dir/a/across.svg" -a -s "$dir/a/across.pdf"
-expect an_unknown_design_is_refused 2 across --designs magic -o "$dir/n"
-expect a_level_to_look_at_is_needed 2 across --levels 1 -o "$dir/n"
-expect pixels_along_an_edge 2 "$ISOSHADE" chart "$dir/v.nrrd" --across-levels --scene $scene --size 16x8 -o "$dir/n"
-
 # What the commands lean on, refused where it would be passed over.
 render() { "$ISOSHADE" render "$@" --scene $scene --size 8 -o "$dir/r.exr" -q; }
 "$ISOSHADE" build "$dir/v.nrrd" --levels 1 -o "$dir/v.iso" -q >/dev/null

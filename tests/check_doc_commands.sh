@@ -5,7 +5,8 @@
 # check_readme.sh. Pages can be named as arguments: doc/blender.md ...
 . "$(dirname "$0")/lib.sh"
 isoshade() { "$ISOSHADE" "$@"; }
-export -f isoshade
+isoshade-lab() { "$LAB" "$@"; }
+export -f isoshade isoshade-lab
 
 cat >commands.py <<'END'
 # With a page as argument: a line for each command on it: number <TAB> "run", "options" or a reason not to run it <TAB> the
@@ -34,7 +35,6 @@ SMALL = [
     ("render", "--size 12"),
     ("export .*--to (blender|povray)", "--size 12"),
     ("plan", "--size 12"),
-    ("chart .*--across-levels", "--size 16 --views 1 --levels 2"),
     ("chart", "--size 12 --levels 1 --steps 1 --codes fit --filters moments --estimators central --with gl --plans none --budget 0 --want 1"),
     ("validate", "--size 8 --quick --with gl --levels 2"),
     ("palette", "--entries 16 --steps 10"),
@@ -44,29 +44,29 @@ SMALL = [
     ("figure", "--dpi 40"),
     ("bench all", "--quick --repeat 1 --only build-memory"),
     ("bench build", "--size 24 --levels 2 --runs 1"),
-    ("bench encode", "--count 200 --size 12"),
-    ("bench gradient", "--size 32"),
-    ("bench palette", "--steps 4 --seeds 1"),
-    ("bench seams", "--layouts 2"),
-    ("bench ghosts", "--levels 2"),
-    ("bench extinction-scale", "--size 16 --levels 2 --runs 1"),
-    ("bench tf", "--size 24 --runs 1"),
-    ("bench reference", "--size 6"),
+    ("isoshade-lab encode", "--count 200 --size 12"),
+    ("isoshade-lab gradient", "--size 32"),
+    ("isoshade-lab palette", "--steps 4 --seeds 1"),
+    ("isoshade-lab seams", "--layouts 2"),
+    ("isoshade-lab ghosts", "--levels 2"),
+    ("isoshade-lab extinction-scale", "--size 16 --levels 2 --runs 1"),
+    ("isoshade-lab tf", "--size 24 --runs 1"),
+    ("isoshade-lab reference", "--size 6"),
     ("bench cast", "--image 16 --truth 8 --rounds 1"),
     ("bench scale", "--largest 64"),
     ("bench render", "--image 16 --runs 1 --size 32"),
-    ("bench convergence", "--steps 2 --size 8"),
-    ("bench bound", "--size 16 --views 1 --levels 2"),
-    ("bench noise", "--quick --levels 2 --analytic 0"),
-    ("bench levels", "--size 16 --views 1 --levels 2 --methods default --tfs soft"),
-    ("bench consistency .*--analytic", "--analytic 16 --size 16 --views 1 --level 1"),
-    ("bench consistency", "--size 16 --views 1 --level 1 --with gl"),
+    ("isoshade-lab convergence", "--steps 2 --size 8"),
+    ("isoshade-lab bound", "--size 16 --views 1 --levels 2"),
+    ("isoshade-lab noise", "--quick --levels 2 --analytic 0"),
+    ("isoshade-lab levels", "--size 16 --views 1 --levels 2 --methods default --tfs soft"),
+    ("isoshade-lab consistency .*--analytic", "--analytic 16 --size 16 --views 1 --level 1"),
+    ("isoshade-lab consistency", "--size 16 --views 1 --level 1 --with gl"),
 ]
 
 # What is not run, with the reason; its options are checked like those of the others.
 NOT_RUN = [
     (r"bench (compare|all .*--beside) ", "files and a program of another day; tests/check_bench_all.sh has some"),
-    (r"bench levels --have .*\.\.\.", "tables of runs of hours; tests/check_bench_levels.sh joins small ones"),
+    (r"isoshade-lab levels --have .*\.\.\.", "tables of runs of hours; tests/lab/check_levels.sh joins small ones"),
     (r"validate .*--images", "its pictures come from a renderer elsewhere; tests/check_images.sh has some drawn"),
     (r"validate .*--blender ", "it needs a second Blender; tests/check_blenders.sh compares one with itself"),
     (r"render .*--gl-device 1", "it needs a second device; tests/check_gl_device.sh asks for those that are there"),
@@ -75,9 +75,9 @@ NOT_RUN = [
     (r"render bonsai_256\.nrrd --scene few|compare (cycles|limit)\.exr", "of the scene that the run before writes; check_pipeline.sh and check_compare.sh have small ones"),
     (r"validate .*--with povray .*--budget 0\.01", "it ends with 1, since nothing is compared in that time: tests/check_job.sh"),
     (r"validate --suite", "a minute; tests/check_suite_all.sh runs all scenes of the suite"),
-    (r"bench consistency --(shading|filters)", "minutes; tests/check_consistency.sh runs them with few voxels and pixels"),
-    (r"bench encode", "a minute whatever the options; tests/check_bench_encode.sh runs it"),
-    (r"bench power", "minutes: it renders random scenes until each limit has been tried; tests/check_power.sh runs it"),
+    (r"isoshade-lab consistency --(shading|filters)", "minutes; tests/lab/check_consistency.sh runs them with few voxels and pixels"),
+    (r"isoshade-lab encode", "a minute whatever the options; tests/lab/check_encode.sh runs it"),
+    (r"isoshade-lab power", "minutes: it renders random scenes until each limit has been tried; tests/lab/check_power.sh runs it"),
     (r"render ml\.nrrd .*report/images", "an excerpt of a report; tests/check_suite.sh runs such lines of its own reports"),
     (r"render v\.iso .*flipped", "an excerpt: it needs a build with the code flipped; tests/test_flipped_fetch.c has the fetch"),
 ]
@@ -105,13 +105,13 @@ for number, line in enumerate(text, 1):
     elif fence == "sh" or (fence is None and line.startswith("    ")):
         blocks.append((number, line.strip() if fence == "sh" else line[4:]))
 for number, line in joined(blocks):
-    if re.match(r"isoshade |make ", line):
+    if re.match(r"isoshade(-lab)? |make ", line):
         commands.append((number, "run", re.split(r"\s{3,}", line)[0]))
 for number, line in enumerate(text, 1):
     if not line.startswith("    "):
         if line.count("`") % 2: # a command that goes on in the next line
             line += " " + "".join(text[number:number + 1]).strip()
-        commands += [(number, "options", m) for m in re.findall(r"`(isoshade [a-z]+ [^`]*--[^`]*)`", line)]
+        commands += [(number, "options", m) for m in re.findall(r"`(isoshade(?:-lab)? [a-z]+ [^`]*--[^`]*)`", line)]
 
 for number, kind, line in commands:
     if line.startswith("make "):
@@ -124,7 +124,7 @@ for number, kind, line in commands:
         line = re.sub(pattern, replacement, line)
     if kind == "run":
         first, *rest = line.split(" && ")
-        small = next((more for pattern, more in SMALL if re.match("isoshade " + pattern, first)), "")
+        small = next((more for pattern, more in SMALL if re.match(pattern, first.removeprefix("isoshade "))), "")
         line = " && ".join([f"{first} {small}".rstrip(), *rest])
     print(number, kind, line, sep="\t")
 END

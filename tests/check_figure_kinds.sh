@@ -54,16 +54,21 @@ kind chart tried --letters
 check a_chart_needs_no_kind "$ISOSHADE" figure tried --width 85 --dpi 72 --formats latex --letters -q -o usual
 check and_is_drawn_as_with_one cmp usual/caption.txt chart/caption.txt
 kind plan v.nrrd --error 0.2 --size 48 # the size that plans are measured at
-kind seams v.nrrd
-kind roi v.nrrd --level 1
 kind slices v.nrrd --levels 2 --map viridis
 kind levels v.nrrd --levels 2
+kind grid v.nrrd --with gl,cpu --levels 2 --adapt
 kind renderers v.nrrd --with gl --level 1 --size 48x24
 more=" frames turntable.png"
 kind turntable v.nrrd --frames 3
 forms=svg,png,latex more=" figure.png figure.svg"
 kind methods v.nrrd --level 1 --methods naive,moments --zoom 0.4,0.3,0.25,0.25
 latex_takes latex_takes_each_kind $kinds_of_volumes
+# A grid has levels downward and renderers across: a picture for each pair with the reference, and a bar.
+check a_grid_has_a_picture_for_each_pair test "$(pdfimages -list grid/figure.pdf | awk 'NR > 2 && $3 == "image"' | wc -l)" = 7
+check a_grid_has_its_bars grep -q 'Scale bar: .* Bar: the transfer function of level 0' grid/caption.txt
+check a_grid_compares_with_the_first test "$(grep -o RMSE grid/caption.txt | wc -l)" = 4
+refuse more_rows_than_there_is_room 5 'must be 1 to 4' "$ISOSHADE" figure v.nrrd --kind grid --with gl --levels 5 -o f -q
+refuse a_grid_of_nothing 2 'needs a volume' "$ISOSHADE" figure --kind grid -o f
 # A picture for each pair, and a bar under each row; several levels of one transfer function on one axis.
 count_of() { pdfimages -list "$1/figure.pdf" | awk -v bars="$2" 'NR > 2 && ($4 > 6 * $5) == bars' | wc -l; }
 check a_sheet_has_a_picture_for_each_pair test "$(count_of sheet 0)-$(count_of sheet 1)" = 6-2
@@ -74,7 +79,7 @@ check each_level_has_a_transfer_function test "$(pdftotext adapted/figure.pdf - 
 curve_of() { awk '$0 == "$curve << EOD" {++n; next} $0 == "EOD" {on = 0} 1 {if (n == k && !done) print} $0 == "EOD" && n == k {done = 1}' k="$1" adapted/figure.gp; }
 check an_adapted_one_is_another_one test "$(curve_of 1 | md5sum)" != "$(curve_of 2 | md5sum)"
 check all_have_one_axis test "$(grep -o '^set xrange [^;]*; set yrange .0:1' adapted/figure.gp | sort | uniq -c | awk '{print $1}')" = 6
-check all_kinds_are_drawn_by_a_script test "$(printf '%s\n' $kinds_of_volumes $kinds_of_papers | sort)" = "$("$ISOSHADE" list | sed -n '/^kind of figures:/,/^$/s/^  \([a-z-]*\) .*/\1/p' | sort)"
+check all_kinds_are_drawn_by_a_script test "$(printf '%s\n' $kinds_of_volumes | sort)" = "$("$ISOSHADE" list | sed -n '/^kind of figures:/,/^$/s/^  \([a-z-]*\) .*/\1/p' | sort)"
 check the_png_has_the_same_pixels in_the_png methods
 check the_inset_is_told_of grep -q 'rendered again with 4 times as many pixels' methods/caption.txt
 check insets_have_pixels_of_their_own test "$(pdfimages methods/figure.pdf q && md5sum q-*.ppm | cut -d' ' -f1 | sort | uniq -d | wc -l)" = 0
@@ -123,7 +128,7 @@ check a_chart_has_letters test "$(letters chart/figure.pdf)" = ab
 check none_where_none_is_asked_for test -z "$(letters methods/figure.pdf)"
 check the_bar_is_told_of grep -q 'Bar: the transfer function, colors over value, as opaque as' lettered/caption.txt
 check the_bar_is_there test "$(pdfimages -list lettered/figure.pdf | awk 'NR > 2 && $4 > 6 * $5' | wc -l)" = 1
-for name in levels renderers methods failure plan seams roi turntable; do
+for name in levels renderers methods failure plan turntable; do
     check "the_bar_is_under_$name" grep -q 'Bar: the transfer function' $name/caption.txt
 done
 check and_is_that_of_level_0_where_others_have_their_own grep -q 'Bar: the transfer function of level 0' failure/caption.txt
@@ -166,8 +171,6 @@ refuse a_kind_that_is_none 2 'kind of figure' "$ISOSHADE" figure v.nrrd --kind p
 refuse several_transfer_functions_are_of_a_sheet 2 'kind tf does not take several of --tf or --view' "$ISOSHADE" figure v.nrrd --kind tf --tf auto --tf simulation -o f
 refuse more_sides_than_there_is_room 5 'more than 8 times' "$ISOSHADE" figure v.nrrd --kind sheet --view={1,2,3,4,5,6,7,8,9},0 -o f
 refuse levels_of_one_transfer_function 2 'goes with --adapt' "$ISOSHADE" figure v.nrrd --kind tf --levels 3 -o f -q
-refuse regions_are_of_their_kind 2 'kind tf does not take --roi' "$ISOSHADE" figure v.nrrd --kind tf --roi 1,1,1,2,2,2 -o f
-refuse a_region_that_is_none 2 'wanted six numbers' "$ISOSHADE" figure v.nrrd --kind roi --roi 1,2 -o f -q
 refuse a_map_that_is_none 2 'color map' "$ISOSHADE" figure v.nrrd --map jet -o f
 refuse an_inset_beyond_the_picture 5 'parts of the picture' "$ISOSHADE" figure v.nrrd --zoom 0.9,0,0.5,0.5 -o f
 refuse a_zoom_that_is_none 2 'wanted X or X,Y,W,H' "$ISOSHADE" figure v.nrrd --zoom 1,2 -o f

@@ -81,20 +81,24 @@ refuse range_of_nothing '--range is for a file that --tf names' "$ISOSHADE" plan
 refuse bad_unit_distance '--unit-distance is "x"' "$ISOSHADE" chart nothing.nrrd --tf $top/refscenes/shells.tf.json --unit-distance x -o x
 # What a picture shows is asked for alike everywhere, in the same words, and checked before the volume is read.
 looks="render -o x.png/export --to blender -o x.blend/validate -o x/plan/chart -o x/tf bound/tf adapt -o x/tf triangle --level 1/scenes -o x.png"
-looks+="/bench plan/bench convergence/bench palette/bench encode"
+looks+="/lab plan/lab convergence/lab palette/lab encode"
 IFS=/
 for command in $looks; do
     IFS=' '
     set -- $command
     first=$1 && shift
-    case $first in tf | bench) first="$first $1" && shift ;; esac
+    program=$ISOSHADE
+    case $first in
+        tf) first="$first $1" && shift ;;
+        lab) program=$LAB first=$1 && shift ;;
+    esac
     for wrong in "3 --scene missing.scene.json" "2 --tf bone" "2 --view frnt" "2 --size big" "2 --zoom -1"; do
         set -- $wrong "$@"
         code=$1 option=$2 value=$3 && shift 3
-        expect "${first// /_}${option/--/_}_first" $code "$ISOSHADE" $first nothing.nrrd $option $value "$@"
-        check "${first// /_}${option/--/_}_said" grep -q -- "$option\|$value" err
+        expect "${program##*/}_${first// /_}${option/--/_}_first" $code "$program" $first nothing.nrrd $option $value "$@"
+        check "${program##*/}_${first// /_}${option/--/_}_said" grep -q -- "$option\|$value" err
     done
-    "$ISOSHADE" $first --help >>help.txt
+    "$program" $first --help >>help.txt
 done
 IFS=$' \t\n'
 # What --help says of an option, each command's in a line.

@@ -75,8 +75,8 @@ check values_are_completed test "$(complete_words isoshade export --to b)" = ble
 check values_behind_an_equals_sign_too test "$(complete_words isoshade export --to = b)" = blender
 check values_of_a_list_are_completed test "$(complete_words isoshade build --direction-filter n)" = naive
 check kinds_of_volumes_are_completed test "$(complete_words isoshade make mar)" = marschner-lobb
-check benchmarks_are_completed test "$(complete_words isoshade bench gr)" = gradient
-check with_their_options test "$(complete_words isoshade bench encode --cou)" = --count
+check benchmarks_are_completed test "$(complete_words isoshade bench sc)" = scale
+check with_their_options test "$(complete_words isoshade bench render --brick)" = --bricks
 check actions_are_completed test "$(complete_words isoshade tf c)" = convert
 check files_are_left_to_the_shell test -z "$(complete_words isoshade render --scene re)"
 if command -v zsh >/dev/null; then

@@ -150,11 +150,6 @@ assert sum(r["processor_seconds"].values()) <= 1.01 * work["processor_seconds"] 
 PY
 check sizes_and_work_are_in_the_report python3 small.py
 
-# ---- what it draws, beside whole pictures, one a start ----
-expect a_job_beside_whole_pictures 0 "$ISOSHADE" bench job v.nrrd --scene "$scene" --with cpu --size 72 --levels 1 --json -q
-check draws_less_to_the_same_verdicts python3 -c 'import json, sys
-r = json.load(open("out")); assert r["changed_count"] == 0 and r["ratios"]["pixel_steps"] > 1.05 and r["ratios"]["pictures"] == 1, r["ratios"]'
-
 # ---- a budget: what is left out is said, and nothing is claimed of it ----
 expect nothing_is_compared_in_no_time 1 "$ISOSHADE" validate v.nrrd --scene "$scene" --with gl --quick --size 16 --levels 2 --budget 0.01 -q -o hurried
 check which_is_said grep -q "not compared: shells, level 0, gl: the budget of 0.01 s was over" out

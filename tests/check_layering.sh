@@ -38,9 +38,9 @@ chart:      $shared render renderers compare plan report
 options:    $shared
 atlas:      $shared render compare report options
 figure:     $shared render renderers compare plan report chart options atlas
-rivals:     $shared render
-bench:      $shared render vdb povray blender renderers compare plan report validate options rivals
-cli:        $shared render vdb povray blender renderers compare plan bake media targets report view validate chart options atlas figure rivals bench
+bench:      $shared render vdb povray blender renderers compare plan report validate options
+cli:        $shared render vdb povray blender renderers compare plan bake media targets report view validate chart options atlas figure bench
+lab:        $shared render vdb povray blender renderers compare plan bake media targets report view validate chart options atlas figure bench cli
 "
 rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")
 declare -A may # of each room: what it may include, itself too, each between blanks

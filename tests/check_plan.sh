@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# The commands of mixed resolution: plan, bench seams, bench render --bricks.
+# The commands of mixed resolution: plan, isoshade-lab seams and plan, bench render --bricks.
 . "$(dirname "$0")/lib.sh"
 scene=$top/refscenes/shells.scene.json
 plan=("$ISOSHADE" plan v.nrrd --scene "$scene" --size 64 --brick 8 --levels 3 --quiet)
@@ -83,7 +83,7 @@ if ! has_cycles; then
     skip cycles_of_a_plan_is_cycles_of_the_volume "$lack"
 elif command -v blender >/dev/null; then
     "$ISOSHADE" make sphere --size 24x20x22 -o ball.nrrd --quiet
-    "$ISOSHADE" bench plan ball.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 48 --levels 3 --error 0.01 --cycles 32 --step 0.25 --json --quiet >bench.json 2>err ||
+    "$LAB" plan ball.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --size 48 --levels 3 --error 0.01 --cycles 32 --step 0.25 --json --quiet >bench.json 2>err ||
         not_ok bench_plan_runs "$(cat err)"
     holds cycles_of_a_plan_is_cycles_of_the_volume "$(json_number bench.json cycles_rmse) > 0 && $(json_number bench.json cycles_rmse) <= 0.011"
 fi
@@ -122,7 +122,7 @@ refuse nor_is_that_of_all 2 "must end with .exr or .png" "${plan[@]}" --full-ima
 refuse unknown_faces_are_refused 2 "round" "${plan[@]}" --faces round -o refused.json
 refuse negative_error_is_refused 2 "error" "${plan[@]}" --error -1 -o refused.json
 
-"$ISOSHADE" bench seams --layouts 3 -o seams.png >out 2>err && [ -s seams.png ] && ok bench_seams_draws_its_picture || not_ok bench_seams_draws_its_picture "$(cat err)"
+"$LAB" seams --layouts 3 -o seams.png >out 2>err && [ -s seams.png ] && ok bench_seams_draws_its_picture || not_ok bench_seams_draws_its_picture "$(cat err)"
 if awk '$1 == "nodes-baked" || $1 == "paper-corrected" { if (!($2 <= 1e-12)) exit 1; n++ }
         $1 == "paper-written" || $1 == "nodes-own" { if (!($2 > 0.01)) exit 1; n++ } END { exit n != 4 }' out
 then ok bench_seams_tells_smooth_schemes_from_others; else not_ok bench_seams_tells_smooth_schemes_from_others "$(cat out)"; fi

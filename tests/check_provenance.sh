@@ -49,7 +49,6 @@ outputs() {
     run view "$plant/s.nrrd" $S -o "$dir/made/v.html"
     run plan "$plant/s.nrrd" $S -o "$dir/made/plan.json"
     run chart "$plant/s.nrrd" $S --size 8 --budget 0.5 -o "$dir/made/c"
-    run chart "$plant/s.nrrd" $S --across-levels --size 16 --views 1 --designs default -o "$dir/made/across"
     run palette "$plant/s.nrrd" --entries 8 -o "$dir/made/p.inc" -o "$dir/made/p.py" -o "$dir/made/palette.exr" -o "$dir/made/p.csv"
     run scenes "$plant/s.nrrd" --tf ct-bone --view front --size 32 -o "$dir/made/sheet.svg"
     run tf suggest "$plant/s.nrrd" -o "$dir/made/t.tf.json"

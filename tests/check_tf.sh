@@ -74,16 +74,16 @@ refuse unknown_second_value 2 "wanted deviation or gradient" "$ISOSHADE" render 
 refuse a_window_without_adapt 2 'go with --adapt' "$ISOSHADE" render shells.iso --level 1 --size 8 --scene own.scene.json --window 2 -o z.exr -q
 # Two blocks, each with its cases; two figures. What is adapted has to be another table: the paper's is not the original.
 few="--views 1 --size 32 --levels 2 --tfs soft -q"
-expect consistency 0 "$ISOSHADE" bench consistency shells.nrrd --held shells.nrrd --methods paper,default $few --figures figures --json
+expect consistency 0 "$LAB" consistency shells.nrrd --held shells.nrrd --methods paper,default $few --figures figures --json
 if [ "$(grep -c '"case_count": 1' out)" = 2 ] && grep -q '"block": "held back"' out && [ -s figures/figure8.svg ] && [ -s figures/figure9.svg ]; then
     ok consistency_has_two_blocks_and_figures
 else
     not_ok consistency_has_two_blocks_and_figures "$(tail -n 40 out) $(ls figures)"
 fi
 [ "$(sed -n 's/.*"rms_voxels_adapted": \(.*\),/\1/p' out | sort -u | wc -l)" = 3 ] && ok methods_differ || not_ok methods_differ "$(grep rms_voxels_adapted out)"
-check consistency_with_povray "$ISOSHADE" bench consistency shells.nrrd --with povray --methods default --level 1 --views 1 --size 24 --tfs soft
-refuse consistency_of_an_unknown_tf 2 '--tfs' "$ISOSHADE" bench consistency shells.nrrd --tfs hard
-refuse consistency_with_an_unknown_renderer 2 '--with' "$ISOSHADE" bench consistency shells.nrrd --with mental
+check consistency_with_povray "$LAB" consistency shells.nrrd --with povray --methods default --level 1 --views 1 --size 24 --tfs soft
+refuse consistency_of_an_unknown_tf 2 '--tfs' "$LAB" consistency shells.nrrd --tfs hard
+refuse consistency_with_an_unknown_renderer 2 '--with' "$LAB" consistency shells.nrrd --with mental
 check an_extinction_scale_renders "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --extinction-scale -o scaled.exr -q
 check the_scene_without_it "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt -o unscaled.exr -q
 "$ISOSHADE" compare scaled.exr unscaled.exr --json >scaled.json
@@ -92,7 +92,7 @@ refuse a_scale_for_a_2d_tf 2 "of one value" "$ISOSHADE" render shells.iso --leve
 refuse a_scale_in_bricks 2 "extinction-scale" "$ISOSHADE" render shells.iso --size 48 --scene own.scene.json --extinction-scale --cache-bytes 1e6 -o z.exr -q
 check a_scaled_grid_is_exported "$ISOSHADE" export shells.iso --to vdb --level 1 --scene own.scene.json --adapt --extinction-scale -o scaled.vdb -q
 check a_scene_without_a_scale_for_vdb "$ISOSHADE" export shells.iso --to vdb --level 1 --scene own.scene.json -o z.vdb -q
-expect scale_costs 0 "$ISOSHADE" bench extinction-scale shells.iso --levels 2 --size 32 --runs 1 --json
+expect scale_costs 0 "$LAB" extinction-scale shells.iso --levels 2 --size 32 --runs 1 --json
 holds scales_bring_opacities_nearer "$(json_number out rms_opacity_scaled) < $(json_number out rms_opacity_unscaled)"
 check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --size 48 --scene "$scene" --adapt --tf-2d gradient --roi 8,8,8,30,30,30 -o roi.exr -q
 refuse roi_without_a_coarse_level 2 'needs a coarser level' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene "$scene" --roi 8,8,8,30,30,30 -o z.exr -q
@@ -102,7 +102,7 @@ refuse roi_band_without_roi 2 'go with --roi' "$ISOSHADE" render shells.iso --le
 refuse roi_for_vdb 2 'no meaning for --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q
 check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --tf-2d deviation --roi 8,8,8,30,30,30 -o pov -q
 [ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && ok its_files_are_there || not_ok its_files_are_there "$(ls pov)"
-check seams_are_measured bash -c '"$ISOSHADE" bench roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
+check seams_are_measured bash -c '"$LAB" roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
 refuse unknown_action 2 'must be one of: adapt, bound, convert, names, show, suggest, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_output 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso
 # Presets are laid on the values of a stored pyramid, whose samples are read for them; a scene has its own.

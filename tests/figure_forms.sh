@@ -2,8 +2,8 @@
 # What the scripts of figures ask of any figure; after lib.sh.
 
 # All kinds, by the script that draws them.
-kinds_of_volumes="tf sheet failure chart plan seams roi slices turntable levels renderers methods"
-kinds_of_papers="code-points code-regions code-dots code-spheres code-table joint-histogram joint-row mixed-volume mixed-surface palette-views grid"
+kinds_of_volumes="tf sheet failure chart plan slices turntable grid levels renderers methods"
+kinds_of_papers="code-points code-regions code-dots code-spheres code-table joint-histogram joint-row mixed-volume mixed-surface palette-views seams roi"
 
 # Of DejaVu Sans a box of a word is 1.164 of the size high; of an upright word it is as wide.
 sizes_are_right() { # pdf

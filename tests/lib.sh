@@ -5,7 +5,8 @@ set -u
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 top=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 ISOSHADE=$(realpath -s "${ISOSHADE:-$top/isoshade}")
-export ISOSHADE
+LAB=$ISOSHADE-lab # the program of src/lab
+export ISOSHADE LAB
 dir=$(mktemp -d) HOME=$(mktemp -d)
 export HOME
 trap 'rm -rf "$dir" "$HOME"' EXIT

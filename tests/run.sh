@@ -32,7 +32,7 @@ start() {
     run_one "$@" &
 }
 # The slow ones first, so that none is left alone at the end.
-for script in tests/check_*.sh; do start "$(basename "$script")" bash "$script"; done
+for script in tests/check_*.sh tests/lab/check_*.sh; do start "${script#tests/}" bash "$script"; done
 for build in "$@"; do
     for test in "$build"/tests/test_*; do
         [ -x "$test" ] && [ "${test%.o}" = "$test" ] && start "$build/$(basename "$test")" "$test"

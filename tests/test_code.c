@@ -153,7 +153,7 @@ static void snorm_keeps_the_length(void **unused)
     }
 }
 
-/* The largest errors of each code (bench encode finds them), a little rounded up. */
+/* The largest errors of each code (isoshade-lab encode finds them), a little rounded up. */
 static const double limits_deg[ISO_CODE_COUNT] = {
     [ISO_CODE_SNORM] = 0.3907,   [ISO_CODE_FIT] = 0.33,     [ISO_CODE_SHELL] = 0.34,
     [ISO_CODE_FREE] = 0.3198,    [ISO_CODE_CUBE] = 0.3178,  [ISO_CODE_REGION48] = 0.17304,

@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "base/random.h"
-#include "chart/across.h"
 #include "chart/pareto.h"
 #include "tests/test.h"
 
@@ -147,44 +146,9 @@ static void what_is_chosen_lies_on_the_front(void **state)
     }
 }
 
-/* Three designs at two levels: the second is better than the first at level 1 for the same bytes, the third dearer and
- * the best. Figures by hand. */
-static void designs_are_ranked_by_level_and_together(void **state)
-{
-    (void)state;
-    iso_across_row rows[] = {
-        {.design = "a", .level = 1, .bytes = 80, .seconds = 4, .error = 0.1, .error_minified = 0.2},
-        {.design = "a", .level = 2, .bytes = 10, .seconds = 2, .error = 0.3, .error_minified = 0.4},
-        {.design = "b", .level = 1, .bytes = 80, .seconds = 4, .error = 0.05, .error_minified = 0.1, .chosen_within = 3},
-        {.design = "b", .level = 2, .bytes = 10, .seconds = 1, .error = 0.6, .error_minified = 0.2, .chosen_within = 3},
-        {.design = "c", .level = 1, .bytes = 96, .seconds = 5, .error = 0.04, .error_minified = 0.05},
-        {.design = "c", .level = 2, .bytes = 12, .seconds = 3, .error = 0.3, .error_minified = 0.1},
-    };
-    static const bool by_bytes[] = {false, true, true, false, true, false}, by_time[] = {false, true, true, true, true, false};
-    iso_across_design designs[4];
-    iso_across_rank(rows, 6);
-    for (size_t i = 0; i < 6; ++i) {
-        assert_int_equal(rows[i].bytes_front, by_bytes[i]);
-        assert_int_equal(rows[i].time_front, by_time[i]);
-    }
-    assert_within(rows[2].ratio, 0.5, 1e-7);
-    assert_within(rows[3].ratio, 2, 1e-7);
-    assert_within(rows[5].ratio_minified, 0.25, 1e-7);
-    assert_int_equal(iso_across_designs(rows, 6, designs, 4), 3);
-    assert_within(designs[1].ratio, 1, 1e-7); /* a half and twice */
-    assert_within(designs[1].ratio_minified, 0.5, 1e-7);
-    assert_within(designs[2].ratio_minified, 0.25, 1e-7);
-    assert_within(designs[2].bytes, 108, 1e-9);
-    assert_within(designs[1].seconds, 2.5, 1e-9);
-    assert_int_equal(designs[1].chosen_within, 3);
-    assert_true(!designs[0].bytes_front && designs[1].bytes_front && designs[2].bytes_front);
-    assert_int_equal(iso_across_designs(rows, 6, designs, 2), 2); /* no more than there is room for */
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(designs_are_ranked_by_level_and_together),
         cmocka_unit_test(the_front_holds_what_nothing_beats),
         cmocka_unit_test(what_is_not_a_number_is_never_on_the_front),
         cmocka_unit_test(the_cheapest_that_is_good_enough_is_chosen),

@@ -49,7 +49,7 @@ static iso_tf_table uniform(double extinction_per_mm)
     return t;
 }
 
-/* Green between .4 and .5 of the range, clear on both sides: the shell of `isoshade bench consistency`. */
+/* Green between .4 and .5 of the range, clear on both sides: the shell of `isoshade-lab consistency`. */
 static iso_tf_table shell(const iso_level *level0)
 {
     static iso_tf_point points[] = {{0, {0.2, 0.8, 0.5}, 0},

@@ -99,8 +99,8 @@ static bool is_asked(const all_bench *b, size_t headline)
 {
     for (char **name = b->only; name && *name; ++name)
         if (strcmp(*name, iso_headlines[headline].name) == 0)
-            return command_of(b, headline) != NULL;
-    return !b->only && command_of(b, headline) != NULL;
+            return true;
+    return !b->only;
 }
 
 /* A command is run once for all headlines that it answers: from the first of them that is asked for. */
@@ -206,15 +206,6 @@ static json_t *headline_to_json(const all_bench *b, size_t i, int which)
     return row;
 }
 
-static json_t *list_not_in_quick(void)
-{
-    json_t *list = json_array();
-    for (size_t i = 0; i < iso_headline_count; ++i)
-        if (!iso_headlines[i].command[1])
-            json_array_append_new(list, json_string(iso_headlines[i].name));
-    return list;
-}
-
 static json_t *to_json(const all_bench *b, int which, const char *session)
 {
     json_t *root = iso_cli_json(b->cli), *rows = json_array();
@@ -228,8 +219,6 @@ static json_t *to_json(const all_bench *b, int which, const char *session)
         if (is_asked(b, i))
             json_array_append_new(rows, headline_to_json(b, i, which));
     json_object_set_new(root, "headlines", rows);
-    if (b->quick)
-        json_object_set_new(root, "not_in_quick", list_not_in_quick());
     return root;
 }
 
@@ -256,7 +245,7 @@ static void print_row(const json_t *row, const char *other_cause, bool quick)
 
 static void print_all(const all_bench *b, const json_t *ours)
 {
-    const json_t *row, *name;
+    const json_t *row;
     size_t i, shown = 0;
     printf("%-14s %9s %-16s %-10s\n", "figure", "median", "", b->quick ? "" : "bar");
     for (i = 0; i < iso_headline_count; ++i) {
@@ -265,8 +254,6 @@ static void print_all(const all_bench *b, const json_t *ours)
         row = json_array_get(json_object_get(ours, "headlines"), shown++);
         print_row(row, b->causes[OTHER][i], b->quick);
     }
-    json_array_foreach(json_object_get(ours, "not_in_quick"), i, name) if (!b->only)
-        printf("%-14s not in --quick\n", json_string_value(name));
 }
 
 static iso_status report(const all_bench *b, const char *output, const char *page, const char *beside_output,
@@ -295,18 +282,13 @@ static iso_status report(const all_bench *b, const char *output, const char *pag
 
 /* ---- the command ---- */
 
-static iso_status make_volumes(const all_bench *b, iso_error *err)
+static iso_status make_volume(const all_bench *b, iso_error *err)
 {
-    static const char *const commands[2][2] = {{"make shells --size 512 --type uint8 -o volume.nrrd",
-                                                "make shells --size 96 --type uint8 -o small.nrrd"},
-                                               {"make shells --size 48 --type uint8 -o volume.nrrd",
-                                                "make shells --size 24 --type uint8 -o small.nrrd"}};
-    iso_status status = ISO_OK;
-    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
-        json_t *answer = NULL;
-        status = ask(b, b->programs[OURS], commands[b->quick ? 1 : 0][i], &answer, err);
-        json_decref(answer);
-    }
+    static const char *const commands[2] = {"make shells --size 512 --type uint8 -o volume.nrrd",
+                                            "make shells --size 48 --type uint8 -o volume.nrrd"};
+    json_t *answer = NULL;
+    const iso_status status = ask(b, b->programs[OURS], commands[b->quick ? 1 : 0], &answer, err);
+    json_decref(answer);
     return status;
 }
 
@@ -323,7 +305,7 @@ static iso_status run_all(all_bench *b, const char *output, const char *page, co
     if (!b->causes[OURS] || !b->causes[OTHER] || !b->values[OURS] || !b->values[OTHER])
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
-        status = make_volumes(b, err);
+        status = make_volume(b, err);
     if (status == ISO_OK)
         status = measure_all(b, err);
     if (status == ISO_OK)
@@ -337,7 +319,7 @@ static iso_status run_all(all_bench *b, const char *output, const char *page, co
     return status;
 }
 
-static iso_status check_names(char *const *names, bool quick, iso_error *err)
+static iso_status check_names(char *const *names, iso_error *err)
 {
     for (; names && *names; ++names) {
         const iso_headline *found = NULL;
@@ -346,8 +328,6 @@ static iso_status check_names(char *const *names, bool quick, iso_error *err)
         if (!found)
             return iso_fail(err, ISO_E_USAGE, "--only %s: no figure of that name; bench all --quick --repeat 1 lists them",
                             *names);
-        if (quick && !found->command[1])
-            return iso_fail(err, ISO_E_USAGE, "--only %s: not in --quick", *names);
     }
     return ISO_OK;
 }
@@ -396,7 +376,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--repeat", b.repeats, 1, MOST_REPEATS, err);
     if (goes_on && status == ISO_OK && only) {
         b.only = split_names(only);
-        status = b.only ? check_names(b.only, b.quick, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        status = b.only ? check_names(b.only, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     }
     if (goes_on && status == ISO_OK && beside)
         status = split_beside(beside, &other, &beside_output, err);

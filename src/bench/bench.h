@@ -10,29 +10,11 @@
 /* clang-format off */
 #define ISO_BENCH_LIST(X) \
     X(all) \
-    X(bound) \
     X(build) \
     X(cast) \
     X(compare) \
-    X(gradient)       \
-    X(levels) \
-    X(noise) \
-    X(consistency) \
-    X(convergence) \
-    X(encode) \
-    X(extinction_scale) \
-    X(fit) \
-    X(ghosts) \
-    X(job) \
-    X(palette) \
-    X(power) \
-    X(plan) \
-    X(seams) \
-    X(reference) \
     X(render) \
-    X(roi) \
-    X(scale) \
-    X(tf)
+    X(scale)
 /* clang-format on */
 
 #endif

@@ -7,21 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Commands work in a folder of their own, with volume.nrrd: thin shells in the dark, 512^3 bytes or 48^3 of them, and
- * small.nrrd: the same in 96^3 or 24^3 voxels. */
+/* Commands work in a folder of their own, with volume.nrrd: thin shells in the dark, 512^3 bytes or 48^3 of them. */
 #define BUILD {"bench build --size 512 --runs 3 --files .", "bench build --size 48 --levels 2 --runs 1 --files ."}
 #define RENDER \
     {"bench render --size 256 --image 512 --runs 3 --processor-time", "bench render --size 32 --image 32 --runs 1"}
 #define BRICKS \
     {"bench render --size 256 --image 512 --runs 3 --bricks 8 --processor-time", \
      "bench render --size 32 --image 32 --runs 1 --bricks 8"}
-#define REFERENCE {"bench reference small.nrrd --size 48 --runs 2", "bench reference small.nrrd --size 6 --runs 1"}
 #define CAST {"bench cast --size 256 --image 512", "bench cast --size 32 --image 32"}
 #define EXPORT(to, name) \
     {"export volume.nrrd --to " to " -o " name, "export volume.nrrd --to " to " -o " name}
-#define HISTOGRAMS {"bench tf --size 256 --runs 3", "bench tf --size 24 --runs 1"}
-/* It takes a minute whatever its options are. */
-#define ENCODE {"bench encode --count 100000", NULL}
 
 const iso_headline iso_headlines[] = {
     {"build-memory", "building a pyramid with shading directions, in memory", BUILD, "ratio_to_memcpy", NULL, "times",
@@ -32,11 +27,6 @@ const iso_headline iso_headlines[] = {
      "memcpy of the same bytes, same run", true, 2},
     {"build-peak", "memory of the build, in memory and to files", BUILD, "process.peak_bytes", NULL, "bytes", NULL, true,
      NAN},
-    {"encode-fit", "directions to codes of the best fit, one thread", ENCODE,
-     "schemes[name=fit].encode_million_per_second", NULL, "million a second", NULL, false, NAN},
-    {"histogram", "a level's joint histogram, 8 bits, a voxel", HISTOGRAMS,
-     "cases[level=1,bits=8].histogram_processor_ns_per_voxel", "copy_ns_per_voxel", "times",
-     "memcpy of level 0, same run", true, NAN},
     {"codes-dense", "stored directions against differences on the fly, dense TF", RENDER,
      "cases[tf=dense,gradients=on-the-fly,loop=auto].milliseconds", "cases[tf=dense,gradients=codes,loop=auto].milliseconds",
      "times faster", "differences on the fly, same run", false, 1.8},
@@ -54,8 +44,6 @@ const iso_headline iso_headlines[] = {
      1.5},
     {"cpu-sparse", "the same with a sparse TF", CAST, "cases[tf=sparse,gradients=codes].processor_ratio", NULL,
      "times faster", "the OpenGL one by software, same run", false, 1.5},
-    {"reference", "the double-precision reference, converged, processor time", REFERENCE, "mean_ratio.converged", NULL,
-     "times faster", "every piece of a ray halved until it stays, same run", false, 10},
     {"bricks", "bricks of two levels without seams, dense TF, not lit", BRICKS,
      "cases[renderer=gl,texture=bricks-baked,gradients=none].milliseconds",
      "cases[renderer=gl,texture=uniform,gradients=none].milliseconds", "times", "one texture, same run", true, 1.1},

@@ -15,7 +15,7 @@
  * peak_bytes. */
 typedef struct iso_headline {
     const char *name, *sentence;
-    const char *command[2]; /* its words, spaces between them; the second one is small and quick; NULL: there is none */
+    const char *command[2]; /* its words, spaces between them; the second one is small and quick */
     const char *figure, *over; /* over: NULL for a number */
     const char *unit, *peer;
     bool lower_is_better;

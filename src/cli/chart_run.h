@@ -13,14 +13,12 @@ typedef struct iso_chart_arguments {
     iso_cli_look look;
     char *output, *renderers, *want_text, *style, *metric_text, *bytes_text;
     iso_chart_words words;
-    char *designs;
-    int level_count, processor_time, across_levels, views, resume, viewer;
+    int level_count, processor_time, resume, viewer;
     double budget_seconds; /* 0: none, the whole grid is tried */
     double want;           /* 0: none */
     iso_chart_metric metric;
     iso_chart_bytes bytes;
 } iso_chart_arguments;
-
 
 /* ISO_E_DIFFERS: no setting that was tried has the wanted error. */
 iso_status iso_cli_chart(const iso_chart_arguments *a, const iso_cli *cli, iso_error *err);

@@ -55,6 +55,6 @@ const iso_command iso_command_bench = {
     .summary = "measure speed against accuracy",
     .usage = "NAME [options]",
     .details = "Times are wall clock, the least of several runs; compare ratios within one run.",
-    .examples = "  isoshade bench encode --count 100000\n",
+    .examples = "  isoshade bench build --size 64 --runs 1\n",
     .run = run,
 };

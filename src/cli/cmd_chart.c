@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/chart_across.h"
 #include "cli/chart_run.h"
 #include "options/cli.h"
 #include "options/input.h"
@@ -43,7 +42,7 @@ static const char *with_default(char *text, size_t size, const char *words, cons
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    iso_chart_arguments a = {.level_count = 3, .budget_seconds = 120, .views = 6};
+    iso_chart_arguments a = {.level_count = 3, .budget_seconds = 120};
     const iso_chart_words *usual = &iso_chart_default_words;
     char help[8][256], codes[200], renderers[256], quadratures[128], plans[200], names[100];
     snprintf(quadratures, sizeof quadratures, "of %s",
@@ -92,13 +91,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "LIST"},
         {"processor-time", 0, POPT_ARG_NONE, &a.processor_time, 0,
          "of frames, over all cores, instead of the clock's: software GL on a busy machine", NULL},
-        {"across-levels", 0, POPT_ARG_NONE, &a.across_levels, 0,
-         "designs of coarse levels instead: scalar and direction filters, transfer functions, extinction scales", NULL},
-        {"designs", 0, POPT_ARG_STRING, &a.designs, 0,
-         "--across-levels: names with commas between them, of bench levels --help; the first is what others are divided by",
-         "LIST"},
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0,
-         "--across-levels: of an icosahedron's faces, at most 20", "N"},
         {"resume", 0, POPT_ARG_NONE, &a.resume, 0,
          "go on with what an interrupted or finished chart of the same volume and scenes has measured", NULL},
         {"viewer", 0, POPT_ARG_NONE, &a.viewer, 0,
@@ -112,17 +104,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = check(&a, err);
-    const iso_chart_across across = {.cli = &cli,
-                                     .input = &a.input,
-                                     .look = &a.look,
-                                     .output = a.output,
-                                     .style = a.style,
-                                     .designs = a.designs,
-                                     .metric = a.metric_text ? a.metric : ISO_CHART_SSIM,
-                                     .level_count = a.level_count,
-                                     .views = a.views};
     if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = a.across_levels ? iso_cli_chart_across(&across, err) : iso_cli_chart(&a, &cli, err);
+        status = iso_cli_chart(&a, &cli, err);
     iso_cli_end(&cli);
     return status;
 }
@@ -147,18 +130,13 @@ const iso_command iso_command_chart = {
         "export and reading of Blender and POV-Ray). Device bytes are all textures by their formats (gl), Blender's own\n"
         "account, POV-Ray's DF3 files, the reference's arrays.\n"
         "\n"
-        "--across-levels is about coarse levels alone: each design of what they store and how they are shown, from --views\n"
-        "against level 0, as rendered and minified, so that a pixel is about a voxel of the level. It draws across.svg:\n"
-        "bytes and time against that error, and the designs one beside the other; what --auto would choose is ringed.\n"
-        "\n"
         "DIR holds index.html (the chart as a page, with a picture of each setting), pareto.svg, pareto.pdf, pareto.csv,\n"
         "chart.json and reference.exr; edit style.gp there and run \"gnuplot pareto.gp\" to restyle. Exit code 1: no setting that\n"
         "was tried has the wanted error; the nearest is named.",
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
         "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"
-        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n"
-        "  isoshade chart ml.nrrd --across-levels --scene refscenes/marschner-lobb.scene.json --size 48 --views 1 --designs default,damped,scaled -o chart3\n",
+        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n",
     .lists = (const iso_names *const[]){&iso_code_names, &iso_direction_filter_names, &iso_gradient_names,
                                         &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,

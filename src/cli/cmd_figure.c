@@ -49,7 +49,7 @@ static iso_status parse_background(const char *text, iso_figure_job *job, iso_er
 
 static iso_status take_names(figure_arguments *a, iso_error *err)
 {
-    iso_status status = iso_figure_kind_from_name(a->kind ? a->kind : iso_figure_usual_kind(a->job.input),
+    iso_status status = iso_figure_kind_from_name(&iso_figure_kind_names, a->kind ? a->kind : iso_figure_usual_kind(a->job.input),
                                                   &a->job.kind, err);
     if (status == ISO_OK)
         status = iso_colormap_from_name(a->map ? a->map : "magma", &a->job.map, err);
@@ -88,7 +88,7 @@ static void free_list(char **list)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    figure_arguments a = {.job = {.width_mm = 178, .height_mm = 230, .dpi = 300, .surface = NAN}};
+    figure_arguments a = {.job = {.width_mm = 178, .height_mm = 230, .dpi = 300}};
     iso_figure_job *job = &a.job;
     iso_cli cli;
     iso_cli_next next;
@@ -131,17 +131,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"variant", 0, POPT_ARG_STRING, &job->variant, 0,
          "a report's renderers: comparisons of such a name, such as naive or \"adapted TF\"; else those of the scene as it is",
          "TEXT"},
-        {"code", 0, POPT_ARG_STRING, &job->code, 0, "a code of directions (the kind's own)", "CODE"},
-        {"roi", 0, POPT_ARG_STRING, &job->region, 0,
-         "roi: the box of level-0 voxels that has full resolution (the middle half along each axis)",
-         "X0,Y0,Z0,X1,Y1,Z1"},
-        {"bits", 0, POPT_ARG_INT, &job->bits, ISO_CLI_NOT_ZERO,
-         "a component of a direction, where each is drawn (5)", "N"},
-        {"bricks", 0, POPT_ARG_INT, &job->bricks, ISO_CLI_NOT_ZERO,
-         "mixed levels: voxels along a brick's side (16)", "N"},
-        {"entries", 0, POPT_ARG_INT, &job->entries, ISO_CLI_NOT_ZERO, "directions of a palette (254)", "N"},
-        {"surface", 0, POPT_ARG_DOUBLE, &job->surface, 0, "the isosurface's value, a part of the volume's range (0.5)",
-         "PART"},
         ISO_CLI_SCENE_OPTION(&job->look),
         {"tf", 0, POPT_ARG_ARGV, &job->tfs, 0,
          "transfer function: a file, or a preset of isoshade list (the scene's; auto); of a sheet repeated for several",
@@ -171,7 +160,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_end(&cli);
     json_decref(job->facts);
     char *texts[] = {a.output,  a.kind,  a.map,        a.zoom,    job->methods,    job->variant,
-                     job->with, a.error, a.background, job->code, job->atlas_case, job->formats};
+                     job->with, a.error, a.background, job->atlas_case, job->formats};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         free(texts[i]);
     free_list(job->tfs);

@@ -24,16 +24,17 @@
 #include "base/unfinished.h"
 #include "isoshade.h"
 
-static const char *command = "";
+static const char *program = "isoshade", *command = "";
 
-void iso_memory_is_for(const char *name)
+void iso_memory_is_for(const char *program_name, const char *name)
 {
+    program = program_name;
     command = name;
 }
 
 void iso_memory_end(const char *why)
 {
-    const char *const parts[] = {"isoshade", command[0] ? " " : "", command, ": ", why, "\n"};
+    const char *const parts[] = {program, command[0] ? " " : "", command, ": ", why, "\n"};
     iso_unfinished_remove(true);
     for (size_t i = 0; why && i < sizeof parts / sizeof *parts; ++i)
         if (write(STDERR_FILENO, parts[i], strlen(parts[i])) < 0)

@@ -5,8 +5,8 @@
 #include <stdio.h>
 
 #include "compare/metrics.h"
+#include "figure/kinds_of_volume.h"
 #include "figure/paper.h"
-#include "figure/paper_kinds.h"
 #include "figure/picture.h"
 #include "figure/tf_bar.h"
 

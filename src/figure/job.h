@@ -30,13 +30,12 @@ typedef struct iso_figure_job {
     iso_cli_look look;   /* of a report the scene is a name; tf and view: the first of those below */
     char **tfs, **views; /* all that are given, NULL at the end; or NULL */
     iso_cli_adapted adapted;
-    char *with, *methods, *variant, *code, *atlas_case;
-    char *region; /* a box, as --roi has it */
+    char *with, *methods, *variant, *atlas_case;
     double error; /* of a plan */
     bool has_background;
     double background[3]; /* instead of the scene's; linear */
-    int level, levels, frames, bits, bricks, entries;
-    double surface;  /* NaN: not given */
+    int level, levels, frames;
+    const void *more; /* options that only kinds of another table take, or NULL */
     json_t *facts;   /* an object: what a kind counts and measures, for --json */
     double inset[4]; /* parts of the picture: from the left, from the top, wide, high; zeroed: none */
 } iso_figure_job;
@@ -59,15 +58,10 @@ enum {
     ISO_FIGURE_HAS_ADAPT = 1 << 14,
     ISO_FIGURE_HAS_FRAMES = 1 << 15,
     ISO_FIGURE_HAS_INSET = 1 << 16,
-    ISO_FIGURE_HAS_CODE = 1 << 17,
-    ISO_FIGURE_HAS_BITS = 1 << 18,
-    ISO_FIGURE_HAS_BRICKS = 1 << 19,
-    ISO_FIGURE_HAS_ENTRIES = 1 << 20,
-    ISO_FIGURE_HAS_SURFACE = 1 << 21,
-    ISO_FIGURE_HAS_CASE = 1 << 22,
-    ISO_FIGURE_HAS_ERROR = 1 << 23,
-    ISO_FIGURE_HAS_REGION = 1 << 24,
-    ISO_FIGURE_HAS_LOOKS = 1 << 25, /* several of --tf and --view */
+    ISO_FIGURE_HAS_CASE = 1 << 17,
+    ISO_FIGURE_HAS_ERROR = 1 << 18,
+    ISO_FIGURE_HAS_LOOKS = 1 << 19, /* several of --tf and --view */
+    ISO_FIGURE_HAS_MORE = 1 << 20,  /* the first of the options that only kinds of another table take */
 };
 
 struct iso_figure_info {
@@ -82,7 +76,8 @@ extern const iso_figure_info *const iso_figure_kinds[]; /* ends with NULL */
 extern const iso_names iso_figure_kind_names;
 
 /* ISO_E_USAGE, with the names that there are. */
-iso_status iso_figure_kind_from_name(const char *name, const iso_figure_info **kind, iso_error *err);
+iso_status iso_figure_kind_from_name(const iso_names *kinds, const char *name, const iso_figure_info **kind,
+                                     iso_error *err);
 
 /* The kind of figure of an input, or of none, where nobody names one. */
 const char *iso_figure_usual_kind(const char *input);

@@ -10,7 +10,6 @@
 #include "figure/kinds_of_volume.h"
 #include "figure/levels.h"
 #include "figure/of_report.h"
-#include "figure/paper_kinds.h"
 #include "pyramid/pyramid.h"
 
 const iso_figure_info *const iso_figure_kinds[] = {
@@ -23,20 +22,8 @@ const iso_figure_info *const iso_figure_kinds[] = {
     &iso_figure_failure,
     &iso_figure_chart,
     &iso_figure_plan,
-    &iso_figure_seams,
-    &iso_figure_region,
     &iso_figure_slices,
     &iso_figure_turntable,
-    &iso_figure_code_dots,
-    &iso_figure_code_points,
-    &iso_figure_code_regions,
-    &iso_figure_code_spheres,
-    &iso_figure_code_table,
-    &iso_figure_joint_histogram,
-    &iso_figure_joint_row,
-    &iso_figure_mixed_volume,
-    &iso_figure_mixed_surface,
-    &iso_figure_palette_views,
     NULL,
 };
 const iso_names iso_figure_kind_names = {
@@ -49,12 +36,13 @@ const iso_names iso_figure_kind_names = {
     true,
 };
 
-iso_status iso_figure_kind_from_name(const char *name, const iso_figure_info **kind, iso_error *err)
+iso_status iso_figure_kind_from_name(const iso_names *kinds, const char *name, const iso_figure_info **kind,
+                                     iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&iso_figure_kind_names, name, &row, err);
+    const iso_status status = iso_names_find(kinds, name, &row, err);
     if (status == ISO_OK)
-        *kind = iso_figure_kinds[row];
+        *kind = ((const iso_figure_info *const *)kinds->rows)[row];
     return status;
 }
 
@@ -111,13 +99,7 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
         {ISO_FIGURE_HAS_VARIANT, job->variant != NULL, "--variant"},
         {ISO_FIGURE_HAS_ADAPT, job->adapted.wanted != 0, "--adapt"},
         {ISO_FIGURE_HAS_FRAMES, job->frames != 0, "--frames"},
-        {ISO_FIGURE_HAS_CODE, job->code != NULL, "--code"},
-        {ISO_FIGURE_HAS_BITS, job->bits != 0, "--bits"},
-        {ISO_FIGURE_HAS_BRICKS, job->bricks != 0, "--bricks"},
-        {ISO_FIGURE_HAS_ENTRIES, job->entries != 0, "--entries"},
-        {ISO_FIGURE_HAS_SURFACE, !isnan(job->surface), "--surface"},
         {ISO_FIGURE_HAS_CASE, job->atlas_case != NULL, "--case"},
-        {ISO_FIGURE_HAS_REGION, job->region != NULL, "--roi"},
         {ISO_FIGURE_HAS_ERROR, job->error != 0, "--error"},
         {ISO_FIGURE_HAS_LOOKS,
          (job->tfs && job->tfs[0] && job->tfs[1]) || (job->views && job->views[0] && job->views[1]),

@@ -10,8 +10,7 @@ extern const iso_figure_info iso_figure_contact;   /* contact.c */
 extern const iso_figure_info iso_figure_slices;    /* slices.c */
 extern const iso_figure_info iso_figure_turntable; /* turntable.c */
 extern const iso_figure_info iso_figure_plan;      /* planned.c */
-extern const iso_figure_info iso_figure_seams;     /* seams.c */
-extern const iso_figure_info iso_figure_region;    /* region.c */
+extern const iso_figure_info iso_figure_grid;      /* grid.c */
 extern const iso_figure_info iso_figure_failure;   /* failure.c; of no volume but its own */
 extern const iso_figure_info iso_figure_chart;     /* charted.c; of a chart */
 

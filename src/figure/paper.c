@@ -193,13 +193,3 @@ iso_status iso_paper_scene(const iso_figure_job *job, const iso_paper_look *own,
         memcpy(scene->background, job->background, sizeof scene->background);
     return made;
 }
-
-iso_status iso_paper_surface(const iso_figure_job *job, const iso_level *level0, double *value, iso_error *err)
-{
-    const double part = isnan(job->surface) ? 0.5 : job->surface;
-    if (!(part > 0 && part < 1))
-        return iso_fail(err, ISO_E_RANGE, "--surface is %g, must be between 0 and 1: a part of the volume's range",
-                        part);
-    *value = level0->min + part * (level0->max - level0->min);
-    return ISO_OK;
-}

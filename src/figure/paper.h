@@ -75,7 +75,4 @@ typedef struct iso_paper_look {
 iso_status iso_paper_scene(const iso_figure_job *job, const iso_paper_look *own, const iso_pyramid *p, iso_scene *scene,
                            iso_error *err);
 
-/* ISO_E_RANGE where --surface is not between 0 and 1; else the value that it stands for, 1/2 where it is not given. */
-iso_status iso_paper_surface(const iso_figure_job *job, const iso_level *level0, double *value, iso_error *err);
-
 #endif

@@ -14,7 +14,7 @@
 #include "volume/volume.h"
 
 /* The one list of estimators: ISO_GRADIENT_CENTRAL is the number of iso_gradient_central, the row that stands beside
- * its kernel. Errors of each: `isoshade bench gradient`. */
+ * its kernel. Errors of each: `isoshade-lab gradient`. */
 /* clang-format off */
 #define ISO_GRADIENT_LIST(X)      \
     X(CENTRAL, central)           \

@@ -13,6 +13,13 @@
 #include "base/provenance.h"
 #include "options/overwrite.h"
 
+static const char *program = "isoshade";
+
+void iso_cli_set_program(const char *name)
+{
+    program = name;
+}
+
 void iso_cli_print_names(FILE *f, const iso_names *names)
 {
     int widest = 0;
@@ -27,7 +34,7 @@ void iso_cli_print_names(FILE *f, const iso_names *names)
 
 static void print_help(const iso_command *command, poptContext context)
 {
-    printf("isoshade %s - %s\n\nusage: isoshade %s %s\n", command->name, command->summary, command->name,
+    printf("%s %s - %s\n\nusage: %s %s %s\n", program, command->name, command->summary, program, command->name,
            command->usage);
     if (command->details)
         printf("\n%s\n", command->details);
@@ -293,7 +300,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         status = refuse_renamed(argc, argv, err);
     if (status != ISO_OK)
         return status;
-    cli->context = poptGetContext("isoshade", argc, argv, table, 0);
+    cli->context = poptGetContext(program, argc, argv, table, 0);
     /* popt writes through POPT_ARG_* pointers, and stops at options that have a val. */
     int result;
     do
@@ -302,8 +309,8 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     if (result < -1) {
         const char *bad = poptBadOption(cli->context, POPT_BADOPTION_NOALIAS);
         char option[64];
-        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; isoshade %s --help lists the options%s",
-                        option_before(bad, argc, argv, option), bad, poptStrerror(result), command->name,
+        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; %s %s --help lists the options%s",
+                        option_before(bad, argc, argv, option), bad, poptStrerror(result), program, command->name,
                         command->is_inner ? ", of which a file may name those of this command alone" : "");
     }
     if (help) {
@@ -320,8 +327,8 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     while (cli->arguments && cli->arguments[cli->argument_count])
         ++cli->argument_count;
     if (cli->argument_count < command->min_arguments || cli->argument_count > command->max_arguments)
-        return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: isoshade %s %s", cli->argument_count, command->name,
-                        command->usage);
+        return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: %s %s %s", cli->argument_count, program,
+                        command->name, command->usage);
     status = iso_words_check_range("--threads", cli->threads, 0, 1024, err);
     if (status == ISO_OK)
         status = keep_given(cli, table, err);
@@ -374,7 +381,7 @@ char *iso_cli_command_line(const iso_cli *cli)
     if (!memory)
         return NULL;
     if (iso_provenance_kept() != ISO_PROVENANCE_NONE) {
-        fprintf(memory, "isoshade %s", cli->command->name); /* which may be two words, such as "bench encode" */
+        fprintf(memory, "%s %s", program, cli->command->name); /* which may be two words, such as "isoshade-lab encode" */
         for (int i = 1; i < cli->argc; ++i) {
             fputc(' ', memory);
             iso_provenance_put_word(memory, cli->argv[i]);
@@ -387,7 +394,7 @@ char *iso_cli_command_line(const iso_cli *cli)
 json_t *iso_cli_json(const iso_cli *cli)
 {
     char schema[64];
-    snprintf(schema, sizeof schema, "isoshade.%s/1", cli->command->name);
+    snprintf(schema, sizeof schema, "%s.%s/1", program, cli->command->name);
     for (char *space = strchr(schema, ' '); space; space = strchr(space, ' '))
         *space = '.';
     char *line = iso_cli_command_line(cli);

@@ -76,6 +76,9 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
                          struct poptOption *options, iso_cli_next *next, iso_error *err);
 void iso_cli_end(iso_cli *cli);
 
+/* Sets the name of the program, as messages, help, schemas and provenance have it: "isoshade" at first. */
+void iso_cli_set_program(const char *name);
+
 /* Calls `visit` for each option of the command, in the order of its --help; the command itself does not run. common: one
  * that every command has. For one thread at a time. */
 typedef void (*iso_cli_option_visitor)(void *user, const struct poptOption *option, bool is_common);

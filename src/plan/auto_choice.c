@@ -7,7 +7,7 @@
 #include "fit/extinction_scale.h"
 #include "tf/adapt.h"
 
-/* By bench levels of five volumes, doc/results/auto.md: least squares with a ridge of .3, which leaving one volume out
+/* By isoshade-lab levels of five volumes, doc/results/auto.md: least squares with a ridge of .3, which leaving one volume out
  * after the other chose. Slopes are below 0 where what gains most at the voxels rings most. The 2D transfer function has
  * no error of its own here. */
 static const iso_auto_design designs[ISO_AUTO_DESIGNS] = {

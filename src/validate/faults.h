@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* faults.h - planted faults: known ways for a renderer or an exporter to be wrong, so that tests and
- * `isoshade bench power` can show that each is rejected, by which check, and from which amount on. */
+ * `isoshade-lab power` can show that each is rejected, by which check, and from which amount on. */
 #ifndef ISO_VALIDATE_FAULTS_H
 #define ISO_VALIDATE_FAULTS_H
 

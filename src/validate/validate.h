@@ -133,7 +133,7 @@ iso_status iso_validate_scale(iso_validation *v, iso_error *err);
 iso_level_scales iso_validate_scales_of(const iso_pyramid *p);
 
 /* The view with at most so many pixels along its longer edge (0: any), of the same scene; borrowed, so not to be
- * destroyed. A limit is judged by ratios of means over pixels, which a regular part of them shows as well: bench power
+ * destroyed. A limit is judged by ratios of means over pixels, which a regular part of them shows as well: isoshade-lab power
  * --sensitivity has both. */
 iso_view iso_validate_small_view(const iso_view *view, size_t pixels);
 enum { ISO_VALIDATE_LIMIT_PIXELS = 96, ISO_VALIDATE_LIMIT_PIXELS_QUICK = 64 };

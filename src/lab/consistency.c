@@ -1,0 +1,474 @@
+/* SPDX-License-Identifier: MIT */
+/* consistency.c - does a coarse level look like level 0? The original TF
+ * against adapted ones, over views from an icosahedron's faces.
+ *
+ * Paper: [diaz-garcia-2016] sec. 5, Figures 8 and 9 (SSIM dissimilarity over 20
+ * views); FLIP stands beside it. Four TFs, fixed as fractions of a volume's
+ * range, the same for every volume: nothing is fitted to one. Volumes stand in
+ * two blocks, those that a choice was made with and those held back from it;
+ * every renderer has its own. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/random.h"
+#include "lab/lab.h"
+#include "lab/consistency_report.h"
+#include "lab/weights_figures.h"
+#include "lab/level_tfs.h"
+#include "lab/look.h"
+#include "lab/methods.h"
+#include "lab/shading.h"
+#include "lab/volumes.h"
+#include "options/input.h"
+#include "renderers/renderers.h"
+#include "scene/subject.h"
+#include "scene/views.h"
+#include "compare/metrics.h"
+#include "fit/extinction_scale.h"
+#include "tf/adapt.h"
+#include "volume/synthetic.h"
+#include "renderers/external.h"
+
+enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8, HELD = 1 };
+
+typedef struct case_result {
+    double ssim_dissimilarity, flip, rmse;
+    double alpha_max; /* of the level's images: how much is shown at all */
+    iso_adapt_judgment judgment;
+} case_result;
+
+typedef struct bench_run {
+    const iso_cli *cli;
+    iso_volume_input input;
+    int views, size, levels, level, shaded, quick, analytic_size, paper_setup;
+    double step_voxels;
+    char *held, *figures;
+    const char *with, *tf_names;
+    char *renderers_path;
+    bool wanted[ISO_LAB_METHOD_COUNT], wanted_tf[ISO_LEVEL_TF_COUNT];
+    bool wanted_renderer[ISO_MAX_RENDERERS];
+    const iso_renderer_info *renderer; /* the one at work */
+    iso_renderers renderers;
+    json_t *cases;
+} bench_run;
+
+static iso_status make_view(const bench_run *run, const iso_pyramid *p, const iso_tf *tf, int i, iso_view *view,
+                            iso_error *err)
+{
+    const iso_lab_look look = {(size_t)run->size, run->shaded, run->step_voxels};
+    return iso_lab_view(&look, &p->levels[0], tf, iso_view_of_faces(i, run->views), view, err);
+}
+
+/* A table, or the rows of a 2D one, that a level is shown by. */
+typedef struct shown_by {
+    const iso_tf_table *table;
+    iso_tf_2d *tf_2d;          /* lent; or NULL */
+    uint8_t *extinction_scale; /* the same */
+} shown_by;
+
+/* A volume under one transfer function. */
+typedef struct bench_case {
+    int block;
+    const char *volume;
+    const iso_pyramid *pyramid;
+    const iso_level_tf *tf;
+    iso_view *views;
+    const iso_image *finest; /* a view each, of level 0 */
+} bench_case;
+
+static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, shown_by by,
+                         iso_image *image, iso_error *err)
+{
+    iso_render_options opt = iso_render_defaults(run->renderer);
+    iso_tf_table own = view->tf;
+    iso_progress progress = {0};
+    opt.quadrature = run->paper_setup ? ISO_QUADRATURE_PREINTEGRATED : opt.quadrature;
+    opt.source = run->paper_setup ? ISO_FROM_ON_THE_FLY : opt.source;
+    opt.step_voxels = run->step_voxels;
+    opt.threads = run->cli->threads;
+    view->tf = *by.table;
+    view->tf_2d = by.tf_2d;
+    view->extinction_scale = by.extinction_scale;
+    iso_status status = iso_render_with(&(iso_render_request){&run->renderers, p, level, view, &opt, &progress}, image,
+                                        NULL, err);
+    view->tf = own;
+    view->tf_2d = NULL;
+    view->extinction_scale = NULL;
+    return status;
+}
+
+/* All views of one level with one table. */
+static iso_status measure(bench_run *run, const bench_case *c, size_t level, shown_by by, case_result *r,
+                          iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int i = 0; i < run->views && status == ISO_OK; ++i) {
+        iso_image image;
+        iso_metrics m;
+        status = render(run, c->pyramid, level, &c->views[i], by, &image, err);
+        if (status != ISO_OK)
+            break;
+        status = iso_metrics_measure(&c->finest[i], &image, &m, err);
+        r->ssim_dissimilarity += (1 - m.ssim) / run->views;
+        r->flip += m.flip_mean / run->views;
+        r->rmse += m.rmse / run->views;
+        r->alpha_max = fmax(r->alpha_max, iso_lab_largest_alpha(&image));
+        iso_image_destroy(&image);
+    }
+    return status;
+}
+
+/* Nothing can be told from pictures that are alike whatever is done, or that are empty. */
+static const char *why_left_out(const bench_run *run, const bench_case *c,
+                                const case_result results[ISO_LAB_METHOD_COUNT])
+{
+    const double nothing = 1 / 255.0, no_error = 1e-6;
+    double finest = 0, shown = 0, error = 0;
+    for (int i = 0; i < run->views; ++i)
+        finest = fmax(finest, iso_lab_largest_alpha(&c->finest[i]));
+    for (int m = 0; m < ISO_LAB_METHOD_COUNT; ++m) {
+        shown = fmax(shown, results[m].alpha_max);
+        error = fmax(error, fmax(results[m].ssim_dissimilarity, fmax(results[m].flip, results[m].rmse)));
+    }
+    if (!(finest >= nothing))
+        return "level 0 shows nothing";
+    if (!(shown >= nothing))
+        return "the level shows nothing under any method";
+    return error < no_error ? "no method errs" : NULL;
+}
+
+static void note_case(bench_run *run, const bench_case *c, size_t level,
+                      const case_result results[ISO_LAB_METHOD_COUNT])
+{
+    const char *why = why_left_out(run, c, results);
+    for (int m = 0; m < ISO_LAB_METHOD_COUNT; ++m) {
+        if (!run->wanted[m])
+            continue;
+        const case_result *r = &results[m];
+        const char *kept = iso_lab_methods[m].options.fall_back && r->judgment.use_original ? "  original kept" : "";
+        json_array_append_new(run->cases,
+                              json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:f, s:f, s:f, s:f, s:f, s:b, s:s?}",
+                                        "renderer", run->renderer->name, "volume", c->volume, "held", c->block == HELD,
+                                        "tf", c->tf->name, "level", (int)level, "method", iso_lab_methods[m].name,
+                                        "ssim_dissimilarity", r->ssim_dissimilarity, "flip_mean", r->flip, "rmse",
+                                        r->rmse, "rms_voxels_original", r->judgment.rms_original, "rms_voxels_adapted",
+                                        r->judgment.rms_adapted, "fell_back", r->judgment.use_original, "left_out",
+                                        why));
+        if (!run->cli->json)
+            printf("%-9s %-22s %-13s %zu %-19s %8.4f %8.4f %8.4f  %8.5f %8.5f%s%s%s\n", run->renderer->name, c->volume,
+                   c->tf->name, level, iso_lab_methods[m].name, r->ssim_dissimilarity, r->flip, r->rmse,
+                   r->judgment.rms_original, r->judgment.rms_adapted, kept, why ? "  left out: " : "", why ? why : "");
+    }
+    fflush(stdout);
+}
+
+static iso_status run_level(bench_run *run, const bench_case *c, size_t level, iso_error *err)
+{
+    const iso_pyramid *p = c->pyramid;
+    const iso_view *views = c->views;
+    case_result results[ISO_LAB_METHOD_COUNT] = {{0}};
+    iso_status status = ISO_OK;
+    for (int m = 0; m < ISO_LAB_METHOD_COUNT && status == ISO_OK; ++m) {
+        iso_tf_table table = {0};
+        if (!run->wanted[m])
+            continue;
+        iso_adapt_options opt = iso_lab_methods[m].options;
+        opt.threads = run->cli->threads;
+        status = iso_adapt_level(p, iso_lab_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table,
+                                 &results[m].judgment, err);
+        iso_tf_2d tf_2d = {0};
+        if (status == ISO_OK && iso_lab_methods[m].tf_2d)
+            status = iso_adapt_tf_2d(p, level, iso_lab_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
+        uint8_t *scale = NULL;
+        if (status == ISO_OK && iso_lab_methods[m].extinction_scale)
+            status = iso_extinction_scale_level(p, level, &views[0].tf, &table, opt.threads, &scale, err);
+        if (status == ISO_OK)
+            status = measure(run, c, level, (shown_by){&table, iso_lab_methods[m].tf_2d ? &tf_2d : NULL, scale},
+                             &results[m], err);
+        free(scale);
+        iso_tf_2d_destroy(&tf_2d);
+        iso_tf_table_destroy(&table);
+    }
+    if (status == ISO_OK)
+        note_case(run, c, level, results);
+    return status;
+}
+
+static iso_status run_tf(bench_run *run, int block, const char *volume, const iso_pyramid *p, const iso_level_tf *tf,
+                         iso_error *err)
+{
+    const iso_tf own = iso_level_tf_of(tf);
+    iso_view views[MAX_VIEWS] = {{0}};
+    iso_image finest[MAX_VIEWS] = {{0}};
+    iso_status status = ISO_OK;
+    for (int i = 0; i < run->views && status == ISO_OK; ++i) {
+        status = make_view(run, p, &own, i, &views[i], err);
+        if (status == ISO_OK)
+            status = render(run, p, 0, &views[i], (shown_by){&views[i].tf, NULL, NULL}, &finest[i], err);
+    }
+    for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level)
+        if (run->level == 0 || (size_t)run->level == level)
+            status = run_level(run, &(bench_case){block, volume, p, tf, views, finest}, level, err);
+    for (int i = 0; i < run->views; ++i) {
+        iso_view_destroy(&views[i]);
+        iso_image_destroy(&finest[i]);
+    }
+    return status;
+}
+
+static iso_status run_pyramid(bench_run *run, int block, const char *name, const iso_pyramid *p, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t r = 0; r < iso_renderer_count(); ++r)
+        for (int t = 0; run->wanted_renderer[r] && t < ISO_LEVEL_TF_COUNT && status == ISO_OK; ++t) {
+            run->renderer = iso_renderer_at(r);
+            if (run->wanted_tf[t])
+                status = run_tf(run, block, name, p, &iso_level_tfs[t], err);
+        }
+    return status;
+}
+
+static iso_pyramid_options pyramid_options(const bench_run *run)
+{
+    iso_pyramid_options build = iso_pyramid_defaults();
+    build.level_count = (size_t)(run->level > 0 ? run->level + 1 : run->levels);
+    build.scalar_filter = run->paper_setup ? ISO_SCALAR_GAUSS : ISO_SCALAR_MEAN;
+    build.threads = run->cli->threads;
+    return build;
+}
+
+static iso_status run_volume(bench_run *run, int block, const char *path, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(run->cli);
+    iso_pyramid_options build = pyramid_options(run);
+    iso_pyramid p = {0};
+    iso_status status = iso_subject_load_pyramid(path, &run->input, &build, &progress, &p, err);
+    if (status == ISO_OK)
+        status = run_pyramid(run, block, iso_path_base(path), &p, err);
+    iso_pyramid_destroy(&p);
+    return status;
+}
+
+/* A twentieth of the range, normally distributed (the sum of twelve numbers in [0, 1) less 6; deviation 1). */
+static void add_noise(iso_volume *v, uint64_t seed)
+{
+    iso_random random = {seed};
+    uint8_t *data = v->data;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&v->geometry); ++i) {
+        double normal = -6;
+        for (int k = 0; k < 12; ++k)
+            normal += iso_random_unit(&random);
+        data[i] = (uint8_t)lrint(fmin(fmax((double)data[i] + 0.05 * 255 * normal, 0), 255));
+    }
+}
+
+/* Analytic volumes under noise: held back. */
+static iso_status run_analytic(bench_run *run, iso_error *err)
+{
+    static const iso_field_kind kinds[] = {ISO_FIELD_SHELLS, ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_NOISE};
+    const size_t n = (size_t)run->analytic_size;
+    iso_pyramid_options build = pyramid_options(run);
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds && status == ISO_OK && n > 0; ++i) {
+        iso_field field = {.kind = kinds[i],
+                           .seed = 1,
+                           .geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1})};
+        iso_volume v = {0};
+        iso_pyramid p = {0};
+        char name[64];
+        snprintf(name, sizeof name, "%s+noise", iso_field_name(kinds[i]));
+        status = iso_field_sample(&field, ISO_U8, &v, err);
+        if (status == ISO_OK) {
+            add_noise(&v, i + 1);
+            status = iso_pyramid_build(&v, name, &build, &p, NULL, err);
+        }
+        if (status == ISO_OK)
+            status = run_pyramid(run, HELD, name, &p, err);
+        iso_pyramid_destroy(&p);
+        iso_volume_destroy(&v);
+    }
+    return status;
+}
+
+static void report(bench_run *run)
+{
+    json_t *root = iso_cli_json(run->cli), *blocks = iso_consistency_report(run->cases, !run->cli->json);
+    json_object_update_new(json_object_get(root, "options"),
+                           json_pack("{s:i, s:i, s:i, s:b, s:f, s:b}", "views", run->views, "size", run->size, "levels",
+                                     run->levels, "shaded", run->shaded, "step_voxels", run->step_voxels, "paper_setup",
+                                     run->paper_setup));
+    json_object_set_new(root, "blocks", blocks);
+    json_object_set(root, "cases", run->cases);
+    if (run->cli->json)
+        iso_cli_print_json(root);
+    else
+        json_decref(root);
+}
+
+static iso_status choose_tfs(bench_run *run, iso_error *err)
+{
+    for (const char *at = run->tf_names; *at;) {
+        size_t length = strcspn(at, ",");
+        bool known = false;
+        for (int t = 0; t < ISO_LEVEL_TF_COUNT; ++t)
+            if (strlen(iso_level_tfs[t].name) == length && strncmp(at, iso_level_tfs[t].name, length) == 0)
+                run->wanted_tf[t] = known = true;
+        if (!known)
+            return iso_fail(err, ISO_E_USAGE, "--tfs: unknown \"%.*s\"; surface, soft, two-material or shell",
+                            (int)length, at);
+        at += length + (at[length] == ',');
+    }
+    return ISO_OK;
+}
+
+static iso_status choose_renderers(bench_run *run, iso_error *err)
+{
+    for (const char *at = run->with; *at;) {
+        size_t length = strcspn(at, ",");
+        char name[32];
+        const iso_renderer_info *r;
+        snprintf(name, sizeof name, "%.*s", (int)length, at);
+        if (iso_renderer_from_name(name, &r, err) != ISO_OK)
+            return iso_fail_in(err, ISO_E_USAGE, "--with");
+        run->wanted_renderer[iso_renderer_index(r)] = true;
+        at += length + (at[length] == ',');
+    }
+    return ISO_OK;
+}
+
+static iso_status check_options(bench_run *run, const char *methods, iso_error *err)
+{
+    iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, MAX_VIEWS, run->size, run->levels,
+                                                                       MAX_LEVELS},
+                                                 err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--level", run->level, 0, MAX_LEVELS - 1, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--step", run->step_voxels, 0.01, 4, err);
+    if (status == ISO_OK && run->analytic_size != 0)
+        status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
+    if (status == ISO_OK)
+        status = iso_lab_choose_methods(methods, run->wanted, err);
+    if (status == ISO_OK)
+        status = choose_tfs(run, err);
+    return status == ISO_OK ? choose_renderers(run, err) : status;
+}
+
+static void apply_presets(bench_run *run)
+{
+    if (run->quick)
+        run->views = 2, run->size = 96, run->analytic_size = run->analytic_size ? 48 : 0;
+    if (run->paper_setup)
+        run->views = MAX_VIEWS, run->step_voxels = 1, run->shaded = 1;
+}
+
+static iso_status run_all(bench_run *run, const char *methods, iso_error *err)
+{
+    apply_presets(run);
+    iso_status status = check_options(run, methods, err);
+    run->cases = json_array();
+    if (status == ISO_OK && !run->cli->json)
+        printf("%-9s %-22s %-13s k %-19s %8s %8s %8s  voxels: original, adapted\n", "renderer", "volume", "tf",
+               "method", "1-SSIM", "FLIP", "RMSE");
+    for (size_t i = 0; i < run->cli->argument_count && status == ISO_OK; ++i)
+        status = run_volume(run, 0, run->cli->arguments[i], err);
+    for (char *at = run->held; at && *at && status == ISO_OK;) {
+        char *comma = strchr(at, ','), *next = comma ? comma + 1 : NULL;
+        if (comma)
+            *comma = 0;
+        status = run_volume(run, HELD, at, err);
+        at = next;
+    }
+    if (status == ISO_OK)
+        status = run_analytic(run, err);
+    if (status == ISO_OK)
+        report(run);
+    if (status == ISO_OK && run->figures)
+        status = iso_lab_figures(run->cases, run->figures, err);
+    json_decref(run->cases);
+    iso_renderers_end(&run->renderers);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    bench_run b = {.views = 8,
+                   .size = 128,
+                   .levels = 4,
+                   .step_voxels = 0.5,
+                   .with = iso_renderers_usual()->name,
+                   .tf_names = "surface,soft,two-material,shell"};
+    const char *methods = "paper,default";
+    char names[256], with[300];
+    snprintf(with, sizeof with, "of %s: each against its own level 0",
+             iso_renderers_with(0, ", ", ", ", names, sizeof names));
+    iso_volume_input_defaults(&b.input);
+    struct poptOption options[] = {
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "of an icosahedron's faces, at most 20",
+         "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels along an edge", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step_voxels, 0, "ray step in voxels of the level",
+         "VOXELS"},
+        {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &methods, 0,
+         "beside the original: names with commas, or all", "NAMES"},
+        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.tf_names, 0, "transfer functions, names with commas",
+         "NAMES"},
+        {"level", 0, POPT_ARG_INT, &b.level, 0, "this level alone", "K"},
+        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.with, 0, with, "LIST"},
+        ISO_CLI_RENDERERS_OPTION(&b.renderers_path),
+        {"held", 0, POPT_ARG_STRING, &b.held, 0, "volumes that stand in a block of their own", "FILE,FILE"},
+        {"analytic", 0, POPT_ARG_INT, &b.analytic_size, 0,
+         "held back too: shells, marschner-lobb and noise of this size, under noise of a twentieth", "N"},
+        {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "with a headlight; else emission alone", NULL},
+        {"paper-setup", 0, POPT_ARG_NONE, &b.paper_setup, 0,
+         "Gaussian pyramid, 20 views, pre-integration, gradients on the fly, steps of a voxel", NULL},
+        {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "two views of 96 pixels, analytic volumes of 48^3", NULL},
+        {"figures", 0, POPT_ARG_STRING, &b.figures, 0, "Figures 8 and 9 of the paper into this folder", "DIR"},
+        ISO_CLI_INPUT_OPTIONS(&b.input),
+        POPT_TABLEEND,
+    };
+    for (int i = 1; i < argc; ++i) {
+        if (strcmp(argv[i], "--shading") == 0)
+            return iso_lab_shading(argc, argv, err);
+        if (strcmp(argv[i], "--filters") == 0 || strcmp(argv[i], "--holes") == 0)
+            return iso_lab_filters(argc, argv, err);
+    }
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0 && !b.held &&
+                           !b.analytic_size;
+    b.cli = &cli;
+    if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
+        status = iso_renderers_load(b.renderers_path, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
+        status = run_all(&b, methods, err);
+    iso_cli_end(&cli);
+    free(b.held);
+    free(b.figures);
+    return no_volume ? iso_lab_shading(argc, argv, err) : status;
+}
+
+const iso_command iso_lab_consistency = {
+    .name = "consistency",
+    .summary = "coarse levels against level 0, with the original and with adapted transfer functions",
+    .max_arguments = 64,
+    .usage = "VOLUME... [options], or --shading, --filters, --holes [options]",
+    .details =
+        "With --shading, or without a volume, directions are judged; with --filters and --holes, where they fail. Each has\n"
+        "its own options: isoshade-lab consistency --shading --help.\n"
+        "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
+        "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means, medians and quartiles over all\n"
+        "cases. Left out of them, and counted: cases whose level 0 shows nothing, whose level shows nothing under any method\n"
+        "(no pixel of any view has an alpha of 1/255), or in which no method errs.\n"
+        "Volumes of --held and --analytic stand in a block of their own: nothing was chosen by them.",
+    .examples =
+        "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+        "  isoshade-lab consistency shells.nrrd --views 3 --size 64 --levels 3\n"
+        "  isoshade-lab consistency shells.nrrd --with gl,povray --size 48 --views 1 --level 1 --tfs soft --methods default\n",
+    .run = run,
+};

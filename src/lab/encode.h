@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* encode.h - the parts of `isoshade-lab encode` that reproduce or refute the
+ * paper. Each prints a table (text) and adds its results to root. */
+#ifndef ISO_LAB_ENCODE_H
+#define ISO_LAB_ENCODE_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+#include "options/cli.h"
+#include "options/input.h"
+#include "options/look.h"
+
+/* "table1": holes and their bound; "figure10": the hole over lambda. chart_dir may be NULL. */
+iso_status iso_lab_encode_holes(bool text, const char *chart_dir, json_t *root, iso_error *err);
+
+/* "convexity": how far between voxels the paper's warp leaves the directions it lies between. */
+iso_status iso_lab_encode_convexity(bool text, json_t *root, iso_error *err);
+
+/* "stiffness": the best fit's error between neighbors by its mu. */
+iso_status iso_lab_encode_stiffness(bool text, size_t count, json_t *root, iso_error *err);
+
+/* "coherence": directions whose length is a weight, by code. */
+iso_status iso_lab_encode_coherence(bool text, size_t count, json_t *root, iso_error *err);
+
+/* "images", "image_ratios": what codes cost in the images of the command's volumes. */
+typedef struct iso_image_bench {
+    const iso_volume_input *input;
+    const iso_subject_look *look;
+    size_t level_count; /* at most 8 */
+} iso_image_bench;
+iso_status iso_lab_encode_images(const iso_cli *cli, const iso_image_bench *b, json_t *root, iso_error *err);
+
+#endif

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: MIT */
+/* extinction_scale.c - what making an extinction scale costs a fine voxel, and how near its opacities come to level 0's. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "lab/lab.h"
+#include "lab/volumes.h"
+#include "fit/extinction_scale.h"
+#include "renderers/renderers.h"
+#include "tf/adapt.h"
+
+typedef struct scale_bench {
+    const iso_cli *cli;
+    iso_volume_input input;
+    int levels, size, runs;
+    iso_renderers renderers;
+    json_t *rows;
+} scale_bench;
+
+/* One level under one transfer function. */
+typedef struct scale_case {
+    const iso_pyramid *pyramid;
+    size_t level;
+    const char *volume, *tf;
+    iso_view *view; /* the original transfer function; lent */
+} scale_case;
+
+typedef struct scale_cost {
+    double create_seconds, apply_seconds, frame_seconds;
+    iso_extinction_scale_cost errors;
+} scale_cost;
+
+/* The fastest of some runs, once a level, and once an edit: processor time over all cores, which other work on the machine
+ * changes less than the clock's. */
+static iso_status time_scale(const scale_bench *b, const scale_case *c, const iso_tf_table *own, uint8_t *bytes,
+                             scale_cost *cost, iso_error *err)
+{
+    const iso_level *levels = c->pyramid->levels;
+    iso_status status = ISO_OK;
+    for (int run = 0; run < b->runs && status == ISO_OK; ++run) {
+        iso_extinction_scaler *s;
+        const double start = iso_cpu_seconds();
+        status = iso_extinction_scaler_create(&levels[0], &levels[c->level], c->level, b->cli->threads, &s, err);
+        const double made = iso_cpu_seconds();
+        if (status == ISO_OK)
+            status = iso_extinction_scaler_apply(s, &c->view->tf, own, bytes, &cost->errors, err);
+        cost->create_seconds = fmin(cost->create_seconds, made - start);
+        cost->apply_seconds = fmin(cost->apply_seconds, iso_cpu_seconds() - made);
+        iso_extinction_scaler_destroy(s);
+    }
+    return status;
+}
+
+static iso_status time_frame(scale_bench *b, const scale_case *c, const iso_tf_table *own, uint8_t *bytes,
+                             double *seconds, iso_error *err)
+{
+    iso_render_options opt = iso_render_defaults(iso_renderers_usual());
+    const iso_progress silent = {0};
+    iso_render_stats stats = {0};
+    iso_image image = {0};
+    iso_view shown = *c->view; /* lent */
+    shown.tf = *own;
+    shown.extinction_scale = bytes;
+    opt.processor_time = true;
+    opt.repeats = (size_t)b->runs + 1;
+    opt.stats = &stats;
+    const iso_status status = iso_render_with(&(iso_render_request){&b->renderers, c->pyramid, c->level, &shown, &opt,
+                                                                    &silent},
+                                              &image, NULL, err);
+    *seconds = stats.seconds;
+    iso_image_destroy(&image);
+    return status;
+}
+
+static void note(scale_bench *b, const scale_case *c, const scale_cost *cost)
+{
+    const double fine = (double)iso_geometry_voxel_count(&c->pyramid->levels[0].geometry);
+    const double seen = (double)cost->errors.seen, a_voxel = seen > 0 ? cost->apply_seconds / seen : 0;
+    const double frames = a_voxel * 1e6 / cost->frame_seconds;
+    json_array_append_new(b->rows,
+                          json_pack("{s:s, s:s, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "volume", c->volume, "tf",
+                                    c->tf, "level", (int)c->level, "seen_part", seen / fine, "create_ns_per_fine_voxel",
+                                    1e9 * cost->create_seconds / fine, "apply_ns_per_seen_voxel", 1e9 * a_voxel,
+                                    "apply_seconds", cost->apply_seconds, "frames_per_million_seen_voxels", frames,
+                                    "rms_opacity_unscaled", cost->errors.error_one, "rms_opacity_scaled",
+                                    cost->errors.error));
+    if (!b->cli->json)
+        printf("%-20s %-13s %zu %7.1f %% %9.1f %9.1f %10.1f %10.1f %8.2f   %.4f %.4f\n", c->volume, c->tf, c->level,
+               100 * seen / fine, 1e9 * cost->create_seconds / fine, 1e9 * a_voxel, 1e3 * cost->apply_seconds,
+               1e3 * cost->frame_seconds, frames, cost->errors.error_one, cost->errors.error);
+    fflush(stdout);
+}
+
+static iso_status run_case(scale_bench *b, const scale_case *c, iso_error *err)
+{
+    iso_adapt_options opt = iso_adapt_defaults();
+    scale_cost cost = {.create_seconds = INFINITY, .apply_seconds = INFINITY};
+    iso_tf_table own;
+    opt.fall_back = false;
+    uint8_t *bytes = malloc(iso_geometry_voxel_count(&c->pyramid->levels[c->level].geometry));
+    iso_status status = bytes ? iso_adapt_level(c->pyramid, c->level, &c->view->tf, &opt, &own, NULL, err)
+                              : iso_fail(err, ISO_E_MEMORY, "no memory for a byte a voxel");
+    if (status != ISO_OK) {
+        free(bytes);
+        return status;
+    }
+    status = time_scale(b, c, &own, bytes, &cost, err);
+    if (status == ISO_OK)
+        status = time_frame(b, c, &own, bytes, &cost.frame_seconds, err);
+    if (status == ISO_OK)
+        note(b, c, &cost);
+    iso_tf_table_destroy(&own);
+    free(bytes);
+    return status;
+}
+
+static iso_status make_view(const scale_bench *b, const iso_pyramid *p, const iso_tf *tf, iso_view *view,
+                            iso_error *err)
+{
+    const iso_level *level0 = &p->levels[0];
+    const iso_scene scene = {.path = "bench",
+                             .width = (size_t)b->size,
+                             .height = (size_t)b->size,
+                             .camera_fit = true,
+                             .camera_direction = {0.5, 1, -0.4},
+                             .camera_up = {0, 0, 1},
+                             .fov_y_deg = 30,
+                             .margin = 1,
+                             .light_count = 1,
+                             .lights = {{.direction = {-0.5, 0.5, 1}, .in_camera_space = true, .intensity = 1}},
+                             .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
+                             .step_voxels = 0.5,
+                             .tf = *tf};
+    return iso_scene_resolve(&scene, &level0->geometry, level0->min, level0->max, view, err);
+}
+
+static iso_status run_tf(void *user, const iso_lab_visited *v, iso_error *err)
+{
+    const iso_tf tf = iso_level_tf_of(v->tf);
+    iso_view view = {0};
+    iso_status status = make_view(user, v->pyramid, &tf, &view, err);
+    for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK; ++level)
+        status = run_case(user, &(scale_case){v->pyramid, level, v->volume, v->tf->name, &view}, err);
+    iso_view_destroy(&view);
+    return status;
+}
+
+static iso_status run_all(scale_bench *b, iso_error *err)
+{
+    iso_status status =
+        iso_lab_check_pictures(&(iso_lab_pictures){.size = b->size, .levels = b->levels, .most_levels = 8}, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--runs", b->runs, 1, 15, err);
+    if (status != ISO_OK)
+        return status;
+    b->rows = json_array();
+    if (!b->cli->json)
+        printf("%-20s %-13s %c %9s %9s %9s %10s %10s %8s   %s\n%-20s %-13s %c %9s %9s %9s %10s %10s %8s\n", "volume",
+               "tf", 'k', "seen", "once, ns", "edit, ns", "edit", "frame", "frames", "opacity off by", "", "", ' ', "",
+               "a voxel", "a seen one", "ms", "ms", "a 10^6");
+    const iso_progress progress = iso_cli_progress(b->cli);
+    status = iso_lab_visit_volumes(&(iso_lab_volumes){b->cli, &b->input, b->levels, &progress}, run_tf, b, err);
+    if (status == ISO_OK && b->cli->json) {
+        json_t *root = iso_cli_json(b->cli);
+        json_object_set(root, "cases", b->rows);
+        iso_cli_print_json(root);
+    }
+    json_decref(b->rows);
+    iso_renderers_end(&b->renderers);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    scale_bench b = {.levels = 4, .size = 256, .runs = 3};
+    iso_volume_input_defaults(&b.input);
+    struct poptOption options[] = {
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels along an edge of the frame", "N"},
+        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "of which the fastest counts", "N"},
+        ISO_CLI_INPUT_OPTIONS(&b.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    b.cli = &cli;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = run_all(&b, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_lab_extinction_scale = {
+    .name = "extinction-scale",
+    .summary = "what an extinction scale costs to make, against a frame, and what it leaves of the error",
+    .min_arguments = 1,
+    .max_arguments = 64,
+    .usage = "VOLUME... [options]",
+    .details =
+        "Four transfer functions, adapted to each level. Once a level: the ranges of runs of fine voxels. An edit of the\n"
+        "transfer function: three rounds over the fine voxels of runs that show anything, and a look at the result; by such\n"
+        "a voxel, and a million of them in frames of the ray caster. All times are processor time over all cores. Opacity\n"
+        "off by: RMS over them, without a scale and with.",
+    .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+                "  isoshade-lab extinction-scale shells.nrrd --levels 3 --size 64 --runs 1\n",
+    .run = run,
+};

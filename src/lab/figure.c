@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+/* figure.c - isoshade-lab figure: the figures of the papers, and of seams. */
+#include <math.h>
+#include <stdio.h>
+
+#include "lab/figure/paper_kinds.h"
+#include "lab/lab.h"
+#include "options/input.h"
+#include "scene/viewpoint.h"
+#include "tf/presets.h"
+
+static const iso_figure_info *const kinds[] = {
+    &iso_figure_code_dots,       &iso_figure_code_points,    &iso_figure_code_regions, &iso_figure_code_spheres,
+    &iso_figure_code_table,      &iso_figure_joint_histogram, &iso_figure_joint_row,    &iso_figure_mixed_volume,
+    &iso_figure_mixed_surface,   &iso_figure_palette_views,  &iso_figure_seams,        &iso_figure_region,
+};
+static const iso_names kind_names = ISO_NAMES_OF_POINTERS("kind of figure", kinds);
+
+const iso_lab_figure_options *iso_lab_figure_of(const iso_figure_job *job)
+{
+    return job->more;
+}
+
+iso_status iso_paper_surface(const iso_figure_job *job, const iso_level *level0, double *value, iso_error *err)
+{
+    const double part = isnan(iso_lab_figure_of(job)->surface) ? 0.5 : iso_lab_figure_of(job)->surface;
+    if (!(part > 0 && part < 1))
+        return iso_fail(err, ISO_E_RANGE, "--surface is %g, must be between 0 and 1: a part of the volume's range",
+                        part);
+    *value = level0->min + part * (level0->max - level0->min);
+    return ISO_OK;
+}
+
+/* An option that the kind would ignore is an error. */
+static iso_status check_options(const iso_figure_job *job, iso_error *err)
+{
+    const iso_lab_figure_options *o = iso_lab_figure_of(job);
+    const struct {
+        unsigned trait;
+        bool given;
+        const char *name;
+    } options[] = {
+        {ISO_LAB_FIGURE_HAS_CODE, o->code != NULL, "--code"},
+        {ISO_LAB_FIGURE_HAS_BITS, o->bits != 0, "--bits"},
+        {ISO_LAB_FIGURE_HAS_BRICKS, o->bricks != 0, "--bricks"},
+        {ISO_LAB_FIGURE_HAS_ENTRIES, o->entries != 0, "--entries"},
+        {ISO_LAB_FIGURE_HAS_SURFACE, !isnan(o->surface), "--surface"},
+        {ISO_LAB_FIGURE_HAS_REGION, o->region != NULL, "--roi"},
+    };
+    for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
+        if (options[i].given && !(job->kind->takes & options[i].trait))
+            return iso_fail(err, ISO_E_USAGE, "--kind %s does not take %s", job->kind->name, options[i].name);
+    return ISO_OK;
+}
+
+static iso_status make(iso_figure_job *job, const char *kind, iso_error *err)
+{
+    iso_status status = kind ? iso_figure_kind_from_name(&kind_names, kind, &job->kind, err)
+                             : iso_fail(err, ISO_E_USAGE, "--kind is missing; isoshade-lab figure --help lists the kinds");
+    if (status == ISO_OK)
+        status = iso_colormap_from_name("magma", &job->map, err);
+    if (status == ISO_OK)
+        status = check_options(job, err);
+    return status == ISO_OK ? iso_figure_make(job, err) : status;
+}
+
+static void print_result(const iso_figure_job *job)
+{
+    if (!job->cli->json) {
+        printf("figure: %s\n", job->output);
+        return;
+    }
+    json_t *root = iso_cli_json(job->cli);
+    json_object_set_new(root, "options", json_pack("{s:s}", "kind", job->kind->name));
+    json_object_set_new(root, "output", json_string(job->output));
+    if (json_object_size(job->facts))
+        json_object_set(root, "facts", job->facts);
+    iso_cli_print_json(root);
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    iso_lab_figure_options more = {.surface = NAN};
+    iso_cli cli;
+    iso_cli_next next;
+    iso_figure_job job = {
+        .cli = &cli, .width_mm = 178, .height_mm = 230, .dpi = 300, .facts = json_object(), .more = &more};
+    char *kind = NULL, *output = NULL;
+    iso_volume_input_defaults(&job.volume);
+    iso_cli_adapted_defaults(&job.adapted);
+    struct poptOption options[] = {
+        {"output", 'o', POPT_ARG_STRING, &output, 0, "the folder for the figure", "DIR"},
+        {"kind", 0, POPT_ARG_STRING, &kind, 0, "the figure", "KIND"},
+        {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.width_mm, 0, "of the figure, at most", "MM"},
+        {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.height_mm, 0, "of the figure, at most", "MM"},
+        {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.dpi, 0, "of its pictures", "DPI"},
+        {"formats", 0, POPT_ARG_STRING, &job.formats, 0, "besides the PDF: of svg, png and latex (all)", "LIST"},
+        {"sources", 0, POPT_ARG_NONE, &job.with_sources, 0, "keep the gnuplot script and its pixels", NULL},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &job.level, 0, "the level that is shown", "K"},
+        {"levels", 0, POPT_ARG_INT, &job.levels, ISO_CLI_NOT_ZERO, "number of levels, level 0 included (4)", "N"},
+        {"code", 0, POPT_ARG_STRING, &more.code, 0, "a code of directions (the kind's own)", "CODE"},
+        {"bits", 0, POPT_ARG_INT, &more.bits, ISO_CLI_NOT_ZERO, "per component of a direction (5)", "N"},
+        {"bricks", 0, POPT_ARG_INT, &more.bricks, ISO_CLI_NOT_ZERO, "mixed levels: voxels along a brick's side (16)",
+         "N"},
+        {"entries", 0, POPT_ARG_INT, &more.entries, ISO_CLI_NOT_ZERO, "directions of a palette (254)", "N"},
+        {"surface", 0, POPT_ARG_DOUBLE, &more.surface, 0,
+         "the isosurface's value, as a part of the volume's range (0.5)", "PART"},
+        {"roi", 0, POPT_ARG_STRING, &more.region, 0,
+         "box of level-0 voxels with full resolution (the middle half along each axis)", "X0,Y0,Z0,X1,Y1,Z1"},
+        ISO_CLI_LOOK_OPTIONS(&job.look),
+        ISO_CLI_INPUT_OPTIONS(&job.volume),
+        POPT_TABLEEND,
+    };
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN) {
+        job.input = cli.argument_count ? cli.arguments[0] : NULL;
+        job.output = output;
+        status = make(&job, kind, err);
+        if (status == ISO_OK)
+            print_result(&job);
+    }
+    iso_cli_end(&cli);
+    json_decref(job.facts);
+    return status;
+}
+
+const iso_command iso_lab_figure = {
+    .name = "figure",
+    .summary = "the figures of the papers, drawn from the program's own data",
+    .max_arguments = 1,
+    .usage = "[VOLUME|PYRAMID.iso] --kind KIND -o DIR [options]",
+    .lists = (const iso_names *const[]){&kind_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    .examples = "  isoshade-lab figure --kind code-points --bits 3 --width 85 -o figure-points\n",
+    .run = run,
+};

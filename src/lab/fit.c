@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: MIT */
+/* fit.c - what levels for a scene cost: least squares, the fit and the small pictures, in processor time. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/parallel.h"
+#include "lab/lab.h"
+#include "lab/level_scene.h"
+#include "lab/volumes.h"
+#include "plan/scene_levels.h"
+
+typedef struct fit_bench {
+    const iso_cli *cli;
+    iso_volume_input input;
+    int levels;
+    json_t *cases;
+} fit_bench;
+
+/* A level of a volume under a transfer function. */
+typedef struct fit_case {
+    const char *volume, *tf;
+    const iso_pyramid *pyramid;
+    iso_scene scene;
+    iso_tf_table table;
+    size_t level;
+    float *scalars[ISO_LEVEL_SCALAR_COUNT];
+    double seconds[3]; /* least squares, fit, pictures; of the processor */
+    iso_fit_report fit;
+    iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT];
+} fit_case;
+
+static iso_status measure(fit_bench *b, fit_case *c, iso_error *err)
+{
+    const iso_level_scalar_input in = {&c->pyramid->levels[0], &c->table, c->level, b->cli->threads};
+    double times[4] = {iso_cpu_seconds()};
+    iso_status status = iso_level_scalars_make(&in, c->scalars[1], NULL, NULL, err);
+    times[1] = iso_cpu_seconds();
+    if (status == ISO_OK)
+        status = iso_level_scalars_make(&in, c->scalars[1], c->scalars[2], &c->fit, err);
+    times[2] = iso_cpu_seconds();
+    if (status == ISO_OK)
+        status = iso_scene_level_judge(c->pyramid, c->level, &c->scene, c->scalars, b->cli->threads, c->candidates,
+                                       err);
+    times[3] = iso_cpu_seconds();
+    c->seconds[0] = times[1] - times[0];
+    c->seconds[1] = times[2] - times[1] - c->seconds[0];
+    c->seconds[2] = times[3] - times[2];
+    return status;
+}
+
+static void note(fit_bench *b, const fit_case *c)
+{
+    const double fine = (double)iso_geometry_voxel_count(&c->pyramid->levels[0].geometry);
+    const double bytes = (double)iso_scene_levels_bytes(&c->pyramid->levels[0].geometry, ISO_U8);
+    const char *chosen = iso_level_scalar_name(iso_scene_level_choose(c->candidates));
+    const double left = c->fit.error_start > 0 ? c->fit.error_end / c->fit.error_start : 1;
+    json_array_append_new(b->cases,
+                          json_pack("{s:s, s:s, s:I, s:f, s:f, s:f, s:f, s:f, s:s}", "volume", c->volume, "tf", c->tf,
+                                    "level", (json_int_t)c->level, "least_squares_ns_per_voxel",
+                                    1e9 * c->seconds[0] / fine, "fit_ns_per_voxel", 1e9 * c->seconds[1] / fine,
+                                    "pictures_seconds", c->seconds[2], "bytes_per_voxel", bytes / fine,
+                                    "voxel_error_ratio", left, "chosen", chosen));
+    if (!b->cli->json)
+        printf("%-22s %-13s %zu %9.1f %9.1f %9.2f %9.1f %9.3f  %s\n", c->volume, c->tf, c->level,
+               1e9 * c->seconds[0] / fine, 1e9 * c->seconds[1] / fine, c->seconds[2], bytes / fine, left, chosen);
+    fflush(stdout);
+}
+
+static iso_status run_level(fit_bench *b, fit_case *c, iso_error *err)
+{
+    const iso_level *l = &c->pyramid->levels[c->level];
+    const size_t bytes = iso_geometry_voxel_count(&l->geometry) * sizeof(float);
+    c->scalars[0] = l->scalar;
+    c->scalars[1] = malloc(bytes);
+    c->scalars[2] = malloc(bytes);
+    iso_status status = c->scalars[1] && c->scalars[2] ? measure(b, c, err)
+                                                       : iso_fail(err, ISO_E_MEMORY, "no memory for a level");
+    if (status == ISO_OK)
+        note(b, c);
+    free(c->scalars[1]);
+    free(c->scalars[2]);
+    return status;
+}
+
+static iso_status run_tf(void *user, const iso_lab_visited *v, iso_error *err)
+{
+    const iso_level *level0 = &v->pyramid->levels[0];
+    fit_case c = {.volume = v->volume,
+                  .tf = v->tf->name,
+                  .pyramid = v->pyramid,
+                  .scene = iso_level_bench_scene(iso_level_tf_of(v->tf))};
+    iso_status status = iso_tf_tabulate(&c.scene.tf, level0->min, level0->max, &level0->geometry, &c.table, err);
+    for (c.level = 1; c.level < v->pyramid->level_count && status == ISO_OK; ++c.level)
+        status = run_level(user, &c, err);
+    iso_tf_table_destroy(&c.table);
+    return status;
+}
+
+static iso_status run_all(fit_bench *b, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    b->cases = json_array();
+    if (!b->cli->json)
+        printf("%-22s %-13s k %9s %9s %9s %9s %9s  chosen\n", "volume", "tf", "squares", "fit", "pictures", "bytes",
+               "error");
+    const iso_progress progress = iso_cli_progress(b->cli);
+    status = iso_lab_visit_volumes(&(iso_lab_volumes){b->cli, &b->input, b->levels, &progress}, run_tf, b, err);
+    if (status == ISO_OK && b->cli->json) {
+        json_t *root = iso_cli_json(b->cli);
+        json_object_set(root, "cases", b->cases);
+        iso_cli_print_json(root);
+    }
+    json_decref(b->cases);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    fit_bench b = {.levels = 4};
+    iso_volume_input_defaults(&b.input);
+    struct poptOption options[] = {
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
+        ISO_CLI_INPUT_OPTIONS(&b.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    b.cli = &cli;
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = iso_words_check_range("--levels", b.levels, 2, 8, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = run_all(&b, err);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_lab_fit = {
+    .name = "fit",
+    .summary = "what levels for a scene (build --for) cost: least squares, the fit, the small pictures",
+    .min_arguments = 1,
+    .max_arguments = 64,
+    .usage = "VOLUME... [options]",
+    .details =
+        "squares and fit: processor time, ns a voxel of level 0; pictures: seconds, level 0's among them; bytes: of memory, a\n"
+        "voxel of level 0, while a volume of bytes is built for a scene; error: what the fit leaves of the squared error of\n"
+        "opacity. Four transfer functions: surface, soft, two-material, shell.",
+    .examples = "  isoshade make shells --size 40 --type uint8 -o shells.nrrd\n"
+                "  isoshade-lab fit shells.nrrd --levels 3\n",
+    .run = run,
+};

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT */
+#include "lab/level_scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "fit/extinction_scale.h"
+#include "plan/auto_choice.h"
+#include "plan/scene_levels.h"
+
+/* The level shows `scalar`, which it takes, under the transfer function that --adapt makes of it. */
+static iso_status show(const iso_level_subject *s, float *scalar, iso_level_shown *shown, iso_error *err)
+{
+    iso_pyramid with = *s->pyramid;
+    iso_level levels[32];
+    iso_adapt_options opt = iso_adapt_defaults();
+    opt.threads = s->threads;
+    shown->scalar = shown->level.scalar = scalar;
+    shown->level.min = shown->level.max = (double)scalar[0];
+    for (size_t i = 1; i < iso_geometry_voxel_count(&shown->level.geometry); ++i) {
+        shown->level.min = (double)scalar[i] < shown->level.min ? (double)scalar[i] : shown->level.min;
+        shown->level.max = (double)scalar[i] > shown->level.max ? (double)scalar[i] : shown->level.max;
+    }
+    memcpy(levels, with.levels, with.level_count * sizeof *levels);
+    levels[s->level] = shown->level;
+    with.levels = levels;
+    iso_tf_table_destroy(&shown->tf);
+    return iso_adapt_level(&with, s->level, s->tf, &opt, &shown->tf, &shown->judgment, err);
+}
+
+iso_scene iso_level_bench_scene(iso_tf tf)
+{
+    return (iso_scene){.path = (char *)"bench",
+                       .light_count = 1,
+                       .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
+                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
+                       .step_voxels = 0.5,
+                       .tf = tf};
+}
+
+iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    const size_t count = iso_geometry_voxel_count(&shown->level.geometry);
+    iso_pyramid with = *s->pyramid;
+    iso_level levels[32];
+    iso_tf tf = {0};
+    float *scalar = malloc(count * sizeof *scalar);
+    iso_status status = scalar ? iso_tf_from_table(s->tf, &tf, err)
+                               : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", count);
+    const iso_scene scene = iso_level_bench_scene(tf);
+    if (status == ISO_OK) {
+        memcpy(scalar, shown->level.scalar, count * sizeof *scalar);
+        memcpy(levels, with.levels, with.level_count * sizeof *levels);
+        levels[s->level].scalar = scalar;
+        with.levels = levels;
+        with.level_count = s->level + 1;
+        with.made_for = NULL;
+        status = iso_scene_levels_make(&with, s->level, &scene, s->threads, NULL, NULL, err);
+        scalar = levels[s->level].scalar; /* another one, where the first was not the best */
+        json_decref(with.made_for);
+    }
+    iso_tf_destroy(&tf);
+    if (status == ISO_OK)
+        return show(s, scalar, shown, err);
+    free(scalar);
+    return status;
+}
+
+iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    const size_t bytes = iso_geometry_voxel_count(&shown->level.geometry) * sizeof(float);
+    float *least_squares = malloc(bytes), *fitted = malloc(bytes);
+    iso_status status = least_squares && fitted ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for a level");
+    if (status == ISO_OK)
+        status = iso_level_scalars_make(&(iso_level_scalar_input){&s->pyramid->levels[0], s->tf, s->level, s->threads},
+                                        least_squares, fitted, NULL, err);
+    free(least_squares);
+    if (status == ISO_OK)
+        return show(s, fitted, shown, err);
+    free(fitted);
+    return status;
+}
+
+/* The level of the design's pyramid, under the design's transfer function. */
+static iso_status show_design(const iso_auto_design *d, const iso_pyramid *p, const iso_level_subject *s,
+                              iso_level_shown *shown, iso_error *err)
+{
+    iso_adapt_options opt = iso_adapt_defaults();
+    opt.threads = s->threads;
+    opt.fall_back = !d->always;
+    iso_tf_table_destroy(&shown->tf);
+    iso_status status = iso_adapt_level(p, d->adapted ? s->level : 0, s->tf, &opt, &shown->tf, &shown->judgment, err);
+    if (status == ISO_OK && d->is_2d) {
+        status = iso_adapt_tf_2d(p, s->level, ISO_SECOND_VALUE_DEVIATION, s->tf, &opt, &shown->tf_2d, err);
+        shown->has_tf_2d = status == ISO_OK;
+    }
+    if (status == ISO_OK && d->scaled)
+        status = iso_extinction_scale_level(p, s->level, s->tf, &shown->tf, s->threads, &shown->extinction_scale, err);
+    return status;
+}
+
+static iso_status make_auto(const iso_level_subject *s, int budget, iso_level_shown *shown, iso_error *err)
+{
+    const iso_level *level0 = &s->pyramid->levels[0];
+    const iso_volume v = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
+    iso_pyramid_options opt = s->pyramid->options;
+    iso_auto_choice choice;
+    iso_pyramid p = {0};
+    opt.threads = s->threads;
+    iso_status status = iso_auto_measure(&v, &opt, s->tf, &choice, NULL, err);
+    if (status == ISO_OK)
+        status = iso_auto_choose(&choice, budget, err);
+    const iso_auto_design *d = iso_auto_design_at(choice.chosen);
+    opt.scalar_filter = d->scalar;
+    opt.direction_filter = ISO_DIRECTION_NAIVE; /* shown are the subject's */
+    if (status == ISO_OK)
+        status = iso_pyramid_build(&v, "chosen", &opt, &p, NULL, err);
+    if (status == ISO_OK)
+        status = show_design(d, &p, s, shown, err);
+    if (status == ISO_OK) {
+        shown->scalar = shown->level.scalar = p.levels[s->level].scalar;
+        shown->level.min = p.levels[s->level].min;
+        shown->level.max = p.levels[s->level].max;
+        p.levels[s->level].scalar = NULL;
+    }
+    iso_pyramid_destroy(&p);
+    return status;
+}
+
+iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_auto(s, ISO_AUTO_MOST_BYTES, shown, err);
+}
+
+iso_status iso_level_make_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_auto(s, ISO_AUTO_LEAST_BYTES, shown, err);
+}
+
+static iso_status make_tf_auto(const iso_level_subject *s, int budget, iso_level_shown *shown, iso_error *err)
+{
+    const iso_level *level0 = &s->pyramid->levels[0];
+    const iso_volume v = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
+    iso_pyramid_options opt = s->pyramid->options;
+    iso_auto_choice choice;
+    size_t design = 0;
+    double gain;
+    opt.threads = s->threads;
+    iso_status status = iso_auto_measure(&v, &opt, s->tf, &choice, NULL, err);
+    if (status == ISO_OK)
+        status = iso_auto_choose_level(&choice, s->level, opt.scalar_filter, budget, &design, &gain, err);
+    if (status == ISO_OK)
+        status = show_design(iso_auto_design_at(design), s->pyramid, s, shown, err);
+    return status;
+}
+
+iso_status iso_level_make_tf_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_tf_auto(s, ISO_AUTO_MOST_BYTES, shown, err);
+}
+
+iso_status iso_level_make_tf_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_tf_auto(s, ISO_AUTO_LEAST_BYTES, shown, err);
+}

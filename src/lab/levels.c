@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: MIT */
+/* levels.c - does a coarse level look like level 0? Each method to make and show levels, over volumes, transfer functions
+ * and views, one against another.
+ *
+ * Level 0 with its own gradients is rendered once from each view, and so is every level by every method. Two blocks: the
+ * volumes that methods were chosen by, and those that were held back from all choices. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "lab/lab.h"
+#include "lab/levels_run.h"
+#include "lab/volumes.h"
+
+static const iso_names tf_table = ISO_NAMES_OF_STRINGS("transfer function", iso_levels_tf_names);
+
+static iso_status choose(iso_levels_run *run, iso_error *err)
+{
+    size_t t;
+    iso_status status = iso_level_methods_choose(run->methods, run->cases.wanted, err);
+    if (status != ISO_OK)
+        return iso_fail_in(err, ISO_E_USAGE, "--methods");
+    if (iso_names_find(&iso_level_method_names, run->against, &run->cases.against, err) != ISO_OK)
+        return iso_fail_in(err, ISO_E_USAGE, "--against");
+    if (iso_renderer_from_name(run->with, &run->renderer, err) != ISO_OK)
+        return iso_fail_in(err, ISO_E_USAGE, "--with");
+    run->cases.wanted[run->cases.against] = true;
+    for (const char *at = run->tfs; *at;) {
+        char name[32];
+        const size_t length = strcspn(at, ",");
+        snprintf(name, sizeof name, "%.*s", (int)length, at);
+        if (iso_names_find(&tf_table, name, &t, err) != ISO_OK)
+            return iso_fail_in(err, ISO_E_USAGE, "--tfs");
+        run->wanted_tf[t] = true;
+        at += length + (at[length] == ',');
+    }
+    return ISO_OK;
+}
+
+/* Volumes named, then those held back: commas between them, cut here. */
+static iso_status list_volumes(iso_levels_run *run, iso_error *err)
+{
+    for (size_t i = 0; i < run->cli->argument_count && run->volume_count < ISO_LEVELS_MAX_VOLUMES; ++i)
+        run->volumes[run->volume_count++] = run->cli->arguments[i];
+    run->named_count = run->volume_count;
+    for (char *at = run->held; at && *at && run->volume_count < ISO_LEVELS_MAX_VOLUMES;) {
+        char *comma = strchr(at, ',');
+        if (comma)
+            *comma = 0;
+        if (*at)
+            run->volumes[run->volume_count++] = at;
+        at = comma ? comma + 1 : NULL;
+    }
+    return run->volume_count > 0 || run->have ? ISO_OK : iso_fail(err, ISO_E_USAGE, "no volume named");
+}
+
+/* ---- cases of earlier runs ---- */
+
+/* Tables with commas between them. Where no volume is named they say themselves what they were measured with. */
+static iso_status read_tables(iso_levels_run *run, iso_error *err)
+{
+    iso_level_cases *c = &run->cases;
+    iso_status status = ISO_OK;
+    if (run->volume_count > 0)
+        snprintf(c->settings, sizeof c->settings, "%d views of %d pixels; step %g; %s; %s", run->views, run->size,
+                 run->step_voxels, run->renderer->name, run->unshaded ? "unshaded" : "shaded");
+    for (char *at = run->have; at && *at && status == ISO_OK;) {
+        char *comma = strchr(at, ',');
+        if (comma)
+            *comma = 0;
+        status = iso_level_cases_read_csv(c, at, err);
+        at = comma ? comma + 1 : NULL;
+    }
+    run->had_count = c->count;
+    return status == ISO_OK || status == ISO_E_IO ? status : iso_fail_in(err, status, "--have");
+}
+
+/* Only methods that all cases were measured by can be held against each other. */
+static iso_status keep_methods_of_all(iso_levels_run *run, iso_error *err)
+{
+    iso_level_cases *c = &run->cases;
+    for (size_t m = 0; m < iso_level_method_count(); ++m) {
+        const bool asked = c->wanted[m];
+        for (size_t i = 0; i < c->count; ++i)
+            c->wanted[m] = c->wanted[m] && c->cases[i].results[m].measured;
+        if (asked && !c->wanted[m] && run->volume_count > 0 && !run->cli->json)
+            printf("%s: not in the tables, since not all cases were measured by it\n", iso_level_method_at(m)->name);
+    }
+    return c->wanted[c->against] ? ISO_OK
+                                 : iso_fail(err, ISO_E_USAGE, "--against %s: not measured in all cases", run->against);
+}
+
+static iso_status check_options(iso_levels_run *run, iso_error *err)
+{
+    iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, ISO_LEVELS_MAX_VIEWS, run->size,
+                                                                       run->levels, ISO_LEVELS_MAX_LEVELS},
+                                                 err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--level", run->level, 0, run->levels - 1, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--step", run->step_voxels, 0.01, 4, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--budget", run->budget_seconds, 0, 1e6, err);
+    if (status == ISO_OK)
+        status = choose(run, err);
+    if (status == ISO_OK && run->crop)
+        status = iso_words_check_range("--crop", run->crop, 16, 4096, err);
+    if (status == ISO_OK)
+        status = list_volumes(run, err);
+    return status == ISO_OK ? read_tables(run, err) : status;
+}
+
+static void report(const iso_levels_run *run)
+{
+    json_t *root = iso_cli_json(run->cli);
+    if (!run->cli->json && run->out_of_time)
+        printf("\nout of time: not all volumes and transfer functions were measured\n");
+    json_object_update_new(json_object_get(root, "options"),
+                           json_pack("{s:i, s:i, s:i, s:b, s:f, s:s}", "views", run->views, "size", run->size, "levels",
+                                     run->levels, "shaded", !run->unshaded, "step_voxels", run->step_voxels, "with",
+                                     run->renderer->name));
+    json_object_set_new(root, "against", json_string(iso_level_method_at(run->cases.against)->name));
+    json_object_set_new(root, "settings", json_string(run->cases.settings));
+    json_object_set_new(root, "complete", json_boolean(!run->out_of_time));
+    json_object_set_new(root, "blocks", iso_levels_report(&run->cases, !run->cli->json));
+    json_object_set_new(root, "cases", iso_level_cases_to_json(&run->cases));
+    if (run->cli->json)
+        iso_cli_print_json(root);
+    else
+        json_decref(root);
+}
+
+static iso_status run_all(iso_levels_run *run, iso_error *err)
+{
+    if (run->quick) {
+        run->views = run->views < 2 ? run->views : 2;
+        run->size = run->size < 96 ? run->size : 96;
+    }
+    const iso_progress progress = iso_cli_progress(run->cli);
+    iso_status status = check_options(run, err);
+    run->start_seconds = iso_clock_seconds();
+    iso_cli_expect(run->cli, &(iso_cli_stage){"levels", 1}, 1);
+    if (status == ISO_OK && !run->cli->json && run->volume_count > 0) {
+        printf("DSSIM; o: the original TF was kept\n%-24s %-12s k", "volume", "tf");
+        for (size_t m = 0; m < iso_level_method_count(); ++m)
+            if (run->cases.wanted[m])
+                printf(" %8s", iso_level_method_at(m)->name);
+        printf("\n");
+    }
+    for (run->at = 0; run->at < run->volume_count && status == ISO_OK; ++run->at)
+        if (iso_levels_has_time(run))
+            status = iso_levels_run_volume(run, &progress, err);
+    if (status == ISO_OK && run->csv)
+        status = iso_level_cases_write_csv(&run->cases, run->csv, err);
+    if (status == ISO_OK)
+        status = keep_methods_of_all(run, err);
+    if (status == ISO_OK)
+        report(run);
+    iso_level_cases_destroy(&run->cases);
+    iso_renderers_end(&run->renderers);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    iso_levels_run r = {.views = ISO_LEVELS_MAX_VIEWS,
+                        .size = 192,
+                        .levels = 4,
+                        .step_voxels = 0.5,
+                        .with = iso_renderers_usual()->name,
+                        .tfs = "opaque,shell,soft,two-material,colored",
+                        .methods = "own",
+                        .against = "default"};
+    char renderers[256];
+    iso_renderers_with(ISO_READS_SOURCE | ISO_HAS_2D_TFS, ", ", " or ", renderers, sizeof renderers);
+    iso_volume_input_defaults(&r.input);
+    struct poptOption options[] = {
+        {"held", 0, POPT_ARG_STRING, &r.held, 0, "volumes that no choice was made by: a block of their own",
+         "FILE,FILE"},
+        {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.methods, 0, "names with commas, or all",
+         "NAMES"},
+        {"against", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.against, 0,
+         "the method that the others' errors are divided by", "NAME"},
+        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.tfs, 0, "transfer functions, names with commas",
+         "NAMES"},
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.views, 0, "of an icosahedron's faces, at most 20",
+         "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.size, 0, "pixels along an edge", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.levels, 0, "with level 0", "N"},
+        {"level", 0, POPT_ARG_INT, &r.level, 0, "this level alone", "K"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &r.step_voxels, 0, "ray step in voxels of the level",
+         "VOXELS"},
+        {"unshaded", 0, POPT_ARG_NONE, &r.unshaded, 0, "emission alone, without a light", NULL},
+        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.with, 0, renderers, "RENDERER"},
+        {"quick", 0, POPT_ARG_NONE, &r.quick, 0, "two views of 96 pixels", NULL},
+        {"budget", 0, POPT_ARG_DOUBLE, &r.budget_seconds, 0, "begins no transfer function after so many seconds",
+         "SECONDS"},
+        {"crop", 0, POPT_ARG_INT, &r.crop, 0, "of larger volumes the middle N voxels along each axis", "N"},
+        {"csv", 0, POPT_ARG_STRING, &r.csv, 0, "all cases as a table, written anew after each transfer function",
+         "FILE"},
+        {"have", 0, POPT_ARG_STRING, &r.have, 0, "tables of earlier runs: what they have is not measured again",
+         "FILE,FILE"},
+        ISO_CLI_INPUT_OPTIONS(&r.input),
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    r.cli = &cli;
+    if (status == ISO_OK && next == ISO_CLI_RUN)
+        status = run_all(&r, err);
+    iso_cli_end(&cli);
+    free(r.held);
+    free(r.csv);
+    free(r.have);
+    return status;
+}
+
+static const iso_names *const lists[] = {&iso_level_method_names, NULL};
+
+const iso_command iso_lab_levels = {
+    .name = "levels",
+    .summary = "methods to make and show coarse levels against level 0, one against another",
+    .max_arguments = 64,
+    .usage = "VOLUME... [--held VOLUME,...] [options]",
+    .details =
+        "Each method's image of a level against that of level 0 with its own gradients, under five transfer functions: an\n"
+        "opaque ramp at the surface between the volume's two classes [otsu-1979], and four that are fractions of its range.\n"
+        "Rivals, methods of the literature, are rendered by the reference, all others as --with says.\n"
+        "Errors, means over the views: DSSIM = (1 - SSIM) / 2, RMSE and FLIP over what either image shows; and minified, where\n"
+        "both images are averaged so that a pixel is about one voxel of the level. The tables hold their ratios to one method's,\n"
+        "in two blocks: the volumes named, and those of --held. Left out and counted: what shows nothing, what no method errs in.\n"
+        "A run that was ended goes on with --have TABLE --csv TABLE; without a volume --have prints what the tables come to.",
+    .lists = lists,
+    .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+                "  isoshade-lab levels shells.nrrd --quick --levels 3 --methods default,original,on-the-fly --csv shells.csv\n"
+                "  isoshade-lab levels --have shells.csv --methods default,original\n",
+    .run = run,
+};

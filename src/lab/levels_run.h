@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/* levels_run.h - a run of `isoshade-lab levels`: levels.c is the command, levels_measure.c renders and measures. */
+#ifndef ISO_LAB_LEVELS_RUN_H
+#define ISO_LAB_LEVELS_RUN_H
+
+#include "lab/levels_report.h"
+#include "options/cli.h"
+#include "options/input.h"
+#include "renderers/renderers.h"
+#include "scene/views.h"
+
+enum {
+    ISO_LEVELS_MAX_VIEWS = ISO_FACE_VIEWS,
+    ISO_LEVELS_MAX_LEVELS = 8,
+    ISO_LEVELS_MAX_VOLUMES = 96,
+    ISO_LEVELS_TF_COUNT = 5
+};
+
+/* Transfer functions: the opaque ramp is the first, and those of level_tfs.h. */
+extern const char *const iso_levels_tf_names[ISO_LEVELS_TF_COUNT];
+
+typedef struct iso_levels_run {
+    const iso_cli *cli;
+    iso_volume_input input;
+    int views, size, levels, level, unshaded, quick, crop;
+    double step_voxels, budget_seconds, start_seconds;
+    const char *with, *tfs, *methods, *against;
+    char *held, *csv, *have;
+    bool wanted_tf[ISO_LEVELS_TF_COUNT];
+    const iso_tf *own_tf; /* instead of these, or NULL */
+    bool silent;          /* cases are not printed */
+    const iso_renderer_info *renderer;
+    iso_renderers renderers;
+    size_t volume_count, named_count; /* those after named_count are held back */
+    const char *volumes[ISO_LEVELS_MAX_VOLUMES];
+    size_t at; /* the volume at work */
+    bool out_of_time;
+    double frame_seconds; /* of the last one rendered */
+    iso_level_cases cases;
+    size_t had_count; /* of them: those of earlier runs, which stand first */
+} iso_levels_run;
+
+/* Whether the budget is not yet spent. */
+bool iso_levels_has_time(iso_levels_run *run);
+
+/* All cases of the volume number run->at, but for what earlier runs measured. */
+iso_status iso_levels_run_volume(iso_levels_run *run, const iso_progress *progress, iso_error *err);
+
+#endif

@@ -1,0 +1,477 @@
+/* SPDX-License-Identifier: MIT */
+/* palette.c - palettes of directions: error and time of each method, on the ellipsoid and on volumes. */
+#include "lab/palette.h"
+#include "options/input.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "lab/lab.h"
+
+#define ELLIPSOID_POINTS 5000
+
+static iso_palette_options method_options(const palette_bench *b, iso_palette_method method, size_t directions)
+{
+    iso_palette_options opt = iso_palette_defaults();
+    opt.method = method;
+    opt.directions = directions;
+    opt.anneal.cycles = (size_t)b->cycles;
+    opt.anneal.steps = (size_t)b->steps;
+    return opt;
+}
+
+/* A fit has one thread: its processor time is what it takes on a machine of its own. */
+static double processor_seconds(void)
+{
+    return (double)clock() / CLOCKS_PER_SEC;
+}
+
+/* Fits to `fitted_to`, measures on `set`, which may be the same. */
+static iso_status fit_and_measure(const iso_direction_set *fitted_to, const iso_direction_set *set,
+                                  const iso_palette_options *opt, size_t *entries, iso_palette_error *e,
+                                  double *seconds, iso_error *err)
+{
+    iso_palette p;
+    double start = processor_seconds();
+    iso_status status = iso_palette_fit(fitted_to, opt, &p, NULL, err);
+    *seconds = processor_seconds() - start;
+    if (status != ISO_OK)
+        return status;
+    *entries = p.count - 1;
+    status = iso_palette_measure(set, &p, e, err);
+    iso_palette_destroy(&p);
+    return status;
+}
+
+static json_t *error_row(const char *method, size_t entries, const iso_palette_error *e, double seconds)
+{
+    return json_pack("{s:s, s:I, s:f, s:f, s:f, s:f, s:f, s:f}", "method", method, "entries", (json_int_t)entries,
+                     "norm1", e->norm1, "norm2", e->norm2, "norm2_as_printed", e->norm2_printed, "rms_deg", e->rms_deg,
+                     "max_deg", e->max_deg, "fit_processor_seconds", seconds);
+}
+
+/* The sizes of Table 1: 8, 9 and 10 bits; regular subdivision has its own. */
+static const size_t table_sizes[3] = {254, 510, 1022};
+static const size_t regular_sizes[3] = {240, 960, 3840};
+static const size_t vertex_sizes[3] = {122, 482, 1922};
+
+static const size_t *sizes_of(iso_palette_method m)
+{
+    return m == ISO_PALETTE_FACES ? regular_sizes : m == ISO_PALETTE_VERTICES ? vertex_sizes : table_sizes;
+}
+
+typedef struct fitted_sets {
+    const iso_direction_set *fitted_to, *measured_on;
+    size_t count;
+    const char *name;
+} fitted_sets;
+
+/* One line of the table: a method at its three sizes, on the mean of the sets. */
+static iso_status table_line(const palette_bench *b, const fitted_sets *s, iso_palette_method method, json_t *rows,
+                             iso_error *err)
+{
+    const size_t count = s->count;
+    const char *name = iso_palette_method_name(method);
+    if (!b->cli->json)
+        printf("  %-10s", name);
+    for (int k = 0; k < 3; ++k) {
+        iso_palette_options opt = method_options(b, method, sizes_of(method)[k]);
+        iso_palette_error mean = {0};
+        double seconds = INFINITY;
+        size_t entries = 0;
+        for (size_t i = 0; i < count; ++i) {
+            iso_palette_error e;
+            double once;
+            iso_status status = fit_and_measure(&s->fitted_to[i], &s->measured_on[i], &opt, &entries, &e, &once, err);
+            if (status != ISO_OK)
+                return status;
+            mean.norm1 += e.norm1 / (double)count;
+            mean.rms_deg += e.rms_deg / (double)count;
+            mean.max_deg = fmax(mean.max_deg, e.max_deg);
+            seconds = fmin(seconds, once);
+        }
+        mean.norm2 = sqrt(2 * mean.norm1);
+        mean.norm2_printed = sqrt(0.5 * mean.norm1);
+        json_t *row = error_row(name, entries, &mean, seconds);
+        json_object_set_new(row, "data", json_string(s->name));
+        json_array_append_new(rows, row);
+        if (!b->cli->json)
+            printf("  %5zu %10.5g %8.4g %8.4g %7.3f s", entries, mean.norm1, mean.norm2, mean.norm2_printed, seconds);
+    }
+    if (!b->cli->json) {
+        printf("\n");
+        fflush(stdout);
+    }
+    return ISO_OK;
+}
+
+static void table_head(const palette_bench *b, const char *title)
+{
+    if (b->cli->json)
+        return;
+    printf("%s\n  %-10s", title, "method");
+    for (int k = 0; k < 3; ++k)
+        printf("  %5s %10s %8s %8s %9s", "size", "norm 1", "norm 2", "printed", "fit");
+    printf("\n");
+}
+
+static iso_status ellipsoid_sets(const palette_bench *b, bool on_surface, iso_direction_set *sets, iso_error *err)
+{
+    float *vectors = malloc(3 * ELLIPSOID_POINTS * sizeof *vectors);
+    iso_status status = vectors ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %d gradients", ELLIPSOID_POINTS);
+    for (int i = 0; i < b->seeds && status == ISO_OK; ++i) {
+        iso_ellipsoid_gradients(vectors, ELLIPSOID_POINTS, on_surface, (uint64_t)i + 1);
+        status = iso_direction_set_create(&sets[i], vectors, NULL, ELLIPSOID_POINTS, err);
+    }
+    free(vectors);
+    return status;
+}
+
+iso_status iso_palette_bench_ellipsoid(const palette_bench *b, json_t *root, iso_error *err)
+{
+    json_t *rows = json_array();
+    iso_direction_set *sets = calloc((size_t)b->seeds, sizeof *sets);
+    iso_status status = sets ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (int on_surface = 0; on_surface < 2 && status == ISO_OK; ++on_surface) {
+        char title[160];
+        snprintf(title, sizeof title, "\n%d gradients of x^2 + 15 y^2 + 15 z^2, points uniform %s; mean of %d samples",
+                 ELLIPSOID_POINTS, on_surface ? "on the ellipsoid" : "in the ball", b->seeds);
+        status = ellipsoid_sets(b, on_surface, sets, err);
+        table_head(b, title);
+        for (int m = 0; m < ISO_PALETTE_METHOD_COUNT && status == ISO_OK; ++m)
+            status = table_line(b, &(fitted_sets){sets, sets, (size_t)b->seeds, on_surface ? "surface" : "ball"},
+                                (iso_palette_method)m, rows, err);
+        for (int i = 0; i < b->seeds; ++i)
+            iso_direction_set_destroy(&sets[i]);
+    }
+    free(sets);
+    json_object_set_new(root, "ellipsoid", rows);
+    return status;
+}
+
+/* ---- assigning -------------------------------------------------------------------------- */
+
+#define ASSIGN_COUNT 400000
+#define ASSIGN_BLOCK 20000
+
+/* Of every 50th direction: farther than the nearest by more than the rounding of a dot product of floats. */
+static size_t count_wrong(const iso_palette *p, const float *v, const uint16_t *index)
+{
+    size_t wrong = 0;
+    for (size_t i = 0; i < ASSIGN_COUNT; i += 50) {
+        double best = -2, own = -2;
+        for (size_t k = 1; k < p->count; ++k) {
+            double dot = 0;
+            for (size_t c = 0; c < 3; ++c)
+                dot += (double)v[3 * i + c] * (double)p->xyz[3 * k + c];
+            best = fmax(best, dot);
+            own = k == index[i] ? dot : own;
+        }
+        wrong += !(own >= best - 4e-7);
+    }
+    return wrong;
+}
+
+/* The least time of a block: other programs on the machine only add to it. */
+static double block_seconds(const iso_palette_lookup *lookup, const float *v, uint16_t *index)
+{
+    double least = INFINITY;
+    for (int round = 0; round < 10; ++round)
+        for (size_t i = 0; i < ASSIGN_COUNT; i += ASSIGN_BLOCK) {
+            double start = iso_clock_seconds();
+            iso_palette_assign(lookup, v + 3 * i, index + i, ASSIGN_BLOCK);
+            least = fmin(least, iso_clock_seconds() - start);
+        }
+    return least;
+}
+
+/* Vectors to be assigned, and room for their entries. */
+typedef struct assigned {
+    const char *name;
+    const float *vectors;
+    uint16_t *index;
+} assigned;
+
+static iso_status assign_case(const palette_bench *b, const iso_direction_set *set, const assigned *to,
+                              size_t directions, json_t *rows, iso_error *err)
+{
+    const char *what = to->name;
+    iso_palette_options opt = method_options(b, ISO_PALETTE_KMEANSPP, directions);
+    iso_palette p;
+    iso_palette_lookup *lookup;
+    iso_status status = iso_palette_fit(set, &opt, &p, NULL, err);
+    if (status != ISO_OK)
+        return status;
+    double start = iso_clock_seconds();
+    status = iso_palette_lookup_create(&p, &lookup, err);
+    double build = iso_clock_seconds() - start;
+    if (status == ISO_OK) {
+        double rate = 1e-6 * ASSIGN_BLOCK / block_seconds(lookup, to->vectors, to->index);
+        size_t wrong = count_wrong(&p, to->vectors, to->index);
+        json_array_append_new(rows, json_pack("{s:s, s:I, s:f, s:f, s:I, s:I}", "data", what, "entries",
+                                              (json_int_t)directions, "million_per_second", rate, "lookup_seconds",
+                                              build, "lookup_bytes", (json_int_t)iso_palette_lookup_bytes(lookup),
+                                              "wrong_count", (json_int_t)wrong));
+        if (!b->cli->json)
+            printf("  %-10s %5zu %8.1f million a second; lookup made in %.4f s, %.2f MB; wrong: %zu of %d\n", what,
+                   directions, rate, build, 1e-6 * (double)iso_palette_lookup_bytes(lookup), wrong, ASSIGN_COUNT / 50);
+    }
+    iso_palette_lookup_destroy(lookup);
+    iso_palette_destroy(&p);
+    return status;
+}
+
+iso_status iso_palette_bench_assign(const palette_bench *b, json_t *root, iso_error *err)
+{
+    json_t *rows = json_array();
+    float *v = malloc(3 * ASSIGN_COUNT * sizeof *v);
+    uint16_t *index = malloc(ASSIGN_COUNT * sizeof *index);
+    iso_direction_set set = {0};
+    iso_random random = {9};
+    iso_status status = v && index ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %d directions", ASSIGN_COUNT);
+    if (!b->cli->json)
+        printf("\nNearest entry, exact, one thread\n");
+    for (int uniform = 0; uniform < 2 && status == ISO_OK; ++uniform) {
+        iso_ellipsoid_gradients(v, ASSIGN_COUNT, false, 1);
+        for (size_t i = 0; uniform && i < ASSIGN_COUNT; ++i) {
+            double z = 2 * iso_random_unit(&random) - 1, a = 2 * acos(-1) * iso_random_unit(&random);
+            v[3 * i] = (float)(sqrt(1 - z * z) * cos(a));
+            v[3 * i + 1] = (float)(sqrt(1 - z * z) * sin(a));
+            v[3 * i + 2] = (float)z;
+        }
+        status = iso_direction_set_create(&set, v, NULL, ELLIPSOID_POINTS, err);
+        for (int k = 0; k < 3 && status == ISO_OK; ++k)
+            status = assign_case(b, &set, &(assigned){uniform ? "uniform" : "ellipsoid", v, index}, table_sizes[k],
+                                 rows, err);
+        iso_direction_set_destroy(&set);
+    }
+    free(v);
+    free(index);
+    json_object_set_new(root, "assign", rows);
+    return status;
+}
+
+/* ---- volumes ------------------------------------------------------------------------------ */
+
+iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, iso_direction_set *set, double *seconds,
+                                    iso_error *err)
+{
+    iso_gradient_options gradient = iso_gradient_defaults();
+    iso_direction_pool *pool;
+    iso_volume_source *source = NULL;
+    double start = iso_clock_seconds();
+    gradient.threads = b->cli->threads;
+    iso_status status = iso_direction_pool_create(&pool, b->cli->threads, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_volume_input_open(path, &b->input, &source, err);
+    if (status == ISO_OK)
+        status = iso_palette_sample_source(pool, source, &gradient, NULL, NULL, err);
+    if (status == ISO_OK)
+        status = iso_direction_pool_finish(pool, set, err);
+    iso_source_close(source);
+    iso_direction_pool_destroy(pool);
+    *seconds = iso_clock_seconds() - start;
+    return status;
+}
+
+/* Annealing assigns again at each move: it gets the bundles of a coarser grid, as the paper pre-quantized its foot;
+ * 6 * 48^2 cells of 1.9 degrees. All are measured on the finer bundles. */
+#define ANNEAL_CELLS 48
+
+iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, json_t *rows, iso_error *err)
+{
+    static const iso_palette_method methods[] = {ISO_PALETTE_KMEANS, ISO_PALETTE_KMEANSPP, ISO_PALETTE_ANNEAL,
+                                                 ISO_PALETTE_FACES, ISO_PALETTE_FIBONACCI};
+    const char *name = iso_path_base(path);
+    iso_direction_set set, coarse = {0};
+    double seconds;
+    iso_status status = iso_palette_bench_sample(b, path, &set, &seconds, err);
+    if (status != ISO_OK)
+        return status;
+    status = iso_direction_set_coarsen(&set, ANNEAL_CELLS, &coarse, err);
+    char title[256];
+    snprintf(title, sizeof title, "\n%s: %zu bundles of gradients, read and pooled in %.3f s", name, set.count,
+             seconds);
+    table_head(b, title);
+    for (size_t m = 0; m < sizeof methods / sizeof *methods && status == ISO_OK; ++m)
+        status = table_line(b, &(fitted_sets){methods[m] == ISO_PALETTE_ANNEAL ? &coarse : &set, &set, 1, name},
+                            methods[m], rows, err);
+    json_t *first = json_array_get(rows, json_array_size(rows) - 3 * sizeof methods / sizeof *methods);
+    if (status == ISO_OK && first)
+        json_object_set_new(first, "read_seconds", json_real(seconds));
+    iso_direction_set_destroy(&set);
+    iso_direction_set_destroy(&coarse);
+    return status;
+}
+
+/* ---- Figure 8 -------------------------------------------------------------------------------- */
+
+typedef struct sweep {
+    const char *name;
+    size_t count;
+    double values[6];
+} sweep;
+
+static void set_parameter(iso_anneal_options *a, size_t which, double value)
+{
+    switch (which) {
+    case 0: a->start_prob = value; break;
+    case 1: a->temp_fac = value; break;
+    case 2: a->cycles = (size_t)value; break;
+    case 3: a->steps = (size_t)value; break;
+    default: a->move_deg[0] = value, a->move_deg[1] = 1.5 * value;
+    }
+}
+
+static iso_status sweep_case(const palette_bench *b, const iso_direction_set *set, const sweep *s, size_t which,
+                             size_t i, json_t *rows, iso_error *err)
+{
+    double sum = 0, least = INFINITY, most = 0, seconds = INFINITY;
+    for (int seed = 0; seed < b->seeds; ++seed) {
+        iso_palette_options opt = method_options(b, ISO_PALETTE_ANNEAL, 254);
+        iso_palette_error e;
+        double once;
+        size_t entries;
+        opt.seed = (uint64_t)seed + 1;
+        set_parameter(&opt.anneal, which, s->values[i]);
+        iso_status status = fit_and_measure(set, set, &opt, &entries, &e, &once, err);
+        if (status != ISO_OK)
+            return status;
+        sum += e.norm1 / b->seeds;
+        least = fmin(least, e.norm1);
+        most = fmax(most, e.norm1);
+        seconds = fmin(seconds, once);
+    }
+    json_array_append_new(rows, json_pack("{s:s, s:f, s:f, s:f, s:f, s:f}", "parameter", s->name, "value", s->values[i],
+                                          "norm1", sum, "norm1_least", least, "norm1_most", most,
+                                          "fit_processor_seconds", seconds));
+    if (!b->cli->json) {
+        printf("  %-11s %8g  %10.5g  (%.5g to %.5g)  %7.3f s\n", s->name, s->values[i], sum, least, most, seconds);
+        fflush(stdout);
+    }
+    return ISO_OK;
+}
+
+iso_status iso_palette_bench_sensitivity(const palette_bench *b, const char *volume, json_t *root, iso_error *err)
+{
+    static const sweep sweeps[] = {
+        {"START_PROB", 6, {0.01, 0.05, 0.2, 0.4, 0.6, 0.9}},
+        {"TEMP_FAC", 6, {0.7, 0.8, 0.9, 0.92, 0.95, 0.98}},
+        {"CYCLE_NR", 4, {25, 50, 100, 200}},
+        {"STEP_NR", 3, {250, 1000, 4000}},
+        {"move >= deg", 6, {0.5, 1, 2.5, 5, 10, 20}},
+    };
+    json_t *rows = json_array();
+    iso_direction_set all = {0}, set = {0};
+    double seconds;
+    iso_status status;
+    if (volume) {
+        status = iso_palette_bench_sample(b, volume, &all, &seconds, err);
+        if (status == ISO_OK)
+            status = iso_direction_set_coarsen(&all, ANNEAL_CELLS, &set, err);
+    } else {
+        palette_bench one = *b;
+        one.seeds = 1;
+        status = ellipsoid_sets(&one, false, &set, err);
+    }
+    if (!b->cli->json && status == ISO_OK)
+        printf(
+            "\nAnnealing 254 entries, %s: norm 1 over %d seeds, the others at START_PROB %g, TEMP_FAC %g, %d cycles of "
+            "%d steps, moves of %g to %g degrees\n",
+            volume ? iso_path_base(volume) : "the ellipsoid", b->seeds, iso_palette_defaults().anneal.start_prob,
+            iso_palette_defaults().anneal.temp_fac, b->cycles, b->steps, iso_palette_defaults().anneal.move_deg[0],
+            iso_palette_defaults().anneal.move_deg[1]);
+    for (size_t s = 0; s < sizeof sweeps / sizeof *sweeps; ++s)
+        for (size_t i = 0; i < sweeps[s].count && status == ISO_OK; ++i)
+            status = sweep_case(b, &set, &sweeps[s], s, i, rows, err);
+    iso_direction_set_destroy(&all);
+    iso_direction_set_destroy(&set);
+    json_object_set_new(root, "sensitivity", rows);
+    return status;
+}
+
+/* ---- the benchmark ----------------------------------------------------------------------------- */
+
+static iso_status run_parts(const palette_bench *b, json_t *root, iso_error *err)
+{
+    size_t count = b->cli->argument_count;
+    iso_status status = ISO_OK;
+    if (b->sensitivity)
+        return iso_palette_bench_sensitivity(b, count ? b->cli->arguments[0] : NULL, root, err);
+    if (count == 0) {
+        status = iso_palette_bench_ellipsoid(b, root, err);
+        return status == ISO_OK ? iso_palette_bench_assign(b, root, err) : status;
+    }
+    json_t *volumes = json_array(), *images = json_array();
+    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+        status = iso_palette_bench_volume(b, b->cli->arguments[i], volumes, err);
+        if (status == ISO_OK && !b->no_images)
+            status = iso_palette_bench_images(b, b->cli->arguments[i], images, err);
+    }
+    json_object_set_new(root, "volumes", volumes);
+    json_object_set_new(root, "images", images);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    iso_cli cli;
+    const iso_anneal_options anneal = iso_palette_defaults().anneal;
+    palette_bench b = {.cli = &cli, .cycles = (int)anneal.cycles, .steps = (int)anneal.steps, .seeds = 3};
+    iso_volume_input_defaults(&b.input);
+    const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
+    struct poptOption options[] = {
+        {"seeds", 0, POPT_ARG_INT | shown, &b.seeds, 0,
+         "samples of the ellipsoid; with --sensitivity runs of each setting", "N"},
+        {"cycles", 0, POPT_ARG_INT | shown, &b.cycles, 0, "annealing: CYCLE_NR", "N"},
+        {"steps", 0, POPT_ARG_INT | shown, &b.steps, 0, "annealing: STEP_NR", "N"},
+        {"sensitivity", 0, POPT_ARG_NONE, &b.sensitivity, 0, "the annealing's parameters instead", NULL},
+        ISO_CLI_LOOK_OPTIONS(&b.look),
+        {"no-images", 0, POPT_ARG_NONE, &b.no_images, 0, "volumes: the table alone", NULL},
+        ISO_CLI_INPUT_OPTIONS(&b.input),
+        POPT_TABLEEND,
+    };
+    iso_cli_next next;
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN) {
+        status = iso_words_check_range("--seeds", b.seeds, 1, 1000, err);
+        if (status == ISO_OK)
+            status = iso_words_check_range("--cycles", b.cycles, 0, 1e6, err);
+        if (status == ISO_OK)
+            status = iso_words_check_range("--steps", b.steps, 0, 1e8, err);
+        if (status == ISO_OK)
+            status = iso_cli_look_check(&b.look, cli.threads, &b.shown, err);
+        json_t *root = iso_cli_json(&cli);
+        json_object_update_new(json_object_get(root, "options"),
+                               json_pack("{s:i, s:i, s:i}", "seeds", b.seeds, "cycles", b.cycles, "steps", b.steps));
+        if (status == ISO_OK)
+            status = run_parts(&b, root, err);
+        if (status == ISO_OK && cli.json)
+            iso_cli_print_json(root);
+        else
+            json_decref(root);
+    }
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_lab_palette = {
+    .name = "palette",
+    .summary = "palettes of directions: error and time of each method, assigning, images",
+    .max_arguments = 1000,
+    .usage = "[VOLUME ...] [options]",
+    .details =
+        "Without a volume: the ellipsoid of [bremer-2001] and the speed of assigning. With volumes: their table and\n"
+        "images from palettes and from codes, against those from float directions. A fit is timed in processor seconds.",
+    .examples = "  isoshade-lab palette --seeds 1 --steps 500\n"
+                "  isoshade-lab palette --sensitivity --seeds 1 --cycles 20 --steps 100\n"
+                "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"
+                "  isoshade-lab palette v.nrrd --steps 200 --size 64\n",
+    .run = run,
+};

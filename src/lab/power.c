@@ -1,0 +1,480 @@
+/* SPDX-License-Identifier: MIT */
+/* power.c - does validation catch what is wrong, and leave alone what is right?
+ *
+ * Planted faults against the calibration, each by name; then random scenes, clean and with each fault, against
+ * every gate of the agreement (power.h). Everything follows from --seed. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "lab/lab.h"
+#include "validate/calibrate.h"
+#include "lab/power.h"
+#include "renderers/external.h"
+
+enum { most_noise_pixels = 32 }; /* a side; for a single test's chance of 1e-3 more are too many together */
+
+typedef struct power_options {
+    char *with, *renderers, *output, *format;
+    int repetitions, planted, size, limit_size, seed, quick, sensitivity, threads;
+    bool wanted[ISO_MAX_RENDERERS];
+} power_options;
+
+typedef struct tally {
+    size_t asked, rejected;
+} tally;
+
+typedef struct power_result {
+    double ratio[ISO_FAULT_COUNT][ISO_MAX_RENDERERS]; /* value over limit of the check made for it; NaN: not asked */
+    size_t scenes, bright;                            /* all; those with a pixel above 1 */
+    size_t changed[ISO_FAULT_COUNT];                  /* scenes that the fault changes by more than their error bar */
+    tally seen[ISO_FAULT_COUNT][ISO_POWER_GATE_COUNT][ISO_MAX_RENDERERS]; /* in those; ISO_FAULT_NONE: clean scenes */
+    iso_power_noise noise[ISO_MAX_RENDERERS]
+                         [ISO_POWER_KIND_COUNT]; /* of random renderers, on scenes with planted faults */
+    json_t *wrong;                               /* faults that were missed and clean scenes that were flagged */
+} power_result;
+
+/* Where the time goes, for the estimate: what every scene takes, and what the slow gates take where faults are planted. */
+typedef struct pace {
+    const iso_progress *progress;
+    double plain_seconds, dear_seconds;
+} pace;
+
+/* A limit of another program takes seconds. */
+static bool is_slow(iso_power_gate gate, const iso_renderer_info *renderer)
+{
+    return gate == ISO_POWER_LIMIT && iso_renderer_has(renderer, ISO_IS_PROGRAM);
+}
+
+static iso_status plant_in_calibrations(iso_renderers *r, const power_options *o, power_result *out,
+                                        const iso_progress *progress, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT && status == ISO_OK; ++f)
+        for (size_t w = 0; w < iso_renderer_count() && status == ISO_OK; ++w) {
+            iso_calibration c;
+            const iso_planted planted = {.fault = (iso_fault)f};
+            out->ratio[f][w] = NAN;
+            if (!o->wanted[w])
+                continue;
+            iso_progress_report(progress, "faults in the calibrations", (double)(f - 1) / (ISO_FAULT_COUNT - 1));
+            status = iso_calibrate_check(r, iso_renderer_at(w), &planted,
+                                         iso_calibration_number(iso_fault_check(planted.fault)), &c, err);
+            out->ratio[f][w] = c.value / c.limit;
+        }
+    return status;
+}
+
+/* All wanted gates that are slow, or all that are not, on a scene with one fault, or with ISO_FAULT_NONE. */
+static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_power_case *c, iso_fault fault,
+                            bool slow, power_result *out, iso_error *err)
+{
+    const iso_planted planted = {.fault = fault};
+    iso_status status = ISO_OK;
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
+        for (size_t w = 0; w < iso_renderer_count() && status == ISO_OK; ++w) {
+            const iso_power_gate gate = (iso_power_gate)g;
+            const iso_renderer_info *renderer = iso_renderer_at(w);
+            tally *t = &out->seen[fault][g][w];
+            bool rejected;
+            if (!o->wanted[w] || !iso_power_has_gate(gate, renderer) || is_slow(gate, renderer) != slow)
+                continue;
+            status = iso_power_ask(r, c, gate, renderer, &planted, &rejected, err);
+            t->asked += 1;
+            t->rejected += rejected;
+            if (status == ISO_OK && rejected == (fault == ISO_FAULT_NONE))
+                json_array_append_new(out->wrong,
+                                      json_pack("{s:s, s:s, s:s, s:I, s:s}", "fault", iso_fault_name(fault), "gate",
+                                                iso_power_gate_name(gate), "renderer", renderer->name, "seed",
+                                                (json_int_t)c->seed, "kind", iso_power_kind_name(c->kind)));
+        }
+    return status;
+}
+
+/* A fault that changes the picture by less than the bar that a limit may have cannot be asked to be seen: it is left out,
+ * and counted. */
+static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const iso_power_case *c, bool slow,
+                                 power_result *out, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT && status == ISO_OK; ++f) {
+        const iso_planted planted = {.fault = (iso_fault)f};
+        double change = 0;
+        status = iso_power_change(r, c, &planted, &change, err);
+        if (!(change > iso_validate_error_bar(&c->asked)))
+            continue;
+        out->changed[f] += !slow;
+        if (status == ISO_OK)
+            status = ask_gates(r, o, c, planted.fault, slow, out, err);
+    }
+    return status;
+}
+
+static iso_status test_noise(iso_renderers *r, const power_options *o, const iso_power_case *c, power_result *out,
+                             iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t w = 0; w < iso_renderer_count() && status == ISO_OK; ++w) {
+        iso_power_noise n, *sum = &out->noise[w][c->kind];
+        if (!o->wanted[w] || !iso_renderer_has(iso_renderer_at(w), ISO_IS_RANDOM))
+            continue;
+        status = iso_power_test_noise(r, c, iso_renderer_at(w), o->quick ? 8 : 16, &n, err);
+        sum->tests += n.tests;
+        sum->below += n.below;
+        sum->groups += n.groups;
+        sum->flagged += n.flagged;
+        for (size_t a = 0; a < ISO_POWER_BLOCKS; ++a)
+            for (size_t b = 0; b < ISO_POWER_BLOCKS; ++b) /* of several scenes the worst */
+                sum->block[a][b] = fmax(sum->block[a][b], n.block[a][b]);
+    }
+    return status;
+}
+
+static bool wants_some(const power_options *o, unsigned traits)
+{
+    bool some = false;
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
+        some = some || (o->wanted[w] && iso_renderer_has(iso_renderer_at(w), traits));
+    return some;
+}
+
+static void tell(const pace *p, const power_options *o, int i)
+{
+    char stage[160];
+    const int planted_left = o->planted > i ? o->planted - i : 0, planted_done = o->planted < i ? o->planted : i;
+    double left = i > 0 ? p->plain_seconds / i * (o->repetitions - i) : 0;
+    left += planted_done > 0 ? p->dear_seconds / planted_done * planted_left : 0;
+    int n = snprintf(stage, sizeof stage, "random scene %d of %d", i + 1, o->repetitions);
+    if (i > 0)
+        snprintf(stage + n, sizeof stage - (size_t)n, left < 90 ? "; about %.0f s left" : "; about %.1f min left",
+                 left < 90 ? left : left / 60);
+    iso_progress_report(p->progress, stage, (double)i / o->repetitions);
+}
+
+static iso_status run_scene(iso_renderers *r, const power_options *o, int i, power_result *out, pace *p, iso_error *err)
+{
+    iso_power_case c = {.seed = (uint64_t)o->seed * 1000 + (uint64_t)i,
+                        .pixels = (size_t)o->size,
+                        .first_seed = 1000 * i,
+                        .seeds = o->quick ? 3 : 4,
+                        .threads = o->threads};
+    const double start = iso_clock_seconds();
+    tell(p, o, i);
+    iso_status status = iso_power_open(r, &c, err);
+    for (int slow = 0; slow < 2 && status == ISO_OK; ++slow)
+        status = ask_gates(r, o, &c, ISO_FAULT_NONE, slow, out, err);
+    if (status == ISO_OK)
+        status = plant_in_scene(r, o, &c, false, out, err);
+    const double plain = iso_clock_seconds();
+    if (status == ISO_OK && i < o->planted && wants_some(o, ISO_IS_PROGRAM | ISO_HAS_LIMIT))
+        status = plant_in_scene(r, o, &c, true, out, err);
+    if (status == ISO_OK && i < o->planted && o->size <= most_noise_pixels)
+        status = test_noise(r, o, &c, out, err);
+    p->plain_seconds += plain - start;
+    p->dear_seconds += iso_clock_seconds() - plain;
+    out->scenes += 1;
+    out->bright += c.brightest > 1;
+    iso_power_close(&c);
+    return status;
+}
+
+/* ---- results ------------------------------------------------------------------------ */
+
+static bool is_caught(const power_result *r, int fault)
+{
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
+        if (r->ratio[fault][w] <= 1)
+            return false;
+    return true;
+}
+
+/* The largest rate of false alarms that `asked` clean comparisons without one leave possible, at 95 % confidence. */
+static double rate_bound(size_t asked)
+{
+    return 1 - pow(0.05, 1 / (double)asked);
+}
+
+static json_t *gates_to_json(const tally t[ISO_POWER_GATE_COUNT][ISO_MAX_RENDERERS], const char *rejected)
+{
+    json_t *list = json_array();
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
+        for (size_t w = 0; w < iso_renderer_count(); ++w)
+            if (t[g][w].asked)
+                json_array_append_new(list,
+                                      json_pack("{s:s, s:s, s:I, s:I}", "gate", iso_power_gate_name((iso_power_gate)g),
+                                                "renderer", iso_renderer_at(w)->name, "comparisons",
+                                                (json_int_t)t[g][w].asked, rejected, (json_int_t)t[g][w].rejected));
+    return list;
+}
+
+static json_t *blocks_to_json(const iso_power_noise *n)
+{
+    json_t *list = json_array();
+    for (size_t s = 0; s < ISO_POWER_BLOCKS; ++s)
+        for (size_t b = 0; b < ISO_POWER_BLOCKS && n->block[s][b] > 0; ++b)
+            json_array_append_new(list, json_pack("{s:I, s:I, s:f}", "seeds", (json_int_t)iso_power_block_seeds[s],
+                                                  "pixels_squared", (json_int_t)iso_power_block_sides[b],
+                                                  "rejected_from", n->block[s][b]));
+    return list;
+}
+
+static json_t *noise_to_json(const power_result *r)
+{
+    json_t *list = json_array();
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
+        for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
+            const iso_power_noise *n = &r->noise[w][k];
+            if (n->tests)
+                json_array_append_new(list,
+                                      json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:o}", "renderer",
+                                                iso_renderer_at(w)->name, "kind",
+                                                iso_power_kind_name((iso_power_kind)k), "groups", (json_int_t)n->groups,
+                                                "flagged", (json_int_t)n->flagged, "tests", (json_int_t)n->tests,
+                                                "below_1e-3", (json_int_t)n->below, "blocks", blocks_to_json(n)));
+        }
+    return list;
+}
+
+static json_t *to_json(const power_result *r)
+{
+    json_t *faults = json_array();
+    for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f) {
+        json_t *ratios = json_object();
+        for (size_t w = 0; w < iso_renderer_count(); ++w)
+            if (isfinite(r->ratio[f][w]))
+                json_object_set_new(ratios, iso_renderer_at(w)->name, json_real(r->ratio[f][w]));
+        json_array_append_new(faults,
+                              json_pack("{s:s, s:s, s:b, s:o, s:I, s:I, s:o}", "fault", iso_fault_name((iso_fault)f),
+                                        "check", iso_fault_check((iso_fault)f), "caught", is_caught(r, f),
+                                        "times_the_limit", ratios, "scenes", (json_int_t)r->scenes, "scenes_changed",
+                                        (json_int_t)r->changed[f], "gates", gates_to_json(r->seen[f], "rejected")));
+    }
+    return json_pack("{s:o, s:o, s:O, s:o, s:I, s:I}", "faults", faults, "clean",
+                     gates_to_json(r->seen[ISO_FAULT_NONE], "flagged"), "wrong", r->wrong, "noise", noise_to_json(r),
+                     "scenes", (json_int_t)r->scenes, "scenes_above_1", (json_int_t)r->bright);
+}
+
+static void print_calibrations(const power_options *o, const power_result *r)
+{
+    printf("By how many times its limit the calibration made for it is exceeded\n%-50s %-18s", "planted fault",
+           "check");
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
+        if (o->wanted[w])
+            printf(" %10s", iso_renderer_at(w)->name);
+    printf("\n");
+    for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f) {
+        printf("%-50s %-18s", iso_fault_name((iso_fault)f), iso_fault_check((iso_fault)f));
+        for (size_t w = 0; w < iso_renderer_count(); ++w)
+            if (o->wanted[w])
+                printf(" %9.3gx", r->ratio[f][w]);
+        printf("%s\n", is_caught(r, f) ? "" : "  NOT CAUGHT");
+    }
+}
+
+/* One row of the scenes' table: a fault, or with ISO_FAULT_NONE the head. */
+static void print_scene_row(const power_options *o, const power_result *r, int fault)
+{
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
+        for (size_t w = 0; w < iso_renderer_count(); ++w) {
+            const tally *t = &r->seen[fault][g][w];
+            char cell[48];
+            if (!o->wanted[w] || !iso_power_has_gate((iso_power_gate)g, iso_renderer_at(w)))
+                continue;
+            if (fault == ISO_FAULT_NONE)
+                snprintf(cell, sizeof cell, "%s %s", iso_renderer_at(w)->name, iso_power_gate_name((iso_power_gate)g));
+            else
+                snprintf(cell, sizeof cell, "%zu of %zu", t->rejected, t->asked);
+            printf(" %16s", t->asked || fault == ISO_FAULT_NONE ? cell : "-");
+        }
+}
+
+static void print_blocks(const iso_power_noise *n)
+{
+    for (size_t s = 0; s < ISO_POWER_BLOCKS; ++s)
+        if (n->block[s][0] > 0) {
+            printf("    with %zu seeds a block that is too bright is rejected", iso_power_block_seeds[s]);
+            for (size_t b = 0; b < ISO_POWER_BLOCKS; ++b)
+                printf("%s %.2g (%zu x %zu pixels)", b ? "," : " from", n->block[s][b], iso_power_block_sides[b],
+                       iso_power_block_sides[b]);
+            printf(" on\n");
+        }
+}
+
+static void print_noise(const power_result *r)
+{
+    for (size_t w = 0; w < iso_renderer_count(); ++w)
+        for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
+            const iso_power_noise *n = &r->noise[w][k];
+            if (n->tests)
+                printf(
+                    "%s, %s scenes: %zu of %zu groups of seeds flagged by chance; without the step's tolerance %.2g of the noisy\n"
+                    "    pixels would be below a chance of 1e-3\n",
+                    iso_renderer_at(w)->name, iso_power_kind_name((iso_power_kind)k), n->flagged, n->groups,
+                    (double)n->below / (double)n->tests);
+            print_blocks(n);
+        }
+}
+
+static void print_scenes(const power_options *o, const power_result *r)
+{
+    printf(
+        "\n%zu random scenes, %zu of them with highlights above 1: rejected of those that the fault changes by more than the bar\n"
+        "of the scene (RMSE 1/2550, sharp 1/255); in the others it is too small to be asked for\n%-50s %9s",
+        r->scenes, r->bright, "planted fault", "too small");
+    print_scene_row(o, r, ISO_FAULT_NONE);
+    printf("\n");
+    for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f) {
+        printf("%-50s %9zu", iso_fault_name((iso_fault)f), r->scenes - r->changed[f]);
+        print_scene_row(o, r, f);
+        printf("\n");
+    }
+    printf("\n");
+    for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
+        for (size_t w = 0; w < iso_renderer_count(); ++w) {
+            const tally *t = &r->seen[ISO_FAULT_NONE][g][w];
+            if (t->asked)
+                printf("clean scenes, %s %s: %zu of %zu flagged%s", iso_renderer_at(w)->name,
+                       iso_power_gate_name((iso_power_gate)g), t->rejected, t->asked, t->rejected ? "\n" : "");
+            if (t->asked && !t->rejected)
+                printf(" (a rate below %.2g %%, at 95 %% confidence)\n", 100 * rate_bound(t->asked));
+        }
+    print_noise(r);
+    size_t i;
+    json_t *wrong;
+    json_array_foreach(r->wrong, i, wrong)
+        printf("WRONG: %s, %s of %s, scene %lld (%s)\n", json_string_value(json_object_get(wrong, "fault")),
+               json_string_value(json_object_get(wrong, "gate")), json_string_value(json_object_get(wrong, "renderer")),
+               (long long)json_integer_value(json_object_get(wrong, "seed")),
+               json_string_value(json_object_get(wrong, "kind")));
+}
+
+static iso_status verdict(const power_result *r, iso_error *err)
+{
+    for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f)
+        if (!is_caught(r, f))
+            return iso_fail(err, ISO_E_DIFFERS, "isoshade-lab power: \"%s\" is not caught", iso_fault_name((iso_fault)f));
+    if (json_array_size(r->wrong) == 0)
+        return ISO_OK;
+    const json_t *first = json_array_get(r->wrong, 0);
+    return iso_fail(err, ISO_E_DIFFERS,
+                    "isoshade-lab power: %zu wrong answers, the first for \"%s\" by the %s of %s on scene %lld",
+                    json_array_size(r->wrong), json_string_value(json_object_get(first, "fault")),
+                    json_string_value(json_object_get(first, "gate")),
+                    json_string_value(json_object_get(first, "renderer")),
+                    (long long)json_integer_value(json_object_get(first, "seed")));
+}
+
+/* ---- the command ------------------------------------------------------------------------ */
+
+static iso_status check(power_options *o, iso_error *err)
+{
+    /* -1: not said */
+    o->repetitions = o->repetitions >= 0 ? o->repetitions : o->sensitivity ? 3 : o->quick ? 4 : 20;
+    o->planted = o->planted >= 0 ? o->planted : o->quick ? 1 : 4;
+    o->size = o->size >= 0 ? o->size : o->quick ? 12 : 16; /* an RMSE hardly depends on it */
+    iso_status status = iso_words_check_range("--repetitions", o->repetitions, o->sensitivity ? 1 : 0, 1000, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--planted", o->planted, 0, 1000, err);
+    if (status == ISO_OK)
+        status = iso_words_check_range("--size", o->size, 8, 1024, err);
+    if (status == ISO_OK && o->limit_size)
+        status = iso_words_check_range("--limit-size", o->limit_size, 8, o->size - 1, err);
+    if (status == ISO_OK && o->limit_size && !o->sensitivity)
+        status = iso_fail(err, ISO_E_USAGE, "--limit-size is for --sensitivity");
+    if (status == ISO_OK)
+        status = iso_words_check_range("--seed", o->seed, 0, 1e6, err);
+    if (status == ISO_OK && o->output && !o->sensitivity)
+        status = iso_fail(err, ISO_E_USAGE, "-o is for the chart of --sensitivity");
+    if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
+        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", o->format);
+    if (status == ISO_OK)
+        status = iso_renderers_load(o->renderers, err);
+    return status == ISO_OK ? iso_renderers_from_list(o->with, o->wanted, err) : status;
+}
+
+static iso_status bench(const iso_cli *cli, const power_options *o, iso_renderers *renderers, iso_error *err)
+{
+    iso_progress progress = iso_cli_progress(cli);
+    power_result result = {.wrong = json_array()};
+    pace p = {.progress = &progress};
+    iso_status status = plant_in_calibrations(renderers, o, &result, &progress, err);
+    for (int i = 0; i < o->repetitions && status == ISO_OK; ++i)
+        status = run_scene(renderers, o, i, &result, &p, err);
+    if (status == ISO_OK && cli->json) {
+        json_t *root = iso_cli_json(cli);
+        json_object_update_new(root, to_json(&result));
+        iso_cli_print_json(root);
+    } else if (status == ISO_OK) {
+        print_calibrations(o, &result);
+        print_scenes(o, &result);
+    }
+    if (status == ISO_OK)
+        status = verdict(&result, err);
+    json_decref(result.wrong);
+    return status;
+}
+
+static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    power_options o = {.repetitions = -1, .planted = -1, .size = -1, .seed = 1001, .format = "svg"};
+    char names[256], with[300];
+    snprintf(with, sizeof with, "renderers besides the reference (%s)",
+             iso_renderers_by_default(ISO_HAS_LIMIT, names, sizeof names));
+    struct poptOption options[] = {
+        {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0, "random scenes (20; 4 with --quick, 3 with --sensitivity)",
+         "N"},
+        {"planted", 0, POPT_ARG_INT, &o.planted, 0,
+         "in how many of them faults are planted for the limits of other programs (4; 1)", "N"},
+        {"with", 0, POPT_ARG_STRING, &o.with, 0, with, "LIST"},
+        ISO_CLI_RENDERERS_OPTION(&o.renderers),
+        {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (16; 12 with --quick)",
+         "N"},
+        {"limit-size", 0, POPT_ARG_INT, &o.limit_size, 0,
+         "of --sensitivity: limits are asked with so many pixels as well, as validate --limit-size does", "N"},
+        {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "of the scenes", "N"},
+        {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "fewer and smaller scenes, three seeds; the same gates", NULL},
+        {"sensitivity", 0, POPT_ARG_NONE, &o.sensitivity, 0,
+         "instead: the smallest amount of each deviation that each gate rejects", NULL},
+        {"output", 'o', POPT_ARG_STRING, &o.output, 0, "of --sensitivity: a folder for the chart and its data", "DIR"},
+        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "of the chart: svg or pdf", "FORMAT"},
+        POPT_TABLEEND,
+    };
+    iso_cli cli;
+    iso_cli_next next;
+    iso_renderers renderers = {0};
+    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
+    if (status == ISO_OK && next == ISO_CLI_RUN && (status = check(&o, err)) == ISO_OK) {
+        o.threads = cli.threads;
+        iso_sensitivity_options s = {.scenes = o.repetitions,
+                                     .pixels = o.size,
+                                     .limit_pixels = o.limit_size,
+                                     .halvings = o.limit_size ? 3 : 1,
+                                     .seed = o.seed,
+                                     .threads = o.threads,
+                                     .output = o.output,
+                                     .format = o.format};
+        memcpy(s.wanted, o.wanted, sizeof s.wanted);
+        status = o.sensitivity ? iso_power_sensitivity(&renderers, &s, &cli, err) : bench(&cli, &o, &renderers, err);
+    }
+    iso_renderers_end(&renderers);
+    iso_cli_end(&cli);
+    return status;
+}
+
+const iso_command iso_lab_power = {
+    .name = "power",
+    .summary =
+        "which planted faults validation finds, how often it flags clean scenes, and the smallest faults that it sees",
+    .usage = "[options]",
+    .details =
+        "Each fault is planted into the calibration of each renderer; the figure is how many times the limit of the check\n"
+        "made for it is exceeded. Then random scenes, smooth, bright (highlights above 1), sharp and lit in turn: how many\n"
+        "clean ones each gate of validate flags, and in how many it finds each fault, of those in which the fault changes the\n"
+        "image by more than the scene's error bar. --sensitivity: the smallest shift of a volume, turn of a light ... that each\n"
+        "gate rejects. Exit code 1: a fault was not found, or a clean scene was flagged.",
+    .examples = "  isoshade-lab power --with gl --repetitions 2 --size 16\n"
+                "  isoshade-lab power --with gl --sensitivity --repetitions 1 --size 12 -o sensitivity\n",
+    .run = run,
+};
