@@ -50,6 +50,7 @@ typedef struct iso_bake_request {
     char name[ISO_BAKE_GRIDS][64]; /* in the file */
     iso_bake_options lattice;
     iso_vdb_convention convention;
+    bool unit_is_asked; /* true if --scene-unit names it; if not, voxels that OpenVDB cannot hold in it get another */
     bool half, usd;
     const iso_grid_program *program; /* or NULL */
     size_t error_pixels;             /* of bake_error.h */

@@ -122,6 +122,7 @@ iso_status iso_bake_request_make(const iso_bake_words *w, bool half, iso_bake_re
     r->error_pixels = ISO_BAKE_ERROR_PIXELS;
     status = take_grids(w->grids ? w->grids : p->grids, r, err);
     const char *unit = w->unit ? w->unit : p ? p->unit : NULL, *up = w->up ? w->up : p ? p->up : NULL;
+    r->unit_is_asked = w->unit != NULL;
     if (status == ISO_OK && unit)
         status = iso_unit_parse("--scene-unit", unit, &r->convention.unit_mm, &r->convention.unit, err);
     if (status == ISO_OK && up)

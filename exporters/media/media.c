@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,10 +49,28 @@ static bool is_inside(const iso_geometry *g, iso_vec3 world)
     return inside;
 }
 
+/* pbrt and Mitsuba start rays about 1e-4 units away from a surface. */
+static double units_per_mm(double radius_mm)
+{
+    const double least = 0.1, most = 1e5;
+    return radius_mm >= least && radius_mm <= most ? 1 : pow(10, 2 - ceil(log10(radius_mm)));
+}
+
+static void take_units(iso_medium *m, double units)
+{
+    m->units_per_mm = units;
+    snprintf(m->unit, sizeof m->unit, units == 1 ? "mm" : "%.9g mm", 1 / units);
+    m->geometry.index_to_world = iso_mat3_scale(m->geometry.index_to_world, units);
+    m->geometry.origin_mm = iso_scale(m->geometry.origin_mm, units);
+    m->camera.position = iso_scale(m->camera.position, units);
+    m->camera.half_height *= m->camera.orthographic ? units : 1;
+}
+
 iso_status iso_medium_create(const iso_baked *b, const char *made_from, iso_medium *out, iso_error *err)
 {
     size_t hi[3];
-    *out = (iso_medium){.baked = b, .geometry = b->geometry, .made_from = made_from};
+    *out = (iso_medium){
+        .baked = b, .geometry = b->geometry, .camera = b->view->camera, .made_from = made_from};
     find_box(b, out->first, hi);
     iso_geometry *g = &out->geometry;
     const iso_vec3 first = iso_v3((double)out->first[0], (double)out->first[1], (double)out->first[2]);
@@ -62,6 +81,7 @@ iso_status iso_medium_create(const iso_baked *b, const char *made_from, iso_medi
         out->background[a] = b->view->background[a];
     }
     out->camera_is_inside = is_inside(g, b->view->camera.position);
+    take_units(out, units_per_mm(iso_geometry_box_radius_mm(&b->geometry)));
     if (iso_geometry_voxel_count(g) > INT_MAX / 3)
         return iso_fail(err, ISO_E_RANGE,
                         "the grid has %zu x %zu x %zu points, at most %d can be counted: a coarser --level has fewer",
@@ -73,7 +93,7 @@ void iso_medium_point(const iso_medium *m, size_t x, size_t y, size_t z, float *
 {
     const float *point = iso_baked_point(m->baked, m->first[0] + x, m->first[1] + y, m->first[2] + z);
     const bool any = point && point[ISO_BAKE_COLOR] >= 0;
-    *extinction = any ? point[ISO_BAKE_EXTINCTION] : 0;
+    *extinction = any ? (float)((double)point[ISO_BAKE_EXTINCTION] / m->units_per_mm) : 0;
     for (int c = 0; c < 3; ++c)
         color[c] = any ? point[ISO_BAKE_COLOR + c] : 0;
 }

@@ -17,7 +17,12 @@
 typedef struct iso_medium {
     const iso_baked *baked;
     size_t first[3];       /* of the lattice's points */
-    iso_geometry geometry; /* of the grid */
+    /* The grid and the camera, in units: mm, unless the volume is so small or so large that the programs' absolute epsilons
+     * would show; then a power of ten of mm that makes it some tens of units across. */
+    double units_per_mm;
+    char unit[24]; /* the length of a unit, as comments have it */
+    iso_geometry geometry;
+    iso_camera camera;
     double background[3];  /* light from everywhere behind it */
     bool camera_is_inside; /* the grid's box */
     const char *made_from; /* without folders; or NULL */
@@ -26,7 +31,7 @@ typedef struct iso_medium {
 /* Borrows b and its view. ISO_E_RANGE: more points than the programs count. */
 iso_status iso_medium_create(const iso_baked *b, const char *made_from, iso_medium *out, iso_error *err);
 
-/* A grid point's extinction per mm and color; 0 where there is none. */
+/* A grid point's extinction per unit and color; 0 where there is none. */
 void iso_medium_point(const iso_medium *m, size_t x, size_t y, size_t z, float *extinction, float color[3]);
 
 /* What goes into a folder. The first file of each list is the one that the program is given. ISO_E_IO. */

@@ -41,7 +41,7 @@ static void print_box(FILE *f, const char *indent, const iso_geometry *g, double
 static void print_sensor(FILE *f, const iso_medium *m)
 {
     const iso_view *view = m->baked->view;
-    const iso_camera *c = &view->camera;
+    const iso_camera *c = &m->camera;
     const iso_vec3 middle = iso_geometry_box_center_mm(&m->geometry);
     const double distance = sqrt(iso_dot(iso_sub(middle, c->position), iso_sub(middle, c->position)));
     const double radius = iso_geometry_box_radius_mm(&m->geometry), aspect = (double)view->width / (double)view->height;
@@ -78,7 +78,8 @@ static void print_scene(FILE *f, const iso_medium *m)
     fprintf(
         f,
         " -->\n"
-        "<!-- A medium that absorbs alone, extinction per mm: Mitsuba's media emit nothing yet, so it has no colors. -->\n");
+        "<!-- A medium that absorbs alone, extinction per %s: Mitsuba's media emit nothing yet, so it has no colors. -->\n",
+        m->unit);
     if (dark)
         fprintf(f, "<!-- The light behind is white, since the background of the scene is black. -->\n");
     fprintf(f,

@@ -25,9 +25,10 @@ static void print_transform(FILE *f, const char *directive, double rows[3][4])
     fprintf(f, " ]\n");
 }
 
-static void print_camera(FILE *f, const iso_view *view)
+static void print_camera(FILE *f, const iso_medium *m)
 {
-    const iso_camera *camera = &view->camera;
+    const iso_view *view = m->baked->view;
+    const iso_camera *camera = &m->camera;
     const iso_vec3 axes[3] = {camera->right, camera->up, camera->forward};
     const double aspect = (double)view->width / (double)view->height;
     const double half = camera->orthographic ? camera->half_height : 1;
@@ -78,16 +79,16 @@ static void print_scene(FILE *f, const iso_medium *m)
     iso_medium_print_source(m, f);
     fprintf(
         f,
-        "\n# A medium of baked grids that emits and absorbs; lengths in mm. Its colors are shaded for this camera and these lights.\n"
+        "\n# A medium of baked grids that emits and absorbs; lengths in %s. Its colors are shaded for this camera and these lights.\n"
         "# Rays go through the middles of pixels; a wider filter smooths edges.\n"
         "Film \"rgb\" \"integer xresolution\" [ %zu ] \"integer yresolution\" [ %zu ] \"string filename\" [ \"scene.exr\" ] \"bool savefp16\" [ false ]\n"
         "PixelFilter \"box\" \"float xradius\" [ 0.0005 ] \"float yradius\" [ 0.0005 ]\n"
         "Sampler \"zsobol\" \"integer pixelsamples\" [ 256 ] \"integer seed\" [ 0 ]\n"
         "Integrator \"volpath\" \"integer maxdepth\" [ 1 ]\n",
-        view->width, view->height);
+        m->unit, view->width, view->height);
     if (m->camera_is_inside)
         fprintf(f, "MediumInterface \"\" \"volume\"\n");
-    print_camera(f, view);
+    print_camera(f, m);
     print_lattice(f, &m->geometry);
     fprintf(f, "Include \"medium.pbrt\"\nWorldBegin\n");
     if (b[0] > 0 || b[1] > 0 || b[2] > 0)
@@ -125,12 +126,12 @@ static void print_medium(FILE *f, const iso_medium *m)
 {
     const size_t *n = m->geometry.size;
     fprintf(f,
-            "# Extinction per mm (sigma_a) and shaded color (Le) at the points of a grid, x fastest; sigma_s is 0.\n"
+            "# Extinction per %s (sigma_a) and shaded color (Le) at the points of a grid, x fastest; sigma_s is 0.\n"
             "MakeNamedMedium \"volume\" \"string type\" [ \"rgbgrid\" ]\n"
             "    \"integer nx\" [ %zu ] \"integer ny\" [ %zu ] \"integer nz\" [ %zu ]\n"
             "    \"point3 p0\" [ 0 0 0 ] \"point3 p1\" [ %zu %zu %zu ]\n"
             "    \"float Lescale\" [ %.9g ]\n    \"rgb sigma_a\" [\n",
-            n[0], n[1], n[2], n[0], n[1], n[2], le_scale);
+            m->unit, n[0], n[1], n[2], n[0], n[1], n[2], le_scale);
     print_values(f, m, false, false);
     fprintf(f, "    ]\n    \"rgb Le\" [\n");
     print_values(f, m, true, false);

@@ -2,6 +2,8 @@
 /* target_vdb_baked.c - a level as other programs read it: baked, saved, and what the baking changes in the picture said. */
 #include "targets/target_vdb_baked.h"
 
+#include "vdb/vdb.h"
+
 static json_t *difference(const iso_bake_difference *d)
 {
     return json_pack("{sf sf}", "rmse", d->rmse, "max_abs", d->max_abs);
@@ -12,14 +14,22 @@ static const char *up_of(const iso_bake_request *r)
     return r->convention.y_up ? "y" : "z";
 }
 
+/* A unit that has no name is told by its length. */
+static const char *unit_of(const iso_bake_request *r, char text[24])
+{
+    snprintf(text, 24, *r->convention.unit ? "%s" : "%.0s%.9g mm", r->convention.unit, r->convention.unit_mm);
+    return text;
+}
+
 static void tell_json(json_t *results, const iso_baked *b, const iso_bake_request *r, const iso_bake_error *e)
 {
     json_t *grids = json_object(), *bake;
     const char *const up = up_of(r);
+    char unit[24];
     for (int i = 0; i < ISO_BAKE_GRIDS; ++i)
         if (r->has[i])
             json_object_set_new(grids, iso_names_name(&iso_bake_grid_names, (size_t)i), json_string(r->name[i]));
-    bake = json_pack("{so ss sf ss sI sI sI sI sf s[ii] so so}", "grids", grids, "scene_unit", r->convention.unit,
+    bake = json_pack("{so ss sf ss sI sI sI sI sf s[ii] so so}", "grids", grids, "scene_unit", unit_of(r, unit),
                      "scene_unit_mm", r->convention.unit_mm, "up", up, "points_per_voxel",
                      (json_int_t)r->lattice.points, "samples_per_point", (json_int_t)r->lattice.samples,
                      "visible_points", (json_int_t)b->visible_count, "colored_points", (json_int_t)b->color_count,
@@ -34,10 +44,11 @@ static void tell_json(json_t *results, const iso_baked *b, const iso_bake_reques
 
 static void tell_person(FILE *f, const iso_baked *b, const iso_bake_request *r, const iso_bake_error *e)
 {
+    char unit[24];
     fprintf(
         f,
-        "baked: %zu of %zu points are visible; 1 scene unit is 1 %s, %s up; the extinction is at most %.4g per unit\n",
-        b->visible_count, iso_geometry_voxel_count(&b->geometry), r->convention.unit, up_of(r),
+        "baked: %zu of %zu points are visible; 1 scene unit is %s%s, %s up; the extinction is at most %.4g per unit\n",
+        b->visible_count, iso_geometry_voxel_count(&b->geometry), *r->convention.unit ? "1 " : "", unit_of(r, unit), up_of(r),
         b->extinction_max * r->convention.unit_mm);
     fprintf(f, "colors interpolated in place of values: RMSE %.2g, at most %.2g from the exact picture (%zu x %zu)\n",
             e->lit.rmse, e->lit.max_abs, e->width, e->height);
@@ -51,7 +62,7 @@ static void tell_person(FILE *f, const iso_baked *b, const iso_bake_request *r, 
 
 iso_status iso_target_vdb_baked(const iso_export_job *job, iso_error *err)
 {
-    const iso_bake_request *r = job->bake;
+    iso_bake_request request = *job->bake, *r = &request;
     iso_bake_options o = r->lattice;
     iso_bake_error error = {0};
     iso_baked baked = {0};
@@ -61,6 +72,9 @@ iso_status iso_target_vdb_baked(const iso_export_job *job, iso_error *err)
     if (status == ISO_OK)
         status = iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked,
                           job->progress, err);
+    if (status == ISO_OK && !r->unit_is_asked && !iso_vdb_fits(&r->convention, &baked.geometry))
+        r->convention.unit = iso_vdb_choose_unit(iso_geometry_mean_spacing_mm(&baked.geometry), NULL,
+                                                 &r->convention.unit_mm);
     if (status == ISO_OK)
         status = iso_bake_measure(&baked, r->has[ISO_BAKE_EMISSION], r->error_pixels, &error, job->progress, err);
     if (status == ISO_OK)

@@ -41,16 +41,22 @@ static void place(const iso_vdb_fields *f, double m[3][4])
 }
 
 /* OpenVDB refuses voxels of 1e-15 cubic units; single precision of renderers wants some room. */
+static const double least_voxel = 5e-5, most_voxel = 1e6;
+
+bool iso_vdb_fits(const iso_vdb_convention *c, const iso_geometry *g)
+{
+    const double voxel = iso_geometry_mean_spacing_mm(g) / c->unit_mm;
+    return voxel >= least_voxel && voxel <= most_voxel;
+}
+
 static iso_status check_size(const iso_vdb_fields *f, const char *path, iso_error *err)
 {
-    const double least = 5e-5, most = 1e6;
-    const double voxel = iso_geometry_mean_spacing_mm(f->geometry) / f->convention.unit_mm;
-    if (voxel >= least && voxel <= most)
-        return ISO_OK;
-    return iso_fail(err, ISO_E_RANGE,
-                    "%s: a voxel is %.3g %s, OpenVDB takes %.3g to %.3g: choose another --scene-unit (in it, %s)", path,
-                    voxel, f->convention.unit, least, most,
-                    voxel < least ? "mm or um, numbers are larger" : "m, they are smaller");
+    return iso_vdb_fits(&f->convention, f->geometry)
+               ? ISO_OK
+               : iso_fail(err, ISO_E_RANGE,
+                          "%s: a voxel is %.3g %s, OpenVDB takes %.3g to %.3g; leave --scene-unit out", path,
+                          iso_geometry_mean_spacing_mm(f->geometry) / f->convention.unit_mm, f->convention.unit,
+                          least_voxel, most_voxel);
 }
 
 static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *field)

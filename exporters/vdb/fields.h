@@ -17,12 +17,14 @@
 
 typedef struct iso_vdb_convention {
     double unit_mm;   /* of a scene unit */
-    const char *unit; /* its name */
+    const char *unit; /* its name; "": it has none */
     bool y_up;
 } iso_vdb_convention;
 
 /* Millimeters with z up: what isoshade itself has. */
 iso_vdb_convention iso_vdb_own_convention(void);
+/* Whether OpenVDB and single precision can hold a level's voxels in these units. */
+bool iso_vdb_fits(const iso_vdb_convention *c, const iso_geometry *g);
 /* A place of the world in scene units. */
 iso_vec3 iso_vdb_in_scene(const iso_vdb_convention *c, iso_vec3 world_mm);
 /* A direction of the world on the scene's axes. */

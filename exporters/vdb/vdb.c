@@ -2,6 +2,7 @@
 /* vdb.c - saving: what is told of a file, and the file. */
 #define _GNU_SOURCE
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,22 +45,20 @@ static bool suits(double voxel_mm, double unit_mm)
     return voxel_mm >= 1e-3 * unit_mm && voxel_mm <= 1e3 * unit_mm;
 }
 
-/* The unit of a file whose geometries are in mm: one of unit.h. */
-static const char *choose_unit(const iso_geometry *g, const char *preferred, double *mm)
+const char *iso_vdb_choose_unit(double voxel_mm, const char *preferred, double *mm)
 {
     static const char *const units[] = {"m", "um", "nm", "pm"};
-    const double voxel = iso_geometry_min_spacing_mm(g);
     const char *name = "mm";
     *mm = 1;
-    if (voxel >= 1e-4 && voxel <= 1e5)
+    if (voxel_mm >= 1e-4 && voxel_mm <= 1e5)
         return name;
-    if (preferred && iso_unit_find(preferred, mm, &name) && suits(voxel, *mm))
+    if (preferred && iso_unit_find(preferred, mm, &name) && suits(voxel_mm, *mm))
         return name;
     for (size_t i = 0; i < sizeof units / sizeof *units; ++i)
-        if (iso_unit_find(units[i], mm, &name) && suits(voxel, *mm))
+        if (iso_unit_find(units[i], mm, &name) && suits(voxel_mm, *mm))
             return name;
-    *mm = 1;
-    return "mm";
+    *mm = pow(10, rint(log10(voxel_mm)));
+    return "";
 }
 
 /* Geometry in the unit of the file, which is noted. */
@@ -76,7 +75,7 @@ static void take_unit(iso_vdb_source *source, const iso_geometry *g, const iso_v
             source->unit = "mm";
         return;
     }
-    source->unit = choose_unit(g, opt->unit, &source->unit_mm);
+    source->unit = iso_vdb_choose_unit(iso_geometry_min_spacing_mm(g), opt->unit, &source->unit_mm);
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c)
             source->index_to_world[r][c] /= source->unit_mm;

@@ -66,12 +66,15 @@ typedef struct iso_vdb_options {
     int threads;                   /* 0: all cores */
     /* A unit of the file's world is so many mm, and its origin stands there in the world; geometries are in it. 0: the
      * geometries are in mm, and so is the file, but for voxels so small or large that OpenVDB takes their transform for
-     * a singular one: these files have a unit in which they are of a size between 1e-3 and 1e3. */
+     * a singular one: these files have the unit of iso_vdb_choose_unit(). */
     double unit_mm;
     iso_vec3 origin_mm;
     const char *unit; /* the name of the unit that is taken where it suits such voxels: the volume file's; or NULL */
 } iso_vdb_options;
 iso_vdb_options iso_vdb_defaults(void);
+/* Chooses the unit of a file with voxels of so many mm: mm if they suit it, else `preferred` or another name of unit.h, else
+ * a power of ten of mm, which has the name "". preferred may be NULL. */
+const char *iso_vdb_choose_unit(double voxel_mm, const char *preferred, double *mm);
 
 /* What half_directions multiplies the directions of a code by: this for those that are linear, and of lattices, else 1. */
 #define ISO_VDB_LINEAR_SCALE (127.0 / 128)

@@ -142,7 +142,7 @@ static iso_status save_scene(const drawing *d, iso_error *err)
     if (status == ISO_OK)
         status = iso_volume_save(&v, volume, true, err);
     if (status == ISO_OK)
-        status = iso_json_save(scene, json, err);
+        status = iso_scene_save_json(json, scene, err);
     iso_volume_destroy(&v);
     json_decref(json);
     free(volume);

@@ -66,7 +66,7 @@ static iso_status parse_center(const char *text, iso_vec3 *center, iso_error *er
 {
     int end = -1;
     if (sscanf(text, "%lf,%lf,%lf%n", &center->x, &center->y, &center->z, &end) != 3 || text[end] ||
-        !(iso_norm(*center) <= 1e12))
+        !(iso_norm(*center) <= ISO_MOST_PLACE_MM))
         return iso_fail(err, ISO_E_USAGE, "--center is \"%s\", wanted X,Y,Z in mm", text);
     return ISO_OK;
 }
@@ -81,7 +81,7 @@ static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_e
     if (status == ISO_OK && opt->spacing)
         status = iso_words_parse_numbers(opt->spacing, "--spacing", spacing, err);
     for (int a = 0; status == ISO_OK && a < 3; ++a)
-        status = iso_words_check_range("--spacing", spacing[a], 1e-9, 1e9, err);
+        status = iso_words_check_range("--spacing", spacing[a], ISO_LEAST_MM, ISO_MOST_MM, err);
     iso_vec3 center = {0, 0, 0};
     if (status == ISO_OK && opt->center)
         status = parse_center(opt->center, &center, err);
@@ -108,7 +108,7 @@ static iso_status parse_range(const char *text, iso_type type, iso_field *field,
         return ISO_OK;
     iso_field_type_range(type, &least, &most);
     if (type == ISO_F32 || type == ISO_F64)
-        least = -1e30, most = 1e30;
+        least = -ISO_MOST_VALUE, most = ISO_MOST_VALUE;
     field->range[0] = strtod(text, &end);
     field->range[1] = *end == ',' ? strtod(end + 1, &last) : NAN;
     bool good = end != text && *end == ',' && last != end + 1 && !*last;

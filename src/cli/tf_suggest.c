@@ -11,26 +11,26 @@
 #include "tf/presets.h"
 #include "tf/suggest.h"
 
-/* To so many decimal digits after the first: a person reads and edits it. */
-static double rounded(double x, int digits)
+/* Rounds x for a person who edits it, to so many digits after the first one of x, or of `span` if that is smaller. */
+static double rounded(double x, double span, int digits)
 {
-    if (x == 0 || !isfinite(x))
-        return x;
-    const double digit = pow(10, floor(log10(fabs(x))) - digits);
-    return round(x / digit) * digit;
+    const double size = span > 0 ? fmin(fabs(x), span) : fabs(x);
+    const double digit = size > 0 ? pow(10, floor(log10(size)) - digits) : 0;
+    return digit > 0 && isfinite(x / digit) ? round(x / digit) * digit : x;
 }
 
 /* The file's form with display colors, which people pick. */
 static json_t *editable(const iso_tf *tf, const char *comment)
 {
     json_t *root = iso_tf_to_json(tf), *points = json_object_get(root, "points");
+    const double span = tf->fit_range ? 1 : tf->range[1] - tf->range[0];
     for (size_t i = 0; i < tf->point_count; ++i) {
         static const char *const keys[3] = {"r", "g", "b"};
         json_t *point = json_array_get(points, i);
-        json_object_set_new(point, "value", json_real(rounded(tf->points[i].value, 5)));
-        json_object_set_new(point, "opacity", json_real(rounded(tf->points[i].opacity, 2)));
+        json_object_set_new(point, "value", json_real(rounded(tf->points[i].value, span, 5)));
+        json_object_set_new(point, "opacity", json_real(rounded(tf->points[i].opacity, 0, 2)));
         for (int c = 0; c < 3; ++c)
-            json_object_set_new(point, keys[c], json_real(rounded(iso_linear_to_srgb(tf->points[i].rgb_linear[c]), 2)));
+            json_object_set_new(point, keys[c], json_real(rounded(iso_linear_to_srgb(tf->points[i].rgb_linear[c]), 0, 2)));
     }
     json_object_set_new(root, "color_space", json_string("srgb"));
     json_object_set_new(root, "comment", json_string(comment));
@@ -80,7 +80,7 @@ static iso_status report(const iso_tf_arguments *a, const iso_survey *survey, co
     snprintf(comment, sizeof comment, "Made by isoshade tf suggest, preset %s: %s. Values are the volume's own.",
              preset, iso_suggest_kind_text(found->kind));
     json_t *file = editable(tf, comment);
-    const iso_status status = a->output ? iso_json_save(a->output, file, err) : ISO_OK;
+    const iso_status status = a->output ? iso_tf_save_json(file, a->output, err) : ISO_OK;
     if (status == ISO_OK && a->cli->json) {
         json_t *root = iso_cli_json(a->cli);
         json_object_update_new(root, json_pack("{s:s, s:s, s:b, s:o, s:O}", "preset", preset, "kind",

@@ -99,7 +99,7 @@ iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso
     if (status == ISO_OK)
         status = guard_content(path, comment, err);
     if (status == ISO_OK)
-        status = iso_json_save(path, root, err);
+        status = iso_scene_save_json(root, path, err);
     free(comment);
     json_decref(root);
     return status;

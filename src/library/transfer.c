@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* transfer.c - transfer functions of the library's interface. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,8 +36,9 @@ static bool is_fraction(double value)
 static iso_status check_point(const iso_tf_point *points, size_t i, iso_error *err)
 {
     const iso_tf_point *p = &points[i];
-    if (!(p->value >= -1e30 && p->value <= 1e30))
-        return iso_fail(err, ISO_E_RANGE, "point %zu has the value %g, must be -1e30 to 1e30", i, p->value);
+    if (!(fabs(p->value) <= ISO_TF_MOST_VALUE))
+        return iso_fail(err, ISO_E_RANGE, "point %zu has the value %g, must be %g to %g", i, p->value,
+                        -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE);
     if (i > 0 && p->value < points[i - 1].value)
         return iso_fail(err, ISO_E_RANGE, "point %zu has the value %g below its predecessor's %g; values must rise", i,
                         p->value, points[i - 1].value);
@@ -53,8 +55,9 @@ static iso_status check_points(const iso_tf_point *points, size_t count, double 
     iso_status status = ISO_OK;
     if (count < 2 || count > 65536)
         return iso_fail(err, ISO_E_RANGE, "a transfer function of %zu points, must be 2 to 65536", count);
-    if (!(unit_mm >= 1e-6 && unit_mm <= 1e6))
-        return iso_fail(err, ISO_E_RANGE, "opacities are for %g mm, must be 1e-6 to 1e6", unit_mm);
+    if (!(unit_mm >= ISO_TF_LEAST_UNIT && unit_mm <= ISO_TF_MOST_UNIT))
+        return iso_fail(err, ISO_E_RANGE, "opacities are for %g mm, must be %g to %g", unit_mm, ISO_TF_LEAST_UNIT,
+                        ISO_TF_MOST_UNIT);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = check_point(points, i, err);
     if (status == ISO_OK && !(points[count - 1].value > points[0].value))

@@ -242,8 +242,8 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     level_file files[FILE_COUNT];
     geometry_from_json(r, iso_json_get_object(r, entry, "geometry", true), &l->geometry);
     iso_json_get_string(r, entry, "stored_type", true, &type);
-    iso_json_get_number(r, entry, "min", true, -FLT_MAX, FLT_MAX, &l->min);
-    iso_json_get_number(r, entry, "max", true, -FLT_MAX, FLT_MAX, &l->max);
+    iso_json_get_number(r, entry, "min", true, -ISO_MOST_VALUE, ISO_MOST_VALUE, &l->min);
+    iso_json_get_number(r, entry, "max", true, -ISO_MOST_VALUE, ISO_MOST_VALUE, &l->max);
     if (r->status == ISO_OK && !(l->min <= l->max))
         r->status = iso_fail(err, ISO_E_FORMAT, "%s: \"min\" is %g, more than \"max\", %g", r->path, l->min, l->max);
     json_t *list = iso_json_get_object(r, entry, "files", true);
@@ -294,7 +294,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     if (unit) {
         const char *name = "";
         iso_json_get_string(r, unit, "name", true, &name);
-        iso_json_get_number(r, unit, "mm", true, 1e-30, 1e30, &out->unit.mm);
+        iso_json_get_number(r, unit, "mm", true, ISO_LEAST_MM, ISO_MOST_MM, &out->unit.mm);
         snprintf(out->unit.name, sizeof out->unit.name, "%s", name);
     }
     out->segments = json_incref(iso_json_get_array(r, root, "segments", false));

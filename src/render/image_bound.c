@@ -40,6 +40,7 @@ typedef struct bound {
     size_t block_pixels, blocks[2], slabs, points_an_axis;
     double depth_from, slab_mm, pixel_size; /* pixel_size: mm, or at depth 1 of a perspective camera */
     double longest_mm;                      /* of a ray inside a slab */
+    double least_depth_mm;                  /* at which points at the camera or behind it are projected */
     region *regions;                        /* slab fastest */
     bool late;                              /* the deadline came before all points were looked up */
 } bound;
@@ -49,7 +50,7 @@ static void project(const bound *b, iso_vec3 world, double at[3])
 {
     const iso_camera *c = &b->in->view->camera;
     const iso_vec3 d = iso_sub(world, c->position);
-    const double depth = iso_dot(d, c->forward), scale = c->orthographic ? 1 : 1 / fmax(depth, 1e-9);
+    const double depth = iso_dot(d, c->forward), scale = c->orthographic ? 1 : 1 / fmax(depth, b->least_depth_mm);
     at[0] = 0.5 * (double)b->in->view->width + iso_dot(d, c->right) * scale / b->pixel_size;
     at[1] = 0.5 * (double)b->in->view->height - iso_dot(d, c->up) * scale / b->pixel_size;
     at[2] = depth;
@@ -298,6 +299,7 @@ static iso_status cut_image(bound *b, iso_error *err)
     iso_geometry_spacing_mm(g, spacing);
     b->points_an_axis = points_an_axis(b->in);
     b->pixel_size = 2 * v->camera.half_height / (double)v->height;
+    b->least_depth_mm = 1e-9 * iso_geometry_min_spacing_mm(g);
     for (int corner = 0; corner < 8; ++corner) {
         const iso_vec3 index = iso_v3(corner & 1 ? g->box_index[0] : 0, corner & 2 ? g->box_index[1] : 0,
                                       corner & 4 ? g->box_index[2] : 0);
@@ -309,7 +311,7 @@ static iso_status cut_image(bound *b, iso_error *err)
     nearest = fmax(nearest, 0);
     const double edge = (double)REGION_POINTS / (double)b->points_an_axis *
                         fmax(spacing[0], fmax(spacing[1], spacing[2]));
-    const double pixel_mm = b->pixel_size * (v->camera.orthographic ? 1 : fmax(0.5 * (nearest + farthest), 1e-9));
+    const double pixel_mm = b->pixel_size * (v->camera.orthographic ? 1 : fmax(0.5 * (nearest + farthest), b->least_depth_mm));
     b->block_pixels = (size_t)fmax(1, ceil(edge / pixel_mm));
     b->blocks[0] = (v->width + b->block_pixels - 1) / b->block_pixels;
     b->blocks[1] = (v->height + b->block_pixels - 1) / b->block_pixels;

@@ -112,7 +112,7 @@ static void find_depths(const iso_camera *c, const iso_geometry *g, double *near
         *near = fmin(*near, depth);
         *far = fmax(*far, depth);
     }
-    const double slack = 0.01 * (*far - *near) + 1e-6;
+    const double slack = 0.01 * (*far - *near);
     *far = *far > 0 ? *far + slack : 1;
     *near = c->orthographic ? fmax(*near - slack, 0) : fmax(*near - slack, 1e-3 * *far);
 }

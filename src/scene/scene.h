@@ -130,6 +130,8 @@ iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *
 void iso_scene_destroy(iso_scene *scene);
 /* A new object in the form of the file, with the TF in it; without what a suite or a verdict on levels asks. */
 json_t *iso_scene_to_json(const iso_scene *scene);
+/* Writes the object of a file only if it can be read: the reader's limits hold for each writer. */
+iso_status iso_scene_save_json(const json_t *root, const char *path, iso_error *err);
 
 /* A scene resolved for one volume: all that a renderer needs besides a level. */
 typedef struct iso_view {

@@ -175,8 +175,9 @@ iso_status iso_tf_from_table(const iso_tf_table *table, iso_tf *tf, iso_error *e
         return iso_fail(err, ISO_E_RANGE, "an extinction of %g per mm is more than a transfer function can state, %g",
                         (double)largest, ISO_TF_MOST_EXTINCTION);
     }
-    /* Opacities are stated for 1 mm, or less where they would come close to the cap; not for less than is read back. */
-    const double unit_mm = largest > 4 ? fmax(4 / (double)largest, ISO_TF_LEAST_UNIT) : 1;
+    /* Opacities are stated for 1 mm; for another length if they came close to the cap there, or to nothing. */
+    const bool fits_mm = largest == 0 || (largest >= 1e-3f && largest <= 4);
+    const double unit_mm = fits_mm ? 1 : fmin(fmax(4 / (double)largest, ISO_TF_LEAST_UNIT), ISO_TF_MOST_UNIT);
     *tf = (iso_tf){.point_count = table->count,
                    .range = {table->lo, table->hi},
                    .unit_distance = unit_mm,

@@ -206,7 +206,8 @@ static iso_status set_unit(const iso_tf_file *file, iso_tf_curves *c, iso_error 
     if (said > 0)
         c->unit_mm = said, c->unit_is_voxel = false;
     if (!(c->unit_mm >= ISO_TF_LEAST_UNIT && c->unit_mm <= ISO_TF_MOST_UNIT))
-        return iso_fail(err, ISO_E_RANGE, "%s: opacities are for %g mm, must be 1e-6 to 1e6", file->path, c->unit_mm);
+        return iso_fail(err, ISO_E_RANGE, "%s: opacities are for %g mm, must be %g to %g", file->path, c->unit_mm,
+                        ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT);
     return ISO_OK;
 }
 

@@ -105,10 +105,21 @@ json_t *iso_tf_to_json(const iso_tf *tf)
                      "linear", "table_size", (json_int_t)tf->table_size, "points", points);
 }
 
+iso_status iso_tf_save_json(const json_t *root, const char *path, iso_error *err)
+{
+    iso_tf read = {0};
+    iso_status status = root ? iso_tf_from_json(root, path, &read, err)
+                             : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a transfer function", path);
+    if (status == ISO_OK)
+        status = iso_json_save(path, root, err);
+    iso_tf_destroy(&read);
+    return status;
+}
+
 iso_status iso_tf_save(const iso_tf *tf, const char *path, iso_error *err)
 {
     json_t *root = iso_tf_to_json(tf);
-    iso_status status = iso_json_save(path, root, err);
+    iso_status status = iso_tf_save_json(root, path, err);
     json_decref(root);
     return status;
 }
@@ -216,7 +227,13 @@ iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max,
         sample_points(tf, tf->fit_range ? t : table->lo + t * (table->hi - table->lo), rgba);
         for (int c = 0; c < 3; ++c)
             table->entries[4 * i + (size_t)c] = (float)rgba[c];
-        table->entries[4 * i + 3] = (float)(-log1p(-fmin(rgba[3], ISO_TF_MAX_OPACITY)) / unit_mm);
+        const double extinction = -log1p(-fmin(rgba[3], ISO_TF_MAX_OPACITY)) / unit_mm;
+        if (!(extinction <= ISO_TF_MOST_EXTINCTION)) {
+            iso_tf_table_destroy(table);
+            return iso_fail(err, ISO_E_RANGE, "the transfer function's opacities are for %g mm, must be %g or more", unit_mm,
+                            ISO_TF_LEAST_UNIT);
+        }
+        table->entries[4 * i + 3] = (float)extinction;
     }
     keep_points(tf, unit_mm, table);
     return ISO_OK;

@@ -27,17 +27,17 @@
 
 enum { ISO_TF_MOST_ENTRIES = 16384 }; /* of a table: what textures hold in a row */
 
-/* Values of a transfer function's points and range: from minus this to this. */
-#define ISO_TF_MOST_VALUE 1e30
+/* Values of a transfer function's points and range: from minus this to this, as far as those of volumes. */
+#define ISO_TF_MOST_VALUE ISO_MOST_VALUE
 /* Opacity is capped here before the logarithm: extinction stays finite. */
 #define ISO_TF_MAX_OPACITY 0.9999
 
 /* The lengths that opacities may be stated for, in mm or in voxels. */
-#define ISO_TF_LEAST_UNIT 1e-6
-#define ISO_TF_MOST_UNIT 1e6
+#define ISO_TF_LEAST_UNIT ISO_LEAST_MM
+#define ISO_TF_MOST_UNIT (1e3 * ISO_MOST_MM) /* some of the largest voxels */
 
 /* Per mm: the densest that can be stated, ISO_TF_MAX_OPACITY of ISO_TF_LEAST_UNIT, rounded up. */
-#define ISO_TF_MOST_EXTINCTION 9.2104e6
+#define ISO_TF_MOST_EXTINCTION 9.2104e30
 
 /* How far the table of a TF of another program is from what that program shows, in display color and in opacity, each
  * 0 to 1: at the table's entries, and between them, where a curve may be steeper than the table is fine. */
@@ -78,6 +78,8 @@ iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_t
 iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err);
 /* A new object in the form of the file, points linear. */
 json_t *iso_tf_to_json(const iso_tf *tf);
+/* Writes the object of a file only if it can be read: the reader's limits hold for each writer. */
+iso_status iso_tf_save_json(const json_t *root, const char *path, iso_error *err);
 iso_status iso_tf_copy(const iso_tf *from, iso_tf *to, iso_error *err);
 void iso_tf_destroy(iso_tf *tf);
 

@@ -37,17 +37,23 @@ const panned = (c, dx, dy) => {
     const move = add(scale(right, -2 * dx * c.half * depth), scale(up, 2 * dy * c.half * depth));
     return {...c, position: add(c.position, move), lookAt: add(c.lookAt, move)};
 };
-const zoomed = (c, factor) => ({...c, half: clamp(c.half / factor, 1e-6, c.orthographic ? 1e9 : 20)});
+const leastMm = 1e-30, mostMm = 1e30; // ISO_LEAST_MM, ISO_MOST_MM: pictures of other heights are in no scene file
+const zoomed = (c, factor) => ({...c, half: clamp(c.half / factor, c.orthographic ? leastMm : 1e-6, c.orthographic ? mostMm : 20)});
 const lookingFrom = (c, g, direction, up, sceneAspect) => {
     const lookAt = boxCenter(g), radius = 1.05 * boxRadius(g) / Math.min(1, sceneAspect);
     const half = c.orthographic ? radius : c.half, distance = c.orthographic ? 2 * radius : radius / Math.sin(Math.atan(half));
     return {...c, lookAt, up, half, position: madd(lookAt, normalize(direction), -distance)};
 };
 
+// A scene file's angle is 0.01 to 175 degrees; a smaller one is a zoom.
+const angleJson = half => {
+    const least = 0.01, degrees = 2 * Math.atan(half) * 180 / Math.PI;
+    return degrees < least ? {fov_y_deg: least, zoom: Math.tan(least * Math.PI / 360) / half} : {fov_y_deg: Math.min(degrees, 175)};
+};
 // As a scene file has it: all digits that a double needs.
 const cameraJson = c => ({
     projection: c.orthographic ? 'orthographic' : 'perspective', position: c.position, look_at: c.lookAt, up: c.up,
-    ...(c.orthographic ? {height_mm: 2 * c.half} : {fov_y_deg: 2 * Math.atan(c.half) * 180 / Math.PI}),
+    ...(c.orthographic ? {height_mm: 2 * c.half} : angleJson(c.half)),
 });
 const viewpoints = [
     ['iso', [0.6, -1, -0.45], [0, 0, 1]], ['front', [0, -1, 0], [0, 0, 1]], ['back', [0, 1, 0], [0, 0, 1]],

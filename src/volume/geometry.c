@@ -32,13 +32,18 @@ iso_status iso_geometry_check(const iso_geometry *g, const char *name, iso_error
     }
     double spacing[3];
     iso_geometry_spacing_mm(g, spacing);
+    const double coarsest = ldexp(ISO_MOST_MM, 32); /* levels of a volume of the largest voxels */
+    for (int a = 0; a < 3; ++a)
+        if (!(spacing[a] >= ISO_LEAST_MM && spacing[a] <= coarsest))
+            return iso_fail(err, ISO_E_RANGE, "%s: a voxel's edge is %g mm, must be %g to %g", name, spacing[a],
+                            ISO_LEAST_MM, ISO_MOST_MM);
     double det = iso_mat3_det(g->index_to_world);
     if (!(fabs(det) > 1e-9 * spacing[0] * spacing[1] * spacing[2]) || !isfinite(det))
         return iso_fail(err, ISO_E_RANGE, "%s: the axes (spacings %g, %g, %g mm) span no volume", name, spacing[0],
                         spacing[1], spacing[2]);
-    if (!isfinite(iso_norm(g->origin_mm)))
-        return iso_fail(err, ISO_E_RANGE, "%s: the origin (%g, %g, %g) is not finite", name, g->origin_mm.x,
-                        g->origin_mm.y, g->origin_mm.z);
+    if (!(iso_norm(g->origin_mm) <= ISO_MOST_PLACE_MM))
+        return iso_fail(err, ISO_E_RANGE, "%s: the origin is (%g, %g, %g) mm, must be within %g", name, g->origin_mm.x,
+                        g->origin_mm.y, g->origin_mm.z, ISO_MOST_PLACE_MM);
     return ISO_OK;
 }
 

@@ -24,6 +24,17 @@
 #include "base/linalg.h"
 #include "base/status.h"
 
+/* The ranges of all lengths and places, of files, options and the library: readers and writers share them. They follow from
+ * the number formats alone. The cube of a length, its inverse and an extinction of 10 per length fit single precision's
+ * range or double's, whichever stores it; a place is far from overflowing in single precision.
+ * A voxel's edge, a length that opacities are for, the height of a picture: */
+#define ISO_LEAST_MM 1e-30
+#define ISO_MOST_MM 1e30
+/* Each coordinate of a point: */
+#define ISO_MOST_PLACE_MM 1e36
+/* Values of samples: each that single precision holds, with its 9 digits in a file rounded up. */
+#define ISO_MOST_VALUE 3.4028235e38
+
 typedef struct iso_geometry {
     size_t size[3]; /* voxels along x (fastest), y, z */
     iso_mat3 index_to_world;
@@ -36,7 +47,7 @@ typedef struct iso_geometry {
 iso_geometry iso_geometry_axis_aligned(const size_t size[3], const double spacing_mm[3]);
 
 /* ISO_E_RANGE: a size of 0, a product that overflows, an index_to_world that
- * is singular or not finite. `name` is what an error message names: the file, for instance. */
+ * is singular or not finite, a voxel's edge or an origin out of the ranges above. `name` is what an error message names: the file, for instance. */
 iso_status iso_geometry_check(const iso_geometry *g, const char *name, iso_error *err);
 
 /* The geometry of the next coarser level: sizes (n + 1) / 2, the same box. */

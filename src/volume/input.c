@@ -55,7 +55,7 @@ static iso_status parse_spacing(const char *option, const char *text, double uni
 {
     iso_status status = iso_words_parse_numbers(text, option, spacing_mm, err);
     for (int a = 0; status == ISO_OK && a < 3; ++a) {
-        status = iso_words_check_range(option, spacing_mm[a], 1e-9, 1e9, err);
+        status = iso_words_check_range(option, spacing_mm[a], ISO_LEAST_MM, ISO_MOST_MM, err);
         spacing_mm[a] *= unit_mm;
     }
     return status;

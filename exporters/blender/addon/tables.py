@@ -148,7 +148,11 @@ def fit(points):
 # ---- files -------------------------------------------------------------------------------------------------------
 
 
-def number(value, what, least=-1e30, most=1e30):
+# Lengths in mm and values, as isoshade reads and writes them: ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT, ISO_MOST_VALUE.
+LEAST_MM, MOST_MM, MOST_VALUE = 1e-30, 1e33, 3.4028235e38
+
+
+def number(value, what, least=-MOST_VALUE, most=MOST_VALUE):
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value) or not least <= value <= most:
         raise Refused(f"{what} is {value!r:.40}, must be a number from {least:g} to {most:g}")
     return float(value)
@@ -193,7 +197,7 @@ def from_json(text, where, fit_range, voxel_mm=None):
     if "unit_distance_voxels" in root:
         if not voxel_mm:
             raise Refused(f'{where}: "unit_distance_voxels" needs the volume\'s voxels, which are not found')
-        unit = voxel_mm * number(root["unit_distance_voxels"], f"{where}: unit_distance_voxels", 1e-6, 1e6)
+        unit = voxel_mm * number(root["unit_distance_voxels"], f"{where}: unit_distance_voxels", LEAST_MM, MOST_MM)
     else:
-        unit = number(root.get("unit_distance_mm"), f"{where}: unit_distance_mm", 1e-6, 1e6)
+        unit = number(root.get("unit_distance_mm"), f"{where}: unit_distance_mm", LEAST_MM, MOST_MM)
     return points, lo, hi, unit

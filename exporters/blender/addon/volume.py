@@ -135,8 +135,8 @@ class Ramp:
         self.notes = notes[index]
         self.lo = tables.number(self.notes.get("lo"), "the ramp's first value")
         self.hi = tables.number(self.notes.get("hi"), "the ramp's last value")
-        self.unit_mm = tables.number(self.notes.get("unit_distance_mm"), "the ramp's unit distance", 1e-12, 1e12)
-        self.unit = tables.number(self.notes.get("unit_distance"), "the ramp's unit distance", 1e-12, 1e12)
+        self.unit_mm = tables.number(self.notes.get("unit_distance_mm"), "the ramp's unit distance", tables.LEAST_MM, tables.MOST_MM)
+        self.unit = tables.number(self.notes.get("unit_distance"), "the ramp's unit distance", tables.LEAST_MM, tables.MOST_MM)
         if not self.hi > self.lo:
             raise Refused("the ramp's range is empty")
 
@@ -420,7 +420,7 @@ def place_of(frame, scene):
     scale = frame.matrix_world.to_scale()
     if min(scale) <= 0 or max(scale) / min(scale) > 1.0001:
         raise Refused(f"{frame.name}: is stretched or mirrored; a certified scene is moved, turned and scaled alike on all axes")
-    units = tables.number(noted(frame, scene, "isoshade_units_per_mm", 1.0), "isoshade_units_per_mm", 1e-12, 1e12)
+    units = tables.number(noted(frame, scene, "isoshade_units_per_mm", 1.0), "isoshade_units_per_mm", 0.01 * tables.LEAST_MM, 100 * tables.MOST_MM)
     try:
         origin = Vector([float(v) for v in noted(frame, scene, "isoshade_origin_mm", (0, 0, 0))])
     except (TypeError, ValueError):

@@ -95,7 +95,7 @@ void iso_gl_set_surface(GLuint program, const iso_surface *surface, iso_vec3 sam
 
 iso_tf_table iso_gl_surface_tf(const iso_surface *surface, double min, double max, float entries[12])
 {
-    double reach = fmax(fmax(fabs(max - surface->iso), fabs(min - surface->iso)), 1e-30);
+    double reach = fmax(fmax(fabs(max - surface->iso), fabs(min - surface->iso)), 1e-300);
     memset(entries, 0, 12 * sizeof *entries);
     entries[11] = 1;
     return (iso_tf_table){.lo = surface->iso - reach, .hi = surface->iso + reach, .count = 3, .entries = entries};

@@ -116,7 +116,8 @@ Ray pixel_ray()
     dvec3 origin = orthographic ? position_index + to_index * offset : position_index;
     dvec3 direction = to_index * world;
 
-    dvec3 safe = mix(direction, dvec3(1e-30), lessThan(abs(direction), dvec3(1e-30)));
+    dvec3 least = dvec3(1e-20 / step_mm); // of a voxel, in a step: any unit of length has it
+    dvec3 safe = mix(direction, least, lessThan(abs(direction), least));
     dvec3 a = -origin / safe, b = (box_index - origin) / safe, near = min(a, b), far = max(a, b);
     double t0 = max(max(near.x, near.y), max(near.z, 0.0)), t1 = min(min(far.x, far.y), far.z);
     for (int i = 0; i < clip_count; ++i) {
