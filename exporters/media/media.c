@@ -69,8 +69,7 @@ static void take_units(iso_medium *m, double units)
 iso_status iso_medium_create(const iso_baked *b, const char *made_from, iso_medium *out, iso_error *err)
 {
     size_t hi[3];
-    *out = (iso_medium){
-        .baked = b, .geometry = b->geometry, .camera = b->view->camera, .made_from = made_from};
+    *out = (iso_medium){.baked = b, .geometry = b->geometry, .camera = b->view->camera, .made_from = made_from};
     find_box(b, out->first, hi);
     iso_geometry *g = &out->geometry;
     const iso_vec3 first = iso_v3((double)out->first[0], (double)out->first[1], (double)out->first[2]);

@@ -16,7 +16,7 @@
 
 typedef struct iso_medium {
     const iso_baked *baked;
-    size_t first[3];       /* of the lattice's points */
+    size_t first[3]; /* of the lattice's points */
     /* The grid and the camera, in units: mm, unless the volume is so small or so large that the programs' absolute epsilons
      * would show; then a power of ten of mm that makes it some tens of units across. */
     double units_per_mm;

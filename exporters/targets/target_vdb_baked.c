@@ -48,8 +48,8 @@ static void tell_person(FILE *f, const iso_baked *b, const iso_bake_request *r, 
     fprintf(
         f,
         "baked: %zu of %zu points are visible; 1 scene unit is %s%s, %s up; the extinction is at most %.4g per unit\n",
-        b->visible_count, iso_geometry_voxel_count(&b->geometry), *r->convention.unit ? "1 " : "", unit_of(r, unit), up_of(r),
-        b->extinction_max * r->convention.unit_mm);
+        b->visible_count, iso_geometry_voxel_count(&b->geometry), *r->convention.unit ? "1 " : "", unit_of(r, unit),
+        up_of(r), b->extinction_max * r->convention.unit_mm);
     fprintf(f, "colors interpolated in place of values: RMSE %.2g, at most %.2g from the exact picture (%zu x %zu)\n",
             e->lit.rmse, e->lit.max_abs, e->width, e->height);
     fprintf(f, "the same unlit, as a program shows it that takes the colors for light: RMSE %.2g, at most %.2g\n",

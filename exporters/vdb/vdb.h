@@ -61,7 +61,7 @@ typedef struct iso_vdb_options {
                               has the index pad_voxels + 1, so that no renderer that adds a voxel sees negative indices */
     const iso_vdb_shown
         *shown; /* one a level that is saved: other voxels are left out; NULL: none are. Not of label maps */
-    const iso_volume *volume; /* level 0's scalars where the pyramid has none (pyramid/narrow.h); or NULL */
+    const iso_volume *volume;      /* level 0's scalars where the pyramid has none (pyramid/narrow.h); or NULL */
     const char *creator, *command; /* metadata; command: NULL, or without what is private in it */
     int threads;                   /* 0: all cores */
     /* A unit of the file's world is so many mm, and its origin stands there in the world; geometries are in it. 0: the

@@ -69,7 +69,8 @@ static iso_status keep_scene(const writing *w, iso_scene *scene, iso_error *err)
 {
     json_t *root = iso_scene_to_json(scene);
     char *path = iso_path_join(w->out.temp_path, "scene.scene.json");
-    iso_status status = root && path ? iso_scene_save_json(root, path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = root && path ? iso_scene_save_json(root, path, err)
+                                     : iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_scene_destroy(scene);
     if (status == ISO_OK)
         status = iso_scene_load(path, scene, err);

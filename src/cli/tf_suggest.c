@@ -30,7 +30,8 @@ static json_t *editable(const iso_tf *tf, const char *comment)
         json_object_set_new(point, "value", json_real(rounded(tf->points[i].value, span, 5)));
         json_object_set_new(point, "opacity", json_real(rounded(tf->points[i].opacity, 0, 2)));
         for (int c = 0; c < 3; ++c)
-            json_object_set_new(point, keys[c], json_real(rounded(iso_linear_to_srgb(tf->points[i].rgb_linear[c]), 0, 2)));
+            json_object_set_new(point, keys[c],
+                                json_real(rounded(iso_linear_to_srgb(tf->points[i].rgb_linear[c]), 0, 2)));
     }
     json_object_set_new(root, "color_space", json_string("srgb"));
     json_object_set_new(root, "comment", json_string(comment));

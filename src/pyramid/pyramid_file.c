@@ -145,9 +145,8 @@ static iso_status load_file(const char *dir, const iso_geometry *g, const level_
         return iso_fail(err, ISO_E_FORMAT, "%s: the file \"%s\" does not lie in the folder", r->path, name);
     char *path = iso_path_join(dir, name), *header = iso_layout_header(g, f);
     const size_t count = f->components * iso_geometry_voxel_count(g);
-    iso_status status = path && header
-                            ? check_bytes(r, entry, name, strlen(header) + count * iso_type_bytes(f->type))
-                            : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
+    iso_status status = path && header ? check_bytes(r, entry, name, strlen(header) + count * iso_type_bytes(f->type))
+                                       : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
     if (status == ISO_OK && data)
         status = iso_layout_read(path, header, f, digest, count, data, err);
     free(header);

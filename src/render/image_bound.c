@@ -311,7 +311,8 @@ static iso_status cut_image(bound *b, iso_error *err)
     nearest = fmax(nearest, 0);
     const double edge = (double)REGION_POINTS / (double)b->points_an_axis *
                         fmax(spacing[0], fmax(spacing[1], spacing[2]));
-    const double pixel_mm = b->pixel_size * (v->camera.orthographic ? 1 : fmax(0.5 * (nearest + farthest), b->least_depth_mm));
+    const double pixel_mm = b->pixel_size *
+                            (v->camera.orthographic ? 1 : fmax(0.5 * (nearest + farthest), b->least_depth_mm));
     b->block_pixels = (size_t)fmax(1, ceil(edge / pixel_mm));
     b->blocks[0] = (v->width + b->block_pixels - 1) / b->block_pixels;
     b->blocks[1] = (v->height + b->block_pixels - 1) / b->block_pixels;

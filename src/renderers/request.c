@@ -189,10 +189,11 @@ static json_t *request_json(const iso_request *q, bool lit)
         "{s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:{s:f, s:f, s:f, s:f}, s:o, s:o, s:{s:I, s:I}, s:o, s:i}", "schema",
         "isoshade.request/1", "scene", q->scene ? json_string(q->scene) : json_null(), "level", (json_int_t)q->level,
         "volume", volume_json(level), "directions", directions, "tf", tf_json(&v->tf), "camera",
-        camera_json(v, &level->geometry), "lights", iso_view_lights_to_json(v), "shading", "ambient", v->shading.ambient, "diffuse",
-        v->shading.diffuse, "specular", v->shading.specular, "power", v->shading.power, "background",
-        numbers_json(v->background, 3), "clip_planes", clip_planes_json(v), "image", "width", (json_int_t)v->width,
-        "height", (json_int_t)v->height, "frames", frames_json(q), "threads", iso_threads(q->threads));
+        camera_json(v, &level->geometry), "lights", iso_view_lights_to_json(v), "shading", "ambient",
+        v->shading.ambient, "diffuse", v->shading.diffuse, "specular", v->shading.specular, "power", v->shading.power,
+        "background", numbers_json(v->background, 3), "clip_planes", clip_planes_json(v), "image", "width",
+        (json_int_t)v->width, "height", (json_int_t)v->height, "frames", frames_json(q), "threads",
+        iso_threads(q->threads));
 }
 
 /* ---- files ---- */

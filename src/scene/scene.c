@@ -47,8 +47,10 @@ static void read_camera(iso_json_reader *r, const json_t *root, iso_scene *s)
         iso_json_get_number(r, camera, "margin", false, 0.01, 100, &s->margin);
     } else {
         double position[3] = {0}, look_at[3] = {0};
-        iso_json_get_numbers(r, camera, "position", true, &(iso_json_list){position, 3, -ISO_MOST_PLACE_MM, ISO_MOST_PLACE_MM});
-        iso_json_get_numbers(r, camera, "look_at", true, &(iso_json_list){look_at, 3, -ISO_MOST_PLACE_MM, ISO_MOST_PLACE_MM});
+        iso_json_get_numbers(r, camera, "position", true,
+                             &(iso_json_list){position, 3, -ISO_MOST_PLACE_MM, ISO_MOST_PLACE_MM});
+        iso_json_get_numbers(r, camera, "look_at", true,
+                             &(iso_json_list){look_at, 3, -ISO_MOST_PLACE_MM, ISO_MOST_PLACE_MM});
         iso_json_get_number(r, camera, "height_mm", s->orthographic, ISO_LEAST_MM, ISO_MOST_PLACE_MM, &s->height_mm);
         s->camera_position = vec3_of(position);
         s->camera_look_at = vec3_of(look_at);
@@ -105,7 +107,8 @@ static void read_clips(iso_json_reader *r, const json_t *root, iso_scene *s)
         iso_json_only_keys(r, item, "a clip plane", keys);
         get_direction(r, item, "normal", true, &clip->normal);
         iso_json_get_number(r, item, "at", !has_point, -1, 2, &clip->at);
-        iso_json_get_numbers(r, item, "point_mm", !has_at, &(iso_json_list){point, 3, -ISO_MOST_PLACE_MM, ISO_MOST_PLACE_MM});
+        iso_json_get_numbers(r, item, "point_mm", !has_at,
+                             &(iso_json_list){point, 3, -ISO_MOST_PLACE_MM, ISO_MOST_PLACE_MM});
         if (r->status == ISO_OK && has_at && has_point)
             r->status = iso_fail(r->err, ISO_E_RANGE, "%s: a clip plane has \"at\" and \"point_mm\", must have one",
                                  r->path);
@@ -237,7 +240,8 @@ static const char *read_tf_request(iso_json_reader *r, const json_t *tf, iso_tf_
     if (json_is_string(range))
         iso_json_get_string(r, tf, "range", false, &fit);
     else
-        iso_json_get_numbers(r, tf, "range", false, &(iso_json_list){q->range, 2, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE});
+        iso_json_get_numbers(r, tf, "range", false,
+                             &(iso_json_list){q->range, 2, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE});
     q->fit = fit && strcmp(fit, "fit") == 0;
     if (r->status == ISO_OK && range && !q->fit && (fit || !(q->range[1] > q->range[0])))
         r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"range\": wanted \"fit\" or two rising numbers", r->path);

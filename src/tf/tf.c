@@ -230,8 +230,8 @@ iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max,
         const double extinction = -log1p(-fmin(rgba[3], ISO_TF_MAX_OPACITY)) / unit_mm;
         if (!(extinction <= ISO_TF_MOST_EXTINCTION)) {
             iso_tf_table_destroy(table);
-            return iso_fail(err, ISO_E_RANGE, "the transfer function's opacities are for %g mm, must be %g or more", unit_mm,
-                            ISO_TF_LEAST_UNIT);
+            return iso_fail(err, ISO_E_RANGE, "the transfer function's opacities are for %g mm, must be %g or more",
+                            unit_mm, ISO_TF_LEAST_UNIT);
         }
         table->entries[4 * i + 3] = (float)extinction;
     }
