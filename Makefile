@@ -15,7 +15,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev
 	libegl1 libgl1-mesa-dri libopenvdb-dev libnanovdb-dev libnanovdb-tools libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
-	teem-apps python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel python3-vtk9 \
+	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel python3-vtk9 \
 	python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev cppcheck valgrind strace
 
 # The rooms that meet files of strangers and other programs.

@@ -206,7 +206,7 @@ size_t iso_directions_bytes(const char *code);
  * direction that is too long or not finite, with its number. */
 iso_status iso_directions_encode(const char *code, const float *directions, size_t count, uint8_t *bytes,
                                  iso_error *err);
-/* And back. ISO_E_USAGE. */
+/* And back, of any bytes: lengths are at most 1, but for the rounding of floats. ISO_E_USAGE. */
 iso_status iso_directions_decode(const char *code, const uint8_t *bytes, size_t count, float *directions,
                                  iso_error *err);
 

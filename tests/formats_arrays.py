@@ -105,7 +105,7 @@ def hdf5():
     refused("two.h5", 2, "holds 5 datasets of three axes or more, FILE:DATASET must name one of: frames (11 x 13 x 7 x 2), ")
     refused("two.h5:plain", 4, "does not say the spacing of its voxels; --spacing SXxSYxSZ does")
     same("two.h5:/other", values + 1, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
-    refused("two.h5:wide", 4, "integers of 64 bits")
+    same("two.h5:wide", values.astype(np.float32), np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
     refused("two.h5:frames", 4, "11 x 13 x 7 x 2 samples along 4 axes without names: which are a volume's three is not said")
     refused("two.h5:lzf", 4, "packed by filter 32000 (lzf), which HDF5 has no plugin for")
     with h5py.File("sparse.h5", "w") as file:  # chunks beside each other unpack to more than the file's size allows

@@ -6,11 +6,12 @@
 """
 import sys
 
-# Cases are entered, in this order, as their files are imported; damaged_bytes, the last one, changes files of those before.
+# Cases are entered, in this order, as their files are imported; damaged_bytes changes files of those before.
 import formats_medical  # noqa: F401
 import formats_dicom  # noqa: F401
 import formats_pictures  # noqa: F401
 import formats_arrays  # noqa: F401
+import formats_matrix  # noqa: F401
 from phantom import CASES, main
 
 sys.exit(main(CASES))

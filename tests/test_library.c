@@ -513,6 +513,62 @@ static void bad_points_are_refused(void **state)
     assert_null(tf);
 }
 
+/* Each component is rounded to a float. */
+#define LONGEST (1 + 2e-7)
+
+static double length_of(const float *d)
+{
+    return sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1] + (double)d[2] * (double)d[2]);
+}
+
+/* Of three bytes all 2^24, of six (half floats) each number in each place. No direction is longer than it may be, and each
+ * is one that can be encoded again; what is no lattice vector's own code may come back as another that is as near. */
+static void each_code_decodes_to_a_direction(void **state)
+{
+    (void)state;
+    static const char *const codes[] = {"snorm", "fit", "shell", "free", "cube", "region48", "squeeze", "oct24", "half"};
+    enum { BATCH = 1 << 16, APART = 251 };
+    uint8_t *bytes = malloc(6 * BATCH), *again = malloc(6 * BATCH);
+    float *d = malloc(3 * BATCH * sizeof *d), *back = malloc(3 * BATCH * sizeof *back);
+    assert_true(bytes && again && d && back);
+    for (size_t c = 0; c < sizeof codes / sizeof *codes; ++c) {
+        const size_t width = iso_directions_bytes(codes[c]), batches = width == 3 ? 256 : 3;
+        double longest = 0, farthest = 0;
+        for (size_t batch = 0; batch < batches; ++batch) {
+            memset(bytes, 0, 6 * BATCH);
+            for (size_t i = 0; i < BATCH; ++i) {
+                const uint16_t low = (uint16_t)i;
+                memcpy(bytes + width * i + (width == 3 ? 0 : 2 * batch), &low, 2);
+                if (width == 3)
+                    bytes[3 * i + 2] = (uint8_t)batch;
+            }
+            assert_ok(iso_directions_decode(codes[c], bytes, BATCH, d, &err));
+            for (size_t i = 0; i < BATCH; ++i)
+                longest = fmax(longest, length_of(d + 3 * i) >= 0 ? length_of(d + 3 * i) : 9); /* 9: no number */
+            size_t some = 0;
+            for (size_t i = batch % APART; i < BATCH; i += APART, ++some)
+                memcpy(d + 3 * some, d + 3 * i, 3 * sizeof *d);
+            assert_ok(iso_directions_encode(codes[c], d, some, again, &err));
+            assert_ok(iso_directions_decode(codes[c], again, some, back, &err));
+            for (size_t i = 0; i < 3 * some; ++i) {
+                const double length = fmax(length_of(d + i / 3 * 3), 1e-9), other = fmax(length_of(back + i / 3 * 3), 1e-9);
+                if (length > 1.0 / 3)
+                    farthest = fmax(farthest, fabs((double)d[i] / length - (double)back[i] / other));
+            }
+        }
+        assert_true(longest <= LONGEST);
+        assert_true(farthest < 0.025); /* 1.5 steps of the lattice at the length of 1/3; 1/127 / (1/3) = .024 */
+    }
+    /* Planted: a vector of the lattice as it is. */
+    const uint8_t corner[3] = {127, 127, 127};
+    assert_ok(iso_directions_decode("snorm", corner, 1, d, &err));
+    assert_true(length_of(d) <= LONGEST && !(sqrt(3) <= LONGEST));
+    free(bytes);
+    free(again);
+    free(d);
+    free(back);
+}
+
 static void bad_directions_are_refused(void **state)
 {
     (void)state;
@@ -571,6 +627,7 @@ int main(void)
         cmocka_unit_test(bad_options_are_refused),
         cmocka_unit_test(levels_that_are_not_there_are_refused),
         cmocka_unit_test(bad_points_are_refused),
+        cmocka_unit_test(each_code_decodes_to_a_direction),
         cmocka_unit_test(bad_directions_are_refused),
         cmocka_unit_test(bad_scenes_are_refused),
         cmocka_unit_test(images_of_other_sizes_are_not_compared),

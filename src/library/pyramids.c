@@ -97,11 +97,24 @@ iso_status iso_pyramid_level(const iso_pyramid *pyramid, size_t level, iso_level
     return ISO_OK;
 }
 
+/* Renderers take decoded vectors as they are, and divide by their length; here a length is how far a direction can be
+ * trusted. Codes are on a lattice, of which some vectors are longer than 1. What is no number is no direction. */
+static void decode_to_unit_ball(iso_code code, const uint8_t *bytes, float *directions, size_t count)
+{
+    iso_code_decode_all(code, bytes, directions, count);
+    for (size_t i = 0; i < count; ++i) {
+        float *d = directions + 3 * i;
+        const double length = sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1] + (double)d[2] * (double)d[2]);
+        for (int a = 0; a < 3 && !(length <= 1); ++a)
+            d[a] = isfinite(length) ? (float)((double)d[a] / length) : 0;
+    }
+}
+
 iso_status iso_pyramid_directions(const iso_pyramid *pyramid, size_t level, float *directions, iso_error *err)
 {
     iso_status status = iso_pyramid_check_level(pyramid, level, err);
     if (status == ISO_OK)
-        iso_code_decode_all(pyramid->options.code, pyramid->levels[level].codes, directions,
+        decode_to_unit_ball(pyramid->options.code, pyramid->levels[level].codes, directions,
                             iso_geometry_voxel_count(&pyramid->levels[level].geometry));
     return status;
 }
@@ -149,6 +162,6 @@ iso_status iso_directions_decode(const char *code, const uint8_t *bytes, size_t 
     iso_code which;
     iso_status status = iso_code_from_name(code, &which, err);
     if (status == ISO_OK)
-        iso_code_decode_all(which, bytes, directions, count);
+        decode_to_unit_ball(which, bytes, directions, count);
     return status;
 }

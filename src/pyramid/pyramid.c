@@ -122,6 +122,17 @@ iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *
     return ISO_OK;
 }
 
+/* A filter sums some dozens of samples. */
+#define LARGEST (FLT_MAX / 256)
+
+iso_status iso_pyramid_check_values(double lo, double hi, const char *source, iso_error *err)
+{
+    if (lo >= -(double)LARGEST && hi <= (double)LARGEST)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_RANGE, "%s: values from %g to %g, must be %g to %g, so that sums of them are floats; divide them before",
+                    source, lo, hi, -(double)LARGEST, (double)LARGEST);
+}
+
 iso_status iso_pyramid_sample_range(const iso_volume *v, const char *source, double *range, iso_error *err)
 {
     size_t bytes = iso_type_bytes(v->type);
@@ -134,10 +145,7 @@ iso_status iso_pyramid_sample_range(const iso_volume *v, const char *source, dou
                         stats.nonfinite_count, stats.first_nonfinite[0], stats.first_nonfinite[1],
                         stats.first_nonfinite[2]);
     *range = stats.max - stats.min;
-    if (!(*range <= FLT_MAX && fabs(stats.min) <= FLT_MAX && fabs(stats.max) <= FLT_MAX))
-        return iso_fail(err, ISO_E_RANGE, "%s: values from %g to %g, differences up to %g can be taken", source,
-                        stats.min, stats.max, (double)FLT_MAX);
-    return ISO_OK;
+    return iso_pyramid_check_values(stats.min, stats.max, source, err);
 }
 
 /* narrow: without scalars and codes. */

@@ -91,8 +91,10 @@ iso_pyramid_options iso_pyramid_defaults(void);
 /* ISO_E_RANGE with the value and its limits. */
 iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *err);
 
+/* ISO_E_RANGE: values from lo to hi are so large that sums of them, of which coarse levels are made, may be no floats. */
+iso_status iso_pyramid_check_values(double lo, double hi, const char *source, iso_error *err);
 /* The largest difference that the samples can have: from the type where it is narrow, else measured. ISO_E_RANGE: values
- * that are not finite, or too large for differences in floats. source: for messages. */
+ * that are not finite, or too large. source: for messages. */
 iso_status iso_pyramid_sample_range(const iso_volume *v, const char *source, double *range, iso_error *err);
 
 extern const iso_names iso_scalar_filter_names, iso_direction_filter_names;

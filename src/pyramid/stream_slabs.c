@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "pyramid/stream_build.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -55,10 +54,7 @@ iso_status iso_stream_input_range(pyramid_build *s, double *range, iso_error *er
     iso_ranks_largest(s->how->ranks, extremes, 2);
     lo = -extremes[0], hi = extremes[1];
     *range = hi - lo;
-    if (status == ISO_OK && !(*range <= FLT_MAX && fabs(lo) <= FLT_MAX && fabs(hi) <= FLT_MAX))
-        status = iso_fail(err, ISO_E_RANGE, "%s: values from %g to %g, differences up to %g can be taken", s->in->path,
-                          lo, hi, (double)FLT_MAX);
-    return status;
+    return status == ISO_OK ? iso_pyramid_check_values(lo, hi, s->in->path, err) : status;
 }
 
 /* ---- buffers ---- */

@@ -229,5 +229,9 @@ iso_status iso_child_open(iso_volume_source *source, const iso_child_program *pr
         return status;
     take_geometry(&h, mm, &source->header);
     warn(&h);
-    return iso_geometry_check(&source->header.geometry, source->path, err);
+    if (h.is_whole)
+        iso_source_set_form(source, ISO_FORM_WHOLE);
+    for (size_t f = 0; f < h.fill_count && f < sizeof h.fill / sizeof *h.fill; ++f)
+        iso_source_note_fill(source, h.fill[f]);
+    return iso_source_check_geometry(source, err);
 }

@@ -37,6 +37,9 @@ typedef struct iso_child_header {
     char unit[3][32];        /* of the world's axes; "" where the file has none, which is mm */
     double slope, intercept; /* physical value = slope * sample + intercept */
     double box[3];           /* the box in index coordinates, where it is smaller than the grid; 0: as the grid */
+    bool is_whole;           /* doubles that are integers of 64 bits in the file */
+    size_t fill_count;       /* values that stand for none, and which */
+    double fill[3];
     size_t frames, channels; /* that the file has, of which one each is given; 0 or 1: there is one */
     char channel_name[ISO_CHILD_CHANNELS][48];
     double frame_step; /* how far frames are apart; 0: not said */

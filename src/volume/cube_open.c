@@ -83,7 +83,7 @@ static iso_status take_geometry(const cube *c, iso_volume_source *source, iso_er
     g->origin_mm = iso_sub(iso_scale(iso_v3(c->origin[0], c->origin[1], c->origin[2]), mm),
                            iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
     source->header.type = ISO_F32;
-    return iso_geometry_check(g, source->path, err);
+    return iso_source_check_geometry(source, err);
 }
 
 static iso_status open_cube(iso_volume_source *source, iso_error *err)

@@ -3,13 +3,19 @@
 #include "volume/frames.h"
 
 #include <ctype.h>
+#include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "base/words.h"
+#include "volume/half.h"
 #include "volume/segments.h"
 #include "volume/stream_kernel.h"
+
+/* As many as bytes have: fewer are seen in a picture. */
+enum { LEAST_STEPS = 256 };
 
 /* Of red, green and blue in luminance: [itu-bt709], of the values as they are stored. */
 static const double luminance_weights[3] = {0.2126, 0.7152, 0.0722};
@@ -167,7 +173,7 @@ iso_status iso_source_choose(iso_volume_source *source, const iso_extra_axes *gi
 
 bool iso_source_is_plain(const iso_volume_source *s)
 {
-    return s->choice.inside_count == 1 && !s->scaled;
+    return s->choice.inside_count == 1 && !s->scaled && !s->form;
 }
 
 static void pick(const char *restrict cells, size_t sample_bytes, size_t stride, size_t count, char *restrict out)
@@ -176,11 +182,40 @@ static void pick(const char *restrict cells, size_t sample_bytes, size_t stride,
         memcpy(out + i * sample_bytes, cells + i * stride * sample_bytes, sample_bytes);
 }
 
+static double form_value(iso_form form, const void *cells, size_t at)
+{
+    switch (form) {
+    case ISO_FORM_HALF: return (double)iso_half_to_float(((const uint16_t *)cells)[at]);
+    case ISO_FORM_I64: return (double)((const int64_t *)cells)[at];
+    case ISO_FORM_U64: return (double)((const uint64_t *)cells)[at];
+    default: return ((const double *)cells)[at];
+    }
+}
+
+static void convert_form(const iso_volume_source *s, const void *cells, size_t count, void *out)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const double value = form_value(s->form, cells, i * s->choice.inside_count + s->choice.inside_at);
+        if (s->header.type == ISO_F32)
+            ((float *)out)[i] = (float)(s->slope * value + s->intercept);
+        else if (s->header.type == ISO_I32)
+            ((int32_t *)out)[i] = (int32_t)value;
+        else if (s->header.type == ISO_U32)
+            ((uint32_t *)out)[i] = (uint32_t)value;
+        else
+            ((double *)out)[i] = value;
+    }
+}
+
 void iso_source_convert(const iso_volume_source *s, const void *cells, size_t count, void *out)
 {
     const iso_source_choice *c = &s->choice;
     const size_t stride = c->inside_count;
     const double slope = s->slope, intercept = s->intercept;
+    if (s->form) {
+        convert_form(s, cells, count, out);
+        return;
+    }
     if (!s->scaled) {
         const size_t bytes = iso_type_bytes(s->header.type);
         pick((const char *)cells + c->inside_at * bytes, bytes, stride, count, out);
@@ -202,4 +237,93 @@ void iso_source_convert(const iso_volume_source *s, const void *cells, size_t co
         ISO_TYPE_LIST(ISO_CONVERT_CASE)
     }
 #undef ISO_CONVERT_CASE
+}
+
+/* ---- what is looked at while samples are read ---- */
+
+void iso_source_note_fill(iso_volume_source *s, double value)
+{
+    iso_source_look *k = &s->look;
+    /* In the file it is a sample. */
+    const double as_stored = iso_source_stored_type(s) == ISO_F32 ? (double)(float)value : value;
+    if (k->fill_count < ISO_SOURCE_FILLS && isfinite(value))
+        k->fill[k->fill_count++] = as_stored;
+}
+
+static void look_at_value(iso_source_look *k, double slope, double intercept, double value)
+{
+    for (size_t f = 0; f < k->fill_count; ++f)
+        if (value == k->fill[f]) {
+            k->least_fill = k->filled ? fmin(k->least_fill, value) : value;
+            k->most_fill = k->filled ? fmax(k->most_fill, value) : value;
+            ++k->filled;
+            return;
+        }
+    const double given = slope * value + intercept;
+    k->lo = value < k->lo ? value : k->lo;
+    k->hi = value > k->hi ? value : k->hi;
+    k->is_rounded = k->is_rounded || (double)(float)given != given;
+}
+
+/* Samples that are floats already need no look, unless some stand for none. */
+static bool is_exact(const iso_volume_source *s)
+{
+    const iso_type stored = iso_source_stored_type(s);
+    const bool is_small = stored != ISO_F64 && stored != ISO_U32 && stored != ISO_I32;
+    return s->form == ISO_FORM_HALF || (is_small && (!s->scaled || (s->slope == 1 && s->intercept == 0)));
+}
+
+void iso_source_look_at(iso_volume_source *s, const void *cells, size_t count)
+{
+    const iso_source_choice *c = &s->choice;
+    iso_source_look *k = &s->look;
+    const double slope = s->scaled ? s->slope : 1, intercept = s->scaled ? s->intercept : 0;
+    if (c->luminance || (k->fill_count == 0 && is_exact(s)))
+        return;
+    if (k->seen == 0)
+        k->lo = INFINITY, k->hi = -INFINITY;
+    k->seen += count;
+    for (size_t i = 0; i < count && s->form; ++i)
+        look_at_value(k, slope, intercept, form_value(s->form, cells, i * c->inside_count + c->inside_at));
+    if (s->form)
+        return;
+/* clang-format off */
+#define ISO_LOOK_CASE(name, text, ctype)                                                                        \
+    case name:                                                                                                  \
+        for (size_t i = 0; i < count; ++i)                                                                      \
+            look_at_value(k, slope, intercept, (double)((const ctype *)cells)[i * c->inside_count + c->inside_at]); \
+        break;
+    /* clang-format on */
+    switch (iso_source_stored_type(s)) {
+        ISO_TYPE_LIST(ISO_LOOK_CASE)
+    }
+#undef ISO_LOOK_CASE
+}
+
+iso_status iso_source_check_look(const iso_volume_source *s, iso_error *err)
+{
+    const iso_source_look *k = &s->look;
+    const double slope = s->scaled ? s->slope : 1, intercept = s->scaled ? s->intercept : 0;
+    const double range = k->hi - k->lo, a = slope * k->lo + intercept, b = slope * k->hi + intercept;
+    if (!(k->hi >= k->lo)) /* none, or all stand for none */
+        return ISO_OK;
+    const double beyond = k->filled ? fmax(k->lo - k->least_fill, k->most_fill - k->hi) : 0;
+    const bool is_zero = k->least_fill == 0 && k->most_fill == 0; /* beside one other value: a mask */
+    if (beyond > range && !(range == 0 && is_zero))
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: %zu of %zu voxels have its fill value %.9g, which says that there is no value, the others %.9g "
+                        "to %.9g: a range that the fill would make; cut these voxels off, or give them a value of that range",
+                        s->path, k->filled, k->seen, k->lo - k->least_fill > range ? k->least_fill : k->most_fill, k->lo,
+                        k->hi);
+    const double most = fmax(fabs(a), fabs(b));
+    if (most > (double)FLT_MAX)
+        return iso_fail(err, ISO_E_RANGE, "%s: values of %g to %g, at most %g fits into a float; scale them before",
+                        s->path, fmin(a, b), fmax(a, b), (double)FLT_MAX);
+    const double step = (double)(nextafterf((float)most, INFINITY) - (float)most);
+    if (k->is_rounded && a != b && fabs(b - a) < LEAST_STEPS * step)
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: values of %.15g to %.15g are floats here, %g apart, which leaves fewer than %d steps of a range of %g; "
+                        "subtract an offset before",
+                        s->path, fmin(a, b), fmax(a, b), step, LEAST_STEPS, fabs(b - a));
+    return ISO_OK;
 }

@@ -59,4 +59,7 @@ typedef struct iso_frame_file {
  * as above. */
 iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err);
 
+/* ISO_E_FORMAT if the names of a folder's files differ in one number, and one of a row of such numbers is missing. */
+iso_status iso_frames_check_numbers(const char *folder, iso_error *err);
+
 #endif

@@ -65,7 +65,7 @@ static iso_status take_geometry(const unsigned char *head, iso_volume_source *so
     iso_geometry *g = &source->header.geometry;
     size_t size[3];
     double mm, spacing[3];
-    const iso_status status = iso_source_unit(source, "mm", "mm", &mm, err);
+    iso_status status = iso_source_unit(source, "mm", "mm", &mm, err);
     if (status != ISO_OK)
         return status;
     if (big_endian(head + SIZE + 6, 2) > 1)
@@ -76,8 +76,9 @@ static iso_status take_geometry(const unsigned char *head, iso_volume_source *so
         spacing[a] = real32(head + SPACING + 4 * a);
     }
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
-    if (!(spacing[0] > 0 && spacing[1] > 0 && spacing[2] > 0))
-        return iso_source_need_spacing(source, "of its voxels", err);
+    status = iso_source_take_spacing(source, spacing, err);
+    if (status != ISO_OK)
+        return status;
     const double sign[3] = {-mm, -mm, mm};
     double first[3];
     for (int a = 0; a < 3; ++a) {
@@ -87,7 +88,7 @@ static iso_status take_geometry(const unsigned char *head, iso_volume_source *so
     }
     g->origin_mm = iso_sub(iso_v3(first[0], first[1], first[2]), iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
     source->header.notes.world_is_ras = true;
-    return iso_geometry_check(g, source->path, err);
+    return iso_source_check_geometry(source, err);
 }
 
 static iso_status check_packed(const iso_volume_source *source, iso_error *err)

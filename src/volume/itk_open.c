@@ -73,10 +73,12 @@ static iso_status note_slices(const char *folder, bool is_series, iso_error *err
 static iso_status open_itk(iso_volume_source *source, iso_error *err)
 {
     static const iso_child_program itk = {"isoshade-itk", "ITK", "libinsighttoolkit5-dev"};
-    const iso_status status = iso_child_open(source, &itk, source->hints.series, err);
-    return status == ISO_OK && iso_path_is_dir(source->path)
-               ? note_slices(source->path, source->header.notes.world_is_ras, err)
-               : status;
+    iso_status status = iso_child_open(source, &itk, source->hints.series, err);
+    const bool is_series = source->header.notes.world_is_ras;
+    if (status != ISO_OK || !iso_path_is_dir(source->path))
+        return status;
+    status = is_series ? ISO_OK : iso_frames_check_numbers(source->path, err); /* DICOM says where its slices are */
+    return status == ISO_OK ? note_slices(source->path, is_series, err) : status;
 }
 
 const iso_volume_format iso_volume_format_itk = {

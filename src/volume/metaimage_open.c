@@ -20,7 +20,7 @@ typedef struct metaimage {
     double steps[3][3], spacing[4], first[3]; /* steps[a]: the direction of axis a */
     double slope, intercept;
     char unit[32], type[32], file[LINE_BYTES];
-    bool is_image, is_text, big_endian, compressed;
+    bool has_spacing, is_image, is_text, big_endian, compressed;
     long header_bytes; /* before the samples of a file of their own; -1: they are its end */
     size_t end;        /* of this header */
 } metaimage;
@@ -65,9 +65,8 @@ static void take(metaimage *m, const char *key, const char *value)
         const int count = numbers(value, sizes, 8);
         for (int a = 0; a < count; ++a)
             m->size[a] = sizes[a] >= 1 && sizes[a] < 1e18 ? (size_t)sizes[a] : 0;
-    } else if ((strcmp(key, "ElementSpacing") == 0 || (strcmp(key, "ElementSize") == 0 && m->spacing[0] == 0)) &&
-               numbers(value, m->spacing, 4) < 3)
-        m->spacing[0] = 0;
+    } else if (strcmp(key, "ElementSpacing") == 0 || (strcmp(key, "ElementSize") == 0 && !m->has_spacing))
+        m->has_spacing = numbers(value, m->spacing, 4) >= 3;
     else if (strcmp(key, "ElementType") == 0)
         snprintf(m->type, sizeof m->type, "%s", value);
     else if (strcmp(key, "ElementNumberOfChannels") == 0)
@@ -130,17 +129,23 @@ static iso_status choose(const metaimage *m, iso_volume_source *source, iso_erro
     return iso_source_choose(source, &axes, err);
 }
 
-static bool our_type(const char *name, iso_type *type)
+static bool take_type(const char *name, iso_volume_source *source)
 {
     static const struct {
         const char *name;
         iso_type type;
-    } types[] = {{"MET_UCHAR", ISO_U8},  {"MET_CHAR", ISO_I8},   {"MET_USHORT", ISO_U16}, {"MET_SHORT", ISO_I16},
-                 {"MET_UINT", ISO_U32},  {"MET_INT", ISO_I32},   {"MET_ULONG", ISO_U32},  {"MET_LONG", ISO_I32},
-                 {"MET_FLOAT", ISO_F32}, {"MET_DOUBLE", ISO_F64}};
+        iso_form form;
+    } types[] = {{"MET_UCHAR", ISO_U8, 0},  {"MET_CHAR", ISO_I8, 0},
+                 {"MET_USHORT", ISO_U16, 0}, {"MET_SHORT", ISO_I16, 0},
+                 {"MET_UINT", ISO_U32, 0},  {"MET_INT", ISO_I32, 0},
+                 {"MET_ULONG", ISO_U32, 0}, {"MET_LONG", ISO_I32, 0},
+                 {"MET_FLOAT", ISO_F32, 0}, {"MET_DOUBLE", ISO_F64, 0},
+                 {"MET_LONG_LONG", ISO_F64, ISO_FORM_I64}, {"MET_ULONG_LONG", ISO_F64, ISO_FORM_U64}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
         if (strcmp(types[i].name, name) == 0) {
-            *type = types[i].type;
+            source->header.type = types[i].type;
+            if (types[i].form)
+                iso_source_set_form(source, types[i].form);
             return true;
         }
     return false;
@@ -170,15 +175,18 @@ static iso_status take_geometry(const metaimage *m, iso_volume_source *source, i
     iso_geometry *g = &header->geometry;
     double mm;
     iso_status status = iso_source_unit(source, m->unit, "mm", &mm, err);
-    if (status == ISO_OK && m->spacing[0] == 0)
-        status = iso_source_need_spacing(source, "of its voxels", err);
+    double spacing[3]; /* three or four numbers, or none */
+    for (int a = 0; a < 3; ++a)
+        spacing[a] = m->has_spacing ? m->spacing[a] : (double)NAN;
+    if (status == ISO_OK)
+        status = iso_source_take_spacing(source, spacing, err);
     if (status != ISO_OK)
         return status;
     *g = iso_geometry_axis_aligned(m->size, (double[]){1, 1, 1});
     const double sign[3] = {-mm, -mm, mm};
     for (int a = 0; a < 3; ++a)
         for (int r = 0; r < 3; ++r)
-            g->index_to_world.m[r][a] = sign[r] * m->steps[a][r] * (m->spacing[0] == 0 ? 1 : m->spacing[a]);
+            g->index_to_world.m[r][a] = sign[r] * m->steps[a][r] * spacing[a];
     g->origin_mm = iso_sub(iso_v3(sign[0] * m->first[0], sign[1] * m->first[1], sign[2] * m->first[2]),
                            iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
     header->notes.world_is_ras = true;
@@ -186,7 +194,7 @@ static iso_status take_geometry(const metaimage *m, iso_volume_source *source, i
         header->notes.scale_slope = m->slope;
         header->notes.scale_intercept = m->intercept;
     }
-    return iso_geometry_check(g, source->path, err);
+    return iso_source_check_geometry(source, err);
 }
 
 /* The file of the samples beside the header, or the header's own; to be freed. */
@@ -224,9 +232,9 @@ static iso_status open_metaimage(iso_volume_source *source, iso_error *err)
     iso_status status = read_header(source->path, &m, err);
     if (status == ISO_OK)
         status = check_header(&m, source->path, err);
-    if (status == ISO_OK && !our_type(m.type, &source->header.type))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer of 8, 16 or 32 bits, float or double",
-                          source->path, m.type);
+    if (status == ISO_OK && !take_type(m.type, source))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
+                          m.type);
     if (status == ISO_OK)
         status = take_geometry(&m, source, err);
     if (status == ISO_OK)

@@ -19,6 +19,8 @@ enum {
     AXES = 16,
     SPACE_GROUP = 22,
     EXTENDED = 23,
+    IMOD_STAMP = 38,
+    IMOD_FLAGS = 39,
     ORIGIN = 49,
     MAP = 52,
     HEADER_BYTES = 1024,
@@ -68,28 +70,34 @@ static iso_status read_header(const char *path, mrc *m, iso_error *err)
                                       : iso_fail(err, ISO_E_FORMAT, "%s: a stack of volumes, must be one", path);
 }
 
+/* IMOD's bytes are unsigned until its version of 2012, which sets a bit if they are signed; MRC2014's are signed. */
+static bool bytes_are_unsigned(const mrc *m)
+{
+    return m->word[IMOD_STAMP] == 1146047817 && (m->word[IMOD_FLAGS] & 1) == 0;
+}
+
 static iso_status take_type(const mrc *m, iso_volume_source *source, iso_error *err)
 {
     switch (m->word[MODE]) {
-    case 0: source->header.type = ISO_I8; return ISO_OK;
+    case 0: source->header.type = bytes_are_unsigned(m) ? ISO_U8 : ISO_I8; return ISO_OK;
     case 1: source->header.type = ISO_I16; return ISO_OK;
     case 2: source->header.type = ISO_F32; return ISO_OK;
     case 6: source->header.type = ISO_U16; return ISO_OK;
+    case 12: iso_source_set_form(source, ISO_FORM_HALF); return ISO_OK;
     default:
         return iso_fail(err, ISO_E_FORMAT,
-                        "%s: mode %d, must be 0, 1, 2 or 6: an integer of 8 or 16 bits, or float, not complex or half",
+                        "%s: mode %d, must be 0, 1, 2, 6 or 12: an integer of 8 or 16 bits, float or half, not complex",
                         source->path, m->word[MODE]);
     }
 }
 
 /* The edges of the unit cell: a along x, b in the plane of x and y. */
-static void cell_edges(const mrc *m, double edge[3][3])
+static void cell_edges(const mrc *m, const double length[3], double edge[3][3])
 {
-    double cosine[3], length[3];
+    double cosine[3];
     for (int i = 0; i < 3; ++i) {
         const double degrees = real(m, ANGLES + i);
         cosine[i] = degrees > 0 && degrees < 180 && degrees != 90 ? cos(degrees * M_PI / 180) : 0;
-        length[i] = real(m, CELL + i);
     }
     const double sine = sqrt(1 - cosine[2] * cosine[2]), y = (cosine[0] - cosine[1] * cosine[2]) / sine;
     const double rows[3][3] = {{1, 0, 0},
@@ -111,11 +119,15 @@ static iso_status take_geometry(const mrc *m, iso_volume_source *source, iso_err
     if (status != ISO_OK)
         return status;
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
-    const bool has_cell = real(m, CELL) > 0 && real(m, CELL + 1) > 0 && real(m, CELL + 2) > 0 &&
-                          m->word[CELL_SAMPLES] > 0;
-    if (!has_cell)
-        return iso_source_need_spacing(source, "of its voxels", err);
-    cell_edges(m, edge);
+    double cell[3];
+    for (int a = 0; a < 3; ++a) /* 0: not said */
+        cell[a] = real(m, CELL + a) != 0 && m->word[CELL_SAMPLES + a] > 0 ? real(m, CELL + a) : (double)NAN;
+    status = iso_source_take_spacing(source, cell, err);
+    if (status != ISO_OK)
+        return status;
+    if (!(real(m, CELL) > 0 && m->word[CELL_SAMPLES] > 0))
+        return ISO_OK; /* around its center */
+    cell_edges(m, cell, edge);
     const iso_vec3 origin = iso_v3(real(m, ORIGIN), real(m, ORIGIN + 1), real(m, ORIGIN + 2));
     iso_vec3 first = iso_scale(origin, mm);
     for (int a = 0; a < 3; ++a) {
@@ -132,7 +144,7 @@ static iso_status take_geometry(const mrc *m, iso_volume_source *source, iso_err
         return iso_fail(err, ISO_E_FORMAT, "%s: axes %d, %d, %d, must be 1, 2 and 3 in some order", source->path,
                         m->word[AXES], m->word[AXES + 1], m->word[AXES + 2]);
     g->origin_mm = iso_sub(first, iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
-    return iso_geometry_check(g, source->path, err);
+    return iso_source_check_geometry(source, err);
 }
 
 static iso_status open_mrc(iso_volume_source *source, iso_error *err)
@@ -143,7 +155,7 @@ static iso_status open_mrc(iso_volume_source *source, iso_error *err)
         status = take_type(&m, source, err);
     if (status == ISO_OK)
         status = take_geometry(&m, source, err);
-    source->swap_bytes = m.swapped && iso_type_bytes(source->header.type) > 1;
+    source->swap_bytes = m.swapped && m.word[MODE] != 0;
     return status == ISO_OK ? iso_source_take_file(source, source->path, HEADER_BYTES + (size_t)m.word[EXTENDED], err)
                             : status;
 }
@@ -151,7 +163,7 @@ static iso_status open_mrc(iso_volume_source *source, iso_error *err)
 const iso_volume_format iso_volume_format_mrc = {
     .name = "mrc",
     .title = "MRC and CCP4",
-    .summary = "maps in angstrom, oblique cells too; modes 0, 1, 2 and 6, plane by plane",
+    .summary = "maps in angstrom, oblique cells too; modes 0, 1, 2, 6 and 12, plane by plane",
     .suffixes = ".mrc .map .ccp4 .rec",
     .starts = "\"MAP \" at byte 208",
     .probe = starts_like_mrc,

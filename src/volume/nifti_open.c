@@ -141,10 +141,20 @@ static const char *unit_name(int units)
     }
 }
 
-/* The affine of voxel centers; false when the file gives only spacings. */
-static bool center_affine(const nifti_header *h, double m[3][4])
+/* Writers leave an sform of zeros beside a good qform, and its code above 0. */
+static bool sform_is_empty(const nifti_header *h)
 {
-    if (h->sform_code > 0) {
+    bool is_empty = false;
+    for (int a = 0; a < 3; ++a)
+        is_empty = is_empty || (h->srow[0][a] == 0 && h->srow[1][a] == 0 && h->srow[2][a] == 0);
+    return is_empty;
+}
+
+/* The affine of voxel centers; false when the file gives only spacings. The sign of pixdim says nothing: pixdim[0] has
+ * the axes' handedness. */
+static bool center_affine(const nifti_header *h, const double spacing[3], double m[3][4])
+{
+    if (h->sform_code > 0 && !sform_is_empty(h)) {
         memcpy(m, h->srow, sizeof h->srow);
         return true;
     }
@@ -152,8 +162,7 @@ static bool center_affine(const nifti_header *h, double m[3][4])
         return false;
     mat44 q = nifti_quatern_to_mat44((float)h->quatern[0], (float)h->quatern[1], (float)h->quatern[2],
                                      (float)h->qoffset[0], (float)h->qoffset[1], (float)h->qoffset[2],
-                                     (float)h->pixdim[1], (float)h->pixdim[2], (float)h->pixdim[3],
-                                     h->pixdim[0] < 0 ? -1.0f : 1.0f);
+                                     (float)spacing[0], (float)spacing[1], (float)spacing[2], h->pixdim[0] < 0 ? -1.0f : 1.0f);
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c)
             m[r][c] = q.m[r][c];
@@ -165,13 +174,21 @@ static iso_status read_geometry(const nifti_header *h, iso_volume_source *source
     iso_volume *header = &source->header;
     iso_geometry *g = &header->geometry;
     double mm, m[3][4];
-    const iso_status status = iso_source_unit(source, unit_name(h->units), "mm", &mm, err);
+    iso_status status = iso_source_unit(source, unit_name(h->units), "mm", &mm, err);
+    if (status == ISO_OK && h->sform_code > 0 && sform_is_empty(h) && !(source->hints.spacing_mm[0] > 0))
+        status = iso_fail(err, ISO_E_FORMAT,
+                          "%s: its sform (code %d) has an axis of zeros, which spans no volume; --spacing SXxSYxSZ, in mm, "
+                          "reads it by its qform",
+                          source->path, h->sform_code);
+    double spacing[3] = {fabs(h->pixdim[1]), fabs(h->pixdim[2]), fabs(h->pixdim[3])};
+    const bool by_sform = h->sform_code > 0 && !sform_is_empty(h);
+    if (status == ISO_OK && !by_sform)
+        status = iso_source_take_spacing(source, spacing, err);
     if (status != ISO_OK)
         return status;
-    double spacing[3] = {h->pixdim[1] * mm, h->pixdim[2] * mm, h->pixdim[3] * mm};
     size_t size[3] = {(size_t)h->dim[1], (size_t)h->dim[2], (size_t)h->dim[3]};
-    *g = iso_geometry_axis_aligned(size, spacing);
-    header->notes.world_is_ras = center_affine(h, m);
+    *g = iso_geometry_axis_aligned(size, (double[]){spacing[0] * mm, spacing[1] * mm, spacing[2] * mm});
+    header->notes.world_is_ras = center_affine(h, spacing, m);
     if (!header->notes.world_is_ras)
         return ISO_OK;
     for (int r = 0; r < 3; ++r)
@@ -324,9 +341,11 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
     iso_status status = read_header(source, &h, err);
     if (status != ISO_OK)
         return status;
-    if (!our_type(h.datatype, &source->header.type, &h.colors))
+    if (h.datatype == NIFTI_TYPE_INT64 || h.datatype == NIFTI_TYPE_UINT64)
+        iso_source_set_form(source, h.datatype == NIFTI_TYPE_INT64 ? ISO_FORM_I64 : ISO_FORM_U64);
+    else if (!our_type(h.datatype, &source->header.type, &h.colors))
         return iso_fail(err, ISO_E_FORMAT,
-                        "%s: data type %d (%s), must be an integer of 8, 16 or 32 bits, float, double or RGB",
+                        "%s: data type %d (%s), must be an integer, float, double or RGB",
                         source->path, h.datatype, nifti_datatype_string(h.datatype));
     status = read_geometry(&h, source, err);
     if (status == ISO_OK)
@@ -338,7 +357,7 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
         source->header.notes.scale_slope = h.slope;
         source->header.notes.scale_intercept = h.intercept;
     }
-    status = iso_geometry_check(&source->header.geometry, source->path, err);
+    status = iso_source_check_geometry(source, err);
     return status == ISO_OK ? open_samples(source, &h, err) : status;
 }
 

@@ -162,6 +162,15 @@ static iso_status oriented_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso
     return ISO_OK;
 }
 
+/* NAN: the header does not say it. An axis' bounds do, if what they bound is said. */
+static double spacing_of(const NrrdAxisInfo *axis)
+{
+    if (!isnan(axis->spacing) || isnan(axis->min) || isnan(axis->max) || axis->center == nrrdCenterUnknown)
+        return axis->spacing;
+    const double steps = (double)axis->size - (axis->center == nrrdCenterNode ? 1 : 0);
+    return steps > 0 ? (axis->max - axis->min) / steps : (double)NAN;
+}
+
 static iso_status plain_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso_volume_source *source, iso_error *err)
 {
     iso_geometry *g = &source->header.geometry;
@@ -172,10 +181,15 @@ static iso_status plain_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso_vo
         const iso_status status = iso_source_unit(source, axis->units, "mm", &mm, err);
         if (status != ISO_OK)
             return status;
-        spacing[a] = (isnan(axis->spacing) ? 1 : axis->spacing) * mm;
+        spacing[a] = spacing_of(axis) * mm;
         placed = placed && !isnan(axis->min);
-        corner[a] = axis->min * mm - (axis->center == nrrdCenterNode ? 0.5 * spacing[a] : 0);
+        corner[a] = axis->min * mm;
     }
+    const iso_status status = iso_source_take_spacing(source, spacing, err);
+    if (status != ISO_OK)
+        return status;
+    for (int a = 0; a < 3; ++a)
+        corner[a] -= nrrd->axis[axes->space[a]].center == nrrdCenterNode ? 0.5 * spacing[a] : 0;
     *g = iso_geometry_axis_aligned(g->size, spacing);
     if (placed)
         g->origin_mm = iso_v3(corner[0], corner[1], corner[2]);
@@ -204,8 +218,10 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
     iso_status status = sort_axes(nrrd, source->path, &axes, err);
     if (status != ISO_OK)
         return status;
-    if (!our_type(nrrd->type, &header->type))
-        return iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer of 8, 16 or 32 bits, float or double",
+    if (nrrd->type == nrrdTypeLLong || nrrd->type == nrrdTypeULLong)
+        iso_source_set_form(source, nrrd->type == nrrdTypeLLong ? ISO_FORM_I64 : ISO_FORM_U64);
+    else if (!our_type(nrrd->type, &header->type))
+        return iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double",
                         source->path, airEnumStr(nrrdType, nrrd->type));
     for (int a = 0; a < 3; ++a) {
         header->geometry.size[a] = nrrd->axis[axes.space[a]].size;
@@ -221,7 +237,7 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
         status = iso_source_choose(source, &axes.extra, err);
     header->segments = iso_segments_of_layer(segments, header->notes.frame);
     json_decref(segments);
-    return status == ISO_OK ? iso_geometry_check(&header->geometry, source->path, err) : status;
+    return status == ISO_OK ? iso_source_check_geometry(source, err) : status;
 }
 
 /* Hands the open data file over: positioned behind the header (or the lines
@@ -232,7 +248,7 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
     struct stat st;
     if (at < 0 || fstat(fileno(io->dataFile), &st) != 0)
         return iso_fail(err, ISO_E_IO, "%s: the samples cannot be read", source->path);
-    source->swap_bytes = iso_type_bytes(source->header.type) > 1 && io->endian != airEndianUnknown &&
+    source->swap_bytes = iso_type_bytes(iso_source_stored_type(source)) > 1 && io->endian != airEndianUnknown &&
                          io->endian != airMyEndian();
     if (io->encoding == nrrdEncodingRaw) {
         source->file = io->dataFile;

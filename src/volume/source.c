@@ -2,6 +2,7 @@
 /* source.c - opening by content, and raw files. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -25,6 +26,16 @@ size_t iso_source_bytes(const iso_volume_source *source)
                : bytes;
 }
 
+static const char *form_name(const iso_volume_source *source)
+{
+    switch (source->form) {
+    case ISO_FORM_HALF: return "half";
+    case ISO_FORM_I64: return "int64";
+    case ISO_FORM_U64: return "uint64";
+    default: return iso_type_name(iso_source_stored_type(source));
+    }
+}
+
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err)
 {
     const iso_geometry *g = &source->header.geometry;
@@ -40,7 +51,7 @@ iso_status iso_source_check_bytes(const iso_volume_source *source, double availa
         snprintf(times, sizeof times, ", %zu times,", c->inside_count * c->volume_count);
     return iso_fail(err, ISO_E_FORMAT, "%s: %s: holds %.0f bytes of samples, %zu x %zu x %zu of %s%s need %.0f",
                     source->path, available < need ? "truncated" : "too long", available, g->size[0], g->size[1],
-                    g->size[2], iso_type_name(source->header.type), times, need);
+                    g->size[2], form_name(source), times, need);
 }
 
 iso_status iso_source_check_packed(const iso_volume_source *source, const char *path, double packed, double most,
@@ -137,6 +148,47 @@ iso_status iso_source_need_spacing(const iso_volume_source *source, const char *
         return ISO_OK;
     return iso_fail(err, ISO_E_FORMAT, "%s: does not say the spacing %s; --spacing SXxSYxSZ does, in mm", source->path,
                     what);
+}
+
+iso_status iso_source_take_spacing(const iso_volume_source *source, double spacing[3], iso_error *err)
+{
+    char along[32] = "of its voxels";
+    int wrong = -1, lacking = 0, last = 0;
+    for (int a = 0; a < 3; ++a) {
+        const bool is_good = spacing[a] > 0 && isfinite(spacing[a]);
+        lacking += isnan(spacing[a]);
+        last = isnan(spacing[a]) ? a : last;
+        wrong = !is_good && !isnan(spacing[a]) && wrong < 0 ? a : wrong;
+    }
+    if (source->hints.spacing_mm[0] > 0)
+        for (int a = 0; a < 3 && (wrong >= 0 || lacking > 0); ++a)
+            spacing[a] = spacing[a] > 0 && isfinite(spacing[a]) ? spacing[a] : 1;
+    else if (wrong >= 0)
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: its spacing along axis %d is %g mm, must be above 0 and finite; --spacing SXxSYxSZ says another",
+                        source->path, wrong + 1, spacing[wrong]);
+    if (lacking == 1 && last == 2)
+        snprintf(along, sizeof along, "between its slices");
+    else if (lacking < 3)
+        snprintf(along, sizeof along, "along its axis %d", last + 1);
+    return lacking > 0 ? iso_source_need_spacing(source, along, err) : ISO_OK;
+}
+
+iso_status iso_source_check_geometry(iso_volume_source *source, iso_error *err)
+{
+    iso_geometry *g = &source->header.geometry;
+    double spacing[3], good[3];
+    iso_geometry_spacing_mm(g, spacing);
+    memcpy(good, spacing, sizeof good);
+    const iso_status status = iso_source_take_spacing(source, good, err);
+    for (int a = 0; a < 3 && status == ISO_OK; ++a)
+        for (int r = 0; r < 3 && good[a] != spacing[a]; ++r) /* the hint gives its length: no direction is left */
+            g->index_to_world.m[r][a] = r == a;
+    if (status == ISO_OK && memcmp(good, spacing, sizeof good) != 0 && !isfinite(iso_norm(g->origin_mm))) {
+        g->origin_mm = iso_v3(0, 0, 0);
+        g->origin_mm = iso_scale(iso_geometry_box_center_mm(g), -1);
+    }
+    return status == ISO_OK ? iso_geometry_check(g, source->path, err) : status;
 }
 
 /* Each axis as long as the hint says, around the center that the box has. */
@@ -303,7 +355,8 @@ static iso_status finish_choice(iso_volume_source *s, iso_error *err)
     return status == ISO_OK ? iso_source_skip_stored(s, s->choice.volume_at * s->header.geometry.size[2], err) : status;
 }
 
-static iso_status open_one(const char *path, const iso_volume_hints *hints, iso_volume_source **source, iso_error *err)
+static iso_status open_as_stored(const char *path, const iso_volume_hints *hints, iso_volume_source **source,
+                                 iso_error *err)
 {
     iso_status status = new_source(path, hints, source, err);
     if (status == ISO_OK)
@@ -316,6 +369,56 @@ static iso_status open_one(const char *path, const iso_volume_hints *hints, iso_
         apply_spacing(*source);
         (*source)->header.geometry.is_patient = (*source)->header.notes.world_is_ras;
     }
+    if (status != ISO_OK) {
+        iso_source_close(*source);
+        *source = NULL;
+    }
+    return status;
+}
+
+/* The range of all samples, of a source of doubles that is read to its end. */
+static iso_status find_range(iso_volume_source *source, double *lo, double *hi, iso_error *err)
+{
+    const size_t *n = source->header.geometry.size, plane = n[0] * n[1];
+    double *samples = malloc(plane * sizeof *samples);
+    iso_status status = samples ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", source->path);
+    for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
+        status = iso_source_read(source, 1, samples, err);
+        for (size_t i = 0; i < plane && status == ISO_OK; ++i) {
+            *lo = fmin(*lo, samples[i]);
+            *hi = fmax(*hi, samples[i]);
+        }
+    }
+    free(samples);
+    return status;
+}
+
+/* Integers of 64 bits become such of 32, if all fit, as most writers' do; else they are doubles. It takes a pass of its
+ * own, since the type is asked for before the first sample. */
+static iso_status narrow(const char *path, const iso_volume_hints *hints, iso_volume_source *source, iso_error *err)
+{
+    const iso_volume_notes *notes = &source->header.notes;
+    iso_volume_source *all;
+    double lo = INFINITY, hi = -INFINITY;
+    if (source->form < ISO_FORM_I64 || source->scaled || notes->scale_slope != 1 || notes->scale_intercept != 0)
+        return ISO_OK;
+    iso_status status = open_as_stored(path, hints, &all, err);
+    if (status == ISO_OK) {
+        status = find_range(all, &lo, &hi, err);
+        iso_source_close(all);
+    }
+    if (status == ISO_OK && lo >= INT32_MIN && hi <= INT32_MAX)
+        source->header.type = ISO_I32;
+    else if (status == ISO_OK && lo >= 0 && hi <= UINT32_MAX)
+        source->header.type = ISO_U32;
+    return status;
+}
+
+static iso_status open_one(const char *path, const iso_volume_hints *hints, iso_volume_source **source, iso_error *err)
+{
+    iso_status status = open_as_stored(path, hints, source, err);
+    if (status == ISO_OK)
+        status = narrow(path, hints, *source, err);
     if (status != ISO_OK) {
         iso_source_close(*source);
         *source = NULL;

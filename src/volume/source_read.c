@@ -16,7 +16,15 @@
 
 iso_type iso_source_stored_type(const iso_volume_source *source)
 {
-    return source->scaled ? source->stored : source->header.type;
+    return source->scaled || source->form ? source->stored : source->header.type;
+}
+
+void iso_source_set_form(iso_volume_source *s, iso_form form)
+{
+    s->form = form;
+    s->stored = form == ISO_FORM_HALF ? ISO_U16 : ISO_F64;
+    s->header.type = form == ISO_FORM_HALF ? ISO_F32 : ISO_F64;
+    s->slope = 1;
 }
 
 size_t iso_source_plane_bytes(const iso_volume_source *source)
@@ -37,7 +45,7 @@ void iso_source_make_floats(iso_volume_source *s)
     s->scaled = true;
     s->slope = 1;
     s->intercept = 0;
-    s->stored = s->header.type;
+    s->stored = s->form ? s->stored : s->header.type;
     s->header.type = ISO_F32;
 }
 
@@ -200,8 +208,10 @@ static iso_status read_converted(iso_volume_source *s, size_t plane_count, char 
     iso_status status = cells ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
     for (size_t z = 0; z < plane_count && status == ISO_OK; ++z) {
         status = read_stored(s, 1, cells, err);
-        if (status == ISO_OK)
+        if (status == ISO_OK) {
+            iso_source_look_at(s, cells, plane);
             iso_source_convert(s, cells, plane, out + z * plane * bytes);
+        }
     }
     free(cells);
     return status;
@@ -209,12 +219,17 @@ static iso_status read_converted(iso_volume_source *s, size_t plane_count, char 
 
 iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)
 {
+    const size_t *n = s->header.geometry.size;
+    const bool is_plain = iso_source_is_plain(s);
     iso_status status = check_count(s, plane_count, err);
     if (status == ISO_OK)
-        status = iso_source_is_plain(s) ? read_stored(s, plane_count, out, err)
-                                        : read_converted(s, plane_count, out, err);
-    s->planes_done += status == ISO_OK ? plane_count : 0;
-    return status;
+        status = is_plain ? read_stored(s, plane_count, out, err) : read_converted(s, plane_count, out, err);
+    if (status != ISO_OK)
+        return status;
+    if (is_plain)
+        iso_source_look_at(s, out, n[0] * n[1] * plane_count);
+    s->planes_done += plane_count;
+    return s->look.seen == iso_geometry_voxel_count(&s->header.geometry) ? iso_source_check_look(s, err) : ISO_OK;
 }
 
 iso_status iso_source_skip(iso_volume_source *s, size_t plane_count, iso_error *err)

@@ -9,6 +9,27 @@
 #include "volume/format.h"
 #include "volume/frames.h"
 
+/* Samples of the file that no iso_type describes. */
+typedef enum iso_form {
+    ISO_FORM_TYPE, /* an iso_type does */
+    ISO_FORM_HALF, /* floats of 16 bits */
+    ISO_FORM_I64,  /* integers of 64 bits, with a sign, or */
+    ISO_FORM_U64,  /* without one, or */
+    ISO_FORM_WHOLE /* as doubles */
+} iso_form;
+
+enum { ISO_SOURCE_FILLS = 3 };
+
+/* What of the samples is looked at while they are read. */
+typedef struct iso_source_look {
+    double fill[ISO_SOURCE_FILLS]; /* values that stand for none */
+    size_t fill_count, filled;     /* voxels that have one of them */
+    double least_fill, most_fill;  /* of those */
+    double lo, hi;                 /* of the other samples, as they are stored */
+    size_t seen;
+    bool is_rounded; /* some value is no float */
+} iso_source_look;
+
 struct iso_volume_source {
     char *path; /* a file, or a folder */
     char *part; /* which of the volumes that it holds, of FILE:PART; NULL: the only one */
@@ -19,7 +40,10 @@ struct iso_volume_source {
     bool gz_end_is_missing;
     char *preloaded; /* all of them, of encodings that are read at once */
     bool swap_bytes;
-    iso_type stored; /* the type in the file where header.type is another one: of scaled values, or luminance */
+    iso_form form;
+    iso_type stored; /* the type in the file if header.type is another one: of scaled values, luminance, or a form; of as
+                        many bytes as the form has */
+    iso_source_look look;
     bool scaled;     /* samples are made floats, slope * value + intercept */
     double slope, intercept;
     iso_source_choice choice;
@@ -36,8 +60,13 @@ struct iso_volume_source {
  * then `fallback`; the caller's hint comes before both. ISO_E_FORMAT for a unit that is not known. */
 iso_status iso_source_unit(iso_volume_source *source, const char *unit, const char *fallback, double *mm,
                            iso_error *err);
-/* ISO_E_FORMAT where no hint gives the spacing that the file lacks; `what` says which: "between its slices". */
+/* ISO_E_FORMAT if no hint gives the spacing that the file lacks; `what` says which: "between its slices". */
 iso_status iso_source_need_spacing(const iso_volume_source *source, const char *what, iso_error *err);
+/* The rule of all formats for lengths that a header gives: each is finite and above 0. NAN: the header does not say it.
+ * ISO_E_FORMAT for others, unless a hint gives the spacing: then they become 1. */
+iso_status iso_source_take_spacing(const iso_volume_source *source, double spacing[3], iso_error *err);
+/* The same of the steps of header.geometry, which may point anywhere; then iso_geometry_check(). */
+iso_status iso_source_check_geometry(iso_volume_source *source, iso_error *err);
 /* Opens the file at its first sample, which stands at `offset`, and checks that the file ends with the last. */
 iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
 /* The same of a file in which other things follow. */
@@ -76,6 +105,14 @@ size_t iso_source_planes(const iso_volume_source *source);
 iso_type iso_source_stored_type(const iso_volume_source *source);
 /* Skips planes of the file. */
 iso_status iso_source_skip_stored(iso_volume_source *source, size_t plane_count, iso_error *err);
+/* Before the samples are looked at: the header's type becomes float, or double, which may become int32 or uint32. */
+void iso_source_set_form(iso_volume_source *source, iso_form form);
+/* A value of the file that stands for none. */
+void iso_source_note_fill(iso_volume_source *source, double value);
+/* Looks at a plane of the file. */
+void iso_source_look_at(iso_volume_source *source, const void *cells, size_t count);
+/* ISO_E_RANGE if the values that stand for none would make the range, or if floats cannot hold the values. */
+iso_status iso_source_check_look(const iso_volume_source *source, iso_error *err);
 /* From now on samples are made floats (iso_source_convert). */
 void iso_source_make_floats(iso_volume_source *source);
 

@@ -11,17 +11,30 @@
 
 enum { WORD_BYTES = 64 };
 
-/* The next word; NULL, or what is wrong with it. Fortran writes 1.0D-3. */
+/* Fortran writes no letter before an exponent of three digits: 1.5-101. One is put there; returns how many were. */
+static size_t put_exponent_letter(char *word)
+{
+    char *sign = strchr(word, '.');
+    sign += sign ? 1 + strspn(sign + 1, "0123456789") : 0;
+    if (!sign || (*sign != '-' && *sign != '+') || strspn(sign + 1, "0123456789") != 3 || sign[4])
+        return 0;
+    memmove(sign + 1, sign, strlen(sign) + 1);
+    *sign = 'e';
+    return 1;
+}
+
+/* The next word; NULL, or what is wrong with it. Fortran writes 1.0D-3, too. */
 static const char *next_number(FILE *f, double *value)
 {
-    char word[WORD_BYTES], *end;
+    char word[WORD_BYTES + 1], *end;
     size_t n = 0;
     int c;
     while (isspace(c = getc_unlocked(f)))
         ;
-    for (; c != EOF && !isspace(c) && n + 1 < sizeof word; c = getc_unlocked(f))
+    for (; c != EOF && !isspace(c) && n + 1 < WORD_BYTES; c = getc_unlocked(f))
         word[n++] = (char)(c == 'D' || c == 'd' ? 'e' : c);
     word[n] = 0;
+    n += put_exponent_letter(word);
     *value = strtod(word, &end);
     const bool is_number = n > 0 && end == word + n;
     return c != EOF && !isspace(c) ? "a word of more than 63 letters"
@@ -71,6 +84,7 @@ iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_lay
 {
     const size_t *n = source->header.geometry.size, sample = iso_type_bytes(source->header.type),
                  count = iso_source_bytes(source) / sample;
+    source->form = source->form ? ISO_FORM_WHOLE : ISO_FORM_TYPE; /* integers of 64 bits, too, are stored as doubles */
     const off_t at = ftello(f);
     const bool sized = at >= 0 && fseeko(f, 0, SEEK_END) == 0;
     const double bytes = sized ? (double)(ftello(f) - at) : 0;

@@ -5,6 +5,7 @@
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -20,11 +21,12 @@ typedef struct tiff_reader {
     bool is_unread; /* a call on the file failed: what libtiff says then is about missing bytes, or nothing */
     uint64_t *page; /* offsets of the directories */
     size_t page_count, next;
+    uint16_t plane;     /* of pages that have their components in planes, the chosen one */
     size_t first, step; /* of the chosen frame and channel: the first page, and from one to the next */
 } tiff_reader;
 
 typedef struct tiff_page {
-    uint32_t width, height;
+    uint32_t width, height, depth;
     uint16_t bits, samples, format, planar, compression;
     bool is_color;
 } tiff_page;
@@ -108,11 +110,12 @@ static iso_status check_read(const tiff_reader *r, const char *path, iso_status 
 
 static tiff_page read_page(TIFF *t)
 {
-    tiff_page p = {.bits = 1, .samples = 1, .format = SAMPLEFORMAT_UINT, .planar = PLANARCONFIG_CONTIG,
+    tiff_page p = {.depth = 1, .bits = 1, .samples = 1, .format = SAMPLEFORMAT_UINT, .planar = PLANARCONFIG_CONTIG,
                    .compression = COMPRESSION_NONE};
     uint16_t meaning = 0;
     TIFFGetField(t, TIFFTAG_IMAGEWIDTH, &p.width);
     TIFFGetField(t, TIFFTAG_IMAGELENGTH, &p.height);
+    TIFFGetField(t, TIFFTAG_IMAGEDEPTH, &p.depth);
     TIFFGetFieldDefaulted(t, TIFFTAG_BITSPERSAMPLE, &p.bits);
     TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLESPERPIXEL, &p.samples);
     TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLEFORMAT, &p.format);
@@ -137,7 +140,7 @@ static double most_of(uint16_t compression)
     }
 }
 
-static bool our_type(const tiff_page *p, iso_type *type)
+static bool take_type(const tiff_page *p, iso_volume_source *source)
 {
     static const struct {
         uint16_t format, bits;
@@ -149,10 +152,16 @@ static bool our_type(const tiff_page *p, iso_type *type)
     const uint16_t format = p->format == SAMPLEFORMAT_VOID ? SAMPLEFORMAT_UINT : p->format;
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
         if (types[i].format == format && types[i].bits == p->bits) {
-            *type = types[i].type;
+            source->header.type = types[i].type;
             return true;
         }
-    return false;
+    const iso_form form = format == SAMPLEFORMAT_IEEEFP && p->bits == 16 ? ISO_FORM_HALF
+                          : format == SAMPLEFORMAT_INT && p->bits == 64  ? ISO_FORM_I64
+                          : format == SAMPLEFORMAT_UINT && p->bits == 64 ? ISO_FORM_U64
+                                                                         : ISO_FORM_TYPE;
+    if (form)
+        iso_source_set_form(source, form);
+    return form != ISO_FORM_TYPE;
 }
 
 /* ---- descriptions ---- */
@@ -265,7 +274,7 @@ static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first,
         if (r->page_count == 0)
             *first = p;
         if (p.width != first->width || p.height != first->height || p.bits != first->bits ||
-            p.samples != first->samples || p.format != first->format)
+            p.samples != first->samples || p.format != first->format || p.planar != first->planar)
             return iso_fail(err, ISO_E_FORMAT, "%s: page %zu has %u x %u pixels of %u bits, the first %u x %u of %u",
                             path, r->page_count + 1, p.width, p.height, p.bits, first->width, first->height,
                             first->bits);
@@ -305,20 +314,26 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
         return iso_fail(err, ISO_E_FORMAT,
                         "%s: truncated: has %zu pages, %s says %zu slices, %zu channels and %zu time steps",
                         source->path, r->page_count, n->is_ome ? "OME" : "ImageJ", *slices, channels, frames);
+    const bool in_planes = inside > 1 && p->planar != PLANARCONFIG_CONTIG;
     if (inside > 1 && channels > 1)
         return iso_fail(err, ISO_E_FORMAT, "%s: %zu channels of %zu components each, which is not read", source->path,
                         channels, inside);
     iso_extra_axes axes = {.frame = {.count = frames, .stride = 1},
-                           .channel = {.count = inside > 1 ? inside : channels, .inside = inside > 1, .stride = 1},
+                           .channel = {.count = inside > 1 ? inside : channels, .inside = inside > 1 && !in_planes, .stride = 1},
                            .frame_step = n->frame_step,
                            .is_color = p->is_color};
     snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", n->frame_step > 0 ? n->frame_unit : "");
     if (inside == 1)
         memcpy(axes.channel_name, n->channel_name, sizeof axes.channel_name);
     const iso_status status = iso_source_choose(source, &axes, err);
+    if (status != ISO_OK && in_planes && r->page_count == 1 && !source->hints.channel)
+        return iso_fail(err, status, "%s: one page of %zu planes, which are channels: --channel K chooses one, from 0 to "
+                                     "%zu; if they are slices, save a page for each",
+                        source->path, inside, inside - 1);
     if (status != ISO_OK)
         return status;
-    /* Which pages: this reader's business. */
+    /* Which pages and planes: this reader's business. */
+    r->plane = in_planes ? (uint16_t)source->choice.channel : 0;
     const size_t count[3] = {*slices, channels, frames};
     const size_t chosen[3] = {0, inside > 1 ? 0 : source->choice.channel, source->choice.frame};
     size_t stride = 1;
@@ -338,37 +353,38 @@ static iso_status take_geometry(iso_volume_source *source, const tiff_page *p, s
                                 iso_error *err)
 {
     double spacing[3], mm;
-    const char *lacks = NULL;
+    bool lacks = false;
     for (int a = 0; a < 3; ++a) {
         const bool is_pixels = strncasecmp(n->unit[a], "pixel", 5) == 0 || n->unit[a][0] == 0;
-        if (!(n->spacing[a] > 0) || (is_pixels && !source->hints.unit))
-            lacks = a == 2 && !lacks ? "between its slices" : "of its voxels";
+        spacing[a] = n->spacing[a] == 0 || (is_pixels && !source->hints.unit) ? (double)NAN : n->spacing[a];
+        lacks = lacks || isnan(spacing[a]);
     }
-    iso_status status = lacks ? iso_source_need_spacing(source, lacks, err) : ISO_OK;
+    iso_status status = iso_source_take_spacing(source, spacing, err);
     for (int a = 0; a < 3 && status == ISO_OK; ++a) {
         status = iso_source_unit(source, lacks ? NULL : n->unit[a], "mm", &mm, err);
-        spacing[a] = lacks ? 1 : n->spacing[a] * mm;
+        spacing[a] *= mm;
     }
     if (status != ISO_OK)
         return status;
     source->header.geometry = iso_geometry_axis_aligned((size_t[]){p->width, p->height, slices}, spacing);
-    return iso_geometry_check(&source->header.geometry, source->path, err);
+    return iso_source_check_geometry(source, err);
 }
 
 /* ---- samples ---- */
 
-static bool read_tiles(TIFF *t, char *out, size_t row_bytes, size_t rows)
+static bool read_tiles(TIFF *t, uint16_t plane, char *out, size_t row_bytes, size_t rows)
 {
     uint32_t width = 0, height = 0;
     TIFFGetField(t, TIFFTAG_TILEWIDTH, &width);
     TIFFGetField(t, TIFFTAG_TILELENGTH, &height);
     const size_t tile_row = TIFFTileRowSize64(t), across = tile_row ? (row_bytes + tile_row - 1) / tile_row : 0;
+    const uint32_t first = TIFFComputeTile(t, 0, 0, 0, plane);
     char *tile = malloc(TIFFTileSize64(t));
     bool well = tile && across > 0 && height > 0;
     for (size_t y = 0; well && y < rows; y += height)
         for (size_t i = 0; well && i < across; ++i) {
             const size_t bytes = i * tile_row + tile_row <= row_bytes ? tile_row : row_bytes - i * tile_row;
-            well = TIFFReadEncodedTile(t, (uint32_t)(y / height * across + i), tile, -1) > 0;
+            well = TIFFReadEncodedTile(t, first + (uint32_t)(y / height * across + i), tile, -1) > 0;
             for (size_t row = 0; well && row < height && y + row < rows; ++row)
                 memcpy(out + (y + row) * row_bytes + i * tile_row, tile + row * tile_row, bytes);
         }
@@ -376,10 +392,10 @@ static bool read_tiles(TIFF *t, char *out, size_t row_bytes, size_t rows)
     return well;
 }
 
-static bool read_strips(TIFF *t, char *out, size_t bytes)
+static bool read_strips(TIFF *t, uint16_t plane, char *out, size_t bytes)
 {
     size_t done = 0;
-    for (uint32_t strip = 0; strip < TIFFNumberOfStrips(t) && done < bytes; ++strip) {
+    for (uint32_t strip = TIFFComputeStrip(t, 0, plane); strip < TIFFNumberOfStrips(t) && done < bytes; ++strip) {
         const tmsize_t got = TIFFReadEncodedStrip(t, strip, out + done, (tmsize_t)(bytes - done));
         if (got <= 0)
             return false;
@@ -395,8 +411,8 @@ static iso_status read_planes(iso_volume_source *source, size_t plane_count, voi
     for (size_t i = 0; i < plane_count; ++i, ++r->next) {
         char *plane = (char *)out + i * bytes;
         if (!TIFFSetSubDirectory(r->tiff, r->page[r->first + r->next * r->step]) ||
-            !(TIFFIsTiled(r->tiff) ? read_tiles(r->tiff, plane, bytes / n[1], n[1])
-                                   : read_strips(r->tiff, plane, bytes)))
+            !(TIFFIsTiled(r->tiff) ? read_tiles(r->tiff, r->plane, plane, bytes / n[1], n[1])
+                                   : read_strips(r->tiff, r->plane, plane, bytes)))
             return check_read(r, source->path,
                               iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged in page %zu of %zu", source->path,
                                        r->next + 1, n[2]),
@@ -442,13 +458,14 @@ static iso_status read_header(iso_volume_source *source, iso_error *err)
     size_t slices = 0;
     tiff_notes notes = read_notes(r->tiff);
     iso_status status = find_pages(r, source->path, &page, err);
-    if (status == ISO_OK && page.samples > 1 && page.planar != PLANARCONFIG_CONTIG)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %u components in planes of their own, which is not read",
-                          source->path, page.samples);
-    if (status == ISO_OK && !our_type(&page, &source->header.type))
+    if (status == ISO_OK && page.depth != 1)
         status = iso_fail(err, ISO_E_FORMAT,
-                          "%s: samples of %u bits, format %u, must be an integer of 8, 16 or 32 bits, "
-                          "float or double",
+                          "%s: has %u slices in a page (ImageDepth), which is not read; save a page for each slice",
+                          source->path, page.depth);
+    if (status == ISO_OK && !take_type(&page, source))
+        status = iso_fail(err, ISO_E_FORMAT,
+                          "%s: samples of %u bits, format %u, must be an integer of 8, 16, 32 or 64 bits, "
+                          "half, float or double",
                           source->path, page.bits, page.format);
     if (status == ISO_OK)
         status = check_order(&notes, source->path, err);

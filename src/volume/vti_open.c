@@ -152,16 +152,21 @@ static iso_status parse(vti *v, const char *path, iso_error *err)
     return ISO_OK;
 }
 
-static bool our_type(const char *name, iso_type *type)
+static bool take_type(const char *name, iso_volume_source *source)
 {
     static const struct {
         const char *name;
         iso_type type;
-    } types[] = {{"UInt8", ISO_U8},   {"Int8", ISO_I8},   {"UInt16", ISO_U16},  {"Int16", ISO_I16},
-                 {"UInt32", ISO_U32}, {"Int32", ISO_I32}, {"Float32", ISO_F32}, {"Float64", ISO_F64}};
+        iso_form form;
+    } types[] = {{"UInt8", ISO_U8, 0},   {"Int8", ISO_I8, 0},   {"UInt16", ISO_U16, 0},
+                 {"Int16", ISO_I16, 0},  {"UInt32", ISO_U32, 0}, {"Int32", ISO_I32, 0},
+                 {"Float32", ISO_F32, 0}, {"Float64", ISO_F64, 0}, {"UInt64", ISO_F64, ISO_FORM_U64},
+                 {"Int64", ISO_F64, ISO_FORM_I64}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
         if (strcmp(types[i].name, name) == 0) {
-            *type = types[i].type;
+            source->header.type = types[i].type;
+            if (types[i].form)
+                iso_source_set_form(source, types[i].form);
             return true;
         }
     return false;
@@ -171,8 +176,11 @@ static iso_status take_geometry(const vti *v, iso_volume_source *source, iso_err
 {
     iso_geometry *g = &source->header.geometry;
     size_t size[3];
-    double mm, first[3];
-    const iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
+    double mm, first[3], spacing[3];
+    iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
+    memcpy(spacing, v->spacing, sizeof spacing); /* 1 if the file gives none, as VTK has it */
+    if (status == ISO_OK)
+        status = iso_source_take_spacing(source, spacing, err);
     if (status != ISO_OK)
         return status;
     for (int a = 0; a < 3; ++a) {
@@ -183,10 +191,10 @@ static iso_status take_geometry(const vti *v, iso_volume_source *source, iso_err
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
     for (int a = 0; a < 3; ++a)
         for (int r = 0; r < 3; ++r)
-            g->index_to_world.m[r][a] = mm * v->direction[3 * r + a] * v->spacing[a];
+            g->index_to_world.m[r][a] = mm * v->direction[3 * r + a] * spacing[a];
     g->origin_mm = iso_add(iso_scale(iso_v3(v->origin[0], v->origin[1], v->origin[2]), mm),
                            iso_mul(g->index_to_world, iso_v3(first[0], first[1], first[2])));
-    return iso_geometry_check(g, source->path, err);
+    return iso_source_check_geometry(source, err);
 }
 
 /* ---- samples ---- */
@@ -331,9 +339,9 @@ static iso_status open_vti(iso_volume_source *source, iso_error *err)
     iso_status status = read_text(source->path, &v, err);
     if (status == ISO_OK)
         status = parse(&v, source->path, err);
-    if (status == ISO_OK && !our_type(v.type, &source->header.type))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer of 8, 16 or 32 bits, float or double",
-                          source->path, v.type);
+    if (status == ISO_OK && !take_type(v.type, source))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
+                          v.type);
     if (status == ISO_OK)
         status = take_geometry(&v, source, err);
     if (status == ISO_OK)

@@ -75,17 +75,23 @@ static iso_status read_header(FILE *f, const char *path, vtk_header *h, iso_erro
     return ISO_OK;
 }
 
-static bool our_type(const char *name, iso_type *type)
+static bool take_type(const char *name, iso_volume_source *source)
 {
     static const struct {
         const char *name;
         iso_type type;
-    } types[] = {{"unsigned_char", ISO_U8},   {"char", ISO_I8},   {"signed_char", ISO_I8},
-                 {"unsigned_short", ISO_U16}, {"short", ISO_I16}, {"int", ISO_I32},
-                 {"unsigned_int", ISO_U32},   {"float", ISO_F32}, {"double", ISO_F64}};
+        iso_form form;
+    } types[] = {{"unsigned_char", ISO_U8, 0},  {"char", ISO_I8, 0},
+                 {"signed_char", ISO_I8, 0},    {"unsigned_short", ISO_U16, 0},
+                 {"short", ISO_I16, 0},         {"int", ISO_I32, 0},
+                 {"unsigned_int", ISO_U32, 0},  {"float", ISO_F32, 0},
+                 {"double", ISO_F64, 0},        {"vtktypeint64", ISO_F64, ISO_FORM_I64},
+                 {"vtktypeuint64", ISO_F64, ISO_FORM_U64}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
         if (strcmp(types[i].name, name) == 0) {
-            *type = types[i].type;
+            source->header.type = types[i].type;
+            if (types[i].form)
+                iso_source_set_form(source, types[i].form);
             return true;
         }
     return false;
@@ -97,15 +103,20 @@ static iso_status take_geometry(const vtk_header *h, iso_volume_source *source, 
     iso_geometry *g = &source->header.geometry;
     size_t size[3];
     double mm, spacing[3], corner[3];
-    const iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
+    iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
+    memcpy(spacing, h->spacing, sizeof spacing); /* 1 if the file gives none, as VTK has it */
+    if (status == ISO_OK)
+        status = iso_source_take_spacing(source, spacing, err);
+    if (status != ISO_OK)
+        return status;
     for (int a = 0; a < 3; ++a) {
         size[a] = h->of_cells && h->points[a] > 0 ? h->points[a] - 1 : h->points[a];
-        spacing[a] = h->spacing[a] * mm;
+        spacing[a] *= mm;
         corner[a] = h->origin[a] * mm - (h->of_cells ? 0 : spacing[a] / 2);
     }
     *g = iso_geometry_axis_aligned(size, spacing);
     g->origin_mm = iso_v3(corner[0], corner[1], corner[2]);
-    return status == ISO_OK ? iso_geometry_check(g, source->path, err) : status;
+    return iso_source_check_geometry(source, err);
 }
 
 static iso_status open_vtk(iso_volume_source *source, iso_error *err)
@@ -115,9 +126,9 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
     if (!f)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
     iso_status status = read_header(f, source->path, &h, err);
-    if (status == ISO_OK && !our_type(h.type, &source->header.type))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer of 8, 16 or 32 bits, float or double",
-                          source->path, h.type);
+    if (status == ISO_OK && !take_type(h.type, source))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
+                          h.type);
     if (status == ISO_OK)
         status = take_geometry(&h, source, err);
     /* Bytes are written as colors, whatever they are: three or four of them are taken for such. */

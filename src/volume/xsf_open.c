@@ -61,7 +61,7 @@ static iso_status take_geometry(iso_volume_source *source, const size_t size[3],
     g->origin_mm = iso_sub(iso_scale(iso_v3(origin[0], origin[1], origin[2]), mm),
                            iso_mul(g->index_to_world, iso_v3(0.5, 0.5, 0.5)));
     source->header.type = ISO_F32;
-    return iso_geometry_check(g, source->path, err);
+    return iso_source_check_geometry(source, err);
 }
 
 static iso_status open_xsf(iso_volume_source *source, iso_error *err)

@@ -143,6 +143,8 @@ public:
         scales_ = take_scale(*store_, array_, header.size[2], shown_, header);
         if (!scales_.slope.empty())
             header.type = ISO_F32;
+        header.is_whole = array_.is_whole && scales_.slope.empty();
+        take_fills();
     }
 
     void read_plane(char *out, size_t) override
@@ -180,6 +182,19 @@ private:
             snprintf(header.channel_name[c], sizeof header.channel_name[c], "%s", names[c].c_str());
         if (wanted_.frame >= header.frames || wanted_.channel >= header.channels)
             fail(ISO_E_RANGE, shown_ + ": has no such frame or channel");
+    }
+
+    /* What CF, netCDF and Zarr call so. */
+    void take_fills()
+    {
+        auto all = store_->fills(array_);
+        for (const char *name : {"_FillValue", "missing_value"})
+            for (const double value : store_->numbers(array_.name, name))
+                all.push_back(value);
+        for (const double value : all)
+            if (header.fill_count < sizeof header.fill / sizeof *header.fill &&
+                std::find(header.fill, header.fill + header.fill_count, value) == header.fill + header.fill_count)
+                header.fill[header.fill_count++] = value;
     }
 
     double plane_bytes() const

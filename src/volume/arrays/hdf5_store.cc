@@ -68,6 +68,10 @@ bool type_of(hid_t stored, iso_type &type, std::string &refused)
                             : ISO_U32;
         return true;
     }
+    if (kind == H5T_INTEGER && bytes == 8) {
+        type = ISO_F64; /* as is_whole says of the array */
+        return true;
+    }
     refused = kind == H5T_INTEGER    ? "integers of " + std::to_string(8 * bytes) + " bits"
               : kind == H5T_FLOAT    ? "floats of " + std::to_string(8 * bytes) + " bits"
               : kind == H5T_STRING   ? "text"
@@ -405,6 +409,7 @@ private:
         take_minc_axes(array);
         if (type_of(type, array.type, array.refused))
             array.refused = missing_filter(list);
+        array.is_whole = H5Tget_class(type) == H5T_INTEGER && array.type == ISO_F64;
         if (H5Pget_layout(list) == H5D_CHUNKED && H5Pget_chunk(list, rank, chunk) == rank)
             array.chunk.assign(chunk, chunk + rank);
         else if (array.refused.empty())

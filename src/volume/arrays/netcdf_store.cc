@@ -106,7 +106,12 @@ public:
     void read(const Array &array, const std::vector<size_t> &start, const std::vector<size_t> &count,
               void *out) override
     {
-        check(nc_get_vara(file_, find(array.name), start.data(), count.data(), out), "variable " + array.name);
+        const int v = find(array.name);
+        const auto get = [&] {
+            return array.is_whole ? nc_get_vara_double(file_, v, start.data(), count.data(), static_cast<double *>(out))
+                                  : nc_get_vara(file_, v, start.data(), count.data(), out);
+        };
+        check(get(), "variable " + array.name);
     }
 
 private:
@@ -204,7 +209,12 @@ private:
         case NC_FLOAT: array.type = ISO_F32; break;
         case NC_DOUBLE: array.type = ISO_F64; break;
         case NC_CHAR: array.refused = "text"; break;
-        default: array.refused = "integers of 64 bits"; break;
+        case NC_INT64:
+        case NC_UINT64:
+            array.type = ISO_F64;
+            array.is_whole = true;
+            break;
+        default: array.refused = "a type that is no number"; break;
         }
     }
 

@@ -14,6 +14,7 @@ struct Array {
     std::vector<size_t> size;
     std::vector<std::string> axes; /* their names; "" where they have none */
     iso_type type = ISO_U8;        /* of its samples, as they are given */
+    bool is_whole = false;         /* doubles, of integers of 64 bits */
     std::string refused;           /* why it cannot be read; "" where it can */
     std::vector<size_t> chunk;     /* samples that are packed together; empty: none are */
 };
@@ -71,6 +72,11 @@ public:
     virtual std::string main_array(size_t /* frame */, size_t /* channel */)
     {
         return "";
+    }
+    /* Values that stand for none, of other places than attributes. */
+    virtual std::vector<double> fills(const Array &)
+    {
+        return {};
     }
     /* How many of these arrays there are; 1 in formats that have axes for them. */
     virtual size_t array_frames()

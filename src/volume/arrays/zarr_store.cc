@@ -14,6 +14,7 @@
 #include <map>
 
 #include "volume/arrays/store.h"
+#include "volume/half.h"
 
 namespace {
 
@@ -78,16 +79,6 @@ template <typename T> void put_number(double value, char *out)
 {
     const T number = static_cast<T>(value);
     memcpy(out, &number, sizeof number);
-}
-
-float from_half(uint16_t half)
-{
-    const int exponent = half >> 10 & 31, mantissa = half & 1023;
-    const float size = exponent == 0 ? std::ldexp(static_cast<float>(mantissa), -24)
-                       : exponent == 31
-                           ? mantissa ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity()
-                           : std::ldexp(static_cast<float>(mantissa + 1024), exponent - 25);
-    return half & 0x8000 ? -size : size;
 }
 
 class Zarr : public Store {
@@ -172,6 +163,13 @@ public:
     {
         const double chunk = chunk_bytes(layout(array.name));
         return stored_bytes(array, chunk / MOST_OF_A_BYTE) < chunk / MOST_OF_A_BYTE ? 0 : static_cast<size_t>(chunk);
+    }
+
+    /* 0 is what writers put that know no other. */
+    std::vector<double> fills(const Array &array) override
+    {
+        const Layout &l = layout(array.name);
+        return l.fill == 0 || l.kind == "b1" ? std::vector<double>{} : std::vector<double>{l.fill};
     }
 
     std::string main_array(size_t, size_t) override
@@ -349,7 +347,7 @@ private:
             size_t bytes;
         } types[] = {{"b1", ISO_U8, 1},  {"u1", ISO_U8, 1},  {"i1", ISO_I8, 1},  {"u2", ISO_U16, 2},
                      {"i2", ISO_I16, 2}, {"u4", ISO_U32, 4}, {"i4", ISO_I32, 4}, {"f2", ISO_F32, 2},
-                     {"f4", ISO_F32, 4}, {"f8", ISO_F64, 8}};
+                     {"f4", ISO_F32, 4}, {"f8", ISO_F64, 8}, {"i8", ISO_F64, 8}, {"u8", ISO_F64, 8}};
         for (const auto &t : types)
             if (dtype.size() == 3 && dtype.substr(1) == t.kind) {
                 l.kind = t.kind;
@@ -358,7 +356,7 @@ private:
                 type = t.type;
                 return true;
             }
-        refused = "type \"" + dtype + "\", must be an integer of 8, 16 or 32 bits or a float";
+        refused = "type \"" + dtype + "\", must be an integer or a float";
         return false;
     }
 
@@ -368,13 +366,17 @@ private:
             l.size.push_back(n >= 0 && n < 9e15 ? static_cast<size_t>(n) : 0);
         for (const double n : numbers_of(json_object_get(meta, "chunks")))
             l.chunk.push_back(n >= 0 && n < 9e15 ? static_cast<size_t>(n) : 0);
-        if (l.size.size() != l.chunk.size() || std::count(l.chunk.begin(), l.chunk.end(), 0))
+        if (refused.empty() && (l.size.size() != l.chunk.size() || std::count(l.chunk.begin(), l.chunk.end(), 0)))
             refused = "\"shape\" and \"chunks\" of .zarray do not fit";
-        else if (chunks_of(l) > MOST_CHUNKS)
+        return refused.empty();
+    }
+
+    static void check_chunks(const Layout &l, std::string &refused)
+    {
+        if (chunks_of(l) > MOST_CHUNKS)
             refused = "more than " + std::to_string(MOST_CHUNKS) + " chunks";
         else if (chunk_bytes(l) > 2147483647.)
             refused = "chunks of more than 2 GB";
-        return refused.empty();
     }
 
     Array describe(const std::string &name)
@@ -396,10 +398,11 @@ private:
         l.fortran = word(meta, "order") == "F";
         if (!word(meta, "dimension_separator").empty())
             l.separator = word(meta, "dimension_separator");
-        if (array.refused.empty() && take_type(word(meta, "dtype"), l, array.type, array.refused) &&
+        if (take_sizes(meta, l, array.refused) && take_type(word(meta, "dtype"), l, array.type, array.refused) &&
             take_codec(meta, l, array.refused))
-            take_sizes(meta, l, array.refused);
-        array.size = l.size;
+            check_chunks(l, array.refused);
+        array.size = l.size; /* also of what is refused, so that its name and its cause can be told */
+        array.is_whole = l.kind == "i8" || l.kind == "u8";
         for (size_t a = 0; a < l.size.size(); ++a)
             array.axes.push_back(axis_name(name, attributes, a));
         array.chunk = l.chunk;
@@ -552,7 +555,12 @@ private:
         if (l.kind == "f2") {
             uint16_t half;
             memcpy(&half, sample, 2);
-            put_number<float>(from_half(half), out);
+            put_number<float>(iso_half_to_float(half), out);
+        } else if (l.kind == "i8" || l.kind == "u8") {
+            int64_t number;
+            memcpy(&number, sample, 8);
+            put_number<double>(l.kind == "i8" ? static_cast<double>(number) : static_cast<double>(static_cast<uint64_t>(number)),
+                               out);
         } else {
             memcpy(out, sample, l.bytes);
         }
@@ -578,7 +586,7 @@ private:
         const bool there = !stored.empty();
         char fill[8];
         store(l.fill, array.type, fill);
-        const bool plain = there && !l.swapped && l.kind != "f2" && stride[rank - 1] == 1;
+        const bool plain = there && !l.swapped && l.kind != "f2" && !array.is_whole && stride[rank - 1] == 1;
         std::vector<size_t> row_last = last;
         row_last[rank - 1] = first[rank - 1];
         const size_t n = last[rank - 1] - first[rank - 1] + 1;
