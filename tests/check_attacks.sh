@@ -205,7 +205,7 @@ json.dump({"zarr_format": 2, "shape": [2] * 4, "chunks": [2] * 4, "dtype": "|u1"
 open("named.zarr/.zgroup", "w").write('{"zarr_format": 2}')
 open("named.zarr/0/0.0.0.0", "wb").write(bytes(range(16)))
 import bz2
-open("b.nrrd", "wb").write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1024 1024 1024\nencoding: bzip2\n\n" + bz2.compress(b"\0" * 100))
+open("b.nrrd", "wb").write(b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1024 1024 1024\nspacings: 1 1 1\nencoding: bzip2\n\n" + bz2.compress(b"\0" * 100))
 PY
 check statements_in_a_source_are_refused ends 4 'control character' isoshade export pov.iso --to povray -o pov
 check so_they_are_in_a_label_s_name ends 4 '"name": holds a control character' \
@@ -224,7 +224,7 @@ notice a_range_that_is_only_wrong_is_found_by_a_look_at_all isoshade info lower.
 cp -r s.iso waiting.iso && rm waiting.iso/level_0.nrrd && mkfifo waiting.iso/level_0.nrrd
 check a_pipe_is_no_level ends 3 'not a regular file' timeout 60 "$ISOSHADE" info waiting.iso --verify
 check memory_is_not_taken_for_what_cannot_be_there ends 4 'bytes of bzip2 cannot hold' isoshade info b.nrrd
-printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 999999999\nencoding: raw\ndata file: %%d.raw 0 999999998 1\n' >many.nhdr
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 999999999\nspacings: 1 1 1\nencoding: raw\ndata file: %%d.raw 0 999999998 1\n' >many.nhdr
 check a_thousand_million_names_are_not_made ends 5 'names 999999999 data files' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.nhdr'
 {
     echo '<VTKFile type="Collection"><Collection>'
@@ -234,9 +234,9 @@ check a_thousand_million_names_are_not_made ends 5 'names 999999999 data files' 
 check a_list_of_many_files_is_read_once ends 2 'has 60000 frames' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.pvd'
 mkdir only_a_pipe && mkfifo only_a_pipe/slice.png
 check a_folder_of_a_pipe_has_no_slice ends 4 'holds no regular file' isoshade info only_a_pipe
-printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: fifo.scene.json\n' >fifo.nhdr
-printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nencoding: raw\ndata file: LIST\nfifo.scene.json\nnone\n' >list.nhdr
-printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nencoding: raw\ndata file: fifo%%d.raw 1 2 1\n' >numbers.nhdr
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\nencoding: raw\ndata file: fifo.scene.json\n' >fifo.nhdr
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nspacings: 1 1 1\nencoding: raw\ndata file: LIST\nfifo.scene.json\nnone\n' >list.nhdr
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 2\nspacings: 1 1 1\nencoding: raw\ndata file: fifo%%d.raw 1 2 1\n' >numbers.nhdr
 printf 'ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\nElementSpacing = 1 1 1\nElementDataFile = fifo.scene.json\n' >fifo.mhd
 mkfifo fifo.scene.json fifo2.raw
 for header in fifo.nhdr list.nhdr numbers.nhdr fifo.mhd; do

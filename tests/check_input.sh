@@ -9,7 +9,7 @@ accept() { # name, words that stdout has to hold, command ...
     elif ! grep -qF -- "$words" out; then not_ok "$name" "stdout lacks \"$words\""
     else ok "$name"; fi
 }
-header() { printf 'NRRD0004\ntype: %s\ndimension: 3\nsizes: %s\nendian: little\nencoding: raw\n\n' "$1" "$2"; }
+header() { printf 'NRRD0004\ntype: %s\ndimension: 3\nsizes: %s\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n' "$1" "$2"; }
 
 accept make_writes '"voxels": 73920' make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd -q --json
 accept info_shows_size 'size       40 x 56 x 33 = 73920 voxels of uint16' info v.nrrd

@@ -75,7 +75,7 @@ draw a a.ini elsewhere Input_File_Name=elsewhere.pov
 notice highlights_follow_the_viewer alike elsewhere a 1e-3
 
 # ---- a slab with half the light behind it, a lamp above it, a white floor below ----
-python3 -c 'open("slab.nrrd", "wb").write(b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n" + bytes([100]) * 512)'
+python3 -c 'open("slab.nrrd", "wb").write(b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nspacings: 1 1 1\nencoding: raw\n\n" + bytes([100]) * 512)'
 cat >slab.scene.json <<'JSON'
 {"schema": "isoshade.scene/1", "image": {"width": 8, "height": 8},
  "camera": {"projection": "orthographic", "fit": true, "direction": [0, 0, -1], "up": [0, 1, 0], "margin": 1.0},

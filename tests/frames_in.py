@@ -170,7 +170,7 @@ def nrrd_colors():
         refused(file, 2, '--channel is "luminance"', ["--channel", "luminance"])
     # Without kinds a first axis of at most four is of components, which have no names.
     rgb.tofile("bare.raw")
-    subprocess.run(["teem-unu", "make", "-t", "uchar", "-s", "3", "11", "13", "7", "-e", "raw", "-i", "bare.raw",
+    subprocess.run(["teem-unu", "make", "-t", "uchar", "-s", "3", "11", "13", "7", "-sp", "nan", "1", "1", "1", "-e", "raw", "-i", "bare.raw",
                     "-o", "bare.nrrd"], check=True)
     same("bare.nrrd", rgb[..., 2], np.eye(3), None, False, ["--channel", "2"])
     refused("bare.nrrd", 2, "chooses one of them: 0 to 2")

@@ -526,7 +526,8 @@ static double length_of(const float *d)
 static void each_code_decodes_to_a_direction(void **state)
 {
     (void)state;
-    static const char *const codes[] = {"snorm", "fit", "shell", "free", "cube", "region48", "squeeze", "oct24", "half"};
+    static const char *const codes[] = {"snorm",    "fit",     "shell", "free", "cube",
+                                        "region48", "squeeze", "oct24", "half"};
     enum { BATCH = 1 << 16, APART = 251 };
     uint8_t *bytes = malloc(6 * BATCH), *again = malloc(6 * BATCH);
     float *d = malloc(3 * BATCH * sizeof *d), *back = malloc(3 * BATCH * sizeof *back);
@@ -551,7 +552,8 @@ static void each_code_decodes_to_a_direction(void **state)
             assert_ok(iso_directions_encode(codes[c], d, some, again, &err));
             assert_ok(iso_directions_decode(codes[c], again, some, back, &err));
             for (size_t i = 0; i < 3 * some; ++i) {
-                const double length = fmax(length_of(d + i / 3 * 3), 1e-9), other = fmax(length_of(back + i / 3 * 3), 1e-9);
+                const double length = fmax(length_of(d + i / 3 * 3), 1e-9),
+                             other = fmax(length_of(back + i / 3 * 3), 1e-9);
                 if (length > 1.0 / 3)
                     farthest = fmax(farthest, fabs((double)d[i] / length - (double)back[i] / other));
             }

@@ -55,7 +55,7 @@ static void fill(iso_volume *v)
         if (v->type == ISO_F32)
             ((float *)v->data)[i] = (float)i * -1.37f;
         else if (v->type == ISO_F64)
-            ((double *)v->data)[i] = (double)i * 1e-3 + 1e9;
+            ((double *)v->data)[i] = (double)i * 1e3 + 0.1;
         else
             for (size_t b = 0; b < bytes; ++b)
                 ((unsigned char *)v->data)[i * bytes + b] = (unsigned char)(i * 7 + b * 31 + 200);
@@ -221,27 +221,30 @@ static void both_byte_orders_and_detached_headers_are_read(void **state)
     static const unsigned char big[] = {0, 1, 0, 2, 255, 255, 128, 0}, little[] = {1, 0, 2, 0, 255, 255, 0, 128};
     static const int16_t wanted[] = {1, 2, -1, -32768};
     iso_volume v;
-    write_nrrd("b.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: raw\n\n", big, 8);
+    write_nrrd("b.nrrd",
+               "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nspacings: 1 1 1\nendian: big\nencoding: raw\n\n",
+               big, 8);
     assert_ok(iso_volume_load(in_dir("b.nrrd"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
     iso_volume_destroy(&v);
-    write_nrrd("l.nrrd",
-               "NRRD0001\r\ntype: int16\r\ndimension: 3\r\nsizes: 2 1 2\r\nendian: little\r\nencoding: raw\r\n\r\n",
-               little, 8);
+    write_nrrd(
+        "l.nrrd",
+        "NRRD0001\r\ntype: int16\r\ndimension: 3\r\nsizes: 2 1 2\r\nspacings: 1 1 1\r\nendian: little\r\nencoding: raw\r\n\r\n",
+        little, 8);
     assert_ok(iso_volume_load(in_dir("l.nrrd"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
     iso_volume_destroy(&v);
     write_bytes("d.raw", "xyz\0\1\0\2\377\377\200\0", 11);
     write_nrrd(
         "d.nhdr",
-        "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: raw\nbyte skip: 3\ndata file: d.raw\n",
+        "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nspacings: 1 1 1\nendian: big\nencoding: raw\nbyte skip: 3\ndata file: d.raw\n",
         "", 0);
     assert_ok(iso_volume_load(in_dir("d.nhdr"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
     iso_volume_destroy(&v);
     write_nrrd(
         "e.nhdr",
-        "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: raw\nbyte skip: -1\ndata file: d.raw\n",
+        "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nspacings: 1 1 1\nendian: big\nencoding: raw\nbyte skip: -1\ndata file: d.raw\n",
         "", 0);
     assert_ok(iso_volume_load(in_dir("e.nhdr"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
@@ -249,9 +252,10 @@ static void both_byte_orders_and_detached_headers_are_read(void **state)
     gzFile gz = gzopen(in_dir("d.raw.gz"), "wb");
     gzwrite(gz, big, 8);
     gzclose(gz);
-    write_nrrd("g.nhdr",
-               "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: big\nencoding: gzip\ndata file: d.raw.gz\n",
-               "", 0);
+    write_nrrd(
+        "g.nhdr",
+        "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 2\nspacings: 1 1 1\nendian: big\nencoding: gzip\ndata file: d.raw.gz\n",
+        "", 0);
     assert_ok(iso_volume_load(in_dir("g.nhdr"), &v, &err));
     assert_memory_equal(v.data, wanted, 8);
     iso_volume_destroy(&v);
@@ -261,15 +265,17 @@ static void text_samples_and_slices_in_files_of_their_own_are_read(void **state)
 {
     (void)state;
     iso_volume v;
-    write_nrrd("t.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 2\nencoding: ascii\n\n", "1 2.5 -3 4e3\n",
-               13);
+    write_nrrd("t.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 2\nspacings: 1 1 1\nencoding: ascii\n\n",
+               "1 2.5 -3 4e3\n", 13);
     assert_ok(iso_volume_load(in_dir("t.nrrd"), &v, &err));
     assert_memory_equal(v.data, ((float[]){1, 2.5f, -3, 4e3f}), 16);
     iso_volume_destroy(&v);
     write_bytes("s0.raw", "ab", 2);
     write_bytes("s1.raw", "cd", 2);
-    write_nrrd("s.nhdr", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 1 2\nencoding: raw\ndata file: s%d.raw 0 1 1\n",
-               "", 0);
+    write_nrrd(
+        "s.nhdr",
+        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 1 2\nspacings: 1 1 1\nencoding: raw\ndata file: s%d.raw 0 1 1\n",
+        "", 0);
     assert_ok(iso_volume_load(in_dir("s.nhdr"), &v, &err));
     assert_memory_equal(v.data, "abcd", 4);
     iso_volume_destroy(&v);
@@ -402,58 +408,61 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
     } cases[] = {
         {"", "", "empty", ISO_E_FORMAT},
         {"NRRX0004\ntype: uchar\n\n", "", "NRRX0004", ISO_E_FORMAT},
-        {HEAD "\n", "1234567", "holds 7 bytes of samples, 2 x 2 x 2 of uint8 need 8", ISO_E_FORMAT},
-        {HEAD "\n", "123456789", "too long", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\n", "", "hit end of header", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 0 2\nencoding: raw\n\n", "1", "", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nencoding: raw\n\n", "1", "",
-         ISO_E_RANGE},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: raw\n\n", "1", "need 1000000000000",
+        {HEAD "spacings: 1 1 1\n\n", "1234567", "holds 7 bytes of samples, 2 x 2 x 2 of uint8 need 8", ISO_E_FORMAT},
+        {HEAD "spacings: 1 1 1\n\n", "123456789", "too long", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\n", "", "hit end of header", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 0 2\nspacings: 1 1 1\nencoding: raw\n\n", "1", "",
          ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: gzip\n\n", "1", "cannot hold",
-         ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nencoding: ascii\n\n", "1 2 3", "cannot hold",
-         ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: gzip\n\n", "12345678", "not gzip", ISO_E_FORMAT},
-        {"NRRD0004\ntype: quaternion\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n", "12345678", "quaternion",
-         ISO_E_FORMAT},
-        {"NRRD0004\ntype: int64\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nendian: little\n\n", "12345678",
-         "8, 16 or 32 bits", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nspacings: 1 1 1\nencoding: raw\n\n",
+         "1", "", ISO_E_RANGE},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nspacings: 1 1 1\nencoding: raw\n\n", "1",
+         "need 1000000000000", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nspacings: 1 1 1\nencoding: gzip\n\n", "1",
+         "cannot hold", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 100000 100000 100\nspacings: 1 1 1\nencoding: ascii\n\n", "1 2 3",
+         "cannot hold", ISO_E_FORMAT},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: gzip\n\n", "12345678",
+         "not gzip", ISO_E_FORMAT},
+        {"NRRD0004\ntype: quaternion\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: raw\n\n", "12345678",
+         "quaternion", ISO_E_FORMAT},
+        {HEAD "\n", "12345678", "does not say the spacing of its voxels", ISO_E_FORMAT},
         {"NRRD0004\ntype: uchar\ndimension: 2\nsizes: 2 4\nencoding: raw\n\n", "12345678",
          "2 axes, 2 of space, a volume has 3", ISO_E_FORMAT},
-        {"NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 1 2\nencoding: raw\n\n", "123456789012", "has 3 channels",
-         ISO_E_USAGE},
-        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 2 2\nkinds: RGB-color domain domain\nencoding: raw\n\n",
+        {"NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 1 2\nspacings: nan 1 1 1\nencoding: raw\n\n", "123456789012",
+         "has 3 channels", ISO_E_USAGE},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 2 2\nspacings: 1 1 1\nkinds: RGB-color domain domain\nencoding: raw\n\n",
          "123456789012", "3 axes, 2 of space", ISO_E_FORMAT},
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nspacings: 1 0 1\n\n", "12345678", "",
          ISO_E_FORMAT},
         {HEAD "space dimension: 3\nspace directions: (1,0,0) (1,0,0) (0,0,1)\n\n", "12345678", "span no volume",
          ISO_E_RANGE},
-        {HEAD "data file: nowhere.raw\n", "", "nowhere.raw", ISO_E_FORMAT},
+        {HEAD "spacings: 1 1 1\ndata file: nowhere.raw\n", "", "nowhere.raw", ISO_E_FORMAT},
         /* What teem itself would write beyond its buffers for. */
-        {HEAD "data file: s%9999d.raw 1 2 1\n", "", "one place for a number", ISO_E_FORMAT},
-        {HEAD "# x\rdata file: s%d%n.raw 1 2 1\n", "", "one place for a number", ISO_E_FORMAT},
-        {HEAD "data file: s%d.raw 1 999999999 1\n", "", "at most 65536", ISO_E_RANGE},
-        {HEAD "data file: LIST\n-\n", "", "name of a file", ISO_E_FORMAT},
-        {HEAD "data file: bad.nrrd", "", "within a line", ISO_E_FORMAT},
-        {HEAD "data file: .\n", "", "not a regular file", ISO_E_IO},
+        {HEAD "spacings: 1 1 1\ndata file: s%9999d.raw 1 2 1\n", "", "one place for a number", ISO_E_FORMAT},
+        {HEAD "spacings: 1 1 1\n# x\rdata file: s%d%n.raw 1 2 1\n", "", "one place for a number", ISO_E_FORMAT},
+        {HEAD "spacings: 1 1 1\ndata file: s%d.raw 1 999999999 1\n", "", "at most 65536", ISO_E_RANGE},
+        {HEAD "spacings: 1 1 1\ndata file: LIST\n-\n", "", "name of a file", ISO_E_FORMAT},
+        {HEAD "spacings: 1 1 1\ndata file: bad.nrrd", "", "within a line", ISO_E_FORMAT},
+        {HEAD "spacings: 1 1 1\ndata file: .\n", "", "not a regular file", ISO_E_IO},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         write_nrrd("bad.nrrd", cases[i].header, cases[i].samples, strlen(cases[i].samples));
         assert_refused("bad.nrrd", cases[i].status, cases[i].part);
     }
     char line[3000];
-    snprintf(line, sizeof line, HEAD "kinds: %02000d\n\n", 1);
+    snprintf(line, sizeof line, HEAD "spacings: 1 1 1\nkinds: %02000d\n\n", 1);
     write_nrrd("bad.nrrd", line, "12345678", 8);
     assert_refused("bad.nrrd", ISO_E_FORMAT, "2007 bytes, at most 800");
     /* Nor may a number be longer than teem's buffer for it. */
     snprintf(line, sizeof line, "%02000d 2 3 4 5 6 7 8", 1);
-    write_nrrd("bad.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n", line,
-               strlen(line));
+    write_nrrd("bad.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: ascii\n\n",
+               line, strlen(line));
     assert_refused("bad.nrrd", ISO_E_FORMAT, "more than 100 digits");
     write_nrrd("bad.txt", "", line, strlen(line));
-    write_nrrd("bad.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\ndata file: bad.txt\n",
-               "", 0);
+    write_nrrd(
+        "bad.nrrd",
+        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: ascii\ndata file: bad.txt\n", "",
+        0);
     assert_refused("bad.nrrd", ISO_E_FORMAT, "more than 100 digits");
     iso_volume v;
     assert_status(iso_volume_load(in_dir("absent.nrrd"), &v, &err), ISO_E_IO);

@@ -25,6 +25,9 @@ def samples(letter="h", big=False, values=VALUES):
 
 
 def nrrd(fields, data, encoding="raw", end="\n"):
+    if not any(field.startswith("spac") for field in fields):
+        axes = next(int(field.split()[1]) for field in fields if field.startswith("dimension"))
+        fields = [*fields, "spacings:" + " 1" * axes]
     lines = ["NRRD0004", *fields, f"encoding: {encoding}", "", ""]
     return end.join(lines).encode() + (gzip.compress(data, mtime=0) if encoding == "gzip" else data)
 

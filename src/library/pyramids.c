@@ -104,7 +104,8 @@ static void decode_to_unit_ball(iso_code code, const uint8_t *bytes, float *dire
     iso_code_decode_all(code, bytes, directions, count);
     for (size_t i = 0; i < count; ++i) {
         float *d = directions + 3 * i;
-        const double length = sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1] + (double)d[2] * (double)d[2]);
+        const double length = sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1] +
+                                   (double)d[2] * (double)d[2]);
         for (int a = 0; a < 3 && !(length <= 1); ++a)
             d[a] = isfinite(length) ? (float)((double)d[a] / length) : 0;
     }

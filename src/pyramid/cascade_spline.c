@@ -10,7 +10,6 @@
  *                  apron, 12                 block, 8          apron, 12
  *
  * What is neglected is below 1e-6 of how much the values at the apron's end differ from their neighbors. */
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -317,17 +316,11 @@ static void finish_planes(const spline_run *r, size_t k0, size_t k1, size_t z0, 
     }
 }
 
-/* Values of a level may be larger than those of level 0, but not by this much. */
-#define LARGEST (FLT_MAX / 256)
-
 iso_status iso_cascade_spline_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
                                    const iso_cascade_out *out, iso_error *err)
 {
     if (!c->spline || c->level_count == 1)
         return ISO_OK;
-    if (!(c->lo[0] >= -LARGEST && c->hi[0] <= LARGEST))
-        return iso_fail(err, ISO_E_RANGE, "values from %g to %g, least-squares levels take %g to %g", (double)c->lo[0],
-                        (double)c->hi[0], -(double)LARGEST, (double)LARGEST);
     spline_run r = {.c = c, .in = in, .out = out, .per_thread = scratch_floats(c)};
     r.memory = aligned_alloc(64, (size_t)c->threads * r.per_thread * sizeof *r.memory);
     if (!r.memory)

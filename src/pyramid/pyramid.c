@@ -122,14 +122,16 @@ iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *
     return ISO_OK;
 }
 
-/* A filter sums some dozens of samples. */
+/* A filter sums some dozens of samples; least squares make values of a level larger than those of level 0, but not by this
+ * much. */
 #define LARGEST (FLT_MAX / 256)
 
 iso_status iso_pyramid_check_values(double lo, double hi, const char *source, iso_error *err)
 {
     if (lo >= -(double)LARGEST && hi <= (double)LARGEST)
         return ISO_OK;
-    return iso_fail(err, ISO_E_RANGE, "%s: values from %g to %g, must be %g to %g, so that sums of them are floats; divide them before",
+    return iso_fail(err, ISO_E_RANGE,
+                    "%s: values from %g to %g, must be %g to %g, so that sums of them are floats; divide them before",
                     source, lo, hi, -(double)LARGEST, (double)LARGEST);
 }
 
@@ -149,7 +151,8 @@ iso_status iso_pyramid_sample_range(const iso_volume *v, const char *source, dou
 }
 
 /* narrow: without scalars and codes. */
-static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, bool narrow, const iso_pyramid_options *opt)
+static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, bool narrow,
+                         const iso_pyramid_options *opt)
 {
     const size_t count = iso_geometry_voxel_count(g);
     *l = (iso_level){.geometry = *g, .stored_type = type, .labels = opt->scalar_filter == ISO_SCALAR_MAJORITY};
@@ -161,7 +164,8 @@ static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, boo
         l->directions = malloc(3 * count * sizeof *l->directions);
     if (opt->keep_magnitude)
         l->magnitude = malloc(count * sizeof *l->magnitude);
-    return (narrow || (l->scalar && l->codes)) && (l->directions || !opt->keep_float) && (l->magnitude || !opt->keep_magnitude);
+    return (narrow || (l->scalar && l->codes)) && (l->directions || !opt->keep_float) &&
+           (l->magnitude || !opt->keep_magnitude);
 }
 
 /* Not inline: of two that stand beside each other gcc 12 makes a vector, and then rounds neither. */

@@ -111,16 +111,16 @@ iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter
 
 typedef struct iso_level {
     iso_geometry geometry;
-    iso_type stored_type; /* of the scalar on disk */
-    float *scalar;        /* NULL in an outline, and where `samples` has it */
+    iso_type stored_type;      /* of the scalar on disk */
+    float *scalar;             /* NULL in an outline, and where `samples` has it */
     const iso_volume *samples; /* borrowed: of a level whose scalars are read from there (narrow.h); else NULL */
-    uint8_t *codes;       /* 3 bytes a voxel; NULL in an outline */
-    float *directions;    /* 3 floats a voxel before encoding, or NULL */
-    float *magnitude;     /* 1 float a voxel, or NULL */
-    double min, max;      /* of the scalar */
-    bool labels;          /* looked up without interpolation: the value of the voxel that holds a point */
-    const json_t *segments; /* borrowed: the pyramid's */
-    bool made_for_scene;  /* the scalar is not of the pyramid's filter: iso_pyramid.made_for says what it is */
+    uint8_t *codes;            /* 3 bytes a voxel; NULL in an outline */
+    float *directions;         /* 3 floats a voxel before encoding, or NULL */
+    float *magnitude;          /* 1 float a voxel, or NULL */
+    double min, max;           /* of the scalar */
+    bool labels;               /* looked up without interpolation: the value of the voxel that holds a point */
+    const json_t *segments;    /* borrowed: the pyramid's */
+    bool made_for_scene;       /* the scalar is not of the pyramid's filter: iso_pyramid.made_for says what it is */
     /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or an index a voxel. */
     const iso_palette *palette;
     const uint16_t *palette_index;

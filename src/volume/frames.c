@@ -61,9 +61,10 @@ static iso_status choose_layer(const char *path, const iso_volume_hints *hints, 
     if (hints->frame)
         return iso_fail(err, ISO_E_USAGE, "%s: --frame is \"%s\", there are %zu layers of segments: %s", path,
                         hints->frame, count, list);
-    return iso_fail(err, ISO_E_USAGE,
-                    "%s: has %zu layers of segments, which overlap; --frame chooses one by number or by a segment's name: %s",
-                    path, count, list);
+    return iso_fail(
+        err, ISO_E_USAGE,
+        "%s: has %zu layers of segments, which overlap; --frame chooses one by number or by a segment's name: %s", path,
+        count, list);
 }
 
 iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, const iso_extra_axes *axes, size_t *frame,
@@ -310,20 +311,21 @@ iso_status iso_source_check_look(const iso_volume_source *s, iso_error *err)
     const double beyond = k->filled ? fmax(k->lo - k->least_fill, k->most_fill - k->hi) : 0;
     const bool is_zero = k->least_fill == 0 && k->most_fill == 0; /* beside one other value: a mask */
     if (beyond > range && !(range == 0 && is_zero))
-        return iso_fail(err, ISO_E_RANGE,
-                        "%s: %zu of %zu voxels have its fill value %.9g, which says that there is no value, the others %.9g "
-                        "to %.9g: a range that the fill would make; cut these voxels off, or give them a value of that range",
-                        s->path, k->filled, k->seen, k->lo - k->least_fill > range ? k->least_fill : k->most_fill, k->lo,
-                        k->hi);
+        return iso_fail(
+            err, ISO_E_RANGE,
+            "%s: %zu of %zu voxels have its fill value %.9g, which says that there is no value, the others %.9g "
+            "to %.9g: a range that the fill would make; cut these voxels off, or give them a value of that range",
+            s->path, k->filled, k->seen, k->lo - k->least_fill > range ? k->least_fill : k->most_fill, k->lo, k->hi);
     const double most = fmax(fabs(a), fabs(b));
     if (most > (double)FLT_MAX)
         return iso_fail(err, ISO_E_RANGE, "%s: values of %g to %g, at most %g fits into a float; scale them before",
                         s->path, fmin(a, b), fmax(a, b), (double)FLT_MAX);
     const double step = (double)(nextafterf((float)most, INFINITY) - (float)most);
     if (k->is_rounded && a != b && fabs(b - a) < LEAST_STEPS * step)
-        return iso_fail(err, ISO_E_RANGE,
-                        "%s: values of %.15g to %.15g are floats here, %g apart, which leaves fewer than %d steps of a range of %g; "
-                        "subtract an offset before",
-                        s->path, fmin(a, b), fmax(a, b), step, LEAST_STEPS, fabs(b - a));
+        return iso_fail(
+            err, ISO_E_RANGE,
+            "%s: values of %.15g to %.15g are floats here, %g apart, which leaves fewer than %d steps of a range of %g; "
+            "subtract an offset before",
+            s->path, fmin(a, b), fmax(a, b), step, LEAST_STEPS, fabs(b - a));
     return ISO_OK;
 }

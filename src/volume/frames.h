@@ -21,9 +21,9 @@ typedef struct iso_extra_axis {
 typedef struct iso_extra_axes {
     iso_extra_axis frame, channel;
     const struct json_t *layers; /* segments (segments.h) where the frames are layers of them; else NULL */
-    double frame_step;   /* of time, or what the axis is of; 0: not said */
-    char frame_unit[16]; /* "" where none is said */
-    bool is_color;       /* red, green, blue, and alpha where there are four */
+    double frame_step;           /* of time, or what the axis is of; 0: not said */
+    char frame_unit[16];         /* "" where none is said */
+    bool is_color;               /* red, green, blue, and alpha where there are four */
     char channel_name[ISO_NAMED_CHANNELS][ISO_CHANNEL_NAME_BYTES];
 } iso_extra_axes;
 

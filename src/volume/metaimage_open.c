@@ -135,12 +135,18 @@ static bool take_type(const char *name, iso_volume_source *source)
         const char *name;
         iso_type type;
         iso_form form;
-    } types[] = {{"MET_UCHAR", ISO_U8, 0},  {"MET_CHAR", ISO_I8, 0},
-                 {"MET_USHORT", ISO_U16, 0}, {"MET_SHORT", ISO_I16, 0},
-                 {"MET_UINT", ISO_U32, 0},  {"MET_INT", ISO_I32, 0},
-                 {"MET_ULONG", ISO_U32, 0}, {"MET_LONG", ISO_I32, 0},
-                 {"MET_FLOAT", ISO_F32, 0}, {"MET_DOUBLE", ISO_F64, 0},
-                 {"MET_LONG_LONG", ISO_F64, ISO_FORM_I64}, {"MET_ULONG_LONG", ISO_F64, ISO_FORM_U64}};
+    } types[] = {{"MET_UCHAR", ISO_U8, 0},
+                 {"MET_CHAR", ISO_I8, 0},
+                 {"MET_USHORT", ISO_U16, 0},
+                 {"MET_SHORT", ISO_I16, 0},
+                 {"MET_UINT", ISO_U32, 0},
+                 {"MET_INT", ISO_I32, 0},
+                 {"MET_ULONG", ISO_U32, 0},
+                 {"MET_LONG", ISO_I32, 0},
+                 {"MET_FLOAT", ISO_F32, 0},
+                 {"MET_DOUBLE", ISO_F64, 0},
+                 {"MET_LONG_LONG", ISO_F64, ISO_FORM_I64},
+                 {"MET_ULONG_LONG", ISO_F64, ISO_FORM_U64}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
         if (strcmp(types[i].name, name) == 0) {
             source->header.type = types[i].type;

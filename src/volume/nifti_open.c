@@ -162,7 +162,8 @@ static bool center_affine(const nifti_header *h, const double spacing[3], double
         return false;
     mat44 q = nifti_quatern_to_mat44((float)h->quatern[0], (float)h->quatern[1], (float)h->quatern[2],
                                      (float)h->qoffset[0], (float)h->qoffset[1], (float)h->qoffset[2],
-                                     (float)spacing[0], (float)spacing[1], (float)spacing[2], h->pixdim[0] < 0 ? -1.0f : 1.0f);
+                                     (float)spacing[0], (float)spacing[1], (float)spacing[2],
+                                     h->pixdim[0] < 0 ? -1.0f : 1.0f);
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c)
             m[r][c] = q.m[r][c];
@@ -176,10 +177,11 @@ static iso_status read_geometry(const nifti_header *h, iso_volume_source *source
     double mm, m[3][4];
     iso_status status = iso_source_unit(source, unit_name(h->units), "mm", &mm, err);
     if (status == ISO_OK && h->sform_code > 0 && sform_is_empty(h) && !(source->hints.spacing_mm[0] > 0))
-        status = iso_fail(err, ISO_E_FORMAT,
-                          "%s: its sform (code %d) has an axis of zeros, which spans no volume; --spacing SXxSYxSZ, in mm, "
-                          "reads it by its qform",
-                          source->path, h->sform_code);
+        status =
+            iso_fail(err, ISO_E_FORMAT,
+                     "%s: its sform (code %d) has an axis of zeros, which spans no volume; --spacing SXxSYxSZ, in mm, "
+                     "reads it by its qform",
+                     source->path, h->sform_code);
     double spacing[3] = {fabs(h->pixdim[1]), fabs(h->pixdim[2]), fabs(h->pixdim[3])};
     const bool by_sform = h->sform_code > 0 && !sform_is_empty(h);
     if (status == ISO_OK && !by_sform)
@@ -344,8 +346,7 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
     if (h.datatype == NIFTI_TYPE_INT64 || h.datatype == NIFTI_TYPE_UINT64)
         iso_source_set_form(source, h.datatype == NIFTI_TYPE_INT64 ? ISO_FORM_I64 : ISO_FORM_U64);
     else if (!our_type(h.datatype, &source->header.type, &h.colors))
-        return iso_fail(err, ISO_E_FORMAT,
-                        "%s: data type %d (%s), must be an integer, float, double or RGB",
+        return iso_fail(err, ISO_E_FORMAT, "%s: data type %d (%s), must be an integer, float, double or RGB",
                         source->path, h.datatype, nifti_datatype_string(h.datatype));
     status = read_geometry(&h, source, err);
     if (status == ISO_OK)

@@ -221,8 +221,8 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
     if (nrrd->type == nrrdTypeLLong || nrrd->type == nrrdTypeULLong)
         iso_source_set_form(source, nrrd->type == nrrdTypeLLong ? ISO_FORM_I64 : ISO_FORM_U64);
     else if (!our_type(nrrd->type, &header->type))
-        return iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double",
-                        source->path, airEnumStr(nrrdType, nrrd->type));
+        return iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
+                        airEnumStr(nrrdType, nrrd->type));
     for (int a = 0; a < 3; ++a) {
         header->geometry.size[a] = nrrd->axis[axes.space[a]].size;
         header->geometry.box_index[a] = (double)nrrd->axis[axes.space[a]].size;

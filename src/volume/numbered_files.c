@@ -192,9 +192,10 @@ static iso_status check_row(const char *folder, const numbered_files *files, iso
     }
     for (size_t i = 1; i < files->count; ++i)
         if (files->file[i].number - files->file[i - 1].number != step)
-            return iso_fail(err, ISO_E_FORMAT,
-                            "%s: number %llu is missing between %s and %s; put that slice there, or number the files evenly",
-                            folder, files->file[i - 1].number + step, files->file[i - 1].name, files->file[i].name);
+            return iso_fail(
+                err, ISO_E_FORMAT,
+                "%s: number %llu is missing between %s and %s; put that slice there, or number the files evenly",
+                folder, files->file[i - 1].number + step, files->file[i - 1].name, files->file[i].name);
     return ISO_OK;
 }
 

@@ -164,9 +164,10 @@ iso_status iso_source_take_spacing(const iso_volume_source *source, double spaci
         for (int a = 0; a < 3 && (wrong >= 0 || lacking > 0); ++a)
             spacing[a] = spacing[a] > 0 && isfinite(spacing[a]) ? spacing[a] : 1;
     else if (wrong >= 0)
-        return iso_fail(err, ISO_E_FORMAT,
-                        "%s: its spacing along axis %d is %g mm, must be above 0 and finite; --spacing SXxSYxSZ says another",
-                        source->path, wrong + 1, spacing[wrong]);
+        return iso_fail(
+            err, ISO_E_FORMAT,
+            "%s: its spacing along axis %d is %g mm, must be above 0 and finite; --spacing SXxSYxSZ says another",
+            source->path, wrong + 1, spacing[wrong]);
     if (lacking == 1 && last == 2)
         snprintf(along, sizeof along, "between its slices");
     else if (lacking < 3)

@@ -41,10 +41,11 @@ struct iso_volume_source {
     char *preloaded; /* all of them, of encodings that are read at once */
     bool swap_bytes;
     iso_form form;
-    iso_type stored; /* the type in the file if header.type is another one: of scaled values, luminance, or a form; of as
+    iso_type
+        stored; /* the type in the file if header.type is another one: of scaled values, luminance, or a form; of as
                         many bytes as the form has */
     iso_source_look look;
-    bool scaled;     /* samples are made floats, slope * value + intercept */
+    bool scaled; /* samples are made floats, slope * value + intercept */
     double slope, intercept;
     iso_source_choice choice;
     size_t planes_done,

@@ -110,7 +110,11 @@ static iso_status check_read(const tiff_reader *r, const char *path, iso_status 
 
 static tiff_page read_page(TIFF *t)
 {
-    tiff_page p = {.depth = 1, .bits = 1, .samples = 1, .format = SAMPLEFORMAT_UINT, .planar = PLANARCONFIG_CONTIG,
+    tiff_page p = {.depth = 1,
+                   .bits = 1,
+                   .samples = 1,
+                   .format = SAMPLEFORMAT_UINT,
+                   .planar = PLANARCONFIG_CONTIG,
                    .compression = COMPRESSION_NONE};
     uint16_t meaning = 0;
     TIFFGetField(t, TIFFTAG_IMAGEWIDTH, &p.width);
@@ -319,7 +323,9 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
         return iso_fail(err, ISO_E_FORMAT, "%s: %zu channels of %zu components each, which is not read", source->path,
                         channels, inside);
     iso_extra_axes axes = {.frame = {.count = frames, .stride = 1},
-                           .channel = {.count = inside > 1 ? inside : channels, .inside = inside > 1 && !in_planes, .stride = 1},
+                           .channel = {.count = inside > 1 ? inside : channels,
+                                       .inside = inside > 1 && !in_planes,
+                                       .stride = 1},
                            .frame_step = n->frame_step,
                            .is_color = p->is_color};
     snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", n->frame_step > 0 ? n->frame_unit : "");
@@ -327,8 +333,9 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
         memcpy(axes.channel_name, n->channel_name, sizeof axes.channel_name);
     const iso_status status = iso_source_choose(source, &axes, err);
     if (status != ISO_OK && in_planes && r->page_count == 1 && !source->hints.channel)
-        return iso_fail(err, status, "%s: one page of %zu planes, which are channels: --channel K chooses one, from 0 to "
-                                     "%zu; if they are slices, save a page for each",
+        return iso_fail(err, status,
+                        "%s: one page of %zu planes, which are channels: --channel K chooses one, from 0 to "
+                        "%zu; if they are slices, save a page for each",
                         source->path, inside, inside - 1);
     if (status != ISO_OK)
         return status;

@@ -158,9 +158,15 @@ static bool take_type(const char *name, iso_volume_source *source)
         const char *name;
         iso_type type;
         iso_form form;
-    } types[] = {{"UInt8", ISO_U8, 0},   {"Int8", ISO_I8, 0},   {"UInt16", ISO_U16, 0},
-                 {"Int16", ISO_I16, 0},  {"UInt32", ISO_U32, 0}, {"Int32", ISO_I32, 0},
-                 {"Float32", ISO_F32, 0}, {"Float64", ISO_F64, 0}, {"UInt64", ISO_F64, ISO_FORM_U64},
+    } types[] = {{"UInt8", ISO_U8, 0},
+                 {"Int8", ISO_I8, 0},
+                 {"UInt16", ISO_U16, 0},
+                 {"Int16", ISO_I16, 0},
+                 {"UInt32", ISO_U32, 0},
+                 {"Int32", ISO_I32, 0},
+                 {"Float32", ISO_F32, 0},
+                 {"Float64", ISO_F64, 0},
+                 {"UInt64", ISO_F64, ISO_FORM_U64},
                  {"Int64", ISO_F64, ISO_FORM_I64}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
         if (strcmp(types[i].name, name) == 0) {

@@ -81,11 +81,16 @@ static bool take_type(const char *name, iso_volume_source *source)
         const char *name;
         iso_type type;
         iso_form form;
-    } types[] = {{"unsigned_char", ISO_U8, 0},  {"char", ISO_I8, 0},
-                 {"signed_char", ISO_I8, 0},    {"unsigned_short", ISO_U16, 0},
-                 {"short", ISO_I16, 0},         {"int", ISO_I32, 0},
-                 {"unsigned_int", ISO_U32, 0},  {"float", ISO_F32, 0},
-                 {"double", ISO_F64, 0},        {"vtktypeint64", ISO_F64, ISO_FORM_I64},
+    } types[] = {{"unsigned_char", ISO_U8, 0},
+                 {"char", ISO_I8, 0},
+                 {"signed_char", ISO_I8, 0},
+                 {"unsigned_short", ISO_U16, 0},
+                 {"short", ISO_I16, 0},
+                 {"int", ISO_I32, 0},
+                 {"unsigned_int", ISO_U32, 0},
+                 {"float", ISO_F32, 0},
+                 {"double", ISO_F64, 0},
+                 {"vtktypeint64", ISO_F64, ISO_FORM_I64},
                  {"vtktypeuint64", ISO_F64, ISO_FORM_U64}};
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
         if (strcmp(types[i].name, name) == 0) {

@@ -38,7 +38,7 @@ SEEDS = {"angstrom.cube": "cube", "phantom.gipl.gz": "gipl", "unit.mha": "metaim
          "phantom.mrc": "mrc", "nibabel.nii.gz": "nifti", "scaled.nii": "nifti", "gzip.nrrd": "nrrd", "text.nrrd": "nrrd",
          "imagej.tif": "tiff", "v.vdb": "vdb", "zlib.vti": "vti", "binary.vtk": "vtk", "text.vtk": "vtk",
          "phantom.xsf": "xsf"}
-WRITTEN = {"list.nhdr": b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: LIST 2\na.raw\nb.raw\n",
+WRITTEN = {"list.nhdr": b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: raw\ndata file: LIST 2\na.raw\nb.raw\n",
            "a.raw": b"\1\2\3\4", "b.raw": b"\5\6\7\10"}
 COMMANDS = {
     "make": ("", "make shells --size 12x10x11 -o o.nrrd -q"),

@@ -559,7 +559,8 @@ private:
         } else if (l.kind == "i8" || l.kind == "u8") {
             int64_t number;
             memcpy(&number, sample, 8);
-            put_number<double>(l.kind == "i8" ? static_cast<double>(number) : static_cast<double>(static_cast<uint64_t>(number)),
+            put_number<double>(l.kind == "i8" ? static_cast<double>(number)
+                                              : static_cast<double>(static_cast<uint64_t>(number)),
                                out);
         } else {
             memcpy(out, sample, l.bytes);
