@@ -15,8 +15,9 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev
 	libegl1 libgl1-mesa-dri libopenvdb-dev libnanovdb-dev libnanovdb-tools libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
-	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel python3-vtk9 \
-	python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev cppcheck valgrind strace
+	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel \
+	python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev cppcheck valgrind strace \
+	python3-openimageio openimageio-tools python3-png
 
 # The rooms that meet files of strangers and other programs.
 strangers := base image volume
@@ -57,7 +58,7 @@ missing = $(error Debian packages are missing that isoshade is built with: `make
 CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(if $(pkg_libs),$(pkg_cflags),$(missing))
 CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
 unpackaged_libs := -lteem -lniftiio -lznz
-LDLIBS = $(unpackaged_libs) $(pkg_libs) -lm
+LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
 openvdb_libs = -fopenmp -lopenvdb $(shell pkg-config --libs tbb Imath libdeflate)
 
 # ---- files -----------------------------------------------------------------
@@ -71,8 +72,10 @@ lib_c := $(filter-out $(commands_c) $(lab_c),$(all_c))
 openvdb_cc := $(wildcard exporters/vdb/*.cc)
 openvdb_o := $(openvdb_cc:%.cc=$(build)/%.o)
 openvdb_library := $(build)/isoshade_openvdb.so
-lib_o := $(lib_c:%.c=$(build)/%.o)
 lab_o := $(patsubst %.c,$(build)/%.o,$(filter-out src/lab/main.c,$(lab_c)))
+# OpenEXR's C library decodes some forms wrongly (src/image/exr_codec.h).
+lib_cc := $(wildcard src/image/*.cc)
+lib_o := $(lib_c:%.c=$(build)/%.o) $(lib_cc:%.cc=$(build)/%.o)
 commands_o := $(patsubst %.c,$(build)/%.o,$(filter-out src/cli/main.c,$(commands_c)))
 lib := $(build)/libisoshade.a
 commands := $(build)/libcommands.a

@@ -272,13 +272,13 @@ void iso_image_destroy(iso_image *image); /* accepts empty and NULL */
 /* OpenEXR, 32-bit float, channels A B G R: what comparisons are made of. notes end with a NULL key, or are NULL.
  * ISO_E_IO. */
 iso_status iso_image_save_exr(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err);
-/* Any scan-line or tiled single-part EXR with R, G, B (A = 1 where it has none), half or float. The picture is the
+/* Any flat single-part EXR with R, G, B or gray Y (A = 1 if it has none). Other primaries become those of Rec. 709. The picture is the
  * file's display window: pixels of it that are outside the data window are 0 in all channels, and data outside it are
  * left out. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
 iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err);
 /* 8-bit sRGB for people, opaque. Colors are multiplied by exposure first. ISO_E_IO. */
 iso_status iso_image_save_png(const iso_image *image, const char *path, double exposure, iso_error *err);
-/* 8 bits a channel, decoded from sRGB to linear light, multiplied by alpha. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
+/* 1 to 16 bits, decoded from sRGB or by gAMA and cHRM to linear light, multiplied by alpha. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
 iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err);
 
 /* ---- comparison -------------------------------------------------------------------------------------------------- */

@@ -120,8 +120,8 @@ deaf stopped after 0.4 s, the time limit
 crash ended by signal 11
 code exit code 3: no such luck
 nothing frame0.exr was not written; it printed last: nothing to do
-garbage frame0.exr is no OpenEXR picture
-empty frame0.exr is no OpenEXR picture
+garbage frame0.exr: is no picture of a known kind, must be OpenEXR
+empty frame0.exr: is empty, must be OpenEXR
 pipe frame0.exr is no file
 link frame0.exr is no file
 stale frame0.exr is older than the request for it

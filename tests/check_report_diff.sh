@@ -72,7 +72,7 @@ rm "two/images/level-0-gl-limit.exr"
 expect a_picture_that_is_gone_counts 1 "$ISOSHADE" report diff one two
 check by_name grep -q '^picture: level-0-gl-limit: .*level-0-gl-limit.exr' "$dir/out"
 echo damaged >two/images/level-0-gl-limit.exr
-refuse one_that_cannot_be_read_is_no_difference_but_an_error 4 "level-0-gl-limit.exr: not an OpenEXR image" "$ISOSHADE" report diff one two
+refuse one_that_cannot_be_read_is_no_difference_but_an_error 4 "level-0-gl-limit.exr: is no picture of a known kind, must be OpenEXR" "$ISOSHADE" report diff one two
 
 # A row and its picture, made with other steps.
 plant "r = next(r for r in d['agreement'] if r['comparison'] == 'limit'); r['verdict'] = 'differ'; r['rmse'] = 0.5; d['verdict'] = 'differ'

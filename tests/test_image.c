@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "compare/metrics.h"
 #include "image/image.h"
+#include "image/primaries.h"
 #include "folder.h"
 #include "test.h"
 
@@ -108,6 +109,101 @@ static void a_truncated_exr_is_refused(void **state)
     free(path);
 }
 
+/* Bytes of the file's only chunk: its line and its size stand before it. */
+static size_t chunk_bytes(const char *path)
+{
+    char *data;
+    size_t size, found = 0;
+    assert_ok(iso_file_read(path, &data, &size, &err));
+    for (size_t i = 0; found == 0 && i + 16 < size; ++i) {
+        uint64_t offset;
+        int32_t packed;
+        memcpy(&offset, data + i, 8);
+        memcpy(&packed, data + i + 12, 4);
+        if (offset == i + 8 && (size_t)packed == size - i - 16)
+            found = (size_t)packed;
+    }
+    free(data);
+    return found;
+}
+
+/* A chunk that packs to its raw size is stored raw. Noise in which ever more bytes are 0 meets that size from above. */
+static void chunks_that_pack_to_their_raw_size_are_kept(void **state)
+{
+    (void)state;
+    enum { WIDTH = 13, HEIGHT = 16, VALUES = 4 * WIDTH * HEIGHT };
+    iso_image a, b;
+    bool some_raw = false, some_packed = false;
+    char *path = iso_path_join(folder, "noise.exr");
+    assert_ok(iso_image_create(&a, WIDTH, HEIGHT, &err));
+    uint64_t random = 1;
+    for (size_t i = 0; i < VALUES; ++i) { /* all bits, so NaN of all kinds, too */
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        const uint32_t bits = (uint32_t)(random >> 32);
+        memcpy(&a.rgba[i], &bits, 4);
+    }
+    for (size_t zeros = 0; zeros < 120; ++zeros) {
+        a.rgba[4 * (zeros / 4) + zeros % 4] = 0;
+        assert_ok(iso_image_save_exr(&a, path, NULL, &err));
+        assert_ok(iso_image_load_exr(path, &b, &err));
+        assert_memory_equal(a.rgba, b.rgba, sizeof(float) * VALUES);
+        iso_image_destroy(&b);
+        *(chunk_bytes(path) == sizeof(float) * VALUES ? &some_raw : &some_packed) = true;
+    }
+    assert_true(some_raw && some_packed);
+    iso_image_destroy(&a);
+    free(path);
+}
+
+/* Planted: one byte of a raw chunk, a pixel more, a file cut. */
+static void a_file_with_other_pixels_is_noticed_after_writing(void **state)
+{
+    (void)state;
+    iso_image a, more;
+    char *bytes, *path = iso_path_join(folder, "raw.exr");
+    size_t size;
+    assert_ok(iso_image_create(&a, 1, 1, &err));
+    a.rgba[0] = NAN;
+    assert_ok(iso_image_save_exr(&a, path, NULL, &err));
+    assert_ok(iso_exr_verify(path, &a, &err));
+    assert_ok(iso_image_create(&more, 2, 1, &err));
+    assert_status(iso_exr_verify(path, &more, &err), ISO_E_IO);
+    assert_ok(iso_file_read(path, &bytes, &size, &err));
+    bytes[size - 1] ^= 1;
+    assert_ok(iso_file_write(path, bytes, size, &err));
+    assert_status(iso_exr_verify(path, &a, &err), ISO_E_IO);
+    assert_ok(iso_file_write(path, bytes, size - 1, &err));
+    assert_status(iso_exr_verify(path, &a, &err), ISO_E_IO);
+    free(bytes);
+    iso_image_destroy(&more);
+    iso_image_destroy(&a);
+    free(path);
+}
+
+/* ITU-R BT.2087 has the matrix of Rec. 2020, to 4 digits; SMPTE TB 2018 that of ACES AP1 (D60), by Bradford, to 5. */
+static void colors_of_other_primaries_become_those_of_rec_709(void **state)
+{
+    (void)state;
+    static const iso_primaries rec2020 = {{{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, {0.3127, 0.3290}}},
+                               ap1 = {{{0.713, 0.293}, {0.165, 0.830}, {0.128, 0.044}, {0.32168, 0.33767}}},
+                               srgb = {{{0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}, {0.31271, 0.32902}}},
+                               line = {{{0.1, 0.1}, {0.2, 0.2}, {0.3, 0.3}, {0.3127, 0.3290}}};
+    static const double of_2020[3][3] = {{1.6605, -0.5876, -0.0728}, {-0.1246, 1.1329, -0.0083}, {-0.0182, -0.1006, 1.1187}},
+                        of_ap1[3][3] = {{1.70505, -0.62179, -0.08326}, {-0.13026, 1.14080, -0.01055}, {-0.02400, -0.12897, 1.15297}};
+    double m[3][3], n[3][3];
+    assert_true(iso_primaries_matrix(&rec2020, m) && iso_primaries_matrix(&ap1, n));
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            assert_within(m[i][j], of_2020[i][j], 0.5e-4 + 1e-9); /* its digits */
+            assert_within(n[i][j], of_ap1[i][j], 2e-5);           /* its digits, and those of Bradford's matrix */
+        }
+        assert_within(n[i][0] + n[i][1] + n[i][2], 1, 1e-12); /* white stays white; rounding */
+    }
+    assert_true(iso_primaries_matrix(&srgb, m));
+    assert_true(m[0][0] == 1 && m[0][1] == 0);
+    assert_false(iso_primaries_matrix(&line, m));
+}
+
 static void an_unwritable_folder_is_named(void **state)
 {
     (void)state;
@@ -203,6 +299,9 @@ int main(void)
         cmocka_unit_test(exr_keeps_every_bit_and_the_orientation),
         cmocka_unit_test(the_data_window_places_the_pixels),
         cmocka_unit_test(a_truncated_exr_is_refused),
+        cmocka_unit_test(chunks_that_pack_to_their_raw_size_are_kept),
+        cmocka_unit_test(a_file_with_other_pixels_is_noticed_after_writing),
+        cmocka_unit_test(colors_of_other_primaries_become_those_of_rec_709),
         cmocka_unit_test(an_unwritable_folder_is_named),
         cmocka_unit_test(ppm_of_16_bits_is_read_and_8_bits_refused),
         cmocka_unit_test(png_is_decoded_from_srgb_of_8_and_16_bits),

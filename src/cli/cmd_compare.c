@@ -12,18 +12,27 @@
 
 typedef struct compare_options {
     iso_tolerances tolerances;
-    char *difference, *flip_map;
+    char *difference, *flip_map, *part, *layer;
     double scale;
     int hdr;
 } compare_options;
 
-static iso_status load(const char *path, iso_image *image, iso_error *err)
+/* Loads both pictures. --part and --layer count for each file that has parts, has layers; for one at least. */
+static iso_status load(const iso_cli *cli, const compare_options *opt, iso_image images[2], bool has_alpha[2],
+                       iso_error *err)
 {
-    if (iso_path_ends_with(path, ".ppm"))
-        return iso_image_load_ppm(path, image, err);
-    if (iso_path_ends_with(path, ".png"))
-        return iso_image_load_png(path, image, err);
-    return iso_image_load_exr(path, image, err);
+    iso_image_choice choice = {.part = opt->part, .layer = opt->layer};
+    for (int i = 0; i < 2; ++i) {
+        const iso_status status = iso_image_load(cli->arguments[i], &choice, &images[i], err);
+        if (status != ISO_OK)
+            return status;
+        has_alpha[i] = choice.has_alpha;
+    }
+    if (opt->part && !choice.used_part)
+        return iso_fail(err, ISO_E_USAGE, "--part is \"%s\", but neither file has several parts", opt->part);
+    if (opt->layer && !choice.used_layer)
+        return iso_fail(err, ISO_E_USAGE, "--layer is \"%s\", but neither file has layers", opt->layer);
+    return ISO_OK;
 }
 
 /* A limit that was not given is -inf; a limit of 0 would ask for equality, which needs no limit. */
@@ -115,6 +124,16 @@ static opacity look_at_opacity(const iso_image images[2])
     return (opacity){a ? "A" : "B", a ? "B" : "A", iso_metrics_rmse_of_colors(&images[0], &images[1], INFINITY)};
 }
 
+/* Gives a picture without an alpha channel the other's alpha, so that colors alone are compared. */
+static void complete_alpha(iso_image images[2], const bool has_alpha[2])
+{
+    if (has_alpha[0] == has_alpha[1])
+        return;
+    const iso_image *from = &images[has_alpha[0] ? 0 : 1], *to = &images[has_alpha[0] ? 1 : 0];
+    for (size_t i = 0; i < to->width * to->height; ++i)
+        to->rgba[4 * i + 3] = from->rgba[4 * i + 3];
+}
+
 static void print_text(const iso_metrics *m, const opacity *o, const hdr_flip *hdr, bool agree)
 {
     if (m->nonfinite_count > 0)
@@ -136,14 +155,17 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
 {
     iso_metrics m;
     double flip = NAN;
+    bool has_alpha[2] = {false, false};
     hdr_flip hdr = {.mean = NAN};
     iso_status status = opt->flip_map ? iso_image_check_name("--flip-map", opt->flip_map, err) : ISO_OK;
     if (status == ISO_OK)
-        status = load(cli->arguments[0], &images[0], err);
-    if (status == ISO_OK)
-        status = load(cli->arguments[1], &images[1], err);
+        status = load(cli, opt, images, has_alpha, err);
     if (status != ISO_OK)
         return status;
+    const bool has_one_size = images[0].width == images[1].width && images[0].height == images[1].height;
+    const opacity o = has_one_size ? look_at_opacity(images) : (opacity){NULL, NULL, NAN};
+    if (has_one_size)
+        complete_alpha(images, has_alpha);
     status = iso_metrics_measure(&images[0], &images[1], &m, err);
     if (status != ISO_OK)
         return iso_fail_in(err, status, "%s and %s", cli->arguments[0], cli->arguments[1]);
@@ -161,7 +183,6 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
     if (status != ISO_OK)
         return status;
     const bool agree = iso_metrics_within(&m, &opt->tolerances);
-    const opacity o = look_at_opacity(images);
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
         json_object_set_new(root, "options", json_pack("{s:o}", "limits", describe_tolerances(&opt->tolerances)));
@@ -199,6 +220,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0,
          "write the FLIP map: .exr holds its values, .png shows them, white the largest", "OUT"},
         {"hdr", 0, POPT_ARG_NONE, &opt.hdr, 0, "HDR-FLIP as well, with A as reference; of the map, too", NULL},
+        {"part", 0, POPT_ARG_STRING, &opt.part, 0, "part of OpenEXR files that have several", "NAME|N"},
+        {"layer", 0, POPT_ARG_STRING, &opt.layer, 0, "layer of OpenEXR files that have layers", "NAME"},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -215,6 +238,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         iso_image_destroy(&images[i]);
     free(opt.difference);
     free(opt.flip_map);
+    free(opt.part);
+    free(opt.layer);
     iso_cli_end(&cli);
     return status;
 }
@@ -226,12 +251,14 @@ const iso_command iso_command_compare = {
     .max_arguments = 2,
     .usage = "A B [--max-rmse X ...] [--difference OUT.png] [--json]",
     .details =
-        "Images are .exr (linear), .ppm of 16 bits (linear) or .png of 8 bits (sRGB, which is decoded).\n"
+        "Images are OpenEXR (linear), PPM of 16 bits (linear) or PNG (decoded from sRGB, or by its gAMA and cHRM); a\n"
+        "file's content counts, not its name. OpenEXR files of several parts need --part, a name or a number from 1.\n"
+        "Channels of a layer, such as ViewLayer.Combined.R, need --layer ViewLayer.Combined.\n"
         "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
         "agree only when they are equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
-        "on the sRGB that people see. Where one image is opaque throughout and the other is not, as a picture with\n"
-        "its background beside one without, that is said, with the RMSE of the colors alone. Pixels that are not\n"
-        "finite always differ.",
+        "on the sRGB that people see. If one image is opaque throughout and the other is not, a note has the RMSE of\n"
+        "the colors alone. If only one file has an alpha channel, alpha is not compared. Pixels that are not finite\n"
+        "always differ.",
     .examples =
         "  isoshade make sphere --size 24 -o v.nrrd\n"
         "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 -o a.exr\n"

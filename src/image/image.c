@@ -12,7 +12,7 @@
 #include <strings.h>
 
 #include "base/file.h"
-#include "image/png16.h"
+#include "image/picture_bytes.h"
 
 iso_status iso_image_create(iso_image *image, size_t width, size_t height, iso_error *err)
 {
@@ -108,54 +108,6 @@ iso_status iso_image_save(const iso_image *image, const char *path, const iso_im
                                     : iso_image_save_exr(image, path, notes, err);
 }
 
-/* IEC 61966-2-1, the other way. */
-double iso_png_linear(double c)
-{
-    return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-}
-
-static iso_status take_png(const char *path, png_image *png, iso_image *image, iso_error *err)
-{
-    png->format = PNG_FORMAT_RGBA;
-    iso_status status = iso_image_create(image, png->width, png->height, err);
-    if (status != ISO_OK)
-        return status;
-    size_t count = image->width * image->height;
-    uint8_t *bytes = malloc(4 * count);
-    if (!bytes)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu x %zu pixels", path, image->width, image->height);
-    else if (!png_image_finish_read(png, NULL, bytes, 0, NULL))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png->message);
-    for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i) {
-        double alpha = bytes[i | 3] / 255.0;
-        image->rgba[i] = (float)(i % 4 == 3 ? alpha : alpha * iso_png_linear(bytes[i] / 255.0));
-    }
-    free(bytes);
-    if (status != ISO_OK)
-        iso_image_destroy(image);
-    return status;
-}
-
-iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err)
-{
-    char *data;
-    size_t size;
-    *image = (iso_image){0};
-    iso_status status = iso_file_read(path, &data, &size, err);
-    if (status != ISO_OK)
-        return status;
-    png_image png = {.version = PNG_IMAGE_VERSION};
-    if (iso_png_has_16_bits(data, size))
-        status = iso_png16_take(path, data, size, image, err);
-    else if (png_image_begin_read_from_memory(&png, data, size))
-        status = take_png(path, &png, image, err);
-    else
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png.message);
-    png_image_free(&png);
-    free(data);
-    return status;
-}
-
 /* The next number of a PPM header; # starts a comment that ends with the line. */
 static bool ppm_number(const char **at, const char *end, size_t *number)
 {
@@ -173,7 +125,7 @@ static bool ppm_number(const char **at, const char *end, size_t *number)
     return true;
 }
 
-static iso_status parse_ppm(const char *path, const char *data, size_t size, iso_image *image, iso_error *err)
+iso_status iso_ppm_decode(const char *path, const char *data, size_t size, iso_image *image, iso_error *err)
 {
     const char *at = data + 2, *end = data + size;
     size_t width, height, maximum;
@@ -201,10 +153,10 @@ iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err
     char *data;
     size_t size;
     *image = (iso_image){0};
-    iso_status status = iso_file_read(path, &data, &size, err);
+    iso_status status = iso_picture_read_kind(path, ISO_PICTURE_PPM, "PPM of 16 bits", &data, &size, err);
     if (status != ISO_OK)
         return status;
-    status = parse_ppm(path, data, size, image, err);
+    status = iso_ppm_decode(path, data, size, image, err);
     free(data);
     return status;
 }

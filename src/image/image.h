@@ -18,13 +18,27 @@ iso_status iso_image_save(const iso_image *image, const char *path, const iso_im
 /* POV-Ray writes 16-bit PPM (P6, maxval 65535): linear values / 65535, A = 1. */
 iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err);
 
-/* What an OpenEXR file says of itself before its pixels are read. */
+/* The picture to take from OpenEXR files that hold several. Zeros: the only part, its channels R, G, B and A. */
+typedef struct iso_image_choice {
+    const char *part;           /* a name, or a number from 1 */
+    const char *layer;          /* the channels' names before ".R" */
+    bool used_part, used_layer; /* outputs: true if a loaded file had parts, had the layer */
+    bool has_alpha;             /* output: true if the file loaded last has an alpha channel, else alpha is 1 */
+} iso_image_choice;
+
+/* Loads OpenEXR, PNG or PPM by the file's content, whatever its name. choice: may be NULL. */
+iso_status iso_image_load(const char *path, iso_image_choice *choice, iso_image *image, iso_error *err);
+
+/* Header of an OpenEXR file, read before its pixels. */
 typedef struct iso_exr_header {
     size_t width, height; /* of the data */
-    bool is_cropped;      /* the picture is another window than the data */
-    unsigned channels;    /* 1, 2, 4 and 8 for R, G, B and A that have a value a pixel */
+    bool is_cropped;      /* true if the picture is another window than the data */
+    unsigned channels;    /* 1, 2, 4 and 8 for R, G, B and A that have a value per pixel */
 } iso_exr_header;
 iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, iso_error *err);
+
+/* Compares an OpenEXR file with the image that was written to it, bit by bit. ISO_E_IO: they differ. */
+iso_status iso_exr_verify(const char *path, const iso_image *image, iso_error *err);
 
 /* color += (1 - alpha) * background: for images of renderers that do not draw the background. */
 void iso_image_add_background(iso_image *image, const double background[3]);

@@ -3,11 +3,15 @@
 
 #include <math.h>
 
-/* What is wrong with a picture is the program's fault; that it could not be read is not. */
-static iso_status refuse(iso_status status, const iso_error *why, const char *file, iso_error *err, const char *what)
+#include <string.h>
+
+/* Blames the program for a wrong picture, in the message the file's short name for its path; not for a failed read. */
+static iso_status refuse(iso_status status, const iso_error *why, const char *path, const char *file, iso_error *err)
 {
-    return status == ISO_E_MEMORY || status == ISO_E_IO ? iso_fail(err, status, "%s", why->text)
-                                                        : iso_fail(err, ISO_E_PROGRAM, "%s %s", file, what);
+    const size_t length = strlen(path);
+    if (status == ISO_E_MEMORY || status == ISO_E_IO || strncmp(why->text, path, length) != 0)
+        return iso_fail(err, status, "%s", why->text);
+    return iso_fail(err, ISO_E_PROGRAM, "%s%s", file, why->text + length);
 }
 
 static iso_status check_header(const char *path, const char *file, const iso_view *view, iso_error *err)
@@ -17,7 +21,7 @@ static iso_status check_header(const char *path, const char *file, const iso_vie
     iso_error why = {""};
     const iso_status status = iso_image_read_exr_header(path, &header, &why);
     if (status != ISO_OK)
-        return refuse(status, &why, file, err, "is no OpenEXR picture");
+        return refuse(status, &why, path, file, err);
     if (header.width != view->width || header.height != view->height || header.is_cropped)
         return iso_fail(err, ISO_E_PROGRAM, "%s has %zu x %zu pixels%s, wanted %zu x %zu", file, header.width,
                         header.height, header.is_cropped ? " of another window" : "", view->width, view->height);
@@ -46,7 +50,7 @@ iso_status iso_picture_load(const char *path, const char *name, const iso_view *
     iso_error why = {""};
     iso_status status = check_header(path, name, view, err);
     if (status == ISO_OK && (status = iso_image_load_exr(path, image, &why)) != ISO_OK)
-        return refuse(status, &why, name, err, "is a damaged OpenEXR picture");
+        return refuse(status, &why, path, name, err);
     if (status == ISO_OK && (status = check_values(image, name, err)) != ISO_OK)
         iso_image_destroy(image);
     return status;

@@ -9,7 +9,6 @@
 
 #include "base/words.h"
 #include "image/image.h"
-#include "image/png16.h"
 #include "palette/palette.h"
 #include "scene/viewpoint.h"
 #include "tests/fuzz/readers.h"
