@@ -98,21 +98,18 @@ def spec_of(channels, kind, compression, layout, order, window):
 
 
 def write_exr(path, spec, planes, mipmap):
-    out = oiio.ImageOutput.create(path)
+    pixels = np.ascontiguousarray(np.dstack(planes))
     if mipmap:
-        spec.attribute("textureformat", "Plain Texture")
-    good = out.open(path, spec)
-    good = good and out.write_image(np.ascontiguousarray(np.dstack(planes)))
-    width, height = WIDTH, HEIGHT
-    while good and mipmap and (width > 1 or height > 1):
-        width, height = max(1, width // 2), max(1, height // 2)
-        small = oiio.ImageSpec(spec)
-        small.width, small.height = width, height
-        good = out.open(path, small, "AppendMIPLevel") and out.write_image(
-            np.full((height, width, len(planes)), 7, planes[0].dtype))  # other values than level 0
+        buffer = oiio.ImageBuf(spec)
+        good = buffer.set_pixels(oiio.ROI(), pixels) and oiio.ImageBufAlgo.make_texture(oiio.MakeTxTexture, buffer, path, spec)
+        why = oiio.geterror()
+    else:
+        out = oiio.ImageOutput.create(path)
+        good = out.open(path, spec) and out.write_image(pixels)
+        why = out.geterror()
+        out.close()
     if not good:
-        raise RuntimeError(out.geterror())
-    out.close()
+        raise RuntimeError(why)
 
 
 def read_exr(path):
@@ -131,12 +128,12 @@ def as_picture(planes, window):
     """The display window's pixels: 0 outside the data, alpha 1 in data without it, Y as gray."""
     x, y, width, height, first_x, first_y = WINDOWS[window]
     picture = np.zeros((height, width, 4), np.float32)
-    for row, column in itertools.product(range(height), range(width)):
-        i, k = row + first_y - y, column + first_x - x
-        if 0 <= i < HEIGHT and 0 <= k < WIDTH:
-            for c, name in enumerate("RGBA"):
-                plane = planes.get(name, planes.get("Y") if c < 3 else None)
-                picture[row, column, c] = 1 if plane is None else np.float32(plane[i, k])
+    rows, columns = np.arange(height) + first_y - y, np.arange(width) + first_x - x
+    in_rows, in_columns = (rows >= 0) & (rows < HEIGHT), (columns >= 0) & (columns < WIDTH)
+    for c, name in enumerate("RGBA"):
+        plane = planes.get(name, planes.get("Y") if c < 3 else None)
+        plane = np.ones((HEIGHT, WIDTH)) if plane is None else plane
+        picture[np.ix_(in_rows, in_columns, [c])] = plane[np.ix_(rows[in_rows], columns[in_columns])][:, :, None]
     return picture
 
 
