@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "validate/agreement_rows.h"
+#include "validate/rounding.h"
 
 /* Of the same samples with exact lookups, whatever the transfer function. */
 static iso_tolerances exact_lock_step_tolerances(const iso_renderer_info *renderer)
@@ -43,6 +44,20 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const iso_tru
     return status;
 }
 
+/* The limits of usual lookups if exact ones are within theirs: what is left is rounding in texture units. */
+static iso_status allow_rounding(const iso_validation *v, size_t level, const iso_render_options *opt,
+                                 iso_report_agreement *row, iso_error *err)
+{
+    const iso_lock_step *lock = opt->renderer->lock_step;
+    iso_sample_error most;
+    const iso_status status = iso_rounding_bound(&v->pyramid->levels[level], v->pyramid->options.code, v->view,
+                                                 opt->source, v->threads, &most, err);
+    row->tolerances = (iso_tolerances){.rmse = fmax(lock->rounded.rmse, most.rmse),
+                                       .max_abs = fmax(lock->rounded.max_abs, most.max_abs)};
+    row->why = lock->rounded_why;
+    return status;
+}
+
 /* The row of the usual lookups, and where it is asked for that of exact ones: where the usual ones are out of their
  * tolerances the exact ones come first, because they tell rounding from a fault. */
 static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agreement *row, const iso_truth *same,
@@ -58,10 +73,8 @@ static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agre
     if (status == ISO_OK && first)
         status = exact_lock_step(v, level, same, *opt, &holds, err);
     v->row_start = start;
-    if (holds) {
-        row->tolerances = (iso_tolerances){.rmse = lock->rounded.rmse, .max_abs = lock->rounded.max_abs};
-        row->why = lock->rounded_why;
-    }
+    if (status == ISO_OK && holds)
+        status = allow_rounding(v, level, opt, row, err);
     if (status == ISO_OK)
         status = iso_validate_add_row(v, level, row, same, with, err);
     if (status == ISO_OK && has_exact && !first && v->scene->agreement.sharp)
