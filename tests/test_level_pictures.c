@@ -86,8 +86,8 @@ static void exchanged(iso_pyramid *p, size_t level)
 
 typedef void fault(iso_pyramid *p, size_t level);
 
-/* Whether levels 1 and 2 are not behind the simple way, and not farther from level 0's directions than it: what does not
- * look at what is stored. NULL plants nothing. */
+/* Whether levels 1 and 2 are not behind the simple way, and not worse in angles and pictures for their directions: what
+ * does not look at what is stored. NULL plants nothing. */
 typedef struct held {
     bool pictures[levels], directions[levels];
 } held;
@@ -129,7 +129,8 @@ static void gross_faults_are_seen_in_pictures(void **state)
 }
 
 /* Of tubes as thin as a voxel the adapted TF alone brings a level so much nearer to level 0 that wrong directions do not put
- * it behind gradients on the fly under the original TF; another volume does. The angles to level 0's directions tell. */
+ * it behind gradients on the fly under the original TF; another volume does. With both under the original TF, angles and
+ * pictures tell. */
 static void wrong_directions_of_thin_tubes_are_seen_by_their_angles(void **state)
 {
     (void)state;

@@ -415,6 +415,42 @@ static void intervals_are_students(void **state)
     assert_true(iso_paired_is_larger((iso_paired){NAN, 1}, 0));
 }
 
+/* Two voxels of a block say what one says: groups of equal differences have the interval of one value each. */
+static void differences_that_scatter_together_count_once(void **state)
+{
+    (void)state;
+    const double twice[] = {1, 1, 2, 2, 3, 3};
+    const size_t group[] = {4, 4, 0, 0, 2, 2}, alone[] = {1, 1, 1, 1, 1, 1};
+    iso_paired p;
+    assert_ok(iso_paired_of_groups(twice, group, 6, 5, 0.95, &p, &err));
+    assert_within(p.difference, 2, 1e-15);
+    assert_within(p.half_width, 4.30265 / sqrt(3), 1e-5);
+    assert_ok(iso_paired_of_groups(twice, alone, 6, 5, 0.95, &p, &err));
+    assert_true(p.difference == 2 && isinf(p.half_width));
+    assert_ok(iso_paired_of_groups(twice, alone, 0, 5, 0.95, &p, &err));
+    assert_true(isnan(p.difference));
+}
+
+/* Angles are a reason only if they are beyond their interval and their margin, and pictures are worse as well. */
+static void angles_alone_fail_no_level(void **state)
+{
+    (void)state;
+    const double own[] = {0.07, 0.08, 0.06, 0.07, 0.09, 0.05};
+    const iso_paired worse = {0.02, 0.01}, alike = {0, 0}, far = {30, 4}, unsure = {30, 40};
+    iso_report_level row = row_with(own, own, 6, NAN);
+    row.angle_margin_deg = 5;
+    row.angle_behind = far;
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
+        row.turned[k] = alike;
+    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
+    row.turned[ISO_LEVEL_FLIP] = worse;
+    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_DIFFER);
+    row.angle_behind = unsure;
+    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
+    row.angle_behind = (iso_paired){NAN, INFINITY}; /* nothing has a direction */
+    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
+}
+
 static void what_a_scene_asks_is_held_in_the_run(void **state)
 {
     (void)state;
@@ -561,10 +597,31 @@ static void a_level_that_few_views_leave_open_is_judged_by_twenty(void **state)
     }
 }
 
+/* The quick run draws twenty views of what few say is behind, and of nothing else. */
+static void a_quick_run_confirms_what_would_fail(void **state)
+{
+    (void)state;
+    for (int turned = 0; turned < 2; ++turned) {
+        subject s;
+        open_subject(&s, ISO_FIELD_BALLS, turned ? "confirmed" : "quick");
+        if (turned)
+            turn_directions(&s.pyramid, 1);
+        s.validation.quick = s.validation.may_add_views = true;
+        judge(&s);
+        const json_t *row = row_of(&s, 1);
+        assert_int_equal(json_integer_value(json_object_get(row, "views")),
+                         turned ? ISO_FACE_VIEWS : ISO_DIAGONAL_VIEWS);
+        assert_true(json_is_true(json_object_get(row, "simple_held")) == !turned);
+        close_subject(&s);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(intervals_are_students),
+        cmocka_unit_test(differences_that_scatter_together_count_once),
+        cmocka_unit_test(angles_alone_fail_no_level),
         cmocka_unit_test(a_level_is_held_to_its_limit_and_to_the_simple_way),
         cmocka_unit_test(a_failure_tells_what_speaks_against_it),
         cmocka_unit_test(a_wrong_choice_of_auto_is_named),
@@ -577,6 +634,7 @@ int main(void)
         cmocka_unit_test(one_value_that_is_slightly_off_fails),
         cmocka_unit_test(what_a_scene_asks_is_held_in_the_run),
         cmocka_unit_test(a_level_that_few_views_leave_open_is_judged_by_twenty),
+        cmocka_unit_test(a_quick_run_confirms_what_would_fail),
     };
     return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
 }

@@ -40,7 +40,12 @@ static bool is_as_made(const iso_report_level *row)
 
 static bool is_not_turned(const iso_report_level *row)
 {
-    return !(row->angle_deg > row->simple_angle_deg + row->angle_margin_deg);
+    if (isnan(row->angle_behind.difference) || !iso_paired_is_larger(row->angle_behind, row->angle_margin_deg))
+        return true;
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
+        if (iso_paired_is_larger(row->turned[k], row->margin))
+            return false;
+    return true;
 }
 
 static bool is_within_bound(const iso_report_level *row)
@@ -130,9 +135,11 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
         json_object_set_new(o, "chosen_filter", json_string(row->chosen));
     json_object_set_new(o, "simple_held", json_boolean(is_not_behind(row, &row->simple)));
     json_object_set_new(o, "directions",
-                        json_pack("{s:o, s:o, s:f, s:b}", "angle_deg", iso_json_number(row->angle_deg), "simple_deg",
-                                  iso_json_number(row->simple_angle_deg), "margin_deg", row->angle_margin_deg, "held",
-                                  is_not_turned(row)));
+                        json_pack("{s:o, s:o, s:o, s:o, s:f, s:b}", "angle_deg", iso_json_number(row->angle_deg),
+                                  "simple_deg", iso_json_number(row->simple_angle_deg), "difference_deg",
+                                  iso_json_number(row->angle_behind.difference), "half_width_deg",
+                                  iso_json_number(row->angle_behind.half_width), "margin_deg", row->angle_margin_deg,
+                                  "held", is_not_turned(row)));
     json_object_set_new(o, "stored",
                         json_pack("{s:o, s:f, s:o, s:f, s:b}", "scalar", iso_json_number(row->scalar_off),
                                   "scalar_limit", row->scalar_limit, "direction_deg",
@@ -223,8 +230,10 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
     if (directions && !is_true(directions, "held"))
         iso_words_append(
             s->sentence, sizeof s->sentence,
-            " Level %lld: its directions are %.3g degrees from level 0's on average, gradients on the fly %.3g.", level,
-            iso_row_number(directions, "angle_deg"), iso_row_number(directions, "simple_deg"));
+            " Level %lld: its directions are %.3g degrees from level 0's on average, gradients on the fly %.3g (%.2g +- %.2g "
+            "more), and its pictures under the original TF are worse.",
+            level, iso_row_number(directions, "angle_deg"), iso_row_number(directions, "simple_deg"),
+            iso_row_number(directions, "difference_deg"), iso_row_number(directions, "half_width_deg"));
     json_array_foreach(json_object_get(row, "figures"), i, f) if (!is_true(f, "held"))
         iso_words_append(s->sentence, sizeof s->sentence, " Level %lld: %s is %.3g, asked for is at most %.3g.", level,
                          iso_row_text(f, "name"), iso_row_number(f, "value"), iso_row_number(f, "asked"));

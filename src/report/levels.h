@@ -8,7 +8,8 @@
  *    (paired.h) and a margin below which nobody sees a difference;
  *  - what is stored is what level 0 makes;
  *  - extinction scales that it is handed over with are those that level 0 makes, and change its pictures;
- *  - its directions are not farther from level 0's than gradients on the fly are, whatever the TF makes of the pictures;
+ *  - its directions are not worse than gradients on the fly, both under the original TF: farther from level 0's by more than the
+ *    interval and a margin, and behind in a figure of the pictures as well. Angles alone fail nothing;
  *  - its RMSE is not above its bound in any view, beyond the margin, which is for the renderer's steps: the bound is of
  *    images without any.
  * Other methods are rivals. One that is better in a figure by the same measure, and worse in none, is named with the
@@ -75,9 +76,11 @@ typedef struct iso_report_level {
     /* Against what level 0 makes: the scalar's largest difference as a part of the range, the mean angle between
      * directions, and what is allowed of them. */
     double scalar_off, scalar_limit, direction_off_deg, direction_limit_deg;
-    /* The mean angle to level 0's directions where the scene's TF shows anything, of the default and of the simple way, and
-     * how much larger the first may be; NaN where nothing has a direction. */
+    /* The mean angle to level 0's directions where the scene's TF shows anything, of the default and of the simple way; their
+     * difference with its interval, and a margin that is allowed; NaN where nothing has a direction. */
     double angle_deg, simple_angle_deg, angle_margin_deg;
+    iso_paired angle_behind;
+    iso_paired turned[ISO_LEVEL_FIGURE_COUNT]; /* the default's figures less the simple way's, both under the original TF */
     iso_report_bound bound;
     iso_report_scale scale;
 } iso_report_level;

@@ -38,7 +38,7 @@ function levelVerdicts() {
         bounded.map(r => `level ${r.level} ${plain(r.bound.rmse)} of at most ${plain(r.bound.bound)}${r.bound.held ? '' : ` (above it by ${plain(r.bound.above)} in a view: one of the two is wrong)`}`).join(', ') +
         `. Means over the first ${bounded[0].bound.views === 1 ? 'view' : `${bounded[0].bound.views} views`}.`));
     const turned = rows.filter(r => r.directions && !r.directions.held);
-    if (turned.length) $('levels').append(el('p', {class: 'turned'}, turned.map(r => `Level ${r.level}: its directions are ${plain(r.directions.angle_deg)} degrees from level 0's on average, gradients on the fly ${plain(r.directions.simple_deg)}. `)));
+    if (turned.length) $('levels').append(el('p', {class: 'turned'}, turned.map(r => `Level ${r.level}: its directions are ${plain(r.directions.angle_deg)} degrees from level 0's on average, gradients on the fly ${plain(r.directions.simple_deg)} (${plain(r.directions.difference_deg)} ± ${plain(r.directions.half_width_deg)} more), and its pictures under the original TF are worse. `)));
     const scaled = rows.filter(r => r.extinction_scale);
     if (scaled.length) $('levels').append(el('p', {class: 'scaled'}, 'Shown with extinction scales: ' + scaled.map(r => `level ${r.level} ${!r.extinction_scale.has_effect ? 'changes no picture, so it is not used' :
         r.extinction_scale.held ? `as level 0 makes it, not 1 at ${r.extinction_scale.scaled_voxels} voxels` : `is not what level 0 makes, at ${r.extinction_scale.differing_voxels} voxels`}`).join(', ') + '.'));

@@ -40,6 +40,9 @@ const iso_measured_level *iso_measured_find(const iso_measured *all, size_t leve
                                             iso_level_tf_use use);
 /* By its mean the default is behind the simple way in a figure, and the scatter over the views is larger than that. */
 bool iso_measured_is_open(const iso_measured_level *own, const iso_measured_level *simple, size_t views);
+/* It is behind beyond the scatter: a verdict that more views have to confirm, for of three figures at several levels one is
+ * beyond an interval of 95 % by chance more often than once in twenty. */
+bool iso_measured_is_behind(const iso_measured_level *own, const iso_measured_level *simple, size_t views);
 
 /* Levels that the views leave open may be drawn in twenty. */
 bool iso_validate_may_add_views(const iso_validation *v);
@@ -69,5 +72,15 @@ typedef struct iso_level_angles {
 } iso_level_angles;
 iso_status iso_validate_angles(const iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source,
                                iso_level_angles *angles, iso_error *err);
+
+/* Whose directions angles are of. */
+typedef struct iso_angles_of {
+    const iso_pyramid *pyramid;
+    iso_direction_source source;
+} iso_angles_of;
+/* How much larger the angles of a are than those of b, at the same voxels, with an interval. Neighbors share what they are
+ * interpolated from, so that blocks of 2 x 2 x 2 of the level's voxels count as one. NaN where there is no such voxel. */
+iso_status iso_validate_compare_angles(const iso_validation *v, size_t level, iso_angles_of a, iso_angles_of b,
+                                       double confidence, iso_paired *difference, iso_error *err);
 
 #endif
