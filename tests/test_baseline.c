@@ -180,6 +180,61 @@ static void what_is_less_certain_than_before_is_worse(void **state)
     iso_baseline_result_destroy(&r);
 }
 
+static json_t *with_a_level(const char *verdict, double flip)
+{
+    json_t *r = report(1e-3, 0.2, NULL);
+    json_object_set_new(r, "levels", json_pack("[{s:i, s:s, s:[{s:s, s:f, s:f}]}]", "level", 1, "verdict", verdict,
+                                               "figures", "figure", "flip", "value", flip, "asked", 0.25));
+    return r;
+}
+
+static void a_level_that_held_and_does_not_is_worse(void **state)
+{
+    (void)state;
+    iso_baseline_result r = run(figures_of(with_a_level("differ", 0.1)), figures_of(with_a_level("agree", 0.1)));
+    assert_true(r.worse == 1 && r.missing == 0);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(r.changes, 0), "figure")),
+                        "levels/level 1/verdict");
+    iso_baseline_result_destroy(&r);
+    r = run(figures_of(with_a_level("agree", 0.2)), figures_of(with_a_level("agree", 0.1)));
+    assert_true(r.worse == 1 && r.missing == 0); /* its figure */
+    iso_baseline_result_destroy(&r);
+    r = run(figures_of(report(1e-3, 0.2, NULL)), figures_of(with_a_level("agree", 0.1)));
+    assert_true(r.worse == 0 && r.missing == 3);
+    iso_baseline_result_destroy(&r);
+}
+
+/* A word that is not known must not pass for anything; nor a list with verdicts that no table has. */
+static void what_is_not_known_of_a_report_is_refused(void **state)
+{
+    (void)state;
+    const char *const words[] = {"fine", "", "pass"}; /* the last is one of calibrations */
+    json_t *b;
+    iso_error why;
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
+        json_t *r = with_a_level(words[i], 0.1);
+        assert_int_equal(iso_baseline_from_report(r, &b, &why), ISO_E_FORMAT);
+        assert_non_null(strstr(why.text, "levels, row 1: verdict"));
+        json_decref(r);
+    }
+    json_t *r = with_a_level("agree", 0.1);
+    json_object_set_new(r, "made_up", json_pack("[{s:s}]", "verdict", "agree"));
+    assert_int_equal(iso_baseline_from_report(r, &b, &why), ISO_E_FORMAT);
+    assert_non_null(strstr(why.text, "\"made_up\" has verdicts and is no section that is known"));
+    json_decref(r);
+    r = with_a_level("agree", 0.1);
+    json_object_set_new(r, "verdict", json_string("good"));
+    assert_status(iso_baseline_from_report(r, &b, &err), ISO_E_FORMAT);
+    json_decref(r);
+    iso_baseline_result result;
+    json_t *now = figures_of(with_a_level("agree", 0.1)), *accepted = figures_of(with_a_level("agree", 0.1));
+    json_object_set_new(json_object_get(json_object_get(accepted, "rows"), "levels/level 1"), "verdict",
+                        json_string("god"));
+    assert_status(iso_baseline_compare(now, accepted, 1.25, 1e-7, &result, &err), ISO_E_FORMAT);
+    json_decref(now);
+    json_decref(accepted);
+}
+
 /* A gate that fails need not show in any figure. */
 static void a_row_that_agreed_and_does_not_is_worse(void **state)
 {
@@ -259,6 +314,8 @@ int main(void)
         cmocka_unit_test(rows_under_either_tf_are_kept_apart),
         cmocka_unit_test(a_figure_that_became_null_is_missing),
         cmocka_unit_test(what_is_less_certain_than_before_is_worse),
+        cmocka_unit_test(a_level_that_held_and_does_not_is_worse),
+        cmocka_unit_test(what_is_not_known_of_a_report_is_refused),
         cmocka_unit_test(a_row_that_agreed_and_does_not_is_worse),
         cmocka_unit_test(other_versions_are_told_and_are_no_failure),
         cmocka_unit_test(the_same_rows_give_the_same_text_in_any_order),

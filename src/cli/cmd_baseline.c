@@ -9,6 +9,7 @@
 #include "options/cli.h"
 #include "report/baseline.h"
 #include "report/rows.h"
+#include "report/sections.h"
 
 typedef struct baseline_arguments {
     double factor, floor;
@@ -64,14 +65,14 @@ static void print_json(const iso_cli *cli, const baseline_arguments *a, const is
     iso_cli_print_json(root);
 }
 
-/* What a file is, against what is wanted there: a scene has no figures either, but is no empty baseline. */
-static iso_status check_schema(const char *path, const json_t *root, const char *wanted, const char *what, iso_error *err)
+/* A scene has no figures either, but is no empty baseline. */
+static iso_status check_schema(const char *path, const json_t *root, iso_error *err)
 {
-    const char *schema = json_string_value(json_object_get(root, "schema"));
-    if (schema && strcmp(schema, wanted) == 0)
+    const char *schema = iso_row_text(root, "schema");
+    if (strcmp(schema, ISO_BASELINE_SCHEMA) == 0)
         return ISO_OK;
-    return iso_fail(err, ISO_E_FORMAT, "%s: its schema is \"%s\", wanted %s (%s)", path, schema ? schema : "", what,
-                    wanted);
+    return iso_fail(err, ISO_E_FORMAT, "%s: its schema is \"%s\", wanted a baseline, as baseline --update writes it (%s)",
+                    path, schema, ISO_BASELINE_SCHEMA);
 }
 
 /* What was accepted before; nothing where --update makes the first baseline. */
@@ -79,9 +80,7 @@ static iso_status load_accepted(const baseline_arguments *a, const char *path, j
 {
     if (iso_path_exists(path)) {
         const iso_status status = iso_json_load(path, accepted, err);
-        return status == ISO_OK ? check_schema(path, *accepted, ISO_BASELINE_SCHEMA,
-                                               "a baseline, as baseline --update writes it", err)
-                                : status;
+        return status == ISO_OK ? check_schema(path, *accepted, err) : status;
     }
     if (!a->update)
         return iso_fail(err, ISO_E_IO, "%s: there is no baseline; --update makes one of this report", path);
@@ -135,18 +134,13 @@ static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const
 static iso_status baseline(const iso_cli *cli, const baseline_arguments *a, iso_error *err)
 {
     json_t *report = NULL, *now = NULL;
-    char *path = iso_path_is_dir(cli->arguments[0]) ? iso_path_join(cli->arguments[0], "report.json")
-                                                    : strdup(cli->arguments[0]);
-    iso_status status = path ? iso_json_load(path, &report, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = check_schema(path, report, "isoshade.validate/1", "a report, as validate writes it to report.json", err);
+    iso_status status = iso_report_load(cli->arguments[0], &report, err);
     if (status == ISO_OK)
         status = iso_baseline_from_report(report, &now, err);
     if (status == ISO_OK)
         status = compare(cli, a, now, err);
     json_decref(report);
     json_decref(now);
-    free(path);
     return status;
 }
 
@@ -182,7 +176,8 @@ const iso_command iso_command_baseline = {
     .usage = "REPORT BASELINE.json [--update] [options]",
     .details =
         "REPORT is a folder that `isoshade validate` wrote. The verdict, the figures, limits and gates of each row of\n"
-        "calibration, agreement and consistency are compared with the accepted ones; changed versions and options are listed.\n"
+        "calibration, agreement, levels and consistency are compared with the accepted ones; changed versions and options are\n"
+        "listed.\n"
         "Exit code 1: a verdict is weaker than accepted (reported or refused where it agreed), a figure is worse or missing,\n"
         "or a limit is wider; 0: all is as accepted, better or new. Only --update writes the baseline, a text file with one\n"
         "line for each figure, sorted by name, to be kept beside the code.",

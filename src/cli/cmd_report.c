@@ -12,6 +12,7 @@
 #include "report/difference.h"
 #include "report/markdown.h"
 #include "report/rows.h"
+#include "report/sections.h"
 
 typedef struct report_arguments {
     char *output, *summary_md;
@@ -28,16 +29,9 @@ typedef struct loaded_report {
 static iso_status load(const char *path, loaded_report *r, iso_error *err)
 {
     const bool is_dir = iso_path_is_dir(path);
-    char *file = is_dir ? iso_path_join(path, "report.json") : strdup(path);
     r->path = path;
     r->dir = is_dir ? strdup(path) : iso_path_dir(path);
-    iso_status status = file && r->dir ? iso_json_load(file, &r->root, err)
-                                       : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK && strcmp(iso_row_text(r->root, "schema"), "isoshade.validate/1") != 0)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: schema is \"%s\", wanted isoshade.validate/1", file,
-                          iso_row_text(r->root, "schema"));
-    free(file);
-    return status;
+    return r->dir ? iso_report_load(path, &r->root, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
 }
 
 static void unload(loaded_report *r)

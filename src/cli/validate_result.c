@@ -21,7 +21,7 @@ iso_status iso_cli_validate_verdict(const iso_validation *v, const iso_report_su
         return iso_validate_refused_later(v, err);
     if (!summary->good)
         return iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
-    return levels->differed == 0 ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", levels->sentence);
+    return summary->holds ? ISO_OK : iso_fail(err, ISO_E_DIFFERS, "%s", levels->sentence);
 }
 
 static bool is_stage(const json_t *row)

@@ -15,6 +15,7 @@
 #include "base/progress_line.h"
 #include "renderers/renderers.h"
 #include "report/report.h"
+#include "report/sections.h"
 
 enum { max_panels = 256 };
 
@@ -446,16 +447,10 @@ static iso_status make(figure *f, iso_page *page, iso_error *err)
 static iso_status draw(const iso_figure_job *job, bool of_levels, iso_page *page, iso_error *err)
 {
     figure f = {.job = job, .of_levels = of_levels, .report_dir = job->input};
-    char *path = iso_path_join(job->input, "report.json");
-    iso_status status = path ? iso_json_load(path, &f.report, err)
-                             : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (status == ISO_OK && strcmp(string_of(f.report, "schema"), "isoshade.validate/1") != 0)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: schema is \"%s\", wanted isoshade.validate/1", path,
-                          string_of(f.report, "schema"));
+    iso_status status = iso_report_load(job->input, &f.report, err);
     if (status == ISO_OK)
         status = make(&f, page, err);
     json_decref(f.report);
-    free(path);
     return status;
 }
 

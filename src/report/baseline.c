@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "report/report.h"
+#include "report/sections.h"
 
 static const char schema[] = ISO_BASELINE_SCHEMA;
 
@@ -57,6 +58,15 @@ static void keep_what_was_asked(json_t *kept, const json_t *row, size_t *figures
         snprintf(key, sizeof key, "%.100s%s", string_of(gate, "name"), part_suffix);
         if (json_is_number(json_object_get(gate, "value")) && most > 0)
             keep(kept, key, fabs(value) / most, figures);
+    }
+    json_array_foreach(json_object_get(row, "figures"), i, gate)
+    {
+        const json_t *asked = json_object_get(gate, "asked"), *value = json_object_get(gate, "value");
+        if (json_is_number(value))
+            keep(kept, string_of(gate, "figure"), json_number_value(value), figures);
+        snprintf(key, sizeof key, "limit of %.100s", string_of(gate, "figure"));
+        if (json_is_number(asked))
+            keep(kept, key, json_number_value(asked), figures);
     }
 }
 
@@ -110,45 +120,70 @@ static json_t *sorted(json_t *rows)
     return NULL;
 }
 
+/* ---- sections: what a row is called, and which of its figures are kept ---- */
+
+enum { NAME_BYTES = 700 };
+
+static long long level_of(const json_t *row)
+{
+    return (long long)json_integer_value(json_object_get(row, "level"));
+}
+
+static void name_agreement(const json_t *row, char name[NAME_BYTES])
+{
+    char of[ISO_ROW_NAME_BYTES];
+    iso_row_name_of(row, of);
+    snprintf(name, NAME_BYTES, "agreement/%s/level %lld/%s/%s/%s", string_of(row, "scene"), level_of(row),
+             string_of(row, "a"), of, string_of(row, "tier"));
+}
+
+static void name_calibration(const json_t *row, char name[NAME_BYTES])
+{
+    snprintf(name, NAME_BYTES, "calibration/%s/%s", string_of(row, "renderer"), string_of(row, "check"));
+}
+
+static void name_consistency(const json_t *row, char name[NAME_BYTES])
+{
+    char method[ISO_CONSISTENCY_NAME_BYTES];
+    iso_report_consistency_name(row, method);
+    snprintf(name, NAME_BYTES, "consistency/%s/level %lld", method, level_of(row));
+}
+
+static void name_levels(const json_t *row, char name[NAME_BYTES])
+{
+    snprintf(name, NAME_BYTES, "levels/level %lld", level_of(row));
+}
+
+static const char *const keys_agreement[] = {"rmse", "max_abs", "p99_abs", "flip_mean", "error_bar", NULL};
+static const char *const keys_calibration[] = {"value", "limit", NULL};
+static const char *const keys_consistency[] = {"ssim_dissimilarity_mean", "flip_mean", "rmse_mean",
+                                               "gradient_angle_mean_deg", NULL};
+static const char *const keys_levels[] = {NULL}; /* its figures are a list */
+
+static const struct {
+    const char *list;
+    void (*name)(const json_t *row, char name[NAME_BYTES]);
+    const char *const *keys;
+} sections[] = {
+#define ISO_SECTION_ROW(name, verdicts) {#name, name_##name, keys_##name},
+    ISO_SECTION_LIST(ISO_SECTION_ROW)
+#undef ISO_SECTION_ROW
+};
+
 iso_status iso_baseline_from_report(const json_t *report, json_t **baseline, iso_error *err)
 {
-    static const char *const agreement_keys[] = {"rmse", "max_abs", "p99_abs", "flip_mean", "error_bar", NULL};
-    static const char *const calibration_keys[] = {"value", "limit", NULL};
-    static const char *const consistency_keys[] = {"ssim_dissimilarity_mean", "flip_mean", "rmse_mean",
-                                                   "gradient_angle_mean_deg", NULL};
-    *baseline = NULL;
-    if (strcmp(string_of(report, "schema"), "isoshade.validate/1") != 0)
-        return iso_fail(err, ISO_E_FORMAT, "baseline: schema is \"%s\", wanted isoshade.validate/1",
-                        string_of(report, "schema"));
     json_t *rows = json_object(), *row;
-    size_t i, figures = 0;
-    char name[700];
-    iso_status status = ISO_OK;
-    json_array_foreach(json_object_get(report, "agreement"), i, row)
-    {
-        char of[ISO_ROW_NAME_BYTES];
-        iso_row_name_of(row, of);
-        snprintf(name, sizeof name, "agreement/%s/level %lld/%s/%s/%s", string_of(row, "scene"),
-                 (long long)json_integer_value(json_object_get(row, "level")), string_of(row, "a"), of,
-                 string_of(row, "tier"));
-        if (status == ISO_OK)
-            status = take_row(rows, row, name, agreement_keys, &figures, err);
-    }
-    json_array_foreach(json_object_get(report, "calibration"), i, row)
-    {
-        snprintf(name, sizeof name, "calibration/%s/%s", string_of(row, "renderer"), string_of(row, "check"));
-        if (status == ISO_OK)
-            status = take_row(rows, row, name, calibration_keys, &figures, err);
-    }
-    json_array_foreach(json_object_get(report, "consistency"), i, row)
-    {
-        char method[ISO_CONSISTENCY_NAME_BYTES];
-        iso_report_consistency_name(row, method);
-        snprintf(name, sizeof name, "consistency/%s/level %lld", method,
-                 (long long)json_integer_value(json_object_get(row, "level")));
-        if (status == ISO_OK)
-            status = take_row(rows, row, name, consistency_keys, &figures, err);
-    }
+    size_t i, k, figures = 0;
+    char name[NAME_BYTES];
+    *baseline = NULL;
+    iso_status status = iso_report_check(report, "baseline: the report", err);
+    for (k = 0; k < sizeof sections / sizeof *sections; ++k)
+        json_array_foreach(json_object_get(report, sections[k].list), i, row)
+        {
+            sections[k].name(row, name);
+            if (status == ISO_OK)
+                status = take_row(rows, row, name, sections[k].keys, &figures, err);
+        }
     if (status == ISO_OK && figures == 0)
         status = iso_fail(err, ISO_E_RANGE, "baseline: the report holds no figure");
     if (status == ISO_OK && !(rows = sorted(rows)))
@@ -210,6 +245,18 @@ static void compare_figure(const char *row, const char *key, const json_t *befor
     }
 }
 
+/* Of a row that was accepted: a word that nobody knows would be the weakest, so that nothing could be worse. */
+static iso_status check_verdicts(const json_t *accepted, iso_error *err)
+{
+    const char *name;
+    json_t *row;
+    json_object_foreach(json_object_get(accepted, "rows"), name, row)
+        if (json_object_get(row, "verdict") && iso_row_verdict(row) == ISO_VERDICT_UNKNOWN)
+            return iso_fail(err, ISO_E_FORMAT, "baseline: row \"%.200s\": verdict \"%.60s\" is not known", name,
+                            string_of(row, "verdict"));
+    return ISO_OK;
+}
+
 static void compare_rows(const json_t *now, const json_t *accepted, double factor, double floor, iso_baseline_result *r)
 {
     const char *name, *key;
@@ -265,6 +312,9 @@ iso_status iso_baseline_compare(const json_t *now, const json_t *accepted, doubl
     if (!(factor >= 1 && factor <= 1e6) || !(floor >= 0 && floor <= 1))
         return iso_fail(err, ISO_E_RANGE, "baseline: factor %g, must be 1 to 1e6; floor %g, must be 0 to 1", factor,
                         floor);
+    const iso_status status = check_verdicts(accepted, err);
+    if (status != ISO_OK)
+        return status;
     result->changes = json_array();
     result->facts = json_array();
     compare_rows(json_object_get(now, "rows"), json_object_get(accepted, "rows"), factor, floor, result);

@@ -2,7 +2,7 @@
 /* baseline.h - is a validation still as good as the one that was accepted?
  *
  * A baseline holds the verdict and the figures of each row of a report - agreement
- * with its error bar, its limits and its gates, consistency, and calibrations - under
+ * with its error bar, its limits and its gates, levels, consistency, and calibrations - under
  * the row's name, sorted and with 4 digits, so that a change of one figure is a
  * change of one line. A later report is worse where a verdict says less than before
  * (the order is: agree or pass, reported, refused, differ or fail), where a figure or a

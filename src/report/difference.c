@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "report/report.h"
+#include "report/sections.h"
 
 /* Two pictures with noise n differ by n sqrt(2) on average over many pixels; few pixels scatter. */
 static const double noise_factor = 1.5;
@@ -202,7 +203,7 @@ static void compare_held(const pair *p, const char *part)
     compare_texts(p, part, word[0], word[1]);
 }
 
-static void compare_level(const pair *p)
+static void compare_levels(const pair *p)
 {
     static const char *const texts[] = {"method", "tf", "chosen_filter"}, *const parts[] = {"simple_held", "stored",
                                                                                             "bound", "directions",
@@ -258,7 +259,7 @@ static void name_agreement(const json_t *row, char name[NAME_BYTES])
              of, iso_row_text(row, "a"));
 }
 
-static void name_level(const json_t *row, char name[NAME_BYTES])
+static void name_levels(const json_t *row, char name[NAME_BYTES])
 {
     snprintf(name, NAME_BYTES, "level %lld", level_of(row));
 }
@@ -281,10 +282,9 @@ static const struct kind {
     void (*name)(const json_t *row, char name[NAME_BYTES]);
     void (*compare)(const pair *p);
 } kinds[] = {
-    {"agreement", name_agreement, compare_agreement},
-    {"levels", name_level, compare_level},
-    {"consistency", name_consistency, compare_consistency},
-    {"calibration", name_calibration, compare_calibration},
+#define ISO_SECTION_ROW(name, verdicts) {#name, name_##name, compare_##name},
+    ISO_SECTION_LIST(ISO_SECTION_ROW)
+#undef ISO_SECTION_ROW
 };
 
 /* The rows of a list by their names; the second of a name is called "NAME (2)". New. */
@@ -453,10 +453,11 @@ iso_status iso_difference_of(const json_t *a, const json_t *b, bool results_only
 {
     const json_t *const reports[2] = {a, b};
     *difference = NULL;
-    for (int i = 0; i < 2; ++i)
-        if (strcmp(iso_row_text(reports[i], "schema"), "isoshade.validate/1") != 0)
-            return iso_fail(err, ISO_E_FORMAT, "report diff: the schema of %s is \"%s\", wanted isoshade.validate/1",
-                            i ? "B" : "A", iso_row_text(reports[i], "schema"));
+    for (int i = 0; i < 2; ++i) {
+        const iso_status status = iso_report_check(reports[i], i ? "report diff: B" : "report diff: A", err);
+        if (status != ISO_OK)
+            return status;
+    }
     json_t *d = json_pack("{s:s, s:o, s:o}", "schema", "isoshade.difference/1", "a", about(a), "b", about(b));
     json_t *rows = json_array();
     size_t count = 0;

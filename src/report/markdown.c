@@ -11,6 +11,7 @@
 #include "base/provenance.h"
 #include "base/words.h"
 #include "report/report.h"
+#include "report/sections.h"
 
 const char *iso_markdown_target(const char *dir)
 {
@@ -114,7 +115,7 @@ static excess worst_of(const json_t *row)
     return worst;
 }
 
-static void put_failed_row(FILE *f, const json_t *row)
+static void put_failed_agreement(FILE *f, const json_t *row)
 {
     char name[ISO_ROW_NAME_BYTES], level[32];
     const excess worst = worst_of(row);
@@ -142,28 +143,40 @@ static void put_failed_calibration(FILE *f, const json_t *row)
     fputs(" |\n", f);
 }
 
-/* Levels that fail are told by their sentence. */
+/* The sentence of the levels has the reasons. */
+static void put_failed_levels(FILE *f, const json_t *row)
+{
+    fprintf(f, "| levels | %lld | ", (long long)json_integer_value(json_object_get(row, "level")));
+    put_cell(f, iso_row_text(row, "method"));
+    fputs("does not hold | | |\n", f);
+}
+
+#define put_failed_consistency NULL /* nothing is asked of it */
+
+static const struct {
+    const char *list;
+    void (*put)(FILE *f, const json_t *row);
+} sections[] = {
+#define ISO_SECTION_ROW(name, verdicts) {#name, put_failed_##name},
+    ISO_SECTION_LIST(ISO_SECTION_ROW)
+#undef ISO_SECTION_ROW
+};
+
 static void put_failures(FILE *f, const json_t *root)
 {
-    const json_t *agreement = json_object_get(root, "agreement"), *calibration = json_object_get(root, "calibration"),
-                 *row;
-    size_t i, count = 0;
-    json_array_foreach(agreement, i, row) count += iso_row_verdict(row) == ISO_VERDICT_DIFFER;
-    json_array_foreach(calibration, i, row) count += iso_row_verdict(row) == ISO_VERDICT_FAIL;
-    if (count == 0)
-        return;
-    fputs("\n| scene | level | renderer | what | value | at most |\n|---|---|---|---|---|---|\n", f);
-    size_t shown = 0;
-    json_array_foreach(agreement, i, row) if (iso_row_verdict(row) == ISO_VERDICT_DIFFER && shown < MOST_ROWS)
-    {
-        put_failed_row(f, row);
-        ++shown;
-    }
-    json_array_foreach(calibration, i, row) if (iso_row_verdict(row) == ISO_VERDICT_FAIL && shown < MOST_ROWS)
-    {
-        put_failed_calibration(f, row);
-        ++shown;
-    }
+    json_t *row;
+    size_t i, k, count = 0;
+    for (k = 0; k < sizeof sections / sizeof *sections; ++k)
+        json_array_foreach(json_object_get(root, sections[k].list), i, row)
+        {
+            const iso_verdict verdict = iso_row_verdict(row);
+            if (!sections[k].put || (verdict != ISO_VERDICT_DIFFER && verdict != ISO_VERDICT_FAIL))
+                continue;
+            if (count++ == 0)
+                fputs("\n| scene | level | renderer | what | value | at most |\n|---|---|---|---|---|---|\n", f);
+            if (count <= MOST_ROWS)
+                sections[k].put(f, row);
+        }
     put_more(f, count);
 }
 

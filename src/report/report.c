@@ -16,6 +16,7 @@
 #include "base/provenance.h"
 #include "report/levels.h"
 #include "report/report_files.h"
+#include "report/sections.h"
 
 struct iso_report {
     iso_output out;
@@ -63,7 +64,7 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     r->inlined = json_pack("{s:{}, s:[], s:[], s:{}}", "images", "differences", "words", "charts");
     r->root = json_pack(
         "{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:s, s:[], s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}", "schema",
-        "isoshade.validate/1", "command", text(about->command), "options", "title", text(about->title), "volume",
+        ISO_REPORT_SCHEMA, "command", text(about->command), "options", "title", text(about->title), "volume",
         text(iso_provenance_name(about->volume)), "scene", text(iso_provenance_name(about->scene)), "made", stamp,
         "verdict", "", "sentence", "", "levels_sentence", "", "agreement", "levels", "consistency", "calibration",
         "images", "machine", "versions", "seconds");
@@ -402,9 +403,8 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
         return status;
     iso_report_summary summary = iso_report_summarize(r);
     const iso_levels_summary levels = iso_levels_summarize(r->root);
-    const bool good = summary.good && levels.differed == 0;
     json_object_set_new(r->root, "verdict",
-                        json_string(iso_verdict_word(good ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER)));
+                        json_string(iso_verdict_word(summary.holds ? ISO_VERDICT_AGREE : ISO_VERDICT_DIFFER)));
     json_object_set_new(r->root, "sentence", json_string(summary.sentence));
     json_object_set_new(r->root, "levels_sentence", json_string(levels.sentence));
     if (!json_object_get(json_object_get(r->root, "seconds"), "total"))

@@ -145,7 +145,8 @@ typedef struct iso_report_summary {
     size_t by_reason[ISO_UNCOMPARED_COUNT];         /* of not_compared */
     size_t unanswered;                              /* iso_rows_unanswered(): scenes, and renderers in them */
     size_t calibrations_passed, calibrations_failed;
-    bool good; /* nothing differed, was refused or failed, and something was compared wherever it was asked for */
+    bool good;  /* no renderer differed, was refused or failed, and something was compared wherever it was asked for */
+    bool holds; /* and no row of any section differs (sections.h): the report's verdict */
     char sentence[768];
 } iso_report_summary;
 iso_report_summary iso_report_summarize(const iso_report *report);

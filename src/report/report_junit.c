@@ -11,6 +11,7 @@
 #include "base/markup.h"
 #include "report/report.h"
 #include "report/report_files.h"
+#include "report/sections.h"
 
 static bool has_verdict(const json_t *row, iso_verdict verdict)
 {
@@ -59,7 +60,7 @@ static void put_why_it_differs(FILE *f, const json_t *row)
     iso_markup_put(f, iso_row_text(row, "why"));
 }
 
-static void put_agreement_case(FILE *f, const json_t *row)
+static void put_case_agreement(FILE *f, const json_t *row)
 {
     char name[ISO_ROW_NAME_BYTES];
     iso_row_name_of(row, name);
@@ -90,7 +91,7 @@ static void put_agreement_case(FILE *f, const json_t *row)
 }
 
 /* A renderer that is not there is an error; its rows are skipped. */
-static void put_calibration_case(FILE *f, const json_t *row)
+static void put_case_calibration(FILE *f, const json_t *row)
 {
     const bool measured = json_is_number(json_object_get(row, "value"));
     put_case(f, "calibration", iso_row_text(row, "renderer"), row);
@@ -126,7 +127,7 @@ static void put_property(FILE *f, const char *name, const char *value)
 }
 
 /* Nothing is asked of how far a level is from level 0: facts, not cases that cannot fail. */
-static void put_consistency_facts(FILE *f, const json_t *row)
+static void put_facts_consistency(FILE *f, const json_t *row)
 {
     static const char *const keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg",
                                        "original_kept"};
@@ -142,7 +143,7 @@ static void put_consistency_facts(FILE *f, const json_t *row)
 }
 
 /* A level that does not hold is a failure; what another method does better is a fact. */
-static void put_level_case(FILE *f, const json_t *row)
+static void put_case_levels(FILE *f, const json_t *row)
 {
     const json_t *stored = json_object_get(row, "stored");
     json_t *figure;
@@ -153,13 +154,17 @@ static void put_level_case(FILE *f, const json_t *row)
         fputs("\"/>\n", f);
         return;
     }
+    if (has_verdict(row, ISO_VERDICT_NOT_COMPARED)) {
+        fputs("\">\n      <skipped message=\"level 0 shows nothing in any view\"/>\n    </testcase>\n", f);
+        return;
+    }
     fputs("\">\n      <failure type=\"level\" message=\"", f);
     put_unheld(f, "values against level 0's", iso_row_number(stored, "scalar"), iso_row_number(stored, "scalar_limit"));
     put_unheld(f, "directions against level 0's, degrees", iso_row_number(stored, "direction_deg"),
                iso_row_number(stored, "direction_limit_deg"));
     const json_t *turned = json_object_get(row, "directions");
     if (turned && !json_is_true(json_object_get(turned, "held")))
-        put_unheld(f, "degrees to level 0's directions", iso_row_number(turned, "angle_deg"),
+        put_unheld(f, "degrees from level 0's directions, pictures being worse as well", iso_row_number(turned, "angle_deg"),
                    iso_row_number(turned, "simple_deg") + iso_row_number(turned, "margin_deg"));
     const json_t *bound = json_object_get(row, "bound");
     if (bound && !json_is_true(json_object_get(bound, "held")))
@@ -182,9 +187,22 @@ static void put_level_case(FILE *f, const json_t *row)
 }
 
 typedef struct suite {
-    const char *name, *rows;
+    const char *name; /* of the rows, too */
     void (*put_case)(FILE *f, const json_t *row), (*put_facts)(FILE *f, const json_t *row); /* either */
 } suite;
+
+/* Rows without a case, or without facts. */
+#define put_facts_calibration NULL
+#define put_facts_agreement NULL
+#define put_facts_levels NULL
+#define put_case_consistency NULL
+
+static const suite suites[] = {
+#define ISO_SECTION_ROW(name, verdicts) {#name, put_case_##name, put_facts_##name},
+    ISO_SECTION_LIST(ISO_SECTION_ROW)
+#undef ISO_SECTION_ROW
+};
+enum { SUITES = sizeof suites / sizeof *suites, ALWAYS = 2 }; /* readers expect the first ones, also empty */
 
 static void put_open_case(FILE *f, const char *scene, const char *renderer)
 {
@@ -223,11 +241,11 @@ static size_t put_open_cases(FILE *f, json_t *unanswered)
 
 static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
 {
-    const json_t *root = iso_report_json(r), *rows = json_object_get(root, s->rows);
+    const json_t *root = iso_report_json(r), *rows = json_object_get(root, s->name);
     size_t i, failures = 0, errors = 0, skipped = 0;
     double seconds = 0;
     const char *key;
-    json_t *row, *version, *open = s->put_case == put_agreement_case ? iso_rows_unanswered(rows) : NULL;
+    json_t *row, *version, *open = s->put_case == put_case_agreement ? iso_rows_unanswered(rows) : NULL;
     const size_t open_count = put_open_cases(NULL, open);
     failures = open_count;
     json_array_foreach(rows, i, row)
@@ -257,18 +275,14 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
 
 iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_error *err)
 {
-    const suite suites[] = {{"calibration", "calibration", put_calibration_case, NULL},
-                            {"agreement", "agreement", put_agreement_case, NULL},
-                            {"levels", "levels", put_level_case, NULL},
-                            {"consistency", "consistency", NULL, put_consistency_facts}};
     char *xml = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&xml, &size);
     if (!f)
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
     fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n", f);
-    for (int i = 0; i < 4; ++i)
-        if (i < 2 || json_array_size(json_object_get(iso_report_json(r), suites[i].rows)) > 0)
+    for (int i = 0; i < SUITES; ++i)
+        if (i < ALWAYS || json_array_size(json_object_get(iso_report_json(r), suites[i].name)) > 0)
             put_suite(f, r, i, &suites[i]);
     fputs("</testsuites>\n", f);
     iso_status status = fclose(f) == 0 ? iso_file_write(path, xml, size, err)

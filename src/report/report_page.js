@@ -18,18 +18,20 @@ $('verdict').prepend(data.verdict === 'agree' ? '✓ ' : '✗ ');
 failures();
 notCompared();
 versions();
-if (data.charts_missing) $('agreement').append(el('p', {class: 'refused'}, `No charts: ${data.charts_missing}`));
-$('agreement').append(...agreementTable());
-const pictured = data.agreement.map((row, at) => ({row, at})).filter(c => c.row.image_a && c.row.image_b);
-if (pictured.length > 0) {
-    buildInspector(pictured, looked);
-    if (!followHash()) inspect(cases[0].at, null);
+function agreements() {
+    if (data.charts_missing) $('agreement').append(el('p', {class: 'refused'}, `No charts: ${data.charts_missing}`));
+    $('agreement').append(...agreementTable());
+    const pictured = data.agreement.map((row, at) => ({row, at})).filter(c => c.row.image_a && c.row.image_b);
+    if (pictured.length > 0) {
+        buildInspector(pictured, looked);
+        if (!followHash()) inspect(cases[0].at, null);
+    }
+    if (inlined.charts.agreement) $('chart').append(el('figure', {}, el('img', {src: inlined.charts.agreement, alt: 'RMSE of each comparison with its limit'}),
+        figcaption('RMSE of each comparison on a log axis, the 40 worst at most. Data and script: charts/agreement.csv, charts/agreement.gp; charts/style.gp restyles all charts.')));
 }
-if (inlined.charts.agreement) $('chart').append(el('figure', {}, el('img', {src: inlined.charts.agreement, alt: 'RMSE of each comparison with its limit'}),
-    figcaption('RMSE of each comparison on a log axis, the 40 worst at most. Data and script: charts/agreement.csv, charts/agreement.gp; charts/style.gp restyles all charts.')));
-levelVerdicts();
-consistency();
-calibration();
+// Each section of report.json (src/report/sections.h), in the page's order.
+const shows = {agreement: agreements, levels: levelVerdicts, consistency: consistency, calibration: calibration};
+for (const show of Object.values(shows)) show();
 programs();
 colophon();
 document.documentElement.dataset.ready = 'yes';

@@ -6,6 +6,7 @@
 #include "base/words.h"
 #include "report/report.h"
 #include "report/report_files.h"
+#include "report/sections.h"
 
 static size_t count_verdicts(const iso_report *r, const char *list, iso_verdict verdict)
 {
@@ -107,6 +108,7 @@ iso_report_summary iso_report_summarize(const iso_report *r)
         s.unanswered += json_array_size(renderers) > 0 ? json_array_size(renderers) : 1;
     /* Where nothing agreed, something of that differs, was refused, or was not answered. */
     s.good = s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0 && s.unanswered == 0;
+    s.holds = s.good && iso_sections_hold(iso_report_json(r));
     tell(&s, unanswered);
     json_decref(unanswered);
     return s;

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/* sections.h - the lists of rows in report.json: one table, which all that reads a report walks.
+ *
+ * A consumer makes its own table from ISO_SECTION_LIST, with a handler per section whose name is pasted from the section's:
+ * compare_levels, put_case_levels. A section that is added here does not compile in a consumer that has no handler for it
+ * (tests/check_sections.sh adds one). What has no handler on purpose is defined as NULL there. */
+#ifndef ISO_REPORT_SECTIONS_H
+#define ISO_REPORT_SECTIONS_H
+
+#include <stdbool.h>
+
+#include "base/json.h"
+#include "report/rows.h"
+
+#ifndef ISO_SECTION_MORE
+#define ISO_SECTION_MORE(X) /* of a test */
+#endif
+
+#define ISO_IS(verdict) (1u << ISO_VERDICT_##verdict)
+/* Name in report.json, and the verdicts that its rows may have; 0: rows without a verdict. */
+/* clang-format off */
+#define ISO_SECTION_LIST(X)                                                                              \
+    X(calibration, ISO_IS(PASS) | ISO_IS(FAIL) | ISO_IS(NOT_COMPARED))                                   \
+    X(agreement, ISO_IS(AGREE) | ISO_IS(DIFFER) | ISO_IS(REFUSED) | ISO_IS(NOT_COMPARED) | ISO_IS(REPORTED)) \
+    X(levels, ISO_IS(AGREE) | ISO_IS(DIFFER) | ISO_IS(NOT_COMPARED))                                     \
+    X(consistency, 0)                                                                                    \
+    ISO_SECTION_MORE(X)
+/* clang-format on */
+
+#define ISO_REPORT_SCHEMA "isoshade.validate/1"
+
+/* True if no row of any section differs, failed or was refused. */
+bool iso_sections_hold(const json_t *report);
+
+/* A report.json, or one in a folder. ISO_E_FORMAT: another schema, a list with verdicts that is no section, a verdict that its
+ * section does not have. path: in messages. */
+iso_status iso_report_load(const char *path, json_t **report, iso_error *err);
+iso_status iso_report_check(const json_t *report, const char *path, iso_error *err);
+
+#endif
