@@ -36,7 +36,7 @@ static void scale_down(iso_validation *v, iso_scene *scene, const iso_validate_a
     v->image_prefix = v->variant = v->build_options = v->render_options = "";
     v->limit_size = iso_validate_limit_size(a);
     v->consistency_size = a->level_size ? (size_t)a->level_size : v->quick ? 96 : 160;
-    v->may_add_views = !a->level_views && !v->quick;
+    v->may_add_views = !a->level_views;
     v->consistency_views = a->level_views ? (size_t)a->level_views : v->quick ? 3 : 6;
     if (v->quick && !a->look.size) {
         double scale = 96.0 / (double)(scene->width > scene->height ? scene->width : scene->height);
