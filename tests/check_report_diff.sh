@@ -24,7 +24,7 @@ refuse one_that_was_edited_stays 3 'one.md in it was changed' within
 cp -r one two
 refuse two_reports_are_wanted 2 'wants two reports' "$ISOSHADE" report diff one
 refuse other_words_are_refused 2 '"draw" is nothing' "$ISOSHADE" report draw one two
-refuse another_file_is_no_report 4 'wanted isoshade.validate/1' "$ISOSHADE" report diff one shells.tf.json
+refuse another_file_is_no_report 4 'wanted a report, as validate writes it to report.json (isoshade.validate/1)' "$ISOSHADE" report diff one shells.tf.json
 expect the_same_report_twice 0 "$ISOSHADE" report diff one two -o same
 check is_said_to_be_no_difference grep -qE '^No difference in [0-9]+ rows and [1-9][0-9]* pictures\.$' "$dir/out"
 check the_empty_page_is_written test -s same/index.html
