@@ -145,7 +145,7 @@ clean() { # TYPE, options of build
 }
 types=(uint8 int8 uint16 int16 uint32 int32 float double)
 i=0
-for code in fit snorm shell free cube region48 squeeze; do
+for code in fit snorm shell free cube region48; do
     for filter in moments eq1 naive tensor; do
         estimators=(central intermediate sobel corners fourth smooth bspline)
         clean "${types[i % 8]}" --code $code --direction-filter $filter --estimator "${estimators[i % 7]}" \

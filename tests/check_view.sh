@@ -23,7 +23,7 @@ page mirrored left-handed 70x50 '{}' --code region48 -- --code region48 # 16 bit
 page second left-handed 70x50 '{"code": "region48"}' --code fit,region48 -- --code region48 # of two codes the one that does not show first
 page inside inside-noise 51x67 '{}' -- # the camera is in the volume, which is turned
 page signed negative-noise 61x61 '{"code": null}' --code none -- --shading-from on-the-fly # negative values, gradients on the fly
-page float marschner-lobb 61x61 '{}' --float --code squeeze -- --code squeeze
+page float marschner-lobb 61x61 '{}' --float --code free -- --code free
 page entries thousand-entries 61x61 '{}' -- # a table of a thousand entries
 page coarse border 61x61 '{"level": 1}' --float -- --level 1
 page adapted eight-lights 61x61 '{"level": 1, "adapted": true}' --float -- --level 1 --adapt --always

@@ -141,42 +141,10 @@ def region48(e):
     return by_rank(e, change)
 
 
-SQUEEZE_LINES = [
-    (1, 1, 1, 0.0038754, 0.013867), (2, 0, 1, 0.00075629, 0.011858), (0, 2, 1, 0.00048866, 0.0084009),
-    (1, -2, 0, 0.001347, 0.01216), (2, -1, 1, 0.00042309, 0.005418), (2, 1, 2, -0.00051774, 0.048061),
-    (2, 1, 1, 0.00031208, 0.004807), (1, 2, 1, 0.0004769, 0.0058937), (1, 2, 2, -0.00093351, 0.059507),
-    (2, -2, 1, 0.00023569, 0.014403), (2, 2, 1, 0.00064891, 0.059026), (2, 2, 3, -0.00076273, 0.011132),
-    (3, 0, 1, 0.00051052, 0.03772), (3, 0, 2, -6.932e-05, 0.046974), (1, -3, 0, 4.8635e-05, 0.0015818),
-    (3, -1, 1, 0.00025583, 0.010914), (3, -1, 2, 0.00026626, 0.0048916), (1, 3, 1, 0.0001316, 0.027755),
-    (1, 3, 2, 0.00030847, 0.14685), (3, -2, 1, -0.00073491, 0.12274)]
-
-
-def squeeze(e):
-    def change(high, middle, low):
-        y, z = middle / high, low / high
-        dy, dz = np.zeros_like(y), np.zeros_like(z)
-        for m, n, c, strength, width in SQUEEZE_LINES:
-            t = m * y + n * z - c
-            t = strength * t / (np.abs(t) + width)
-            dy, dz = dy - m * t, dz - n * t
-        u, v, w = 1 - y, y - z, z
-        rim = 0.024752
-        u, v, w = u - dy * u / (u + rim), v + (dy - dz) * v / (v + rim), w + dz * w / (w + rim)
-        u = u * (u + 3.4998e-06 * 0.027111) / (u + 0.027111)
-        v = v * (v + 2.3671e-05 * 0.025472) / (v + 0.025472)
-        w = w * (w + 1.3845e-05 * 0.036693) / (w + 0.036693)
-        y, z = (v + w) / (u + v + w), w / (u + v + w)
-        cubic, quintic = -0.13567, 0.23911
-        bent = [s * (1 + s * s * (cubic + quintic * s * s)) for s in (np.ones_like(y), y, z)]
-        return np.stack(bent, -1)
-    return by_rank(e, change)
-
-
 DECODERS = {"fit": lambda e: e, "snorm": lambda e: e, "shell": lambda e: e, "free": unit, "cube": unit,
-            "region48": region48, "squeeze": squeeze}
+            "region48": region48}
 # The largest angle between a direction and what its code stands for, in degrees.
-LARGEST_ERROR = {"fit": 0.33, "snorm": 0.3907, "shell": 0.34, "free": 0.3198, "cube": 0.3178, "region48": 0.17304,
-                 "squeeze": 0.0945}
+LARGEST_ERROR = {"fit": 0.33, "snorm": 0.3907, "shell": 0.34, "free": 0.3198, "cube": 0.3178, "region48": 0.17304}
 
 
 def decode(code, stored):
@@ -303,7 +271,7 @@ def check_vdb(path, description, levels):
         gradient = np.zeros(shape[::-1] + (3,), np.float32)
         vdb.read(path, "gradient" + suffix).copyToArray(gradient)
         worst = np.abs(gradient.transpose(2, 1, 0, 3) - level["decoded"]).max()
-        # the program decodes in single precision; squeeze has about a hundred operations
+        # the program decodes in single precision
         expect(worst <= 5e-6, f"level {k}: decoded directions differ from the program's by {worst:.2g}")
 
 

@@ -157,7 +157,7 @@ static void snorm_keeps_the_length(void **unused)
 static const double limits_deg[ISO_CODE_COUNT] = {
     [ISO_CODE_SNORM] = 0.3907,   [ISO_CODE_FIT] = 0.33,     [ISO_CODE_SHELL] = 0.34,
     [ISO_CODE_FREE] = 0.3198,    [ISO_CODE_CUBE] = 0.3178,  [ISO_CODE_REGION48] = 0.17304,
-    [ISO_CODE_SQUEEZE] = 0.0945, [ISO_CODE_OCT24] = 0.0397, [ISO_CODE_HALF] = 0.0243,
+    [ISO_CODE_OCT24] = 0.0397,   [ISO_CODE_HALF] = 0.0243,
 };
 
 static void every_code_stays_within_its_largest_error(void **unused)
@@ -272,93 +272,6 @@ static void fast_searches_are_as_good_as_the_exact_ones(void **unused)
     assert_more_than(mean_error_deg(iso_encode_snorm, ISO_CODE_SNORM, in, COUNT), 1.5 * fit_exact);
 }
 
-/* The angle to the nearest of all that three odd bytes can decode to, one by one. */
-static double nearest_of_all_deg(iso_code code, iso_vec3 d)
-{
-    static iso_vec3 *all;
-    static size_t count;
-    if (!all) {
-        all = malloc(128 * 129 * 130 / 6 * sizeof *all);
-        for (int a = 255; a > 0; a -= 2)
-            for (int b = 1; b <= a; b += 2)
-                for (int c = 1; c <= b; c += 2) {
-                    double v[3];
-                    iso_code_decode(code, (double[3]){a / 255.0, b / 255.0, c / 255.0}, v);
-                    all[count++] = iso_normalize(iso_v3(v[0], v[1], v[2]));
-                }
-    }
-    double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z), least = INFINITY;
-    const double high = fmax(x, fmax(y, z)), low = fmin(x, fmin(y, z));
-    const iso_vec3 sorted = iso_normalize(iso_v3(high, fmax(fmin(x, y), fmin(fmax(x, y), z)), low));
-    for (size_t i = 0; i < count; ++i) {
-        const iso_vec3 off = iso_sub(all[i], sorted);
-        least = fmin(least, iso_dot(off, off));
-    }
-    return 2 * asin(0.5 * sqrt(least)) / degree;
-}
-
-/* Random directions, and those on which a table or a search of neighbors would slip: on borders and corners of the
- * table's cells, half-way between two codes, in the biggest hole, at the region's edges, and short ones. */
-static iso_vec3 hard_direction(int i)
-{
-    static const iso_vec3 edges[] = {{1, 1, 1},        {1, 1, 0},       {1, 0, 0},    {1, 1, 1e-7},
-                                     {1, 1 - 1e-7, 0}, {1, 1e-7, 1e-7}, {1, 0.5, 0.5}};
-    const int edge_count = sizeof edges / sizeof *edges;
-    if (i < edge_count)
-        return edges[i];
-    if (i == edge_count) {
-        iso_hole hole;
-        const char *how;
-        assert_ok(iso_code_hole(ISO_CODE_SQUEEZE, 1e-4, &hole, &how, &err));
-        return hole.where;
-    }
-    if (i % 3 == 0) {
-        const int y = 1 + (int)(639 * uniform());
-        return iso_v3(1, y / 640.0, (int)(y * uniform()) / 640.0);
-    }
-    if (i % 3 == 1) { /* between a code and the next one */
-        const int a = 255 - 2 * (int)(80 * uniform()), b = 1 + 2 * (int)((a - 1) / 2 * uniform()),
-                  c = 1 + 2 * (int)((b - 1) / 2 * uniform());
-        double p[3], q[3];
-        iso_code_decode(ISO_CODE_SQUEEZE, (double[3]){a / 255.0, b / 255.0, c / 255.0}, p);
-        iso_code_decode(ISO_CODE_SQUEEZE, (double[3]){a / 255.0, b / 255.0, (c + 2) / 255.0}, q);
-        return iso_v3(p[0] + q[0], p[1] + q[1], p[2] + q[2]);
-    }
-    return iso_scale(random_direction(), 1e-20);
-}
-
-static void the_table_of_squeeze_finds_the_nearest_of_all_codes(void **unused)
-{
-    (void)unused;
-    const double tolerance = 2e-5; /* single precision of the direction, and places in steps of 3e-6 */
-    double plain = 0;
-    for (int i = 0; i < 90; ++i) {
-        const iso_vec3 d = hard_direction(i), got = round_trip(ISO_CODE_SQUEEZE, d);
-        const double nearest = nearest_of_all_deg(ISO_CODE_SQUEEZE, d);
-        assert_within(angle_deg(got, d), nearest, tolerance);
-        plain = fmax(plain, angle_deg(round_trip(ISO_CODE_REGION48, d), d) - nearest);
-    }
-    assert_more_than(plain, 100 * tolerance); /* the planted fault: another code's nearest */
-    enum { COUNT = 3000 };
-    static float in[3 * COUNT];
-    static uint8_t fast[3 * COUNT], slow[3 * COUNT];
-    for (int i = 0; i < COUNT; ++i) {
-        const iso_vec3 d = iso_normalize(i % 2 ? hard_direction(i) : random_direction());
-        in[3 * i] = (float)d.x, in[3 * i + 1] = (float)d.y, in[3 * i + 2] = (float)d.z;
-    }
-    iso_encode_squeeze(in, fast, COUNT);
-    iso_encode_squeeze_exact(in, slow, COUNT);
-    for (size_t i = 0; i < COUNT; ++i) {
-        const iso_vec3 d = {in[3 * i], in[3 * i + 1], in[3 * i + 2]};
-        double e[3], a[3], b[3];
-        iso_code_lattice(ISO_CODE_SQUEEZE, fast + 3 * i, e);
-        iso_code_decode(ISO_CODE_SQUEEZE, e, a);
-        iso_code_lattice(ISO_CODE_SQUEEZE, slow + 3 * i, e);
-        iso_code_decode(ISO_CODE_SQUEEZE, e, b);
-        assert_at_most(angle_deg(iso_v3(a[0], a[1], a[2]), d), angle_deg(iso_v3(b[0], b[1], b[2]), d) + tolerance);
-    }
-}
-
 static void encoders_with_and_without_avx2_give_the_same_bytes(void **unused)
 {
     (void)unused;
@@ -421,25 +334,23 @@ static iso_vec3 decode_ranked(iso_code code, double y, double z)
 
 /* Monotone in the paper's sense: small triangles of cube-dots keep their
  * orientation; and the edges of the 48 regions stay where they are. */
-static void warping_decoders_do_not_fold(void **unused)
+static void the_warping_decoder_does_not_fold(void **unused)
 {
     (void)unused;
-    static const iso_code codes[] = {ISO_CODE_REGION48, ISO_CODE_SQUEEZE};
     enum { STEPS = 600 };
     const double h = 1.0 / STEPS;
-    for (int c = 0; c < 2; ++c) {
-        for (int i = 1; i < STEPS; ++i)
-            for (int j = 0; j < i; ++j) {
-                iso_vec3 a = decode_ranked(codes[c], i * h, j * h), b = decode_ranked(codes[c], (i + 1) * h, j * h);
-                iso_vec3 d = decode_ranked(codes[c], i * h, (j + 1) * h);
-                assert_more_than(iso_dot(iso_cross(a, b), d) / (h * h), 1e-4);
-            }
-        for (int i = 0; i <= STEPS; ++i) {
-            assert_within(decode_ranked(codes[c], i * h, 0).z, 0, 1e-15);
-            iso_vec3 diagonal = decode_ranked(codes[c], i * h, i * h), edge = decode_ranked(codes[c], 1, i * h);
-            assert_within(diagonal.y, diagonal.z, 1e-15);
-            assert_within(edge.x, edge.y, 1e-15);
+    const iso_code code = ISO_CODE_REGION48;
+    for (int i = 1; i < STEPS; ++i)
+        for (int j = 0; j < i; ++j) {
+            iso_vec3 a = decode_ranked(code, i * h, j * h), b = decode_ranked(code, (i + 1) * h, j * h);
+            iso_vec3 d = decode_ranked(code, i * h, (j + 1) * h);
+            assert_more_than(iso_dot(iso_cross(a, b), d) / (h * h), 1e-4);
         }
+    for (int i = 0; i <= STEPS; ++i) {
+        assert_within(decode_ranked(code, i * h, 0).z, 0, 1e-15);
+        iso_vec3 diagonal = decode_ranked(code, i * h, i * h), edge = decode_ranked(code, 1, i * h);
+        assert_within(diagonal.y, diagonal.z, 1e-15);
+        assert_within(edge.x, edge.y, 1e-15);
     }
 }
 
@@ -452,7 +363,6 @@ static void holes_are_those_that_are_published(void **unused)
     } known[] = {
         {ISO_CODE_REGION48, 0.17303, 1.5e-5}, /* [diaz-garcia-2017] Table 1: 0.1730 */
         {ISO_CODE_CUBE, 0.31776, 1.5e-5},     /* sqrt(2) / 255 rad, as a plane angle; Table 1: 0.3177 */
-        {ISO_CODE_SQUEEZE, 0.0940, 1e-4},     /* ours */
         {ISO_CODE_OCT24, 0.0396, 1e-4},
     };
     for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i) {
@@ -555,11 +465,10 @@ int main(void)
         cmocka_unit_test(axes_and_diagonals_are_encoded),
         cmocka_unit_test(the_decoder_in_float_agrees_with_double),
         cmocka_unit_test(fast_searches_are_as_good_as_the_exact_ones),
-        cmocka_unit_test(the_table_of_squeeze_finds_the_nearest_of_all_codes),
         cmocka_unit_test(encoders_with_and_without_avx2_give_the_same_bytes),
         cmocka_unit_test(short_counts_touch_nothing_behind_them),
         cmocka_unit_test(lengths_are_kept_by_the_codes_that_say_so),
-        cmocka_unit_test(warping_decoders_do_not_fold),
+        cmocka_unit_test(the_warping_decoder_does_not_fold),
         cmocka_unit_test(holes_are_those_that_are_published),
         cmocka_unit_test(a_hole_of_few_directions_has_its_closed_form),
         cmocka_unit_test(the_default_code_keeps_its_promises_between_voxels),

@@ -137,7 +137,7 @@ static void expect_picture(const iso_pyramid *p, const iso_view *view, iso_direc
 static void it_has_the_samples_of_the_reference(void **state)
 {
     static const volume_case volumes[] = {{ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false},
-                                          {ISO_I16, ISO_CODE_SQUEEZE, {16, 15, 33}, false},
+                                          {ISO_I16, ISO_CODE_FREE, {16, 15, 33}, false},
                                           {ISO_F32, ISO_CODE_REGION48, {9, 40, 1}, false},
                                           {ISO_U16, ISO_CODE_CUBE, {1, 2, 31}, false}};
     static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_DECODED, ISO_FROM_FLOAT, ISO_FROM_FLIPPED,

@@ -18,7 +18,6 @@
  *   cube      unsigned; the cube-dot, rounded.
  *   region48  unsigned; [diaz-garcia-2017] section 4: cube-dots of 48 triangular
  *             regions, Eq. 2 with lambda = 0.61.
- *   squeeze   unsigned; the 48 regions with their lines of holes squeezed.
  *   oct24     12 + 12 bits of the octahedral map; for nearest fetches.
  *   half      three half floats, 6 bytes.
  *
@@ -45,7 +44,6 @@
     X(FREE, free)         \
     X(CUBE, cube)         \
     X(REGION48, region48) \
-    X(SQUEEZE, squeeze)   \
     X(OCT24, oct24)       \
     X(HALF, half)
 /* clang-format on */

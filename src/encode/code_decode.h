@@ -34,7 +34,6 @@
 #define ISO_DECODER_REGION48 1
 #define ISO_DECODER_UNIT 2
 #define ISO_DECODER_OCT 3
-#define ISO_DECODER_SQUEEZE 4
 
 /* [diaz-garcia-2017] section 4.1, Figure 10: the best lambda of Eq. 2. */
 #define ISO_REGION48_LAMBDA 0.61
@@ -103,88 +102,6 @@ ISO_FUNCTION ISO_VEC3 iso_decode_region48(ISO_VEC3 e)
                          iso_decode_pick(e.z, high, low, ranked));
 }
 
-/* The 48 regions with a smaller hole. What is left of the hole of Eq. 2 lies along
- * lines m y + n z = c, m, n and c small whole numbers, of the cube-dot (y, z):
- * there the points of all lengths fall on the same parallels, 2 / (255 |(m,n)|)
- * apart. So each such line is squeezed by itself (slope 1 - strength |(m,n)|^2 /
- * width on the line, a shift far from it), then the edges of the triangle as in
- * Eq. 2 (slope k on the edge), and what density is left over is evened out by a
- * polynomial. All of it is monotone and independent of the length. */
-/* k and t of u, v, w: slope k on the edge, from t on a shift; how near to an edge a
- * line still moves points; the polynomial; the lines: m, n, c, strength, width. Found
- * by descent on the largest few thousand holes at once. */
-#define ISO_SQUEEZE_KU 3.4998e-06
-#define ISO_SQUEEZE_KV 2.3671e-05
-#define ISO_SQUEEZE_KW 1.3845e-05
-#define ISO_SQUEEZE_TU 0.027111
-#define ISO_SQUEEZE_TV 0.025472
-#define ISO_SQUEEZE_TW 0.036693
-#define ISO_SQUEEZE_RIM 0.024752
-#define ISO_SQUEEZE_CUBIC -0.13567
-#define ISO_SQUEEZE_QUINTIC 0.23911
-/* clang-format off */
-#define ISO_SQUEEZE_LINES(X)                 \
-    X(1.0, 1.0, 1.0, 0.0038754, 0.013867)    \
-    X(2.0, 0.0, 1.0, 0.00075629, 0.011858)   \
-    X(0.0, 2.0, 1.0, 0.00048866, 0.0084009)  \
-    X(1.0, -2.0, 0.0, 0.001347, 0.01216)     \
-    X(2.0, -1.0, 1.0, 0.00042309, 0.005418)  \
-    X(2.0, 1.0, 2.0, -0.00051774, 0.048061)  \
-    X(2.0, 1.0, 1.0, 0.00031208, 0.004807)   \
-    X(1.0, 2.0, 1.0, 0.0004769, 0.0058937)   \
-    X(1.0, 2.0, 2.0, -0.00093351, 0.059507)  \
-    X(2.0, -2.0, 1.0, 0.00023569, 0.014403)  \
-    X(2.0, 2.0, 1.0, 0.00064891, 0.059026)   \
-    X(2.0, 2.0, 3.0, -0.00076273, 0.011132)  \
-    X(3.0, 0.0, 1.0, 0.00051052, 0.03772)    \
-    X(3.0, 0.0, 2.0, -6.932e-05, 0.046974)   \
-    X(1.0, -3.0, 0.0, 4.8635e-05, 0.0015818) \
-    X(3.0, -1.0, 1.0, 0.00025583, 0.010914)  \
-    X(3.0, -1.0, 2.0, 0.00026626, 0.0048916) \
-    X(1.0, 3.0, 1.0, 0.0001316, 0.027755)    \
-    X(1.0, 3.0, 2.0, 0.00030847, 0.14685)    \
-    X(3.0, -2.0, 1.0, -0.00073491, 0.12274)
-#define ISO_SQUEEZE_LINE(m, n, c, strength, width)   \
-    t = m * y + n * z - c;                           \
-    t = strength * t / (ISO_ABS(t) + width);         \
-    dy -= m * t;                                     \
-    dz -= n * t;
-/* clang-format on */
-
-/* The cube-dot (1, y, z) to the decoded (x, y, z), of any length. */
-ISO_FUNCTION ISO_VEC3 iso_squeeze(ISO_REAL y, ISO_REAL z)
-{
-    ISO_REAL dy = 0.0, dz = 0.0, t;
-    ISO_SQUEEZE_LINES(ISO_SQUEEZE_LINE)
-    ISO_REAL u = 1.0 - y, v = y - z, w = z;
-    u = u - dy * u / (u + ISO_SQUEEZE_RIM); /* the edges stay where they are */
-    v = v + (dy - dz) * v / (v + ISO_SQUEEZE_RIM);
-    w = w + dz * w / (w + ISO_SQUEEZE_RIM);
-    u = u * (u + ISO_SQUEEZE_KU * ISO_SQUEEZE_TU) / (u + ISO_SQUEEZE_TU);
-    v = v * (v + ISO_SQUEEZE_KV * ISO_SQUEEZE_TV) / (v + ISO_SQUEEZE_TV);
-    w = w * (w + ISO_SQUEEZE_KW * ISO_SQUEEZE_TW) / (w + ISO_SQUEEZE_TW);
-    ISO_REAL sum = u + v + w;
-    y = (v + w) / sum;
-    z = w / sum;
-    y = y * (1.0 + y * y * (ISO_SQUEEZE_CUBIC + ISO_SQUEEZE_QUINTIC * y * y));
-    z = z * (1.0 + z * z * (ISO_SQUEEZE_CUBIC + ISO_SQUEEZE_QUINTIC * z * z));
-    return ISO_MAKE_VEC3(1.0 + ISO_SQUEEZE_CUBIC + ISO_SQUEEZE_QUINTIC, y, z);
-}
-
-ISO_FUNCTION ISO_VEC3 iso_decode_squeeze(ISO_VEC3 e)
-{
-    ISO_REAL trust = iso_decode_trust(iso_decode_length(e));
-    ISO_REAL ax = ISO_ABS(e.x), ay = ISO_ABS(e.y), az = ISO_ABS(e.z);
-    ISO_REAL high = ISO_MAX(1.0e-9, ISO_MAX(ax, ISO_MAX(ay, az)));
-    ISO_REAL low = ISO_MIN(ax, ISO_MIN(ay, az));
-    ISO_REAL middle = ISO_MAX(ISO_MIN(ax, ay), ISO_MIN(ISO_MAX(ax, ay), az));
-    ISO_VEC3 ranked = iso_squeeze(middle / high, low / high);
-    ISO_REAL scale = trust / iso_decode_length(ranked);
-    ranked = ISO_MAKE_VEC3(ranked.x * scale, ranked.y * scale, ranked.z * scale);
-    return ISO_MAKE_VEC3(iso_decode_pick(e.x, high, low, ranked), iso_decode_pick(e.y, high, low, ranked),
-                         iso_decode_pick(e.z, high, low, ranked));
-}
-
 /* Octahedral map: (x, y) of e; the lower half of the octahedron |x| + |y| + |z| = 1
  * is folded outwards. For nearest fetches only, a filter across a fold is wrong.
  * The corner (-1,-1) stands for "undefined" (the other three corners decode to
@@ -200,11 +117,10 @@ ISO_FUNCTION ISO_VEC3 iso_decode_oct(ISO_VEC3 e)
 
 ISO_FUNCTION ISO_VEC3 iso_decode(int decoder, ISO_VEC3 e)
 {
-    return decoder == ISO_DECODER_REGION48  ? iso_decode_region48(e)
-           : decoder == ISO_DECODER_UNIT    ? iso_decode_unit(e)
-           : decoder == ISO_DECODER_OCT     ? iso_decode_oct(e)
-           : decoder == ISO_DECODER_SQUEEZE ? iso_decode_squeeze(e)
-                                            : e;
+    return decoder == ISO_DECODER_REGION48 ? iso_decode_region48(e)
+           : decoder == ISO_DECODER_UNIT   ? iso_decode_unit(e)
+           : decoder == ISO_DECODER_OCT    ? iso_decode_oct(e)
+                                           : e;
 }
 
 /* The flipped fetch. Light is two-sided, so d and -d shade alike, but they cancel

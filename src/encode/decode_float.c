@@ -33,7 +33,6 @@ SIMD decode_any(int decoder, const float *restrict lattice, float *restrict dire
 {
     switch (decoder) {
     case ISO_DECODER_REGION48: decode_loop(ISO_DECODER_REGION48, lattice, directions, count); break;
-    case ISO_DECODER_SQUEEZE: decode_loop(ISO_DECODER_SQUEEZE, lattice, directions, count); break;
     case ISO_DECODER_UNIT: decode_loop(ISO_DECODER_UNIT, lattice, directions, count); break;
     case ISO_DECODER_OCT: decode_loop(ISO_DECODER_OCT, lattice, directions, count); break;
     default: decode_loop(ISO_DECODER_LINEAR, lattice, directions, count); break;

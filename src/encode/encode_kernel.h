@@ -25,13 +25,10 @@
 ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 #undef ISO_ENCODER_DECLARE
 
-/* By a table of every code, which the first call makes (nearest_table.h). */
-void iso_encode_squeeze(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
-/* Exhaustive searches in double precision, over every lattice point that could win, for what fit, region48 and squeeze
+/* Exhaustive searches in double precision, over every lattice point that could win, for what fit and region48
  * find quickly: slow, for tests of the encoders above. */
-void iso_encode_squeeze_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 /* The best fit with another mu (fit.h), whatever the length. */
 void iso_encode_fit_with_mu(double mu, const float *restrict directions, uint8_t *restrict bytes, size_t count);

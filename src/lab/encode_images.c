@@ -35,7 +35,6 @@ static const struct coding {
     {"shell", WAY_CODE, ISO_CODE_SHELL, 3},
     {"cube", WAY_CODE, ISO_CODE_CUBE, 3},
     {"region48", WAY_CODE, ISO_CODE_REGION48, 3},
-    {"squeeze", WAY_CODE, ISO_CODE_SQUEEZE, 3},
 };
 enum { CODING_COUNT = sizeof codings / sizeof *codings, RATIO_TO = 0 };
 

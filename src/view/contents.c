@@ -107,7 +107,7 @@ static iso_status add_scalar(const iso_viewer *v, size_t k, iso_contents *conten
 /* ---- directions --------------------------------------------------------------------------------------------------- */
 
 static const char *const decoder_names[] = {
-    "ISO_DECODER_LINEAR", "ISO_DECODER_REGION48", "ISO_DECODER_UNIT", "ISO_DECODER_OCT", "ISO_DECODER_SQUEEZE",
+    "ISO_DECODER_LINEAR", "ISO_DECODER_REGION48", "ISO_DECODER_UNIT", "ISO_DECODER_OCT",
 };
 
 json_t *iso_contents_code_json(iso_code code)

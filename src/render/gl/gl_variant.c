@@ -14,8 +14,7 @@ static const char *const output_names[] = {NAMED(OUTPUT_INTEGRAL), NAMED(OUTPUT_
                                            NAMED(OUTPUT_HIT_NORMAL), NAMED(OUTPUT_POINTS)};
 static const char *const scale_names[] = {NAMED(SCALE_NONE), NAMED(SCALE_WITH_DIRECTIONS), NAMED(SCALE_ALONE)};
 static const char *const decoder_names[] = {NAMED(ISO_DECODER_LINEAR), NAMED(ISO_DECODER_REGION48),
-                                            NAMED(ISO_DECODER_UNIT), NAMED(ISO_DECODER_OCT),
-                                            NAMED(ISO_DECODER_SQUEEZE)};
+                                            NAMED(ISO_DECODER_UNIT), NAMED(ISO_DECODER_OCT)};
 
 int iso_gl_output(const iso_surface *surface)
 {
