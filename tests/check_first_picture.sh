@@ -106,14 +106,13 @@ words_of() { awk -v option="--$1=" '/^  *-/ || /^$/ { if (text) print text; text
 for option in scene zoom name unit-distance opacity; do
     check "${option}_in_the_same_words" test "$(words_of "$option" | sort -u | wc -l)" = 1
 done
-for command in "build --for first" "build --auto" "palette -o p.csv"; do
+for command in "build --for first" "palette -o p.csv"; do
     set -- $command
     expect "${1}_${2#--}_tf_first" 2 "$ISOSHADE" $1 nothing.nrrd --tf bone "${@:2}"
     check "${1}_${2#--}_tf_said" grep -q 'unknown transfer function preset "bone"' err
 done
 expect levels_for_a_first_picture 0 "$ISOSHADE" build v.nrrd --for first --tf simulation --levels 2 -q -o for.iso
 check whose_pyramid_says_so grep -q '"scene": "first"' for.iso/pyramid.json
-expect levels_for_what_is_suggested 0 "$ISOSHADE" build v.nrrd --auto --levels 2 -q -o auto.iso
 expect palette_of_a_preset 0 "$ISOSHADE" palette v.nrrd --tf auto --entries 8 -q -o p.csv
 expect chart_of_a_first_picture 0 "$ISOSHADE" chart v.nrrd --tf simulation --view top --zoom 1.5 --size 16 --levels 1 --with gl --codes fit --steps 1 --want 1 --budget 0 -q -o chart
 line=$(sed -n 's/^ *isoshade render v.nrrd --tf simulation --view top --size 16 --zoom 1.5 /&/p' out | head -n 1)

@@ -35,7 +35,6 @@ outputs() {
     : >failures
     run build "$plant/s.nrrd" -o "$dir/made/s.iso" --levels 2
     run build "$plant/in" -o "$dir/made/d.iso"
-    run build "$plant/s.nrrd" -o "$dir/made/auto.iso" --levels 2 --auto --tf "$plant/shells.tf.json"
     run build "$plant/s.nrrd" -o "$dir/made/for.iso" --levels 2 --for "$plant/itsscene.scene.json"
     run render "$plant/s.nrrd" $S --with gl --size 8 -o "$dir/made/p.exr" --png "$dir/made/p.png"
     run export "$plant/s.nrrd" $S --to vdb -o "$dir/made/e.vdb"

@@ -295,25 +295,6 @@ static void a_scale_that_is_not_used_is_rejected(void **state)
     close_subject(&s);
 }
 
-static void a_pyramid_says_whether_it_is_shown_with_scales(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *options;
-        iso_level_scales scales;
-    } cases[] = {{"--adapt --extinction-scale", ISO_SCALES_ADAPTED},
-                 {"--extinction-scale", ISO_SCALES_ORIGINAL},
-                 {"--adapt", ISO_SCALES_NONE},
-                 {"--adapt --tf-2d deviation", ISO_SCALES_NONE},
-                 {"", ISO_SCALES_NONE}};
-    assert_int_equal(iso_validate_scales_of(&(iso_pyramid){0}), ISO_SCALES_NONE);
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        json_t *chosen = json_pack("{s:s}", "options", cases[i].options);
-        assert_int_equal(iso_validate_scales_of(&(iso_pyramid){.chosen_by = chosen}), cases[i].scales);
-        json_decref(chosen);
-    }
-}
-
 /* ---- a budget, and the progress ---- */
 
 /* The budget is over when so many pictures are drawn. */
@@ -463,7 +444,6 @@ int main(void)
         cmocka_unit_test(a_budget_ends_between_two_views),
         cmocka_unit_test(a_budget_leaves_out_bounds_and_more_views),
         cmocka_unit_test(all_stages_were_foreseen_and_tell_how_far_they_are),
-        cmocka_unit_test(a_pyramid_says_whether_it_is_shown_with_scales),
     };
     return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
 }

@@ -8,7 +8,6 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
-#include "cli/build_auto.h"
 #include "cli/build_for.h"
 #include "options/cli.h"
 #include "options/input.h"
@@ -22,7 +21,7 @@
 typedef struct build_options {
     char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames; /* scene: of --for */
     iso_cli_look look; /* its transfer function alone */
-    int is_auto, budget;
+    int is_auto;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
     double gauss_sigma, memory_mb, save_seconds;
 } build_options;
@@ -47,6 +46,10 @@ static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli
         status = iso_words_check_range("--gauss-sigma", in->gauss_sigma, 0.1, 100, err);
     if (status == ISO_OK)
         status = iso_words_check_range("--eq1-exponent", in->eq1_exponent, 0, 4, err);
+    if (in->is_auto) {
+        out->scalar_filter = ISO_SCALAR_DAMPED;
+        out->direction_filter = ISO_DIRECTION_AUTO;
+    }
     if (status == ISO_OK && in->estimator)
         status = iso_gradient_from_name(in->estimator, &out->gradient.method, err);
     if (status == ISO_OK && in->scalar_filter)
@@ -105,7 +108,7 @@ static json_t *to_json(const iso_cli *cli, const iso_pyramid_options *opt, const
     return root;
 }
 
-static void print_text(const iso_stream_report *r, const char *output)
+static void print_text(const iso_stream_report *r, const char *output, bool is_auto)
 {
     for (size_t k = 0; k < r->level_count; ++k) {
         const size_t *n = r->levels[k].geometry.size;
@@ -118,6 +121,8 @@ static void print_text(const iso_stream_report *r, const char *output)
     }
     if (r->resumed_at_plane > 0)
         printf("resumed at plane %zu\n", r->resumed_at_plane);
+    if (is_auto)
+        printf("show the levels with --adapt --extinction-scale\n");
     printf("%s\n", output);
 }
 
@@ -137,30 +142,6 @@ static iso_status open_input(void *user, iso_volume_source **source, iso_error *
 {
     const open_user *u = user;
     return iso_volume_input_open(u->path, u->input, source, err);
-}
-
-/* Filters are what is chosen, so they are not given. */
-static iso_status build_auto(const iso_cli *cli, const iso_volume_input *input, const build_options *in,
-                             const iso_ranks *ranks, iso_error *err)
-{
-    const char *path = cli->arguments[0];
-    iso_pyramid_options opt;
-    if (in->scene || in->frames || in->scalar_filter || in->direction_filter)
-        return iso_fail(err, ISO_E_USAGE,
-                        "--auto chooses filters for a transfer function, --tf FILE|PRESET: without --for, --frames, "
-                        "--scalar-filter and --direction-filter");
-    if (in->resume || ranks)
-        return iso_fail(err, ISO_E_USAGE, "--auto: levels are chosen and made in one go by one process");
-    char *output = in->output ? strdup(in->output) : default_output(path);
-    iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    iso_subject_look look;
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&in->look, cli->threads, &look, err);
-    const iso_build_auto job = {cli, input, &look, path, output, in->budget, in->memory_mb};
-    if (status == ISO_OK)
-        status = iso_cli_build_auto(&job, &opt, err);
-    free(output);
-    return status;
 }
 
 /* What changes no byte of a pyramid. */
@@ -202,7 +183,7 @@ static iso_status build_one(const build_job *job, const iso_pyramid_options *opt
     if (status == ISO_OK && cli->json)
         *json = to_json(cli, opt, &report, output);
     else if (status == ISO_OK)
-        print_text(&report, output);
+        print_text(&report, output, job->options->is_auto);
     return status;
 }
 
@@ -259,10 +240,11 @@ static iso_status choose_filter(const build_job *job, iso_pyramid_options *opt, 
                                                    : iso_volume_input_labels(path, job->input, &labels, err);
     if (status != ISO_OK || labels == 0)
         return status;
-    if (job->options->scene || (job->options->scalar_filter && opt->scalar_filter != ISO_SCALAR_MAJORITY))
+    const bool is_named = job->options->scalar_filter || job->options->is_auto;
+    if (job->options->scene || (is_named && opt->scalar_filter != ISO_SCALAR_MAJORITY))
         return iso_fail(err, ISO_E_USAGE,
                         "%s is a label map of %zu labels, which %s would interpolate; --no-labels does", path, labels,
-                        job->options->scene ? "--for" : "--scalar-filter");
+                        job->options->scene ? "--for" : job->options->is_auto ? "--auto" : "--scalar-filter");
     opt->scalar_filter = ISO_SCALAR_MAJORITY;
     if (!job->cli->json && !job->cli->quiet)
         printf("label map, %zu labels: levels by majority, looked up without interpolation (else --no-labels)\n",
@@ -320,19 +302,6 @@ static iso_status build(const build_job *job, iso_error *err)
     return status;
 }
 
-/* Designs are for values that may be interpolated. */
-static iso_status check_auto(const build_job *job, iso_error *err)
-{
-    const char *path = job->cli->arguments[0];
-    size_t labels = 0;
-    const iso_status status = iso_volume_input_labels(path, job->input, &labels, err);
-    if (status == ISO_OK && labels > 0)
-        return iso_fail(err, ISO_E_USAGE,
-                        "%s is a label map of %zu labels, which --auto would interpolate; --no-labels does", path,
-                        labels);
-    return status;
-}
-
 static iso_status build_any(const build_job *job, iso_error *err)
 {
     const build_options *in = job->options;
@@ -340,17 +309,13 @@ static iso_status build_any(const build_job *job, iso_error *err)
     if (iso_pyramid_is_one(path))
         return iso_fail(err, ISO_E_USAGE, "build makes the levels of a volume; %s is a pyramid, whose levels are made",
                         path);
-    if (in->is_auto) {
-        iso_subject_look look;
-        iso_status status = iso_cli_look_check(&in->look, job->cli->threads, &look, err);
-        if (status == ISO_OK)
-            status = check_auto(job, err);
-        return status == ISO_OK ? build_auto(job->cli, job->input, in, job->ranks, err) : status;
-    }
+    if (in->is_auto && (in->scene || in->scalar_filter || in->direction_filter))
+        return iso_fail(err, ISO_E_USAGE,
+                        "--auto says which filters: without --for, --scalar-filter and --direction-filter");
     if (in->scene)
         return build_for(job, err);
     if (!iso_cli_look_is_empty(&in->look))
-        return iso_fail(err, ISO_E_USAGE, "--tf is what --auto or --for %s makes levels for", ISO_BUILD_FOR_FIRST);
+        return iso_fail(err, ISO_E_USAGE, "--tf is what --for %s makes levels for", ISO_BUILD_FOR_FIRST);
     return build(job, err);
 }
 
@@ -370,7 +335,6 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
                         .gauss_radius = (int)defaults.gauss_radius,
                         .eq1_exponent = (int)defaults.eq1_exponent,
                         .gauss_sigma = defaults.gauss_sigma_voxels,
-                        .budget = 4,
                         .memory_mb = 900,
                         .save_seconds = ISO_STREAM_SAVE_SECONDS};
     iso_volume_input input;
@@ -390,10 +354,8 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
         {"frames", 0, POPT_ARG_STRING, &in.frames, 0,
          "all: a pyramid of each time step, NAME_0000.iso and so on, with one range of values for fitted TFs", "all"},
         {"auto", 0, POPT_ARG_NONE, &in.is_auto, 0,
-         "choose filters, and how to show the levels, by what is predicted for --tf", NULL},
+         "--scalar-filter damped and --direction-filter auto, to be shown with --adapt --extinction-scale", NULL},
         ISO_CLI_TF_OPTIONS(&in.look),
-        {"budget", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.budget, 0,
-         "with --auto: bytes a voxel of a coarse level beside its scalar, at most", "BYTES"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
          "radius of the Gaussian of gauss and eq1, in voxels of the finer level", "N"},
         {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0,
@@ -465,15 +427,14 @@ const iso_command iso_command_build = {
         "With --for each coarse level stores the scalar that shows this scene most like level 0: as built, by least squares,\n"
         "or fitted to the scene's transfer function; twelve small pictures of each decide. It is made in memory, and serves\n"
         "other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) are made of level 0 and need none.\n"
-        "With --auto the scalar filter, the direction filter, and whether to show the levels with an adapted or a\n"
-        "2D transfer function or an extinction scale are chosen by a prediction from the fine voxels' opacities under --tf,\n"
-        "within --budget; what was predicted is printed and kept in pyramid.json (doc/method/auto.md).",
+        "With --auto levels are damped and directions as with --direction-filter auto. Show such levels with --adapt\n"
+        "--extinction-scale: that is nearest to level 0 over many volumes, for a byte more (doc/results/auto.md).",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"
                 "  isoshade build v.nrrd -o ls.iso --scalar-filter least-squares\n"
                 "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --levels 3\n"
-                "  isoshade build v.nrrd -o auto.iso --auto --tf refscenes/marschner-lobb.tf.json --levels 3\n",
+                "  isoshade build v.nrrd -o auto.iso --auto --levels 3\n",
     .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
                                         &iso_code_names, &iso_tf_preset_names, NULL},
     .run = run,

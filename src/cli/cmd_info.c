@@ -251,8 +251,6 @@ static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const v
         json_object_set(root, "segments", p->segments);
     if (p->made_for)
         json_object_set(root, "made_for", p->made_for);
-    if (p->chosen_by)
-        json_object_set(root, "auto", p->chosen_by);
     iso_cli_print_json(root);
 }
 
@@ -272,16 +270,6 @@ static void print_made_for(const iso_pyramid *p)
     printf("\n");
 }
 
-/* "scaled-damped of 4 bytes a voxel, for tf.json; show it with --adapt --extinction-scale" */
-static void print_chosen_by(const iso_pyramid *p)
-{
-    const char *chosen = json_string_value(json_object_get(p->chosen_by, "chosen")),
-               *tf = json_string_value(json_object_get(p->chosen_by, "tf")),
-               *options = json_string_value(json_object_get(p->chosen_by, "options"));
-    printf("  chosen     %s, for %s%s%s\n", chosen ? chosen : "?", tf ? tf : "?",
-           options && *options ? "; show it with " : "", options ? options : "");
-}
-
 static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const verified *found)
 {
     const iso_pyramid_options *opt = &p->options;
@@ -299,8 +287,6 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
     print_segments(p->segments);
     if (p->made_for)
         print_made_for(p);
-    if (p->chosen_by)
-        print_chosen_by(p);
     for (size_t k = 0; k < p->level_count; ++k) {
         const iso_level *l = &p->levels[k];
         const size_t *n = l->geometry.size;

@@ -17,7 +17,6 @@
 #include "options/adapted.h"
 #include "options/input.h"
 #include "options/cli.h"
-#include "plan/auto_choice.h"
 #include "scene/subject.h"
 #include "scene/viewpoint.h"
 #include "report/gnuplot.h"
@@ -154,7 +153,7 @@ static iso_status announce_output(const iso_tf_arguments *a, iso_error *err)
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    iso_tf_arguments a = {.level_count = 4, .budget_bytes = ISO_AUTO_MOST_BYTES};
+    iso_tf_arguments a = {.level_count = 4};
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     struct poptOption options[] = {
@@ -163,11 +162,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone, else each, to NAME_level_K.tf.json; triangle",
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "adapt: of a volume's pyramid", "N"},
-        {"auto", 0, POPT_ARG_NONE, &a.automatic, 0,
-         "adapt: choose how each level is shown, by a prediction: the transfer function as it is, adapted or 2D, an extinction scale",
-         NULL},
-        {"budget", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_bytes, 0,
-         "--auto: bytes a voxel of a coarse level beside its scalar, 3 or 4", "BYTES"},
         {"volume", 0, POPT_ARG_STRING, &a.volume, 0,
          "convert, show: the volume that a fitted range follows; show: its histogram", "FILE"},
         ISO_CLI_ADAPT_METHOD_OPTIONS(&a.adapted),
@@ -214,8 +208,7 @@ const iso_command iso_command_tf = {
     .details =
         "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
         "         where the level has that value; small views of the level decide whether it is used. Joint histograms are kept\n"
-        "         in the pyramid. render and export do the same with --adapt. --auto predicts instead of each level what shows\n"
-        "         it best within --budget, and says with which options.\n"
+        "         in the pyramid. render and export do the same with --adapt.\n"
         "bound    says how far the images of a scene's coarse levels can be from level 0's, before any is drawn: an upper\n"
         "         bound of the RMSE, with its own transfer function and with --adapt.\n"
         "convert  from and to the formats below, by the names' endings and the content; says how far what is looked up is from\n"
@@ -233,7 +226,6 @@ const iso_command iso_command_tf = {
         "  isoshade tf suggest shells.nrrd -o first.tf.json\n"
         "  isoshade tf suggest shells.nrrd --tf simulation -o simulation.tf.json\n"
         "  isoshade tf adapt shells.nrrd --tf refscenes/shells.tf.json -o shells\n"
-        "  isoshade tf adapt shells.nrrd --auto --tf refscenes/shells.tf.json -o chosen\n"
         "  isoshade tf bound shells.nrrd --scene refscenes/shells.scene.json --size 48 --level 1\n"
         "  isoshade tf show refscenes/shells.tf.json shells_level_1.tf.json --volume shells.nrrd -o shells-tf.png\n"
         "  isoshade tf triangle shells.nrrd --tf refscenes/shells.tf.json --level 1\n"

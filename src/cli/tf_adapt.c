@@ -10,7 +10,6 @@
 #include "base/inputs.h"
 #include "base/json.h"
 #include "base/stamp.h"
-#include "plan/auto_choice.h"
 #include "scene/subject.h"
 #include "tf/format.h"
 #include "tf/ghost.h"
@@ -88,47 +87,9 @@ typedef struct adapt_run {
     const iso_tf_arguments *a;
     const iso_pyramid *p;
     const iso_tf_table *tf;
-    const iso_auto_choice *choice; /* with --auto, or NULL */
     json_t *levels;
     iso_small_views_fine level_0; /* drawn for the first level that is adapted */
 } adapt_run;
-
-/* What --auto chose for a level. */
-typedef struct chosen_level {
-    const iso_auto_design *design; /* NULL without --auto */
-    double gain;
-} chosen_level;
-
-static iso_status choose_level(const adapt_run *run, size_t level, chosen_level *chosen, iso_error *err)
-{
-    size_t design = 0;
-    *chosen = (chosen_level){0};
-    if (!run->choice)
-        return ISO_OK;
-    const iso_status status = iso_auto_choose_level(run->choice, level, run->p->options.scalar_filter,
-                                                    run->a->budget_bytes, &design, &chosen->gain, err);
-    if (status == ISO_OK)
-        chosen->design = iso_auto_design_at(design);
-    return status;
-}
-
-static void add_chosen(json_t *entry, const chosen_level *chosen)
-{
-    if (chosen->design)
-        json_object_set_new(entry, "auto",
-                            json_pack("{s:s, s:s, s:i, s:f}", "chosen", chosen->design->name, "options",
-                                      iso_auto_options(chosen->design), "bytes_per_voxel", chosen->design->bytes,
-                                      "predicted", chosen->gain));
-}
-
-static void print_chosen(const chosen_level *chosen)
-{
-    if (!chosen->design)
-        return;
-    const char *options = iso_auto_options(chosen->design);
-    printf("         chosen: %s (%s), predicted error %.2f of what small views would choose%s%s\n",
-           chosen->design->name, chosen->design->summary, chosen->gain, *options ? "; show it with " : "", options);
-}
 
 static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
 {
@@ -138,32 +99,23 @@ static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
     iso_adapt_judgment v;
     iso_tf_table table = {0};
     iso_tf file = {0};
-    chosen_level chosen = {0};
     char *path = adapted_path(a, level);
     iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err)
                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
     opt.folder = iso_pyramid_is_one(input) ? input : NULL;
     opt.level_0 = &run->level_0;
     if (status == ISO_OK)
-        status = choose_level(run, level, &chosen, err);
-    opt.fall_back = opt.fall_back && !(chosen.design && chosen.design->always);
-    const bool adapted = !chosen.design || chosen.design->adapted;
-    if (status == ISO_OK) /* level 0: the transfer function as it is */
-        status = iso_adapt_level(run->p, adapted ? level : 0, run->tf, &opt, &table, &v, err);
-    if (status == ISO_OK && adapted && level > 0 && !opt.fall_back) /* no small views have looked for one */
+        status = iso_adapt_level(run->p, level, run->tf, &opt, &table, &v, err);
+    if (status == ISO_OK && level > 0 && !opt.fall_back) /* no small views have looked for one */
         status = iso_ghost_measure(run->p, level, run->tf, &table, NULL, a->cli->threads, &v.ghost, err);
     if (status == ISO_OK)
         status = iso_tf_from_table(&table, &file, err);
     if (status == ISO_OK)
         status = iso_tf_save(&file, path, err);
     if (status == ISO_OK) {
-        json_t *entry = json_of_level(level, path, table.count, &v);
-        add_chosen(entry, &chosen);
-        json_array_append_new(run->levels, entry);
-        if (!a->cli->json) {
+        json_array_append_new(run->levels, json_of_level(level, path, table.count, &v));
+        if (!a->cli->json)
             print_level(level, path, &v);
-            print_chosen(&chosen);
-        }
     }
     iso_tf_destroy(&file);
     iso_tf_table_destroy(&table);
@@ -215,54 +167,19 @@ static iso_status check_output_name(const iso_tf_arguments *a, iso_error *err)
     return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", wanted the name of a file", a->output);
 }
 
-/* Predictions are of levels of a filter: level 0 is reduced by each again. */
-static iso_status measure(const adapt_run *run, iso_auto_choice *choice, iso_error *err)
-{
-    const iso_pyramid *p = run->p;
-    const iso_level *level0 = &p->levels[0];
-    const iso_progress progress = iso_cli_progress(run->a->cli);
-    iso_pyramid_options opt = p->options;
-    opt.threads = run->a->cli->threads;
-    opt.level_count = p->level_count;
-    if (p->made_for)
-        return iso_fail(err, ISO_E_USAGE, "%s: made for a scene, --auto predicts for levels of a scalar filter",
-                        run->a->cli->arguments[1]);
-    if (!level0->scalar)
-        return iso_fail(err, ISO_E_MEMORY, "%s: --auto works in memory, which takes up to %zu voxels",
-                        run->a->cli->arguments[1], ISO_SMALL_VIEWS_MAX_VOXELS);
-    const iso_volume v = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
-    return iso_auto_measure(&v, &opt, run->tf, choice, &progress, err);
-}
-
 static iso_status adapt_levels(adapt_run *run, iso_error *err)
 {
     const iso_tf_arguments *a = run->a;
     const iso_progress progress = iso_cli_progress(a->cli);
     const size_t count = run->p->level_count;
-    iso_auto_choice choice = {0};
     iso_status status = ISO_OK;
-    if (a->automatic) {
-        status = measure(run, &choice, err);
-        run->choice = &choice;
-    }
     for (size_t k = 1; k < count && status == ISO_OK; ++k) {
         iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, (double)(k - 1) / (double)(count - 1));
         if (a->level == 0 || (size_t)a->level == k)
             status = adapt_one(run, k, err);
     }
     iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, 1);
-    run->choice = NULL;
     return status;
-}
-
-static iso_status check_auto(const iso_tf_arguments *a, iso_error *err)
-{
-    if (a->automatic && a->adapted.always)
-        return iso_fail(err, ISO_E_USAGE, "--auto chooses whether to adapt, --always says so: one of the two");
-    if (a->automatic && a->budget_bytes < ISO_AUTO_LEAST_BYTES)
-        return iso_fail(err, ISO_E_USAGE, "--budget is %d, directions alone take %d bytes a voxel", a->budget_bytes,
-                        ISO_AUTO_LEAST_BYTES);
-    return ISO_OK;
 }
 
 iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
@@ -282,8 +199,6 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
     iso_cli_tf_expect_levels(cli);
     iso_status status = check_output_name(a, err);
-    if (status == ISO_OK)
-        status = check_auto(a, err);
     if (status == ISO_OK)
         status = iso_cli_look_check(&a->look, cli->threads, &look, err);
     if (status == ISO_OK)

@@ -15,7 +15,6 @@ typedef struct iso_tf_arguments {
     iso_cli_look look;
     char *output, *volume;
     int level, level_count;
-    int automatic, budget_bytes; /* --auto, --budget */
     const iso_cli *cli;
 } iso_tf_arguments;
 

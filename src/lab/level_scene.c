@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/extinction_scale.h"
-#include "plan/auto_choice.h"
 #include "plan/scene_levels.h"
 
 /* The level shows `scalar`, which it takes, under the transfer function that --adapt makes of it. */
@@ -79,87 +77,4 @@ iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *sh
         return show(s, fitted, shown, err);
     free(fitted);
     return status;
-}
-
-/* The level of the design's pyramid, under the design's transfer function. */
-static iso_status show_design(const iso_auto_design *d, const iso_pyramid *p, const iso_level_subject *s,
-                              iso_level_shown *shown, iso_error *err)
-{
-    iso_adapt_options opt = iso_adapt_defaults();
-    opt.threads = s->threads;
-    opt.fall_back = !d->always;
-    iso_tf_table_destroy(&shown->tf);
-    iso_status status = iso_adapt_level(p, d->adapted ? s->level : 0, s->tf, &opt, &shown->tf, &shown->judgment, err);
-    if (status == ISO_OK && d->is_2d) {
-        status = iso_adapt_tf_2d(p, s->level, ISO_SECOND_VALUE_DEVIATION, s->tf, &opt, &shown->tf_2d, err);
-        shown->has_tf_2d = status == ISO_OK;
-    }
-    if (status == ISO_OK && d->scaled)
-        status = iso_extinction_scale_level(p, s->level, s->tf, &shown->tf, s->threads, &shown->extinction_scale, err);
-    return status;
-}
-
-static iso_status make_auto(const iso_level_subject *s, int budget, iso_level_shown *shown, iso_error *err)
-{
-    const iso_level *level0 = &s->pyramid->levels[0];
-    const iso_volume v = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
-    iso_pyramid_options opt = s->pyramid->options;
-    iso_auto_choice choice;
-    iso_pyramid p = {0};
-    opt.threads = s->threads;
-    iso_status status = iso_auto_measure(&v, &opt, s->tf, &choice, NULL, err);
-    if (status == ISO_OK)
-        status = iso_auto_choose(&choice, budget, err);
-    const iso_auto_design *d = iso_auto_design_at(choice.chosen);
-    opt.scalar_filter = d->scalar;
-    opt.direction_filter = ISO_DIRECTION_NAIVE; /* shown are the subject's */
-    if (status == ISO_OK)
-        status = iso_pyramid_build(&v, "chosen", &opt, &p, NULL, err);
-    if (status == ISO_OK)
-        status = show_design(d, &p, s, shown, err);
-    if (status == ISO_OK) {
-        shown->scalar = shown->level.scalar = p.levels[s->level].scalar;
-        shown->level.min = p.levels[s->level].min;
-        shown->level.max = p.levels[s->level].max;
-        p.levels[s->level].scalar = NULL;
-    }
-    iso_pyramid_destroy(&p);
-    return status;
-}
-
-iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
-{
-    return make_auto(s, ISO_AUTO_MOST_BYTES, shown, err);
-}
-
-iso_status iso_level_make_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
-{
-    return make_auto(s, ISO_AUTO_LEAST_BYTES, shown, err);
-}
-
-static iso_status make_tf_auto(const iso_level_subject *s, int budget, iso_level_shown *shown, iso_error *err)
-{
-    const iso_level *level0 = &s->pyramid->levels[0];
-    const iso_volume v = {.geometry = level0->geometry, .type = ISO_F32, .data = level0->scalar};
-    iso_pyramid_options opt = s->pyramid->options;
-    iso_auto_choice choice;
-    size_t design = 0;
-    double gain;
-    opt.threads = s->threads;
-    iso_status status = iso_auto_measure(&v, &opt, s->tf, &choice, NULL, err);
-    if (status == ISO_OK)
-        status = iso_auto_choose_level(&choice, s->level, opt.scalar_filter, budget, &design, &gain, err);
-    if (status == ISO_OK)
-        status = show_design(iso_auto_design_at(design), s->pyramid, s, shown, err);
-    return status;
-}
-
-iso_status iso_level_make_tf_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
-{
-    return make_tf_auto(s, ISO_AUTO_MOST_BYTES, shown, err);
-}
-
-iso_status iso_level_make_tf_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
-{
-    return make_tf_auto(s, ISO_AUTO_LEAST_BYTES, shown, err);
 }

@@ -14,14 +14,4 @@ iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown 
 /* The fitted scalar, whatever pictures say. */
 iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 
-/* The design that build --auto chooses for the levels that the subject has. */
-iso_status iso_level_make_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
-
-/* The same within the least budget, 3 bytes a voxel. */
-iso_status iso_level_make_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
-
-/* How tf adapt --auto shows the subject's level, within 4 and 3 bytes. */
-iso_status iso_level_make_tf_auto(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
-iso_status iso_level_make_tf_auto_least(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
-
 #endif

@@ -286,6 +286,5 @@ void iso_pyramid_destroy(iso_pyramid *p)
     free(p->source);
     json_decref(p->segments);
     json_decref(p->made_for);
-    json_decref(p->chosen_by);
     *p = (iso_pyramid){0};
 }

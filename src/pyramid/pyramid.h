@@ -141,7 +141,6 @@ typedef struct iso_pyramid {
     iso_level *levels;
     json_t *segments;  /* owned: names and colors of a label map's labels (volume/segments.h); or NULL */
     json_t *made_for;  /* owned: the scene that levels were made for, and how (doc/formats.md); or NULL */
-    json_t *chosen_by; /* owned: what `build --auto` chose the filters by (doc/formats.md); or NULL */
 } iso_pyramid;
 
 /* That of a volume's notes. */

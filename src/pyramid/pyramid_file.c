@@ -298,10 +298,8 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     }
     out->segments = json_incref(iso_json_get_array(r, root, "segments", false));
     out->made_for = json_incref(iso_json_get_object(r, root, "made_for", false));
-    out->chosen_by = json_incref(iso_json_get_object(r, root, "auto", false));
     iso_segments_check(r, out->segments);
     iso_json_check_texts(r, "made_for", out->made_for);
-    iso_json_check_texts(r, "auto", out->chosen_by);
     if (r->status != ISO_OK)
         return r->status;
     const size_t count = json_array_size(levels);

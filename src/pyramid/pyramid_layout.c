@@ -204,8 +204,6 @@ iso_status iso_layout_save(const char *dir, const char *source, const iso_pyrami
         json_object_set(root, "segments", of->segments);
     if (root && of && of->made_for)
         json_object_set(root, "made_for", of->made_for);
-    if (root && of && of->chosen_by)
-        json_object_set(root, "auto", of->chosen_by);
     json_object_set_new(root, "xxh3_64", json_string(no_checksum));
     char *text = root ? json_dumps(root, DUMP_FLAGS) : NULL;
     if (text)

@@ -8,14 +8,6 @@
 #include "fit/extinction_scale.h"
 #include "validate/measured.h"
 
-iso_level_scales iso_validate_scales_of(const iso_pyramid *p)
-{
-    const char *options = json_string_value(json_object_get(p->chosen_by, "options"));
-    if (!options || !strstr(options, "--extinction-scale"))
-        return ISO_SCALES_NONE;
-    return strstr(options, "--adapt") ? ISO_SCALES_ADAPTED : ISO_SCALES_ORIGINAL;
-}
-
 static iso_status make_table(const iso_validation *v, size_t level, iso_tf_table *table, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();

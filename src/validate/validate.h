@@ -129,8 +129,6 @@ void iso_validate_forget_tfs(iso_validation *v);
 
 /* Makes the extinction scales that v->scales asks for: of the pyramid's own scalars, for the view's TF. Needs level_tfs. */
 iso_status iso_validate_scale(iso_validation *v, iso_error *err);
-/* What a pyramid is to be shown by, as `build --auto` noted it. */
-iso_level_scales iso_validate_scales_of(const iso_pyramid *p);
 
 /* The view with at most so many pixels along its longer edge (0: any), of the same scene; borrowed, so not to be
  * destroyed. A limit is judged by ratios of means over pixels, which a regular part of them shows as well: isoshade-lab power
