@@ -67,11 +67,8 @@ fi
 
 check a_2d_tf_renders "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d deviation -o tf_2d.exr -q
 refuse tf_2d_without_adapt 2 "go with --adapt" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --tf-2d deviation -o z.exr -q
-refuse the_old_name_of_tf_2d 2 "table is now --tf-2d" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --table=deviation -o z.exr -q
-refuse the_old_name_of_estimator 2 "gradient is now --estimator" "$ISOSHADE" build v.nrrd -o z.iso --gradient sobel -q
-refuse the_old_name_of_shading_from 2 "gradients is now --shading-from" "$ISOSHADE" render shells.iso --gradients float --level 1 -o z.exr -q
 refuse unknown_second_value 2 "wanted deviation or gradient" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d depth -o z.exr -q
-refuse a_window_without_adapt 2 'go with --adapt' "$ISOSHADE" render shells.iso --level 1 --size 8 --scene own.scene.json --window 2 -o z.exr -q
+refuse bits_without_adapt 2 'go with --adapt' "$ISOSHADE" render shells.iso --level 1 --size 8 --scene own.scene.json --bits 9 -o z.exr -q
 # Two blocks, each with its cases; two figures. What is adapted has to be another table: the paper's is not the original.
 few="--views 1 --size 32 --levels 2 --tfs soft -q"
 expect consistency 0 "$LAB" consistency shells.nrrd --held shells.nrrd --methods paper,default $few --figures figures --json
@@ -117,9 +114,7 @@ expect suggest_of_that_preset 0 "$ISOSHADE" tf suggest shells.nrrd --tf simulati
 expect bound_without_a_scene 0 "$ISOSHADE" tf bound shells.iso --tf simulation --view top --size 16 --level 1 -q
 refuse missing_tf 3 'absent.tf.json' "$ISOSHADE" tf adapt shells.iso --tf absent.tf.json -o x
 refuse level_too_high 5 'level 7' "$ISOSHADE" tf adapt shells.iso --tf "$tf" --level 7 -o x.tf.json
-refuse unknown_weight 2 '--weight' "$ISOSHADE" tf adapt shells.iso --tf "$tf" --weight gaus -o x
 refuse bits_too_many 2 '--bits is 17' "$ISOSHADE" tf adapt shells.iso --tf "$tf" --bits 17 -o x
-refuse window_too_small 2 '--window is 0.2' "$ISOSHADE" tf adapt shells.iso --tf "$tf" --window 0.2 -o x
 refuse show_needs_an_ending 2 'must end with .png or .svg' "$ISOSHADE" tf show "$tf" -o x.jpg
 refuse convert_needs_an_ending 2 'must end with .csv' "$ISOSHADE" tf convert "$tf" -o x.txt
 ISOSHADE_GNUPLOT=/nowhere refuse gnuplot_missing 7 'ISOSHADE_GNUPLOT' "$ISOSHADE" tf show "$tf" -o y.png

@@ -248,10 +248,6 @@ static void options_outside_their_limits_are_refused(void **state)
     opt = (iso_adapt_options){.weight = ISO_WEIGHT_MIXED, .mix_s = 0.7, .mix_t = 0.4};
     assert_status(iso_adapter_create(&j, &opt, &a, &err), ISO_E_RANGE);
     iso_joint_destroy(&j);
-    iso_adapt_weight w;
-    iso_adapt_average v;
-    assert_status(iso_adapt_weight_from_name("gaus", &w, &err), ISO_E_USAGE);
-    assert_status(iso_adapt_average_from_name("rgb", &v, &err), ISO_E_USAGE);
 }
 
 static void a_table_as_a_tf_file_gives_the_same_entries_back(void **state)

@@ -187,7 +187,6 @@ static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_e
                                         {"step", 0, POPT_ARG_DOUBLE, &w.step, 0, NULL, NULL},
                                         {"adapt", 0, POPT_ARG_NONE, &o->adapted.wanted, 0, NULL, NULL},
                                         {"tf-2d", 0, POPT_ARG_STRING, &o->adapted.tf_2d, 0, NULL, NULL},
-                                        {"window", 0, POPT_ARG_DOUBLE, &o->adapted.window, 0, NULL, NULL},
                                         {"always", 0, POPT_ARG_NONE, &o->adapted.always, 0, NULL, NULL},
                                         POPT_TABLEEND};
     iso_status status = parse(way->build, build, err);

@@ -9,43 +9,15 @@
 #include "options/cli.h"
 #include "tf/ghost.h"
 
-/* Appends a name of a list of `count`: "rgba, opacity (default), extinction or transmittance". */
-static void list_name(char *text, size_t size, const char *name, size_t row, size_t count, bool is_default)
-{
-    const size_t length = strlen(text);
-    const char *before = row == 0 ? "" : row + 1 < count ? ", " : " or ";
-    snprintf(text + length, size - length, "%s%s%s", before, name, is_default ? " (default)" : "");
-}
-
 void iso_cli_adapted_defaults(iso_cli_adapted *a)
 {
-    const iso_adapt_options usual = iso_adapt_defaults();
-    *a = (iso_cli_adapted){.bits = usual.bits};
-    for (size_t i = 0; i < ISO_AVERAGE_COUNT; ++i)
-        list_name(a->averages, sizeof a->averages, iso_adapt_average_name((iso_adapt_average)i), i, ISO_AVERAGE_COUNT,
-                  i == (size_t)usual.average);
-    for (size_t i = 0; i < ISO_WEIGHT_COUNT; ++i)
-        list_name(a->weights, sizeof a->weights, iso_adapt_weight_name((iso_adapt_weight)i), i, ISO_WEIGHT_COUNT,
-                  i == (size_t)usual.weight);
+    *a = (iso_cli_adapted){.bits = iso_adapt_defaults().bits};
 }
 
 iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err)
 {
     *opt = iso_adapt_defaults();
-    iso_status status = iso_words_check_range("--bits", a->bits, 8, 16, err);
-    if (status == ISO_OK && a->average && iso_adapt_average_from_name(a->average, &opt->average, err) != ISO_OK)
-        status = iso_fail_in(err, ISO_E_USAGE, "--average");
-    if (status == ISO_OK && a->weight && iso_adapt_weight_from_name(a->weight, &opt->weight, err) != ISO_OK)
-        status = iso_fail_in(err, ISO_E_USAGE, "--weight");
-    if (status == ISO_OK && a->window != 0)
-        status = iso_words_check_range("--window", a->window, 1, 100, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--mix-s", a->mix_s, 0, 1, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--mix-t", a->mix_t, 0, 1 - a->mix_s, err);
-    opt->window = a->window;
-    opt->mix_s = a->mix_s;
-    opt->mix_t = a->mix_t;
+    const iso_status status = iso_words_check_range("--bits", a->bits, 8, 16, err);
     opt->bits = a->bits;
     opt->fall_back = !a->always;
     opt->threads = threads;
@@ -69,8 +41,7 @@ iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value
 /* How to adapt, said without asking for it, would be passed over in silence. */
 static bool is_told_how(const iso_cli_adapted *a)
 {
-    return a->average || a->weight || a->tf_2d || a->window != 0 || a->mix_s != 0 || a->mix_t != 0 || a->always ||
-           a->bits != iso_adapt_defaults().bits;
+    return a->tf_2d || a->always || a->bits != iso_adapt_defaults().bits;
 }
 
 /* One line: what is left out, or that it is drawn. */
@@ -149,9 +120,7 @@ static iso_status adapt_view(const iso_cli_adapted *a, const char *path, const i
 static iso_status check_together(const iso_cli_adapted *a, iso_error *err)
 {
     if (!a->wanted && is_told_how(a))
-        return iso_fail(
-            err, ISO_E_USAGE,
-            "--tf-2d, --average, --weight, --window, --mix-s, --mix-t, --bits and --always go with --adapt");
+        return iso_fail(err, ISO_E_USAGE, "--tf-2d, --bits and --always go with --adapt");
     if (a->extinction_scale && a->tf_2d)
         return iso_fail(err, ISO_E_USAGE,
                         "--extinction-scale is made for a transfer function of one value, not --tf-2d");

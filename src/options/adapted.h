@@ -22,21 +22,14 @@
 
 typedef struct iso_cli_adapted {
     int wanted;                     /* --adapt */
-    char *average, *weight, *tf_2d; /* by popt; live until the process ends */
-    double window, mix_s, mix_t;
+    char *tf_2d;                    /* by popt; lives until the process ends */
     int bits, always, extinction_scale;
-    char averages[80], weights[80]; /* for --help */
     const iso_cli *cli;             /* where ghosts are told of, or NULL */
 } iso_cli_adapted;
 
 /* How to adapt, without the switch that asks for it. */
 /* clang-format off */
 #define ISO_CLI_ADAPT_METHOD_OPTIONS(a)                                                                                        \
-    {"average", 0, POPT_ARG_STRING, &(a)->average, 0, (a)->averages, "WHAT"},                                                  \
-    {"weight", 0, POPT_ARG_STRING, &(a)->weight, 0, (a)->weights, "WINDOW"},                                                   \
-    {"window", 0, POPT_ARG_DOUBLE, &(a)->window, 0, "half the width of the window, in standard deviations (flat 1.75, gauss 3, triangle and mixed 2.5)", "D"},    \
-    {"mix-s", 0, POPT_ARG_DOUBLE, &(a)->mix_s, 0, "mixed: weight of the constant", "S"},                                          \
-    {"mix-t", 0, POPT_ARG_DOUBLE, &(a)->mix_t, 0, "mixed: weight of the triangle", "T"},                                          \
     {"bits", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &(a)->bits, 0, "bits of the joint histogram, 8 to 16", "N"},               \
     {"always", 0, POPT_ARG_NONE, &(a)->always, 0, "adapt also where small views say that it does not help", NULL}
 
@@ -47,7 +40,6 @@ typedef struct iso_cli_adapted {
     ISO_CLI_ADAPT_METHOD_OPTIONS(a)
 /* clang-format on */
 
-/* Before the options are laid out: their texts are made here. */
 void iso_cli_adapted_defaults(iso_cli_adapted *a);
 /* ISO_E_USAGE with option and value. */
 iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err);

@@ -115,27 +115,6 @@ static iso_status check_numbers(const struct poptOption *o, int argc, const char
     return status;
 }
 
-/* Options that had another name in scripts of earlier versions. */
-static const struct {
-    const char *old, *now;
-} renamed_options[] = {
-    {"gradient", "--estimator"},
-    {"gradients", "--shading-from"},
-    {"table", "--tf-2d deviation or gradient, and a 1D transfer function without it"},
-};
-
-static iso_status refuse_renamed(int argc, const char **argv, iso_error *err)
-{
-    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i)
-        for (size_t k = 0; k < sizeof renamed_options / sizeof *renamed_options; ++k) {
-            const size_t length = strlen(renamed_options[k].old);
-            if (strncmp(argv[i], "--", 2) == 0 && strncmp(argv[i] + 2, renamed_options[k].old, length) == 0 &&
-                (argv[i][2 + length] == 0 || argv[i][2 + length] == '='))
-                return iso_fail(err, ISO_E_USAGE, "--%s is now %s", renamed_options[k].old, renamed_options[k].now);
-        }
-    return ISO_OK;
-}
-
 /* While options are visited: commands keep their tables on the stack of run(), so iso_cli_parse() shows them from there. */
 static struct {
     iso_cli_option_visitor visit;
@@ -296,8 +275,6 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         return ISO_OK;
     }
     iso_status status = check_numbers(table, argc, argv, err);
-    if (status == ISO_OK)
-        status = refuse_renamed(argc, argv, err);
     if (status != ISO_OK)
         return status;
     cli->context = poptGetContext(program, argc, argv, table, 0);

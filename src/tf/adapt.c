@@ -5,41 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/names.h"
-
-static const char *const weights[] = {"gauss", "flat", "triangle", "mixed"};
-static const char *const averages[] = {"rgba", "opacity", "extinction", "transmittance"};
-static const iso_names weight_names = ISO_NAMES_OF_STRINGS("weight", weights);
-static const iso_names average_names = ISO_NAMES_OF_STRINGS("average", averages);
-
-const char *iso_adapt_weight_name(iso_adapt_weight w)
-{
-    return weights[w];
-}
-
-const char *iso_adapt_average_name(iso_adapt_average a)
-{
-    return averages[a];
-}
-
-iso_status iso_adapt_weight_from_name(const char *name, iso_adapt_weight *w, iso_error *err)
-{
-    size_t row = 0;
-    const iso_status status = iso_names_find(&weight_names, name, &row, err);
-    if (status == ISO_OK)
-        *w = (iso_adapt_weight)row;
-    return status;
-}
-
-iso_status iso_adapt_average_from_name(const char *name, iso_adapt_average *a, iso_error *err)
-{
-    size_t row = 0;
-    const iso_status status = iso_names_find(&average_names, name, &row, err);
-    if (status == ISO_OK)
-        *a = (iso_adapt_average)row;
-    return status;
-}
-
 iso_adapt_options iso_adapt_defaults(void)
 {
     return (iso_adapt_options){.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true};

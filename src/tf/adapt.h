@@ -51,11 +51,6 @@ typedef enum iso_adapt_average {
     ISO_AVERAGE_COUNT
 } iso_adapt_average;
 
-const char *iso_adapt_weight_name(iso_adapt_weight w);
-const char *iso_adapt_average_name(iso_adapt_average a);
-iso_status iso_adapt_weight_from_name(const char *name, iso_adapt_weight *w, iso_error *err);
-iso_status iso_adapt_average_from_name(const char *name, iso_adapt_average *a, iso_error *err);
-
 typedef struct iso_adapt_options {
     iso_adapt_weight weight;
     iso_adapt_average average;
