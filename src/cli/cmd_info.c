@@ -275,7 +275,7 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
     const iso_pyramid_options *opt = &p->options;
     char text[512];
     printf("%s\n  source     %s\n  built by   %s\n", cli->arguments[0], p->source,
-           p->built_by[0] ? p->built_by : "isoshade before 0.2.0");
+           p->built_by);
     if (p->unit.name[0])
         printf("  unit       of its file: %s, which is %.9g mm\n", p->unit.name, p->unit.mm);
     printf("  options    --scalar-filter %s --direction-filter %s --estimator %s --code %s%s%s\n",

@@ -31,7 +31,7 @@ static char *comment_of(const json_t *scene)
 typedef struct standing {
     json_t *scene;
     char *wanted;      /* owned */
-    const char *found; /* NULL: none, as older versions wrote it */
+    const char *found;
 } standing;
 
 static standing look_at(const char *path)
@@ -72,19 +72,7 @@ iso_status iso_validate_scene_guard(const char *path, iso_error *err)
     if (!iso_path_exists(path))
         return ISO_OK;
     standing s = look_at(path);
-    const bool may_be_ours = s.wanted && (!s.found || strcmp(s.wanted, s.found) == 0);
-    forget(&s);
-    return may_be_ours ? ISO_OK : refuse(path, err);
-}
-
-/* What has no checksum is replaced where nothing of it is lost: by the same scene. */
-static iso_status guard_content(const char *path, const char *comment, iso_error *err)
-{
-    if (!iso_path_exists(path))
-        return ISO_OK;
-    standing s = look_at(path);
-    const char *is = s.found ? s.found : s.wanted, *has_to_be = s.found ? s.wanted : comment;
-    const bool ours = is && has_to_be && strcmp(is, has_to_be) == 0;
+    const bool ours = s.wanted && s.found && strcmp(s.wanted, s.found) == 0;
     forget(&s);
     return ours ? ISO_OK : refuse(path, err);
 }
@@ -97,7 +85,7 @@ iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso
     if (!comment || json_object_set_new(root, "comment", json_string(comment)) != 0)
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status == ISO_OK)
-        status = guard_content(path, comment, err);
+        status = iso_validate_scene_guard(path, err);
     if (status == ISO_OK)
         status = iso_scene_save_json(root, path, err);
     free(comment);

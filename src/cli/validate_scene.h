@@ -2,7 +2,7 @@
 /* validate_scene.h - the scene that validate writes beside its report, where there is no file of it: DIR.scene.json.
  *
  * Its comment has a checksum of all else, so that the next run replaces it only while it is what was written: people
- * edit scenes. One without a comment, as older versions wrote it, is replaced by the same scene alone. */
+ * edit scenes. */
 #ifndef ISO_CLI_VALIDATE_SCENE_H
 #define ISO_CLI_VALIDATE_SCENE_H
 
@@ -11,8 +11,7 @@
 /* "DIR.scene.json" of the report's folder, to be freed; announced as an output (base/inputs.h). */
 iso_status iso_validate_scene_name(const char *report, char **path, iso_error *err);
 
-/* Once the inputs are known, of which it may be one. ISO_E_IO: what stands there is not as validate wrote it. Of one without
- * a comment iso_validate_scene_save() says so, which knows the scene that is to replace it. */
+/* Once the inputs are known, of which it may be one. ISO_E_IO: what stands there is not as validate wrote it. */
 iso_status iso_validate_scene_guard(const char *path, iso_error *err);
 
 iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso_error *err);

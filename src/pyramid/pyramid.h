@@ -136,7 +136,7 @@ typedef struct iso_pyramid {
     iso_pyramid_options options;
     char *source; /* what it was made from */
     iso_pyramid_unit unit;
-    char built_by[64]; /* "isoshade 0.2.0"; "" by versions that did not say, which are before that */
+    char built_by[64]; /* "isoshade 0.2.0" */
     size_t level_count;
     iso_level *levels;
     json_t *segments;  /* owned: names and colors of a label map's labels (volume/segments.h); or NULL */

@@ -286,7 +286,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     iso_error *err = r->err;
     const char *source = NULL, *built_by = "";
     iso_json_get_string(r, root, "source", true, &source);
-    iso_json_get_string(r, root, "built_by", false, &built_by);
+    iso_json_get_string(r, root, "built_by", true, &built_by);
     options_from_json(r, iso_json_get_object(r, root, "options", true), &out->options);
     out->unit.mm = 1;
     json_t *unit = iso_json_get_object(r, root, "unit", false), *levels = iso_json_get_array(r, root, "levels", true);

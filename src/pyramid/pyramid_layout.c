@@ -176,7 +176,7 @@ iso_status iso_layout_load(const char *path, json_t **root, iso_error *err)
         status = iso_fail(err, ISO_E_FORMAT, "%s: schema \"%s\", must be \"%s\"", path, schema, ISO_PYRAMID_SCHEMA);
     else if (!said || strlen(said) != CHECKSUM_DIGITS || !(place = find_digits(text, said)))
         status = iso_fail(err, ISO_E_FORMAT,
-                          "%s: has no checksum of itself; isoshade before 0.3 wrote none: build the pyramid again",
+                          "%s: has no checksum of itself (xxh3_64); build the pyramid again",
                           path);
     else {
         put_checksum(text, size, place);

@@ -53,14 +53,6 @@ static iso_status load_subject(const char *dir, json_t **root, iso_error *err)
     return status;
 }
 
-/* A request of an older isoshade has no checksums, so that nothing is said of them. */
-static void drop_missing_checksum(json_t *asked, const json_t *there, const char *key)
-{
-    const json_t *then = json_object_get(there, key);
-    if (json_is_object(then) && !json_object_get(then, ISO_REQUEST_CHECKSUM))
-        json_object_del(json_object_get(asked, key), ISO_REQUEST_CHECKSUM);
-}
-
 static const char *differing_key(const json_t *asked, const json_t *there)
 {
     const char *key;
@@ -98,10 +90,6 @@ static iso_status compare_requests(const char *name, const char *asked, const ch
     iso_status status = load_subject(asked, &now, err);
     if (status == ISO_OK)
         status = load_subject(there, &then, err);
-    if (status == ISO_OK) {
-        drop_missing_checksum(now, then, "volume");
-        drop_missing_checksum(now, then, "directions");
-    }
     const char *key = status == ISO_OK ? differing_key(now, then) : NULL;
     if (key)
         status = iso_fail(err, ISO_E_PROGRAM,

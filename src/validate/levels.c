@@ -17,9 +17,7 @@ static iso_status add_to_report(iso_validation *v, const iso_level_check *check,
     snprintf(name, sizeof name, "level %zu is made from level 0", level);
     iso_level_check_text(check, level, text, sizeof text);
     snprintf(detail, sizeof detail, "%s%s%s", text, check->what ? "; built by " : "",
-             !check->what              ? ""
-             : v->pyramid->built_by[0] ? v->pyramid->built_by
-                                       : "a version before 0.2.0");
+             check->what ? v->pyramid->built_by : "");
     const iso_report_calibration row = {.renderer = "pyramid",
                                         .check = name,
                                         .value = (double)check->differing,
@@ -77,7 +75,6 @@ iso_status iso_validate_levels(iso_validation *v, iso_error *err)
     if (status == ISO_OK)
         status = verify_joints(v, err);
     iso_report_put(v->report, "options", "levels_verified", json_string("yes: built again from level 0"));
-    iso_report_put(v->report, "versions", "pyramid",
-                   json_string(v->pyramid->built_by[0] ? v->pyramid->built_by : "isoshade before 0.2.0"));
+    iso_report_put(v->report, "versions", "pyramid", json_string(v->pyramid->built_by));
     return status;
 }
