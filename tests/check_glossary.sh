@@ -7,7 +7,7 @@ glossary=$top/doc/GLOSSARY.md
 # Terms of the field that a newcomer cannot guess from plain English, as help texts have them (parts of words are enough).
 terms="voxel|spacing|trilinear|transfer function|extinction|opacity|ray step|quadrature|isosurface|shading
 |premultiplied|gradient|estimator|coherence|moments|agreement|direction code|hole|palette|level|pyramid
-|joint histogram|window|small views|brick|mixed resolution|plan|slab|rank|scene|reference|renderer
+|joint histogram|small views|brick|mixed resolution|plan|slab|rank|scene|reference|renderer
 |calibration|limit|baseline|atlas|front|RMSE|SSIM|FLIP|NRRD|NIfTI|OpenVDB|DF3|EXR"
 
 commands=$("$ISOSHADE" --help | sed -n 's/^  \([a-z][a-z]*\)  .*/\1/p')
