@@ -20,7 +20,7 @@ static int count_failures(const iso_renderer_info *which, iso_fault fault, iso_c
 {
     int failures = 0;
     size_t made;
-    assert_ok(iso_calibrate(&renderers, which, &(iso_planted){.fault = fault}, c, &made, NULL, &err));
+    assert_ok(iso_calibrate(&renderers, which, &(iso_planted){.fault = fault}, c, &made, &err));
     for (int i = 0; i < ISO_CALIBRATION_COUNT; ++i)
         failures += !c[i].passed;
     return failures;

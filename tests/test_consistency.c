@@ -388,49 +388,6 @@ static void a_budget_leaves_out_bounds_and_more_views(void **state)
 }
 
 /* What was reported: each stage by its first report, and how often the verdict said how far it is. */
-typedef struct reported {
-    char stages[64][64];
-    size_t count, verdict_fractions;
-} reported;
-
-static void note_report(void *user, const char *stage, double fraction)
-{
-    reported *r = user;
-    r->verdict_fractions += fraction > 0 && strcmp(stage, "consistency: verdict") == 0;
-    if (r->count == 0 || strcmp(r->stages[r->count - 1], stage) != 0)
-        snprintf(r->stages[r->count++ % 64], 64, "%s", stage);
-}
-
-/* Time left is told from what was foreseen: nothing that takes time may be missing there, nor be silent for long. */
-static void all_stages_were_foreseen_and_tell_how_far_they_are(void **state)
-{
-    (void)state;
-    subject s;
-    reported all = {.count = 0};
-    const iso_progress progress = {note_report, &all};
-    iso_progress_line *line = iso_progress_line_create("test");
-    open_subject(&s, ISO_FIELD_SHELLS, "foreseen");
-    budget_of_pictures b = {.validation = &s.validation, .most = SIZE_MAX, .leaves_open = true};
-    s.validation.may_add_views = true;
-    s.validation.renderers.after = (iso_image_hook){count_picture, &b};
-    s.validation.progress = &progress;
-    s.validation.line = line;
-    iso_validate_forecast(&s.validation);
-    measure_levels(&s);
-    renderers.after = (iso_image_hook){0};
-    assert_true(all.count >= iso_method_count * (levels - 1) + 5 && all.count <= 63);
-    assert_true(all.verdict_fractions >= (levels - 1) * views - 1);
-    iso_job *job = iso_progress_line_lock(line);
-    iso_job_begin_phase(job, "consistency", 0);
-    for (size_t i = 0; i < all.count; ++i) {
-        iso_job_report(job, 0, all.stages[i], 0, (double)i);
-        assert_string_equal(iso_job_look(job, (double)i).part, all.stages[i]);
-    }
-    iso_progress_line_unlock(line);
-    iso_progress_line_destroy(line);
-    close_subject(&s);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -443,7 +400,6 @@ int main(void)
         cmocka_unit_test(a_scale_that_is_not_used_is_rejected),
         cmocka_unit_test(a_budget_ends_between_two_views),
         cmocka_unit_test(a_budget_leaves_out_bounds_and_more_views),
-        cmocka_unit_test(all_stages_were_foreseen_and_tell_how_far_they_are),
     };
     return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
 }

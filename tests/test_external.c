@@ -236,7 +236,7 @@ static void the_program_passes_and_each_fault_in_it_is_found(void **state)
         skip();
     load_programs(interpreter);
     assert_ok(iso_renderer_from_name("right", &r, &err));
-    assert_ok(iso_calibrate(&renderers, r, NULL, c, &made, NULL, &err));
+    assert_ok(iso_calibrate(&renderers, r, NULL, c, &made, &err));
     for (size_t i = 0; i < ISO_CALIBRATION_COUNT; ++i)
         if (!c[i].passed)
             fail_msg("%s: %g, at most %g", c[i].check, c[i].value, c[i].limit);

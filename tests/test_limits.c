@@ -300,76 +300,6 @@ static void wide_bars_are_halved_until_they_are_narrow(void **state)
     close_subject(&s);
 }
 
-/* Of another limit, or of this one so far: the bar at a step of 1/16 was .001, and a halving divided the error by 4, by more
- * than can be, or by less than is believed. */
-static void the_last_step_is_foreseen_from_a_known_limit(void **state)
-{
-    (void)state;
-    iso_limit_options opt = iso_limit_defaults();
-    opt.step_voxels = 1.0 / 4, opt.finest_voxels = 1.0 / 64;
-    iso_extrapolated known = {.step_voxels = 1.0 / 16, .bar = 0.001, .coarse_rmse = 8e-4, .fine_rmse = 2e-4};
-    static const struct {
-        double wanted, coarse, step;
-    } rows[] = {{0.0011, 8e-4, 16}, {0.0009, 8e-4, 32}, {0.00024, 8e-4, 64}, {1e-9, 8e-4, 64},  {0.0041, 8e-4, 8},
-                {0.0039, 8e-4, 16}, {1, 8e-4, 4},       {0.0039, 80e-4, 16}, {0.0016, 2e-4, 8}, {0.0014, 2e-4, 16}};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
-        opt.wanted_bar = rows[i].wanted;
-        known.coarse_rmse = rows[i].coarse;
-        assert_within(1 / iso_limit_foresee_step(&known, &opt), rows[i].step, 1e-9);
-    }
-    known.bar = INFINITY; /* pixels that are no numbers */
-    assert_within(1 / iso_limit_foresee_step(&known, &opt), 64, 0);
-    double pictures = 1 / (2 * 0.25);
-    for (double step = 0.25; step >= 1.0 / 64; step /= 2) {
-        pictures += 1 / step;
-        assert_within(iso_limit_pictures(0.25, step), pictures, 1e-9);
-        assert_int_equal(iso_limit_rounds(0.25, step), 1 + (size_t)log2(0.25 / step));
-    }
-}
-
-typedef struct told {
-    double fraction[16];
-    size_t count;
-} told;
-
-static void note(void *user, const char *stage, double fraction)
-{
-    told *t = user;
-    if (strcmp(stage, "level 0: gl-limit") == 0)
-        t->fraction[t->count++] = fraction;
-}
-
-/* After each pair but the last it is told how much is done: steps of 1, 1/2, 1/4 and 1/8 in the end. */
-static void a_search_tells_how_far_it_is(void **state)
-{
-    (void)state;
-    subject s = open_subject(ISO_FIELD_NOISE, true, false);
-    iso_image truth = reference(&s);
-    told t = {.count = 0};
-    const iso_progress progress = {note, &t};
-    iso_extrapolated l;
-    iso_limit_options opt = iso_limit_defaults();
-    opt.step_voxels = 1, opt.finest_voxels = 1.0 / 8, opt.wanted_bar = 1e-12;
-    for (int named = 0; named < 2; ++named) {
-        opt.stage = named ? "level 0: gl-limit" : NULL;
-        assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, &progress}, &truth,
-                                 &iso_renderer_gl, &opt, &l, &err));
-        assert_within(l.step_voxels, 1.0 / 8, 0);
-        iso_extrapolated_destroy(&l);
-        assert_int_equal(t.count, named ? 3 : 0);
-    }
-    const iso_level *level = &s.pyramid.levels[0];
-    const double whole = iso_limit_seconds(level, &iso_renderer_gl, &opt, pixels * pixels, 1.0 / 8);
-    for (size_t i = 0; i < t.count; ++i) /* the bar is out of reach, so that all halvings are foreseen */
-        assert_within(t.fraction[i],
-                      iso_limit_seconds(level, &iso_renderer_gl, &opt, pixels * pixels, ldexp(1, -(int)i)) / whole, 1e-12);
-    assert_more_than(t.fraction[1], 1.2 * t.fraction[0]);
-    assert_more_than(t.fraction[2], 1.2 * t.fraction[1]);
-    assert_at_most(t.fraction[2], 0.9);
-    iso_image_destroy(&truth);
-    close_subject(&s);
-}
-
 /* RMSE may hold while structure does not: where both are asked for, halving goes on. Without that (the planted fault,
  * and what a shell of a coarse level once showed) the row of a lit scene differs, though a finer step would do. */
 static void halving_goes_on_until_a_person_would_not_see_it(void **state)
@@ -515,8 +445,6 @@ int main(void)
         cmocka_unit_test(what_is_hopeless_would_be_rejected_in_the_end),
         cmocka_unit_test(a_sharp_tf_that_is_called_smooth_is_told),
         cmocka_unit_test(wide_bars_are_halved_until_they_are_narrow),
-        cmocka_unit_test(the_last_step_is_foreseen_from_a_known_limit),
-        cmocka_unit_test(a_search_tells_how_far_it_is),
         cmocka_unit_test(halving_goes_on_until_a_person_would_not_see_it),
         cmocka_unit_test(a_limit_is_made_again_from_what_is_said_of_it),
         cmocka_unit_test(an_offset_of_the_whole_image_fails_povrays_lock_step),

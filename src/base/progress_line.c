@@ -2,7 +2,6 @@
 #define _GNU_SOURCE
 #include "base/progress_line.h"
 
-#include <errno.h>
 #include <math.h>
 #include <pthread.h>
 #include <signal.h>
@@ -16,103 +15,58 @@
 
 #include "base/parallel.h"
 
-static const double REDRAW_SECONDS = 0.1, TICK_SECONDS = 1;
-static const double LOG_LEAST_SECONDS = 5, LOG_MOST_SECONDS = 30;
+enum { MOST_STEPS = 64 };
+static const double REDRAW_SECONDS = 0.1, LOG_SECONDS = 30;
 
 struct iso_progress_line {
-    iso_progress_lane first;
-    char name[64], stage[96];
-    iso_job *job;
-    double stage_fraction; /* of a job without a layout */
-    bool redraws, shown, idle, stops, ticks;
-    double drawn_at;
-    iso_progress_log log;
+    char command[64], name[96]; /* name: of what runs */
+    struct step {
+        const char *name;
+        double cost;
+    } steps[MOST_STEPS];
+    size_t count, current;
+    double done, fraction; /* of the step that runs, and of all */
+    double start, drawn;
+    bool redraws, shown, idle, ticks, stops;
     pthread_mutex_t lock;
     pthread_cond_t wake;
     pthread_t ticker;
 };
 
-/* ---- text ---------------------------------------------------------------------------------- */
-
-/* Rounded to what an estimate knows. */
-static int put_duration(char *text, size_t size, double seconds)
+/* The length of the text if it is cut to so many bytes, between characters of UTF-8. */
+static size_t cut(const char *text, size_t bytes)
 {
-    if (seconds < 10)
-        return snprintf(text, size, "a few seconds");
-    if (seconds < 60)
-        return snprintf(text, size, "%.0f s", 5 * round(seconds / 5));
-    if (seconds < 600) {
-        const int tens = (int)round(seconds / 10);
-        return tens % 6 ? snprintf(text, size, "%d min %d s", tens / 6, 10 * (tens % 6))
-                        : snprintf(text, size, "%d min", tens / 6);
-    }
-    const int minutes = (int)round(seconds / 60);
-    if (minutes < 60)
-        return snprintf(text, size, "%d min", minutes);
-    return snprintf(text, size, "%d h %d min", minutes / 60, minutes % 60);
+    size_t length = strnlen(text, bytes);
+    while (length > 0 && ((unsigned char)text[length] & 0xc0) == 0x80)
+        --length;
+    return length;
 }
 
-/* Bytes of the first `columns` characters of UTF-8. */
-static size_t bytes_of_columns(const char *text, size_t columns)
+void iso_progress_text(char *text, size_t size, const char *command, const char *name, double fraction, double seconds,
+                       size_t columns)
 {
-    size_t i = 0;
-    for (size_t seen = 0; text[i]; ++i)
-        if (((unsigned char)text[i] & 0xc0) != 0x80 && seen++ == columns)
-            break;
-    return i;
+    char tail[64];
+    const int s = (int)seconds, n = snprintf(tail, sizeof tail, "   %2d %%, ", (int)(100 * fraction));
+    if (s < 60)
+        snprintf(tail + n, sizeof tail - (size_t)n, "%d s", s);
+    else if (s < 3600)
+        snprintf(tail + n, sizeof tail - (size_t)n, "%d min %02d s", s / 60, s % 60);
+    else
+        snprintf(tail + n, sizeof tail - (size_t)n, "%d h %02d min", s / 3600, s / 60 % 60);
+    const size_t others = strlen(command) + 2 + strlen(tail), room = columns > others ? columns - others : 0;
+    snprintf(text, size, "%s: %.*s%s", command, (int)cut(name, columns ? room : strlen(name)), name, tail);
+    if (columns)
+        text[cut(text, columns)] = 0;
 }
-
-static size_t columns_of(const char *text)
-{
-    size_t n = 0;
-    for (; *text; ++text)
-        n += ((unsigned char)*text & 0xc0) != 0x80;
-    return n;
-}
-
-void iso_progress_text(char *text, size_t size, const char *name, const iso_job_state *state, size_t columns)
-{
-    char tail[96], part[128];
-    int n = snprintf(tail, sizeof tail, "%s%3.0f %%", state->part[0] ? "   " : " ", floor(100 * state->fraction));
-    if (isfinite(state->left_seconds)) {
-        n += snprintf(tail + n, sizeof tail - (size_t)n, ", about ");
-        n += put_duration(tail + n, sizeof tail - (size_t)n, state->left_seconds);
-        snprintf(tail + n, sizeof tail - (size_t)n, " left");
-    }
-    snprintf(part, sizeof part, "%s", state->part);
-    const size_t others = columns_of(name) + 2 + strlen(tail), long_part = columns_of(part);
-    if (columns > 0 && others + long_part > columns)
-        part[bytes_of_columns(part, columns > others ? columns - others : 0)] = 0;
-    snprintf(text, size, "%s: %s%s", name, part, tail);
-    if (columns > 0)
-        text[bytes_of_columns(text, columns)] = 0;
-}
-
-int iso_progress_log_is_due(iso_progress_log *log, const iso_job_state *state)
-{
-    const double since = state->passed_seconds - log->told_seconds;
-    const int tenth = (int)floor(10 * state->fraction);
-    if (!(since >= LOG_MOST_SECONDS || (since >= LOG_LEAST_SECONDS && tenth > log->told_tenth)))
-        return 0;
-    log->told_seconds = state->passed_seconds;
-    log->told_tenth = tenth;
-    log->count++;
-    return 1;
-}
-
-/* ---- drawing; the lock is held --------------------------------------------------------------- */
 
 /* Asked each time: a window that changes its size needs no signal. */
 static size_t terminal_columns(void)
 {
     struct winsize size;
-    const char *text = getenv("COLUMNS");
-    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
-        return size.ws_col;
-    const long columns = text ? strtol(text, NULL, 10) : 0;
-    return columns > 0 ? (size_t)columns : 80;
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
 }
 
+/* From here on the lock is held, but by functions of the header. */
 static void wipe(iso_progress_line *line)
 {
     if (line->shown)
@@ -120,45 +74,29 @@ static void wipe(iso_progress_line *line)
     line->shown = false;
 }
 
-static iso_job_state look(iso_progress_line *line)
-{
-    iso_job_state state = iso_job_look(line->job, iso_clock_seconds());
-    if (!iso_job_has_parts(line->job)) {
-        state.part = line->stage;
-        state.fraction = line->stage_fraction;
-    }
-    return state;
-}
-
 static void draw(iso_progress_line *line)
 {
     char text[256];
-    iso_job_state state = look(line);
-    if (line->redraws) {
-        const size_t columns = terminal_columns();
-        iso_progress_text(text, sizeof text, line->name, &state, columns > 1 ? columns - 1 : 1);
-        fprintf(stderr, "\r%s\033[K", text);
-        line->shown = true;
-    } else if (iso_progress_log_is_due(&line->log, &state)) {
-        iso_progress_text(text, sizeof text, line->name, &state, 0);
-        fprintf(stderr, "%s\n", text);
-    }
+    const double now = iso_clock_seconds();
+    if (line->idle || now - line->drawn < (line->redraws ? REDRAW_SECONDS : LOG_SECONDS))
+        return;
+    iso_progress_text(text, sizeof text, line->command, line->name, line->fraction, now - line->start,
+                      line->redraws ? terminal_columns() - 1 : 0);
+    fprintf(stderr, line->redraws ? "\r%s\033[K" : "%s\n", text);
     fflush(stderr);
-    line->drawn_at = iso_clock_seconds();
+    line->shown = line->redraws;
+    line->drawn = now;
 }
 
-/* ---- the ticker: time passes when nobody reports ---------------------------------------------- */
-
+/* Lets the time be seen to pass while nobody reports. */
 static void *tick(void *user)
 {
     iso_progress_line *line = user;
     pthread_mutex_lock(&line->lock);
-    while (!line->stops) {
-        struct timespec until;
-        clock_gettime(CLOCK_MONOTONIC, &until);
-        until.tv_sec += (time_t)TICK_SECONDS;
-        if (pthread_cond_timedwait(&line->wake, &line->lock, &until) == ETIMEDOUT && !line->idle)
-            draw(line);
+    for (struct timespec until; !line->stops; draw(line)) {
+        clock_gettime(CLOCK_REALTIME, &until);
+        until.tv_sec += 1;
+        pthread_cond_timedwait(&line->wake, &line->lock, &until);
     }
     pthread_mutex_unlock(&line->lock);
     return NULL;
@@ -174,66 +112,71 @@ static void start_ticker(iso_progress_line *line)
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
-/* ---- reports --------------------------------------------------------------------------------- */
-
-/* Before the next part begins. */
-static void tell_of_taken(iso_job *job, iso_progress_lane *lane)
+void iso_progress_line_expect(iso_progress_line *line, const char *step, double cost)
 {
-    if (lane->taken != lane->told)
-        iso_job_is_shortened(job, lane->number);
-    lane->told = lane->taken;
+    if (line && line->count < MOST_STEPS)
+        line->steps[line->count++] = (struct step){step, cost};
 }
 
-static void take_report(iso_progress_line *line, iso_progress_lane *lane, const char *stage, double fraction)
+static void set_done(iso_progress_line *line, double done)
 {
-    pthread_mutex_lock(&line->lock);
-    if (!line->ticks)
-        start_ticker(line);
-    const bool new_stage = strcmp(stage, line->stage) != 0;
-    snprintf(line->stage, sizeof line->stage, "%s", stage);
-    line->stage_fraction = fmin(fmax(fraction, 0), 1);
-    tell_of_taken(line->job, lane);
-    iso_job_report(line->job, lane->number, stage, fraction, iso_clock_seconds());
-    line->idle = fraction >= 1 && iso_job_is_done(line->job);
-    if (line->idle)
-        wipe(line);
-    else if (new_stage || iso_clock_seconds() - line->drawn_at >= REDRAW_SECONDS)
-        draw(line);
-    pthread_mutex_unlock(&line->lock);
+    double sum = 0, all = 0;
+    line->done = fmin(done, 1);
+    for (size_t i = 0; i < line->count; ++i) {
+        sum += line->steps[i].cost * (i < line->current ? 1 : i == line->current ? line->done : 0);
+        all += line->steps[i].cost;
+    }
+    line->fraction = all > 0 ? fmax(line->fraction, sum / all) : line->done;
+}
+
+/* Steps before the named one are over. A name of no step to come says nothing of the whole. */
+static void go_on(iso_progress_line *line, const char *name, double fraction)
+{
+    size_t i = line->current;
+    while (i < line->count && strcmp(line->steps[i].name, name) != 0)
+        ++i;
+    if (i < line->count)
+        line->current = i;
+    if (i < line->count || line->count == 0)
+        set_done(line, fraction);
+    snprintf(line->name, sizeof line->name, "%s", name);
 }
 
 static void report(void *user, const char *stage, double fraction)
 {
-    iso_progress_lane *lane = user;
-    take_report(lane->line, lane, stage, fraction);
-}
-
-iso_progress iso_progress_of_lane(iso_progress_lane *lane)
-{
-    return lane->line ? (iso_progress){.report = report, .user = lane} : (iso_progress){0};
+    iso_progress_line *line = user;
+    pthread_mutex_lock(&line->lock);
+    if (!line->ticks)
+        start_ticker(line);
+    go_on(line, stage, fraction);
+    line->idle = fraction >= 1 && line->fraction >= 1; /* the command may print something else now */
+    if (line->idle)
+        wipe(line);
+    draw(line);
+    pthread_mutex_unlock(&line->lock);
 }
 
 iso_progress iso_progress_of_line(iso_progress_line *line)
 {
-    return line ? iso_progress_of_lane(&line->first) : (iso_progress){0};
+    return line ? (iso_progress){.report = report, .user = line} : (iso_progress){0};
 }
 
-void iso_progress_lane_end(iso_progress_lane *lane)
+void iso_progress_line_add(iso_progress_line *line, double part)
 {
-    iso_job *job = iso_progress_line_lock(lane->line);
-    if (job) {
-        tell_of_taken(job, lane);
-        iso_job_end_lane(job, lane->number, iso_clock_seconds());
-    }
-    iso_progress_line_unlock(lane->line);
+    if (!line)
+        return;
+    pthread_mutex_lock(&line->lock);
+    set_done(line, line->done + part);
+    draw(line);
+    pthread_mutex_unlock(&line->lock);
 }
 
-void iso_progress_line_begin_phase(iso_progress_line *line, const char *name)
+double iso_progress_line_fraction(iso_progress_line *line)
 {
-    iso_job *job = iso_progress_line_lock(line);
-    if (job)
-        iso_job_begin_phase(job, name, iso_clock_seconds());
-    iso_progress_line_unlock(line);
+    pthread_mutex_lock(&line->lock);
+    const double fraction = line->fraction;
+    pthread_mutex_unlock(&line->lock);
+    return fraction;
 }
 
 void iso_progress_line_hide(iso_progress_line *line)
@@ -246,46 +189,18 @@ void iso_progress_line_hide(iso_progress_line *line)
     pthread_mutex_unlock(&line->lock);
 }
 
-/* ---- its life -------------------------------------------------------------------------------- */
-
-iso_job *iso_progress_line_lock(iso_progress_line *line)
-{
-    if (line)
-        pthread_mutex_lock(&line->lock);
-    return line ? line->job : NULL;
-}
-
-void iso_progress_line_unlock(iso_progress_line *line)
-{
-    if (line)
-        pthread_mutex_unlock(&line->lock);
-}
-
-static bool can_redraw(void)
-{
-    const char *kind = getenv("TERM");
-    return isatty(STDERR_FILENO) && kind && *kind && strcmp(kind, "dumb") != 0;
-}
-
-iso_progress_line *iso_progress_line_create(const char *name)
+iso_progress_line *iso_progress_line_create(const char *command)
 {
     iso_progress_line *line = calloc(1, sizeof *line);
-    iso_job *job = iso_job_create(iso_threads(0));
-    if (!line || !job) {
-        free(line);
-        iso_job_destroy(job);
+    const char *kind = getenv("TERM");
+    if (!line)
         return NULL;
-    }
-    pthread_condattr_t monotonic;
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&line->wake, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    pthread_cond_init(&line->wake, NULL);
     pthread_mutex_init(&line->lock, NULL);
-    line->job = job;
-    line->first.line = line;
-    line->redraws = can_redraw();
-    snprintf(line->name, sizeof line->name, "%s", name);
+    line->redraws = isatty(STDERR_FILENO) && kind && *kind && strcmp(kind, "dumb") != 0;
+    line->start = iso_clock_seconds();
+    line->drawn = line->redraws ? 0 : line->start;
+    snprintf(line->command, sizeof line->command, "%s", command);
     return line;
 }
 
@@ -293,21 +208,14 @@ void iso_progress_line_destroy(iso_progress_line *line)
 {
     if (!line)
         return;
+    iso_progress_line_hide(line);
     pthread_mutex_lock(&line->lock);
     line->stops = true;
     pthread_cond_signal(&line->wake);
     pthread_mutex_unlock(&line->lock);
     if (line->ticks)
         pthread_join(line->ticker, NULL);
-    wipe(line);
-    if (line->log.count > 0) {
-        char text[64];
-        const double seconds = iso_job_look(line->job, iso_clock_seconds()).passed_seconds;
-        put_duration(text, sizeof text, seconds);
-        fprintf(stderr, "%s: ended after %s\n", line->name, text);
-    }
     pthread_cond_destroy(&line->wake);
     pthread_mutex_destroy(&line->lock);
-    iso_job_destroy(line->job);
     free(line);
 }

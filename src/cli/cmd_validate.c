@@ -75,7 +75,7 @@ static iso_status run_stage(iso_validation *v, const char *name, iso_status (*ru
                             iso_error *err)
 {
     const double start = iso_clock_seconds(), worked = iso_work_sum().processor_seconds;
-    iso_progress_line_begin_phase(v->line, name);
+    iso_progress_report(v->progress, name, 0);
     iso_status status = run(v, err);
     iso_report_put(v->report, "seconds", name, json_real(iso_clock_seconds() - start));
     iso_report_put(v->report, "processor_seconds", name, json_real(iso_work_sum().processor_seconds - worked));
@@ -119,33 +119,6 @@ static void report_work(iso_report *r)
     const char *key;
     json_object_foreach(work, key, value) iso_report_put(r, "work", key, json_incref(value));
     json_decref(work);
-}
-
-/* What each part of the job was foreseen to take, and took. */
-static json_t *parts_to_json(const iso_job *job)
-{
-    json_t *parts = json_array();
-    for (size_t i = 0; i < iso_job_part_count(job); ++i) {
-        const iso_job_part p = iso_job_part_at(job, i);
-        json_array_append_new(parts, json_pack("{s:s, s:s, s:s, s:f, s:f}", "phase", p.phase, "part", p.name, "kind",
-                                               p.kind, "foreseen_seconds", p.cost_seconds, "seconds", p.seconds));
-    }
-    return parts;
-}
-
-/* How good the time was that the progress showed. */
-static void report_estimate(const iso_cli *cli, iso_report *r)
-{
-    const iso_job *job = iso_progress_line_lock(cli->progress);
-    const iso_job_estimate e = job ? iso_job_judge(job, iso_clock_seconds()) : (iso_job_estimate){.looks = 0};
-    if (e.looks)
-        iso_report_put(r, "estimate", "parts", parts_to_json(job));
-    iso_progress_line_unlock(cli->progress);
-    if (!e.looks)
-        return;
-    iso_report_put(r, "estimate", "first_seconds", json_real(e.first));
-    iso_report_put(r, "estimate", "seconds", json_real(e.seconds));
-    iso_report_put(r, "estimate", "worst_from_a_third_on", json_real(e.worst));
 }
 
 /* DIR.work; to be freed. NULL: no memory. */
@@ -214,17 +187,12 @@ static bool has_no_use(const iso_validation *v, iso_status status)
            status == ISO_E_RANGE;
 }
 
-static void begin_budget(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v)
+static void begin_budget(const iso_validate_arguments *a, iso_validation *v)
 {
-    const double now = iso_clock_seconds();
     if (a->budget == ISO_NO_BUDGET)
         return;
     v->budget_seconds = a->budget;
-    v->deadline = now + a->budget;
-    iso_job *job = iso_progress_line_lock(cli->progress);
-    if (job)
-        iso_job_set_deadline(job, now, a->budget);
-    iso_progress_line_unlock(cli->progress);
+    v->deadline = iso_clock_seconds() + a->budget;
     iso_report_put(v->report, "options", "budget_seconds", json_real(a->budget));
 }
 
@@ -249,13 +217,11 @@ static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, is
 {
     iso_validate_describe_programs(v);
     report_work(v->report);
-    report_estimate(cli, v->report);
     if (a->resume)
         iso_report_put(v->report, "work", "pictures_taken",
                        json_integer((json_int_t)iso_picture_store_taken(v->renderers.store)));
     const iso_report_summary summary = iso_report_summarize(v->report);
     const iso_levels_summary levels = iso_levels_summarize(iso_report_json(v->report));
-    iso_progress_line_begin_phase(v->line, "report");
     iso_progress_report(v->progress, "report", 0);
     iso_status status = iso_report_finish(v->report, err);
     if (status == ISO_OK)
@@ -285,8 +251,7 @@ static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *
 static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
                            iso_error *err)
 {
-    iso_progress_lane lane = {.line = cli->progress};
-    const iso_progress progress = iso_progress_of_lane(&lane);
+    const iso_progress progress = iso_cli_progress(cli);
     iso_view view = {0};
     char *line = iso_cli_command_line(cli), *name = iso_provenance_scene(a->look.scene, 0),
          *typed = iso_volume_input_line(&a->input), *input = typed ? iso_provenance_line(typed) : NULL;
@@ -303,7 +268,6 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
                         .seeds = iso_validate_seeds(a),
                         .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
                         .threads = cli->threads,
-                        .renderers = {.taken = &lane.taken},
                         .line = cli->progress,
                         .progress = &progress};
     const iso_report_about about = {.title = iso_provenance_title(cli->arguments[0]),
@@ -324,10 +288,9 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
     struct iso_picture_store *store = v.renderers.store;
     if (status == ISO_OK) {
         describe_options(a, &v, pyramid->options.code);
-        begin_budget(a, cli, &v);
+        begin_budget(a, &v);
         iso_validate_assume(&pyramid->levels[0], &view, &scene->agreement);
         iso_validate_report_asked(&v);
-        iso_validate_forecast(&v);
         status = run_stages(&v, err);
         if (status == ISO_OK && v.save_viewer)
             status = v.save_viewer(&v, err);
@@ -378,6 +341,8 @@ static iso_status load_and_validate(const iso_validate_arguments *given, const i
     bool wanted[ISO_MAX_RENDERERS];
     build->level_count = a.level_count > 0 ? (size_t)a.level_count : a.quick ? 3 : 4;
     iso_status status = iso_renderers_from_list(a.with, wanted, err);
+    if (status == ISO_OK)
+        iso_validate_expect(cli->progress, wanted, build->level_count, a.budget != ISO_NO_BUDGET);
     if (status == ISO_OK && has_own_scene(&a))
         status = iso_validate_scene_name(a.output, &own_scene, err);
     if (status == ISO_OK)
@@ -414,8 +379,10 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
                                .code = build->code,
                                .width = a->quick ? quick_pixels : 0,
                                .height = a->quick ? quick_pixels : 0};
+    const iso_cli_stage stages[] = {{"calibration", 5}, {"scenes", 30}, {"report", 1}};
     const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
     double start = iso_clock_seconds();
+    iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     v.image_prefix = v.variant = v.build_options = v.render_options = v.input_options = "";
     v.limit_size = iso_validate_limit_size(a);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
@@ -428,8 +395,7 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
     struct iso_picture_store *store = v.renderers.store;
     if (status == ISO_OK) {
         describe_options(a, &v, build->code);
-        begin_budget(a, cli, &v);
-        iso_validate_suite_forecast(&v, &suite);
+        begin_budget(a, &v);
         status = run_stage(&v, "calibration", iso_validate_renderers, err);
     }
     iso_process_set_deadline(v.deadline);

@@ -331,10 +331,8 @@ iso_progress iso_cli_progress(const iso_cli *cli)
 
 void iso_cli_expect(const iso_cli *cli, const iso_cli_stage *stages, size_t count)
 {
-    iso_job *job = iso_progress_line_lock(cli->progress);
-    for (size_t i = 0; job && i < count; ++i)
-        iso_job_add_part(job, stages[i].name, stages[i].name, stages[i].seconds);
-    iso_progress_line_unlock(cli->progress);
+    for (size_t i = 0; i < count; ++i)
+        iso_progress_line_expect(cli->progress, stages[i].name, stages[i].cost);
 }
 
 void iso_cli_expect_names(const iso_cli *cli, bool is_volume, const char *const stages[ISO_CLI_MAX_STAGES],

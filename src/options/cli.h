@@ -92,11 +92,10 @@ iso_key *iso_cli_key(const iso_cli *cli, const char *const *without);
 /* The line on stderr that says how far the command is (base/progress_line.h); silent with --quiet. */
 iso_progress iso_cli_progress(const iso_cli *cli);
 
-/* What will be reported, in its order, and about how long each takes: only how they compare matters. Without it the line
- * has the stage that runs, and no time. */
+/* Adds steps to the line of progress (base/progress_line.h), which keeps their names. */
 typedef struct iso_cli_stage {
     const char *name; /* as the stage is reported */
-    double seconds;
+    double cost;
 } iso_cli_stage;
 void iso_cli_expect(const iso_cli *cli, const iso_cli_stage *stages, size_t count);
 

@@ -66,7 +66,6 @@ const iso_renderer_info iso_renderer_cpu = {
     .traits = ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_LIGHTS | ISO_HAS_ORTHOGRAPHIC |
               ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_BRICKS | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE | ISO_IS_NAMED,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_MIDPOINT},
-    .start_seconds = 0.03,
     .sample_seconds = 4e-9,
     .first_step_voxels = 1.0 / 16,
     .lock_step = &lock_step,

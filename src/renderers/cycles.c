@@ -114,7 +114,6 @@ const iso_renderer_info iso_renderer_cycles = {
     .traits = ISO_IS_PROGRAM | ISO_IS_RANDOM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_READS_SAMPLES |
               ISO_READS_SEED,
     .defaults = {.source = ISO_FROM_CODES},
-    .start_seconds = 0.4,
     .sample_seconds = 7e-8,
     .asked_by = first_asked_by,
     .version = version,

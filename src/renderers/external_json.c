@@ -198,7 +198,6 @@ static iso_status read_row(row *to, size_t number, iso_error *err)
     to->info = (iso_renderer_info){.color = colors[number % (sizeof colors / sizeof *colors)],
                                    .traits = ISO_EXTERNAL_TRAITS | ISO_IS_OF_A_USER,
                                    .defaults = {.source = ISO_FROM_CODES},
-                                   .start_seconds = 0.5,
                                    .sample_seconds = 4e-7,
                                    .found_in = to->file,
                                    .data = &to->external,

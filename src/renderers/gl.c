@@ -100,7 +100,6 @@ const iso_renderer_info iso_renderer_gl = {
               ISO_READS_EXACT_LOOKUPS | ISO_READS_SHADERS,
     .quadratures = 1u << ISO_QUADRATURE_MIDPOINT | 1u << ISO_QUADRATURE_PREINTEGRATED,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_MIDPOINT},
-    .start_seconds = 0.03,
     .sample_seconds = 4e-9,
     .first_step_voxels = 1.0 / 16, /* costs nothing */
     .lock_step = &lock_step,

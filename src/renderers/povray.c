@@ -143,7 +143,6 @@ const iso_renderer_info iso_renderer_povray = {
     .traits = ISO_IS_PROGRAM | ISO_HAS_ALL_SCENES | ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_ISOSURFACES |
               ISO_HAS_PROCESSOR_TIME | ISO_READS_INTERVALS | ISO_READS_PLANES | ISO_WAITS_BETWEEN,
     .defaults = {.source = ISO_FROM_CODES},
-    .start_seconds = 0.4,
     .sample_seconds = 5e-7,
     .max_intervals = ISO_POVRAY_MAX_INTERVALS,
     .lock_step = &lock_step,

@@ -72,8 +72,8 @@ double iso_render_taken_step_voxels(const iso_render_request *q, const iso_rende
     const iso_renderer_info *r = frame->renderer;
     return frame->step_voxels > 0 || frame->intervals ? iso_render_step_voxels(level, frame)
            : frame->quadrature == ISO_QUADRATURE_CONVERGED && r == iso_renderers_truth() ? INFINITY
-           : r->own_step                                                                  ? r->own_step(level)
-                                                                                          : q->view->step_voxels;
+           : r->own_step                                                                 ? r->own_step(level)
+                                                                                         : q->view->step_voxels;
 }
 
 /* What was drawn, for the sums of the whole job. */
@@ -174,15 +174,6 @@ static iso_status apply_hook(const iso_render_request *q, iso_image *image, iso_
     return status;
 }
 
-/* true: a picture that was made before. */
-static bool find_stored(const iso_render_request *q, const iso_render_options *frame, iso_image *image)
-{
-    const bool found = iso_picture_store_find(q->renderers->store, q, frame, image);
-    if (found && q->renderers->taken)
-        ++*q->renderers->taken;
-    return found;
-}
-
 iso_status iso_render_with(const iso_render_request *frame, iso_image *image, double *seconds, iso_error *err)
 {
     const iso_render_options *opt = frame->options;
@@ -192,7 +183,7 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
     iso_status status = check(frame, err);
     if (status != ISO_OK)
         return status;
-    if (find_stored(frame, opt, image))
+    if (iso_picture_store_find(frame->renderers->store, frame, opt, image))
         return ISO_OK;
     const double start = iso_clock_seconds();
     status = opt->renderer->render(frame, image, &stats, err);
@@ -253,7 +244,7 @@ static iso_status render_stored(const iso_render_request *q, size_t count, iso_i
     size_t lacking = 0;
     iso_status status = frames && drawn ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", count);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        if (!find_stored(q, &q->options[i], &images[i]))
+        if (!iso_picture_store_find(q->renderers->store, q, &q->options[i], &images[i]))
             frames[lacking++] = q->options[i];
     rest.options = frames;
     if (status == ISO_OK && lacking > 0)
@@ -346,8 +337,7 @@ iso_status iso_render_several(const iso_render_request *frames, size_t count, is
 {
     memset(images, 0, count * sizeof *images);
     return frames->renderers->cache ? render_cached(frames, count, images, err)
-           : frames->renderers->store && frames->options->renderer->render_several &&
-                     !getenv(ISO_RENDERERS_APART)
+           : frames->renderers->store && frames->options->renderer->render_several && !getenv(ISO_RENDERERS_APART)
                ? render_stored(frames, count, images, err)
                : render_several(frames, count, images, err);
 }
@@ -363,7 +353,8 @@ static iso_status render_together(const iso_render_request *scenes, size_t count
     iso_status status = ISO_OK;
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         status = check(&scenes[i], err);
-        if (status == ISO_OK && !find_stored(&scenes[i], scenes[i].options, &images[i]))
+        if (status == ISO_OK &&
+            !iso_picture_store_find(scenes[i].renderers->store, &scenes[i], scenes[i].options, &images[i]))
             lacking[n++] = scenes[i];
     }
     if (status == ISO_OK && n > 0)

@@ -147,8 +147,8 @@ struct iso_renderer_info {
     const char *color;     /* of its marks in charts */
     unsigned traits;       /* iso_trait */
     unsigned quadratures;  /* 1 << iso_quadrature of those that it reads */
-    iso_render_options defaults;          /* .renderer need not be set */
-    double start_seconds, sample_seconds; /* about, for estimates: of a start, and of each sample of a ray */
+    iso_render_options defaults;    /* .renderer need not be set */
+    double sample_seconds;          /* about, of each sample of a ray: for estimates */
     double first_step_voxels;       /* where the search for its limit begins; 0: where the transfer function says */
     size_t max_intervals;           /* of a ray, or of its piece between two planes; 0: it has steps */
     size_t step_count;              /* of its pictures, each step half of the one before; 0: as fine as is asked */
@@ -157,7 +157,7 @@ struct iso_renderer_info {
     iso_render_output output;
     const char *const *programs; /* of other programs: what its pictures depend on besides this program, each as
                                   * iso_key_add_dependency() takes it; ends with NULL. NULL: nothing */
-    const char *found_in; /* of a program that the user brought: the renderers.json that names it; or NULL */
+    const char *found_in;        /* of a program that the user brought: the renderers.json that names it; or NULL */
 
     const void *data; /* of the file that made it: what tells it apart from others that this file made; or NULL */
     const iso_renderer_info
@@ -271,7 +271,6 @@ struct iso_renderers {
     const char *scene;            /* the name of what is rendered, for those that look for pictures of it; or NULL */
     iso_image_hook after;         /* of each image that is rendered */
     struct iso_picture_store *store; /* pictures of a job that was interrupted (picture_store.h); borrowed, or NULL */
-    size_t *taken;                   /* counts the pictures that came from there; borrowed, or NULL */
     iso_frame_cache *cache; /* of iso_render_several(), while pyramid, level, view and hook stay; borrowed, or NULL */
 };
 void iso_renderers_end(iso_renderers *r);

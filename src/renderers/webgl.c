@@ -83,7 +83,6 @@ const iso_renderer_info iso_renderer_webgl = {
               ISO_HAS_LIMIT,
     .quadratures = 1u << ISO_QUADRATURE_MIDPOINT,
     .defaults = {.quadrature = ISO_QUADRATURE_MIDPOINT},
-    .start_seconds = 1,
     .sample_seconds = 1.2e-7,
     .first_step_voxels = 1.0 / 8,
     .lock_step = &lock_step,

@@ -199,8 +199,10 @@ static iso_status lock_steps(iso_validation *v, size_t level, bool programs, iso
 {
     iso_status status = ISO_OK;
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
-        if (iso_renderer_at(i)->lock_step && takes_part(v, i, programs))
-            status = lock_step(v, level, iso_renderer_at(i), err);
+        if (!iso_renderer_at(i)->lock_step || !takes_part(v, i, programs))
+            continue;
+        status = lock_step(v, level, iso_renderer_at(i), err);
+        iso_validate_end_row(v, iso_renderer_at(i), false);
     }
     return status;
 }

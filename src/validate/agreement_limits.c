@@ -29,7 +29,7 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
 {
     const iso_truth *a = t->differ && iso_renderer_has(renderer, ISO_IS_PROGRAM) ? &t->exported : &t->main;
     const iso_scene_agreement *asked = &v->scene->agreement;
-    char what[64], stage[160], options[64], why[512];
+    char what[64], options[64], why[512];
     iso_extrapolated limit = {0};
     iso_report_agreement row = {.comparison = ISO_COMPARISON_LIMIT,
                                 .tier = iso_tier_name(asked->tier == ISO_TIER_TIGHT ? ISO_TIER_CONVERGENCE
@@ -53,8 +53,6 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
     opt.truth = &reference;
     opt.deadline = v->deadline;
     opt.keep = kept != NULL;
-    iso_validate_name_row(stage, sizeof stage, v->variant, level, what);
-    opt.stage = stage;
     iso_signal signal;
     iso_status status = iso_signal_of(&a->image, v->view->background, 0, ISO_SIGNAL_RMS, &signal, err);
     opt.wanted_held_to = fmin(signal.color, signal.alpha) / ISO_SIGNAL_FACTOR;
@@ -74,8 +72,6 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
         iso_extrapolated_destroy(&limit);
         return iso_validate_add_without_images(v, level, row, a->name, renderer, err);
     }
-    if (!v->variant[0])
-        iso_validate_foresee_limits(v, level, renderer, &limit);
     if (limit.intervals)
         snprintf(options, sizeof options, " --limit --planes %zu --intervals %zu", limit.planes, limit.intervals);
     else if (limit.seeds > 1)
@@ -104,9 +100,11 @@ static iso_status compare_limits(iso_validation *v, size_t level, const iso_leve
     iso_status status = ISO_OK;
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         const iso_renderer_info *renderer = iso_renderer_at(i);
-        if (v->wanted[i] && iso_renderer_has(renderer, ISO_HAS_LIMIT))
-            status = iso_validate_compare_limit(v, level, renderer, t,
-                                                iso_validate_has_versions(v, renderer) ? &kept[i] : NULL, err);
+        if (!v->wanted[i] || !iso_renderer_has(renderer, ISO_HAS_LIMIT))
+            continue;
+        status = iso_validate_compare_limit(v, level, renderer, t,
+                                            iso_validate_has_versions(v, renderer) ? &kept[i] : NULL, err);
+        iso_validate_end_row(v, renderer, true);
     }
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         const iso_renderer_info *first = iso_renderer_at(i)->beside;

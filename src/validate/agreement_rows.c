@@ -34,7 +34,7 @@ iso_status iso_validate_add_image(iso_validation *v, const char *name, const iso
 void iso_validate_begin_row(iso_validation *v, size_t level, const char *what)
 {
     char stage[160];
-    iso_validate_name_row(stage, sizeof stage, v->variant, level, what);
+    snprintf(stage, sizeof stage, "%s%slevel %zu: %s", v->variant, v->variant[0] ? ", " : "", level, what);
     iso_progress_report(v->progress, stage, 0);
     v->row_start = iso_clock_seconds();
 }

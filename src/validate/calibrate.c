@@ -446,8 +446,7 @@ static iso_status calibrate_together(iso_renderers *r, const iso_renderer_info *
 }
 
 iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                         iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, const iso_progress *progress,
-                         iso_error *err)
+                         iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, iso_error *err)
 {
     iso_error why = {""};
     iso_status status = which->render_scenes ? calibrate_together(r, which, planted, out, &why) : ISO_OK;
@@ -455,9 +454,7 @@ iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const
     if (status != ISO_OK && iso_process_was_stopped()) /* which is no failure of a check */
         return iso_fail(err, status, "calibration of %s: %s", which->name, why.text);
     status = ISO_OK;
-    for (; *made < ISO_CALIBRATION_COUNT && status == ISO_OK; *made += status == ISO_OK) {
-        iso_progress_report(progress, "calibration", (double)*made / ISO_CALIBRATION_COUNT);
+    for (; *made < ISO_CALIBRATION_COUNT && status == ISO_OK; *made += status == ISO_OK)
         status = iso_calibrate_check(r, which, planted, (int)*made, &out[*made], err);
-    }
     return status;
 }

@@ -32,7 +32,8 @@ typedef struct iso_calibration {
     double value, limit; /* trusted while value <= limit */
     char why[512];       /* the cause of the limit */
     bool passed;
-    const char *no_picture; /* of a renderer that is a folder of pictures, which lacks that of the check: what stays open; or NULL */
+    const char *
+        no_picture; /* of a renderer that is a folder of pictures, which lacks that of the check: what stays open; or NULL */
     const char *lacks; /* what the check needs and the renderer does not have: it is not asked; or NULL */
 } iso_calibration;
 
@@ -40,8 +41,7 @@ typedef struct iso_calibration {
  * crashes, ends it: *made is how many were made before, and the next one is that in which it failed. planted: a fault that is put into the renderer;
  * NULL: none. */
 iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                         iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, const iso_progress *progress,
-                         iso_error *err);
+                         iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, iso_error *err);
 
 /* The place of a check in the list above, and its name. */
 int iso_calibration_number(const char *check);

@@ -52,8 +52,8 @@ iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, co
     if (s->use == ISO_USE_SCALED)
         shown.extinction_scale = own->extinction_scale;
     if (status == ISO_OK)
-        status = iso_render_with(&(iso_render_request){&v->renderers, p, s->level, &shown, &opt, NULL}, image,
-                                 NULL, err);
+        status = iso_render_with(&(iso_render_request){&v->renderers, p, s->level, &shown, &opt, NULL}, image, NULL,
+                                 err);
     iso_view_destroy(&view);
     return status;
 }
@@ -77,25 +77,21 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
 typedef struct levels_run {
     iso_image finest[max_views];
     bool late;                  /* the budget was over before all was measured */
-    char part[64];              /* of the progress: what is drawn, how much of it there is, and how much is done */
-    size_t to_draw, drawn;
     iso_pyramid made;           /* from level 0, where it is not known that the pyramid's own levels are */
     const iso_pyramid *rebuilt; /* that, or the pyramid */
     iso_measured measured;
 } levels_run;
 
-/* The pictures of one more view are to be made: the budget is asked, and the progress told. */
+/* The pictures of one more view are to be made: the budget is asked. */
 static bool may_draw(const iso_validation *v, levels_run *run)
 {
     run->late = run->late || iso_validate_is_out_of_time(v);
-    if (!run->late)
-        iso_progress_report(v->progress, run->part, (double)run->drawn++ / (double)run->to_draw);
     return !run->late;
 }
 
 /* The figures of all views, and the picture row->image of the first. */
-static iso_status measure_images(iso_validation *v, levels_run *run, const iso_pyramid *p,
-                                 iso_report_consistency *row, iso_measured_level *views, iso_error *err)
+static iso_status measure_images(iso_validation *v, levels_run *run, const iso_pyramid *p, iso_report_consistency *row,
+                                 iso_measured_level *views, iso_error *err)
 {
     iso_status status = ISO_OK;
     row->ssim_dissimilarity_mean = row->flip_mean = row->rmse_mean = 0;
@@ -192,13 +188,13 @@ static iso_status measure_scaled(iso_validation *v, levels_run *run, const iso_p
     return status == ISO_OK ? keep(v, run, &row, &views, err) : status;
 }
 
-/* Begins a part of the progress of so many pictures. */
-static void begin_part(const iso_validation *v, levels_run *run, const char *what, size_t level, size_t pictures)
+/* Begins a part of the progress, which has about one for each method and level. */
+static void begin_part(const iso_validation *v, const char *what, size_t level)
 {
-    snprintf(run->part, sizeof run->part, "consistency: %s, level %zu", what, level);
-    run->drawn = 0;
-    run->to_draw = pictures;
-    iso_progress_report(v->progress, run->part, 0);
+    char part[64];
+    snprintf(part, sizeof part, "consistency: %s, level %zu", what, level);
+    iso_progress_report(v->progress, part, 0);
+    iso_progress_line_add(v->line, 1 / (double)(v->pyramid->level_count * iso_method_count));
 }
 
 static iso_status measure_level(iso_validation *v, levels_run *run, const iso_pyramid *p, size_t level,
@@ -212,9 +208,8 @@ static iso_status measure_level(iso_validation *v, levels_run *run, const iso_py
                                   .method = m->name,
                                   .image = name,
                                   .reference_image = "consistency-level-0"};
-    const size_t rows = 1 + !v->level_tfs[level].judgment.use_original + has_scaled_row(v, run, m);
     snprintf(name, sizeof name, "consistency-%s-level-%zu", m->name, level);
-    begin_part(v, run, m->name, level, rows * v->consistency_views);
+    begin_part(v, m->name, level);
     iso_status status = measure_images(v, run, p, &row, &views, err);
     if (status == ISO_OK && !run->late)
         status = iso_validate_angles(v, p, level, m->source, &angles, err);
@@ -287,11 +282,6 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
 
 /* ---- levels that the views leave open ---- */
 
-bool iso_validate_may_add_views(const iso_validation *v)
-{
-    return v->may_add_views && v->consistency_views < ISO_FACE_VIEWS;
-}
-
 /* The default and the simple way again, in twenty views. */
 static iso_status measure_more(iso_validation *v, levels_run *run, size_t level, iso_error *err)
 {
@@ -299,7 +289,7 @@ static iso_status measure_more(iso_validation *v, levels_run *run, size_t level,
     const iso_level_tf_use use = iso_measured_own_use(v, level);
     const iso_method *methods[2] = {all->own, all->on_the_fly};
     iso_status status = ISO_OK;
-    begin_part(v, run, "more views", level, 2 * v->consistency_views);
+    begin_part(v, "more views", level);
     for (int i = 0; i < 2 && status == ISO_OK; ++i) {
         iso_measured_level *views = &all->more[all->more_count + (size_t)i];
         iso_report_consistency row = {.level = level, .method = methods[i]->name};
@@ -319,15 +309,16 @@ static bool is_open(const iso_validation *v, const iso_measured *all, size_t lev
                           iso_measured_is_behind(own, simple, v->consistency_views));
 }
 
-static const iso_method stored = {"stored", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES}; /* at level 0 all filters are alike */
+static const iso_method stored = {"stored", ISO_DIRECTION_MOMENTS,
+                                  ISO_FROM_CODES}; /* at level 0 all filters are alike */
 
 static iso_status render_finest(iso_validation *v, levels_run *run, const char *what, iso_error *err)
 {
     iso_status status = ISO_OK;
-    begin_part(v, run, what, 0, v->consistency_views);
+    begin_part(v, what, 0);
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK && may_draw(v, run); ++i)
-        status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &stored}, i,
-                                           &run->finest[i], err);
+        status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &stored}, i, &run->finest[i],
+                                           err);
     return status;
 }
 
@@ -402,7 +393,7 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
         status = iso_validate_build_with(v, filter, &run.made, err);
     if (status == ISO_OK)
         status = measure_methods(v, &run, &own, err);
-    if (status == ISO_OK && !run.late && iso_validate_may_add_views(v))
+    if (status == ISO_OK && !run.late && v->may_add_views && v->consistency_views < ISO_FACE_VIEWS)
         status = measure_open_levels(v, &run, err);
     if (status == ISO_OK && run.late)
         status = iso_validate_stage_left_out(v, "consistency", err);

@@ -16,14 +16,6 @@ static size_t count_views(const iso_validation *v)
     return fit < 1 ? 1 : fit < (double)v->consistency_views ? (size_t)fit : v->consistency_views;
 }
 
-double iso_validate_bound_points(const iso_validation *v)
-{
-    const double voxels = (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry);
-    return iso_image_bound_is_for(v->view) && v->scales == ISO_SCALES_NONE
-               ? (double)count_views(v) * voxels * (double)iso_image_bound_points(voxels)
-               : 0;
-}
-
 /* Of the verdicts on all coarse levels, as `done` of the views of this level's bound are. */
 static void report_progress(const iso_validation *v, size_t level, double done)
 {

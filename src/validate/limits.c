@@ -205,57 +205,6 @@ static bool is_far_off(const iso_extrapolated *limit, const iso_limit_options *o
     return limit->rmse > opt->hopeless * limit->allowed && iso_extrapolated_error_left(limit) > 0.9;
 }
 
-/* ---- how far it is ---- */
-
-/* By what a halving divides the error: what it did, within what is believed of one. */
-static double gain_of_halving(const iso_extrapolated *l)
-{
-    const double seen = l->coarse_rmse / l->fine_rmse;
-    return seen >= 1.5 ? fmin(seen, 4) : 1.5; /* second order at most, and worse than first order is taken for chance */
-}
-
-double iso_limit_foresee_step(const iso_extrapolated *known, const iso_limit_options *opt)
-{
-    const double gain = gain_of_halving(known);
-    double step = opt->step_voxels;
-    while (step / 2 >= opt->finest_voxels && known->bar * pow(gain, log2(step / known->step_voxels)) > opt->wanted_bar)
-        step /= 2;
-    return step;
-}
-
-double iso_limit_pictures(double first_voxels, double last_voxels)
-{
-    return 2 / last_voxels - 0.5 / first_voxels;
-}
-
-size_t iso_limit_rounds(double first_voxels, double last_voxels)
-{
-    return 1 + (size_t)fmax(round(log2(first_voxels / last_voxels)), 0);
-}
-
-double iso_limit_seconds(const iso_level *level, const iso_renderer_info *which, const iso_limit_options *opt,
-                         double pixels, double last_voxels)
-{
-    const size_t *n = level->geometry.size, most = n[0] > n[1] ? n[0] : n[1];
-    const double voxels = (double)iso_geometry_voxel_count(&level->geometry), first = opt->step_voxels,
-                 last = fmin(last_voxels, first), across = (double)(most > n[2] ? most : n[2]),
-                 seeds = iso_renderer_has(which, ISO_IS_RANDOM) ? (double)opt->seeds : 1;
-    return (double)iso_limit_rounds(first, last) * (which->start_seconds + voxels * ISO_LIMIT_VOXEL_SECONDS) +
-           pixels * across * iso_limit_pictures(first, last) * seeds * which->sample_seconds;
-}
-
-/* After a pair that was not good enough. */
-static void tell_progress(const iso_render_request *what, const iso_renderer_info *which, const iso_limit_options *opt,
-                          const iso_extrapolated *so_far)
-{
-    const iso_level *level = &what->pyramid->levels[what->level];
-    const double step = so_far->step_voxels, last = fmin(iso_limit_foresee_step(so_far, opt), step / 2),
-                 pixels = (double)(what->view->width * what->view->height),
-                 all = iso_limit_seconds(level, which, opt, pixels, last);
-    if (opt->stage && all > 0)
-        iso_progress_report(what->progress, opt->stage, iso_limit_seconds(level, which, opt, pixels, step) / all);
-}
-
 iso_status iso_limit_find(const iso_render_request *what, const iso_image *reference, const iso_renderer_info *which,
                           const iso_limit_options *opt, iso_extrapolated *out, iso_error *err)
 {
@@ -292,7 +241,6 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
             out->unfinished = true;
             break;
         }
-        tell_progress(&q, which, opt, out);
         halve(&pair, &q.pyramid->levels[q.level], step, opt->finest_voxels, &first);
     }
     destroy_pair(&pair);

@@ -39,7 +39,6 @@ typedef struct iso_limit_options {
     const iso_render_options
         *truth; /* of the reference; with it, pixels are excused where the reference itself moves with
                                       * its eye by single precision. NULL: none is */
-    const char *stage; /* that what->progress is told after each pair, with how much is done. NULL: it is not */
 } iso_limit_options;
 /* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving; nothing is hopeless. */
 iso_limit_options iso_limit_defaults(void);
@@ -49,20 +48,6 @@ iso_limit_options iso_limit_defaults(void);
  * so the limit fails its gates. Release *out with iso_extrapolated_destroy(). */
 iso_status iso_limit_find(const iso_render_request *what, const iso_image *reference, const iso_renderer_info *which,
                           const iso_limit_options *opt, iso_extrapolated *out, iso_error *err);
-
-/* Of a voxel that a renderer is given, for estimates. */
-#define ISO_LIMIT_VOXEL_SECONDS 1e-8
-
-/* The step at which a limit of these options will probably be good enough, as far as another limit tells: of the same
- * picture by another renderer, or its own so far. Bars shrink from one halving to the next as those of that limit did. */
-double iso_limit_foresee_step(const iso_extrapolated *known, const iso_limit_options *opt);
-/* Pictures of all steps from the first pair to `last_voxels`, counted in those of a step of one voxel, and by how many
- * renders one after the other. */
-double iso_limit_pictures(double first_voxels, double last_voxels);
-size_t iso_limit_rounds(double first_voxels, double last_voxels);
-/* About how many seconds a limit of that level takes, down to that step, with so many pixels. */
-double iso_limit_seconds(const iso_level *level, const iso_renderer_info *which, const iso_limit_options *opt,
-                         double pixels, double last_voxels);
 
 /* The image of a limit alone, from opt->step_voxels and its double, created. With the step, seeds, planes and intervals
  * of a limit that iso_limit_find() gave, it is the same image. */

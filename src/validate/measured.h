@@ -44,8 +44,6 @@ bool iso_measured_is_open(const iso_measured_level *own, const iso_measured_leve
  * beyond an interval of 95 % by chance more often than once in twenty. */
 bool iso_measured_is_behind(const iso_measured_level *own, const iso_measured_level *simple, size_t views);
 
-/* Levels that the views leave open may be drawn in twenty. */
-bool iso_validate_may_add_views(const iso_validation *v);
 /* View i of the levels: the scene's, from another side, of the size of v->consistency_size. */
 iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err);
 /* Fills row->scale: are the bytes those that level 0 makes, and do they change a picture? Nothing where v->scales is none. */
@@ -57,8 +55,6 @@ iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, co
 /* Fills row->bound for the pictures of `own`; *late, which is only ever set: the budget was over before that. */
 iso_status iso_validate_bound_level(const iso_validation *v, const iso_measured_level *own, iso_report_level *row,
                                     bool *late, iso_error *err);
-/* The points of the volume that this looks up for a level, which its time goes by; 0: there is no bound. */
-double iso_validate_bound_points(const iso_validation *v);
 
 /* rebuilt: of level 0, with the pyramid's own options. */
 iso_status iso_validate_judge_levels(iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,

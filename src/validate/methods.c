@@ -137,6 +137,7 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     for (int second = ISO_SECOND_VALUE_DEVIATION;
          second <= ISO_SECOND_VALUE_GRADIENT && status == ISO_OK && has_2d; ++second)
         status = compare_tf_2d(v, p, m, level, &view, (iso_second_value)second, err);
+    iso_progress_line_add(v->line, 1 / (double)p->level_count);
     return status;
 }
 
@@ -153,7 +154,7 @@ iso_status iso_validate_methods(iso_validation *v, iso_error *err)
         const iso_method *m = &iso_methods[i];
         iso_pyramid own = {0};
         const iso_pyramid *p = v->pyramid;
-        iso_progress_line_begin_phase(v->line, m->name);
+        iso_progress_report(v->progress, m->name, 0);
         if (iso_validate_is_out_of_time(v)) {
             status = iso_validate_stage_left_out(v, m->name, err);
             continue;

@@ -26,6 +26,7 @@ enum { ALL_CHECKS = -1 };
 typedef struct examination {
     fitness *of;
     int check;
+    double part; /* of all examinations */
     iso_status status;
     iso_error why;
 } examination;
@@ -51,7 +52,7 @@ static iso_status ask_version(iso_validation *v, size_t part, void *user, iso_er
     fitness *f = (fitness *)user + part;
     char stage[64];
     iso_error why = {""};
-    iso_validate_name_version(stage, sizeof stage, f->which);
+    snprintf(stage, sizeof stage, "version: %s", f->which->name);
     iso_progress_report(v->progress, stage, 0);
     const iso_status status = f->which->version(f->which, &v->renderers, f->version, sizeof f->version, &why);
     if (status == ISO_OK)
@@ -59,7 +60,8 @@ static iso_status ask_version(iso_validation *v, size_t part, void *user, iso_er
     return status == ISO_OK ? ISO_OK : note_failure(f, status, &why, err);
 }
 
-bool iso_validate_checks_apart(const iso_validation *v, const iso_renderer_info *which)
+/* Are the checks of a renderer made side by side, each by a start of its own, because that ends sooner? */
+static bool are_apart(const iso_validation *v, const iso_renderer_info *which)
 {
     return iso_renderer_has(which, ISO_WAITS_BETWEEN) && iso_validate_workers(v, ISO_CALIBRATION_COUNT) > 1;
 }
@@ -69,13 +71,15 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
     examination *e = (examination *)user + part;
     const iso_renderer_info *which = e->of->which;
     char stage[96];
-    iso_validate_name_checks(stage, sizeof stage, which,
-                             e->check == ALL_CHECKS ? NULL : iso_calibration_name(e->check));
+    const bool all = e->check == ALL_CHECKS;
+    snprintf(stage, sizeof stage, "calibration: %s%s%s", which->name, all ? "" : ", ",
+             all ? "" : iso_calibration_name(e->check));
     iso_progress_report(v->progress, stage, 0);
-    if (e->check == ALL_CHECKS)
-        e->status = iso_calibrate(&v->renderers, which, NULL, e->of->checks, &e->of->check_count, v->progress, &e->why);
+    if (all)
+        e->status = iso_calibrate(&v->renderers, which, NULL, e->of->checks, &e->of->check_count, &e->why);
     else
         e->status = iso_calibrate_check(&v->renderers, which, NULL, e->check, &e->of->checks[e->check], &e->why);
+    iso_progress_line_add(v->line, e->part);
     if (e->status != ISO_OK && iso_process_was_stopped())
         return iso_fail(err, e->status, "%s", e->why.text);
     return ISO_OK; /* what failed is said in the order of the checks */
@@ -86,9 +90,11 @@ static size_t list_examinations(const iso_validation *v, fitness *all, size_t co
 {
     size_t n = 0;
     for (size_t i = 0; i < count; ++i) {
-        const bool apart = iso_validate_checks_apart(v, all[i].which);
+        const bool apart = are_apart(v, all[i].which);
         for (int check = apart ? 0 : ALL_CHECKS; all[i].failure == ISO_OK && check < ISO_CALIBRATION_COUNT; ++check) {
-            list[n++] = (examination){.of = &all[i], .check = check};
+            list[n++] = (examination){.of = &all[i],
+                                      .check = check,
+                                      .part = 1 / (double)(count * (apart ? ISO_CALIBRATION_COUNT : 1))};
             if (!apart)
                 break;
         }
@@ -176,7 +182,6 @@ iso_status iso_validate_renderers(iso_validation *v, iso_error *err)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_status status = iso_validate_each(v, count, ask_version, all, err);
     const size_t n = status == ISO_OK ? list_examinations(v, all, count, list) : 0;
-    iso_progress_line_begin_phase(v->line, "checks");
     if (status == ISO_OK)
         status = iso_validate_each(v, n, examine, list, err);
     if (status == ISO_OK)

@@ -27,6 +27,7 @@ typedef struct suite_run {
     const iso_suite_options *options;
     const char *scratch;
     struct dirent **entries;
+    size_t count;
 } suite_run;
 
 static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt, iso_scene *scene, const char *volume,
@@ -95,45 +96,24 @@ static iso_status load_and_validate(iso_validation *v, const suite_run *run, siz
     return status;
 }
 
-/* As a scene is reported. */
-static void name_stage(char stage[100], const struct dirent *entry)
-{
-    snprintf(stage, 100, "scene %.*s", (int)(strlen(entry->d_name) - strlen(".scene.json")), entry->d_name);
-}
-
+/* A scene is one part of the whole: its rows tell nothing of it. */
 static iso_status one_scene(iso_validation *mine, size_t i, void *user, iso_error *err)
 {
     const suite_run *run = user;
+    const iso_progress *progress = mine->progress;
     iso_progress_line *line = mine->line;
+    const char *name = run->entries[i]->d_name;
     char stage[100];
-    name_stage(stage, run->entries[i]);
-    iso_progress_report(mine->progress, stage, 0);
-    mine->progress = NULL; /* a scene is one part of the whole */
+    snprintf(stage, sizeof stage, "scene %.*s", (int)(strlen(name) - strlen(".scene.json")), name);
+    iso_progress_report(progress, stage, 0);
+    mine->progress = NULL;
     mine->line = NULL;
     mine->order = i * most_levels;
     iso_status status = load_and_validate(mine, run, i, err);
+    mine->progress = progress;
     mine->line = line;
+    iso_progress_line_add(line, 1 / (double)run->count);
     return status;
-}
-
-void iso_validate_suite_forecast(const iso_validation *v, const iso_suite_options *opt)
-{
-    enum { usual_pixels = 160 }; /* of a scene's own picture */
-    struct dirent **entries;
-    const size_t width = opt->width ? opt->width : usual_pixels, height = opt->height ? opt->height : usual_pixels;
-    const int count = scandir(opt->folder, &entries, is_scene, alphasort);
-    if (count < 0)
-        return; /* said by the run */
-    char(*stages)[100] = calloc((size_t)count + 1, sizeof *stages);
-    for (int i = 0; i < count; ++i) {
-        if (stages)
-            name_stage(stages[i], entries[i]);
-        free(entries[i]);
-    }
-    if (stages)
-        iso_validate_forecast_scenes(v, stages, (size_t)count, (double)(width * height));
-    free(stages);
-    free(entries);
 }
 
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err)
@@ -149,7 +129,8 @@ iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, i
         status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", opt->folder);
     else if (!scratch)
         status = iso_temp_dir_fail(err);
-    iso_progress_line_begin_phase(v->line, "scenes");
+    run.count = (size_t)count;
+    iso_progress_report(v->progress, "scenes", 0);
     if (status == ISO_OK)
         status = iso_validate_each(v, (size_t)count, one_scene, &run, err);
     for (int i = 0; i < count; ++i)

@@ -5,7 +5,6 @@
 
 /* What the workers share; what is in a critical section alone touches what changes. */
 typedef struct team {
-    iso_progress_line *line;
     size_t count;
     iso_status status; /* the first failure: nothing more is begun */
     iso_error error;
@@ -32,16 +31,8 @@ static void run_part(team *t, iso_validation *mine, size_t first, size_t i, iso_
 {
     iso_error err = {""};
     mine->order = first + i;
-    iso_progress_lane lane = {.line = t->line, .number = i};
-    const iso_progress progress = iso_progress_of_lane(&lane);
-    size_t *const outer = mine->renderers.taken;
-    mine->progress = &progress;
-    mine->renderers.taken = &lane.taken;
     if (may_begin(t))
         end_part(t, part(mine, i, user, &err), &err);
-    mine->progress = NULL;
-    mine->renderers.taken = outer;
-    iso_progress_lane_end(&lane);
 }
 
 /* A share of the parts, one after the other. A context of OpenGL belongs to a thread, so each has its own. */
@@ -68,9 +59,8 @@ size_t iso_validate_workers(const iso_validation *v, size_t count)
 iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err)
 {
     const size_t cores = (size_t)iso_threads(v->threads), workers = iso_validate_workers(v, count);
-    const iso_progress *outer = v->progress;
     const size_t first = v->order;
-    team t = {.line = v->line, .count = count};
+    team t = {.count = count};
     if (workers > 1 && !iso_is_in_parallel()) {
         /* When one worker is left, its programs are not held to a single core. */
         const int threads = (int)(4 * cores / workers < cores ? 4 * cores / workers : cores);
@@ -79,7 +69,6 @@ iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_par
     } else {
         for (size_t i = 0; i < count; ++i)
             run_part(&t, v, first, i, part, user);
-        v->progress = outer;
     }
     v->order = first + count;
     return t.status == ISO_OK ? ISO_OK : iso_fail(err, t.status, "%s", t.error.text);

@@ -75,7 +75,7 @@ typedef struct iso_validation {
     iso_report *report;
     iso_status (*save_viewer)(const struct iso_validation *v, iso_error *err); /* a page of the volume; or NULL */
     iso_progress_line *line;      /* what a person sees of the whole; NULL: nothing */
-    const iso_progress *progress; /* of the part that runs */
+    const iso_progress *progress; /* the same, for what reports */
 } iso_validation;
 
 /* Rows of calibration, one a level, by the name of "pyramid". Nothing where the pyramid was not loaded. */
@@ -84,8 +84,6 @@ iso_status iso_validate_levels(iso_validation *v, iso_error *err);
 /* Versions and calibration of the wanted renderers; fills refusal and refused. A missing
  * program is a reason to refuse, not a failure. */
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
-/* Are the checks of a renderer made side by side, each by a start of its own, because that ends sooner? */
-bool iso_validate_checks_apart(const iso_validation *v, const iso_renderer_info *which);
 
 /* Did a program fail by itself, so that it is refused and the others go on? */
 bool iso_validate_is_its_fault(const iso_renderer_info *which, iso_status status);
@@ -193,19 +191,10 @@ json_t *iso_validate_limit_to_json(const iso_extrapolated *limit);
 /* A row of calibration for each program renderer: what is exported to it shows what was validated (artefact.h). */
 iso_status iso_validate_artefacts(iso_validation *v, iso_error *err);
 
-/* What will be done, for v->line: by stages, levels and rows, or by the scenes of a suite, named as they are reported. */
-void iso_validate_forecast(const iso_validation *v);
-/* pixels: of a scene's picture. */
-void iso_validate_forecast_scenes(const iso_validation *v, char (*stages)[100], size_t count, double pixels);
-/* What the limit of one renderer at a level tells of those to come: how fine their steps will be. v->view is that of
- * limits. */
-void iso_validate_foresee_limits(const iso_validation *v, size_t level, const iso_renderer_info *by,
-                                 const iso_extrapolated *known);
-/* How versions, calibrations and rows are reported. */
-void iso_validate_name_version(char *text, size_t size, const iso_renderer_info *which);
-/* check: NULL where all are made by one start. */
-void iso_validate_name_checks(char *text, size_t size, const iso_renderer_info *which, const char *check);
-void iso_validate_name_row(char *text, size_t size, const char *variant, size_t level, const char *what);
+/* Adds the steps of a validation of so many levels to the line. hurried: there is a budget, which changes their order. */
+void iso_validate_expect(iso_progress_line *line, const bool *wanted, size_t level_count, bool hurried);
+/* Tells v->line that a row is over: of agreement, not of a method. */
+void iso_validate_end_row(const iso_validation *v, const iso_renderer_info *renderer, bool limit);
 
 /* A folder of scenes with a "suite": each one's volume is made, and its agreement validated. */
 typedef struct iso_suite_options {
@@ -216,7 +205,6 @@ typedef struct iso_suite_options {
     /* Writes the volume that `isoshade make` would make with these words as its arguments. */
     iso_status (*make_volume)(const char *words, const char *path, iso_error *err);
 } iso_suite_options;
-void iso_validate_suite_forecast(const iso_validation *v, const iso_suite_options *opt);
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err);
 
 #endif

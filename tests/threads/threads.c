@@ -162,7 +162,7 @@ static void progress(void)
     iso_progress_line *line = iso_progress_line_create("threads");
     assert_non_null(line);
     const iso_progress p = iso_progress_of_line(line);
-    iso_progress_line_begin_phase(line, "work");
+    iso_progress_line_expect(line, "work", 1);
     for (int i = 0; i <= 20; ++i) {
         iso_progress_report(&p, "work", i / 20.0);
         usleep(10000);
