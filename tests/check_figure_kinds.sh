@@ -79,7 +79,7 @@ check each_level_has_a_transfer_function test "$(pdftotext adapted/figure.pdf - 
 curve_of() { awk '$0 == "$curve << EOD" {++n; next} $0 == "EOD" {on = 0} 1 {if (n == k && !done) print} $0 == "EOD" && n == k {done = 1}' k="$1" adapted/figure.gp; }
 check an_adapted_one_is_another_one test "$(curve_of 1 | md5sum)" != "$(curve_of 2 | md5sum)"
 check all_have_one_axis test "$(grep -o '^set xrange [^;]*; set yrange .0:1' adapted/figure.gp | sort | uniq -c | awk '{print $1}')" = 6
-check all_kinds_are_drawn_by_a_script test "$(printf '%s\n' $kinds_of_volumes | sort)" = "$("$ISOSHADE" list | sed -n '/^kind of figures:/,/^$/s/^  \([a-z-]*\) .*/\1/p' | sort)"
+check all_kinds_are_drawn_by_a_script test "$(printf '%s\n' $kinds_of_volumes | sort)" = "$("$ISOSHADE" list | sed -n '/^kinds of figures:/,/^$/s/^  \([a-z-]*\) .*/\1/p' | sort)"
 check the_png_has_the_same_pixels in_the_png methods
 check the_inset_is_told_of grep -q 'rendered again with 4 times as many pixels' methods/caption.txt
 check insets_have_pixels_of_their_own test "$(pdfimages methods/figure.pdf q && md5sum q-*.ppm | cut -d' ' -f1 | sort | uniq -d | wc -l)" = 0

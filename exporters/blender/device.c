@@ -21,7 +21,7 @@ static const struct {
     {"oneapi", "Intel's"},
     {"metal", "Apple's"},
 };
-const iso_names iso_cycles_device_names = ISO_NAMES_OF_ROWS("device of Cycles", devices);
+const iso_names iso_cycles_device_names = ISO_NAMES_OF_ROWS_CALLED("device of Cycles", "devices of Cycles", devices);
 
 static const char *chosen_device; /* a row's name; by iso_cycles_set_device() */
 

@@ -145,7 +145,7 @@ void iso_json_get_word(iso_json_reader *r, const json_t *object, const char *key
     iso_json_get_string(r, object, key, required, &word);
     if (!word)
         return;
-    iso_names names = {"word", words, 0, sizeof words[0], 0, ISO_NAMES_NO_SUMMARY, false};
+    iso_names names = {"word", "words", words, 0, sizeof words[0], 0, ISO_NAMES_NO_SUMMARY, false};
     for (; words[names.count]; ++names.count)
         if (strcmp(words[names.count], word) == 0) {
             *index = (int)names.count;
@@ -203,7 +203,7 @@ void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *wh
         for (int i = 0; keys[i] && !known; ++i)
             known = strcmp(keys[i], key) == 0;
         if (!known) {
-            iso_names names = {"key", keys, 0, sizeof keys[0], 0, ISO_NAMES_NO_SUMMARY, false};
+            iso_names names = {"key", "keys", keys, 0, sizeof keys[0], 0, ISO_NAMES_NO_SUMMARY, false};
             while (keys[names.count])
                 ++names.count;
             char list[512];

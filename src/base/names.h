@@ -19,7 +19,8 @@
 #include "base/status.h"
 
 typedef struct iso_names {
-    const char *what; /* what a row is, in messages: "direction code" */
+    const char *what;   /* what a row is, in messages: "direction code" */
+    const char *plural; /* of it, for headings */
     const void *rows;
     size_t count, stride;       /* bytes from one row to the next */
     size_t name_at, summary_at; /* where a row holds them; ISO_NAMES_NO_SUMMARY */
@@ -29,21 +30,23 @@ typedef struct iso_names {
 #define ISO_NAMES_NO_SUMMARY ((size_t)-1)
 #define ISO_NAMES_COUNT(array) (sizeof(array) / sizeof((array)[0]))
 /* clang-format off */
-#define ISO_NAMES_OF_ROWS(what, array)                                                      \
-    {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__((array)[0]), name), \
+#define ISO_NAMES_OF_ROWS(what, array) ISO_NAMES_OF_ROWS_CALLED(what, what "s", array)
+/* Whose plural is not the name with an s. */
+#define ISO_NAMES_OF_ROWS_CALLED(what, plural, array)                                       \
+    {what, plural, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__((array)[0]), name), \
      offsetof(__typeof__((array)[0]), summary), false}
 /* clang-format on */
 /* Of rows without a summary. */
 /* clang-format off */
 #define ISO_NAMES_OF_NAMES(what, array)                                                     \
-    {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__((array)[0]), name), ISO_NAMES_NO_SUMMARY, false}
+    {what, what "s", array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__((array)[0]), name), ISO_NAMES_NO_SUMMARY, false}
 #define ISO_NAMES_OF_POINTERS(what, array)                                                  \
-    {what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__(*(array)[0]), name), \
+    {what, what "s", array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__(*(array)[0]), name), \
      offsetof(__typeof__(*(array)[0]), summary), true}
 /* clang-format on */
 #define ISO_NAMES_OF_STRINGS(what, array) \
     { \
-        what, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), 0, ISO_NAMES_NO_SUMMARY, false \
+        what, what "s", array, ISO_NAMES_COUNT(array), sizeof((array)[0]), 0, ISO_NAMES_NO_SUMMARY, false \
     }
 
 const char *iso_names_name(const iso_names *names, size_t row);

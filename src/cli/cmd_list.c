@@ -32,7 +32,7 @@ enum { LIST_COUNT = sizeof lists / sizeof *lists + 1 }; /* and the renderers, wh
 static const iso_names *list_at(size_t i)
 {
     static const iso_renderer_info *renderers[ISO_MAX_RENDERERS];
-    static iso_names names = {"renderer",
+    static iso_names names = {"renderer", "renderers",
                               renderers,
                               0,
                               sizeof renderers[0],
@@ -58,7 +58,7 @@ static json_t *to_json(const iso_names *names)
 
 static void print_markdown(const iso_names *names)
 {
-    printf("## %ss\n\n| name | what it is |\n|---|---|\n", names->what);
+    printf("## %s\n\n| name | what it is |\n|---|---|\n", names->plural);
     for (size_t i = 0; i < names->count; ++i)
         printf("| `%s` | %s |\n", iso_names_name(names, i), iso_names_summary(names, i));
 }

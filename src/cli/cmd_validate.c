@@ -323,10 +323,16 @@ static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *
     iso_status status = iso_subject_make_scene(look, pyramid, scene, err);
     if (status != ISO_OK || !own_path)
         return status;
+    char of[sizeof scene->tf.of]; /* messages name what was given, not the copy of it */
+    memcpy(of, scene->tf.of, sizeof of);
     status = iso_validate_scene_save(scene, own_path, err);
     iso_scene_destroy(scene);
     a->look.scene = own_path;
-    return status == ISO_OK ? iso_scene_load(own_path, scene, err) : status;
+    if (status == ISO_OK)
+        status = iso_scene_load(own_path, scene, err);
+    if (status == ISO_OK)
+        memcpy(scene->tf.of, of, sizeof of);
+    return status;
 }
 
 static iso_status load_and_validate(const iso_validate_arguments *given, const iso_cli *cli, iso_pyramid_options *build,

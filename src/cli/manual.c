@@ -118,9 +118,9 @@ static void put_benchmarks(FILE *f)
 /* What options choose from. */
 static void put_list(FILE *f, const iso_names *names)
 {
-    fprintf(f, ".PP\n%c", toupper((unsigned char)names->what[0]));
-    put_text(f, names->what + 1);
-    fputs("s:\n", f);
+    fprintf(f, ".PP\n%c", toupper((unsigned char)names->plural[0]));
+    put_text(f, names->plural + 1);
+    fputs(":\n", f);
     for (size_t i = 0; i < names->count; ++i) {
         const char *summary = iso_names_summary(names, i);
         fputs(".TP\n.B ", f);

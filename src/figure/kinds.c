@@ -28,6 +28,7 @@ const iso_figure_info *const iso_figure_kinds[] = {
 };
 const iso_names iso_figure_kind_names = {
     "kind of figure",
+    "kinds of figures",
     iso_figure_kinds,
     sizeof iso_figure_kinds / sizeof *iso_figure_kinds - 1,
     sizeof iso_figure_kinds[0],

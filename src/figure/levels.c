@@ -127,7 +127,7 @@ static const method methods[] = {
     {"moments+adapted", "moments, adapted TF", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, true},
 };
 static const iso_names method_names = {
-    "method", methods, ISO_NAMES_COUNT(methods), sizeof methods[0], offsetof(method, name), offsetof(method, title),
+    "method", "methods", methods, ISO_NAMES_COUNT(methods), sizeof methods[0], offsetof(method, name), offsetof(method, title),
     false};
 enum { MOST_METHODS = ISO_NAMES_COUNT(methods), USUAL_LEVEL = 2 };
 

@@ -27,7 +27,7 @@ void iso_cli_print_names(FILE *f, const iso_names *names)
         const int width = (int)strlen(iso_names_name(names, i));
         widest = width > widest ? width : widest;
     }
-    fprintf(f, "%ss:\n", names->what);
+    fprintf(f, "%s:\n", names->plural);
     for (size_t i = 0; i < names->count; ++i)
         fprintf(f, "  %-*s  %s\n", widest, iso_names_name(names, i), iso_names_summary(names, i));
 }

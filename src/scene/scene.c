@@ -400,7 +400,9 @@ iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0,
         view->lights[i] = light;
     }
     iso_status status = iso_tf_tabulate(&scene->tf, value_min, value_max, level0, &view->tf, err);
-    return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "%s", scene->path ? scene->path : "scene");
+    if (status == ISO_OK || scene->tf.of[0]) /* which its message names */
+        return status;
+    return iso_fail_in(err, status, "%s", scene->path ? scene->path : "scene");
 }
 
 void iso_view_destroy(iso_view *view)

@@ -135,6 +135,10 @@ iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_t
     free(text);
     if (status == ISO_OK && (status = set_range(request, tf, path, err)) != ISO_OK)
         iso_tf_destroy(tf);
+    if (status == ISO_OK) {
+        const size_t length = strlen(path), most = sizeof tf->of - 1; /* of a long path its end */
+        snprintf(tf->of, sizeof tf->of, "%s", path + (length > most ? length - most : 0));
+    }
     return status;
 }
 

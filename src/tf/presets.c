@@ -2,6 +2,7 @@
 #include "tf/presets.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -164,11 +165,15 @@ bool iso_tf_preset_find(const char *name, size_t *row)
 iso_status iso_tf_preset_apply(size_t row, const iso_survey *survey, const iso_geometry *level0, iso_tf *tf,
                                iso_error *err)
 {
-    if (presets[row].scale != SCALE_AUTO)
-        return apply(&presets[row], survey, level0, tf, err);
     iso_suggestion suggestion;
-    const iso_status status = iso_suggest(survey, level0, &suggestion, err);
-    *tf = suggestion.tf;
+    iso_status status;
+    if (presets[row].scale != SCALE_AUTO) {
+        status = apply(&presets[row], survey, level0, tf, err);
+    } else {
+        status = iso_suggest(survey, level0, &suggestion, err);
+        *tf = suggestion.tf;
+    }
+    snprintf(tf->of, sizeof tf->of, "--tf %s", presets[row].name);
     return status;
 }
 

@@ -197,7 +197,7 @@ static void keep_points(const iso_tf *tf, double unit_mm, iso_tf_table *t)
     }
 }
 
-iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
+static iso_status tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
                            iso_tf_table *table, iso_error *err)
 {
     *table = (iso_tf_table){.count = tf->table_size, .lo = tf->range[0], .hi = tf->range[1]};
@@ -237,6 +237,13 @@ iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max,
     }
     keep_points(tf, unit_mm, table);
     return ISO_OK;
+}
+
+iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
+                           iso_tf_table *table, iso_error *err)
+{
+    const iso_status status = tabulate(tf, value_min, value_max, level0, table, err);
+    return status == ISO_OK || !tf->of[0] ? status : iso_fail_in(err, status, "%s", tf->of);
 }
 
 iso_status iso_tf_table_copy(const iso_tf_table *from, iso_tf_table *to, iso_error *err)

@@ -56,6 +56,7 @@ typedef struct iso_tf {
     bool unit_is_voxels;
     size_t table_size;
     iso_tf_loss loss;
+    char of[160]; /* the file or preset that it is of, for messages; "": it stands in another file */
 } iso_tf;
 
 /* What a file of another program may leave open. */

@@ -293,7 +293,7 @@ static const struct {
     {{.check = "placement",
       .unit = "pixel",
       .limit = 0.02,
-      .why = "the blob is sampled at 32 x 32 ISO_CALIBRATION_PIXELS; half a voxel would be 0.6 pixel or more"},
+      .why = "the blob is sampled at 32 x 32 pixels; half a voxel would be 0.6 pixel or more"},
      ISO_HAS_ORTHOGRAPHIC,
      "where the volume stands, by half a voxel",
      prepare_placement,

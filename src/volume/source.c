@@ -311,6 +311,23 @@ static iso_status open_by_path(iso_volume_source *s, bool *found, iso_error *err
     return ISO_OK;
 }
 
+/* Why a folder is no volume: it cannot be looked into, it lacks the file that its name promises, or it has no slices. */
+static iso_status refuse_folder(const char *path, iso_error *err)
+{
+    static const struct {
+        const char *ending, *what, *file;
+    } kinds[] = {{".iso", "a pyramid", "pyramid.json"}, {".zarr", "a Zarr", ".zarray, .zgroup or zarr.json"}};
+    if (access(path, R_OK | X_OK) != 0)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", path, strerror(errno));
+    const size_t length = strlen(path) - (path[0] && path[strlen(path) - 1] == '/');
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
+        const size_t tail = strlen(kinds[i].ending);
+        if (length > tail && strncmp(path + length - tail, kinds[i].ending, tail) == 0)
+            return iso_fail(err, ISO_E_FORMAT, "%s: named as %s, but has no %s", path, kinds[i].what, kinds[i].file);
+    }
+    return iso_fail(err, ISO_E_FORMAT, "%s: a folder that holds no slices of a volume", path);
+}
+
 static iso_status open_by_content(iso_volume_source *s, iso_error *err)
 {
     unsigned char head[ISO_VOLUME_HEAD_BYTES];
@@ -318,7 +335,7 @@ static iso_status open_by_content(iso_volume_source *s, iso_error *err)
     bool found = false;
     if (iso_path_is_dir(s->path)) {
         const iso_status status = open_by_path(s, &found, err);
-        return found ? status : iso_fail(err, ISO_E_FORMAT, "%s: a folder that holds no slices of a volume", s->path);
+        return found ? status : refuse_folder(s->path, err);
     }
     iso_status status = read_head(s->path, head, &size, err);
     if (status != ISO_OK)
