@@ -14,7 +14,7 @@ static const iso_figure_info *const kinds[] = {
     &iso_figure_code_table,      &iso_figure_joint_histogram, &iso_figure_joint_row,    &iso_figure_mixed_volume,
     &iso_figure_mixed_surface,   &iso_figure_palette_views,  &iso_figure_seams,        &iso_figure_region,
 };
-static const iso_names kind_names = ISO_NAMES_OF_POINTERS("kind of figure", kinds);
+static const iso_names kind_names = ISO_NAMES_OF_POINTERS("figure", kinds);
 
 const iso_lab_figure_options *iso_lab_figure_of(const iso_figure_job *job)
 {

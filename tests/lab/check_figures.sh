@@ -78,7 +78,7 @@ check fitted_is_nearer holds palette-views 'f["palettes"][0]["norm1"] < f["palet
 draw seams small.nrrd --width 120 --dpi 72
 draw roi plate.nrrd --level 1 --width 120 --dpi 72
 latex_takes latex_takes_each_kind $kinds_of_papers
-check all_kinds_are_drawn test "$(printf '%s\n' $kinds_of_papers | sort)" = "$("$LAB" figure --help | sed -n '/^kind of figures:/,/^$/s/^  \([a-z0-9-]*\) .*/\1/p' | sort)"
+check all_kinds_are_drawn test "$(printf '%s\n' $kinds_of_papers | sort)" = "$("$LAB" figure --help | sed -n '/^figures:/,/^$/s/^  \([a-z0-9-]*\) .*/\1/p' | sort)"
 
 refuse a_code_without_a_lattice 5 'no lattice of three' "$LAB" figure --kind code-dots --code oct24 -o f
 refuse an_unknown_code 2 'must be one of' "$LAB" figure --kind code-dots --code none -o f
