@@ -46,7 +46,7 @@ for c in json.load(open("an atlas/atlas.json"))["cases"]:
         for option in re.findall(r"--[a-z0-9-]+", rest): print(command, option)' >advice
 check there_is_advice test -s advice
 while read -r command option; do
-    check "isoshade_${command}_has_$option" grep -qE -- "$option\b" <("$ISOSHADE" "$command" --help)
+    check "isoshade_${command}_has_$option" grep -qE -- "$option\b" <("$ISOSHADE" "$command" --help=all)
 done <advice
 
 refuse an_unknown_case_is_named 2 'no "vessels"; it has' "$ISOSHADE" atlas --case vessels -o two

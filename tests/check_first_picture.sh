@@ -89,7 +89,7 @@ for command in $looks; do
         expect "${program##*/}_${first// /_}${option/--/_}_first" $code "$program" $first nothing.nrrd $option $value "$@"
         check "${program##*/}_${first// /_}${option/--/_}_said" grep -q -- "$option\|$value" err
     done
-    "$program" $first --help >>help.txt
+    "$program" $first --help=all >>help.txt
 done
 IFS=$' \t\n'
 # What --help says of an option, each command's in a line.

@@ -11,7 +11,7 @@ terms="voxel|spacing|trilinear|transfer function|extinction|opacity|ray step|qua
 |calibration|limit|baseline|atlas|front|RMSE|SSIM|FLIP|NRRD|NIfTI|OpenVDB|DF3|EXR"
 
 commands=$("$ISOSHADE" --help | sed -n 's/^  \([a-z][a-z]*\)  .*/\1/p')
-for command in $commands; do "$ISOSHADE" "$command" --help; done >help.txt 2>/dev/null
+for command in $commands; do "$ISOSHADE" "$command" --help=all; done >help.txt 2>/dev/null
 check help_texts_are_found test "$(wc -l <help.txt)" -gt 500
 
 cat >glossary.py <<'PY'

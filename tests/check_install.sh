@@ -53,7 +53,7 @@ sed 's/^\.TP/.TQP/' "$man" >bad.1
 expect a_fault_in_it_is_seen 1 lint bad.1
 for command in $("$ISOSHADE" --help | sed -n '/^commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
     grep -q "^\.SS $command\$" "$man" || missing="${missing-} $command"
-    for option in $("$ISOSHADE" "$command" --help | grep -oE '^ +(-., +)?--[a-z0-9-]+' | sed 's/.*--//'); do
+    for option in $("$ISOSHADE" "$command" --help=all | grep -oE '^ +(-., +)?--[a-z0-9-]+' | sed 's/.*--//'); do
         grep -qF -- "\\-\\-$(sed 's/-/\\-/g' <<<"$option")" "$man" || missing="${missing-} $command --$option"
     done
 done

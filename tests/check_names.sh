@@ -33,7 +33,7 @@ has_rows() { # WHAT, help: each row has a line in the section of the help, and t
         [ "$(grep -c '^  ' <<<"$section")" = "$(wc -l <<<"$names")" ]
 }
 while read -r command what; do
-    "$ISOSHADE" "$command" --help >help.txt
+    "$ISOSHADE" "$command" --help=all >help.txt
     check "help_of_${command}_lists_${what// /_}s" has_rows "$what" help.txt
     sed "/^  $(rows "$what" | sed -n 1p) /d" help.txt >less.txt
     if has_rows "$what" less.txt; then not_ok "a_missing_${what// /_}_is_found" "taken for whole"; else ok "a_missing_${what// /_}_is_found"; fi
@@ -59,7 +59,7 @@ long_lines() { awk 'length($0) > 120 && !/^usage:/ && !/^ /' "$1"; }
 unindented() { awk 'on && NF && !/^  / {print} /^examples:/ {on = 1}' "$1"; }
 { "$ISOSHADE" --help; "$ISOSHADE" bench --help; } >commands.txt
 while read -r command; do
-    "$ISOSHADE" $command --help >help.txt
+    "$ISOSHADE" $command --help=all >help.txt
     [ -z "$(long_lines help.txt | sed 1d)$(unindented help.txt)" ] || bad="${bad-} $command"
 done < <(sed -n '/^commands:/,/^$/s/^  \([a-z]*\) .*/\1/p; /^benchmarks:/,/^$/s/^  \([a-z-]*\) .*/bench \1/p' commands.txt)
 check help_wraps_and_indents_its_examples test -z "${bad-}"

@@ -374,6 +374,7 @@ const iso_command iso_bench_cast = {
         "is not set). Times are\nof the drawing alone. The last lines say how many samples of the pictures show "
         "something, how many times faster the\nsparse ones became by leaving out empty space, and the bound that is "
         "left if the others cost nothing (processor time).",
+    .common = "size image truth step rounds width threads spacing",
     .examples = "  isoshade bench cast --size 32 --image 48 --rounds 1 --truth 16\n",
     .run = run,
 };

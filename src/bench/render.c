@@ -216,6 +216,7 @@ const iso_command iso_bench_render = {
         "samples\ninside bricks, on their own, with the paper's transitions as written and as corrected; a quarter of the "
         "bricks in\ntransition. Then whole levels against level 0: of cells (2x2x2 means), of nodes by [1 2 1] "
         "(smooth) and by\n[-1 2 6 2 -1] (sharp, what bricks use), and of nodes interpolated among the cells.",
+    .common = "size image step runs tf processor-time bricks transition output threads",
     .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
                 "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n"
                 "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8 --transition paper -o paper.png\n",

@@ -429,6 +429,8 @@ const iso_command iso_command_build = {
         "other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) are made of level 0 and need none.\n"
         "With --auto levels are damped and directions as with --direction-filter auto. Show such levels with --adapt\n"
         "--extinction-scale: that is nearest to level 0 over many volumes, for a byte more (doc/results/auto.md).",
+    .common = "output levels for auto scalar-filter direction-filter estimator code memory resume spacing frame channel "
+              "threads",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"

@@ -428,6 +428,7 @@ const iso_command iso_command_export = {
         "needs is written: active voxels and a transparent background, a volume of one grid for blender, cropped DF3 files.\n"
         "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is\n"
         "exported.",
+    .common = "to output scene tf view size level levels adapt frames add material step isosurface plan spacing threads",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
         "  isoshade export shells.nrrd --to blender -o first.blend\n"

@@ -185,6 +185,7 @@ const iso_command iso_command_figure = {
         "on-the-fly+adapted, naive+adapted, eq1+adapted and moments+adapted, under the one adapted to each level.",
     .lists = (const iso_names *const[]){&iso_figure_kind_names, &iso_colormap_names, &iso_tf_preset_names,
                                         &iso_viewpoint_names, NULL},
+    .common = "output kind width height dpi with level levels scene tf view size zoom background letters formats threads",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade figure shells.nrrd --levels 3 --width 85 -o figure-volume\n"

@@ -393,6 +393,7 @@ const iso_command iso_command_info = {
         "pyramid stores again from its level 0, with its own options, and compares every bit. So a level of another volume\n"
         "is found, although its checksum is right. Joint histograms that tf adapt left in the folder are counted again.\n"
         "Exit code 1: a level is not made from level 0, or a histogram does not count what the levels hold.",
+    .common = "verify histogram spacing unit series frame channel stored labels raw-size raw-type",
     .examples = "  isoshade make sphere --size 48 -o sphere.nrrd\n"
                 "  isoshade info sphere.nrrd\n"
                 "  isoshade info sphere.nrrd --json\n"

@@ -384,6 +384,7 @@ const iso_command iso_command_palette = {
     .details =
         "Entry 0 is the zero vector. Without --tf and --by-magnitude each voxel that has a gradient counts 1, and a\n"
         "volume is read slab by slab.",
+    .common = "output entries method tf level per-level by-magnitude seed spacing threads",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"
                 "  isoshade palette v.nrrd -o palette.csv -o palette.png -o index.nrrd\n"
                 "  isoshade palette v.nrrd --entries 1022 --by-magnitude -o palette.inc -o palette.py\n"

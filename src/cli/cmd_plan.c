@@ -296,6 +296,7 @@ const iso_command iso_command_plan = {
         "level that the image allows, and all are drawn without seams. The error is predicted, then measured with OpenGL\n"
         "against all bricks at level 0. `isoshade export --plan` writes the planned volume. --scene may name several, separated\n"
         "by commas: the plan holds for all.",
+    .common = "output scene tf view size error memory levels brick image threads",
     .examples =
         "  isoshade make shells --size 70x65x60 -o shells.nrrd\n"
         "  isoshade plan shells.nrrd --tf simulation --view front --size 64 --brick 16 --levels 3 -o first.plan.json\n"

@@ -458,6 +458,7 @@ const iso_command iso_command_render = {
         "or what is visible where that is much smaller. A scene file keeps one camera for several volumes or transfer\n"
         "functions. All renderers compute the same integral from the same scene. From a volume a pyramid is built in memory; a\n"
         "pyramid on disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
+    .common = "output png scene tf view zoom size with level step adapt isosurface quadrature spacing frame threads",
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
         "  isoshade render ml.nrrd -o first.png\n"

@@ -416,6 +416,7 @@ const iso_command iso_command_scenes = {
         "--write DIR makes requests of one scene, or of a suite, instead: a folder a scene, level and calibration with\n"
         "request.json, volume.nrrd and directions.nrrd, and DIR/README.txt, which lists the pictures that are wanted, their\n"
         "sizes and steps. Whoever has a renderer puts them there; isoshade validate --images NAME=DIR compares them.",
+    .common = "output tf view size write suite levels spacing threads",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
         "  isoshade scenes shells.nrrd --size 96 -o sheet.png\n"

@@ -221,6 +221,7 @@ const iso_command iso_command_tf = {
         "A transfer function is a file, a preset, a scene's (--scene), or without all of them what suggest finds. convert and\n"
         "show lay a preset on the values of --volume. view, zoom and size are of the pictures that bound is for.\n"
         "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",
+    .common = "output tf scene level levels range opacity volume view spacing threads",
     .examples =
         "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
         "  isoshade tf suggest shells.nrrd -o first.tf.json\n"

@@ -524,6 +524,7 @@ const iso_command iso_command_validate = {
         "7: a renderer is missing; 9: one failed its calibration.\n"
         "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name\n"
         "it. A file of that name is replaced only as validate wrote it (exit code 3).",
+    .common = "output scene tf view size with levels quick images suite budget resume junit viewer renderers blender timeout",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"

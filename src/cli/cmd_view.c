@@ -229,6 +229,7 @@ const iso_command iso_command_view = {
         "(render --with gl), and saves scene.json and tf.json, which every other command takes. Levels are drawn as they are\n"
         "read, the coarsest first; --plan adds level 0 in the bricks that a scene needs. Shading is by the pyramid's direction\n"
         "codes or by gradients on the fly.",
+    .common = "output scene tf view zoom level levels plan adapt spacing threads",
     .examples = "  isoshade make shells --size 48x44x40 -o shells.nrrd\n"
                 "  isoshade view shells.nrrd -o shells.html\n"
                 "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --code fit,region48 --adapt -o shells.html\n"

@@ -32,7 +32,127 @@ void iso_cli_print_names(FILE *f, const iso_names *names)
         fprintf(f, "  %-*s  %s\n", widest, iso_names_name(names, i), iso_names_summary(names, i));
 }
 
-static void print_help(const iso_command *command, poptContext context)
+/* ---- --help: at most 20 options; --help=all has all of them ---- */
+
+/* Subjects of options that --help names in a line each. An option that is in no row belongs to the last one. */
+static const struct {
+    const char *subject, *names;
+} subjects[] = {
+    {"files without a header", " raw-size raw-type raw-spacing raw-big-endian raw-skip "},
+    {"reading a volume", " spacing unit series frame frames channel stored labels no-labels "},
+    {"transfer function", " name unit-distance opacity range bits always "},
+    {"levels", " level-views level-size extinction-scale tf-2d adapt gauss-radius gauss-sigma eq1-exponent keep-float "
+               "keep-magnitude direction-filter scalar-filter estimator code filters codes estimators "},
+    {"region of interest", " roi roi-level roi-band "},
+    {"bricks", " plan plan-error cache-bytes brick brick-levels page-side memory refine plans faces "},
+    {"other programs", " renderers blender cycles-device gl-device timeout no-sandbox "},
+    {"names in outputs", " full-paths no-provenance "},
+    {"more", NULL},
+};
+enum { SUBJECTS = sizeof subjects / sizeof *subjects };
+
+/* True if `names`, which blanks surround, has the name. */
+static bool has_name(const char *names, const char *name)
+{
+    const size_t length = strlen(name);
+    for (const char *at = names; (at = strstr(at, name)); at += length)
+        if (at > names && at[-1] == ' ' && at[length] == ' ')
+            return true;
+    return false;
+}
+
+static bool is_common_name(const iso_command *command, const char *name)
+{
+    static const char always[] = " json quiet help ";
+    char padded[1024];
+    snprintf(padded, sizeof padded, " %s ", command->common);
+    return has_name(always, name) || has_name(padded, name);
+}
+
+static size_t subject_of(const char *name)
+{
+    size_t i = 0;
+    while (subjects[i].names && !has_name(subjects[i].names, name))
+        ++i;
+    return i;
+}
+
+/* Hides the options that only --help=all shows; their names go to the lines of their subjects. */
+static void hide_rare(const iso_command *command, struct poptOption *o, FILE *lines[SUBJECTS])
+{
+    for (; o->longName || o->shortName || o->arg; ++o)
+        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE) {
+            hide_rare(command, o->arg, lines);
+        } else if (o->longName && !is_common_name(command, o->longName)) {
+            o->argInfo |= POPT_ARGFLAG_DOC_HIDDEN;
+            fprintf(lines[subject_of(o->longName)], " --%s", o->longName);
+        }
+}
+
+/* Prints the words of a subject in lines of 100 columns. */
+static void print_subject(const char *subject, char *words)
+{
+    int column = printf("  %-22s", subject);
+    for (char *word = strtok(words, " "); word; word = strtok(NULL, " ")) {
+        if (column + (int)strlen(word) + 1 > 100)
+            column = printf("\n  %-22s", "") - 1;
+        column += printf(" %s", word);
+    }
+    putchar('\n');
+}
+
+static void print_names_short(const iso_names *names)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    for (size_t i = 0; f && i < names->count; ++i)
+        fprintf(f, " %s", iso_names_name(names, i));
+    if (f)
+        fclose(f);
+    print_subject(names->what, text);
+    free(text);
+}
+
+/* Prints the options, all of them or the common ones, and the names that they choose from. */
+static void print_options(const iso_command *command, struct poptOption *table, poptContext context, bool all)
+{
+    char *lines[SUBJECTS] = {NULL}, *text = NULL;
+    size_t sizes[SUBJECTS], size = 0;
+    FILE *files[SUBJECTS], *memory = open_memstream(&text, &size);
+    bool is_whole = true;
+    for (size_t i = 0; i < SUBJECTS; ++i)
+        files[i] = open_memstream(&lines[i], &sizes[i]);
+    if (!all)
+        hide_rare(command, table, files);
+    /* popt prints its own "Usage:" line first; only the table below it is wanted. */
+    poptPrintHelp(context, memory, 0);
+    fclose(memory);
+    char *options = strchr(text, '\n');
+    fputs(options ? options + 1 : text, stdout);
+    free(text);
+    for (size_t i = 0; i < SUBJECTS; ++i) {
+        fclose(files[i]);
+        if (*lines[i] && is_whole)
+            printf("\nmore options; %s %s --help=all explains them:\n", program, command->name);
+        is_whole &= !*lines[i];
+        if (*lines[i])
+            print_subject(subjects[i].subject, lines[i]);
+        free(lines[i]);
+    }
+    if (command->lists)
+        putchar('\n');
+    for (const iso_names *const *list = command->lists; list && *list; ++list) {
+        if (all) {
+            iso_cli_print_names(stdout, *list);
+            putchar('\n');
+        } else {
+            print_names_short(*list);
+        }
+    }
+}
+
+static void print_help(const iso_command *command, struct poptOption *table, poptContext context, bool all)
 {
     printf("%s %s - %s\n\nusage: %s %s %s\n", program, command->name, command->summary, program, command->name,
            command->usage);
@@ -40,19 +160,7 @@ static void print_help(const iso_command *command, poptContext context)
         printf("\n%s\n", command->details);
     printf("\noptions:\n");
     fflush(stdout);
-    /* popt prints its own "Usage:" line first; only the table below it is wanted. */
-    char *text = NULL;
-    size_t size = 0;
-    FILE *memory = open_memstream(&text, &size);
-    poptPrintHelp(context, memory, 0);
-    fclose(memory);
-    char *table = strchr(text, '\n');
-    fputs(table ? table + 1 : text, stdout);
-    free(text);
-    for (const iso_names *const *list = command->lists; list && *list; ++list) {
-        putchar('\n');
-        iso_cli_print_names(stdout, *list);
-    }
+    print_options(command, table, context, all);
     if (command->examples)
         printf("\nexamples:\n%s", command->examples);
 }
@@ -243,6 +351,18 @@ iso_key *iso_cli_key(const iso_cli *cli, const char *const *without)
     return key;
 }
 
+/* popt takes no value that may be missing: --help=all becomes --help. True if it was there. */
+static bool take_help_all(int argc, const char **argv)
+{
+    bool found = false;
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i)
+        if (strcmp(argv[i], "--help=all") == 0) {
+            argv[i] = "--help";
+            found = true;
+        }
+    return found;
+}
+
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, iso_cli_next *next, iso_error *err)
 {
@@ -258,7 +378,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         {"no-sandbox", 0, POPT_ARG_NONE, &no_sandbox, 0, "other programs may write anywhere and use the network", NULL},
         {"full-paths", 0, POPT_ARG_NONE, &full_paths, 0, "outputs name files with their folders", NULL},
         {"no-provenance", 0, POPT_ARG_NONE, &no_provenance, 0, "outputs hold no command and no input's name", NULL},
-        {"help", 'h', POPT_ARG_NONE, &help, 0, "this text", NULL},
+        {"help", 'h', POPT_ARG_NONE, &help, 0, "this text; --help=all has all options", NULL},
         POPT_TABLEEND,
     };
     struct poptOption table[] = {
@@ -274,6 +394,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         *next = ISO_CLI_STOP;
         return ISO_OK;
     }
+    const bool all = take_help_all(argc, argv);
     iso_status status = check_numbers(table, argc, argv, err);
     if (status != ISO_OK)
         return status;
@@ -291,7 +412,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
                         command->is_inner ? ", of which a file may name those of this command alone" : "");
     }
     if (help) {
-        print_help(command, cli->context);
+        print_help(command, table, cli->context, all || !command->common);
         *next = ISO_CLI_STOP;
         return ISO_OK;
     }

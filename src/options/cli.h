@@ -30,6 +30,7 @@ typedef struct iso_command {
     const char *details;           /* a paragraph, or NULL */
     const iso_names *const *lists; /* what its options choose from, for --help; ends with NULL, or NULL */
     const char *examples;          /* lines that run, each starting with "isoshade" */
+    const char *common; /* names of the options that --help shows, blanks between them; NULL: all. --help=all has the others */
     bool is_inner; /* run by another one with words of a file: quiet, and takes no option that all commands have */
     iso_status (*run)(const struct iso_command *self, int argc, const char **argv, iso_error *err);
 } iso_command;
