@@ -4,9 +4,9 @@
 . "$(dirname "$0")/lib.sh"
 
 # The options that a help text explains: it gives each a line of its own.
-explained() { sed -n '/^options:/,/^$/s/^ *\(-., \)\?--\([a-z0-9-]*\)\(=[^ ]*\)\?\( .*\)\?$/\2/p' "$1" | sort; }
+explained() { sed -n '/^options:/,/^$/s/^  \(-., \|    \)--\([a-z0-9-]*\)\(=[^ ]*\)\?\( .*\)\?$/\2/p' "$1" | sort; }
 # Those that it names alone.
-named() { sed -n '/^more options;/,/^$/p' "$1" | grep -oE -- '--[a-z0-9-]+' | grep -v -- '--help' | sed 's/^--//' | sort; }
+named() { sed -n '/^more options;/,/^$/p' "$1" | sed 1d | grep -oE -- '--[a-z0-9-]+' | grep -v -- '--help' | sed 's/^--//' | sort; }
 few() { [ "$(explained "$1" | wc -l)" -gt 0 ] && [ "$(explained "$1" | wc -l)" -le 20 ]; }
 whole() { diff <(sort <(explained short.txt) <(named short.txt)) <(explained all.txt); }
 

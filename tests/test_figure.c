@@ -25,9 +25,8 @@ static iso_figure_job job_of(const char *kind, const char *report, const char *o
                           .height_mm = 230,
                           .dpi = 72,
                           .formats = "pdf",
-                          .surface = NAN,
                           .with_sources = true};
-    assert_ok(iso_figure_kind_from_name(kind, &job.kind, &err));
+    assert_ok(iso_figure_kind_from_name(&iso_figure_kind_names, kind, &job.kind, &err));
     assert_ok(iso_colormap_from_name("magma", &job.map, &err));
     return job;
 }
@@ -345,7 +344,7 @@ static void bad_requests_are_refused_and_leave_nothing(void **state)
     assert_ok(iso_file_write(json, "{\"schema\": \"other\"}", 19, &err));
     job = job_of("levels", report, out);
     assert_status(iso_figure_make(&job, &err), ISO_E_FORMAT);
-    assert_status(iso_figure_kind_from_name("photo", &job.kind, &err), ISO_E_USAGE);
+    assert_status(iso_figure_kind_from_name(&iso_figure_kind_names, "photo", &job.kind, &err), ISO_E_USAGE);
     free(json);
     free(report);
     free(out);

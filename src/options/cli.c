@@ -83,7 +83,7 @@ static void hide_rare(const iso_command *command, struct poptOption *o, FILE *li
     for (; o->longName || o->shortName || o->arg; ++o)
         if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE) {
             hide_rare(command, o->arg, lines);
-        } else if (o->longName && !is_common_name(command, o->longName)) {
+        } else if (o->longName && !(o->argInfo & POPT_ARGFLAG_DOC_HIDDEN) && !is_common_name(command, o->longName)) {
             o->argInfo |= POPT_ARGFLAG_DOC_HIDDEN;
             fprintf(lines[subject_of(o->longName)], " --%s", o->longName);
         }
@@ -110,7 +110,7 @@ static void print_names_short(const iso_names *names)
         fprintf(f, " %s", iso_names_name(names, i));
     if (f)
         fclose(f);
-    print_subject(names->what, text);
+    print_subject(names->plural, text);
     free(text);
 }
 
