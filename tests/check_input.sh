@@ -29,7 +29,7 @@ accept the_stored_values_are_there_too 'range      65 to 72' info scaled.nrrd --
 accept what_was_left_out_is_said '(--stored left it out)' info scaled.nrrd --stored
 
 # Units: known ones are converted, others refused; --unit says another.
-with_unit() { { header uchar '2 2 2' | sed '$d'; printf 'space dimension: 3\nspace directions: (2,0,0) (0,2,0) (0,0,3)\nspace units: "%s" "%s" "%s"\n\nABCDEFGH' "$1" "$1" "$1"; } >unit.nrrd; }
+with_unit() { { header uchar '2 2 2' | sed '$d; /^spacings/d'; printf 'space dimension: 3\nspace directions: (2,0,0) (0,2,0) (0,0,3)\nspace units: "%s" "%s" "%s"\n\nABCDEFGH' "$1" "$1" "$1"; } >unit.nrrd; }
 while read -r unit spacing; do
     with_unit "$unit"
     accept "unit_$unit" "spacing    $spacing mm" info unit.nrrd
