@@ -19,7 +19,7 @@ for top in sys.argv[1:]:
                 if line.lstrip().startswith(("#", "*", "/*")):
                     continue
                 for text in re.findall(r'"((?:[^"\\]|\\.)*)"', line):
-                    if re.search(r"\bISO_[A-Z0-9_]+\b", text):
+                    if re.search(r"\bISO_(?!DECODER_)[A-Z0-9_]+\b", text):
                         print(f"{path}:{number}: \"{text}\"", file=sys.stderr)
                         bad = 1
 sys.exit(bad)

@@ -40,7 +40,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     if (argc < 2)
         return iso_fail(err, ISO_E_USAGE, "no benchmark named; isoshade bench --help lists them");
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--help=all") == 0 || strcmp(argv[1], "-h") == 0) {
         print_list(self);
         return ISO_OK;
     }

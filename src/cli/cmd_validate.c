@@ -323,6 +323,12 @@ static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *
     iso_status status = iso_subject_make_scene(look, pyramid, scene, err);
     if (status != ISO_OK || !own_path)
         return status;
+    iso_view view;
+    status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid), &view,
+                               err);
+    iso_view_destroy(&view);
+    if (status != ISO_OK) /* and no copy of it is left */
+        return status;
     char of[sizeof scene->tf.of]; /* messages name what was given, not the copy of it */
     memcpy(of, scene->tf.of, sizeof of);
     status = iso_validate_scene_save(scene, own_path, err);

@@ -328,12 +328,24 @@ static iso_status refuse_folder(const char *path, iso_error *err)
     return iso_fail(err, ISO_E_FORMAT, "%s: a folder that holds no slices of a volume", path);
 }
 
+/* True if a folder that is named as a pyramid lacks its list; a reader of slices would take its levels for slices. */
+static bool is_broken_pyramid(const char *path)
+{
+    char *list = iso_path_join(path, "pyramid.json");
+    const size_t length = strlen(path) - (path[0] && path[strlen(path) - 1] == '/');
+    const bool is_broken = list && length > 4 && strncmp(path + length - 4, ".iso", 4) == 0 && !iso_path_is_file(list);
+    free(list);
+    return is_broken;
+}
+
 static iso_status open_by_content(iso_volume_source *s, iso_error *err)
 {
     unsigned char head[ISO_VOLUME_HEAD_BYTES];
     size_t size = 0;
     bool found = false;
     if (iso_path_is_dir(s->path)) {
+        if (is_broken_pyramid(s->path))
+            return refuse_folder(s->path, err);
         const iso_status status = open_by_path(s, &found, err);
         return found ? status : refuse_folder(s->path, err);
     }
