@@ -271,10 +271,11 @@ check the_input_is_whole cmp own.nrrd s.nrrd
 # ---- nor one that gets a name of its own, or is read by another name: by a header, a scene, a number, a folder ----
 mkdir inputs && cd inputs
 stays() { # name, file, command ...: the file is an input that the command would replace
-    local name=$1 file=$2
+    local name=$1 file=$2 program=isoshade
     shift 2
+    [ "$1" != isoshade-lab ] || { program=$1; shift; }
     cp -r "$file" ../copy
-    refuse "$name" 2 "which would be lost" isoshade "$@" -q
+    refuse "$name" 2 "which would be lost" $program "$@" -q
     check "${name}_and_stays" diff -r "$file" ../copy
     rm -rf ../copy
 }
@@ -462,7 +463,7 @@ if cc -I"$top/src" -o false/isoshade-vdb false.c; then
     lies box-large 4 'a box of 0 x 0 x 3.5 voxels in a grid of 3 x 3 x 3'
     lies many 4 '4294967296 frames of 4294967296 channels cannot be counted'
     lies size 5 'voxels can be addressed'
-    lies step 5 'span no volume'
+    lies step 4 'does not say the spacing'
     lies unit 4 "its unit is \"$(x 31)\", not one"
     lies unspaced 4 "does not say the spacing $(x 159);"
     lies version 7 'is of version 999999999999999, isoshade of'

@@ -40,7 +40,7 @@ SMALL = [
     ("palette", "--entries 16 --steps 10"),
     ("atlas", "--case code-poles"),
     ("figure .*--kind grid", "--dpi 40 --with reference,gl"),
-    ("figure .*--kind roi", "--dpi 40 --level 1 --roi 2,3,4,9,12,14"),
+    ("isoshade-lab figure .*--kind roi", "--dpi 40 --level 1 --roi 2,3,4,9,12,14"),
     ("figure", "--dpi 40"),
     ("bench all", "--quick --repeat 1 --only build-memory"),
     ("bench build", "--size 24 --levels 2 --runs 1"),

@@ -7,7 +7,7 @@ python_with numpy,vtk
 
 # All frames: one range, so that a fitted transfer function gives a value one color in all of them. The second frame has
 # a larger value than the first.
-frame() { printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n'; for i in {0..62}; do printf "\\x$(printf %x $((i + 1)))"; done; printf "$1"; }
+frame() { printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\nencoding: raw\n\n'; for i in {0..62}; do printf "\\x$(printf %x $((i + 1)))"; done; printf "$1"; }
 frame '\x40' >f_1.nrrd
 frame '\xc8' >f_2.nrrd
 "$ISOSHADE" build 'f_%d.nrrd' --frames all --levels 1 -q -o all.iso >out || not_ok all_frames_are_built "$(cat out)"
@@ -28,7 +28,7 @@ refuse no_frame_is_named 2 'f_%d.nrrd: has 2 frames; --frame K chooses one, from
 
 # Labels are looked for in all frames: an intensity among them decides nothing in silence.
 planes() { for v in "$@"; do head -c 64 /dev/zero | tr '\0' "\\$v"; done; }
-volume() { printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n'; cat; }
+volume() { printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nspacings: 1 1 1\nencoding: raw\n\n'; cat; }
 planes 001 001 001 007 007 003 003 003 | volume >s_0.nrrd
 planes 001 001 007 007 007 003 003 003 | volume >s_1.nrrd
 check labels_in_all_frames "$ISOSHADE" build 's_%d.nrrd' --frames all --levels 2 -o s.iso

@@ -9,7 +9,7 @@ expect info_prints_one 0 "$ISOSHADE" info v.nrrd
 check counts_stand_before_the_rows grep -Eq '^ +[0-9.e+]+ \|[#:. ]{57}$' out
 check the_axis_has_ticks grep -Eq '^ +voxels \+[-+]{57}$' out
 check and_values grep -Eq '^ +value +0 +50 +100 +150 +200 *$' out
-printf 'NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n3.5 3.5 3.5 3.5 3.5 3.5 3.5 3.5\n' >one.nrrd
+printf 'NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: ascii\n\n3.5 3.5 3.5 3.5 3.5 3.5 3.5 3.5\n' >one.nrrd
 expect a_volume_of_one_value 0 "$ISOSHADE" info one.nrrd
 check has_one_bin grep -Eq '^ +voxels \+[-+]$' out
 

@@ -81,7 +81,7 @@ refuse raw_bad_spacing 2 '--raw-spacing is 0' "$ISOSHADE" info plain.raw --raw-s
 refuse make_unknown_kind 2 'unknown kind "blob"' "$ISOSHADE" make blob --size 3 -o x.nrrd
 refuse make_zero_size 2 '--size is "0x3x3"' "$ISOSHADE" make ramp --size 0x3x3 -o x.nrrd
 refuse make_bad_rotation 2 '--rotate is "1,2"' "$ISOSHADE" make ramp --size 3 --rotate 1,2 -o x.nrrd
-refuse make_flat_matrix 5 'span no volume' "$ISOSHADE" make ramp --size 3 --rotate 1,0,0,1,0,0,0,0,1 -o x.nrrd
+refuse make_flat_matrix 5 'edge is 0 mm' "$ISOSHADE" make ramp --size 3 --rotate 1,0,0,1,0,0,0,0,1 -o x.nrrd
 # What an option that is not given is held by is no value of it.
 tf=$top/refscenes/shells.tf.json
 refuse zoom_of_0 2 '--zoom is 0, must be 0.01 to 1000' "$ISOSHADE" scenes v.nrrd --zoom 0 -o x.png
@@ -94,8 +94,8 @@ refuse a_cache_of_0_bytes 2 '--cache-bytes is 0, must be 1 to 1e+15' "$ISOSHADE"
 # 0 is a value, not an option that is not given.
 for option in "render --page-side" "render --intervals" "render --planes" "render --samples" "render --seeds" \
     "validate --levels" "validate --seeds" "validate --limit-size" "validate --level-views" "validate --level-size" \
-    "scenes --size" "scenes --levels" "figure --levels" "figure --frames" "figure --bits" "figure --bricks" \
-    "figure --entries" "palette --ellipsoid"; do
+    "scenes --size" "scenes --levels" "figure --levels" "figure --frames" \
+    "palette --ellipsoid"; do
     name=${option//[ -]/_}
     refuse "${name}_of_0" 2 "${option#* } is 0, must be at least 1" "$ISOSHADE" ${option% *} v.nrrd "${option#* }" 0 -o x.png
 done

@@ -7,7 +7,7 @@ python3 - <<'PY'
 def write(name, value, more="", kind="uchar"):
     data = bytes(value(i % 20, i // 20 % 18, i // 360) for i in range(20 * 18 * 16))
     with open(name, "wb") as file:
-        file.write(f"NRRD0004\ntype: {kind}\ndimension: 3\nsizes: 20 18 16\nencoding: raw\n{more}\n".encode() + data)
+        file.write(f"NRRD0004\ntype: {kind}\ndimension: 3\nsizes: 20 18 16\nspacings: 1 1 1\nencoding: raw\n{more}\n".encode() + data)
 points = [(4, 5, 6, 9), (15, 4, 4, 2), (6, 13, 5, 5), (14, 12, 11, 30), (5, 5, 12, 7)]
 def cell(x, y, z):
     if (x - 10) ** 2 + (y - 9) ** 2 + (z - 8) ** 2 > 64:

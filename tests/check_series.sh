@@ -8,7 +8,7 @@ scene=$top/refscenes/shells.scene.json
 python3 - <<'END'
 for t in range(3):
     with open(f"f_{t}.nrrd", "wb") as file:
-        file.write(b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n")
+        file.write(b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nspacings: 1 1 1\nencoding: raw\n\n")
         file.write(bytes(max(0, (100 + 70 * t) - 20 * ((x - 2 - t) ** 2 + (y - 3) ** 2 + (z - 4) ** 2)) for z in range(8)
                          for y in range(8) for x in range(8)))
 END

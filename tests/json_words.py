@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-MAKES = r'(?:json_(?:pack|object_set(?:_new)?|object_update_new|string)|iso_json_get_\w+|put|keys\[\] =|words\[\] =)'
+MAKES = r'(?:json_(?:pack|object_set(?:_new)?|object_update_new|string)|iso_json_get_\w+|\bput\b|keys\[\] =|words\[\] =)'
 TEXT = re.compile(r'"([a-z][a-z0-9_]*)"')
 
 # Files of other programs, whose keys doc/transfer-functions.md names where they matter.

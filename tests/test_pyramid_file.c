@@ -131,7 +131,6 @@ static void a_description_with_impossible_values_is_refused(void **state)
         {"\"keep_float\"", "\"value_range\": [65419, 0], \"keep_float\"", ISO_E_FORMAT},
         {"\"keep_float\"", "\"value_range\": [7, 7], \"keep_float\"", ISO_E_FORMAT},
         {"\"options\"", "\"made_for\": {\"levels\": [{\"scalar\": \"\\u001b[2J\"}]}, \"options\"", ISO_E_FORMAT},
-        {"\"options\"", "\"auto\": {\"chosen\": \"a\\nb\"}, \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [1], \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [{\"label\": 1.5, \"name\": \"a\"}], \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [{\"label\": 65536, \"name\": \"a\"}], \"options\"", ISO_E_FORMAT},

@@ -225,6 +225,18 @@ iso_status check_window(const char *path, const char *name, const Box2i &window,
     return ISO_OK;
 }
 
+/* Refuses pictures that the file cannot hold. Constant pictures of PIZ and DWA have 42,000 times their bytes; the two windows
+ * are separate, so that a short file may name a display window of gigabytes. */
+iso_status check_bytes(const char *path, const Box2i &window, size_t size, iso_error *err)
+{
+    const uint64_t bytes = pixel_bytes * static_cast<uint64_t>(width_of(window)) * static_cast<uint64_t>(height_of(window));
+    const uint64_t most = (UINT64_C(64) << 20) + 65536 * static_cast<uint64_t>(size);
+    if (bytes > most)
+        return iso_fail(err, ISO_E_FORMAT, "%s: its window of %lld x %lld pixels is more than a file of %zu bytes can hold",
+                        path, static_cast<long long>(width_of(window)), static_cast<long long>(height_of(window)), size);
+    return ISO_OK;
+}
+
 /* Has rows read into `row`, whose first pixel is the data window's first column. */
 void aim(Imf::InputPart &part, const Channels &channels, int32_t first_column, std::vector<float> &row)
 {
@@ -266,7 +278,7 @@ iso_status convert_colors(const char *path, const Imf::Header &header, iso_image
     return iso_primaries_convert(path, &p, image, err);
 }
 
-iso_status decode(const char *path, Imf::IStream &input, iso_image_choice *choice, iso_image *image, iso_error *err)
+iso_status decode(const char *path, Imf::IStream &input, size_t size, iso_image_choice *choice, iso_image *image, iso_error *err)
 {
     int number = 0;
     Channels channels;
@@ -278,6 +290,8 @@ iso_status decode(const char *path, Imf::IStream &input, iso_image_choice *choic
     const Box2i &display = header.displayWindow();
     if ((status = check_window(path, "data", header.dataWindow(), err)) != ISO_OK ||
         (status = check_window(path, "display", display, err)) != ISO_OK ||
+        (status = check_bytes(path, header.dataWindow(), size, err)) != ISO_OK ||
+        (status = check_bytes(path, display, size, err)) != ISO_OK ||
         (status = choose_channels(path, header.channels(), choice, &channels, err)) != ISO_OK)
         return status;
     if (choice)
@@ -319,7 +333,7 @@ iso_status iso_exr_decode(const char *path, const char *data, size_t size, iso_i
 {
     ByteInput input(data, size);
     *image = iso_image{};
-    const iso_status status = guarded(path, err, [&] { return decode(path, input, choice, image, err); });
+    const iso_status status = guarded(path, err, [&] { return decode(path, input, size, choice, image, err); });
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;

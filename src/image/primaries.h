@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* primaries.h - linear colors of other primaries and white points as those of Rec. 709.
  *
- * White stays white: a color is taken from one white point to the other by the Bradford transform (Lam 1985; ISO 15076-1,
+ * White stays white: a color is taken from one white point to the other by the Bradford transform (ISO 15076-1,
  * annex E), as color management does. */
 #ifndef ISO_PRIMARIES_H
 #define ISO_PRIMARIES_H

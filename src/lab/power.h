@@ -92,4 +92,16 @@ typedef struct iso_sensitivity_options {
 iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options *opt, const iso_cli *cli,
                                  iso_error *err);
 
+/* Right scenes of which validate says that something differs. */
+typedef struct iso_power_random_options {
+    const char *with;
+    int scenes, seed, threads;
+} iso_power_random_options;
+/* ISO_E_DIFFERS: there were such. */
+iso_status iso_power_random(const iso_power_random_options *opt, const iso_cli *cli, iso_error *err);
+/* True if a row of any section of a report says that something differs, failed or was refused; its name in text. */
+bool iso_power_is_alarm(const json_t *report, char *text, size_t size);
+/* The largest rate that so many alarms leave possible, at 95 % confidence: Clopper and Pearson's bound. */
+double iso_power_rate_bound(size_t alarms, size_t asked);
+
 #endif

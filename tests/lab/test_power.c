@@ -195,6 +195,36 @@ static void few_seeds_of_cycles_see_a_block(void **state)
 }
 
 /* A NaN is a row that differs, by every renderer, not the end of the validation. */
+/* Clopper and Pearson's one-sided bounds, as tables have them. */
+static void rates_are_bounded_as_tables_say(void **state)
+{
+    (void)state;
+    assert_within(iso_power_rate_bound(0, 300), 1 - pow(0.05, 1.0 / 300), 1e-12);
+    assert_within(iso_power_rate_bound(1, 10), 0.39416, 1e-5);
+    assert_within(iso_power_rate_bound(5, 100), 0.10226, 1e-5);
+    assert_within(iso_power_rate_bound(10, 10), 1, 0);
+}
+
+/* A row of any section, also of one that nobody has heard of: what is right must not differ anywhere. */
+static void an_alarm_is_found_in_any_section(void **state)
+{
+    (void)state;
+    const char *const alarms[] = {"{\"agreement\": [{\"verdict\": \"agree\"}, {\"b\": \"gl\", \"verdict\": \"differ\"}]}",
+                                  "{\"levels\": [{\"level\": 2, \"verdict\": \"differ\"}]}",
+                                  "{\"calibration\": [{\"check\": \"slab\", \"verdict\": \"fail\"}]}",
+                                  "{\"made_up\": [{\"verdict\": \"no word\"}]}"};
+    char text[200];
+    for (size_t i = 0; i < sizeof alarms / sizeof *alarms; ++i) {
+        json_t *report = json_loads(alarms[i], 0, NULL);
+        assert_true(iso_power_is_alarm(report, text, sizeof text));
+        json_decref(report);
+    }
+    json_t *report = json_loads("{\"agreement\": [{\"verdict\": \"agree\"}, {\"verdict\": \"not compared\"}],"
+                                " \"consistency\": [{\"level\": 1}]}", 0, NULL);
+    assert_false(iso_power_is_alarm(report, text, sizeof text));
+    json_decref(report);
+}
+
 static void a_pixel_that_is_no_number_is_rejected(void **state)
 {
     (void)state;
@@ -223,6 +253,8 @@ int main(void)
         cmocka_unit_test(a_deviation_may_be_planted_on_the_other_side),
         cmocka_unit_test(few_seeds_of_cycles_see_a_block),
         cmocka_unit_test(a_pixel_that_is_no_number_is_rejected),
+        cmocka_unit_test(rates_are_bounded_as_tables_say),
+        cmocka_unit_test(an_alarm_is_found_in_any_section),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);
 }
