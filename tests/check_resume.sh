@@ -81,7 +81,7 @@ stored
 labels
 no-labels
 END
-    for option in $("$ISOSHADE" build --help=all | sed -n '/^options:/,/^$/s/^ *\(-., \)\?--\([a-z0-9-]*\).*/\2/p'); do
+    for option in $("$ISOSHADE" build --help=all | sed -n '/^options:/,/^$/s/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p'); do
         [[ " $no_byte $other_mode $tried " == *" $option "* ]] || not_ok "$option" "is in no row of this table"
     done
     isoshade=$other anew of_another_program v v.nhdr

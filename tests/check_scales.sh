@@ -60,7 +60,7 @@ q make ramp --size 9x8x7 --range -3,2 --type float -o signed.nrrd
 q make ramp --size 9x8x7 --range 0,1 --type float -o unit.nrrd
 q make ramp --size 9x8x7 --range 0,1e30 --type float -o huge.nrrd
 q make ramp --size 9x8x7 --range 0,1e-30 --type float -o tiny.nrrd
-q make ramp --size 9x8x7 --range 0,3e38 --type float -o largest.nrrd
+q make ramp --size 9x8x7 --range 0,1e36 --type float -o largest.nrrd
 q make ramp --size 9x8x7 --range 0,1e30 --spacing 1e-9x1e-9x1e-9 --type float -o steep.nrrd
 for v in voxel slice signed unit huge tiny largest steep; do
     check every_command_reads_what_others_write_of_$v chain $v

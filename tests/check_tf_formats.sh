@@ -75,7 +75,7 @@ refuse a_range_for_values 2 'say --volume FILE or --range LO,HI' convert gray.cs
 check a_range_is_said convert gray.csv --unit-distance 1 --range -100,200 -o said.vp.json -q
 check a_range_of_a_volume convert gray.csv --unit-distance 1 --volume shells.nrrd -o said.niivue.json -q
 printf 'value,r_linear,g_linear,b_linear,extinction_per_mm\n0,0.1,0.5,0.7,0\n1e308,0.1,0.5,0.7,0.5\n' >huge.csv
-refuse values_beyond_those_of_json 5 'values are 0 to 1e+308, must be -1e+30 to 1e+30' convert huge.csv -o z.tf.json
+refuse values_beyond_those_of_json 5 'values are 0 to 1e+308, must be -3.40282e+38 to 3.40282e+38' convert huge.csv -o z.tf.json
 refuse range_backwards 2 '--range is "3,1"' convert gray.csv --unit-distance 1 --range 3,1 -o z.tf.json
 refuse unit_in_words 2 '--unit-distance is "one"' convert gray.csv --unit-distance one -o z.tf.json
 refuse opacity_above_1 2 '--opacity is "0,2"' convert rgb.csv --unit-distance 1 --opacity 0,2 -o z.tf.json

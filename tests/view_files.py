@@ -91,7 +91,6 @@ BAD = {  # and a word of what the page says of it
     "negative.nrrd": (nrrd(["type: short", "endian: little", "dimension: 3", "sizes: -5 4 3"], samples()), "each must be at least 1"),
     "colors.nrrd": (nrrd(["type: uchar", "dimension: 4", "sizes: 3 5 4 3", "kinds: RGB-color domain domain domain"], bytes(180)), "4 axes"),
     "furlongs.nrrd": (nrrd([*SHORT, 'units: "furlong" "mm" "mm"', "spacings: 1 1 1"], samples()), "furlong"),
-    "long.nrrd": (nrrd(["type: longlong", "endian: little", *AXES], samples("q")), "longlong"),
     "detached.nrrd": (nrrd([*SHORT, "data file: x.raw"], b""), "another file"),
     "short.nii": (nifti(samples())[:400], "the file ends after"),
     "header.nii": (nifti(b"", magic=b"ni1\0"), "another file"),
