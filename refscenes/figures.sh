@@ -98,7 +98,7 @@ kinds() { # doc/figures.md, doc/method/adaptive-tf.md
     kind figure-tf.png $templates/ch2bet.nii.gz $scene --kind tf --width 110
     kind figure-plan.png $templates/ch2bet.nii.gz $scene --kind plan --width 120
     kind figure-failure.png --kind failure --case noise --width 110
-    isoshade=$isoshade-lab kind figure-roi.png $templates/ch2bet.nii.gz $scene --kind roi --level 3 --roi 0,90,60,90,180,150 --width 170
+    (isoshade=$isoshade-lab && kind figure-roi.png $templates/ch2bet.nii.gz $scene --kind roi --level 3 --roi 0,90,60,90,180,150 --width 170)
     kind figure-slices.png $templates/ch2bet.nii.gz --kind slices --levels 3 --width 110
     kind figure-turntable.png $templates/ch2bet.nii.gz $scene --kind turntable --frames 6 --zoom 0.86 --width 120
 }

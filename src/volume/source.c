@@ -311,6 +311,16 @@ static iso_status open_by_path(iso_volume_source *s, bool *found, iso_error *err
     return ISO_OK;
 }
 
+/* True if the name of a folder, with or without a slash at its end, has the ending. */
+static bool is_named(const char *folder, const char *ending)
+{
+    const size_t tail = strlen(ending);
+    size_t length = strlen(folder);
+    if (length > 0 && folder[length - 1] == '/')
+        --length;
+    return length > tail && strncmp(folder + length - tail, ending, tail) == 0;
+}
+
 /* Why a folder is no volume: it cannot be looked into, it lacks the file that its name promises, or it has no slices. */
 static iso_status refuse_folder(const char *path, iso_error *err)
 {
@@ -319,12 +329,9 @@ static iso_status refuse_folder(const char *path, iso_error *err)
     } kinds[] = {{".iso", "a pyramid", "pyramid.json"}, {".zarr", "a Zarr", ".zarray, .zgroup or zarr.json"}};
     if (access(path, R_OK | X_OK) != 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", path, strerror(errno));
-    const size_t length = strlen(path) - (path[0] && path[strlen(path) - 1] == '/');
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
-        const size_t tail = strlen(kinds[i].ending);
-        if (length > tail && strncmp(path + length - tail, kinds[i].ending, tail) == 0)
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
+        if (is_named(path, kinds[i].ending))
             return iso_fail(err, ISO_E_FORMAT, "%s: named as %s, but has no %s", path, kinds[i].what, kinds[i].file);
-    }
     return iso_fail(err, ISO_E_FORMAT, "%s: a folder that holds no slices of a volume", path);
 }
 
@@ -332,8 +339,7 @@ static iso_status refuse_folder(const char *path, iso_error *err)
 static bool is_broken_pyramid(const char *path)
 {
     char *list = iso_path_join(path, "pyramid.json");
-    const size_t length = strlen(path) - (path[0] && path[strlen(path) - 1] == '/');
-    const bool is_broken = list && length > 4 && strncmp(path + length - 4, ".iso", 4) == 0 && !iso_path_is_file(list);
+    const bool is_broken = list && is_named(path, ".iso") && !iso_path_is_file(list);
     free(list);
     return is_broken;
 }
