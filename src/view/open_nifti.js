@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // open_nifti.js - a NIfTI-1 file's bytes as a volume, as volume/nifti_open.c reads it.
-const niftiTypes = {2: 'uint8', 4: 'int16', 8: 'int32', 16: 'float', 64: 'double', 256: 'int8', 512: 'uint16', 768: 'uint32'};
+const niftiTypes = {2: 'uint8', 4: 'int16', 8: 'int32', 16: 'float', 64: 'double', 256: 'int8', 512: 'uint16', 768: 'uint32', 1024: 'int64', 1280: 'uint64'};
 const niftiHeaderBytes = 348;
 
 // The columns of the rotation that a quaternion of unit length is, of which the file has three parts.
@@ -21,9 +21,9 @@ const niftiAffine = (float, short) => {
     }
     if (short(252) > 0) {
         const flip = pixdim[0] < 0 ? -1 : 1, columns = quaternionColumns(...[256, 260, 264].map(float));
-        return {columns: columns.map((c, k) => scale(c, pixdim[k + 1] * (k === 2 ? flip : 1))), center: [268, 272, 276].map(float)};
+        return {columns: columns.map((c, k) => scale(c, saidSpacing(Math.abs(pixdim[k + 1])) * (k === 2 ? flip : 1))), center: [268, 272, 276].map(float)};
     }
-    return {columns: [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? pixdim[a + 1] || 1 : 0)), center: null};
+    return {columns: [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? saidSpacing(Math.abs(pixdim[a + 1])) : 0)), center: null};
 };
 
 const parseNifti = async packed => {
@@ -35,7 +35,7 @@ const parseNifti = async packed => {
     if (bytes.length < niftiHeaderBytes + 4) throw new Error(`the file ends after ${bytes.length} bytes, within its header`);
     if (bytes[344] !== 110 || bytes[345] !== 43) throw new Error('a NIfTI header whose samples are in another file; isoshade view reads it');
     const type = niftiTypes[short(70)], unit = view.getUint8(123) & 7, mm = [1, 1e3, 1, 1e-3][unit];
-    if (!type) throw new Error(`a NIfTI file of data type ${short(70)}; the page reads integers of 8, 16 or 32 bits, float and double`);
+    if (!type) throw new Error(`a NIfTI file of data type ${short(70)}; the page reads integers, float and double`);
     if (!mm) throw new Error(`its unit of lengths has the code ${unit}, which NIfTI does not define`);
     const size = threeSizes(Array.from({length: clamp(short(40), 0, 7)}, (_, a) => short(42 + 2 * a)), 'NIfTI');
     const {columns, center} = niftiAffine(float, short), slope = float(112), intercept = float(116), scaled = Number.isFinite(slope) && slope !== 0 && Number.isFinite(intercept);

@@ -5,6 +5,8 @@ const nrrdTypes = {
     short: 'int16', 'short int': 'int16', 'signed short': 'int16', 'signed short int': 'int16', int16: 'int16', int16_t: 'int16',
     ushort: 'uint16', 'unsigned short': 'uint16', 'unsigned short int': 'uint16', uint16: 'uint16', uint16_t: 'uint16',
     int: 'int32', 'signed int': 'int32', int32: 'int32', int32_t: 'int32', uint: 'uint32', 'unsigned int': 'uint32', uint32: 'uint32', uint32_t: 'uint32',
+    longlong: 'int64', 'long long': 'int64', 'long long int': 'int64', 'signed long long': 'int64', 'signed long long int': 'int64', int64: 'int64', int64_t: 'int64',
+    ulonglong: 'uint64', 'unsigned long long': 'uint64', 'unsigned long long int': 'uint64', uint64: 'uint64', uint64_t: 'uint64',
     float: 'float', double: 'double',
 };
 // Fields ("byte skip: 4", by their names without spaces) and keys ("name:=value"), and where the samples begin.
@@ -35,7 +37,7 @@ const orientedNrrd = (field, size) => {
 };
 const plainNrrd = (field, size) => {
     const mm = unitsOf(field.units), given = wordsOf(field.spacings).map(Number), mins = wordsOf(field.axismins).map(Number);
-    const spacing = mm.map((factor, a) => (Number.isNaN(given[a] ?? NaN) ? 1 : given[a]) * factor), columns = [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? spacing[a] : 0));
+    const spacing = mm.map((factor, a) => saidSpacing(given[a]) * factor), columns = [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? spacing[a] : 0));
     const isNode = wordsOf(field.centerings ?? field.centers).map(w => w === 'node');
     const placed = [0, 1, 2].every(a => Number.isFinite(mins[a]));
     return geometryOf(size, columns, placed ? spacing.map((s, a) => mins[a] * mm[a] + (isNode[a] ? 0 : 0.5 * s)) : null);
@@ -44,7 +46,7 @@ const plainNrrd = (field, size) => {
 const parseNrrd = async bytes => {
     const {field, key, start} = nrrdHeader(bytes), type = nrrdTypes[(field.type ?? '').toLowerCase()], encoding = (field.encoding ?? 'raw').toLowerCase();
     if (field.datafile) throw new Error('the NRRD header names another file for its samples; isoshade view reads it');
-    if (!type) throw new Error(`a NRRD file of type "${field.type ?? ''}"; a volume has integers of 8, 16 or 32 bits, float or double`);
+    if (!type) throw new Error(`a NRRD file of type "${field.type ?? ''}"; a volume has integers, float or double`);
     if (!['raw', 'gzip', 'gz'].includes(encoding)) throw new Error(`a NRRD file in ${encoding}; the page reads raw and gzip, isoshade view the others`);
     const size = threeSizes(wordsOf(field.sizes).map(Number), 'NRRD');
     const kinds = wordsOf(field.kinds).slice(0, 3).filter(kind => !/^(\?\?\?|none|domain|space)$/i.test(kind));

@@ -12,7 +12,7 @@ const gunzip = async bytes => {
 
 const sampleArrays = {
     int8: Int8Array, uint8: Uint8Array, int16: Int16Array, uint16: Uint16Array, int32: Int32Array, uint32: Uint32Array,
-    float: Float32Array, double: Float64Array,
+    int64: BigInt64Array, uint64: BigUint64Array, float: Float32Array, double: Float64Array,
 };
 const machineIsLittle = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
 
@@ -26,8 +26,8 @@ const decodeSamples = (bytes, offset, size, type, little, slope = 1, intercept =
     if (bytes.length < end) throw new Error(`the file ends after ${bytes.length} bytes, ${end} are needed`);
     const own = bytes.slice(offset, end); // aligned for its type
     if (width > 1 && little !== machineIsLittle) swapBytes(own, width);
-    const stored = new array(own.buffer);
-    if (slope === 1 && intercept === 0) return {type, values: stored};
+    const stored = type.endsWith('64') ? Float64Array.from(new array(own.buffer), Number) : new array(own.buffer);
+    if (slope === 1 && intercept === 0) return {type: type.endsWith('64') ? 'double' : type, values: stored};
     return {type: 'float', values: Float32Array.from(stored, v => slope * v + intercept)};
 };
 
@@ -50,6 +50,12 @@ const millimeters = word => {
     const found = unitWords.find(([, words]) => words.test(word));
     if (!found) throw new Error(`its unit is "${word}", which the page does not know; isoshade view --unit says it instead`);
     return found[0];
+};
+
+// A spacing that a file does not say is asked for: there is no usual one.
+const saidSpacing = mm => {
+    if (!(mm > 0 && Number.isFinite(mm))) throw new Error('does not say the spacing of its voxels; isoshade view --spacing SXxSYxSZ does, in mm');
+    return mm;
 };
 
 // Centers of voxels to outer corners: voxel i has its center at i + 1/2. center: of the first voxel; without it the volume
