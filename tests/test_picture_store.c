@@ -56,8 +56,8 @@ static void open_store(const char *work, bool keep, iso_picture_store **store)
 {
     iso_key *key = iso_key_create();
     assert_non_null(key);
-    assert_ok(iso_picture_store_check(work, &err));
-    assert_ok(iso_picture_store_open(work, keep, key, store, &err));
+    assert_ok(iso_picture_store_open(work, store, &err));
+    assert_ok(iso_picture_store_begin(*store, keep, key, &err));
     iso_key_destroy(key);
 }
 

@@ -54,6 +54,9 @@ void iso_output_clear(const iso_output *out);
 /* Renames into place. On failure the temporary is removed. */
 iso_status iso_output_commit(iso_output *out, iso_error *err);
 
+/* The same of a folder, which nobody replaces until *lock is closed; it is below 0 without one. For what is added then. */
+iso_status iso_output_commit_locked(iso_output *out, int *lock, iso_error *err);
+
 /* Removes the temporary. Safe after commit, on an empty struct and on NULL. */
 void iso_output_abandon(iso_output *out);
 

@@ -446,6 +446,17 @@ iso_status iso_output_commit(iso_output *out, iso_error *err)
     return status;
 }
 
+iso_status iso_output_commit_locked(iso_output *out, int *lock, iso_error *err)
+{
+    *lock = iso_folder_lock_take(out->temp_path, false).fd;
+    const iso_status status = iso_output_commit(out, err);
+    if (status != ISO_OK && *lock >= 0) {
+        close(*lock);
+        *lock = -1;
+    }
+    return status;
+}
+
 void iso_output_keep(iso_output *out)
 {
     if (!out || !out->final_path)

@@ -131,50 +131,46 @@ static char *store_folder(const iso_validate_arguments *a)
     return asprintf(&folder, "%.*s.work", (int)end, a->output) < 0 ? NULL : folder;
 }
 
-/* Before anything is read: what a person has under that name stays, and the run would end there. */
-static iso_status check_store(const iso_validate_arguments *a, iso_error *err)
+/* How to go on, for the signal's handler, too: it has to be there when the signal comes. */
+static char last_words[4200];
+
+/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. Before
+ * the input is read: what a person has under that name stays, and no other run for the same report goes on meanwhile. */
+static iso_status open_store(const iso_validate_arguments *a, iso_picture_store **store, iso_error *err)
 {
     char *folder = store_folder(a);
-    const iso_status status = folder ? iso_picture_store_check(folder, err)
+    const iso_status status = folder ? iso_picture_store_open(folder, store, err)
                                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    snprintf(last_words, sizeof last_words, "isoshade validate: stopped; --resume goes on from %s\n", folder ? folder : "");
     free(folder);
     return status;
 }
 
-/* How to go on, for the signal's handler, too: it has to be there when the signal comes. */
-static char last_words[4200];
-
-/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. */
-static iso_status open_store(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
+static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cli, iso_picture_store *store, iso_error *err)
 {
     /* They choose which pictures are drawn; each picture has the rest in its own hash. */
     static const char *const without[] = {"threads", "with",  "levels",     "budget", "anyway",
                                           "viewer",  "junit", "summary-md", NULL};
-    char *folder = store_folder(a);
     iso_key *key = iso_cli_key(cli, without);
-    iso_status status = folder && key ? iso_key_add_surroundings(key, err)
-                                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = key ? iso_key_add_surroundings(key, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK)
-        status = iso_picture_store_open(folder, a->resume, key, &v->renderers.store, err);
-    iso_key_destroy(key);
-    if (!folder)
-        return status;
-    snprintf(last_words, sizeof last_words, "isoshade validate: stopped; --resume goes on from %s\n", folder);
+        status = iso_picture_store_begin(store, a->resume, key, err);
     if (status == ISO_OK)
         iso_unfinished_say(last_words);
-    free(folder);
+    iso_key_destroy(key);
     return status;
 }
 
 /* Says how to go on where a signal ended a program, and so the run; its error is in *err. */
-static iso_status close_store(const iso_validate_arguments *a, iso_picture_store *store, bool remove, iso_status status,
+static iso_status close_store(const iso_validate_arguments *a, iso_picture_store **store, bool remove, iso_status status,
                               iso_error *err)
 {
     char *folder = store_folder(a);
     const iso_error why = *err;
     iso_unfinished_say(NULL);
-    iso_picture_store_close(store, remove);
-    if (status != ISO_OK && !remove && folder && iso_process_was_stopped())
+    iso_picture_store_close(*store, remove);
+    *store = NULL;
+    if (status != ISO_OK && !remove && folder && iso_path_exists(folder) && iso_process_was_stopped())
         iso_fail(err, status, "%s; --resume goes on from %s", why.text, folder);
     free(folder);
     return status;
@@ -249,7 +245,7 @@ static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *
 }
 
 static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
-                           iso_error *err)
+                           iso_picture_store **store, iso_error *err)
 {
     const iso_progress progress = iso_cli_progress(cli);
     iso_view view = {0};
@@ -268,6 +264,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
                         .seeds = iso_validate_seeds(a),
                         .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
                         .threads = cli->threads,
+                        .renderers = {.store = *store},
                         .line = cli->progress,
                         .progress = &progress};
     const iso_report_about about = {.title = iso_provenance_title(cli->arguments[0]),
@@ -284,8 +281,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK)
-        status = open_store(a, cli, &v, err);
-    struct iso_picture_store *store = v.renderers.store;
+        status = begin_store(a, cli, *store, err);
     if (status == ISO_OK) {
         describe_options(a, &v, pyramid->options.code);
         begin_budget(a, &v);
@@ -297,7 +293,8 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
     }
     if (status == ISO_OK)
         status = finish(a, cli, &v, err);
-    status = close_store(a, store, has_no_use(&v, status), status, err);
+    if (v.report)
+        status = close_store(a, store, has_no_use(&v, status), status, err);
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     iso_validate_forget_tfs(&v);
@@ -342,7 +339,7 @@ static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *
 }
 
 static iso_status load_and_validate(const iso_validate_arguments *given, const iso_cli *cli, iso_pyramid_options *build,
-                                    iso_error *err)
+                                    iso_picture_store **store, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid pyramid = {0};
@@ -366,7 +363,7 @@ static iso_status load_and_validate(const iso_validate_arguments *given, const i
     if (status == ISO_OK)
         status = load_scene(&a, &look, &pyramid, own_scene, &scene, err);
     if (status == ISO_OK)
-        status = validate(&a, cli, &pyramid, &scene, err);
+        status = validate(&a, cli, &pyramid, &scene, store, err);
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
     free(own_scene);
@@ -374,7 +371,7 @@ static iso_status load_and_validate(const iso_validate_arguments *given, const i
 }
 
 static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli *cli, const iso_pyramid_options *build,
-                                 iso_error *err)
+                                 iso_picture_store **store, iso_error *err)
 {
     enum { quick_pixels = 48 };
     iso_progress progress = iso_cli_progress(cli);
@@ -383,6 +380,7 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
                         .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
                         .threads = cli->threads,
                         .seeds = iso_validate_seeds(a),
+                        .renderers = {.store = *store},
                         .line = cli->progress,
                         .progress = &progress};
     iso_suite_options suite = {.folder = a->suite,
@@ -403,8 +401,7 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
     if (status == ISO_OK)
         status = iso_report_create(&v.report, a->output, &about, err);
     if (status == ISO_OK)
-        status = open_store(a, cli, &v, err);
-    struct iso_picture_store *store = v.renderers.store;
+        status = begin_store(a, cli, *store, err);
     if (status == ISO_OK) {
         describe_options(a, &v, build->code);
         begin_budget(a, &v);
@@ -418,7 +415,8 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
         iso_report_put(v.report, "seconds", "total", json_real(iso_clock_seconds() - start));
         status = finish(a, cli, &v, err);
     }
-    status = close_store(a, store, has_no_use(&v, status), status, err);
+    if (v.report)
+        status = close_store(a, store, has_no_use(&v, status), status, err);
     iso_report_destroy(v.report);
     iso_renderers_end(&v.renderers);
     free(line);
@@ -429,6 +427,7 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     const iso_renderer_info *unused;
+    iso_picture_store *store = NULL;
     iso_status status = iso_renderers_load(a->renderers, err);
     for (size_t i = 0; a->images && a->images[i] && status == ISO_OK; ++i)
         status = iso_pictures_register(a->images[i], &unused, err);
@@ -438,10 +437,11 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
     if (status == ISO_OK)
         status = iso_cli_take_cycles(&a->cycles, a->with, err);
     if (status == ISO_OK)
-        status = check_store(a, err);
+        status = open_store(a, &store, err);
     if (status != ISO_OK)
         return status;
-    return a->suite ? validate_suite(a, cli, &build, err) : load_and_validate(a, cli, &build, err);
+    status = a->suite ? validate_suite(a, cli, &build, &store, err) : load_and_validate(a, cli, &build, &store, err);
+    return close_store(a, &store, false, status, err);
 }
 
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)

@@ -16,10 +16,12 @@
 #include <xxhash.h>
 
 #include "base/file.h"
+#include "base/unfinished.h"
 
 struct iso_picture_store {
     char *folder;
     int lock; /* a descriptor of the folder, which nobody else works in while it is open */
+    bool began;
     char key[ISO_KEY_DIGEST_BYTES];
     char renderers[ISO_MAX_RENDERERS][ISO_KEY_DIGEST_BYTES]; /* set before threads share the store */
     atomic_size_t taken;
@@ -141,16 +143,6 @@ static iso_status fail_to_lock(const iso_folder_lock *lock, const char *folder, 
     return iso_fail(err, iso_errno_status(), "%s: is no folder that pictures can be kept in: %s", folder, strerror(errno));
 }
 
-iso_status iso_picture_store_check(const char *folder, iso_error *err)
-{
-    const iso_folder_lock lock = iso_folder_lock_take(folder, false);
-    if (lock.fd < 0)
-        return lock.cause == ENOENT ? ISO_OK : fail_to_lock(&lock, folder, err);
-    const iso_status status = check_content(folder, err);
-    close(lock.fd);
-    return status;
-}
-
 /* In an empty folder it comes first: a run that is killed in between leaves one that the next may take. */
 static iso_status write_marker(const char *folder, iso_error *err)
 {
@@ -161,22 +153,24 @@ static iso_status write_marker(const char *folder, iso_error *err)
     return status;
 }
 
-iso_status iso_picture_store_open(const char *folder, bool keep, const iso_key *key, iso_picture_store **store,
-                                  iso_error *err)
+iso_status iso_picture_store_open(const char *folder, iso_picture_store **store, iso_error *err)
 {
     const iso_folder_lock lock = iso_folder_lock_take(folder, true);
     *store = NULL;
     if (lock.fd < 0)
         return fail_to_lock(&lock, folder, err);
+    if (lock.made)
+        iso_unfinished_add(folder, false);
     iso_status status = check_content(folder, err);
-    if (status == ISO_OK && !keep)
-        remove_pictures(folder);
     if (status == ISO_OK)
         status = write_marker(folder, err);
     iso_picture_store *s = status == ISO_OK ? calloc(1, sizeof *s) : NULL;
-    if (status == ISO_OK && (!s || !iso_key_digest(key, s->key) || !(s->folder = strdup(folder))))
+    if (status == ISO_OK && (!s || !(s->folder = strdup(folder))))
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
     if (status != ISO_OK) {
+        if (lock.made)
+            remove_folder(folder);
+        iso_unfinished_drop(folder);
         free(s);
         close(lock.fd);
         return status;
@@ -186,12 +180,27 @@ iso_status iso_picture_store_open(const char *folder, bool keep, const iso_key *
     return ISO_OK;
 }
 
+iso_status iso_picture_store_begin(iso_picture_store *store, bool keep, const iso_key *key, iso_error *err)
+{
+    if (!iso_key_digest(key, store->key))
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", store->folder);
+    iso_unfinished_drop(store->folder);
+    if (!keep)
+        remove_pictures(store->folder);
+    store->began = true;
+    return ISO_OK;
+}
+
 void iso_picture_store_close(iso_picture_store *store, bool remove)
 {
+    size_t count = 0;
     if (!store)
         return;
+    if (!store->began)
+        remove = visit_folder(store->folder, check_entry, &count, NULL) == ISO_OK && count <= 1; /* the marker */
     if (remove)
         remove_folder(store->folder);
+    iso_unfinished_drop(store->folder);
     close(store->lock);
     free(store->folder);
     free(store);

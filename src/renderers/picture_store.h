@@ -14,13 +14,14 @@
 
 typedef struct iso_picture_store iso_picture_store;
 
-/* ISO_E_IO, with the first entry that is not the store's own: the folder is absent, empty, or has been made by a store
- * and holds nothing else. Links are not followed. Nor may another process have the folder open as a store. */
-iso_status iso_picture_store_check(const char *folder, iso_error *err);
-/* The folder is made, if it passes that check. keep: pictures of the same key are taken; else all are removed first. */
-iso_status iso_picture_store_open(const char *folder, bool keep, const iso_key *key, iso_picture_store **store,
-                                  iso_error *err);
-/* remove: the store's own files, and the folder where it holds no others. NULL: nothing. */
+/* Before the input is read: the folder is locked, and made if it is absent. ISO_E_IO, with the first entry that is not the
+ * store's own: the folder is absent, empty, or has been made by a store and holds nothing else. Links are not followed. Nor
+ * may another process have the folder open as a store. */
+iso_status iso_picture_store_open(const char *folder, iso_picture_store **store, iso_error *err);
+/* When the work begins. keep: pictures of the same key are taken; else all are removed. */
+iso_status iso_picture_store_begin(iso_picture_store *store, bool keep, const iso_key *key, iso_error *err);
+/* remove: the store's own files, and the folder if it holds no others. If no work has begun, pictures of an earlier run
+ * stay. NULL: nothing. */
 void iso_picture_store_close(iso_picture_store *store, bool remove);
 
 /* Nothing of a renderer is kept before its version is known. */

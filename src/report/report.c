@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -25,6 +26,7 @@ struct iso_report {
     json_t *inlined;      /* what only the page needs: pictures as text, differences and words of agreement's rows */
     size_t *orders;       /* of the agreement's rows */
     double start_seconds;
+    int standing; /* the lock of the finished folder; below 0: none */
     bool finished;
 };
 
@@ -49,6 +51,7 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     if (!r)
         return no_memory(err);
     pthread_mutex_init(&r->lock, NULL);
+    r->standing = -1;
     iso_status status = iso_output_begin_dir(&r->out, dir, "report.json", err);
     if (status == ISO_OK)
         status = iso_report_files_begin(r->out.temp_path, err);
@@ -86,6 +89,8 @@ void iso_report_destroy(iso_report *r)
     if (!r)
         return;
     iso_output_abandon(&r->out);
+    if (r->standing >= 0)
+        close(r->standing);
     json_decref(r->root);
     json_decref(r->inlined);
     pthread_mutex_destroy(&r->lock);
@@ -417,7 +422,7 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
         return iso_fail(err, status, "%s", missing.text);
     status = iso_report_files_page(r->out.temp_path, r->root, r->inlined, err);
     if (status == ISO_OK)
-        status = iso_output_commit(&r->out, err);
+        status = iso_output_commit_locked(&r->out, &r->standing, err);
     r->finished = status == ISO_OK;
     return status;
 }
