@@ -106,7 +106,7 @@ vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb
 reader_programs := $(itk_program) $(arrays_program) $(vdb_program)
 beside := $(openvdb_library) $(mpi_library) $(reader_programs)
 test_c := $(wildcard tests/test_*.c tests/lab/test_*.c)
-# Those of src/lab stand among the others, so that each finds what the program loads beside it.
+# The tests of src/lab lie among the others: each finds the libraries that lie next to the program.
 lab_tests := $(patsubst tests/lab/%.c,$(build)/tests/%,$(filter tests/lab/%,$(test_c)))
 tests := $(patsubst tests/%.c,$(build)/tests/%,$(filter-out tests/lab/%,$(test_c))) $(lab_tests)
 # Readers on damaged files: targets and a driver with mutations of its own, for `make check`.

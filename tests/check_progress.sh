@@ -26,9 +26,10 @@ on_terminal() { python3 terminal.py "$@"; }
 # Each picture of the line ends by wiping the rest, and is as wide as it may be.
 narrow_enough() { tr '\r' '\n' <"$1" | sed 's/\x1b\[K//g' | awk -v most="$2" '{if (length($0) > most) bad = 1; if ($0 != "") ++n} END {exit !(n > 0 && !bad)}'; }
 
-# percents FILE: of each picture of the line, in their order
+# percents FILE: of each picture of the line, in their order. How many are drawn depends on the machine's speed: the first
+# report is always drawn, others a tenth of a second apart.
 percents() { tr '\r' '\n' <"$1" | sed -nE 's/.* ([0-9]+) %, .*/\1/p'; }
-never_falls() { percents "$1" >percents && test "$(wc -l <percents)" -ge "$2" && sort -nc percents; }
+never_falls() { percents "$1" >percents && test -s percents && sort -nc percents; }
 
 palette=("$ISOSHADE" palette v.nrrd -o p.csv)
 check it_runs_on_a_terminal on_terminal 80 xterm "${palette[@]}"
@@ -47,14 +48,14 @@ notice a_line_that_is_too_wide narrow_enough wide 23
 validate=("$ISOSHADE" validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --with cpu --quick --levels 2 --size 16
     --level-views 2 --level-size 16)
 on_terminal 80 xterm "${validate[@]}" -o whole >whole.line
-check its_percents_never_fall never_falls whole.line 3
+check its_percents_never_fall never_falls whole.line
 on_terminal 80 xterm "${validate[@]}" --budget 600 -o budget >budget.line
-check nor_with_a_budget never_falls budget.line 3
+check nor_with_a_budget never_falls budget.line
 mkdir scenes && cp "$top"/refscenes/suite/{constant,empty}*.scene.json scenes
-on_terminal 80 xterm "$ISOSHADE" validate --suite scenes --with cpu --quick --size 16 -o suite >suite.line
-check nor_with_scenes never_falls suite.line 2
+on_terminal 80 xterm "$ISOSHADE" validate --suite scenes --with cpu --quick --size 96 -o suite >suite.line
+check nor_with_scenes never_falls suite.line
 printf 'a: b   50 %%, 1 s\ra: b   49 %%, 1 s\r' >fell
-notice one_that_falls never_falls fell 2
+notice one_that_falls never_falls fell
 
 on_terminal 80 xterm "${palette[@]}" --quiet >quiet
 check quiet_is_silent test ! -s quiet

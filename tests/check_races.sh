@@ -15,7 +15,7 @@ tiny=(--scene "$shells" --size 8)
 charted=(chart ../s.nrrd --scene "$shells" --with cpu --levels 1 --codes fit --filters moments --estimators central --steps 1 --budget 0 --want 1)
 validated=(validate ../s.nrrd --scene "$shells" --quick --with cpu --levels 1 --level-views 2 --level-size 16)
 
-# command NAME 0|1: by setting A or B, from a folder beside the inputs
+# command NAME 0|1: by setting A or B, from a folder next to the inputs
 command() {
     local b=$2 tf=ct-bone
     [ "$b" = 0 ] || tf=simulation
@@ -127,7 +127,7 @@ for of in $wanted; do
     if [ -z "$why" ]; then ok "outputs_of_runs_at_the_same_time_by_$of"; else not_ok "outputs_of_runs_at_the_same_time_by_$of" "$why"; fi
     [ -z "${ROUNDS:-}" ] || echo "$of: $rounds rounds, $won runs returned 0, $lost were refused, $([ -z "$why" ] && echo 0 || echo 1) outputs lost"
 done
-# Planted faults: a file of another setting, one that is missing, and what a run left.
+# Planted faults: a file of another setting, one that is missing, and an unfinished folder.
 of=${wanted%% *}
 mkdir faulty && cd faulty || exit 1
 plant() { rm -rf ./* .[!.]* && cp -r "../$of.0/." . && rm -f alone; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # A table, input x command: work that was stored is taken up with the same inputs alone. With another input it is refused, or
-# the result is that of a run that begins anew.
+# the result is that of a fresh run.
 . "$(dirname "$0")/lib.sh"
 export POVINI= LIBGL_DEBUG=
 program=$(realpath "$ISOSHADE")
@@ -16,7 +16,7 @@ PY
 detach() { python3 detach.py "$@"; }
 # rewrite FROM TO: the bytes of FROM into the file TO, whose size, inode and time in whole seconds stay
 rewrite() { touch -r "$2" stamp && cat "$1" >"$2" && touch -r stamp "$2"; }
-# A copy of the program with one more byte, beside what it loads. Its version and build id are the same.
+# A copy of the program with one more byte, next to the files that it loads. Its version and build id are the same.
 mkdir other_program && cp -r "$(dirname "$program")"/isoshade{,-itk,-arrays,-vdb,_openvdb.so} other_program 2>/dev/null
 printf x >>other_program/isoshade
 other=$dir/other_program/isoshade
@@ -31,7 +31,7 @@ killed() {
         "$ISOSHADE" build "$@" -o "$name.iso" --memory 9 --save-every 0 -q >/dev/null
     grep -qs '"planes"' ".$name.iso.partial/progress.json"
 } 2>/dev/null
-# goes_on NAME ARGUMENT...: a copy of what was killed is resumed
+# goes_on NAME ARGUMENT...: a copy of the killed build is resumed
 goes_on() {
     local name=$1
     shift

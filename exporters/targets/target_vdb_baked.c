@@ -14,7 +14,7 @@ static const char *up_of(const iso_bake_request *r)
     return r->convention.y_up ? "y" : "z";
 }
 
-/* A unit that has no name is told by its length. */
+/* A unit without a name is printed as its length. */
 static const char *unit_of(const iso_bake_request *r, char text[24])
 {
     snprintf(text, 24, *r->convention.unit ? "%s" : "%.0s%.9g mm", r->convention.unit, r->convention.unit_mm);

@@ -54,7 +54,8 @@ void iso_output_clear(const iso_output *out);
 /* Renames into place. On failure the temporary is removed. */
 iso_status iso_output_commit(iso_output *out, iso_error *err);
 
-/* The same of a folder, which nobody replaces until *lock is closed; it is below 0 without one. For what is added then. */
+/* Renames a folder into place and keeps it locked, so that files can be added. *lock is a descriptor to be closed; below 0:
+ * no lock. */
 iso_status iso_output_commit_locked(iso_output *out, int *lock, iso_error *err);
 
 /* Removes the temporary. Safe after commit, on an empty struct and on NULL. */

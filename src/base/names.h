@@ -19,8 +19,8 @@
 #include "base/status.h"
 
 typedef struct iso_names {
-    const char *what;   /* what a row is, in messages: "direction code" */
-    const char *plural; /* of it, for headings */
+    const char *what;   /* name of a row, in messages: "direction code" */
+    const char *plural; /* the same for headings: "direction codes" */
     const void *rows;
     size_t count, stride;       /* bytes from one row to the next */
     size_t name_at, summary_at; /* where a row holds them; ISO_NAMES_NO_SUMMARY */

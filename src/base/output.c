@@ -344,7 +344,7 @@ static void flush_folder_of(const char *path)
     free(dir);
 }
 
-/* The finished folder has its name. The partial one's is free for others then: what is there from now on is not ours. */
+/* The finished folder has its name. The partial name is free for other runs, so we no longer clean it up. */
 static void forget_temporary(iso_output *out)
 {
     iso_unfinished_drop(out->temp_path);

@@ -18,18 +18,19 @@ typedef struct iso_progress_line iso_progress_line;
 iso_progress_line *iso_progress_line_create(const char *command); /* the name is copied; NULL: no memory */
 void iso_progress_line_destroy(iso_progress_line *line);
 
-/* Adds a step, in their order and before any is reported; its name stays the caller's. Costs only matter beside those of other steps. A report of its
- * name begins it and has its fraction; another name is only shown. Without steps the percent is that of the name shown. */
+/* Adds a step. Call it in the order of the steps, before any is reported. The name is not copied. Only the ratios of costs
+ * matter. A report with the step's name begins the step and sets its fraction; a report with another name is only shown.
+ * Without steps the percent is that of the latest report. */
 void iso_progress_line_expect(iso_progress_line *line, const char *step, double cost);
-/* Adds a part, from 0 to 1, to what is done of the step that runs. */
+/* Adds a part, from 0 to 1, to the fraction of the current step. */
 void iso_progress_line_add(iso_progress_line *line, double part);
 iso_progress iso_progress_of_line(iso_progress_line *line);
-/* Wipes the line off before something else is printed; the next report brings it back. */
+/* Erases the line before other output; the next report draws it again. */
 void iso_progress_line_hide(iso_progress_line *line);
 
-/* From 0 to 1, of all steps. */
+/* Returns the fraction of all steps, from 0 to 1. */
 double iso_progress_line_fraction(iso_progress_line *line);
-/* Writes the text of the line, `columns` wide at most (0: any width): the name of what runs is cut first. */
+/* Writes the text of the line, `columns` wide at most (0: any width): the step's name is cut first. */
 void iso_progress_text(char *text, size_t size, const char *command, const char *name, double fraction, double seconds,
                        size_t columns);
 

@@ -104,8 +104,8 @@ static iso_metrics metrics_of(const json_t *line)
     return m;
 }
 
-/* What a line says of a setting. Damaged lines, as the last of a killed process may be, say nothing, nor do those of another
- * renderer than the one that is there now: what it drew is none of this chart's. */
+/* Reads the measurements of a setting from a line. Damaged lines are skipped: the last one of a killed
+ * process may be cut. So are lines of another renderer than the present one. */
 static void take_line(const json_t *line, const char *renderer, iso_chart_case *c)
 {
     const char *drawn_by = json_string_value(json_object_get(line, "renderer"));

@@ -134,8 +134,8 @@ static char *store_folder(const iso_validate_arguments *a)
 /* How to go on, for the signal's handler, too: it has to be there when the signal comes. */
 static char last_words[4200];
 
-/* Pictures that are finished are kept beside the report until it stands, so that a run that was interrupted goes on. Before
- * the input is read: what a person has under that name stays, and no other run for the same report goes on meanwhile. */
+/* Keeps finished pictures next to the report until it is complete, so that an interrupted run can be resumed. Is called before
+ * the input is read: a folder of a person is refused, and other runs for the same report are locked out. */
 static iso_status open_store(const iso_validate_arguments *a, iso_picture_store **store, iso_error *err)
 {
     char *folder = store_folder(a);

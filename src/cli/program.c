@@ -61,7 +61,7 @@ static iso_status check_words(int argc, const char **argv, iso_error *err)
     return ISO_OK;
 }
 
-/* What was printed has to have arrived. */
+/* Reports output that could not be written. */
 static iso_status flush_output(iso_status status, iso_error *err)
 {
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == ISO_OK)
@@ -89,7 +89,7 @@ static const char *name_of(const iso_command *command, int argc, const char **ar
     return inner ? inner->name : command->name;
 }
 
-/* popt would take no option behind the first file then, and each command's options may stand there. */
+/* With these variables popt takes no option after the first file. */
 static void take_options_anywhere(void)
 {
     unsetenv("POSIXLY_CORRECT");
@@ -101,7 +101,7 @@ static int run(int argc, const char **argv)
     iso_error err = {""};
     if (!have_standard_streams())
         return ISO_E_IO;
-    signal(SIGXFSZ, SIG_IGN); /* a file above the limit of its size is an error of writing, which is told */
+    signal(SIGXFSZ, SIG_IGN); /* a file above the limit of its size is an error of writing, with a message */
     iso_status status = check_words(argc, argv, &err);
     if (status != ISO_OK)
         return say("", status, &err);

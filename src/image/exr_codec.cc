@@ -21,6 +21,7 @@
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 
+#include "image/exr_header.h"
 #include "image/primaries.h"
 
 using Imath::Box2i;
@@ -213,15 +214,25 @@ iso_status choose_channels(const char *path, const Imf::ChannelList &list, iso_i
 
 /* ---- pixels ---- */
 
+constexpr int most_edge = 65536;
+
+/* Refuses headers by which the library would reserve more than the file can fill: its tables of chunks follow the windows. */
+iso_status check_header(const char *path, const char *data, size_t size, iso_error *err)
+{
+    static const bool is_limited = (Imf::Header::setMaxImageSize(most_edge, most_edge), true);
+    (void)is_limited;
+    return iso_exr_header_check(path, data, size, err);
+}
+
 int64_t width_of(const Box2i &window) { return static_cast<int64_t>(window.max.x) - window.min.x + 1; }
 int64_t height_of(const Box2i &window) { return static_cast<int64_t>(window.max.y) - window.min.y + 1; }
 
 iso_status check_window(const char *path, const char *name, const Box2i &window, iso_error *err)
 {
     const int64_t width = width_of(window), height = height_of(window);
-    if (width < 1 || height < 1 || width > 65536 || height > 65536)
-        return iso_fail(err, ISO_E_RANGE, "%s: %s window is %lld x %lld, each must be 1 to 65536", path, name,
-                        static_cast<long long>(width), static_cast<long long>(height));
+    if (width < 1 || height < 1 || width > most_edge || height > most_edge)
+        return iso_fail(err, ISO_E_RANGE, "%s: %s window is %lld x %lld, each must be 1 to %d", path, name,
+                        static_cast<long long>(width), static_cast<long long>(height), most_edge);
     return ISO_OK;
 }
 
@@ -278,7 +289,8 @@ iso_status convert_colors(const char *path, const Imf::Header &header, iso_image
     return iso_primaries_convert(path, &p, image, err);
 }
 
-iso_status decode(const char *path, Imf::IStream &input, size_t size, iso_image_choice *choice, iso_image *image, iso_error *err)
+iso_status decode(const char *path, Imf::IStream &input, size_t size, iso_image_choice *choice, iso_image *image,
+                  iso_error *err)
 {
     int number = 0;
     Channels channels;
@@ -333,7 +345,10 @@ iso_status iso_exr_decode(const char *path, const char *data, size_t size, iso_i
 {
     ByteInput input(data, size);
     *image = iso_image{};
-    const iso_status status = guarded(path, err, [&] { return decode(path, input, size, choice, image, err); });
+    iso_status status = check_header(path, data, size, err);
+    if (status != ISO_OK)
+        return status;
+    status = guarded(path, err, [&] { return decode(path, input, size, choice, image, err); });
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;
@@ -343,7 +358,8 @@ iso_status iso_exr_decode_header(const char *path, const char *data, size_t size
 {
     ByteInput input(data, size);
     *header = iso_exr_header{};
-    return guarded(path, err, [&] {
+    const iso_status status = check_header(path, data, size, err);
+    return status != ISO_OK ? status : guarded(path, err, [&] {
         int number = 0;
         Imf::MultiPartInputFile file(input, 0, false);
         iso_status status = choose_part(path, file, nullptr, &number, err);

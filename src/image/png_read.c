@@ -61,7 +61,7 @@ static int take_unknown(png_structp png, png_unknown_chunkp chunk)
     return 1;
 }
 
-/* Of the chunks that tell the color space the first of cICP, iCCP, sRGB, gAMA with cHRM counts (PNG 3, section 4.3). */
+/* The color space is that of the first of cICP, iCCP, sRGB, gAMA with cHRM counts (PNG 3, section 4.3). */
 static void read_color_space(png_job *job)
 {
     /* libpng's own tolerance: programs that mean sRGB write gAMA as 45455, 45450 or 45500. */
@@ -92,7 +92,7 @@ static bool decode(png_job *job, png_source *source)
     if (setjmp(png_jmpbuf(job->png)))
         return false;
     png_set_read_fn(job->png, source, read_bytes);
-    png_set_crc_action(job->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT); /* a chunk that tells the colors counts, too */
+    png_set_crc_action(job->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT); /* ancillary chunks define the colors */
     png_set_read_user_chunk_fn(job->png, job, take_unknown);
     png_read_info(job->png, job->info);
     job->width = png_get_image_width(job->png, job->info);

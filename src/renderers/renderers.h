@@ -239,7 +239,7 @@ const char *iso_renderers_with(unsigned traits, const char *join, const char *la
 /* Those of them that take part where none is named: "reference,gl". */
 const char *iso_renderers_by_default(unsigned traits, char *text, size_t size);
 
-/* Hash of its version, as it has told it, and of its programs: stored pictures of a renderer with another hash are not its own.
+/* Hashes the version that a renderer reports, and its programs. Stored pictures with another hash are not taken.
  * Empty for programs of a user, whose files are not known: they may change in any way while their version stays. */
 iso_status iso_renderer_identify(const iso_renderer_info *r, const char *version, char hash[ISO_KEY_DIGEST_BYTES],
                                  iso_error *err);

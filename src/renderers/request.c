@@ -28,7 +28,7 @@ static json_t *numbers_json(const double *values, size_t count)
 
 /* ---- the volume ---- */
 
-/* Also of a file that is left out: a picture tells by it which samples it is of. */
+/* Also for a file that is left out: the checksum binds a picture to its samples. */
 static json_t *checksum_json(const void *values, size_t bytes, uint64_t seed)
 {
     char text[17];

@@ -120,7 +120,7 @@ static json_t *sorted(json_t *rows)
     return NULL;
 }
 
-/* ---- sections: what a row is called, and which of its figures are kept ---- */
+/* ---- sections: names of rows, and the figures that are kept ---- */
 
 enum { NAME_BYTES = 700 };
 

@@ -3,7 +3,7 @@
  *
  * A consumer makes its own table from ISO_SECTION_LIST, with a handler per section whose name is pasted from the section's:
  * compare_levels, put_case_levels. A section that is added here does not compile in a consumer that has no handler for it
- * (tests/check_sections.sh adds one). What has no handler on purpose is defined as NULL there. */
+ * (tests/check_sections.sh adds one). A consumer that skips a section on purpose defines its handler as NULL. */
 #ifndef ISO_REPORT_SECTIONS_H
 #define ISO_REPORT_SECTIONS_H
 

@@ -44,7 +44,7 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const iso_tru
     return status;
 }
 
-/* The limits of usual lookups if exact ones are within theirs: what is left is rounding in texture units. */
+/* Limits of usual lookups, used only if exact lookups are within theirs: the rest is rounding in texture units. */
 static iso_status allow_rounding(const iso_validation *v, size_t level, const iso_render_options *opt,
                                  iso_report_agreement *row, iso_error *err)
 {

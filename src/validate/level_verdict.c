@@ -18,7 +18,7 @@ static const double direction_limit_deg = 0.1;
 
 /* Directions that are averaged are nearer to level 0's than gradients of averaged values, but for the code's error and, in
  * grain, chance: 0.3 degrees farther at most by moments and 3.0 by Eq. 1 were seen on whole volumes. Few voxels scatter by
- * more, which the interval has; and what no picture shows fails nothing. */
+ * more, which the interval covers. Angles fail a level only together with its pictures. */
 static const double angle_margin_deg = 5;
 
 /* ---- is a level what level 0 makes? ---- */

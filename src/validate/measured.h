@@ -40,7 +40,7 @@ const iso_measured_level *iso_measured_find(const iso_measured *all, size_t leve
                                             iso_level_tf_use use);
 /* By its mean the default is behind the simple way in a figure, and the scatter over the views is larger than that. */
 bool iso_measured_is_open(const iso_measured_level *own, const iso_measured_level *simple, size_t views);
-/* It is behind beyond the scatter: a verdict that more views have to confirm, for of three figures at several levels one is
+/* True if it is worse beyond the scatter. More views have to confirm that: of three figures at several levels one is
  * beyond an interval of 95 % by chance more often than once in twenty. */
 bool iso_measured_is_behind(const iso_measured_level *own, const iso_measured_level *simple, size_t views);
 
@@ -74,7 +74,7 @@ typedef struct iso_angles_of {
     const iso_pyramid *pyramid;
     iso_direction_source source;
 } iso_angles_of;
-/* How much larger the angles of a are than those of b, at the same voxels, with an interval. Neighbors share what they are
+/* Measures how much larger the angles of a are than those of b, at the same voxels, with an interval. Neighbors share what they are
  * interpolated from, so that blocks of 2 x 2 x 2 of the level's voxels count as one. NaN where there is no such voxel. */
 iso_status iso_validate_compare_angles(const iso_validation *v, size_t level, iso_angles_of a, iso_angles_of b,
                                        double confidence, iso_paired *difference, iso_error *err);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* steps.c - the steps of a validation for its line of progress. Costs are constant: about seconds on two cores of small
- * pictures of a small volume, which only matter beside each other. */
+ * pictures of a small volume, of which only the ratios matter. */
 #include "validate/validate.h"
 
 static double row_cost(const iso_renderer_info *r, bool limit)

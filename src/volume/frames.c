@@ -240,7 +240,7 @@ void iso_source_convert(const iso_volume_source *s, const void *cells, size_t co
 #undef ISO_CONVERT_CASE
 }
 
-/* ---- what is looked at while samples are read ---- */
+/* ---- checks while samples are read ---- */
 
 void iso_source_note_fill(iso_volume_source *s, double value)
 {
@@ -309,7 +309,7 @@ iso_status iso_source_check_look(const iso_volume_source *s, iso_error *err)
     if (!(k->hi >= k->lo)) /* none, or all stand for none */
         return ISO_OK;
     const double beyond = k->filled ? fmax(k->lo - k->least_fill, k->most_fill - k->hi) : 0;
-    const bool is_zero = k->least_fill == 0 && k->most_fill == 0; /* beside one other value: a mask */
+    const bool is_zero = k->least_fill == 0 && k->most_fill == 0; /* with one other value: a mask */
     if (beyond > range && !(range == 0 && is_zero))
         return iso_fail(
             err, ISO_E_RANGE,

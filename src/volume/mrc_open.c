@@ -120,7 +120,7 @@ static iso_status take_geometry(const mrc *m, iso_volume_source *source, iso_err
         return status;
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
     double cell[3];
-    for (int a = 0; a < 3; ++a) /* 0: not said */
+    for (int a = 0; a < 3; ++a) /* 0: absent */
         cell[a] = real(m, CELL + a) != 0 && m->word[CELL_SAMPLES + a] > 0 ? real(m, CELL + a) : (double)NAN;
     status = iso_source_take_spacing(source, cell, err);
     if (status != ISO_OK)

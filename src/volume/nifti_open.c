@@ -141,7 +141,7 @@ static const char *unit_name(int units)
     }
 }
 
-/* Writers leave an sform of zeros beside a good qform, and its code above 0. */
+/* Some writers store an sform of zeros, with a code above 0, next to a good qform. */
 static bool sform_is_empty(const nifti_header *h)
 {
     bool is_empty = false;

@@ -23,7 +23,7 @@ static size_t put_exponent_letter(char *word)
     return 1;
 }
 
-/* The next word; NULL, or what is wrong with it. Fortran writes 1.0D-3, too. */
+/* Reads the next word. Returns NULL, or the fault in it. Fortran writes 1.0D-3, too. */
 static const char *next_number(FILE *f, double *value)
 {
     char word[WORD_BYTES + 1], *end;

@@ -58,7 +58,7 @@ const fuzz_target fuzz_targets[] = {
     {"renderers", "renderers.json", FUZZ_JSON, fuzz_renderers, NULL, "src/renderers/external_json.c"},
     {"manifest", "folder/", FUZZ_LINES, fuzz_manifest, NULL, "src/base/manifest.c"},
     {"palette", "palette.csv", FUZZ_LINES, fuzz_palette, NULL, "src/palette/palette_export.c"},
-    {"exr", "input.exr", FUZZ_BYTES, fuzz_exr, NULL, "src/image/exr.c src/image/exr_codec.cc"},
+    {"exr", "input.exr", FUZZ_BYTES, fuzz_exr, NULL, "src/image/exr.c src/image/exr_codec.cc src/image/exr_header.c"},
     {"png", "input.png", FUZZ_BYTES, fuzz_png, fuzz_repair_png, "src/image/png_read.c src/image/picture_bytes.c"},
     {"ppm", "input.ppm", FUZZ_BYTES, fuzz_ppm, NULL, "src/image/image.c"},
     {"words", "words.txt", FUZZ_LINES, fuzz_words, NULL, "src/base/words.c src/scene/viewpoint.c src/volume/unit.c"},

@@ -401,7 +401,7 @@ private:
         if (take_sizes(meta, l, array.refused) && take_type(word(meta, "dtype"), l, array.type, array.refused) &&
             take_codec(meta, l, array.refused))
             check_chunks(l, array.refused);
-        array.size = l.size; /* also of what is refused, so that its name and its cause can be told */
+        array.size = l.size; /* also of refused arrays, whose name and cause the message has */
         array.is_whole = l.kind == "i8" || l.kind == "u8";
         for (size_t a = 0; a < l.size.size(); ++a)
             array.axes.push_back(axis_name(name, attributes, a));

@@ -176,7 +176,7 @@ template <typename T> void convert(const DicomFile &file, const DicomFrame &fram
 
 bool is_whole_deflated(const std::string &path)
 {
-    constexpr size_t meta = 132, of_length = 12; /* the preamble; the element of the length of what is not deflated */
+    constexpr size_t meta = 132, of_length = 12; /* the preamble; the element with the length of the part that is not deflated */
     std::ifstream file(path, std::ios::binary);
     std::string head(1024, 0), packed(65536, 0), unpacked(65536, 0);
     file.read(&head[0], static_cast<std::streamsize>(head.size()));
@@ -207,7 +207,7 @@ size_t stored_frame_bytes(const DicomFile &file)
 
 std::vector<char> stored_samples(const DicomFile &file)
 {
-    /* Decoders hold what they give several times. */
+    /* Decoders keep several copies of their output. */
     const ParseMemory memory(bytes_to_parse(file.path) + 4 * static_cast<double>(all_bytes(file)));
     gdcm::Reader reader;
     reader.SetFileName(file.path.c_str());

@@ -92,7 +92,7 @@ bool tells_apart(const std::vector<Plane> &planes, const Places &places, size_t 
     return true;
 }
 
-/* The value by which frames of a place are in order; behind the last key, the number of the file. */
+/* The value by which frames of a place are in order; after the last key, the number of the file. */
 double order_value(const Plane &plane, size_t key)
 {
     return key < plane_keys.size() ? value_of(plane.keys[key], plane_keys[key].unit) : plane.number;

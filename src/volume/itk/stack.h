@@ -21,10 +21,10 @@ struct Plane {
     std::string name; /* for messages */
     Vector first{0, 0, 0};
     std::vector<std::string> keys;    /* of each of plane_keys, "" where it has none */
-    double resolution_ms = 0;         /* TemporalResolution; 0: not said */
-    double repetition_ms = 0;         /* RepetitionTime; 0: not said */
-    double number = 0;                /* InstanceNumber; NAN: not said */
-    size_t times = 0;                 /* NumberOfTemporalPositions; 0: not said */
+    double resolution_ms = 0;         /* TemporalResolution; 0: absent */
+    double repetition_ms = 0;         /* RepetitionTime; 0: absent */
+    double number = 0;                /* InstanceNumber; NAN: absent */
+    size_t times = 0;                 /* NumberOfTemporalPositions; 0: absent */
     double digit = 0, turn_digit = 0; /* units of the last digits of its place, and of its direction */
 };
 
