@@ -214,12 +214,14 @@ iso_status choose_channels(const char *path, const Imf::ChannelList &list, iso_i
 
 /* ---- pixels ---- */
 
-constexpr int most_edge = 65536;
+constexpr int most_edge = 65536, most_tile_edge = 4096;
 
-/* Refuses headers by which the library would reserve more than the file can fill: its tables of chunks follow the windows. */
+/* Refuses headers by which the library would reserve more than the file can fill: tables follow the windows,
+ * buffers the tiles. */
 iso_status check_header(const char *path, const char *data, size_t size, iso_error *err)
 {
-    static const bool is_limited = (Imf::Header::setMaxImageSize(most_edge, most_edge), true);
+    static const bool is_limited = (Imf::Header::setMaxImageSize(most_edge, most_edge),
+                                    Imf::Header::setMaxTileSize(most_tile_edge, most_tile_edge), true);
     (void)is_limited;
     return iso_exr_header_check(path, data, size, err);
 }
