@@ -213,12 +213,13 @@ $(analyzed_in)/%.txt: %.c $(build)/%.o tests/analyze.sh tests/known.awk tests/an
 # ---- install ---------------------------------------------------------------
 PREFIX ?= /usr/local
 to := $(DESTDIR)$(PREFIX)
+renderers := tests/peers/vtk.json tests/peers/render_vtk.py tests/peers/exr.py
 installed := bin/isoshade lib/isoshade/isoshade_openvdb.so lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk lib/isoshade/isoshade-arrays lib/isoshade/isoshade-vdb \
 	include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
 	lib/$(soname) lib/libisoshade.so lib/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
 	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE \
 	share/doc/isoshade/COPYING \
-	share/isoshade/isoshade-blender-addon.zip
+	share/isoshade/isoshade-blender-addon.zip $(addprefix share/isoshade/renderers/,$(notdir $(renderers)))
 
 install: all $(addon) ## install program, library, manual page and completions under PREFIX
 	@install -d $(addprefix $(to)/,$(sort $(dir $(installed))))
@@ -238,10 +239,11 @@ install: all $(addon) ## install program, library, manual page and completions u
 	$(program) completion zsh >$(to)/share/zsh/site-functions/_isoshade
 	install -m 644 LICENSE exporters/blender/COPYING $(to)/share/doc/isoshade/
 	install -m 644 $(addon) $(to)/share/isoshade/
+	install -m 644 $(renderers) $(to)/share/isoshade/renderers/
 
 uninstall: ## remove what make install put there
 	rm -f $(addprefix $(to)/,$(installed))
-	@rmdir $(to)/lib/isoshade $(to)/share/doc/isoshade $(to)/share/isoshade 2>/dev/null || true
+	@rmdir $(to)/lib/isoshade $(to)/share/doc/isoshade $(to)/share/isoshade/renderers $(to)/share/isoshade 2>/dev/null || true
 .PHONY: install uninstall
 
 format: ## lay out the C and C++ files by .clang-format

@@ -83,6 +83,8 @@ if command -v zsh >/dev/null; then
     check zsh_reads_its_completion zsh -n "$to/share/zsh/site-functions/_isoshade"
 fi
 
+check vtks_row_is_there grep -q vtk-gpu <("$to/bin/isoshade" list --renderers "$to/share/isoshade/renderers/vtk.json")
+check with_all_of_its_script sh -c 'python3 -B "$1/render_vtk.py" --version >out 2>&1; ! grep exr out' - "$to/share/isoshade/renderers"
 expect it_is_removed 0 make_it uninstall
 check and_leaves_no_file test -z "$(find "$dir/stage" ! -type d)"
 exit $failed

@@ -105,12 +105,12 @@ done
 
 # ---- as a renderer: directions as vectors, a clip plane, a turned grid; and a fault that its limits have to notice ----
 sed 's/"image"/"clip_planes": [{"normal": [1, 1, 0], "at": 0.4}], &/' "$suite/left-handed.scene.json" >clipped.scene.json
-"$ISOSHADE" render left-handed.nrrd --scene clipped.scene.json --size 45x33 --with webgl -q -o webgl.exr >/dev/null
+"$ISOSHADE" render left-handed.nrrd --scene clipped.scene.json --size 45x33 --with webgl --renderers "$top/tests/peers/viewer.json" -q -o webgl.exr >/dev/null
 "$ISOSHADE" render left-handed.nrrd --scene clipped.scene.json --size 45x33 --with reference --shading-from decoded --quadrature midpoint -q -o reference.exr >/dev/null
 check a_renderer_of_the_same_code_takes_the_same_samples "$ISOSHADE" compare reference.exr webgl.exr --max-rmse 4e-6 --max-abs 8e-5
 "$ISOSHADE" render left-handed.nrrd --scene "$suite/left-handed.scene.json" --size 45x33 --with reference --shading-from decoded --quadrature midpoint -q -o whole.exr >/dev/null
 notice a_clip_plane_that_is_missing_is_noticed "$ISOSHADE" compare whole.exr webgl.exr --max-rmse 4e-6 --max-abs 8e-5
-refuse what_it_lacks_is_refused 2 "webgl" "$ISOSHADE" render left-handed.nrrd --scene clipped.scene.json --size 9 --with webgl --isosurface 30000 -o x.exr
+refuse what_it_lacks_is_refused 2 "webgl" "$ISOSHADE" render left-handed.nrrd --scene clipped.scene.json --size 9 --with webgl --renderers "$top/tests/peers/viewer.json" --isosurface 30000 -o x.exr
 
 # ---- beside a report: the link of a row leads to the level that the row is of ----
 "$ISOSHADE" validate v.nrrd --scene "$top/refscenes/shells.scene.json" --quick --levels 2 --size 16 --with gl --viewer -q -o report >/dev/null 2>&1

@@ -3,6 +3,7 @@
 # VTK as a renderer: its fixed-point mapper is within a step of 8 bits of the reference; what it is by itself is not; and
 # lights are refused by name.
 . "$(dirname "$0")/lib.sh"
+export ISOSHADE_RENDERERS=$top/tests/peers/vtk.json
 python_with vtkmodules,numpy
 "$python" -c "import vtkmodules, numpy" 2>/dev/null || { skip all "python3-vtk9 is not installed"; exit 0; }
 "$ISOSHADE" make marschner-lobb --size 19x21x11 --spacing 1x1x2 --rotate 1,2,3,40 -o v.nrrd -q >/dev/null
@@ -25,10 +26,10 @@ check within_a_step_of_8_bits_with_clip_planes "$ISOSHADE" compare clipped-refer
 
 # ---- VTK by itself: 8 bits, a box from center to center, one picture (validate refuses it by the slab: doc/vtk.md) ----
 cat > as-is.json <<END
-{"schema": "isoshade.renderers/1", "renderers": [{"name": "vtk-as-is", "command": ["$python", "$top/exporters/vtk/render_vtk.py", "--as-is"],
+{"schema": "isoshade.renderers/1", "renderers": [{"name": "vtk-as-is", "command": ["$python", "$top/tests/peers/render_vtk.py", "--as-is"],
  "tier": "8 bits", "can": ["orthographic", "clip planes"], "limits": {"rmse": 0.004, "max_abs": 0.004}, "why": "8 bits"}]}
 END
-"$ISOSHADE" render v.nrrd --scene clipped.scene.json --with vtk-as-is --renderers as-is.json -o as-is.exr -q >log 2>&1
+"$ISOSHADE" render v.nrrd --scene clipped.scene.json --with vtk-as-is --renderers "$ISOSHADE_RENDERERS,as-is.json" -o as-is.exr -q >log 2>&1
 check it_draws_by_itself test -s as-is.exr
 notice by_itself_it_is_far_off "$ISOSHADE" compare clipped-reference.exr as-is.exr --max-abs 0.1
 
@@ -38,5 +39,5 @@ printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspace: right-anterior
 check a_sheared_grid grep -q "a sheared grid" log
 lights_by() { refuse "lights_by_$1" "$2" "$3" "$ISOSHADE" render v.nrrd --scene lit.scene.json --with "$1" -o x.exr -q; }
 lights_by vtk 2 "lights are rendered by"
-if command -v xvfb-run >/dev/null; then lights_by vtk-gpu 2 "lights are rendered by"; else lights_by vtk-gpu 7 "needs a display"; fi
+refuse without_a_display_that_is_the_reason 7 "needs a display" env -u DISPLAY "$ISOSHADE" render v.nrrd --scene clipped.scene.json --with vtk-gpu -o x.exr -q
 exit $failed

@@ -15,7 +15,7 @@ import os
 import sys
 from array import array
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "src", "view"))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "peers"))
 from chromium import Chromium  # noqa: E402
 from exr import write_exr  # noqa: E402
 import view_files  # noqa: E402

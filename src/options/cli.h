@@ -48,7 +48,7 @@ extern const iso_command *const iso_commands[]; /* ends with NULL */
 #define ISO_CLI_RENDERERS_OPTION(variable) \
     { \
         "renderers", 0, POPT_ARG_STRING, variable, 0, \
-            "programs that render, for --with ($ISOSHADE_RENDERERS): doc/extending.md", "FILE.json" \
+            "programs that render, for --with ($ISOSHADE_RENDERERS): doc/extending.md", "FILE.json,..." \
     }
 
 /* What every command has. */

@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include "renderers/external.h"
 
-#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,12 +16,6 @@
 #include "base/words.h"
 #include "renderers/picture_file.h"
 #include "renderers/request.h"
-
-iso_sample_error iso_external_rounded(iso_sample_error error, unsigned bits)
-{
-    const double half_step = 0.5 / (ldexp(1, (int)bits) - 1) * (1 + 1e-6); /* whoever rounds does so in float */
-    return (iso_sample_error){.rmse = error.rmse + half_step, .max_abs = error.max_abs + half_step};
-}
 
 /* ---- what it did, for the report ---- */
 
@@ -136,22 +129,10 @@ typedef struct start {
     iso_process_outcome outcome;
 } start;
 
-static iso_status write_files(const iso_external *e, const char *dir, iso_error *err)
-{
-    iso_status status = ISO_OK;
-    for (const iso_external_file *f = e->files; f && f->name && status == ISO_OK; ++f) {
-        char *path = iso_path_join(dir, f->name);
-        status = path ? iso_file_write(path, f->text, strlen(f->text), err)
-                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
-        free(path);
-    }
-    return status;
-}
-
 static iso_status begin(start *s, const iso_renderer_info *r, iso_error *err)
 {
     *s = (start){.renderer = r, .dir = iso_make_temp_dir(), .outcome = {.exit_code = -1}};
-    return s->dir ? write_files(r->data, s->dir, err) : iso_temp_dir_fail(err);
+    return s->dir ? ISO_OK : iso_temp_dir_fail(err);
 }
 
 static void end(start *s)
@@ -167,13 +148,6 @@ static iso_status find_program(const iso_external *e, const char *word, char **p
         return iso_process_find(word, e->package ? e->package : word, path, err);
     *path = iso_path_exists(word) && !iso_path_is_dir(word) ? strdup(word) : NULL;
     return *path ? ISO_OK : iso_fail(err, ISO_E_MISSING, "there is no program %s", word);
-}
-
-static iso_sandbox_kind sandbox_of(const iso_external *e)
-{
-    const char *display = getenv("DISPLAY");
-    const bool starts_server = e->starts_server && !(display && display[0]);
-    return e->has_all_rights || starts_server ? ISO_SANDBOX_NONE : ISO_SANDBOX_DEVICE;
 }
 
 /* Runs words, with one more where there is one. */
@@ -193,7 +167,8 @@ static iso_status run(start *s, const char *const *words, const char *last, iso_
         argv[0] = program;
         argv[count] = last;
         const iso_process_options options = {.directory = s->dir,
-                                             .sandbox = {.kind = sandbox_of(e)},
+                                             .sandbox = {.kind = e->has_all_rights ? ISO_SANDBOX_NONE
+                                                                             : ISO_SANDBOX_DEVICE},
                                              .line = keep_line,
                                              .user = &s->said,
                                              .timeout_seconds = e->timeout_seconds,

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* external.h - renderers that are programs which know nothing of isoshade but a request (request.h) and the pictures that
- * it asks for. doc/extending.md has a complete one.
+ * it asks for. They stand in a renderers.json (doc/formats.md); doc/extending.md has a complete one.
  *
- * A user's stand in a renderers.json (doc/formats.md). One that we ship is a file of this folder like any other: a row
- * whose `data` is an iso_external with its script embedded, and ISO_EXTERNAL_CALLBACKS.
- *
- * A start: a folder of its own, in which the request and the embedded files are, and which is the working directory; no
- * shell; the path of request.json as the last argument; the time limit of the row or of --timeout, whichever is less. When
+ * A start: a folder of its own, in which the request is, and which is the working directory; no shell; the path of request.json as the last argument; the time limit of the row or of --timeout, whichever is less. When
  * it has ended, nothing that it began is left running (base/keeper.h). In a sandbox for programs that may draw on a graphics
  * device (base/sandbox.h), unless the row says otherwise. Refused by name: no such program, an exit code
  * other than 0, a signal, the time limit; a picture that is not there, is no file, is older than the request, is no
@@ -14,13 +10,7 @@
 #ifndef ISO_RENDERERS_EXTERNAL_H
 #define ISO_RENDERERS_EXTERNAL_H
 
-#include "base/sandbox.h"
 #include "renderers/renderers.h"
-
-/* A text that is written into the folder, such as a script by base/embed.h. */
-typedef struct iso_external_file {
-    const char *name, *text;
-} iso_external_file;
 
 typedef struct iso_external {
     const char *const
@@ -29,11 +19,9 @@ typedef struct iso_external {
         *version;        /* the same: prints its version as the first line, or exits with another code than 0 where
                                  * something that it needs is missing; or NULL */
     const char *package; /* the Debian package that has the program, for messages; NULL: of its name */
-    const iso_external_file *files; /* ends with a NULL name; or NULL */
-    const char *tier;               /* "samples", "limit" or "8 bits": for reports */
-    double timeout_seconds;         /* of a start; 0: --timeout alone */
-    bool has_all_rights;            /* it is started without a sandbox, for a reason that stands beside it */
-    bool starts_server;             /* so it is where DISPLAY is not set: it starts an X server, which writes into /tmp */
+    const char *tier;       /* "samples", "limit" or "8 bits": for reports */
+    double timeout_seconds; /* of a start; 0: --timeout alone */
+    bool has_all_rights;    /* it is started without a sandbox */
 } iso_external;
 
 iso_status iso_external_version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size,
@@ -47,9 +35,6 @@ json_t *iso_external_describe(const iso_renderer_info *self);
 /* What each of them is: given an export, started, taking part where it is named. */
 #define ISO_EXTERNAL_TRAITS (ISO_IS_PROGRAM | ISO_IS_NAMED)
 
-/* What half a step of 1 / (2^bits - 1) adds to limits: to a value, and to the image as a whole where it is flat. */
-iso_sample_error iso_external_rounded(iso_sample_error error, unsigned bits);
-
 /* What stands in a row instead of a program. */
 typedef struct iso_external_stand_in {
     const void *data;
@@ -62,10 +47,10 @@ typedef struct iso_external_stand_in {
 iso_status iso_external_register(json_t *row, const char *path, const char *folder, const iso_external_stand_in *instead,
                                  const iso_renderer_info **r, iso_error *err);
 
-/* Registers the renderers of a renderers.json; path NULL: of the file that the environment variable ISOSHADE_RENDERERS
- * names, or none. ISO_E_IO, ISO_E_FORMAT and ISO_E_RANGE name the file, the row and the key; ISO_E_USAGE: a name that is
+/* Registers the renderers of a list of files like renderers.json, with commas between their names; paths NULL: of those that
+ * the environment variable ISOSHADE_RENDERERS names, or none. ISO_E_IO, ISO_E_FORMAT and ISO_E_RANGE name the file, the row and the key; ISO_E_USAGE: a name that is
  * taken. */
 #define ISO_RENDERERS_VARIABLE "ISOSHADE_RENDERERS"
-iso_status iso_renderers_load(const char *path, iso_error *err);
+iso_status iso_renderers_load(const char *paths, iso_error *err);
 
 #endif

@@ -2,6 +2,7 @@
 /* external_json.c - renderers.json: rows of the table of renderers that a user brings. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -135,6 +136,13 @@ static void get_limits(iso_json_reader *r, row *to)
     iso_json_get_number(r, limits, "sharp_max_abs", false, 0, most_limit, &lock->sharp.max_abs);
 }
 
+/* What half a step of 1 / (2^bits - 1) adds to limits: to a value, and to the image as a whole where it is flat. */
+static iso_sample_error rounded(iso_sample_error error, size_t bits)
+{
+    const double half_step = 0.5 / (ldexp(1, (int)bits) - 1) * (1 + 1e-6); /* whoever rounds does so in float */
+    return (iso_sample_error){.rmse = error.rmse + half_step, .max_abs = error.max_abs + half_step};
+}
+
 static void take_tier(iso_json_reader *r, row *to, tier asked)
 {
     const bool has_limits = json_object_get(to->json, "limits") != NULL, in_bits = asked == TIER_BITS;
@@ -152,8 +160,8 @@ static void take_tier(iso_json_reader *r, row *to, tier asked)
     if (asked != TIER_LIMIT && to->info.seeds)
         fail(r, ISO_E_FORMAT, "seeds", "is for the tier \"limit\", which averages over them");
     if (bits) {
-        lock->smooth = iso_external_rounded(lock->smooth, (unsigned)bits);
-        lock->sharp = iso_external_rounded(lock->sharp, (unsigned)bits);
+        lock->smooth = rounded(lock->smooth, bits);
+        lock->sharp = rounded(lock->sharp, bits);
         to->info.output = (iso_render_output){.bits = (unsigned)bits, .most = 1};
     }
     to->info.traits |= in_bits ? 0 : ISO_HAS_LIMIT;
@@ -314,21 +322,31 @@ iso_status iso_external_register(json_t *json, const char *path, const char *fol
     return status;
 }
 
-iso_status iso_renderers_load(const char *given, iso_error *err)
+static iso_status load_file(const char *path, iso_error *err)
 {
-    const char *path = given ? given : getenv(ISO_RENDERERS_VARIABLE);
-    if (!path || !*path)
-        return ISO_OK;
     json_t *root = NULL;
     char *absolute = realpath(path, NULL), *folder = absolute ? iso_path_dir(absolute) : NULL;
     iso_status status = folder ? iso_json_load(path, &root, err)
                                : iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", path, strerror(errno));
     if (status == ISO_OK)
         status = add_rows(path, folder, root, err);
-    if (status != ISO_OK && !given)
-        status = iso_fail_in(err, status, "$" ISO_RENDERERS_VARIABLE);
     json_decref(root);
     free(folder);
     free(absolute);
+    return status;
+}
+
+iso_status iso_renderers_load(const char *given, iso_error *err)
+{
+    const char *paths = given ? given : getenv(ISO_RENDERERS_VARIABLE);
+    if (!paths || !*paths)
+        return ISO_OK;
+    char *copy = strdup(paths), *rest = copy;
+    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (const char *path; status == ISO_OK && (path = strsep(&rest, ","));)
+        status = load_file(path, err);
+    if (status != ISO_OK && !given)
+        status = iso_fail_in(err, status, "$" ISO_RENDERERS_VARIABLE);
+    free(copy);
     return status;
 }

@@ -202,10 +202,7 @@ static inline bool iso_renderer_has(const iso_renderer_info *r, unsigned traits)
     X(iso_renderer_gl)         \
     X(iso_renderer_cpu)        \
     X(iso_renderer_cycles)     \
-    X(iso_renderer_povray)     \
-    X(iso_renderer_webgl)      \
-    X(iso_renderer_vtk)        \
-    X(iso_renderer_vtk_gpu)
+    X(iso_renderer_povray)
 /* clang-format on */
 #define ISO_RENDERER_EXTERN(renderer) extern const iso_renderer_info renderer;
 ISO_RENDERER_LIST(ISO_RENDERER_EXTERN)

@@ -29,8 +29,8 @@ HOW = {"memory": [errno.ENOMEM], "read": [errno.EIO, errno.EINTR, 0], "write": [
 # cannot be told what a name stands for, it is none of what is wanted (2, 4).
 CODES = {"memory": {6}, "read": {3}, "write": {3}, "open": {3, 7, 8}, "rename": {3}, "sync": {3}, "make": {3},
          "look": {2, 3, 4, 7, 8}, "close": {3}, "start": {6, 8}}
-# Where Mesa cannot read what it needs there is no device; what cannot be started to tell its version is no program.
-MISSING = {"read": {"render gl", "chart", "validate", "plan"}, "start": {"render vtk"}}
+# Where Mesa cannot read what it needs there is no device.
+MISSING = {"read": {"render gl", "chart", "validate", "plan"}}
 
 
 def codes_of(command, kind):

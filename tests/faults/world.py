@@ -76,8 +76,6 @@ COMMANDS = {
     "validate": ("s.nrrd", "validate s.nrrd --scene {S} --with reference,gl --quick --levels 1 --size 12 -o o -q"),
     "render povray": ("s.iso", "render s.iso --scene {S} --with povray --intervals 10 --size 8 -o o.exr -q"),
     "render cycles": ("s.iso", "render s.iso --scene {S} --with cycles --size 8 -o o.exr -q"),
-    "render vtk": ("s.iso u.json", "render s.iso --scene u.json --with vtk --size 8 -o o.exr -q"),
-    "render webgl": ("s.iso", "render s.iso --scene {S} --with webgl --size 8 -o o.exr -q"),
     "export blender": ("s.iso", "export s.iso --scene {S} --to blender -o o.blend -q"),
     "figure levels": ("s.nrrd", "figure s.nrrd --scene {S} --kind levels --levels 2 --width 40 --dpi 100 -o o -q"),
     "scenes": ("s.nrrd", "scenes s.nrrd --tf angiography --view front --size 32 -o o.png -q"),
@@ -182,15 +180,6 @@ def says_what_is_missing(report):
     return os.path.exists(f"{report}/index.html") and "missing" in text
 
 
-def unlit():
-    """The scene without shading, as VTK draws it."""
-    with open(SCENE) as file:
-        scene = json.load(file)
-    scene["shading"].update(diffuse=0, specular=0)
-    scene["tf"] = TF
-    return scene
-
-
 def without_durations(text):
     return DURATION.sub(r"# \3", text)
 
@@ -229,9 +218,9 @@ class World:
             with open(path, "wb") as file:
                 file.write(WRITTEN[name])
             return path
-        if name in ("r.json", "u.json"):
+        if name == "r.json":
             with open(path, "w") as file:
-                json.dump(self.renderer() if name == "r.json" else unlit(), file)
+                json.dump(self.renderer(), file)
             return path
         for needed in ("s.nrrd", "s.iso", "r", "l.nrrd"):
             if needed != name and needed in (FIXTURES.get(name) or MADE[name]).split():

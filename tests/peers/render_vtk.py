@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""VTK as a renderer of isoshade: python3 render_vtk.py [--as-is | --gpu] REQUEST.json (doc/vtk.md, doc/extending.md).
+"""VTK as a renderer of isoshade: python3 render_vtk.py [--as-is | --gpu] REQUEST.json (vtk.json, doc/vtk.md).
 
 Needs Debian's python3-vtk9 and python3-numpy, and no display: vtkFixedPointVolumeRayCastMapper runs on the CPU, and its
 picture is taken from where the mapper keeps it, 15 bits a channel, before a window would make 8 of them.
@@ -21,15 +21,13 @@ What VTK does by its own rules, and what is done about it here; --as-is does not
   the first step is left out where the camera is inside          what is near is drawn in short steps
   its shading takes scalar differences, lit from one side        switched off: no lights
 --gpu is vtkOpenGLGPUVolumeRayCastMapper: values of cells, whose box is that of whole voxels, one picture of 8 bits; it
-needs a display or xvfb-run."""
+needs a display."""
 import argparse
 import collections
 import ctypes
 import json
 import math
 import os
-import shutil
-import struct
 import sys
 
 try:
@@ -46,6 +44,8 @@ except ImportError as missing:  # another python3 is first in PATH than the one 
     if os.path.realpath(sys.executable) == os.path.realpath("/usr/bin/python3") or not os.path.exists("/usr/bin/python3"):
         sys.exit(f"{missing.name or missing}: Debian packages python3-vtk9 and python3-numpy")
     os.execv("/usr/bin/python3", ["/usr/bin/python3"] + sys.argv)
+
+from exr import write_exr  # noqa: E402  beside this file
 
 ENTRIES = 32768   # of the mapper's tables
 MOST = 32767      # the integer that stands for 1
@@ -68,27 +68,6 @@ def read_nrrd(path):
     fields = dict(line.split(": ", 1) for line in head.decode("latin-1").splitlines() if ": " in line and line[0] != "#")
     sizes = [int(n) for n in fields["sizes"].split()]
     return np.frombuffer(data, "<" + TYPES[fields["type"].strip()], math.prod(sizes)).reshape(sizes[::-1])
-
-
-def write_exr(path, rgba):
-    """32-bit float scan lines, not compressed: one block a row, the channels in the order of the alphabet."""
-    height, width = rgba.shape[:2]
-
-    def attribute(name, kind, data):
-        return name + b"\0" + kind + b"\0" + struct.pack("<i", len(data)) + data
-    channels = b"".join(c + b"\0" + struct.pack("<iiii", 2, 0, 1, 1) for c in (b"A", b"B", b"G", b"R")) + b"\0"
-    box = struct.pack("<iiii", 0, 0, width - 1, height - 1)
-    head = struct.pack("<ii", 20000630, 2) + b"".join([
-        attribute(b"channels", b"chlist", channels), attribute(b"compression", b"compression", b"\0"),
-        attribute(b"dataWindow", b"box2i", box), attribute(b"displayWindow", b"box2i", box),
-        attribute(b"lineOrder", b"lineOrder", b"\0"), attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1)),
-        attribute(b"screenWindowCenter", b"v2f", struct.pack("<ff", 0, 0)),
-        attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1))]) + b"\0"
-    row = 8 + 16 * width
-    with open(path, "wb") as f:
-        f.write(head + struct.pack(f"<{height}Q", *(len(head) + 8 * height + row * y for y in range(height))))
-        for y in range(height):
-            f.write(struct.pack("<ii", y, 16 * width) + rgba[y, :, 3::-1].T.astype("<f4").tobytes())
 
 
 # ---- the model ----
@@ -417,25 +396,14 @@ def render_gpu(request, folder, frame):
     return out
 
 
-def find_display(is_needed_now):
-    """Starts this script anew in a display of its own where there is none."""
-    if os.environ.get("DISPLAY"):
-        return
-    server = shutil.which("xvfb-run")
-    if not server:
-        sys.exit("VTK's OpenGL mapper needs a display: set DISPLAY, or install the Debian package xvfb")
-    if is_needed_now:
-        os.execv(server, [server, "-a", sys.executable] + sys.argv)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--version", action="version", version=f"VTK {vtkVersion().GetVTKVersion()}")
     parser.add_argument("--as-is", action="store_true", help="VTK's own box, one picture, 8 bits")
     parser.add_argument("--gpu", action="store_true", help="the mapper of OpenGL")
     parser.add_argument("request")
-    if "--gpu" in sys.argv:
-        find_display("--version" not in sys.argv)
+    if "--gpu" in sys.argv and not os.environ.get("DISPLAY"):
+        sys.exit("VTK's OpenGL mapper needs a display: set DISPLAY, or run isoshade by xvfb-run")
     options = parser.parse_args()
     with open(options.request, encoding="utf-8") as f:
         request = json.load(f)
@@ -444,7 +412,8 @@ def main():
     folder = os.path.dirname(os.path.abspath(options.request))
     for frame in request["frames"]:
         picture = render_gpu(request, folder, frame) if options.gpu else render(request, folder, frame, options.as_is)
-        write_exr(os.path.join(folder, frame["file"]), picture)
+        picture[..., :3] = np.minimum(picture[..., :3], 1)
+        write_exr(os.path.join(folder, frame["file"]), *picture.shape[1::-1], picture.astype("f4").ravel())
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// request.js - the page's caster as a renderer of the contract (renderers/request.h): one request, its pictures in floats.
-// The page around it is made by renderers/webgl.py; none of the viewer's controls is there.
+// webgl.js - the page's caster as a renderer of the contract: one request, its pictures in floats. webgl.py makes the page
+// around it.
 const bytesOf = id => fromBase64(document.getElementById(id).textContent);
 const floatsOf = id => new Float32Array(bytesOf(id).buffer);
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The viewer's ray caster as a renderer: the page of `isoshade view` without its controls, in Chromium without a window.
+"""The viewer's ray caster as a renderer (viewer.json): the page of `isoshade view` without its controls, in Chromium
+without a window. It takes the page's parts from the source tree.
 
 webgl.py REQUEST.json     writes the pictures that the request asks for (doc/formats.md)
 webgl.py --version        says what would draw them"""
@@ -12,14 +13,15 @@ import sys
 from chromium import Chromium
 from exr import write_exr
 
-SCRIPTS = ["vectors.js", "arrays.js", "camera.js", "transfer.js", "adapt.js", "occupancy.js", "context.js", "textures.js", "caster.js",
-           "request.js"]
-SHADERS = ["code_decode.h", "es.glsl", "fullscreen.glsl", "held.glsl", "probe.glsl", "raycast.glsl", "roi.glsl", "variants.h"]
-HERE = os.path.dirname(os.path.abspath(__file__))
+TOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+SCRIPTS = [f"src/view/{name}.js" for name in ("vectors", "arrays", "camera", "transfer", "adapt", "occupancy", "context", "textures", "caster")]
+SCRIPTS += ["tests/peers/webgl.js"]
+SHADERS = ["src/encode/code_decode.h"]
+SHADERS += [f"src/render/gl/shaders/{name}" for name in ("es.glsl", "fullscreen.glsl", "held.glsl", "probe.glsl", "raycast.glsl", "roi.glsl", "variants.h")]
 
 
-def text_of(name):
-    with open(os.path.join(HERE, name), encoding="utf-8") as f:
+def text_of(path):
+    with open(os.path.join(TOP, path), encoding="utf-8") as f:
         return f.read()
 
 
@@ -41,7 +43,7 @@ def inlined(value):
 
 def page_of(request, folder):
     parts = ["<!doctype html><meta charset=utf-8><title>isoshade</title>",
-             f"<script type=application/json id=shaders>{inlined({name: text_of(name) for name in SHADERS})}</script>",
+             f"<script type=application/json id=shaders>{inlined({os.path.basename(path): text_of(path) for path in SHADERS})}</script>",
              f"<script type=application/json id=request>{inlined(request)}</script>"]
     for key in ("volume", "directions"):
         if request.get(key):
@@ -58,7 +60,7 @@ def render(path):
     with open(page, "w", encoding="utf-8") as f:
         f.write(page_of(request, folder))
     width, height = request["image"]["width"], request["image"]["height"]
-    with Chromium(size=(200, 150), seconds=3600, within=HERE) as browser:  # whoever starts this has a time limit of its own
+    with Chromium(size=(200, 150), seconds=3600, within=os.getcwd()) as browser:  # whoever starts this has a time limit of its own
         browser.open(page, "window.isoshade && document.readyState === 'complete'")
         browser.evaluate("window.draw = isoshade.makeRequest(), 0")
         for i, frame in enumerate(request["frames"]):
@@ -67,7 +69,7 @@ def render(path):
 
 
 def version():
-    with Chromium(size=(200, 150), seconds=60, within=HERE) as browser:
+    with Chromium(size=(200, 150), seconds=60, within=os.getcwd()) as browser:
         product = browser.call("Browser.getVersion")["product"]
         name = browser.evaluate("(() => { const gl = document.createElement('canvas').getContext('webgl2'); if (!gl) return '';"
                                 " const e = gl.getExtension('WEBGL_debug_renderer_info');"
