@@ -340,6 +340,37 @@ static void so_it_does_in_the_middle_of_an_exchange_by_steps(void **state)
     assert_stands("first");
 }
 
+static bool folder_is_locked;
+
+static void look_at_the_lock(void)
+{
+    const int other = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    assert_true(other >= 0);
+    folder_is_locked = syscall(SYS_flock, other, LOCK_EX | LOCK_NB) != 0;
+    close(other);
+}
+
+static void the_folder_is_locked_while_a_set_gets_its_names(void **state)
+{
+    (void)state;
+    iso_output outs[2] = {0};
+    iso_error err = {""};
+    const char *names[] = {at("grid.vdb"), at("scene.blend")};
+    for (size_t i = 0; i < 2; ++i) {
+        assert_int_equal(iso_output_begin(&outs[i], names[i], &err), ISO_OK);
+        FILE *f = fopen(outs[i].temp_path, "wb");
+        assert_non_null(f);
+        fclose(f);
+    }
+    folder_is_locked = false;
+    after_rename = look_at_the_lock;
+    assert_int_equal(iso_output_commit_all(outs, 2, &err), ISO_OK);
+    assert_true(folder_is_locked);
+    look_at_the_lock();
+    assert_false(folder_is_locked);
+    assert_true(iso_path_exists(names[0]) && iso_path_exists(names[1]));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -353,6 +384,7 @@ int main(void)
         cmocka_unit_test(work_that_begins_right_after_a_rename_stays),
         cmocka_unit_test(a_replaced_folder_is_not_taken_for_work),
         cmocka_unit_test(of_two_that_finish_at_once_the_last_one_stands),
+        cmocka_unit_test(the_folder_is_locked_while_a_set_gets_its_names),
         cmocka_unit_test(so_it_does_in_the_middle_of_an_exchange_by_steps),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -327,8 +327,8 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
     size_t files = 0;
     if (status == ISO_OK)
         status = write_files(&job, folder, outs, &files, progress, err);
-    for (size_t i = 0; i <= files && status == ISO_OK; ++i)
-        status = iso_output_commit(&outs[i], err);
+    if (status == ISO_OK)
+        status = iso_output_commit_all(outs, files + 1, err);
     for (size_t i = 0; outs && i <= files; ++i)
         iso_output_abandon(&outs[i]);
     if (folder)

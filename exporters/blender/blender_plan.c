@@ -133,8 +133,8 @@ iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view 
     iso_output outs[2] = {0};
     const plan_job job = {plan, view, blend_path, true, opt};
     status = folder ? write_plan(&job, folder, outs, progress, err) : iso_temp_dir_fail(err);
-    for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
-        status = iso_output_commit(&outs[i], err);
+    if (status == ISO_OK)
+        status = iso_output_commit_all(outs, 2, err);
     for (size_t i = 0; i < 2; ++i)
         iso_output_abandon(&outs[i]);
     if (folder)

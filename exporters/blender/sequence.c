@@ -129,8 +129,8 @@ iso_status iso_blender_export_sequence(const iso_blender_sequence *s, const char
         status = write_frame(&job, k, err);
     if (status == ISO_OK)
         status = write_blend(&job, folder, err);
-    for (size_t i = 0; i <= s->count && status == ISO_OK; ++i)
-        status = iso_output_commit(&job.outs[i], err);
+    if (status == ISO_OK)
+        status = iso_output_commit_all(job.outs, s->count + 1, err);
     for (size_t i = 0; job.outs && i <= s->count; ++i)
         iso_output_abandon(&job.outs[i]);
     json_decref(job.about);

@@ -54,6 +54,10 @@ void iso_output_clear(const iso_output *out);
 /* Renames into place. On failure the temporary is removed. */
 iso_status iso_output_commit(iso_output *out, iso_error *err);
 
+/* Renames files of one set into place, in their order. The last one's folder is locked meanwhile, so that sets of two
+ * processes do not mix. All outputs have begun. */
+iso_status iso_output_commit_all(iso_output *outs, size_t count, iso_error *err);
+
 /* Renames a folder into place and keeps it locked, so that files can be added. *lock is a descriptor to be closed; below 0:
  * no lock. */
 iso_status iso_output_commit_locked(iso_output *out, int *lock, iso_error *err);

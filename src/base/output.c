@@ -457,6 +457,20 @@ iso_status iso_output_commit_locked(iso_output *out, int *lock, iso_error *err)
     return status;
 }
 
+iso_status iso_output_commit_all(iso_output *outs, size_t count, iso_error *err)
+{
+    char *folder = iso_path_dir(outs[count - 1].final_path), *real = folder ? realpath(folder, NULL) : NULL;
+    iso_status status = ISO_OK;
+    /* If somebody else works in the folder for long, the set goes without a lock: its work is not thrown away. */
+    const iso_folder_lock lock = real ? iso_folder_lock_take(real, false) : (iso_folder_lock){.fd = -1};
+    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+        status = iso_output_commit(&outs[i], err);
+    unlock(&lock);
+    free(real);
+    free(folder);
+    return status;
+}
+
 void iso_output_keep(iso_output *out)
 {
     if (!out || !out->final_path)

@@ -3,6 +3,7 @@
 #include "base/stamp.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,17 +46,33 @@ bool iso_stamp_fits(const char *path)
     return fits;
 }
 
-/* The file keeps its name until another takes it. */
+/* Gives a file a second name. False: the name is taken, or errno has the cause. Without hard links the first name goes. */
+static bool give_name(const char *path, const char *name)
+{
+    if (link(path, name) == 0)
+        return true;
+    return errno != EEXIST && errno != ENOENT && renameat2(AT_FDCWD, path, AT_FDCWD, name, RENAME_NOREPLACE) == 0;
+}
+
+/* Keeps a file as PATH1, or PATH2 and so on if that is taken: no backup replaces another, also if two processes make them.
+ * ENOENT: another process has moved the file away, and keeps it. */
 static iso_status keep_backup(const char *path, iso_error *err)
 {
-    char *backup = NULL;
-    if (asprintf(&backup, "%s1", path) < 0)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    iso_status status = ISO_OK;
-    if ((unlink(backup) != 0 && errno != ENOENT) || (link(path, backup) != 0 && rename(path, backup) != 0))
-        status = iso_fail(err, iso_errno_status(), "%s: cannot be kept as %s: %s", path, backup, strerror(errno));
-    free(backup);
-    return status;
+    enum { MOST_BACKUPS = 9999 };
+    for (int i = 1; i <= MOST_BACKUPS; ++i) {
+        char *backup = NULL;
+        if (asprintf(&backup, "%s%d", path, i) < 0)
+            return iso_fail(err, ISO_E_MEMORY, "out of memory");
+        const bool is_kept = give_name(path, backup) || errno == ENOENT;
+        const int cause = errno;
+        iso_status status = ISO_OK;
+        if (!is_kept && cause != EEXIST)
+            status = iso_fail(err, iso_errno_status(), "%s: cannot be kept as %s: %s", path, backup, strerror(cause));
+        free(backup);
+        if (is_kept || status != ISO_OK)
+            return status;
+    }
+    return iso_fail(err, ISO_E_IO, "%s: has %d backups already; remove some", path, MOST_BACKUPS);
 }
 
 iso_status iso_stamp_guard(const char *path, bool force, iso_error *err)
@@ -78,6 +95,6 @@ iso_status iso_stamp_guard_other(const char *path, bool is_ours, bool force, iso
         return keep_backup(path, err);
     return iso_fail(err, ISO_E_IO,
                     "%s: was saved or changed since isoshade wrote it, or is not from isoshade; --force overwrites it and keeps "
-                    "it as %s1, -o names another",
+                    "it as %s1 (2, 3, ... if taken), -o names another",
                     path, iso_path_base(path));
 }

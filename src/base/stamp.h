@@ -11,18 +11,18 @@
 
 #include "base/status.h"
 
-/* Appends the line to a finished file, behind `comment`, which makes it one that the file's reader skips: "// ". ISO_E_IO. */
+/* Appends the line to a finished file, after `comment`, which makes the file's reader skip it: "// ". ISO_E_IO. */
 iso_status iso_stamp_append(const char *path, const char *comment, iso_error *err);
 
-/* There is a line with the checksum of what stands before it. */
+/* True if the file ends in a line with the checksum of all before it. */
 bool iso_stamp_fits(const char *path);
 
-/* Before work that will overwrite path: ISO_OK where nothing stands there, or what was stamped; else ISO_E_IO, which names
- * the file and the way round. With force a file that would be refused stays as "path1", as Blender names a backup. */
+/* Guards a file that work will overwrite. ISO_OK: it is missing or stamped. Else ISO_E_IO, which names the file and the
+ * remedy; with force the file stays as PATH1, as Blender names a backup, or as PATH2, PATH3 ... if that is taken. */
 iso_status iso_stamp_guard(const char *path, bool force, iso_error *err);
-/* The same for a file that has no room for a stamp, and tells by something else whether it is ours. */
+/* Guards a file that has no room for a stamp: the caller knows if it is ours. */
 iso_status iso_stamp_guard_other(const char *path, bool is_ours, bool force, iso_error *err);
-/* The same where a command has no --force: for a file that gets its name from another output's. */
+/* Guards a file of a command without --force, named after another output. */
 iso_status iso_stamp_guard_beside(const char *path, bool is_ours, iso_error *err);
 
 #endif
