@@ -20,7 +20,7 @@ refuse a_file_that_was_saved_since_stays 3 'moved/one.blend: was saved or change
 refuse at_once_and_not_after_the_work 3 'one.blend: was saved' "$ISOSHADE" export none.nrrd --to blender -q -o moved/one.blend
 cp moved/one.blend saved.blend
 check force_overwrites_it export_it moved/one.blend --force
-check and_keeps_it cmp saved.blend moved/one.blend1
+check and_keeps_it_beside_the_backup_of_blender cmp saved.blend moved/one.blend2
 cp one.blend copy.blend
 check an_unchanged_copy_is_overwritten export_it copy.blend
 printf x | dd of=one.blend bs=1 seek=5000 conv=notrunc 2>/dev/null

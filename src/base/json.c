@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/json.h"
 
+#include <ctype.h>
 #include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,11 +39,67 @@ iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
     return status;
 }
 
+/* A value that a float holds may come back as a neighboring double: its reader wants a float, and 0.1f stays short. */
+static bool comes_back(const char *number, double value)
+{
+    return strtod(number, NULL) == value || ((float)value == value && strtof(number, NULL) == (float)value);
+}
+
+/* Writes a number of `length` characters by the fewest digits with which it comes back, in its place. Returns the new
+ * length. */
+static size_t shorten_number(char *number, size_t length)
+{
+    enum { LEAST_DIGITS = 9, MOST_DIGITS = 17 };
+    char shorter[40];
+    const double value = strtod(number, NULL);
+    for (int digits = LEAST_DIGITS; digits < MOST_DIGITS; ++digits) {
+        int n = snprintf(shorter, sizeof shorter, "%.*g", digits, value);
+        if (!comes_back(shorter, value))
+            continue;
+        if (!strpbrk(shorter, ".e"))
+            n += snprintf(shorter + n, sizeof shorter - (size_t)n, ".0"); /* else it would be read as an integer */
+        if ((size_t)n >= length)
+            break;
+        memcpy(number, shorter, (size_t)n);
+        return (size_t)n;
+    }
+    return length;
+}
+
+/* Returns the length of a string with its quotes. */
+static size_t string_length(const char *text)
+{
+    size_t n = 1;
+    while (text[n] != '"')
+        n += text[n] == '\\' ? 2 : 1;
+    return n + 1;
+}
+
+/* Shortens the real numbers of a JSON text in place. */
+static void shorten_numbers(char *text)
+{
+    char *to = text;
+    while (*text) {
+        const size_t number = strspn(text, "+-.0123456789eE");
+        const size_t n = *text == '"' ? string_length(text) : isdigit((unsigned char)*text) || *text == '-' ? number : 1;
+        memmove(to, text, n);
+        const bool is_real = n > 1 && *to != '"' && memchr(to, '.', n);
+        text += n;
+        char after = to[n];
+        to[n] = 0;
+        const size_t length = is_real ? shorten_number(to, n) : n;
+        to[n] = after;
+        to += length;
+    }
+    *to = 0;
+}
+
 iso_status iso_json_save(const char *path, const json_t *root, iso_error *err)
 {
-    char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     if (!text)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for its JSON text", path);
+    shorten_numbers(text);
     size_t size = strlen(text);
     text[size] = '\n'; /* the file ends with a newline; the terminating 0 is not written */
     iso_status status = iso_file_write(path, text, size + 1, err);

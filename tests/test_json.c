@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+/* Numbers in saved JSON are read back as the same doubles, and are no longer than they have to be. */
+#include "test.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "folder.h"
+#include "property.h"
+
+static char *saved(json_t *root)
+{
+    char path[4096], *text = NULL;
+    size_t size;
+    iso_error err = {""};
+    snprintf(path, sizeof path, "%s/a.json", folder);
+    assert_int_equal(iso_json_save(path, root, &err), ISO_OK);
+    assert_int_equal(iso_file_read(path, &text, &size, &err), ISO_OK);
+    return text;
+}
+
+static double read_back(double value)
+{
+    json_t *root = json_pack("{s:f}", "a", value), *again = NULL;
+    char *text = saved(root);
+    iso_error err = {""};
+    assert_int_equal(iso_json_parse("a.json", text, strlen(text), &again, &err), ISO_OK);
+    assert_true(json_is_real(json_object_get(again, "a")));
+    const double result = json_real_value(json_object_get(again, "a"));
+    free(text);
+    json_decref(root);
+    json_decref(again);
+    return result;
+}
+
+static void all_doubles_come_back(void **state)
+{
+    (void)state;
+    static const double values[] = {0,       -0.0,    1,       0.1,     0.3,       1.0 / 3,           -2.0 / 3, 1e22, 123456789,
+                                    1e15 / 7, 1e-7 / 3, DBL_MAX, DBL_MIN, 4.9406564584124654e-324, 1e6 + 1e-3};
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i) {
+        const double again = read_back(values[i]); /* none is a float of more than nine digits */
+        assert_memory_equal(&again, &values[i], sizeof again);
+    }
+}
+
+static void texts_stay_and_numbers_are_short(void **state)
+{
+    (void)state;
+    json_t *root = json_pack("{s:s, s:f, s:i, s:[f, f]}", "1.10000000000000001", "\"0.10000000000000001\\", "b", 0.1, "c", 12, "d",
+                             2.0, (double)0.7f);
+    char *text = saved(root);
+    assert_string_equal(text, "{\n  \"1.10000000000000001\": \"\\\"0.10000000000000001\\\\\",\n  \"b\": 0.1,\n  \"c\": 12,\n"
+                              "  \"d\": [\n    2.0,\n    0.699999988\n  ]\n}\n");
+    free(text);
+    json_decref(root);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_doubles_come_back),
+        cmocka_unit_test(texts_stay_and_numbers_are_short),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
