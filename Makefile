@@ -252,7 +252,7 @@ format: ## lay out the C and C++ files by .clang-format
 .PHONY: format
 
 clean: ## remove what was built
-	rm -rf build/release build/avx2 build/debug build/sanitize build/fuzz build/coverage build/threads build/analyzed build/cppchecked isoshade isoshade-lab
+	rm -rf build/release build/avx2 build/debug build/sanitize build/fuzz build/coverage build/threads build/readers build/analyzed build/cppchecked isoshade isoshade-lab
 
 # make V=1 shows the whole commands.
 ifndef V
@@ -262,7 +262,7 @@ say =
 endif
 
 # ---- rules -----------------------------------------------------------------
-$(program): $(build)/src/cli/main.o $(commands) $(lib) $(build)/child-flags
+$(program): $(build)/src/cli/main.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) $(link_$(config)) -fopenmp -o $@ $(filter %.o %.a,$^) $(LDLIBS)
 $(lab_program): $(build)/src/lab/main.o $(lab_o) $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $(filter %.o %.a,$^) $(LDLIBS)
@@ -283,26 +283,35 @@ $(openvdb_library): $(openvdb_o)
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
 	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 $(fortified) -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
-# Each is its own files and a main(); fuzzing takes the files alone. ITK's headers refuse some compilers.
+# Each is its own files and a main(); fuzzing takes the files alone. All configs share the objects: the sanitizers watch the
+# readers as programs. ITK's headers refuse some compilers.
 READER_CXX ?= $(CXX)
-child_h := src/volume/child_stream.h src/volume/child_writer.h src/volume/type.h src/isoshade.h
+readers_in := build/readers
 child_main := src/volume/child_main.cc
-child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g -Isrc -pie -fPIE -Wl,-z,relro,-z,now
+child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g -MMD -MP -Isrc -fPIE
 itk_cc := $(wildcard src/volume/itk/*.cc)
 arrays_cc := $(wildcard src/volume/arrays/*.cc)
-vdb_cc := src/volume/vdb/vdb_read.cc
+vdb_cc := $(wildcard src/volume/vdb/*.cc)
 itk_flags := -isystem /usr/include/$(itk) $(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*)))
 arrays_flags = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(array_pkgs)))
 vdb_flags = $(pkg_cflags)
 itk_libs := $(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon -lz
 arrays_libs = $(shell pkg-config --libs $(array_pkgs)) $(hdf5_hl)
 vdb_libs = $(openvdb_libs)
-$(build)/isoshade-itk: $(itk_cc) $(wildcard src/volume/itk/*.h)
-$(build)/isoshade-arrays: $(arrays_cc) $(wildcard src/volume/arrays/*.h)
-$(build)/isoshade-vdb: $(vdb_cc)
-$(reader_programs): $(build)/isoshade-%: $(child_main) $(child_h) $(build)/child-flags
+# The reader within a fuzzing program is compiled with the config's own flags, if these watch its code.
+fuzzed_in := $(if $(filter release,$(config)),$(readers_in),$(build)/readers)
+$(readers_in)/%.o: %.cc $(readers_in)/flags
 	@mkdir -p $(@D)
-	$(call say,CXX)$(READER_CXX) $(child_flags) $($*_flags) -o $@ $(filter %.cc,$^) $($*_libs)
+	$(call say,CXX)$(READER_CXX) $(child_flags) $($(notdir $(<D))_flags) -c -o $@ $<
+$(build)/readers/%.o: %.cc $(build)/flags
+	@mkdir -p $(@D)
+	$(call say,CXX)$(CXX) $(CXXFLAGS) $($(notdir $(<D))_flags) -c -o $@ $<
+$(build)/isoshade-itk: $(itk_cc:%.cc=$(readers_in)/%.o)
+$(build)/isoshade-arrays: $(arrays_cc:%.cc=$(readers_in)/%.o)
+$(build)/isoshade-vdb: $(vdb_cc:%.cc=$(readers_in)/%.o)
+$(reader_programs): $(build)/isoshade-%: $(child_main:%.cc=$(readers_in)/%.o)
+	@mkdir -p $(@D)
+	$(call say,LD )$(READER_CXX) -pie -Wl,-z,relro,-z,now -o $@ $^ $($*_libs)
 # With the first day that a zip knows in place of today, so that its bytes are the same whenever it is packed.
 $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE exporters/blender/COPYING
 	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade && cp $^ $(build)/addon/isoshade/
@@ -316,11 +325,14 @@ $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 $(fuzz): $(fuzz_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_programs)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ $(LDLIBS)
 # Without the program's malloc(), which ends it where a library of others asks in vain.
-$(build)/isoshade-fuzz-itk: $(itk_cc) $(wildcard src/volume/itk/*.h)
-$(build)/isoshade-fuzz-arrays: $(arrays_cc) $(wildcard src/volume/arrays/*.h)
-$(build)/isoshade-fuzz-vdb: $(vdb_cc)
-$(fuzz_programs): $(build)/isoshade-fuzz-%: tests/fuzz/in_process.cc src/volume/child_start.h $(fuzz_c:%.c=$(build)/%.o) $(filter-out $(build)/src/cli/%,$(commands_o)) $(lib) $(child_h) | $(reader_programs)
-	$(call say,CXX)$(CXX) -std=c++17 -Wall -Wextra $(WERROR) $(flags_$(config)) $(if $(filter release,$(config)),-O2) $(if $(filter coverage,$(config)),$(link_coverage)) -fopenmp -DFUZZ_PROGRAM='"isoshade-$*"' -I. -Isrc $($*_flags) -o $@ $(filter %.cc %.o %.a,$^) $($*_libs) $(LDLIBS)
+$(build)/isoshade-fuzz-itk: $(itk_cc:%.cc=$(fuzzed_in)/%.o)
+$(build)/isoshade-fuzz-arrays: $(arrays_cc:%.cc=$(fuzzed_in)/%.o)
+$(build)/isoshade-fuzz-vdb: $(vdb_cc:%.cc=$(fuzzed_in)/%.o)
+$(build)/tests/fuzz/%-in-process.o: tests/fuzz/in_process.cc $(build)/flags
+	@mkdir -p $(@D)
+	$(call say,CXX)$(CXX) $(CXXFLAGS) -DFUZZ_PROGRAM='"isoshade-$*"' -c -o $@ $<
+$(fuzz_programs): $(build)/isoshade-fuzz-%: $(build)/tests/fuzz/%-in-process.o $(fuzz_c:%.c=$(build)/%.o) $(filter-out $(build)/src/cli/%,$(commands_o)) $(lib) | $(reader_programs)
+	$(call say,LD )$(CXX) $(flags_$(config)) $(if $(filter coverage,$(config)),$(link_coverage)) -fopenmp -o $@ $^ $($*_libs) $(LDLIBS)
 # FUZZ_LIBS: archives of libraries that were built with the same flags, such as teem's.
 $(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_programs)
 	$(call say,LD )$(CXX) -fsanitize=fuzzer,address,undefined -fopenmp -o $@ $^ $(FUZZ_LIBS) $(LDLIBS)
@@ -330,9 +342,9 @@ $(threads_program): $(build)/tests/threads/threads.o $(lib_o)
 $(build)/flags: FORCE
 	@mkdir -p $(@D)
 	@echo '$(flags)' | cmp -s - $@ || echo '$(flags)' >$@
-$(build)/child-flags: FORCE
+$(readers_in)/flags: FORCE
 	@mkdir -p $(@D)
-	@echo '$(filter-out $(WERROR),$(child_flags)) $(link_$(config))' | cmp -s - $@ || echo '$(filter-out $(WERROR),$(child_flags)) $(link_$(config))' >$@
+	@echo '$(filter-out $(WERROR),$(child_flags))' | cmp -s - $@ || echo '$(filter-out $(WERROR),$(child_flags))' >$@
 .PHONY: FORCE
 $(build)/%.o: %.c $(build)/flags
 	@mkdir -p $(@D)
@@ -357,5 +369,6 @@ embedders := $(shell grep -ls '^ISO_EMBED' $(all_c))
 $(embedders:%.c=$(build)/%.o): $(embedded)
 
 # Kept, though only a pattern names them. Not all targets: a new source older than the library must still be built.
-.SECONDARY: $(test_c:%.c=$(build)/%.o)
--include $(lab_o:.o=.d) $(build)/src/lab/main.d $(lib_o:.o=.d) $(openvdb_o:.o=.d) $(commands_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(fuzz_c:%.c=$(build)/%.d) $(build)/tests/threads/threads.d $(build)/src/cli/main.d
+.SECONDARY: $(test_c:%.c=$(build)/%.o) $(fuzz_programs:$(build)/isoshade-fuzz-%=$(build)/tests/fuzz/%-in-process.o)
+-include $(lab_o:.o=.d) $(build)/src/lab/main.d $(lib_o:.o=.d) $(openvdb_o:.o=.d) $(commands_o:.o=.d) $(test_c:%.c=$(build)/%.d) $(fuzz_c:%.c=$(build)/%.d) $(build)/tests/threads/threads.d $(build)/src/cli/main.d \
+	$(foreach in,$(readers_in) $(fuzzed_in),$(patsubst %.cc,$(in)/%.d,$(child_main) $(itk_cc) $(arrays_cc) $(vdb_cc))) $(wildcard $(build)/tests/fuzz/*-in-process.d)
