@@ -6,7 +6,8 @@ report() { # folder, rmse
     mkdir -p "$1"
     cat >"$1/report.json" <<END
 {"schema": "isoshade.validate/1", "command": "isoshade validate v.nrrd", "agreement": [
-    {"scene": "s", "level": 0, "a": "reference", "b": "gl", "tier": "tight", "rmse": $2, "max_abs": 0.01, "verdict": "agree"}],
+    {"scene": "s", "level": 0, "a": "reference", "b": "gl", "tier": "tight", "rmse": $2, "max_abs": 0.01,
+     "limits": {"rmse": 0.01, "max_abs": 0.02}, "verdict": "agree"}],
  "consistency": [{"method": "moments", "level": 1, "flip_mean": 0.1}]}
 END
 }
@@ -19,24 +20,25 @@ check and_none_is_written test ! -e "$dir/base.json"
 expect an_update_accepts 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --update
 expect the_same_report_is_good 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json"
 scene=$top/refscenes/shells.scene.json
-refuse a_scene_is_no_baseline 4 'shells.scene.json: its schema is "isoshade.scene/1", wanted a baseline' "$ISOSHADE" baseline "$dir/one" "$scene"
+refuse a_scene_is_no_baseline 4 'shells.scene.json: its schema is "isoshade.scene/1", wanted a report' "$ISOSHADE" baseline "$dir/one" "$scene"
 refuse nor_a_report 4 'shells.scene.json: its schema is "isoshade.scene/1", wanted a report' "$ISOSHADE" baseline "$scene" "$dir/base.json"
 cp "$dir/base.json" "$dir/kept.json"
 expect a_worse_figure_is_exit_1 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json"
-check the_figure_is_named grep -q '^worse .*agreement/s/level 0/reference/gl/tight/rmse: accepted 0.001, now 0.002' "$dir/out"
+check the_figure_is_named grep -q 'worse: rmse: 0.001 -> 0.002' "$dir/out"
 check the_baseline_is_untouched cmp "$dir/base.json" "$dir/kept.json"
+expect a_better_one_is_good 0 "$ISOSHADE" baseline "$dir/one" "$dir/worse"
 expect an_update_says_what_it_changes 0 "$ISOSHADE" baseline "$dir/worse" "$dir/kept.json" --update
-check the_change_is_named grep -q '^worse .*/rmse: accepted 0.001, now 0.002' "$dir/out"
+check the_change_is_named grep -q 'worse: rmse: 0.001 -> 0.002' "$dir/out"
 expect and_then_it_is_accepted 0 "$ISOSHADE" baseline "$dir/worse" "$dir/kept.json"
 check one_figure_is_one_line_of_the_file test "$(diff "$dir/base.json" "$dir/kept.json" | grep -c '^>')" = 1
-expect a_wide_factor_allows_it 0 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --factor 2
+expect a_wide_factor_allows_it 0 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --factor 20
 expect json_is_printed 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json" --json
-has_keys json_has "$dir/out" schema command options worse_count missing_count changes verdict
+has_keys json_has "$dir/out" schema command options worse_count rows facts sentence verdict
 expect a_factor_below_1_is_refused 2 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --factor 0.5
-expect another_file_is_no_baseline 4 "$ISOSHADE" baseline "$dir/one" "$dir/one/report.json"
-for rows in '{}' '[]' '[{}]' '{"a": {}}' 'null'; do
-    echo "{\"schema\": \"isoshade.accepted/2\", \"rows\": $rows}" >"$dir/empty.json"
-    expect "a_baseline_of_the_rows_${rows//[ \"]/}_is_refused" 4 "$ISOSHADE" baseline "$dir/one" "$dir/empty.json"
+expect a_report_is_a_baseline 0 "$ISOSHADE" baseline "$dir/one" "$dir/one/report.json"
+for rows in '' ', "agreement": []' ', "agreement": {"a": {}}' ', "agreement": null'; do
+    echo "{\"schema\": \"isoshade.validate/1\"$rows}" >"$dir/empty.json"
+    refuse "a_baseline_without_rows_is_refused" 4 "has no rows" "$ISOSHADE" baseline "$dir/one" "$dir/empty.json"
 done
 expect a_folder_without_report_is_refused 3 "$ISOSHADE" baseline "$dir" "$dir/base.json"
 

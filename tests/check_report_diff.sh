@@ -42,7 +42,7 @@ limit="next(r for r in d['agreement'] if r['comparison'] == 'lock-step')"
 plant "$limit['rmse'] += 0.04 * $limit['limits']['rmse']"
 expect one_figure_beyond_its_tolerance_is_a_difference 1 "$ISOSHADE" report diff one two
 check of_exactly_one_row test "$(grep -c '^changed: ' "$dir/out")" = 1
-check with_the_figure test "$(grep -c '^    rmse: ' "$dir/out")" = 1
+check with_the_figure test "$(grep -c '^    worse: rmse: ' "$dir/out")" = 1
 check and_no_picture test -z "$(grep '^picture' "$dir/out")"
 expect a_figure_that_fell_is_one_too 1 "$ISOSHADE" report diff two one
 expect json_says_it_too 1 "$ISOSHADE" report diff one two --json

@@ -7,6 +7,7 @@
 
 #include "report/difference.h"
 #include "report/rows.h"
+#include "report/sections.h"
 #include "tests/test.h"
 
 static const char text[] =
@@ -50,7 +51,7 @@ static json_t *row_of(json_t *root, const char *list, size_t i)
 static json_t *difference_to(json_t *changed, bool results_only)
 {
     json_t *first = report(), *d;
-    assert_ok(iso_difference_of(first, changed, results_only, &d, &err));
+    assert_ok(iso_difference_of(first, changed, results_only, 1, &d, &err));
     iso_difference_conclude(d);
     json_decref(first);
     json_decref(changed);
@@ -264,11 +265,116 @@ static void the_worst_change_comes_first(void **state)
     json_decref(d);
 }
 
+/* What of a report makes it worse than the accepted one: planted by JSON that a row takes. */
+static const struct {
+    const char *list;
+    size_t row;
+    const char *set;
+    size_t worse; /* this way, and the other way round: */
+    size_t better;
+} planted[] = {
+    {"agreement", 0, "{'verdict': 'differ'}", 1, 0},
+    {"agreement", 0, "{'verdict': 'refused'}", 1, 0},
+    {"agreement", 0, "{'verdict': 'not compared'}", 1, 0},
+    {"agreement", 0, "{'rmse': 3e-5}", 1, 0},
+    {"agreement", 0, "{'rmse': null}", 1, 0},
+    {"agreement", 0, "{'limits': {'rmse': 1, 'max_abs': 1e-3}}", 1, 0},
+    {"agreement", 1, "{'gates': [{'gate': 'error_bar', 'name': 'error bar', 'value': -3.9e-3, 'limit': 4e-3}]}", 1, 0},
+    {"agreement", 1, "{'gates': [{'gate': 'error_bar', 'name': 'error bar', 'value': 1e-3, 'limit': 4e-2}]}", 1, 0},
+    {"agreement", 1, "{'gates': []}", 2, 0}, /* a gate and its limit are gone, or are new */
+    {"levels", 0, "{'verdict': 'differ'}", 1, 0},
+    {"levels", 0, "{'stored': {'held': false}}", 1, 0},
+    {"levels", 0, "{'figures': [{'figure': 'rmse', 'name': 'RMSE', 'value': 0.19, 'asked': 0.2}]}", 1, 0},
+    {"levels", 0, "{'method': 'naive'}", 0, 0},
+    {"consistency", 0, "{'flip_mean': 0.2}", 1, 0},
+    {"calibration", 0, "{'verdict': 'fail'}", 1, 0},
+    {"calibration", 0, "{'value': 0.015}", 1, 0},
+};
+
+static json_t *planted_report(size_t i)
+{
+    json_t *root = report();
+    char *json = strdup(planted[i].set);
+    for (char *c = json; *c; ++c)
+        *c = *c == '\'' ? '"' : *c;
+    assert_int_equal(
+        json_object_update_new(row_of(root, planted[i].list, planted[i].row), json_loads(json, 0, NULL)), 0);
+    free(json);
+    return root;
+}
+
+static size_t count_worse(json_t *then, json_t *now, double factor)
+{
+    json_t *d;
+    assert_ok(iso_difference_of(then, now, true, factor, &d, &err));
+    const size_t count = iso_difference_count_worse(d);
+    json_decref(d);
+    json_decref(then);
+    json_decref(now);
+    return count;
+}
+
+static void what_is_less_certain_is_worse_and_more_is_not(void **state)
+{
+    (void)state;
+    assert_int_equal(count_worse(report(), report(), 1), 0);
+    for (size_t i = 0; i < sizeof planted / sizeof *planted; ++i) {
+        const size_t worse = count_worse(report(), planted_report(i), 1),
+                     better = count_worse(planted_report(i), report(), 1);
+        if (worse != planted[i].worse || better != planted[i].better)
+            fail_msg("%s of %s: %zu worse, and the other way round %zu", planted[i].set, planted[i].list, worse, better);
+    }
+    assert_int_equal(count_worse(report(), planted_report(3), 30), 0); /* tolerances are as wide as is asked */
+    json_t *less = report();
+    json_array_remove(json_object_get(less, "agreement"), 1);
+    assert_int_equal(count_worse(report(), json_incref(less), 1), 1); /* a row is gone */
+    assert_int_equal(count_worse(less, report(), 1), 0);              /* or new */
+}
+
+static void a_report_without_rows_is_not_accepted(void **state)
+{
+    (void)state;
+    json_t *root = report(), *kept;
+    assert_ok(iso_difference_accept(root, &kept, &err));
+    assert_null(json_object_get(kept, "made"));
+    assert_null(json_object_get(row_of(kept, "agreement", 0), "seconds"));
+    assert_int_equal(count_worse(kept, report(), 1), 0);
+    static const char *const lists[] = {"agreement", "levels", "consistency", "calibration"};
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i)
+        json_object_set_new(root, lists[i], json_array());
+    assert_status(iso_difference_accept(root, &kept, &err), ISO_E_FORMAT);
+    json_decref(root);
+}
+
+/* A word that is not known must not pass for anything; nor a list with verdicts that no table has. */
+static void what_is_not_known_of_a_report_is_refused(void **state)
+{
+    (void)state;
+    static const char *const words[] = {"fine", "", "pass"}; /* the last is one of calibrations */
+    iso_error why;
+    json_t *root = report();
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
+        json_object_set_new(row_of(root, "levels", 0), "verdict", json_string(words[i]));
+        assert_int_equal(iso_report_check(root, "r", &why), ISO_E_FORMAT);
+        assert_non_null(strstr(why.text, "levels, row 1: verdict"));
+    }
+    json_decref(root);
+    root = report();
+    json_object_set_new(root, "made_up", json_pack("[{s:s}]", "verdict", "agree"));
+    assert_int_equal(iso_report_check(root, "r", &why), ISO_E_FORMAT);
+    assert_non_null(strstr(why.text, "\"made_up\" has verdicts and is no section that is known"));
+    json_decref(root);
+    root = report();
+    json_object_set_new(root, "verdict", json_string("good"));
+    assert_status(iso_report_check(root, "r", &err), ISO_E_FORMAT);
+    json_decref(root);
+}
+
 static void other_files_are_refused(void **state)
 {
     (void)state;
     json_t *one = report(), *other = json_pack("{s:s}", "schema", "isoshade.accepted/2"), *d;
-    assert_status(iso_difference_of(one, other, false, &d, &err), ISO_E_FORMAT);
+    assert_status(iso_difference_of(one, other, false, 1, &d, &err), ISO_E_FORMAT);
     assert_null(d);
     json_decref(one);
     json_decref(other);
@@ -289,6 +395,9 @@ int main(void)
         cmocka_unit_test(rows_appear_and_disappear),
         cmocka_unit_test(versions_and_options_count_unless_results_alone_are_asked_for),
         cmocka_unit_test(the_worst_change_comes_first),
+        cmocka_unit_test(what_is_less_certain_is_worse_and_more_is_not),
+        cmocka_unit_test(a_report_without_rows_is_not_accepted),
+        cmocka_unit_test(what_is_not_known_of_a_report_is_refused),
         cmocka_unit_test(other_files_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

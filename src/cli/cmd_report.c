@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/manifest.h"
 #include "base/provenance.h"
+#include "cli/print_difference.h"
 #include "options/cli.h"
 #include "report/difference.h"
 #include "report/markdown.h"
@@ -38,50 +39,6 @@ static void unload(loaded_report *r)
 {
     free(r->dir);
     json_decref(r->root);
-}
-
-static char *text_of(const json_t *value)
-{
-    char *text = NULL;
-    if (json_is_real(value))
-        return asprintf(&text, "%.4g", json_real_value(value)) < 0 ? NULL : text;
-    return json_is_string(value) ? strdup(json_string_value(value)) : json_dumps(value, JSON_ENCODE_ANY);
-}
-
-/* "    rmse: 0.001 -> 0.002" */
-static void print_values(const char *before, const json_t *a, const json_t *b)
-{
-    char *from = text_of(a), *to = text_of(b);
-    printf("%s: %s -> %s\n", before, from ? from : "", to ? to : "");
-    free(from);
-    free(to);
-}
-
-static void print_text(const json_t *d)
-{
-    size_t i, j;
-    json_t *one, *what;
-    json_array_foreach(json_object_get(d, "facts"), i, one)
-        print_values(iso_row_text(one, "fact"), json_object_get(one, "a"), json_object_get(one, "b"));
-    json_array_foreach(json_object_get(d, "rows"), i, one)
-    {
-        printf("%s: %s\n", iso_row_text(one, "change"), iso_row_text(one, "name"));
-        json_array_foreach(json_object_get(one, "what"), j, what)
-        {
-            char line[160];
-            snprintf(line, sizeof line, "    %.140s", iso_row_text(what, "what"));
-            print_values(line, json_object_get(what, "a"), json_object_get(what, "b"));
-        }
-    }
-    json_array_foreach(json_object_get(d, "pictures"), i, one)
-    {
-        if (json_is_true(json_object_get(one, "counts")) && json_object_get(one, "problem"))
-            printf("picture: %s: %s\n", iso_row_text(one, "name"), iso_row_text(one, "problem"));
-        else if (json_is_true(json_object_get(one, "counts")))
-            printf("picture: %s: RMSE %.4g, tolerance %.4g (%s)\n", iso_row_text(one, "name"),
-                   iso_row_number(one, "rmse"), iso_row_number(one, "tolerance"), iso_row_text(one, "why"));
-    }
-    puts(iso_row_text(d, "sentence"));
 }
 
 /* Command, options and paths, which the page and --json show; report.json's own words for the heading. */
@@ -115,7 +72,7 @@ static iso_status diff(const iso_cli *cli, const report_arguments *a, const load
 {
     const iso_difference_source from[2] = {{of[0].dir, of[0].root}, {of[1].dir, of[1].root}};
     json_t *d = NULL, *inlined = json_pack("{s:{}, s:{}}", "images", "differences");
-    iso_status status = iso_difference_of(of[0].root, of[1].root, a->results_only, &d, err);
+    iso_status status = iso_difference_of(of[0].root, of[1].root, a->results_only, 1, &d, err);
     if (status == ISO_OK) {
         describe(cli, a, of, d);
         status = iso_difference_add_pictures(d, &from[0], &from[1], a->output ? inlined : NULL, err);
@@ -127,7 +84,7 @@ static iso_status diff(const iso_cli *cli, const report_arguments *a, const load
     if (status == ISO_OK && cli->json)
         iso_cli_print_json(json_incref(d));
     else if (status == ISO_OK)
-        print_text(d);
+        iso_print_difference(d);
     if (status == ISO_OK && !cli->json && a->output)
         printf("page: %s/index.html\n", a->output);
     if (status == ISO_OK && iso_row_verdict(d) != ISO_VERDICT_AGREE)

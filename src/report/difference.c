@@ -74,26 +74,38 @@ iso_tolerance iso_difference_tolerance(const json_t *a, const json_t *b, const c
 typedef struct pair {
     const json_t *a, *b;
     json_t *what;
+    double factor; /* of tolerances */
 } pair;
 
-static void add_change(const pair *p, const char *what, json_t *a, json_t *b, iso_tolerance t)
+static void add_change(const pair *p, const char *what, json_t *a, json_t *b, iso_tolerance t, bool worse)
 {
-    json_array_append_new(p->what, json_pack("{s:s, s:o, s:o, s:o, s:o}", "what", what, "a", a, "b", b, "tolerance",
-                                             t.why ? json_real(t.value) : json_null(), "why",
-                                             t.why ? json_string(t.why) : json_null()));
+    json_array_append_new(p->what, json_pack("{s:s, s:o, s:o, s:o, s:o, s:b}", "what", what, "a", a, "b", b,
+                                             "tolerance", t.why ? json_real(t.value) : json_null(), "why",
+                                             t.why ? json_string(t.why) : json_null(), "worse", worse));
 }
 
-/* NaN, of what could not be measured, equals itself alone. */
+/* NaN, of what could not be measured, equals itself alone. Larger ones are worse, whatever their sign. */
 static void compare_numbers(const pair *p, const char *what, double a, double b, iso_tolerance t)
 {
+    t.value *= p->factor;
     if (!(fabs(a - b) <= t.value) && !(isnan(a) && isnan(b)))
-        add_change(p, what, iso_json_number(a), iso_json_number(b), t);
+        add_change(p, what, iso_json_number(a), iso_json_number(b), t, !(fabs(b) < fabs(a)) && !isnan(a));
 }
 
+/* Of words that are neither better nor worse. */
 static void compare_texts(const pair *p, const char *what, const char *a, const char *b)
 {
     if (strcmp(a, b) != 0)
-        add_change(p, what, json_string(a), json_string(b), (iso_tolerance){0});
+        add_change(p, what, json_string(a), json_string(b), (iso_tolerance){0}, false);
+}
+
+/* A verdict that is less certain is worse, even if nothing is known to be wrong. */
+static void compare_verdicts(const pair *p)
+{
+    const char *a = iso_row_text(p->a, "verdict"), *b = iso_row_text(p->b, "verdict");
+    const bool worse = iso_verdict_doubt(iso_row_verdict(p->b)) > iso_verdict_doubt(iso_row_verdict(p->a));
+    if (strcmp(a, b) != 0)
+        add_change(p, "verdict", json_string(a), json_string(b), (iso_tolerance){0}, worse);
 }
 
 /* Limits are stated, so that no bit of them may be another. */
@@ -195,12 +207,14 @@ static void compare_held(const pair *p, const char *part)
 {
     static const char *const words[] = {"not judged", "held", "not held"};
     const json_t *const of[2] = {json_object_get(p->a, part), json_object_get(p->b, part)};
-    const char *word[2];
+    int state[2];
     for (int i = 0; i < 2; ++i) {
         const json_t *held = json_is_object(of[i]) ? json_object_get(of[i], "held") : of[i];
-        word[i] = words[!held || json_is_null(held) ? 0 : json_is_true(held) ? 1 : 2];
+        state[i] = !held || json_is_null(held) ? 0 : json_is_true(held) ? 1 : 2;
     }
-    compare_texts(p, part, word[0], word[1]);
+    if (state[0] != state[1])
+        add_change(p, part, json_string(words[state[0]]), json_string(words[state[1]]), (iso_tolerance){0},
+                   state[0] == 1 || state[1] == 2);
 }
 
 static void compare_levels(const pair *p)
@@ -331,16 +345,16 @@ static bool keep_row(json_t *rows, const struct kind *kind, const char *name, co
 }
 
 /* How many rows there are in either report. */
-static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *a, const json_t *b)
+static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *a, const json_t *b, double factor)
 {
     json_t *in_a = rows_by_name(a, kind), *in_b = rows_by_name(b, kind), *row;
     const char *name;
     size_t count = 0;
     json_object_foreach(in_a, name, row)
     {
-        const pair p = {row, json_object_get(in_b, name), json_array()};
+        const pair p = {row, json_object_get(in_b, name), json_array(), factor};
         if (p.b) {
-            compare_texts(&p, "verdict", iso_row_text(p.a, "verdict"), iso_row_text(p.b, "verdict"));
+            compare_verdicts(&p);
             kind->compare(&p);
         }
         keep_row(rows, kind, name, &p);
@@ -348,7 +362,7 @@ static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *
     }
     json_object_foreach(in_b, name, row) if (!json_object_get(in_a, name))
     {
-        const pair p = {NULL, row, json_array()};
+        const pair p = {NULL, row, json_array(), factor};
         keep_row(rows, kind, name, &p);
         ++count;
     }
@@ -449,7 +463,8 @@ static json_t *about(const json_t *report)
     return o;
 }
 
-iso_status iso_difference_of(const json_t *a, const json_t *b, bool results_only, json_t **difference, iso_error *err)
+iso_status iso_difference_of(const json_t *a, const json_t *b, bool results_only, double factor, json_t **difference,
+                             iso_error *err)
 {
     const json_t *const reports[2] = {a, b};
     *difference = NULL;
@@ -462,7 +477,7 @@ iso_status iso_difference_of(const json_t *a, const json_t *b, bool results_only
     json_t *rows = json_array();
     size_t count = 0;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
-        count += compare_kind(rows, &kinds[i], a, b);
+        count += compare_kind(rows, &kinds[i], a, b, factor);
     if (!d || !rows)
         return iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
     sort_rows(d, rows);
@@ -470,4 +485,37 @@ iso_status iso_difference_of(const json_t *a, const json_t *b, bool results_only
     json_object_set_new(d, "facts", facts_of(a, b, !results_only));
     *difference = d;
     return ISO_OK;
+}
+
+size_t iso_difference_count_worse(const json_t *difference)
+{
+    size_t i, j, count = 0;
+    json_t *row, *what;
+    json_array_foreach(json_object_get(difference, "rows"), i, row)
+    {
+        count += strcmp(iso_row_text(row, "change"), "disappeared") == 0;
+        json_array_foreach(json_object_get(row, "what"), j, what) count += json_is_true(json_object_get(what, "worse"));
+    }
+    return count;
+}
+
+iso_status iso_difference_accept(const json_t *report, json_t **accepted, iso_error *err)
+{
+    static const char *const about[] = {"schema", "command", "options", "versions", "volume", "scene", "asked"};
+    size_t rows = 0, k;
+    json_t *row;
+    *accepted = json_object();
+    for (size_t i = 0; i < sizeof about / sizeof *about; ++i)
+        json_object_set(*accepted, about[i], json_object_get(report, about[i]));
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
+        json_t *list = json_deep_copy(json_object_get(report, kinds[i].list));
+        json_array_foreach(list, k, row) json_object_del(row, "seconds");
+        rows += json_array_size(list);
+        json_object_set_new(*accepted, kinds[i].list, list);
+    }
+    if (rows > 0)
+        return ISO_OK;
+    json_decref(*accepted);
+    *accepted = NULL;
+    return iso_fail(err, ISO_E_FORMAT, "the report has no rows, so nothing would be compared");
 }

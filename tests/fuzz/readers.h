@@ -14,7 +14,6 @@ FUZZ_READER(fuzz_pyramid);
 FUZZ_READER(fuzz_joint);
 FUZZ_READER(fuzz_plan);
 FUZZ_READER(fuzz_report);
-FUZZ_READER(fuzz_baseline);
 FUZZ_READER(fuzz_renderers);
 FUZZ_READER(fuzz_manifest);
 FUZZ_READER(fuzz_palette);
