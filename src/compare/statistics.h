@@ -41,7 +41,7 @@ void iso_samples_destroy(iso_samples *s);
 iso_status iso_samples_add(iso_samples *s, const iso_image *image, iso_error *err);
 
 /* What neighbors tell of a pixel's variance, in degrees of freedom. They are 24, in 5 x 5 pixels, but noise differs from
- * pixel to pixel. With 4, none of 640 threes and fours of seeds of Cycles was flagged (doc/results/validation.md). */
+ * pixel to pixel. With 4, none of 640 threes and fours of seeds of Cycles was flagged (doc/results/deviations.md). */
 #define ISO_NOISE_NEIGHBORS 4.0
 
 typedef struct iso_noise_options {

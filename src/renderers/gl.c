@@ -71,7 +71,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
 
 /* A texture coordinate in float is up to 3e-8 of the volume off; where a steep value meets a table whose neighboring
  * entries differ by most of an opacity, that becomes some 1e-5. With exact lookups floats of texels, colors and a ray's sums
- * are left: 2e-7 and 5e-6 at most were seen, at a step of opacity 0.9999 (doc/results/validation.md).
+ * are left: 2e-7 and 5e-6 at most were seen, at a step of opacity 0.9999 (doc/results/deviations.md).
  *
  * Values can be steep where the TF is not (the padding of a CT), and where a direction is nearly zero it turns at once. A
  * gradient on the fly is a difference of two filtered values, each rounded by up to two last bits, over
