@@ -40,7 +40,6 @@ SMALL = [
     ("palette", "--entries 16 --steps 10"),
     ("atlas", "--case code-poles"),
     ("figure .*--kind grid", "--dpi 40 --with reference,gl"),
-    ("isoshade-lab figure .*--kind roi", "--dpi 40 --level 1 --roi 2,3,4,9,12,14"),
     ("figure", "--dpi 40"),
     ("bench all", "--quick --repeat 1 --only build-memory"),
     ("bench build", "--size 24 --levels 2 --runs 1"),
@@ -66,14 +65,10 @@ SMALL = [
 # What is not run, with the reason; its options are checked like those of the others.
 NOT_RUN = [
     (r"bench (compare|all .*--beside) ", "files and a program of another day; tests/check_bench_all.sh has some"),
-    (r"isoshade-lab levels --have .*\.\.\.", "tables of runs of hours; tests/lab/check_levels.sh joins small ones"),
     (r"validate .*--images", "its pictures come from a renderer elsewhere; tests/check_images.sh has some drawn"),
     (r"validate .*--blender ", "it needs a second Blender; tests/check_blenders.sh compares one with itself"),
     (r"render .*--gl-device 1", "it needs a second device; tests/check_gl_device.sh asks for those that are there"),
     (r"make shells --size 512", "a volume of 512 voxels a side: minutes beside other work, and a gigabyte"),
-    (r"validate bonsai_256\.nrrd --quick --size 128", "minutes: the whole job twice; tests/check_job.sh has a small one"),
-    (r"render bonsai_256\.nrrd --scene few|compare (cycles|limit)\.exr", "of the scene that the run before writes; check_pipeline.sh and check_compare.sh have small ones"),
-    (r"validate .*--with povray .*--budget 0\.01", "it ends with 1, since nothing is compared in that time: tests/check_job.sh"),
     (r"validate --suite", "a minute; tests/check_suite_all.sh runs all scenes of the suite"),
     (r"isoshade-lab consistency --(shading|filters)", "minutes; tests/lab/check_consistency.sh runs them with few voxels and pixels"),
     (r"isoshade-lab encode", "a minute whatever the options; tests/lab/check_encode.sh runs it"),
