@@ -169,6 +169,10 @@ figures: $(needs_setup) ## draw the pictures of the documentation again
 	@$(again) all
 	@sh refscenes/figures.sh $(FIGURES)
 .PHONY: figures
+reference: ## write the pages of doc/reference that are made from the program
+	@$(again) all
+	@python3 tests/reference_pages.py $(program) . doc/reference
+.PHONY: reference
 test: all tests ## build and run the tests of this config only
 	@bash tests/run.sh $(build)
 

@@ -24,7 +24,7 @@ screenshot() { # page, picture, width, height
 }
 
 hero() { sh refscenes/hero.sh "$out/hero.jpg"; } # README.md
-sheet() { # doc/transfer-functions.md
+sheet() { # doc/reference/tf-formats.md
     kind sheet.png $templates/ch2bet.nii.gz --kind sheet --tf auto --tf mri-brain --tf ct-vessels --tf angiography --width 110
 }
 report() { # doc/method/comparison.md
@@ -76,7 +76,7 @@ failures() { # doc/results/failures.md
 palettes() { # doc/results/palettes.md
     "$isoshade" palette --ellipsoid 5000 --method anneal --entries 510 --steps 2000 -q -o "$out/palettes-figure9.svg"
 }
-papers() { # doc/paper-figures.md
+papers() { # doc/results/paper-figures.md
     for picture in paper-code-points.png paper-code-regions.png paper-code-spheres.png \
         paper-code-table.png paper-joint-histogram.png paper-joint-row.png \
         paper-mixed-volume.png paper-mixed-surface.png paper-palette-views.png; do

@@ -60,7 +60,7 @@ extern "C" {
     ISO_VERSION_WORD(major) "." ISO_VERSION_WORD(minor) "." ISO_VERSION_WORD(patch)
 #define ISO_VERSION ISO_VERSION_TEXT(ISO_VERSION_MAJOR, ISO_VERSION_MINOR, ISO_VERSION_PATCH) /* "0.2.0" */
 
-/* The version of the library that runs, such as "0.2.0": not of the header that the program was built with. */
+/* Returns the version of the running library, such as "0.2.0"; ISO_VERSION is that of the header. */
 const char *iso_version(void);
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
@@ -91,7 +91,7 @@ typedef struct iso_error {
     char text[1024];
 } iso_error;
 
-/* The meaning of a status, such as "a file could not be read or written". */
+/* Returns the meaning of a status, such as "a file could not be read or written". */
 const char *iso_status_text(iso_status status);
 
 /* ---- names that options take ------------------------------------------------------------------------------------- */
@@ -107,7 +107,7 @@ typedef enum iso_choice {
     ISO_CHOICE_EXPORT            /* "vdb", "nanovdb", "blender", "povray", "pbrt", "mitsuba" */
 } iso_choice;
 
-/* The name of that number, from 0 on; NULL after the last. */
+/* Returns the name with that number, from 0; NULL after the last. */
 const char *iso_choice_name(iso_choice what, size_t number);
 
 /* ---- long work --------------------------------------------------------------------------------------------------- */
@@ -124,26 +124,26 @@ typedef struct iso_grid {
     double box_index[3];         /* what is rendered: [0, box_index]; coarse levels may overhang it; 0: size */
 } iso_grid;
 
-/* Along the world's axes, its box centered at the world's origin. */
+/* Makes a grid along the world's axes, centered at the origin. */
 iso_grid iso_grid_axis_aligned(const size_t size[3], const double spacing_mm[3]);
-/* The lengths of a voxel's edges. */
+/* Computes the lengths of a voxel's edges. */
 void iso_grid_spacing_mm(const iso_grid *grid, double spacing_mm[3]);
 
 typedef struct iso_volume iso_volume;
 
-/* Opens a file or a folder of slices by its content (doc/formats-in.md), values with the file's slope and intercept.
- * ISO_E_IO; ISO_E_FORMAT: not of these formats, or damaged; ISO_E_RANGE: voxels that are NaN or infinite; ISO_E_MISSING:
- * a program that reads such files (isoshade-itk, -arrays, -vdb) is not installed; ISO_E_MEMORY. */
+/* Opens a file or a folder of slices by its content (doc/reference/formats-read.md), applying its slope and
+ * intercept. ISO_E_IO; ISO_E_FORMAT: not of these formats, or damaged; ISO_E_RANGE: voxels that are NaN or infinite;
+ * ISO_E_MISSING: a program that reads such files (isoshade-itk, -arrays, -vdb) is not installed; ISO_E_MEMORY. */
 iso_status iso_volume_open(const char *path, iso_volume **volume, iso_error *err);
 
-/* Copies samples of that type (ISO_CHOICE_VOXEL_TYPE) in the machine's byte order. ISO_E_USAGE: an unknown type;
+/* Copies samples of a type (ISO_CHOICE_VOXEL_TYPE) in the machine's byte order. ISO_E_USAGE: an unknown type;
  * ISO_E_RANGE: a size of 0, a grid without volume, samples that are NaN or infinite; ISO_E_MEMORY. */
 iso_status iso_volume_from_memory(const iso_grid *grid, const char *type, const void *samples, iso_volume **volume,
                                   iso_error *err);
 
 iso_grid iso_volume_grid(const iso_volume *volume);
 
-/* An NRRD file with its header in it, its samples as they are or packed (gzip). ISO_E_IO. */
+/* Writes an NRRD file with attached header, its samples raw or packed by gzip. ISO_E_IO. */
 iso_status iso_volume_save(const iso_volume *volume, const char *path, bool gzip, iso_error *err);
 
 void iso_volume_free(iso_volume *volume);
@@ -165,15 +165,15 @@ typedef struct iso_build_options {
     void *progress_user;
     const void *reserved[8];
 } iso_build_options;
-/* Four levels, "fit", "central", "mean", "moments". */
+/* Returns the defaults: four levels, "fit", "central", "mean", "moments". */
 iso_build_options iso_build_defaults(void);
 
-/* ISO_E_USAGE: an unknown name; ISO_E_RANGE: an option outside its limits, voxels that are not finite; ISO_E_MEMORY. */
+/* Builds a pyramid. ISO_E_USAGE: unknown name; ISO_E_RANGE: option outside its limits, NaN or infinity; ISO_E_MEMORY. */
 iso_status iso_build(const iso_volume *volume, const iso_build_options *options, iso_pyramid **pyramid, iso_error *err);
 
-/* Opens a folder NAME.iso (doc/formats.md) and checks its checksums. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
+/* Opens a folder NAME.iso (doc/reference/files-pyramid.md) and checks its checksums. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
 iso_status iso_pyramid_open(const char *folder, iso_pyramid **pyramid, iso_error *err);
-/* Writes one; it appears when it is complete. ISO_E_IO. */
+/* Writes a folder NAME.iso, which appears when it is complete. ISO_E_IO. */
 iso_status iso_pyramid_save(const iso_pyramid *pyramid, const char *folder, iso_error *err);
 
 size_t iso_pyramid_level_count(const iso_pyramid *pyramid);
@@ -189,24 +189,24 @@ typedef struct iso_level_view {
     const float *magnitudes; /* one a voxel; NULL without keep_magnitude */
     const void *reserved[8];
 } iso_level_view;
-/* ISO_E_RANGE: a level that is not there; *view is then empty. */
+/* Gives access to one level. ISO_E_RANGE: no such level; the view is then empty. */
 iso_status iso_pyramid_level(const iso_pyramid *pyramid, size_t level, iso_level_view *view, iso_error *err);
 
-/* The directions that a level's codes stand for: 3 floats a voxel. Their length, at most 1, says how far a direction
- * can be trusted: 0 where there is none. ISO_E_RANGE. */
+/* Decodes a level's directions: 3 floats per voxel. Their length, at most 1, is their reliability: 0 means that there
+ * is none. ISO_E_RANGE. */
 iso_status iso_pyramid_directions(const iso_pyramid *pyramid, size_t level, float *directions, iso_error *err);
 
 void iso_pyramid_free(iso_pyramid *pyramid);
 
 /* ---- direction codes --------------------------------------------------------------------------------------------- */
 
-/* Bytes that one direction takes: 3 of most codes; 0 for an unknown one. */
+/* Returns the bytes per direction: 3 for most codes, 0 for an unknown one. */
 size_t iso_directions_bytes(const char *code);
-/* count directions, 3 floats each and of a length of at most 1, to bytes. ISO_E_USAGE: an unknown code; ISO_E_RANGE: a
+/* Encodes directions of 3 floats and a length of at most 1. ISO_E_USAGE: an unknown code; ISO_E_RANGE: a
  * direction that is too long or not finite, with its number. */
 iso_status iso_directions_encode(const char *code, const float *directions, size_t count, uint8_t *bytes,
                                  iso_error *err);
-/* And back, of any bytes: lengths are at most 1, but for the rounding of floats. ISO_E_USAGE. */
+/* Decodes any bytes to directions, whose lengths are at most 1 except for rounding. ISO_E_USAGE. */
 iso_status iso_directions_decode(const char *code, const uint8_t *bytes, size_t count, float *directions,
                                  iso_error *err);
 
@@ -220,21 +220,21 @@ typedef struct iso_tf_point {
     double opacity;       /* 0 to 1, after one unit of length */
 } iso_tf_point;
 
-/* Opens a file NAME.tf.json (doc/formats.md), or one of another program that leaves nothing open
- * (doc/transfer-functions.md). ISO_E_IO, ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY; ISO_E_USAGE: it leaves something open,
- * and `isoshade tf convert` has to be told what. */
+/* Opens a file NAME.tf.json (doc/reference/files-scene.md), or one of another program that is complete
+ * (doc/reference/tf-formats.md). ISO_E_IO, ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY; ISO_E_USAGE: the file lacks a range
+ * or a unit length, which options of `isoshade tf convert` supply. */
 iso_status iso_tf_open(const char *path, iso_tf **tf, iso_error *err);
-/* At least two points of rising values; between them color and opacity are linear. opacity is that of unit_mm
- * millimeters: extinction = -ln(1 - opacity) / unit_mm. ISO_E_RANGE, with the number of the point; ISO_E_MEMORY. */
+/* Makes a TF from at least two points of rising values; between them color and opacity are linear. Opacity refers to
+ * unit_mm millimeters: extinction = -ln(1 - opacity) / unit_mm. ISO_E_RANGE, with the number of the point; ISO_E_MEMORY. */
 iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double unit_mm, iso_tf **tf, iso_error *err);
-/* The TF for a level, made so that the level looks as the volume does with tf. Where that would not be closer, and at
- * level 0, a copy. ISO_E_RANGE: a level that is not there; ISO_E_MEMORY. */
+/* Adapts a TF to a level, so that the level looks like the volume. Returns a copy at level 0, and if adapting would not
+ * be closer. ISO_E_RANGE: no such level; ISO_E_MEMORY. */
 iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t level, iso_tf **adapted, iso_error *err);
-/* Red, green, blue and extinction per mm of a value, as renderers of this pyramid look it up. A TF that says "fit"
+/* Looks up red, green, blue and extinction per mm of values, as renderers of this pyramid do. A TF that says "fit"
  * takes its range from the pyramid's level 0. ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_tf_evaluate(const iso_tf *tf, const iso_pyramid *pyramid, const double *values, size_t count,
                            double (*rgb_extinction)[4], iso_error *err);
-/* ISO_E_IO. */
+/* Writes NAME.tf.json. ISO_E_IO. */
 iso_status iso_tf_save(const iso_tf *tf, const char *path, iso_error *err);
 void iso_tf_free(iso_tf *tf);
 
@@ -242,11 +242,11 @@ void iso_tf_free(iso_tf *tf);
 
 typedef struct iso_scene iso_scene;
 
-/* Opens a file NAME.scene.json (doc/formats.md). ISO_E_IO, ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY. */
+/* Opens a file NAME.scene.json (doc/reference/files-scene.md). ISO_E_IO, ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_scene_open(const char *path, iso_scene **scene, iso_error *err);
-/* The same from the text of such a file. A TF that it names as a file is looked for in the current folder. */
+/* Makes a scene from the text of such a file. TF files that it names are relative to the current folder. */
 iso_status iso_scene_from_text(const char *json, iso_scene **scene, iso_error *err);
-/* The scene's own TF; it stays the scene's, and lives as long as it. */
+/* Returns the scene's own TF, which lives as long as the scene. */
 const iso_tf *iso_scene_tf(const iso_scene *scene);
 void iso_scene_free(iso_scene *scene);
 
@@ -265,20 +265,20 @@ typedef struct iso_image_note {
     const char *key, *value;
 } iso_image_note;
 
-/* Black and transparent. ISO_E_RANGE: a size of 0, or one that cannot be addressed; ISO_E_MEMORY. */
+/* Makes a black, transparent image. ISO_E_RANGE: a size of 0, or one that cannot be addressed; ISO_E_MEMORY. */
 iso_status iso_image_create(iso_image *image, size_t width, size_t height, iso_error *err);
 void iso_image_destroy(iso_image *image); /* accepts empty and NULL */
 
-/* OpenEXR, 32-bit float, channels A B G R: what comparisons are made of. notes end with a NULL key, or are NULL.
+/* Writes OpenEXR, 32-bit float, channels A B G R. The notes end with a NULL key, or are NULL.
  * ISO_E_IO. */
 iso_status iso_image_save_exr(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err);
-/* Any flat single-part EXR with R, G, B or gray Y (A = 1 if it has none). Other primaries become those of Rec. 709. The picture is the
+/* Reads a flat single-part EXR with R, G, B or gray Y (A = 1 if absent). Other primaries become those of Rec. 709. The picture is the
  * file's display window: pixels of it that are outside the data window are 0 in all channels, and data outside it are
  * left out. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
 iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err);
-/* 8-bit sRGB for people, opaque. Colors are multiplied by exposure first. ISO_E_IO. */
+/* Writes 8-bit sRGB, opaque, with colors multiplied by exposure. ISO_E_IO. */
 iso_status iso_image_save_png(const iso_image *image, const char *path, double exposure, iso_error *err);
-/* 1 to 16 bits, decoded from sRGB or by gAMA and cHRM to linear light, multiplied by alpha. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
+/* Reads PNG of 1 to 16 bits into linear light, multiplied by alpha. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
 iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err);
 
 /* ---- comparison -------------------------------------------------------------------------------------------------- */
@@ -293,7 +293,7 @@ typedef struct iso_metrics {
     size_t worst[2];        /* column and row of max_abs */
     double reserved[8];
 } iso_metrics;
-/* ISO_E_RANGE: empty images, different sizes or origins. Ask `metrics.max_abs <= limit`: NaN is never within. */
+/* Compares two images. ISO_E_RANGE: empty images, other sizes or origins. Ask `max_abs <= limit`: NaN is never within. */
 iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *metrics, iso_error *err);
 
 /* ---- rendering --------------------------------------------------------------------------------------------------- */
@@ -311,10 +311,10 @@ typedef struct iso_frame_options {
     void *progress_user;
     const void *reserved[8];
 } iso_frame_options;
-/* Level 0 by "reference", as the scene has it. */
+/* Returns the defaults: level 0 with "reference", the scene unchanged. */
 iso_frame_options iso_frame_defaults(void);
 
-/* Creates *image. ISO_E_USAGE: an unknown name, an option that the renderer does not have; ISO_E_RANGE: a level that
+/* Renders an image. ISO_E_USAGE: an unknown name, an option that the renderer does not have; ISO_E_RANGE: a level that
  * is not there, an option outside its limits; ISO_E_MISSING: no such program or graphics device; ISO_E_PROGRAM. While
  * other programs run, SIGINT, SIGTERM and SIGHUP end them and the call fails, unless this program handles those
  * signals. */
@@ -334,10 +334,10 @@ typedef struct iso_export_options {
     void *progress_user;
     const void *reserved[8];
 } iso_export_options;
-/* Level 0 alone. */
+/* Returns the defaults: only level 0. */
 iso_export_options iso_export_defaults(void);
 
-/* target "vdb": a file NAME.vdb with the grids "density" and "gradient"; scene may be NULL. "nanovdb":
+/* Exports levels. Target "vdb": a file NAME.vdb with the grids "density" and "gradient"; scene may be NULL. "nanovdb":
  * NAME.nvdb, the same grids. "blender": NAME.blend, and its grids beside it; needs Blender. "povray": a folder with scene and densities.
  * "pbrt", "mitsuba": a folder with a scene whose medium is baked for that scene. ISO_E_USAGE: an unknown target, no
  * scene where one is needed, an option that the target does not have; ISO_E_RANGE; ISO_E_IO; ISO_E_MISSING;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# doc/formats.md says enough: tests/read_iso.py, which knows nothing else, reads what the program writes. And its keys are
-# those of the code, both ways.
+# The pages doc/reference/files*.md are complete: tests/read_iso.py, which uses nothing else, reads what the program writes.
+# And their keys are those of the code, both ways.
 . "$(dirname "$0")/lib.sh"
 page=$top/doc/formats.md
 python_with numpy

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# doc/formats-in.md: each row of its table is tested by files of another program, and each format of `isoshade list` has one.
+# doc/reference/formats-read.md: each row of its table is tested by files of another program, and each format has a row.
 . "$(dirname "$0")/lib.sh"
 page=$top/doc/formats-in.md
 python_with numpy,vtk

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# doc/GLOSSARY.md against the help texts: a term of the field that these use has a row, and a row has a term that is used.
+# doc/reference/glossary.md: each term of the field that help texts use has a row, and each row's term is used.
 . "$(dirname "$0")/lib.sh"
 glossary=$top/doc/GLOSSARY.md
 
@@ -36,7 +36,7 @@ for row in rows:  # one of a row's names is enough: the others are there for who
         unused.append(f"the glossary's \"{row}\" is used nowhere")
 print("\n".join(missing + unused), end="")
 PY
-others=$(find "$top/doc" "$top/README.md" -name '*.md' ! -name GLOSSARY.md)
+others=$(find "$top/doc" "$top/README.md" -name '*.md' ! -name glossary.md)
 # shellcheck disable=SC2086 # a list of files
 judge() { python3 glossary.py "$1" "$2" $others; }
 nothing() { # NAME TEXT

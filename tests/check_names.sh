@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# What the program can read, write and choose from stands in tables; doc/names.md, --help and the documents say what the
-# tables say.
+# What the program can read, write and choose from stands in tables; --help and the documents say the same. The pages of
+# doc/reference that are made from the program are current.
 . "$(dirname "$0")/lib.sh"
 
-check names_are_listed "$ISOSHADE" list
-"$ISOSHADE" list --markdown >names.md
+mkdir -p other/src pages others
+check pages_are_made python3 "$top/tests/reference_pages.py" "$ISOSHADE" "$top" pages
+cp pages/names.md names.md
 
 same_as_table() { # file: the tables' rows, no more and no fewer
     diff <(grep -E '^## |^\| `' "$1") <(grep -E '^## |^\| `' names.md) >difference

@@ -11,7 +11,7 @@ import sys
 MAKES = r'(?:json_(?:pack|object_set(?:_new)?|object_update_new|string)|iso_json_get_\w+|\bput\b|keys\[\] =|words\[\] =)'
 TEXT = re.compile(r'"([a-z][a-z0-9_]*)"')
 
-# Files of other programs, whose keys doc/transfer-functions.md names where they matter.
+# Files of other programs, whose keys doc/reference/tf-formats.md names where they matter.
 OTHERS = {"format_slicer.c", "format_paraview.c", "format_niivue.c"}
 
 words = {}

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Reads what isoshade writes, from what doc/formats.md says alone: numpy and the standard library, no source of it.
+"""Reads what isoshade writes, by doc/reference/files-pyramid.md and files-scene.md alone: numpy and the standard library, no source of it.
 
     read_iso.py pyramid NAME.iso [GRID.vdb]     checksums, headers, geometry, values and directions of every level
     read_iso.py slab IMAGE.exr NAME.iso SCENE   a constant volume, seen along an axis: the pixel in the middle
-    read_iso.py examples formats.md             the worked examples of the page
+    read_iso.py examples PAGE                   the worked examples of the page
 
 Ends with 1 and a line that says why where something is not as it should be. WRONG=name in the environment plants a
 fault: a decoder or a rule of this file that is not the documented one.

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Lists what comments and pages refer to and what is not there; check_references.sh runs it. usage: references.py FOLDER
 
-- a key such as [wang-2004] that doc/references.md does not list, and a key there that nothing cites;
+- a key such as [wang-2004] that doc/reference/references.md does not list, and a key there that nothing cites;
 - a paper that is cited by names and a year instead of its key;
 - a file name in a comment or a page that no file ends with, and a function iso_...() that no code has.
 
@@ -60,7 +60,7 @@ for path in sorted(files):
         continue
     if path.suffix in (".c", ".h", ".cc"):
         code |= set(re.findall(r"\biso_[a-z0-9_]+", re.sub(r"/\*.*?\*/", "", contents[path], flags=re.S)))
-listing = top / "doc/references.md"
+listing = top / "doc/reference/references.md"
 listed = set(key.findall(contents.get(listing, "")))
 for path, text in contents.items():
     if path == listing:
@@ -73,7 +73,7 @@ for path, text in contents.items():
     for match in key.finditer(text):
         cited.add(match.group(1))
         if match.group(1) not in listed:
-            found.append(f"{line(match.start())}: key {match.group(1)} is not in doc/references.md")
+            found.append(f"{line(match.start())}: key {match.group(1)} is not in doc/reference/references.md")
     for start, comment in texts(path, text):
         for match in file_name.finditer(comment) if name not in examples else ():
             last = match.group(1).split("/")[-1]
@@ -86,6 +86,6 @@ for path, text in contents.items():
                 found.append(f"{line(start + match.start())}: no function {match.group(1)}()")
         for match in by_name.finditer(comment):
             if not months.search(match.group(0)):
-                found.append(f"{line(start + match.start())}: \"{match.group(0)}\" has a key in doc/references.md, or should")
-found += [f"doc/references.md: nothing cites {k}" for k in sorted(listed - cited)]
+                found.append(f"{line(start + match.start())}: \"{match.group(0)}\" has a key in doc/reference/references.md, or should")
+found += [f"doc/reference/references.md: nothing cites {k}" for k in sorted(listed - cited)]
 print("\n".join(found))

@@ -8,7 +8,7 @@
  *     static const struct { const char *name, *summary; } filters[] = {{"mean", "means of 2x2x2 voxels"}, ...};
  *     const iso_names iso_scalar_filter_names = ISO_NAMES_OF_ROWS("scalar filter", filters);
  *
- * Messages, --help, `isoshade list` and doc/names.md are made from the table, so
+ * Messages, --help, `isoshade list` and doc/reference/names.md are made from the table, so
  * that a row is written once. */
 #ifndef ISO_NAMES_H
 #define ISO_NAMES_H

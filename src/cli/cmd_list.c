@@ -69,7 +69,7 @@ static iso_status list(const iso_cli *cli, bool markdown)
     if (markdown && !cli->json)
         printf(
             "# Names\n\nWhat isoshade reads, writes and chooses from, by the names that its options take. Made by `isoshade list --markdown`\n"
-            "from the program's tables; [extending.md](extending.md) shows how a row is added.\n\n");
+            "from the program's tables; [extending.md](../extending.md) shows how a row is added.\n\n");
     for (size_t i = 0; i < LIST_COUNT; ++i) {
         if (cli->json) {
             json_array_append_new(all, to_json(list_at(i)));
@@ -151,7 +151,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     int markdown = 0, gl = 0;
     char *renderers = NULL;
     struct poptOption options[] = {
-        {"markdown", 0, POPT_ARG_NONE, &markdown, 0, "as a document: doc/names.md", NULL},
+        {"markdown", 0, POPT_ARG_NONE, &markdown, 0, "as a document: doc/reference/names.md", NULL},
         {"gl", 0, POPT_ARG_NONE, &gl, 0,
          "devices for --gl-device: what OpenGL says of them, and the bits of their linear filter", NULL},
         ISO_CLI_RENDERERS_OPTION(&renderers),

@@ -10,7 +10,7 @@
  * Neither the error at the voxels nor pictures without light can tell: of a shell in steep gradients, the fit takes the
  * error at the voxels down to a quarter while its pictures, in steps as long as a level's, are half as far again.
  *
- * What is chosen, and the figures, are written to p->made_for (doc/formats.md). */
+ * What is chosen, and the figures, are written to p->made_for (doc/reference/files-pyramid.md). */
 #ifndef ISO_SCENE_LEVELS_H
 #define ISO_SCENE_LEVELS_H
 

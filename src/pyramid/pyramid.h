@@ -140,7 +140,7 @@ typedef struct iso_pyramid {
     size_t level_count;
     iso_level *levels;
     json_t *segments;  /* owned: names and colors of a label map's labels (volume/segments.h); or NULL */
-    json_t *made_for;  /* owned: the scene that levels were made for, and how (doc/formats.md); or NULL */
+    json_t *made_for;  /* owned: the scene that levels were made for, and how (doc/reference/files-pyramid.md); or NULL */
 } iso_pyramid;
 
 /* That of a volume's notes. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* external.h - renderers that are programs which know nothing of isoshade but a request (request.h) and the pictures that
- * it asks for. They stand in a renderers.json (doc/formats.md); doc/extending.md has a complete one.
+ * it asks for. They stand in a renderers.json (doc/reference/files-request.md); doc/extending.md has a complete one.
  *
  * A start: a folder of its own, in which the request is, and which is the working directory; no shell; the path of request.json as the last argument; the time limit of the row or of --timeout, whichever is less. When
  * it has ended, nothing that it began is left running (base/keeper.h). In a sandbox for programs that may draw on a graphics

@@ -182,7 +182,7 @@ struct iso_renderer_info {
                       iso_render_options *frames);
     /* The step that it takes where a frame asks for none, in the level's smallest spacing. NULL: the view's. */
     double (*own_step)(const iso_level *level);
-    /* What a report says of how it was run: a new object (doc/formats.md, "programs"). NULL: nothing. */
+    /* What a report says of how it was run: a new object (doc/reference/files-report.md, "programs"). NULL: nothing. */
     json_t *(*describe)(const iso_renderer_info *self);
     /* Releases what it keeps (iso_renderers_kept()). May be NULL. */
     void (*end)(void *kept);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* request.h - what a program is asked to render, as files that any language reads: doc/formats.md, "request.json".
+/* request.h - a rendering request as files that any language reads: doc/reference/files-request.md.
  *
  *     DIR/request.json       scene, camera, lights, transfer function, the frames to write; names files beside it
  *         volume.nrrd        the level's values, float, x fastest

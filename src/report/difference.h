@@ -31,7 +31,7 @@ typedef struct iso_difference_source {
     const json_t *root; /* report.json */
 } iso_difference_source;
 
-/* The rows and the facts, new: keys as in doc/formats.md, but for the pictures. Tolerances are multiplied by factor.
+/* The rows and the facts, new: keys as in doc/reference/files-report.md, but for the pictures. Tolerances are multiplied by factor.
  * ISO_E_FORMAT: no report. */
 iso_status iso_difference_of(const json_t *a, const json_t *b, bool results_only, double factor, json_t **difference,
                              iso_error *err);

@@ -171,8 +171,8 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
         "Pictures that are wanted\n"
         "========================\n\n"
         "Each folder holds one request: request.json says what is to be drawn, volume.nrrd has the values and\n"
-        "directions.nrrd, where a light can be seen, their directions. The keys and the equation stand in doc/formats.md\n"
-        "of isoshade under \"request.json\"; doc/extending.md has a short renderer that reads it.\n\n"
+        "directions.nrrd, where a light can be seen, their directions. isoshade's doc/reference/files-request.md\n"
+        "has the keys, doc/extending.md a short renderer that reads them.\n\n"
         "Draw these, and leave each where its request lies: OpenEXR, 32-bit float, channels R G B A, linear light,\n"
         "color multiplied by alpha, background included, of exactly that size:\n\n",
         f);
@@ -186,7 +186,8 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
         "    for request in */request.json; do (cd \"${request%%/*}\" && RENDERER \"$PWD/request.json\"); done\n\n"
         "Then, beside the volume:\n\n    %s\n\n"
         "pictures.json may be edited to say what the pictures are held to: \"tier\" (\"samples\", \"limit\" or \"8 bits\"),\n"
-        "\"bits\", \"limits\" ({\"rmse\", \"max_abs\"}) with \"why\", and \"title\", as in renderers.json (doc/formats.md).\n",
+        "\"bits\", \"limits\" ({\"rmse\", \"max_abs\"}) with \"why\", and \"title\", as in renderers.json\n"
+        "(doc/reference/files-request.md).\n",
         e->steps ? ",\nfor the limit of small steps." : ".", validate);
     json_array_foreach(e->left_out, i, one)
         fprintf(f, "\nLeft out: %s: %s.\n", json_string_value(json_object_get(one, "scene")),

@@ -16,7 +16,7 @@
  *          Known units (unit.h) are converted, others refused; without one lengths are mm.
  *   NIfTI  (1 and 2) sform before qform before bare pixdim (centered); its matrix maps
  *          voxel centers, so the corner lies at (-1/2, -1/2, -1/2).
- * doc/formats-in.md has the other formats. Trailing axes of one sample are dropped. Of several
+ * doc/reference/formats-read.md has the other formats. Trailing axes of one sample are dropped. Of several
  * time steps or several numbers a voxel one is chosen (frames.h). Volumes of two axes are refused. */
 #ifndef ISO_VOLUME_STREAM_H
 #define ISO_VOLUME_STREAM_H

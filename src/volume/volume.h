@@ -52,7 +52,7 @@ typedef struct iso_volume_stats {
 } iso_volume_stats;
 iso_volume_stats iso_volume_measure(const iso_volume *v);
 
-/* Loads by the file's content (doc/formats-in.md), values as they are stored.
+/* Loads by the file's content (doc/reference/formats-read.md), values as they are stored.
  * ISO_E_IO, ISO_E_FORMAT (truncated, wrong magic, sizes that do not match the file, types and dimensions that are not ours), ISO_E_RANGE (sizes
  * that overflow, NaN or Inf voxels), ISO_E_MEMORY. stream.h reads slab by slab
  * and says how world coordinates come from the file. */

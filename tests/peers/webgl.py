@@ -2,7 +2,7 @@
 """The viewer's ray caster as a renderer (viewer.json): the page of `isoshade view` without its controls, in Chromium
 without a window. It takes the page's parts from the source tree.
 
-webgl.py REQUEST.json     writes the pictures that the request asks for (doc/formats.md)
+webgl.py REQUEST.json     writes the pictures that the request asks for (doc/reference/files-request.md)
 webgl.py --version        says what would draw them"""
 import array
 import base64

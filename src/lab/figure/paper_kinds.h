@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* paper_kinds.h - the figures of the four papers that isoshade follows, as kinds of figures (job.h), from its own
- * program's data. doc/paper-figures.md has a picture of each. */
+ * program's data. doc/results/paper-figures.md has a picture of each. */
 #ifndef ISO_LAB_FIGURE_PAPER_KINDS_H
 #define ISO_LAB_FIGURE_PAPER_KINDS_H
 

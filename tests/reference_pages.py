@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Writes the pages of doc/reference that are made from the program: reference_pages.py ISOSHADE TOP FOLDER
+
+FOLDER/names.md, commands.md (from --help) and library.md (from src/isoshade.h). `make reference` writes them into
+doc/reference, and check_names.sh compares them.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+OPTION = re.compile(r"^  (?:(-\w), |    )(--[\w-]+(?:[= ]\S+)?)(?:\s{2,}(\S.*))?$")
+
+
+def printed(*words):
+    return subprocess.run(words, check=True, capture_output=True, text=True).stdout
+
+
+def sections(text):
+    """The paragraphs of a help text that begin with "NAME:", by name, and the lines before them."""
+    found, name = {"": []}, ""
+    for line in text.splitlines():
+        heading = re.match(r"^(usage|options|commands|examples|benchmarks|more options): ?(.*)$", line)
+        if heading:
+            name = heading.group(1)
+            found[name] = [heading.group(2)] if heading.group(2) else []
+        elif re.match(r"^\S", line) and name != "":
+            name = "other"
+            found.setdefault(name, [])
+        else:
+            found[name].append(line)
+    return found
+
+
+def options(lines):
+    """(name with argument, effect) of each option; lines that continue an effect are joined."""
+    rows = []
+    for line in lines:
+        option = OPTION.match(line)
+        if option:
+            short, name, effect = option.groups()
+            rows.append([f"`{short}`, `{name}`" if short else f"`{name}`", effect or ""])
+        elif line.startswith("    ") and rows:
+            rows[-1][1] = f"{rows[-1][1]} {line.strip()}".strip()
+    return [(name.replace("|", "\\|"), effect.replace("|", "\\|")) for name, effect in rows]
+
+
+def table(rows, out):
+    out += ["| option | effect |", "|---|---|"] + [f"| {name} | {effect} |" for name, effect in rows] + [""]
+
+
+def commands_page(program):
+    listed = [re.match(r"^  ([a-z]+)  +(.*)$", l) for l in sections(printed(program, "--help"))["commands"]]
+    parts = {m.group(1): sections(printed(program, m.group(1), "--help")) for m in listed if m}
+    of_command = {name: options(part.get("options", [])) for name, part in parts.items()}
+    count = {}
+    for rows in of_command.values():
+        for row in rows:
+            count[row] = count.get(row, 0) + 1
+    shared = [row for row in count if count[row] >= 3]
+    out = ["# Commands", "", "Made by `make reference` from `isoshade COMMAND --help`. `isoshade COMMAND --help=all` explains rarer "
+           "options,", "and each help text ends with examples. [Names](names.md) lists the words that options choose from.", "",
+           "## Shared options", "", "These options have the same effect in all commands that list them.", ""]
+    table(sorted(shared, key=lambda row: row[0].lstrip("`-")), out)
+    for name, summary in (m.groups() for m in listed if m):
+        usage = " ".join(" ".join(parts[name]["usage"]).split())
+        out += [f"## {name}", "", summary[0].upper() + summary[1:] + ("" if summary[-1] in ".?" else "."), "", "```text", usage, "```", ""]
+        own = [row for row in of_command[name] if row not in shared]
+        if own:
+            table(own, out)
+        words = [re.search(r"--[\w-]+", row[0]).group(0) for row in of_command[name] if row in shared]
+        if words:
+            out += ["Shared: " + " ".join(f"`{word}`" for word in words if word not in ("--json", "--quiet", "--help")) + ".", ""]
+    return "\n".join(out).replace("Shared: .\n\n", "")
+
+
+def library_page(header):
+    text = header.read_text()
+    out = ["# Library", "", "Made by `make reference` from [isoshade.h](../../src/isoshade.h), which has the full contracts.",
+           "Link with `pkg-config --cflags --libs isoshade`. The header is C99 and C++.", ""]
+    for name, body in re.findall(r"/\* ---- (\w[\w ]*?) -+ \*/\n(.*?)(?=/\* ---- |#ifdef __cplusplus\n\})", text, re.S):
+        rows = []
+        for comment, code in re.findall(r"(?:/\*((?:(?!\*/).)*)\*/\n)?((?:const )?\w+ \**iso_\w+\([^;]*\));", body, re.S):
+            sentence = re.sub(r"\s*\n \* ?", " ", comment).strip()
+            sentence = re.match(r"(?:(?!\. [A-Z]).)*\.?", sentence, re.S).group(0)
+            rows.append((re.search(r"iso_\w+(?=\()", code).group(0), sentence.replace("*", "\\*")))
+        if rows:
+            out += [f"## {name.capitalize()}", "", "| function | purpose |", "|---|---|"] + [f"| `{f}()` | {s} |".replace(" |  |", " | |") for f, s in rows] + [""]
+    return "\n".join(out)
+
+
+program, top, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+(folder / "names.md").write_text(printed(program, "list", "--markdown"))
+(folder / "commands.md").write_text(commands_page(program).rstrip() + "\n")
+(folder / "library.md").write_text(library_page(top / "src/isoshade.h").rstrip() + "\n")
