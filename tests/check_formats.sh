@@ -3,7 +3,8 @@
 # The pages doc/reference/files*.md are complete: tests/read_iso.py, which uses nothing else, reads what the program writes.
 # And their keys are those of the code, both ways.
 . "$(dirname "$0")/lib.sh"
-page=$top/doc/formats.md
+page=$dir/files.md
+cat "$top"/doc/reference/files*.md >"$page"
 python_with numpy
 read_iso() { "$python" "$top/tests/read_iso.py" "$@"; }
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # doc/reference/formats-read.md: each row of its table is tested by files of another program, and each format has a row.
 . "$(dirname "$0")/lib.sh"
-page=$top/doc/formats-in.md
+page=$top/doc/reference/formats-read.md
 python_with numpy,vtk
 "$python" "$top/tests/formats_in.py" "$ISOSHADE" || failed=1
 

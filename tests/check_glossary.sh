@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # doc/reference/glossary.md: each term of the field that help texts use has a row, and each row's term is used.
 . "$(dirname "$0")/lib.sh"
-glossary=$top/doc/GLOSSARY.md
+glossary=$top/doc/reference/glossary.md
 
 # Terms of the field that a newcomer cannot guess from plain English, as help texts have them (parts of words are enough).
 terms="voxel|spacing|trilinear|transfer function|extinction|opacity|ray step|quadrature|isosurface|shading

@@ -11,7 +11,14 @@ cp pages/names.md names.md
 same_as_table() { # file: the tables' rows, no more and no fewer
     diff <(grep -E '^## |^\| `' "$1") <(grep -E '^## |^\| `' names.md) >difference
 }
-check the_document_lists_the_tables diff "$top/doc/names.md" names.md
+for page in names commands library; do check "${page}_is_current" diff "$top/doc/reference/$page.md" "pages/$page.md"; done
+
+# Planted: a program with another option, and a header with one more function.
+printf '#!/bin/sh\n"%s" "$@" | sed "s/--quick/--hasty/"\n' "$ISOSHADE" >hasty && chmod +x hasty
+sed 's/^const char \*iso_version(void);/&\nint iso_other(void);/' "$top/src/isoshade.h" >other/src/isoshade.h
+python3 "$top/tests/reference_pages.py" ./hasty other others
+notice another_option_is_found diff pages/commands.md others/commands.md
+notice another_function_is_found diff pages/library.md others/library.md
 
 # Planted faults: a row missing in the document, one too many, and a summary that says something else.
 grep -v '^| `shell`' names.md >less.md
