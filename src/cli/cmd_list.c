@@ -58,7 +58,7 @@ static json_t *to_json(const iso_names *names)
 
 static void print_markdown(const iso_names *names)
 {
-    printf("## %s\n\n| name | what it is |\n|---|---|\n", names->plural);
+    printf("## %s\n\n| name | meaning |\n|---|---|\n", names->plural);
     for (size_t i = 0; i < names->count; ++i)
         printf("| `%s` | %s |\n", iso_names_name(names, i), iso_names_summary(names, i));
 }
@@ -68,8 +68,8 @@ static iso_status list(const iso_cli *cli, bool markdown)
     json_t *all = json_array();
     if (markdown && !cli->json)
         printf(
-            "# Names\n\nWhat isoshade reads, writes and chooses from, by the names that its options take. Made by `isoshade list --markdown`\n"
-            "from the program's tables; [extending.md](../extending.md) shows how a row is added.\n\n");
+            "# Names\n\nThe words that options take. `make reference` makes this page from the program's tables;\n"
+            "[extending.md](../extending.md) shows how to add a row.\n\n");
     for (size_t i = 0; i < LIST_COUNT; ++i) {
         if (cli->json) {
             json_array_append_new(all, to_json(list_at(i)));
