@@ -9,7 +9,7 @@ check pages_are_made python3 "$top/tests/reference_pages.py" "$ISOSHADE" "$top" 
 cp pages/names.md names.md
 
 same_as_table() { # file: the tables' rows, no more and no fewer
-    diff <(grep -E '^## |^\| `' "$1") <(grep -E '^## |^\| `' names.md) >difference
+    diff <(grep -E '^## |^- `' "$1") <(grep -E '^## |^- `' names.md) >difference
 }
 for page in names commands library; do check "${page}_is_current" diff "$top/doc/reference/$page.md" "pages/$page.md"; done
 
@@ -21,9 +21,9 @@ notice another_option_is_found diff pages/commands.md others/commands.md
 notice another_function_is_found diff pages/library.md others/library.md
 
 # Planted faults: a row missing in the document, one too many, and a summary that says something else.
-grep -v '^| `shell`' names.md >less.md
-sed 's/^| `shell`.*/&\n| `pinch` | not a code |/' names.md >more.md
-sed 's/^| `shell` | the best/| `shell` | the worst/' names.md >other.md
+grep -v '^- `shell`' names.md >less.md
+sed 's/^- `shell`.*/&\n- `pinch`: not a code/' names.md >more.md
+sed 's/^- `shell`: the best/- `shell`: the worst/' names.md >other.md
 for fault in less more other; do
     if same_as_table $fault.md; then not_ok "a_document_with_${fault}_is_found" "taken for the table"; else ok "a_document_with_${fault}_is_found"; fi
 done

@@ -9,6 +9,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import textwrap
 
 OPTION = re.compile(r"^  (?:(-\w), |    )(--[\w-]+(?:[= ]\S+)?)(?:\s{2,}(\S.*))?$")
 
@@ -43,11 +44,11 @@ def options(lines):
             rows.append([f"`{short}`, `{name}`" if short else f"`{name}`", effect or ""])
         elif line.startswith("    ") and rows:
             rows[-1][1] = f"{rows[-1][1]} {line.strip()}".strip()
-    return [(name.replace("|", "\\|"), effect.replace("|", "\\|")) for name, effect in rows]
+    return [tuple(row) for row in rows]
 
 
-def table(rows, out):
-    out += ["| option | effect |", "|---|---|"] + [f"| {name} | {effect} |" for name, effect in rows] + [""]
+def bullets(rows, out):
+    out += [f"- {name}: {effect}" for name, effect in rows] + [""]
 
 
 def commands_page(program):
@@ -62,13 +63,13 @@ def commands_page(program):
     out = ["# Commands", "", "Made by `make reference` from `isoshade COMMAND --help`. `isoshade COMMAND --help=all` explains rarer "
            "options,", "and each help text ends with examples. [Names](names.md) lists the words that options choose from.", "",
            "## Shared options", "", "These options have the same effect in all commands that list them.", ""]
-    table(sorted(shared, key=lambda row: row[0].lstrip("`-")), out)
+    bullets(sorted(shared, key=lambda row: row[0].lstrip("`-")), out)
     for name, summary in (m.groups() for m in listed if m):
         usage = " ".join(" ".join(parts[name]["usage"]).split())
         out += [f"## {name}", "", summary[0].upper() + summary[1:] + ("" if summary[-1] in ".?" else "."), "", "```text", usage, "```", ""]
         own = [row for row in of_command[name] if row not in shared]
         if own:
-            table(own, out)
+            bullets(own, out)
         words = [re.search(r"--[\w-]+", row[0]).group(0) for row in of_command[name] if row in shared]
         if words:
             out += ["Shared: " + " ".join(f"`{word}`" for word in words if word not in ("--json", "--quiet", "--help")) + ".", ""]
@@ -86,11 +87,18 @@ def library_page(header):
             sentence = re.match(r"(?:(?!\. [A-Z]).)*\.?", sentence, re.S).group(0)
             rows.append((re.search(r"iso_\w+(?=\()", code).group(0), sentence.replace("*", "\\*")))
         if rows:
-            out += [f"## {name.capitalize()}", "", "| function | purpose |", "|---|---|"] + [f"| `{f}()` | {s} |".replace(" |  |", " | |") for f, s in rows] + [""]
+            out += [f"## {name.capitalize()}", ""] + [f"- `{f}()`: {s}".removesuffix(": ") for f, s in rows] + [""]
     return "\n".join(out)
 
 
+def write(name, text):
+    """Writes a page, its lists wrapped at 120 columns."""
+    lines = [textwrap.fill(l, 120, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False) if l.startswith("- ") else l
+             for l in text.rstrip().split("\n")]
+    (folder / name).write_text("\n".join(lines) + "\n")
+
+
 program, top, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
-(folder / "names.md").write_text(printed(program, "list", "--markdown"))
-(folder / "commands.md").write_text(commands_page(program).rstrip() + "\n")
-(folder / "library.md").write_text(library_page(top / "src/isoshade.h").rstrip() + "\n")
+write("names.md", printed(program, "list", "--markdown"))
+write("commands.md", commands_page(program))
+write("library.md", library_page(top / "src/isoshade.h"))

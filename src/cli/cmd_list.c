@@ -58,9 +58,9 @@ static json_t *to_json(const iso_names *names)
 
 static void print_markdown(const iso_names *names)
 {
-    printf("## %s\n\n| name | meaning |\n|---|---|\n", names->plural);
+    printf("## %s\n\n", names->plural);
     for (size_t i = 0; i < names->count; ++i)
-        printf("| `%s` | %s |\n", iso_names_name(names, i), iso_names_summary(names, i));
+        printf("- `%s`: %s\n", iso_names_name(names, i), iso_names_summary(names, i));
 }
 
 static iso_status list(const iso_cli *cli, bool markdown)
