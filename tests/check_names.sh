@@ -83,14 +83,7 @@ for heading in "A renderer" "A direction code" "An estimator" "A volume format" 
 done
 while read -r name; do check "the_readme_names_$name" grep -qi "$name" "$top/README.md"; done < <(rows "volume format")
 
-# The examples of doc/extending.md compile, without a warning.
-awk '/^```c$/ {n++; out = "example" n ".c"; next} /^```$/ {out = ""} out {print > out}' "$top/doc/extending.md"
-for example in example*.c; do
-    name=$(sed -n '1,2s/^\/\* \([a-z_0-9]*\)\.c.*/\1/p' "$example")
-    check "example_${name}_compiles" gcc -std=c11 -fsyntax-only -Wall -Wextra -Wno-psabi -Werror -I"$top/src" -I"$top/exporters" -I"$top" "$example"
-    lines=$(wc -l <"$example")
-    [ "$lines" -le 60 ] && ok "example_${name}_is_short" || not_ok "example_${name}_is_short" "$lines lines"
-done
+check only_the_renderers_name_a_certain_one bash -c "! grep -rnE 'iso_renderer_(gl|cycles|povray)\\b' '$top/src' '$top/exporters' | grep -v '^$top/src/renderers/'"
 
 # Messages list the rows, too.
 expect an_unknown_code_is_refused 2 "$ISOSHADE" build none.nrrd --code pinch -o x.iso

@@ -2,7 +2,7 @@
 /* targets.h - the table of programs that a volume is exported to: a row and a file each.
  *
  * A target's file, exporters/targets/target_NAME.c, defines iso_export_target_NAME
- * and is listed below; doc/extending.md shows one. The row says which options
+ * and is listed below; doc/extending.md explains. The row says which options
  * have a meaning for it: others are refused, since they would change nothing. */
 #ifndef ISO_TARGETS_H
 #define ISO_TARGETS_H

@@ -2,7 +2,7 @@
 /* format.h - the table of transfer-function formats: a row and a file each.
  *
  * A format's file, src/tf/format_NAME.c, defines iso_tf_format_NAME and is
- * listed below; doc/extending.md shows one. What is read is told by a file's
+ * listed below; doc/extending.md explains. What is read is told by a file's
  * name and, where several formats share an ending, by its content; what is
  * written is told by the name alone. Every command that takes a transfer
  * function reads these files, and `isoshade tf convert` reads and writes them. */

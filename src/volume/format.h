@@ -2,7 +2,7 @@
 /* format.h - the table of volume formats: a row and a file each.
  *
  * A format's file, src/volume/NAME_open.c, defines iso_volume_format_NAME and is
- * listed below; doc/extending.md shows one. iso_source_open() (stream.h) asks
+ * listed below; doc/extending.md explains. iso_source_open() (stream.h) asks
  * the rows in order whether a file is theirs, by its first bytes. */
 #ifndef ISO_VOLUME_FORMAT_H
 #define ISO_VOLUME_FORMAT_H
