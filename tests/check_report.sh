@@ -6,7 +6,7 @@ report() { # folder, rmse
     mkdir -p "$1"
     cat >"$1/report.json" <<END
 {"schema": "isoshade.validate/1", "command": "isoshade validate v.nrrd", "agreement": [
-    {"scene": "s", "level": 0, "a": "reference", "b": "gl", "tier": "tight", "rmse": $2, "max_abs": 0.01,
+    {"scene": "s", "level": 0, "a": "reference", "renderer": "gl", "tier": "tight", "rmse": $2, "max_abs": 0.01,
      "limits": {"rmse": 0.01, "max_abs": 0.02}, "verdict": "agree"}],
  "consistency": [{"method": "moments", "level": 1, "flip_mean": 0.1}]}
 END

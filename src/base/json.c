@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/json_text.h"
 #include "base/names.h"
 #include "base/words.h"
 
@@ -94,12 +95,19 @@ static void shorten_numbers(char *text)
     *to = 0;
 }
 
+char *iso_json_text(const json_t *root, size_t flags)
+{
+    char *text = json_dumps(root, flags | JSON_REAL_PRECISION(17));
+    if (text)
+        shorten_numbers(text);
+    return text;
+}
+
 iso_status iso_json_save(const char *path, const json_t *root, iso_error *err)
 {
-    char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    char *text = iso_json_text(root, JSON_INDENT(2));
     if (!text)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for its JSON text", path);
-    shorten_numbers(text);
     size_t size = strlen(text);
     text[size] = '\n'; /* the file ends with a newline; the terminating 0 is not written */
     iso_status status = iso_file_write(path, text, size + 1, err);

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/markup.h"
 
+#include <stdlib.h>
+
+#include "base/json_text.h"
 #include "base/words.h"
 
 /* Returns how many bytes of the text were taken. */
@@ -22,4 +25,12 @@ void iso_markup_put(FILE *f, const char *text)
         case '\'': fputs("&#39;", f); break;
         default: c += put_other(f, c) - 1;
         }
+}
+
+void iso_markup_put_json(FILE *f, const json_t *value)
+{
+    char *s = iso_json_text(value, JSON_COMPACT);
+    for (const char *c = s; c && *c; ++c)
+        *c == '<' ? fputs("\\u003c", f) : fputc(*c, f);
+    free(s);
 }

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/machine.h"
+#include "base/order.h"
 #include "base/parallel.h"
 #include "base/process.h"
 #include "bench/all_page.h"
@@ -163,12 +164,6 @@ static iso_status measure_all(all_bench *b, iso_error *err)
 
 /* ---- results ---- */
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median_of(const double *values, int count)
 {
     double sorted[MOST_REPEATS];
@@ -177,7 +172,7 @@ static double median_of(const double *values, int count)
             return NAN;
         sorted[i] = values[i];
     }
-    qsort(sorted, (size_t)count, sizeof *sorted, compare_doubles);
+    qsort(sorted, (size_t)count, sizeof *sorted, iso_order_doubles);
     return 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "base/parallel.h"
 #include "bench/cast_bound.h"
 #include "bench/render.h"
@@ -134,12 +135,6 @@ static iso_status measure_errors(const iso_cli *cli, iso_gl *gl, const iso_pyram
     return status;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Of the rounds' ratios, OpenGL's time over the CPU ray caster's. */
 static double median_ratio(const cast_case *c, int rounds, bool processor)
 {
@@ -148,7 +143,7 @@ static double median_ratio(const cast_case *c, int rounds, bool processor)
         const cast_time *gl = &c->round[WHO_GL][i], *cpu = &c->round[WHO_CPU][i];
         ratio[i] = processor ? gl->processor / cpu->processor : gl->wall / cpu->wall;
     }
-    qsort(ratio, (size_t)rounds, sizeof *ratio, by_value);
+    qsort(ratio, (size_t)rounds, sizeof *ratio, iso_order_doubles);
     return 0.5 * (ratio[(rounds - 1) / 2] + ratio[rounds / 2]);
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "base/parallel.h"
 
 #define PI 3.14159265358979323846
@@ -344,12 +345,6 @@ iso_status iso_flip_ldr(const iso_image *a, const iso_image *b, double pixels_pe
     return flip_at(a, b, pixels_per_degree, 1, false, map, err);
 }
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* [andersson-2021] sec. 3.2: the tone curve reaches 0.85 at `bright`. */
 iso_status iso_flip_exposures(const iso_image *reference, double *start, double *stop, size_t *count, iso_error *err)
 {
@@ -363,7 +358,7 @@ iso_status iso_flip_exposures(const iso_image *reference, double *start, double 
             sum += xyz_from_rgb[1][c] * reference->rgba[4 * i + c];
         luminance[i] = isfinite(sum) && sum > 0 ? sum : 0;
     }
-    qsort(luminance, pixels, sizeof *luminance, ascending);
+    qsort(luminance, pixels, sizeof *luminance, iso_order_doubles);
     double brightest = luminance[pixels - 1];
     double median = pixels % 2 ? luminance[pixels / 2] : 0.5 * (luminance[pixels / 2 - 1] + luminance[pixels / 2]);
     free(luminance);

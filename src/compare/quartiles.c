@@ -4,11 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
+#include "base/order.h"
 
 static double quantile(const double *ordered, size_t count, double part)
 {
@@ -23,7 +19,7 @@ iso_ratios iso_ratios_summarize(double *ratios, size_t count)
     double log_sum = 0;
     if (count == 0)
         return s;
-    qsort(ratios, count, sizeof *ratios, compare_doubles);
+    qsort(ratios, count, sizeof *ratios, iso_order_doubles);
     for (size_t i = 0; i < count; ++i)
         log_sum += log(ratios[i]);
     s.geometric_mean = exp(log_sum / (double)count);

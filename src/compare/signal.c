@@ -5,18 +5,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/order.h"
 #include "compare/statistics.h"
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 /* The value that 99 % of the pixels stay below. */
 static double p99_of(double *values, size_t count)
 {
-    qsort(values, count, sizeof *values, ascending);
+    qsort(values, count, sizeof *values, iso_order_doubles);
     return values[(size_t)ceil(0.99 * (double)count) - 1];
 }
 

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/order.h"
+
 /* ---- Student's distribution ----------------------------------------------- */
 
 /* The continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), by the method of
@@ -137,17 +139,11 @@ static double variance_of(const iso_samples *s, size_t i)
     return fmax(s->squares[i], count > 0 ? sum / count : 0) / (double)(s->count - 1);
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void sum_up_tolerances(const iso_noise_options *opt, double *sorted, iso_noise_test *out)
 {
     for (size_t i = 0; i < out->tests; ++i)
         sorted[i] = opt->tolerance + (opt->tolerances ? opt->tolerances[i] : 0);
-    qsort(sorted, out->tests, sizeof *sorted, compare_numbers);
+    qsort(sorted, out->tests, sizeof *sorted, iso_order_doubles);
     out->tolerance_median = sorted[out->tests / 2];
     out->tolerance_largest = sorted[out->tests - 1];
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
 #include "base/parallel.h"
 #include "base/work.h"
 #include "renderers/picture_store.h"
@@ -86,16 +87,10 @@ static void count_picture(const iso_render_request *q, const iso_render_options 
 
 /* ---- stats ---- */
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 void iso_render_stats_sum_up(iso_render_stats *stats, const double *seconds, size_t count)
 {
     memcpy(stats->frame_seconds, seconds, count * sizeof *seconds);
-    qsort(stats->frame_seconds, count, sizeof *seconds, by_value);
+    qsort(stats->frame_seconds, count, sizeof *seconds, iso_order_doubles);
     stats->count = count;
     stats->seconds = stats->frame_seconds[0];
     stats->median_seconds = 0.5 * (stats->frame_seconds[(count - 1) / 2] + stats->frame_seconds[count / 2]);
@@ -108,7 +103,7 @@ void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more)
     memcpy(seconds, stats->frame_seconds, stats->count * sizeof *seconds);
     memcpy(seconds + stats->count, more->frame_seconds, more->count * sizeof *seconds);
     const size_t count = stats->count + more->count;
-    qsort(seconds, count, sizeof *seconds, by_value);
+    qsort(seconds, count, sizeof *seconds, iso_order_doubles);
     if (count > 0)
         iso_render_stats_sum_up(stats, seconds, count < ISO_RENDER_MAX_FRAMES ? count : ISO_RENDER_MAX_FRAMES);
 }

@@ -103,15 +103,6 @@ iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, char 
 
 /* ---- the page ---- */
 
-/* JSON inside <script>: "<" is written as an escape, so that no text ends the element. */
-static void put_json(FILE *f, const json_t *value)
-{
-    char *s = json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(9));
-    for (const char *c = s; c && *c; ++c)
-        *c == '<' ? fputs("\\u003c", f) : fputc(*c, f);
-    free(s);
-}
-
 static void put_mark(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *mark)
 {
     if (strcmp(mark, "STYLE") == 0) {
@@ -121,9 +112,9 @@ static void put_mark(FILE *f, const iso_page *page, const json_t *data, const js
         for (size_t i = 0; page->scripts[i]; ++i)
             fputs(page->scripts[i], f);
     else if (strcmp(mark, "DATA") == 0)
-        put_json(f, data);
+        iso_markup_put_json(f, data);
     else if (strcmp(mark, "INLINED") == 0)
-        put_json(f, inlined);
+        iso_markup_put_json(f, inlined);
     else if (strcmp(mark, "SENTENCE") == 0)
         iso_markup_put(f, iso_row_text(data, "sentence"));
     else if (strcmp(mark, "TITLE") == 0)

@@ -333,12 +333,11 @@ iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistenc
 
 void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NAME_BYTES])
 {
-    const char *method = json_string_value(json_object_get(row, "method")),
-               *tf = json_string_value(json_object_get(row, "tf"));
-    snprintf(name, ISO_CONSISTENCY_NAME_BYTES, "%.100s%s", method ? method : "",
-             !tf || strcmp(tf, "original") == 0 ? ""
-             : strcmp(tf, "scaled") == 0        ? "+scaled"
-                                                : "+adapted");
+    const char *tf = iso_row_text(row, "tf");
+    snprintf(name, ISO_CONSISTENCY_NAME_BYTES, "%.100s%s", iso_row_text(row, "method"),
+             strcmp(tf, "adapted") == 0  ? "+adapted"
+             : strcmp(tf, "scaled") == 0 ? "+scaled"
+                                         : "");
 }
 
 iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibration *row, iso_error *err)

@@ -110,7 +110,7 @@ iso_status iso_report_add_agreement(iso_report *report, const iso_report_agreeme
 
 /* How far a level is from level 0, which is always under the original TF, with one way to shade it. NaN: not measured.
  * In report.json: level, views, method, tf ("original", "adapted" or "scaled"), original_kept, the five figures, by_view, image and
- * reference_image. Rows of older reports have no tf: theirs is the original. */
+ * reference_image. */
 typedef struct iso_report_consistency {
     size_t level, views;
     const char *method;

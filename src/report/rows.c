@@ -86,10 +86,9 @@ static void note_row(scenes_seen *seen, const json_t *row)
     const iso_verdict verdict = iso_row_verdict(row);
     const iso_row_identity id = iso_row_identify(row);
     const bool compared = verdict == ISO_VERDICT_AGREE || verdict == ISO_VERDICT_DIFFER,
-               faint = verdict == ISO_VERDICT_REPORTED ||
-                       (verdict == ISO_VERDICT_NOT_COMPARED && (iso_row_uncompared(row) == ISO_UNCOMPARED_FAINT ||
-                                                                (iso_row_uncompared(row) == ISO_UNCOMPARED_BUDGET &&
-                                                                 *iso_row_text(row, "renderer"))));
+               faint = verdict == ISO_VERDICT_NOT_COMPARED && (iso_row_uncompared(row) == ISO_UNCOMPARED_FAINT ||
+                                                               (iso_row_uncompared(row) == ISO_UNCOMPARED_BUDGET &&
+                                                                *iso_row_text(row, "renderer")));
     json_t *renderers = json_object_get(seen->renderers, scene);
     if (!renderers) {
         renderers = json_object();
@@ -146,50 +145,20 @@ double iso_row_number(const json_t *row, const char *key)
     return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
-static iso_comparison comparison_from(const char *word, iso_comparison otherwise)
+static iso_comparison comparison_from(const char *word)
 {
     for (int i = 0; i < ISO_COMPARISON_COUNT; ++i)
         if (strcmp(word, comparisons[i].word) == 0)
             return (iso_comparison)i;
-    return otherwise;
-}
-
-/* The next part of a name, up to ", "; *at goes behind it, NULL at the end. */
-static void take_part(const char **at, char *part, size_t size)
-{
-    const char *end = *at ? strstr(*at, ", ") : NULL;
-    snprintf(part, size, "%.*s", *at ? (int)(end ? end - *at : (long)strlen(*at)) : 0, *at ? *at : "");
-    *at = end ? end + 2 : NULL;
-}
-
-/* Rows of older reports have a name alone: "gl", "gl, limit", "gl, exact lookups", "gl, naive, adapted TF". */
-static iso_row_identity take_name_apart(const json_t *row)
-{
-    iso_row_identity id;
-    const char *at = iso_row_text(row, "b"), *rest;
-    char part[sizeof id.variant];
-    take_part(&at, id.renderer, sizeof id.renderer);
-    rest = at;
-    take_part(&at, part, sizeof part);
-    /* Rows that are not named after how they were compared have it as their tier. */
-    id.comparison = comparison_from(iso_row_text(row, "tier"), ISO_COMPARISON_LOCK_STEP);
-    for (int i = 0; i < ISO_COMPARISON_COUNT; ++i)
-        if (comparisons[i].said[0] && strcmp(part, comparisons[i].said) == 0) {
-            id.comparison = (iso_comparison)i;
-            rest = at;
-        }
-    snprintf(id.variant, sizeof id.variant, "%s", rest ? rest : "");
-    return id;
+    return ISO_COMPARISON_LOCK_STEP;
 }
 
 iso_row_identity iso_row_identify(const json_t *row)
 {
     iso_row_identity id;
-    if (!json_is_string(json_object_get(row, "renderer")))
-        return take_name_apart(row);
     snprintf(id.renderer, sizeof id.renderer, "%s", iso_row_text(row, "renderer"));
     snprintf(id.variant, sizeof id.variant, "%s", iso_row_text(row, "variant"));
-    id.comparison = comparison_from(iso_row_text(row, "comparison"), ISO_COMPARISON_LOCK_STEP);
+    id.comparison = comparison_from(iso_row_text(row, "comparison"));
     return id;
 }
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* rows.h - the words of a report's rows, and reading rows again.
  *
- * Each word stands once, in the tables here. Rows of reports that were written before rows named their renderer are
- * read as well: there the name of image b is taken apart. */
+ * Each word stands once, in the tables here. */
 #ifndef ISO_REPORT_ROWS_H
 #define ISO_REPORT_ROWS_H
 
@@ -16,7 +15,6 @@
 #define ISO_VERDICT_LIST(X)                                                                \
     X(ISO_VERDICT_AGREE, "agree", 0)               /* all that is asked is held */         \
     X(ISO_VERDICT_PASS, "pass", 0)                 /* the same of a calibration */         \
-    X(ISO_VERDICT_REPORTED, "reported", 1)         /* only of older reports */             \
     X(ISO_VERDICT_NOT_COMPARED, "not compared", 1) /* nothing to tell images apart by */   \
     X(ISO_VERDICT_REFUSED, "refused", 2)           /* the renderer is missing or unfit */  \
     X(ISO_VERDICT_DIFFER, "differ", 3)                                                     \
@@ -32,7 +30,7 @@ typedef enum iso_verdict {
 
 const char *iso_verdict_word(iso_verdict verdict);
 int iso_verdict_doubt(iso_verdict verdict);
-/* Of a JSON string; of a row of a report, or of a baseline. */
+/* Of a JSON string; of a row of a report. */
 iso_verdict iso_verdict_from(const json_t *word);
 iso_verdict iso_row_verdict(const json_t *row);
 

@@ -21,7 +21,7 @@
 /* clang-format off */
 #define ISO_SECTION_LIST(X)                                                                              \
     X(calibration, ISO_IS(PASS) | ISO_IS(FAIL) | ISO_IS(NOT_COMPARED))                                   \
-    X(agreement, ISO_IS(AGREE) | ISO_IS(DIFFER) | ISO_IS(REFUSED) | ISO_IS(NOT_COMPARED) | ISO_IS(REPORTED)) \
+    X(agreement, ISO_IS(AGREE) | ISO_IS(DIFFER) | ISO_IS(REFUSED) | ISO_IS(NOT_COMPARED))                       \
     X(levels, ISO_IS(AGREE) | ISO_IS(DIFFER) | ISO_IS(NOT_COMPARED))                                     \
     X(consistency, 0)                                                                                    \
     ISO_SECTION_MORE(X)

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/order.h"
+
 enum { MOST_NODES = 65536 };
 
 void iso_tf_curves_destroy(iso_tf_curves *curves)
@@ -134,12 +136,6 @@ double iso_tf_curve_opacity(const iso_tf_curve *curve, double x, double inside)
 
 /* ---- corners ----------------------------------------------------------------------------------------------------- */
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static size_t corners_of(const iso_tf_curve *curve, double *corners)
 {
     size_t count = 0;
@@ -159,7 +155,7 @@ double *iso_tf_curves_corners(const iso_tf_curves *curves, size_t *count)
         return NULL;
     size_t found = corners_of(&curves->color, corners);
     found += corners_of(&curves->opacity, corners + found);
-    qsort(corners, found, sizeof *corners, ascending);
+    qsort(corners, found, sizeof *corners, iso_order_doubles);
     *count = 0;
     for (size_t i = 0; i < found; ++i)
         if (*count == 0 || corners[i] > corners[*count - 1])

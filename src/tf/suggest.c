@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/order.h"
 #include "tf/color_space.h"
 #include "volume/segments.h"
 
@@ -290,12 +291,6 @@ static void add_shell(const iso_survey *s, iso_suggestion *out)
                                                       SOLID};
 }
 
-static int by_number(const void *a, const void *b)
-{
-    const double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
 /* ---- labels --------------------------------------------------------------------------------------------------------- */
 
 /* Of what looks like labels and is interpolated: all but the background's, colors from blue over green to red: a label that is interpolated has its neighbor's hue. */
@@ -319,7 +314,7 @@ static void add_labels(const iso_survey *s, iso_suggestion *out)
  * label, so that a label has the same color in each file. 0 is empty, or else the smallest, where no segment names it. */
 static bool is_empty(const iso_survey *s, double label)
 {
-    const bool has_zero = bsearch(&(double){0}, s->labels, s->label_count, sizeof *s->labels, by_number) != NULL;
+    const bool has_zero = bsearch(&(double){0}, s->labels, s->label_count, sizeof *s->labels, iso_order_doubles) != NULL;
     return label == (has_zero ? 0 : s->labels[0]) && !iso_segments_find(s->segments, (long)label);
 }
 

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/order.h"
 #include "render/sampler.h"
 #include "validate/measured.h"
 
@@ -13,12 +14,6 @@ typedef struct angles {
     size_t *block; /* of 2 x 2 x 2 of the level's voxels */
     size_t count, block_count;
 } angles;
-
-static int compare_doubles(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static void destroy_angles(angles *a)
 {
@@ -94,7 +89,7 @@ iso_status iso_validate_angles(const iso_validation *v, const iso_pyramid *p, si
     for (size_t i = 0; i < a.count; ++i)
         sum += a.deg[i];
     if (a.count > 0) {
-        qsort(a.deg, a.count, sizeof *a.deg, compare_doubles);
+        qsort(a.deg, a.count, sizeof *a.deg, iso_order_doubles);
         out->mean = sum / (double)a.count;
         out->p95 = a.deg[(size_t)(0.95 * (double)(a.count - 1))];
     }

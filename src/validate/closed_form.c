@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/order.h"
+
 /* s = base + slope . (index - 1/2), the index clamped to the voxels' centers. */
 typedef struct linear_field {
     double base, slope[3], last[3]; /* last: size - 1 */
@@ -98,12 +100,6 @@ static double antiderivative(const iso_tf_table *tf, double s)
     return sum + 0.5 * (s - from) * ((double)tf->entries[4 * whole + 3] + rgbs[3]);
 }
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double optical_depth(const linear_field *f, const iso_geometry *g, const iso_tf_table *tf, const iso_ray *ray,
                             double t0, double t1)
 {
@@ -118,7 +114,7 @@ static double optical_depth(const linear_field *f, const iso_geometry *g, const 
             if (at > t0 && at < t1)
                 t[count++] = at;
         }
-    qsort(t, (size_t)count, sizeof *t, ascending);
+    qsort(t, (size_t)count, sizeof *t, iso_order_doubles);
     for (int i = 0; i < count; ++i) {
         const double x[3] = {origin[0] + t[i] * direction[0], origin[1] + t[i] * direction[1],
                              origin[2] + t[i] * direction[2]};

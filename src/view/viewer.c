@@ -73,21 +73,12 @@ static void put_script(FILE *f)
         fputs(parts[i], f);
 }
 
-/* JSON inside <script>: "<" is written as an escape, so that no text ends the element. Doubles survive. */
-static void put_json(FILE *f, const json_t *value)
-{
-    char *s = json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(17));
-    for (const char *c = s; c && *c; ++c)
-        *c == '<' ? fputs("\\u003c", f) : fputc(*c, f);
-    free(s);
-}
-
 static void put_shaders(FILE *f)
 {
     json_t *all = json_object();
     for (size_t i = 0; i < sizeof shaders / sizeof *shaders; ++i)
         json_object_set_new(all, shaders[i].name, json_string(shaders[i].text));
-    put_json(f, all);
+    iso_markup_put_json(f, all);
     json_decref(all);
 }
 
@@ -119,7 +110,7 @@ static void put_style_part(FILE *f, const iso_viewer *v, const iso_contents *c)
 static void put_data_part(FILE *f, const iso_viewer *v, const iso_contents *c)
 {
     (void)v;
-    put_json(f, c->root);
+    iso_markup_put_json(f, c->root);
 }
 static void put_shaders_part(FILE *f, const iso_viewer *v, const iso_contents *c)
 {
