@@ -32,7 +32,7 @@ report() { # doc/method/comparison.md
         -q -o build/figures/report # the page shows the command
     screenshot "$work/report/index.html" "$out/report.png" 1300 1680
 }
-levels() { # doc/blender.md
+levels() { # doc/guide/blender.md
     "$isoshade" export $templates/ch2.nii.gz --to blender --scene refscenes/brain.scene.json --levels 3 --adapt \
         --size 240x240 -q -o "$work/brain.blend"
     blender -b "$work/brain.blend" -P refscenes/levels.py >/dev/null
@@ -42,7 +42,7 @@ levels() { # doc/blender.md
     blender -b "$work/lit.blend" -P refscenes/lamps.py >/dev/null
     cp "$work/brain_lit.jpg" "$out"
 }
-viewer() { # doc/viewer.md
+viewer() { # doc/guide/viewer.md
     "$isoshade" view $templates/ch2bet.nii.gz --scene refscenes/hero.scene.json -q -o "$work/viewer.html"
     python3 tests/view_page.py shot "$work/viewer.html" "$out/viewer.jpg"
 }
@@ -51,7 +51,7 @@ chart_page() { # doc/results/chart.md
     python3 tests/chart_page.py "$work/chart-quick/index.html" "$work"
     cp "$work/wide.jpg" "$out/chart-page.jpg"
 }
-opened() { # doc/blender.md: the window of Blender by Xvfb, and ImageMagick's import
+opened() { # doc/guide/blender.md: the window of Blender by Xvfb, and ImageMagick's import
     "$isoshade" export $templates/ch2bet.nii.gz --to blender --scene refscenes/hero.scene.json --level 1 --size 400x330 \
         --force -q -o "$work/opened.blend"
     # Shown is a view with many colors in its middle that no longer changes, however long its shaders take.
@@ -92,7 +92,7 @@ kind() { # picture, words of isoshade figure
     "$isoshade" figure "$@" --dpi 150 --formats png -q -o "$work/kind" >/dev/null
     cp "$work/kind/figure.png" "$out/$picture"
 }
-kinds() { # doc/figures.md, doc/method/adaptive-tf.md
+kinds() { # doc/guide/figures.md, doc/method/adaptive-tf.md
     scene="--scene refscenes/hero.scene.json"
     kind figure-levels.png $templates/ch2bet.nii.gz $scene --levels 3 --zoom 0.35,0.3,0.25,0.25 --letters --background white --width 120
     kind figure-tf.png $templates/ch2bet.nii.gz $scene --kind tf --width 110
@@ -117,7 +117,7 @@ sensitivity() { # doc/results/validation.md
     "$isoshade-lab" power --sensitivity -q -o "$work/sensitivity"
     cp "$work/sensitivity/sensitivity.svg" "$out/validation-sensitivity.svg"
 }
-scale() { # doc/scale.md: 4 minutes, 12 GB of disk and of memory
+scale() { # doc/guide/large-volumes.md: 4 minutes, 12 GB of disk and of memory
     "$isoshade" bench scale --largest 1024 -q -o "$work/scale" >/dev/null
     cp "$work/scale/scale.svg" "$out/scale.svg"
 }
@@ -126,7 +126,7 @@ chart() { # doc/results/chart.md
         --estimators central --processor-time --budget 165 --want 1/255 -q -o "$work/chart-brain"
     cp "$work/chart-brain/pareto.svg" "$out/chart-brain.svg"
 }
-addon() { # doc/blender.md; by Xvfb and ImageMagick
+addon() { # doc/guide/blender.md; by Xvfb and ImageMagick
     make -s SETUP=no addon
     rm -rf "$work/addon" && mkdir -p "$work/addon/scripts" "$work/addon/config" "$work/addon/extensions"
     "$isoshade" make marschner-lobb --size 40 -q -o "$work/addon/lobb.nrrd"

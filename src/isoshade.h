@@ -17,7 +17,7 @@
  *           iso_export()          a level for OpenVDB, Blender, POV-Ray
  *           iso_pyramid_level()   the numbers themselves
  *
- *   doc/tutorial.md is a program of about sixty lines that does all of this.
+ *   doc/guide/library.md is a program of about sixty lines that does all of this.
  *
  * Errors     A function that can fail returns an iso_status, ISO_OK where it did not, and leaves a sentence for a
  *            person in its last parameter, an iso_error that may be NULL. Nothing is ever printed, and the process

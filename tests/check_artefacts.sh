@@ -34,7 +34,7 @@ export_to() {
     [ -z "${before_moving:-}" ] || $before_moving
     mv here elsewhere
 }
-# As doc/povray.md says: "povray NAME.ini" where the folder lies.
+# As doc/guide/povray.md says: "povray NAME.ini" where the folder lies.
 show_povray() { (cd elsewhere/scene && rm -f scene.png && povray scene.ini >log 2>&1 && test -s scene.png); }
 povray_is_right() { show_povray && alike same.png elsewhere/scene/scene.png; }
 # As a person without a window, with the settings of the agreement: a picture for people.

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Commands on the pages of doc/: each option of each one is an option of its command, and each runs, on a small volume in
-# place of those that the pages name and with few pixels and repetitions. README.md is run as it stands, by
-# check_readme.sh. Pages can be named as arguments: doc/blender.md ...
+# place of those that the pages name and with few pixels and repetitions. README.md and the blocks of the guide are run as
+# they stand, by check_readme.sh. Pages can be named as arguments: doc/guide/blender.md ...
 . "$(dirname "$0")/lib.sh"
 isoshade() { "$ISOSHADE" "$@"; }
 isoshade-lab() { "$LAB" "$@"; }
@@ -114,7 +114,7 @@ for number, kind, line in commands:
         continue
     words = line.removeprefix("isoshade ")
     if kind == "run":
-        kind = next((why for pattern, why in NOT_RUN if re.match(pattern, words)), "run")
+        kind = "options" if "/doc/guide/" in page else next((why for pattern, why in NOT_RUN if re.match(pattern, words)), "run")
     for pattern, replacement in STANDS_FOR:
         line = re.sub(pattern, replacement, line)
     if kind == "run":

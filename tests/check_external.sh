@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Programs as renderers: the one that doc/extending.md shows agrees; one that fails, hangs or cheats is refused by name within
+# Programs as renderers: doc/guide/numpy_renderer.py agrees; one that fails, hangs or cheats is refused by name within
 # its time limit, and nothing that it began lives on; what a renderers.json says wrong is named.
 . "$(dirname "$0")/lib.sh"
 python_with numpy
@@ -8,10 +8,11 @@ scene=$top/refscenes/shells.scene.json
 export CHECK_EXTERNAL_MARK=$dir # in the environment of whatever is started from here
 "$ISOSHADE" make shells --size 12x11x10 -q -o v.nrrd
 
-# ---- the example, taken out of the page ----
-awk '/^## / {on = ($0 == "## A renderer that is a program")} on && /^```python$/ {out = 1; next} /^```/ {out = 0} out' "$top/doc/extending.md" >numpy_renderer.py
-awk '/^## / {on = ($0 == "## A renderer that is a program")} on && /^```json$/ {out = 1; next} /^```/ {out = 0} out' "$top/doc/extending.md" |
-    sed "s|\"python3\", \"numpy|\"$python\", \"numpy|" >renderers.json
+# ---- the example ----
+cp "$top/doc/guide/numpy_renderer.py" .
+sed "s|\"python3\", \"numpy|\"$python\", \"numpy|" "$top/doc/guide/renderers.json" >renderers.json
+shown() { awk '/^```json$/ {on = 1; next} /^```/ {on = 0} on' "$top/doc/guide/judging-a-renderer.md"; }
+check the_page_shows_the_file diff <(shown) "$top/doc/guide/renderers.json"
 holds the_example_is_short "$(grep -c . numpy_renderer.py) <= 68"
 flatten() { # report: REPORT.txt has a line "LIST NAME KEY VALUE" for each value of its rows and programs
     python3 -c '

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Pictures from elsewhere: what `scenes --write` writes is drawn by the renderer of doc/extending.md, which knows isoshade's
+# Pictures from elsewhere: what `scenes --write` writes is drawn by doc/guide/numpy_renderer.py, which knows isoshade's
 # request alone; `validate --images` calibrates and compares the pictures, and names what is missing, damaged or wrong.
 . "$(dirname "$0")/lib.sh"
 python_with numpy
-sed -n '/^```python/,/^```/p' "$top/doc/extending.md" | sed '/^```/d' >numpy_renderer.py
+cp "$top/doc/guide/numpy_renderer.py" .
 "$ISOSHADE" make marschner-lobb --size 20x22x21 -q -o v.nrrd
 cp "$top"/refscenes/marschner-lobb.{tf,scene}.json .
 asked=(v.nrrd --scene marschner-lobb.scene.json --size 10 --levels 2)

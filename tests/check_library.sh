@@ -37,11 +37,9 @@ export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
 "$prefix/bin/isoshade" --version | grep -qw "$version" && ok version_of_the_program || not_ok version_of_the_program "$("$prefix/bin/isoshade" --version)"
 
 # ---- the tutorial ----
-awk '/^```c$/ {on = 1; if (seen++) print ""; next} /^```$/ {on = 0} on' "$top/doc/tutorial.md" >shown.c
-check page_and_program_are_one diff shown.c "$top/doc/tutorial.c"
 warnings="-Wall -Wextra -Wpedantic -Werror"
 for standard in c99 c11; do
-    check "tutorial_is_$standard" gcc -std=$standard $warnings -c "$top/doc/tutorial.c" -o "$standard.o" $(pkg-config --cflags isoshade)
+    check "tutorial_is_$standard" gcc -std=$standard $warnings -c "$top/doc/guide/tutorial.c" -o "$standard.o" $(pkg-config --cflags isoshade)
 done
 check shared_links gcc c99.o -o shared $(pkg-config --libs isoshade) -lm
 check static_links gcc c99.o -o static $(pkg-config --static --libs isoshade | sed 's/-lisoshade\b/-l:libisoshade.a/') -lm
@@ -56,7 +54,7 @@ for way in shared static; do
 done
 check shared_and_static_agree diff shared.out static.out
 # The page says what it prints. Renders do not depend on the machine but in their last digits.
-shown=$(grep -o 'levels 0 and 1 differ by [0-9.]* (RMSE), [0-9.]* (FLIP)' "$top/doc/tutorial.md")
+shown=$(grep -o 'levels 0 and 1 differ by [0-9.]* (RMSE), [0-9.]* (FLIP)' "$top/doc/guide/library.md")
 [ -n "$shown" ] && [ "$shown" = "$(cat shared.out)" ] && ok page_shows_the_output || not_ok page_shows_the_output "it prints $(cat shared.out), the page has $shown"
 
 # A missing file ends as its status says, and what the library has to say is the program's to print.

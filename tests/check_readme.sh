@@ -1,43 +1,55 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Every command block of README.md (```sh) runs as it stands, in order, in one folder; only make, which builds what is
-# tested here, is left to the reader, and Blender opens its file without a window. Then the examples of each command's
-# --help, but for bench.
+# Every command block (```sh) of README.md and of each page of the guide runs as it stands, in order, in a folder of its
+# own. Lines that install or build are left to the reader; Blender opens its file without a window. README.md calls the
+# program by its path until it has set PATH. Then the examples of each command's --help, except bench.
+# Pages can be named as arguments: doc/guide/povray.md ...
 . "$(dirname "$0")/lib.sh"
 mkdir bin && ln -s "$ISOSHADE" bin/isoshade
 export PATH=$dir/bin:$PATH
-# A line that needs what this system's Blender lacks, which the program says by name, is skipped, and so is one that opens
-# what such a line would have written.
-fail() { # name, output
-    local said
-    if said=$(grep -om1 'Blender [0-9.]* of this system is built without NanoVDB.*' <<<"$2"); then ok "$1 # SKIP $said"
+python_with numpy # the example renderer's
+[ "$python" = python3 ] || ln -s "$python" bin/python3
+# A line that ends with 7 names a program or device that this system lacks. It is skipped, and so is one that opens a file
+# that such a line would have written.
+fail() { # name, exit code, output
+    if [ "$2" = 7 ]; then skip "$1" "$(tail -n 1 <<<"$3")"
     elif [[ $1 == *" blender -b "* ]] && ! has_cycles; then skip "$1" "no .blend file was made"
-    else not_ok "$1" "$(tail -n 2 <<<"$2")"; bad=1; fi
+    else not_ok "$1" "$(tail -n 2 <<<"$3")"; bad=1; fi
 }
 run_lines() { # name; lines on stdin, in the current folder: at least one of them has to be a command
-    local name=$1 line output count=0 bad=0
+    local name=$1 line output count=0 left=0 bad=0
     while IFS= read -r line; do
         [ -n "$line" ] || continue
         case $line in
-            make\ *) continue ;;
+            make | make\ * | apt-get\ * | export\ * | cc\ * | ./tutorial) left=$((left + 1)); continue ;;
             blender\ *) line="blender -b --python-exit-code 1 ${line#blender } --python-expr 'import bpy; assert bpy.context.scene.camera'" ;;
         esac
-        output=$(bash -c "$line" 2>&1 </dev/null) || fail "$name: $line" "$output"
+        output=$(bash -c "$line" 2>&1 </dev/null) || fail "$name: $line" $? "$output"
         count=$((count + 1))
     done
-    if [ $count = 0 ]; then not_ok "$name" "no command lines were found"
-    elif [ $bad = 0 ]; then ok "$name: $count lines"; fi
+    if [ $((count + left)) = 0 ]; then not_ok "$name" "no command lines were found"
+    elif [ $bad = 0 ]; then ok "$name: $count lines, $left left to the reader"; fi
 }
 blocks() { awk '/^```sh$/ {on = 1; next} /^```/ {on = 0} on' "$1"; } # file: the lines of its command blocks
-enter() { mkdir -p "$dir/$1" && cd "$dir/$1" && ln -sfn "$top/refscenes" refscenes; }
+enter() { mkdir -p "$dir/$1" && cd "$dir/$1" && ln -sfn "$top/refscenes" refscenes && ln -sfn "$top/doc" doc && ln -sfn "$top/tests" tests && ln -sfn "$ISOSHADE" isoshade; }
+# page: each call of the program before PATH is set has to be ./isoshade
+called_too_early() { blocks "$1" | awk '/^export PATH=\$PWD:/ {exit} /^isoshade / {print}'; }
 
 # Planted: a page without commands, and one whose command fails, are told.
 notice_lines() { [ -n "$(run_lines "$1" | grep '^not ok')" ]; }
 check a_page_without_commands_would_be_seen notice_lines planted </dev/null
 check a_command_that_fails_would_be_seen notice_lines planted <<<'isoshade info nothing.nrrd'
+check a_missing_program_is_skipped grep -q '^ok .* # SKIP ' <(run_lines planted <<<'sh -c "echo lacking; exit 7"')
 
-enter readme
-run_lines "README.md" < <(blocks "$top/README.md")
+printf '```sh\n./isoshade list\nisoshade list\nexport PATH=$PWD:$PATH\nisoshade info\n```\n' >early.md
+check a_bare_name_before_the_path_would_be_seen test "$(called_too_early early.md)" = "isoshade list"
+check readme_calls_the_program_by_its_path test -z "$(called_too_early "$top/README.md")"
+run_page() { enter "pages/${1//\//-}" && run_lines "$1" < <(blocks "$top/$1"); } # page, from the project's folder
+if [ $# -gt 0 ]; then
+    for page; do run_page "$page"; done
+    exit $failed
+fi
+for page in README.md $(cd "$top" && ls doc/guide/*.md); do run_page "$page"; done
 commands=$("$ISOSHADE" --help | awk '/^commands:/ {on = 1; next} /^$/ {on = 0} on {print $1}')
 check the_help_lists_commands test "$(wc -w <<<"$commands")" -ge 10
 for command in $commands; do

@@ -24,7 +24,7 @@ for r in reference vtk; do draw clipped $r || not_ok "clipped_by_$r" "$(tail -n 
 # A step of 8 bits, though each of its own pictures is ten of them off: cut steps, products that are rounded up.
 check within_a_step_of_8_bits_with_clip_planes "$ISOSHADE" compare clipped-reference.exr clipped-vtk.exr --max-abs 0.0039216 --max-rmse 0.001
 
-# ---- VTK by itself: 8 bits, a box from center to center, one picture (validate refuses it by the slab: doc/vtk.md) ----
+# ---- VTK by itself: 8 bits, a box from center to center, one picture (validate refuses it by the slab: doc/guide/renderers.md) ----
 cat > as-is.json <<END
 {"schema": "isoshade.renderers/1", "renderers": [{"name": "vtk-as-is", "command": ["$python", "$top/tests/peers/render_vtk.py", "--as-is"],
  "tier": "8 bits", "can": ["orthographic", "clip planes"], "limits": {"rmse": 0.004, "max_abs": 0.004}, "why": "8 bits"}]}

@@ -5,7 +5,7 @@
 # without MPI; what went over the network is counted at the hosts' own interfaces. Then a rank is killed amid its work: the
 # job has to end with mpirun's exit code, nothing may look finished, and another number of ranks takes up what was left.
 #
-# By hand, as root (doc/scale.md has what it printed): bash tests/hosts.sh [SIZE [RATE ...]], such as 256 10gbit 100mbit.
+# By hand, as root (doc/guide/large-volumes.md has what it printed): bash tests/hosts.sh [SIZE [RATE ...]], such as 256 10gbit 100mbit.
 # A file that all hosts see stands for their shared disk, which is not slowed down.
 . "$(dirname "$0")/lib.sh"
 size=${1:-128}

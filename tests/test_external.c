@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Renderers that a renderers.json names: what it says wrong is refused with the file, the row and the key; the program that
- * doc/extending.md shows passes every calibration; and each fault that is planted into its text fails the one that is made
+ * doc/guide/numpy_renderer.py passes every calibration; and each fault that is planted into its text fails the one that is made
  * for it. */
 #define _GNU_SOURCE
 #include <stdlib.h>
@@ -118,7 +118,7 @@ static void limits_follow_from_the_tier(void **state)
     assert_true(wanted[iso_renderer_index(r)]);
 }
 
-/* ---- the program of the page ---- */
+/* ---- the example program ---- */
 
 /* What is planted: in the text of the program, `from` becomes `to`. */
 static const struct {
@@ -158,21 +158,12 @@ static const struct {
 };
 enum { FAULT_COUNT = sizeof faults / sizeof *faults };
 
-/* The block of Python in the page's section; to be freed. */
-static char *program_of_the_page(void)
+/* The renderer that users start from; to be freed. */
+static char *example_program(void)
 {
-    char *page;
+    char *text;
     size_t size;
-    assert_ok(iso_file_read("doc/extending.md", &page, &size, &err));
-    const char *begin = strstr(page, "## A renderer that is a program");
-    assert_non_null(begin);
-    begin = strstr(begin, "```python\n");
-    assert_non_null(begin);
-    begin += strlen("```python\n");
-    const char *end = strstr(begin, "```");
-    assert_non_null(end);
-    char *text = strndup(begin, (size_t)(end - begin));
-    free(page);
+    assert_ok(iso_file_read("doc/guide/numpy_renderer.py", &text, &size, &err));
     return text;
 }
 
@@ -180,7 +171,7 @@ static char *changed(const char *text, const char *from, const char *to)
 {
     const char *at = strstr(text, from);
     if (!at)
-        fail_msg("the program of the page has no \"%s\"", from);
+        fail_msg("the example has no \"%s\"", from);
     char *out = malloc(strlen(text) + strlen(to) + 1);
     sprintf(out, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
     return out;
@@ -202,7 +193,7 @@ static const char *python(void)
 /* "right", and "fault0" to the last. Not "numpy": a numpy.py would be imported for it. */
 static void load_programs(const char *interpreter)
 {
-    char *text = program_of_the_page(), *json = NULL, name[32];
+    char *text = example_program(), *json = NULL, name[32];
     size_t size;
     FILE *f = open_memstream(&json, &size);
     fputs("{\"schema\": \"isoshade.renderers/1\", \"renderers\": [", f);

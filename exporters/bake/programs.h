@@ -2,7 +2,7 @@
 /* programs.h - the table of programs that read OpenVDB grids, and what each expects: `export --to vdb --for NAME`.
  *
  * A row is a set of the options of --bake and nothing more: what is given beside --for stands instead of the row's. Rows say
- * where the facts are from and whether the program was run on such a file; doc/openvdb.md has them as a table. */
+ * where the facts are from and whether the program was run on such a file; doc/guide/other-programs.md has them as a table. */
 #ifndef ISO_BAKE_PROGRAMS_H
 #define ISO_BAKE_PROGRAMS_H
 

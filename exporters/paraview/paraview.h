@@ -12,7 +12,7 @@
  *                camera, background, size of the view. Colors are linear light and reach the picture as they are.
  *
  * Nothing that a person wrote reaches the Python: the file's name is made of letters, digits, "-" and "_", the rest are
- * numbers. Shading is ParaView's own (doc/vtk.md). */
+ * numbers. Shading is ParaView's own (doc/guide/other-programs.md). */
 #ifndef ISO_EXPORT_PARAVIEW_H
 #define ISO_EXPORT_PARAVIEW_H
 

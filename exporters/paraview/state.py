@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Written by isoshade, export --to paraview. "pvbatch THIS.py" draws the picture beside this file; in ParaView:
-# File > Load State. What is exact in the picture and what is not: doc/vtk.md of isoshade.
+# File > Load State. What is exact in the picture and what is not: doc/guide/other-programs.md of isoshade.
 import inspect
 import math
 import os

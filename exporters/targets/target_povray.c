@@ -62,7 +62,7 @@ static iso_status write_povray(const iso_export_job *job, iso_error *err)
     return status;
 }
 
-/* "povray NAME.ini" where the folder lies (doc/povray.md). */
+/* "povray NAME.ini" where the folder lies (doc/guide/povray.md). */
 static iso_status open_povray(const char *output, iso_image *picture, iso_error *err)
 {
     const char *name = iso_path_base(output);

@@ -51,7 +51,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
  * in its cell, its entry in the table as many times that as the value is from the table's start; what it shows there is off
  * by the table's slope, which is where steep ones differ. Opacities, colors, highlights (a float's power) and normals are
  * floats; a ray's sums have their rests beside them. Of the suite's scenes 5e-8 and 4e-7 were seen, of steep ones 3e-7 and
- * 5e-6 (doc/cpu.md). */
+ * 5e-6 (doc/guide/renderers.md). */
 static const iso_lock_step lock_step = {
     .quadrature = ISO_QUADRATURE_MIDPOINT,
     .smooth = {.rmse = 5e-7, .max_abs = 1e-5},

@@ -5,7 +5,7 @@
  *         volume.nrrd        the level's values, float, x fastest
  *         directions.nrrd    its directions in the world, three floats a voxel; where a light can be seen alone
  *
- * Whoever evaluates the integral of README.md, "What is computed", on it draws the same picture. */
+ * Whoever evaluates the integral of doc/guide/judging-a-renderer.md, "The integral", on it draws the same picture. */
 #ifndef ISO_RENDERERS_REQUEST_H
 #define ISO_RENDERERS_REQUEST_H
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""VTK as a renderer of isoshade: python3 render_vtk.py [--as-is | --gpu] REQUEST.json (vtk.json, doc/vtk.md).
+"""VTK as a renderer of isoshade: python3 render_vtk.py [--as-is | --gpu] REQUEST.json (vtk.json, doc/guide/renderers.md).
 
 Needs Debian's python3-vtk9 and python3-numpy, and no display: vtkFixedPointVolumeRayCastMapper runs on the CPU, and its
 picture is taken from where the mapper keeps it, 15 bits a channel, before a window would make 8 of them.

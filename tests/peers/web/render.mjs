@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A renderer of isoshade's contract (doc/extending.md): a library of the web draws the request in headless Chromium.
+// A renderer of isoshade's contract (doc/guide/judging-a-renderer.md): a library of the web draws the request in headless Chromium.
 //   node render.mjs LIBRARY [--gl egl|swiftshader] [--change NAME]... REQUEST.json
 //   node render.mjs LIBRARY --version
 // Changes are for experiments alone: each takes one cause of a difference away (doc/results/web.md).

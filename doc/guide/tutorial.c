@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* tutorial.c - a volume at two levels: do they look alike? doc/tutorial.md explains it. */
+/* tutorial.c - a volume at two levels: do they look alike? doc/guide/library.md has the commands that build it. */
 #include <isoshade.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-static iso_error error; /* what went wrong, as a sentence */
+static iso_error error; /* the reason of the last failure, a sentence */
 
+/* Ends the program if a function failed: the library itself never prints and never exits. */
 static void must(iso_status status)
 {
     if (status == ISO_OK)
@@ -15,7 +16,8 @@ static void must(iso_status status)
     exit(status);
 }
 
-/* A ball of 1 inside, 0 outside, with a soft border: 48 x 40 x 32 voxels of 1 x 1 x 1.5 mm. */
+/* Makes a ball: 1 inside, 0 outside, with a soft border, 48 x 40 x 32 voxels of 1 x 1 x 1.5 mm. Samples are ordered
+ * x fastest, then y, then z. The library copies them. */
 static iso_volume *make_volume(void)
 {
     const size_t size[3] = {48, 40, 32};
@@ -36,6 +38,8 @@ static iso_volume *make_volume(void)
     return volume;
 }
 
+/* Camera, light, background and transfer function. "fit" places the camera so that it sees any volume whole. Most
+ * programs keep scenes in files: iso_scene_open(). */
 static const char scene_text[] =
     "{\"schema\": \"isoshade.scene/1\", \"image\": {\"width\": 96, \"height\": 80},"
     " \"camera\": {\"projection\": \"perspective\", \"fit\": true, \"direction\": [1, 2, -1], \"up\": [0, 0, 1]},"
@@ -51,12 +55,15 @@ int main(void)
     iso_pyramid *pyramid;
     iso_scene *scene;
     iso_tf *adapted;
+    /* Four levels, by the defaults. */
     must(iso_build(volume, NULL, &pyramid, &error));
     iso_volume_free(volume);
 
+    /* A value of level 1 is the mean of eight finer ones, so it gets a transfer function of its own. */
     must(iso_scene_from_text(scene_text, &scene, &error));
     must(iso_tf_adapt(iso_scene_tf(scene), pyramid, 1, &adapted, &error));
 
+    /* "reference", the default, computes in double precision; options.renderer = "gl" is faster. */
     iso_image fine, coarse;
     iso_frame_options options = iso_frame_defaults();
     must(iso_render(pyramid, scene, &options, &fine, &error));
@@ -66,11 +73,14 @@ int main(void)
     must(iso_image_save_png(&fine, "level0.png", 1.0, &error));
     must(iso_image_save_png(&coarse, "level1.png", 1.0, &error));
 
+    /* RMSE of linear colors; FLIP: the difference that a person sees when the images alternate. */
     iso_metrics metrics;
     must(iso_metrics_measure(&fine, &coarse, &metrics, &error));
     printf("levels 0 and 1 differ by %.3f (RMSE), %.3f (FLIP)\n", metrics.rmse, metrics.flip_mean);
+    /* Values and shading directions of level 0, for other programs. */
     must(iso_export(pyramid, NULL, "vdb", "volume.vdb", NULL, &error));
 
+    /* The program frees each object that it was given. */
     iso_image_destroy(&fine);
     iso_image_destroy(&coarse);
     iso_scene_free(scene);
