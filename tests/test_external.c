@@ -161,9 +161,11 @@ enum { FAULT_COUNT = sizeof faults / sizeof *faults };
 /* The renderer that users start from; to be freed. */
 static char *example_program(void)
 {
-    char *text;
+    char *file;
     size_t size;
-    assert_ok(iso_file_read("doc/guide/numpy_renderer.py", &text, &size, &err));
+    assert_ok(iso_file_read("doc/guide/numpy_renderer.py", &file, &size, &err));
+    char *text = strndup(file, size);
+    free(file);
     return text;
 }
 
