@@ -11,7 +11,7 @@ build := build/$(config)
 
 # ---- what it stands on: Debian packages -----------------------------------
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev zlib1g-dev \
-	libdeflate-dev libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
+	libdeflate-dev libarchive-dev libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libnanovdb-dev libnanovdb-tools libboost-dev libcmocka-dev \
 	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
@@ -50,7 +50,7 @@ flags_threads := -O1 -g -fsanitize=thread
 # -fPIC for the shared library. Its functions call each other as in the program: nobody may put others in their place.
 flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
 # Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
-library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib libdeflate OpenEXR Imath epoxy egl libxxhash
+library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib libdeflate libarchive OpenEXR Imath epoxy egl libxxhash
 pkgs := $(library_pkgs) popt
 pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
 pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)

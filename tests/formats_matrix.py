@@ -394,6 +394,78 @@ def matrix_mrc():
     refused("m.mrc", 4, "mode 4, must be 0, 1, 2, 6 or 12")
 
 
+# ---- arrays by numpy ----
+
+@case
+def matrix_npy():
+    for dtype, order, layout in itertools.product((*TYPES, "f2"), "<>", "CF"):
+        values = values_of(dtype).astype(np.dtype(dtype).newbyteorder(order))
+        np.save("a.npy", values if layout == "C" else np.asfortranarray(values.T))
+        check("a.npy", values_of(dtype), None, SAY, f"{dtype} {order} {layout}")
+    truth = values_of("u1") % 2 == 1
+    np.save("a.npy", truth)
+    got, steps = read("a.npy", SAY)
+    expect(not difference(got, steps, truth.astype("u1"), np.diag(SPACING)), "bool")
+    with open("a.npy", "wb") as file:
+        np.lib.format.write_array(file, values_of("i2"), version=(2, 0))
+    check("a.npy", values_of("i2"), None, SAY, "version 2")
+    np.save("a.npy", np.stack([values_of("i2"), values_of("i2") + 1]))
+    check("a.npy", values_of("i2") + 1, None, [*SAY, "--frame", "1"], "time")
+    refused("a.npy", 2, "has 2 frames", SAY)
+    refused("a.npy", 4, "does not say the spacing of its voxels", ["--frame", "1"])
+    for values, why in ((values_of("i2")[0], "a volume has 3 axes"), (values_of("f4").astype("c8"), "its type is '<c8'")):
+        np.save("a.npy", values)
+        refused("a.npy", 4, why, SAY)
+    np.save("a.npy", values_of("i2"))
+    with open("a.npy", "rb") as file:
+        whole = file.read()
+    for cut, why in ((len(whole) - 1, "truncated"), (60, "damaged"), (8, "damaged")):
+        with open("a.npy", "wb") as file:
+            file.write(whole[:cut])
+        refused("a.npy", 4, why, SAY)
+
+
+# ---- packers below all formats ----
+
+@case
+def matrix_packed():
+    """A file of each kind of reader, packed by each program."""
+    import mrcfile
+    import tifffile
+    values = values_of("i2")
+    with mrcfile.new("p.mrc", overwrite=True) as file:
+        file.set_data(values)
+        file.set_volume()
+        file.voxel_size = tuple(SPACING)
+    tifffile.imwrite("p.tif", values, photometric="minisblack")
+    np.save("p.npy", values)
+    values.tofile("p.raw")
+    with open("p.nrrd", "wb") as file:
+        file.write(b"NRRD0004\ntype: int16\ndimension: 3\nsizes: 5 4 3\nspacings: .75 .5 2.5\nendian: little\nencoding: raw\n\n" +
+                   values.tobytes())
+    raw = ["--raw-size", "5x4x3", "--raw-type", "int16", "--raw-spacing", "0.75x0.5x2.5"]
+    files = {"p.mrc": (np.diag(SPACING) * 1e-7, ()), "p.tif": (None, SAY), "p.npy": (None, SAY), "p.raw": (None, raw), "p.nrrd": (None, ())}
+    packers = {"gz": ["gzip"], "bz2": ["bzip2"], "xz": ["xz"], "zst": ["zstd", "-q", "--rm"]}
+    for ending, pack in packers.items():
+        if not shutil.which(pack[0]):
+            continue
+        for name, (steps, options) in files.items():
+            shutil.copy(name, "copy")
+            subprocess.run([*pack, "-f", "copy"], check=True)
+            os.replace(f"copy.{ending}", f"{name}.{ending}")
+            check(f"{name}.{ending}", values, steps, options, pack[0])
+        with open(f"p.mrc.{ending}", "rb") as file:
+            whole = file.read()
+        with open(f"cut.mrc.{ending}", "wb") as file:
+            file.write(whole[:len(whole) // 2])
+        got = run("info", f"cut.mrc.{ending}")
+        expect(got.returncode == 4 and got.stderr.count("\n") == 1 and f"cut.mrc.{ending}: " in got.stderr and "tmp" not in got.stderr,
+               f"cut by half, {ending}: {got.returncode}: {got.stderr}")
+    with open("p.raw", "r+b") as file:  # a volume whose first samples are those of a packed file
+        file.write(b"\x1f\x8b\x08\x00")
+    check("p.raw", np.fromfile("p.raw", "i2").reshape(3, 4, 5), None, raw, "samples like gzip's first bytes")
+
+
 # ---- what no format may do without a word ----
 
 @case

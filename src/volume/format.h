@@ -22,6 +22,7 @@
     X(cube)                       \
     X(xsf)                        \
     X(gipl)                       \
+    X(npy)                        \
     X(hdf5)                       \
     X(netcdf)                     \
     X(zarr)                       \
@@ -42,6 +43,7 @@ typedef struct iso_volume_format {
     const char
         *starts;     /* how its files start, for the message about a file that is of no format; NULL where probe is */
     bool takes_part;   /* of a file that holds several volumes, FILE:PART names one */
+    bool unpacks;      /* gzip by itself, plane by plane; others get an unpacked copy of the file */
     bool takes_series; /* of a folder that holds several volumes, --series names one */
     /* Whether a file of these first bytes, unpacked where they are compressed, is of this format. NULL: it takes options
      * to say so, as for raw. */

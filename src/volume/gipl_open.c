@@ -129,6 +129,7 @@ const iso_volume_format iso_volume_format_gipl = {
     .summary = "of Guy's Hospital, plane by plane, packed by gzip, too",
     .suffixes = ".gipl .gipl.gz",
     .starts = "0xefffe9b0 at byte 252",
+    .unpacks = true,
     .probe = starts_like_gipl,
     .open = open_gipl,
 };

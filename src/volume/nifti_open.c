@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* nifti_open.c - headers of NIfTI-1 and NIfTI-2. The header is read and checked here, since
- * libnifti prints and trusts what it reads; its part is the affine of a qform. */
+/* nifti_open.c - headers of NIfTI-1, NIfTI-2 and Analyze 7.5, whose fields NIfTI-1 keeps. The header is read and checked
+ * here, since libnifti prints and trusts what it reads; its part is the affine of a qform. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
 #include "base/inputs.h"
 #include "volume/stream_kernel.h"
 
@@ -65,6 +66,16 @@ static nifti_header from_nifti_1(const nifti_1_header *h)
     out.known = out.one_file || memcmp(h->magic, "ni1", 4) == 0;
     TAKE_ARRAYS(out, h)
     return out;
+}
+
+/* Analyze has sizes, spacings and a type where NIfTI-1 has them, and SPM's factor of the samples. The bytes of NIfTI's
+ * positions, units and intent mean other things in it. */
+static void make_analyze(nifti_header *h)
+{
+    h->version = "Analyze 7.5";
+    h->known = true;
+    h->qform_code = h->sform_code = h->units = h->intent = 0;
+    h->intercept = 0;
 }
 
 static void swap_each(void *values, size_t width, size_t count)
@@ -255,27 +266,36 @@ static iso_status check_header(const nifti_header *h, const char *path, iso_erro
     return ISO_OK;
 }
 
-/* NAME.hdr and NAME.img, either with .gz. */
-static char *image_path(const char *path)
+/* Returns a name with its ending replaced, ".hdr" by ".img" or back, with or without .gz; to be freed. NULL: it has no such
+ * ending. */
+static char *other_of_pair(const char *path, const char *ending, const char *other)
 {
-    const char *hdr = NULL;
-    for (const char *at = path; (at = strstr(at, ".hdr")); ++at)
-        hdr = at;
-    char *image = NULL;
-    if (!hdr || asprintf(&image, "%.*s.img%s", (int)(hdr - path), path, hdr + 4) < 0)
+    const size_t n = strlen(ending), tail = iso_path_ends_with(path, ".gz") ? 3 : 0, length = strlen(path);
+    char *name = NULL;
+    if (length <= n + tail || strncmp(path + length - tail - n, ending, n) != 0 ||
+        asprintf(&name, "%.*s%s%s", (int)(length - tail - n), path, other, path + length - tail) < 0)
         return NULL;
-    return image;
+    return name;
+}
+
+/* True for the samples of a pair: the .hdr lies next to the .img. */
+static bool is_image_of_pair(const char *path)
+{
+    char *header = other_of_pair(path, ".img", ".hdr");
+    const bool is_one = header && iso_path_is_file(header);
+    free(header);
+    return is_one;
 }
 
 /* The file of the samples, positioned at the first one. */
 static iso_status open_samples(iso_volume_source *source, const nifti_header *h, iso_error *err)
 {
-    char *image = h->one_file ? strdup(source->path) : image_path(source->path);
+    char *image = h->one_file ? strdup(source->path) : other_of_pair(source->path, ".hdr", ".img");
     if (!image)
         return iso_fail(err, ISO_E_FORMAT, "%s: a header alone (\"ni1\", \"ni2\") is named .hdr, its samples .img",
                         source->path);
     struct stat st;
-    iso_status status = iso_inputs_note(image, err);
+    iso_status status = h->one_file ? ISO_OK : iso_inputs_note(image, err);
     source->gz = status == ISO_OK && stat(image, &st) == 0 && S_ISREG(st.st_mode) ? gzopen(image, "rb") : NULL;
     size_t offset = (size_t)h->vox_offset;
     if (source->gz) {
@@ -303,6 +323,14 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
     }
     free(image);
     return status;
+}
+
+static bool is_header_of_pair(const char *path)
+{
+    char *image = other_of_pair(path, ".hdr", ".img");
+    const bool is_one = image && iso_path_is_file(image);
+    free(image);
+    return is_one;
 }
 
 /* The header, in the machine's byte order. */
@@ -334,13 +362,28 @@ static iso_status read_header(iso_volume_source *source, nifti_header *out, iso_
     else if (source->swap_bytes)
         swap_nifti_header(&h.one, 1);
     *out = second ? from_nifti_2(&h.two) : from_nifti_1(&h.one);
+    if (!second && h.one.magic[0] != 'n' && is_header_of_pair(source->path))
+        make_analyze(out);
     return check_header(out, source->path, err);
+}
+
+/* Goes from the samples of a pair to its header. */
+static iso_status go_to_header(iso_volume_source *source, iso_error *err)
+{
+    char *header = other_of_pair(source->path, ".img", ".hdr");
+    if (!header)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    free(source->path);
+    source->path = header;
+    return iso_inputs_note(header, err);
 }
 
 static iso_status open_nifti(iso_volume_source *source, iso_error *err)
 {
     nifti_header h;
-    iso_status status = read_header(source, &h, err);
+    iso_status status = is_image_of_pair(source->path) ? go_to_header(source, err) : ISO_OK;
+    if (status == ISO_OK)
+        status = read_header(source, &h, err);
     if (status != ISO_OK)
         return status;
     if (h.datatype == NIFTI_TYPE_INT64 || h.datatype == NIFTI_TYPE_UINT64)
@@ -364,10 +407,12 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
 
 const iso_volume_format iso_volume_format_nifti = {
     .name = "nifti",
-    .title = "NIfTI-1 and 2",
-    .summary = "one file or .hdr with .img, either compressed by gzip or not, plane by plane",
+    .title = "NIfTI-1, NIfTI-2 and Analyze 7.5",
+    .summary = "one file or .hdr with .img, either packed by gzip or not, plane by plane",
     .suffixes = ".nii .nii.gz .hdr .img",
     .starts = "348 or 540 as its first number",
+    .unpacks = true,
     .probe = starts_like_nifti,
+    .probe_path = is_image_of_pair,
     .open = open_nifti,
 };

@@ -97,7 +97,7 @@ iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err
 static iso_status open_at(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
 {
     iso_status status = iso_source_check_regular(path, err);
-    if (status == ISO_OK)
+    if (status == ISO_OK && path != source->unpacked.path) /* the packed file is noted */
         status = iso_inputs_note(path, err);
     if (status != ISO_OK)
         return status;
@@ -253,34 +253,30 @@ static iso_status new_source(const char *path, const iso_volume_hints *hints, is
     return ISO_OK;
 }
 
-/* The first bytes, unpacked where they are compressed. */
-static iso_status read_head(const char *path, unsigned char head[ISO_VOLUME_HEAD_BYTES], size_t *size, iso_error *err)
+typedef struct file_head {
+    unsigned char bytes[ISO_VOLUME_HEAD_BYTES];
+    size_t size;
+    const char *packer; /* NULL: the file is not packed */
+} file_head;
+
+/* Reads the first bytes, unpacked by zlib if gzip packed them. */
+static iso_status read_head(const char *path, file_head *head, iso_error *err)
 {
     gzFile gz = gzopen(path, "rb");
     if (!gz)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
-    int n = gzread(gz, head, ISO_VOLUME_HEAD_BYTES), code = Z_OK;
+    const bool is_gzip = !gzdirect(gz);
+    int n = gzread(gz, head->bytes, ISO_VOLUME_HEAD_BYTES), code = Z_OK;
     if (n < 0)
         gzerror(gz, &code);
     iso_status status = ISO_OK;
     if (code == Z_ERRNO || code == Z_MEM_ERROR)
         status = iso_fail(err, code == Z_ERRNO ? iso_errno_status() : ISO_E_MEMORY, "%s: cannot be read: %s", path,
                           code == Z_ERRNO ? strerror(errno) : "out of memory");
-    *size = n > 0 ? (size_t)n : 0;
+    head->size = n > 0 ? (size_t)n : 0;
+    head->packer = is_gzip ? "gzip" : iso_packed_by(head->bytes, head->size);
     gzclose(gz);
     return status;
-}
-
-/* "NRRD (starts), ..." */
-static void list_formats(char *text, size_t size)
-{
-    const iso_volume_format *f;
-    size_t length = 0;
-    text[0] = 0;
-    for (size_t i = 0; (f = iso_volume_format_at(i)) && length < size; ++i)
-        if (f->starts)
-            length += (size_t)snprintf(text + length, size - length, "%s%s (%s)", length ? ", " : "", f->title,
-                                       f->starts);
 }
 
 static iso_status refuse_series(const iso_volume_source *s, iso_error *err)
@@ -344,10 +340,75 @@ static bool is_broken_pyramid(const char *path)
     return is_broken;
 }
 
+/* Files that people have and no format reads, by their first bytes. */
+static const struct {
+    const char *magic;
+    size_t bytes;
+    const char *kind, *remedy;
+} others[] = {
+    {"PK\3\4", 4, "a zip archive", "unpack it"},
+    {"ZISRAWFILE", 10, "CZI of Zeiss", "bioformats2raw converts it to OME-Zarr"},
+    {"\xda\xce\xbe\x0a", 4, "ND2 of Nikon", "bioformats2raw converts it to OME-Zarr"},
+    {"\x70\0\0\0", 4, "LIF of Leica", "bioformats2raw converts it to OME-Zarr"},
+    {"%PDF", 4, "PDF", "export its pictures"},
+    {"\xff\x4f\xff\x51", 4, "JPEG 2000", "opj_decompress makes TIFF of it"},
+    {"SIMPLE  =", 9, "FITS", "a program of astronomy saves it as NRRD or NIfTI"},
+};
+
+static iso_status refuse_unknown(const iso_volume_source *s, const file_head *head, iso_error *err)
+{
+    char shown[9] = "";
+    for (size_t i = 0; i < sizeof others / sizeof *others; ++i) {
+        if (others[i].bytes <= head->size && memcmp(head->bytes, others[i].magic, others[i].bytes) == 0)
+            return iso_fail(err, ISO_E_FORMAT, "%s: is %s, which is not read; %s", s->path, others[i].kind, others[i].remedy);
+    }
+    for (size_t i = 0; i < 8 && i < head->size; ++i)
+        shown[i] = head->bytes[i] >= 32 && head->bytes[i] < 127 ? (char)head->bytes[i] : '?';
+    return iso_fail(err, ISO_E_FORMAT,
+                    "%s: starts with \"%s\", an unknown format; isoshade list names those that are read, "
+                    "--raw-size and --raw-type read samples without a header",
+                    s->path, shown);
+}
+
+static const iso_volume_format *find_format(const file_head *head)
+{
+    const iso_volume_format *f;
+    for (size_t i = 0; (f = iso_volume_format_at(i)); ++i)
+        if (f->probe && f->probe(head->bytes, head->size))
+            return f;
+    return NULL;
+}
+
+static iso_status open_plain(iso_volume_source *s, const file_head *head, iso_error *err)
+{
+    const iso_volume_format *f = find_format(head);
+    bool found = f != NULL;
+    if (head->size == 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: is empty", s->path);
+    const iso_status status = f ? open_as(f, s, err) : open_by_path(s, &found, err);
+    return found ? status : refuse_unknown(s, head, err);
+}
+
+/* Opens an unpacked copy, so that each format is read of each packer. Messages name the user's file. */
+static iso_status open_packed(iso_volume_source *s, iso_error *err)
+{
+    file_head head;
+    iso_status status = iso_unpack(s->path, &s->unpacked, err);
+    if (status != ISO_OK)
+        return status;
+    char *const own = s->path;
+    s->path = s->unpacked.path;
+    status = read_head(s->path, &head, err);
+    if (status == ISO_OK)
+        status = open_plain(s, &head, err);
+    s->path = own;
+    if (status != ISO_OK)
+        iso_output_rename_in(s->unpacked.path, own, err);
+    return status;
+}
+
 static iso_status open_by_content(iso_volume_source *s, iso_error *err)
 {
-    unsigned char head[ISO_VOLUME_HEAD_BYTES];
-    size_t size = 0;
     bool found = false;
     if (iso_path_is_dir(s->path)) {
         if (is_broken_pyramid(s->path))
@@ -355,25 +416,15 @@ static iso_status open_by_content(iso_volume_source *s, iso_error *err)
         const iso_status status = open_by_path(s, &found, err);
         return found ? status : refuse_folder(s->path, err);
     }
-    iso_status status = read_head(s->path, head, &size, err);
+    file_head head;
+    const iso_status status = read_head(s->path, &head, err);
     if (status != ISO_OK)
         return status;
-    if (size == 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: is empty", s->path);
-    const iso_volume_format *f;
-    for (size_t i = 0; (f = iso_volume_format_at(i)); ++i)
-        if (f->probe && f->probe(head, size))
-            return open_as(f, s, err);
-    status = open_by_path(s, &found, err);
-    if (found)
-        return status;
-    char shown[9] = "";
-    for (size_t i = 0; i < 8 && i < size; ++i)
-        shown[i] = head[i] >= 32 && head[i] < 127 ? (char)head[i] : '?';
-    char known[768];
-    list_formats(known, sizeof known);
-    return iso_fail(err, ISO_E_FORMAT, "%s: starts with \"%s\", which is none of the formats that are read: %s",
-                    s->path, shown, known);
+    const iso_volume_format *f = head.packer ? find_format(&head) : NULL;
+    if (!head.packer || (f && f->unpacks))
+        return open_plain(s, &head, err);
+    const iso_status by_path = f ? ISO_OK : open_by_path(s, &found, err);
+    return found ? by_path : open_packed(s, err);
 }
 
 iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err)
@@ -482,14 +533,29 @@ iso_status iso_source_open_with(const char *path, const iso_volume_hints *hints,
     return ISO_OK;
 }
 
+/* Unpacks a raw file that a packer's first bytes begin, unless it has the bytes of the layout: then these are samples. */
+static iso_status unpack_raw(iso_volume_source *s, const iso_raw_layout *layout, iso_error *err)
+{
+    unsigned char head[8];
+    struct stat st;
+    FILE *f = fopen(s->path, "rb");
+    const size_t size = f ? fread(head, 1, sizeof head, f) : 0;
+    const bool is_plain = !iso_packed_by(head, size) || stat(s->path, &st) != 0 ||
+                          (double)st.st_size == (double)layout->skip_bytes + (double)iso_source_bytes(s);
+    if (f)
+        fclose(f);
+    return is_plain ? ISO_OK : iso_unpack(s->path, &s->unpacked, err);
+}
+
 static iso_status open_raw(iso_volume_source *s, const iso_raw_layout *layout, iso_error *err)
 {
     s->header.type = layout->type;
     s->header.geometry = iso_geometry_axis_aligned(layout->size, layout->spacing_mm);
     iso_status status = iso_geometry_check(&s->header.geometry, s->path, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_source_take_file(s, s->path, layout->skip_bytes, err);
+    if (status == ISO_OK)
+        status = unpack_raw(s, layout, err);
+    if (status == ISO_OK)
+        status = iso_source_take_file(s, s->unpacked.path ? s->unpacked.path : s->path, layout->skip_bytes, err);
     s->swap_bytes = layout->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
     return status;
 }

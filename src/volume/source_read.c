@@ -251,6 +251,7 @@ void iso_source_close(iso_volume_source *s)
         gzclose(s->gz);
     if (s->close_reader)
         s->close_reader(s);
+    iso_unpacked_remove(&s->unpacked);
     json_decref(s->header.segments);
     free(s->preloaded);
     free(s->path);

@@ -8,6 +8,7 @@
 
 #include "volume/format.h"
 #include "volume/frames.h"
+#include "volume/unpack.h"
 
 /* Samples of the file that no iso_type describes. */
 typedef enum iso_form {
@@ -33,6 +34,7 @@ typedef struct iso_source_look {
 struct iso_volume_source {
     char *path; /* a file, or a folder */
     char *part; /* which of the volumes that it holds, of FILE:PART; NULL: the only one */
+    iso_unpacked unpacked; /* the copy that is read, of a packed file */
     iso_volume_hints hints;
     iso_volume header;
     FILE *file; /* plain samples, or */

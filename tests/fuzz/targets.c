@@ -29,6 +29,8 @@ const fuzz_target fuzz_targets[] = {
     {"mrc", "input.mrc", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/mrc_open.c"},
     {"cube", "input.cube", FUZZ_LINES, fuzz_volume, NULL, "src/volume/cube_open.c src/volume/text_samples.c"},
     {"xsf", "input.xsf", FUZZ_LINES, fuzz_volume, NULL, "src/volume/xsf_open.c src/volume/text_samples.c"},
+    {"npy", "input.npy", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/npy_open.c"},
+    {"packed", "input.mrc", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/unpack.c"},
     {"gipl", "input.gipl", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/gipl_open.c"},
     {"raw", "input.raw", FUZZ_LINES, fuzz_raw, NULL, "src/volume/input.c"},
     {"series", "input.pvd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/file_list.c src/volume/frames.c"},

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/* npy_open.c - arrays that numpy.save() wrote: a Python dictionary of type, order and shape, then the samples [NEP 1].
+ *
+ * Axes: (z, y, x) in C order, (x, y, z) in Fortran order, so that x runs fastest; a slowest fourth axis is time. The format
+ * has no spacing: --spacing gives it. */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "volume/stream_kernel.h"
+
+enum { MAGIC_BYTES = 6, START_BYTES = 12, MOST_HEADER = 65536, MOST_AXES = 4 };
+static const char magic[] = "\x93NUMPY";
+
+typedef struct npy {
+    char text[MOST_HEADER + 1];
+    size_t samples_at;
+    size_t axes[MOST_AXES]; /* the fastest first */
+    size_t axis_count;
+} npy;
+
+static bool starts_like_npy(const unsigned char *head, size_t size)
+{
+    return size >= MAGIC_BYTES && memcmp(head, magic, MAGIC_BYTES) == 0;
+}
+
+static iso_status read_header(const char *path, npy *n, iso_error *err)
+{
+    unsigned char start[START_BYTES];
+    FILE *f = fopen(path, "rb");
+    if (!f)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
+    size_t got = fread(start, 1, START_BYTES, f);
+    const bool is_long = got > 6 && start[6] >= 2; /* versions 2 and 3 have 4 bytes for the length */
+    const size_t text_at = is_long ? 12 : 10;
+    size_t length = got < START_BYTES ? 0 : start[8] + 256u * start[9];
+    if (is_long && got == START_BYTES)
+        length += ((size_t)start[10] << 16) + ((size_t)start[11] << 24);
+    n->samples_at = text_at + length;
+    got = 0;
+    if (length > 0 && length <= MOST_HEADER && fseek(f, (long)text_at, SEEK_SET) == 0)
+        got = fread(n->text, 1, length, f);
+    n->text[got] = 0;
+    const iso_status status = iso_source_check_read(f, path, ISO_OK, err);
+    fclose(f);
+    if (status == ISO_OK && (got == 0 || got != length))
+        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: a NumPy header of %zu bytes, must be 1 to %d and in the file", path,
+                        length, MOST_HEADER);
+    return status;
+}
+
+/* Returns the text after 'key': in the dictionary; NULL: it is missing. */
+static const char *find_value(const npy *n, const char *key)
+{
+    char quoted[32];
+    snprintf(quoted, sizeof quoted, "'%s'", key);
+    const char *at = strstr(n->text, quoted);
+    if (!at)
+        return NULL;
+    at += strlen(quoted);
+    at += strspn(at, " ");
+    return *at == ':' ? at + 1 + strspn(at + 1, " ") : NULL;
+}
+
+static iso_status take_type(const npy *n, iso_volume_source *source, iso_error *err)
+{
+    static const struct {
+        const char *name;
+        iso_type type;
+    } types[] = {{"b1", ISO_U8},  {"u1", ISO_U8},  {"i1", ISO_I8},  {"u2", ISO_U16}, {"i2", ISO_I16},
+                 {"u4", ISO_U32}, {"i4", ISO_I32}, {"f4", ISO_F32}, {"f8", ISO_F64}};
+    static const struct {
+        const char *name;
+        iso_form form;
+    } forms[] = {{"f2", ISO_FORM_HALF}, {"i8", ISO_FORM_I64}, {"u8", ISO_FORM_U64}};
+    const char *value = find_value(n, "descr");
+    char order = 0, name[3] = "";
+    if (value && sscanf(value, "'%c%2[a-z0-9]'", &order, name) == 2 && strchr("<>|=", order) && strlen(name) == 2 &&
+        value[4] == '\'') {
+        source->swap_bytes = name[1] != '1' && order == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? '>' : '<');
+        for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
+            if (strcmp(name, types[i].name) == 0) {
+                source->header.type = types[i].type;
+                return ISO_OK;
+            }
+        for (size_t i = 0; i < sizeof forms / sizeof *forms; ++i)
+            if (strcmp(name, forms[i].name) == 0) {
+                iso_source_set_form(source, forms[i].form);
+                return ISO_OK;
+            }
+    }
+    return iso_fail(err, ISO_E_FORMAT, "%s: its type is %.*s, must be a bool, integer or float of 16 to 64 bits; numpy's "
+                    "astype() converts it",
+                    source->path, value ? (int)strcspn(value, ",}\n") : 7, value ? value : "missing");
+}
+
+/* Reads "(7, 9, 11)": the axes in the order of the file's text. */
+static bool read_shape(const char *value, size_t axes[MOST_AXES + 1], size_t *count)
+{
+    *count = 0;
+    if (!value || *value++ != '(')
+        return false;
+    for (value += strspn(value, " "); *value != ')'; value += strspn(value, ", ")) {
+        char *end;
+        if (*value < '0' || *value > '9' || *count > MOST_AXES)
+            return false;
+        errno = 0;
+        axes[(*count)++] = strtoull(value, &end, 10);
+        if (errno != 0 || end == value)
+            return false;
+        value = end;
+    }
+    return true;
+}
+
+static iso_status take_axes(npy *n, const char *path, iso_error *err)
+{
+    size_t axes[MOST_AXES + 1], count;
+    const char *order = find_value(n, "fortran_order"), *shape = find_value(n, "shape");
+    if (!order || !read_shape(shape, axes, &count))
+        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: its NumPy header has no order and shape", path);
+    const bool is_fortran = strncmp(order, "True", 4) == 0;
+    if (count < 3 || count > MOST_AXES)
+        return iso_fail(err, ISO_E_FORMAT, "%s: its shape is %.*s, a volume has 3 axes, with time 4", path,
+                        (int)strcspn(shape, ")") + 1, shape);
+    for (size_t a = 0; a < count; ++a) {
+        n->axes[a] = axes[is_fortran ? a : count - 1 - a];
+        if (n->axes[a] < 1)
+            return iso_fail(err, ISO_E_RANGE, "%s: its shape is %.*s, each axis must be at least 1", path,
+                            (int)strcspn(shape, ")") + 1, shape);
+    }
+    n->axis_count = count;
+    return ISO_OK;
+}
+
+static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
+{
+    iso_geometry *g = &source->header.geometry;
+    double mm;
+    iso_status status = read_header(source->path, n, err);
+    if (status == ISO_OK)
+        status = take_type(n, source, err);
+    if (status == ISO_OK)
+        status = take_axes(n, source->path, err);
+    if (status == ISO_OK)
+        status = iso_source_unit(source, "mm", "mm", &mm, err);
+    if (status == ISO_OK)
+        status = iso_source_need_spacing(source, "of its voxels", err);
+    if (status != ISO_OK)
+        return status;
+    *g = iso_geometry_axis_aligned(n->axes, (double[]){1, 1, 1});
+    status = iso_source_check_geometry(source, err);
+    const iso_extra_axes extra = {
+        .frame = {.count = n->axis_count > 3 ? n->axes[3] : 1, .stride = 1}, .channel = {.count = 1, .stride = 1}};
+    if (status == ISO_OK)
+        status = iso_source_choose(source, &extra, err);
+    return status == ISO_OK ? iso_source_take_file(source, source->path, n->samples_at, err) : status;
+}
+
+static iso_status open_npy(iso_volume_source *source, iso_error *err)
+{
+    npy *n = calloc(1, sizeof *n);
+    const iso_status status =
+        n ? open_array(source, n, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    free(n);
+    return status;
+}
+
+const iso_volume_format iso_volume_format_npy = {
+    .name = "npy",
+    .title = "NumPy array",
+    .summary = "numpy.save() of 3 axes, with time 4, in C or Fortran order; by --spacing, plane by plane",
+    .suffixes = ".npy",
+    .starts = "\"\\x93NUMPY\"",
+    .probe = starts_like_npy,
+    .open = open_npy,
+};

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/* unpack.h - files that a general program packed: gzip, bzip2, xz, zstd, lz4 or compress, through libarchive.
+ *
+ * In:  a file.   Out: an unpacked copy in a private temporary folder, for readers that take plain files. */
+#ifndef ISO_VOLUME_UNPACK_H
+#define ISO_VOLUME_UNPACK_H
+
+#include <stddef.h>
+
+#include "base/status.h"
+
+/* Returns the packer's name, "gzip", by the first bytes; NULL: the file is not packed. */
+const char *iso_packed_by(const unsigned char *head, size_t size);
+
+/* An unpacked file. Its name is that of the packed one, without the packer's ending. */
+typedef struct iso_unpacked {
+    char *folder; /* temporary; iso_unpacked_remove() removes it. NULL: nothing is unpacked */
+    char *path;
+} iso_unpacked;
+
+/* Unpacks a whole file. ISO_E_FORMAT: it is damaged or cut. ISO_E_RANGE: it would fill more than half of the free space of
+ * the temporary folder ($TMPDIR), or is packed more than 1,032 times, which no volume is. */
+iso_status iso_unpack(const char *path, iso_unpacked *file, iso_error *err);
+/* Accepts an empty struct. */
+void iso_unpacked_remove(iso_unpacked *file);
+
+#endif
