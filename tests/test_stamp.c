@@ -74,7 +74,7 @@ static void a_persons_file_survives_three_exports_at_once(void **state)
         bool is_kept = false;
         write_text("c.blend", "a person's");
         for (int i = 0; i < EXPORTS; ++i) {
-            char own[16];
+            char own[32];
             snprintf(own, sizeof own, "own%d", i);
             if (fork() == 0)
                 export_by_force(own);
@@ -82,7 +82,7 @@ static void a_persons_file_survives_three_exports_at_once(void **state)
         for (int i = 0, code; i < EXPORTS; ++i)
             assert_true(wait(&code) > 0 && WIFEXITED(code) && WEXITSTATUS(code) == 0);
         for (int i = 1; i <= BACKUPS; ++i) {
-            char name[16];
+            char name[32];
             snprintf(name, sizeof name, "c.blend%d", i);
             is_kept = is_kept || holds(name, "a person's");
             unlink(name);

@@ -22,15 +22,25 @@ static bool within_what_is_asked(const iso_report_level *row, int k)
     return isnan(row->asked[k]) || row->value[k] <= row->asked[k];
 }
 
-static bool is_behind(const iso_report_level *row, const iso_report_rival *rival, int k)
+static bool is_larger(const iso_report_level *row, iso_paired p)
 {
-    return iso_paired_is_larger(rival->behind[k], row->margin);
+    return iso_paired_is_larger(p, row->margin);
 }
 
-static bool is_ahead(const iso_report_level *row, const iso_report_rival *rival, int k)
+static bool is_smaller(const iso_report_level *row, iso_paired p)
 {
-    const iso_paired turned = {-rival->behind[k].difference, rival->behind[k].half_width};
-    return iso_paired_is_larger(turned, row->margin);
+    return iso_paired_is_larger((iso_paired){-p.difference, p.half_width}, row->margin);
+}
+
+/* True if the pictures are worse in a figure and better in none: figures that contradict each other decide nothing. */
+static bool is_worse(const iso_report_level *row, const iso_paired behind[ISO_LEVEL_FIGURE_COUNT])
+{
+    bool larger = false, smaller = false;
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
+        larger = larger || is_larger(row, behind[k]);
+        smaller = smaller || is_smaller(row, behind[k]);
+    }
+    return larger && !smaller;
 }
 
 static bool is_as_made(const iso_report_level *row)
@@ -40,12 +50,8 @@ static bool is_as_made(const iso_report_level *row)
 
 static bool is_not_turned(const iso_report_level *row)
 {
-    if (isnan(row->angle_behind.difference) || !iso_paired_is_larger(row->angle_behind, row->angle_margin_deg))
-        return true;
-    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
-        if (iso_paired_is_larger(row->turned[k], row->margin))
-            return false;
-    return true;
+    return isnan(row->angle_behind.difference) || !iso_paired_is_larger(row->angle_behind, row->angle_margin_deg) ||
+           !is_worse(row, row->turned);
 }
 
 static bool is_within_bound(const iso_report_level *row)
@@ -58,17 +64,9 @@ static bool is_scaled_right(const iso_report_level *row)
     return !row->scale.judged || (row->scale.differing == 0 && row->scale.has_effect);
 }
 
-static bool is_not_behind(const iso_report_level *row, const iso_report_rival *rival)
-{
-    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
-        if (is_behind(row, rival, k))
-            return false;
-    return true;
-}
-
 iso_verdict iso_report_level_verdict(const iso_report_level *row)
 {
-    bool good = is_as_made(row) && is_not_turned(row) && is_not_behind(row, &row->simple) &&
+    bool good = is_as_made(row) && is_not_turned(row) && !is_worse(row, row->simple.behind) &&
                 is_within_bound(row) && is_scaled_right(row);
     if (!row->shown && is_as_made(row) && is_scaled_right(row))
         return ISO_VERDICT_NOT_COMPARED;
@@ -85,19 +83,15 @@ static const char *tf_word(bool adapted, bool scaled)
 static json_t *rival_json(const iso_report_level *row, const iso_report_rival *rival)
 {
     json_t *list = json_array();
-    bool better = false, worse = false;
-    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
-        const bool here = is_behind(row, rival, k), less_here = is_ahead(row, rival, k);
+    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
         json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o, s:o, s:b, s:b}", "figure", figures[k].key, "name",
                                               figures[k].name, "value", iso_json_number(rival->value[k]), "difference",
                                               iso_json_number(rival->behind[k].difference), "half_width",
-                                              iso_json_number(rival->behind[k].half_width), "better", here, "worse",
-                                              less_here));
-        better = better || here;
-        worse = worse || less_here;
-    }
+                                              iso_json_number(rival->behind[k].half_width), "better",
+                                              is_larger(row, rival->behind[k]), "worse",
+                                              is_smaller(row, rival->behind[k])));
     return json_pack("{s:s, s:s, s:s, s:b, s:o}", "method", rival->method, "tf", tf_word(rival->adapted, false), "option",
-                     rival->option, "better", better && !worse, "figures", list);
+                     rival->option, "better", is_worse(row, rival->behind), "figures", list);
 }
 
 static json_t *figures_json(const iso_report_level *row)
@@ -133,7 +127,7 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
                                       row->scale.has_effect, "held", is_scaled_right(row)));
     if (row->chosen)
         json_object_set_new(o, "chosen_filter", json_string(row->chosen));
-    json_object_set_new(o, "simple_held", json_boolean(is_not_behind(row, &row->simple)));
+    json_object_set_new(o, "simple_held", json_boolean(!is_worse(row, row->simple.behind)));
     json_object_set_new(o, "directions",
                         json_pack("{s:o, s:o, s:o, s:o, s:f, s:b}", "angle_deg", iso_json_number(row->angle_deg),
                                   "simple_deg", iso_json_number(row->simple_angle_deg), "difference_deg",

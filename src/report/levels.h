@@ -4,12 +4,12 @@
  * A level is shown by the default method, with the pyramid's own directions and under the TF that is adapted to it
  * where adapting is not refused. It holds when
  *  - each figure is at most what the scene asks for, where it asks;
- *  - it is not worse than the simple way, gradients on the fly under the original TF, beyond the scatter over the views
- *    (paired.h) and a margin below which nobody sees a difference;
+ *  - it is not worse than the simple way, gradients on the fly under the original TF: in a figure beyond the scatter over
+ *    the views (paired.h) and a margin below which nobody sees a difference, and better in no other figure;
  *  - what is stored is what level 0 makes;
  *  - extinction scales that it is handed over with are those that level 0 makes, and change its pictures;
  *  - its directions are not worse than gradients on the fly, both under the original TF: farther from level 0's by more than the
- *    interval and a margin, and behind in a figure of the pictures as well. Angles alone fail nothing;
+ *    interval and a margin, and with worse pictures by the same rule. Angles alone fail nothing;
  *  - its RMSE is not above its bound in any view, beyond the margin, which is for the renderer's steps: the bound is of
  *    images without any.
  * Other methods are rivals. One that is better in a figure by the same measure, and worse in none, is named with the
