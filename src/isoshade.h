@@ -3,27 +3,27 @@
  *
  * Where to start
  *   A *volume* is a grid of numbers: a scan, a simulation, an array that a program fills. A *pyramid* is that volume at
- *   several *levels*, each with half the voxels along an axis of the one before; level 0 is the volume itself. Beside
+ *   several *levels*, each with half the voxels along an axis of the one before; level 0 is the volume itself. Next to
  *   each voxel's value a pyramid keeps a *direction*, which stands for the surface there and is what light falls on.
  *   Directions of all levels come from level 0's gradients, and are stored in three bytes each (a *direction code*). A
  *   *transfer function* (TF) gives each value a color and an extinction; it can be adapted to a level, so that the
- *   level shows what the volume shows. A *scene* is a camera, lights, a background and a TF, and fits itself to any
+ *   level looks like the volume. A *scene* is a camera, lights, a background and a TF, and fits itself to any
  *   volume.
  *
  *       iso_volume_open()  or  iso_volume_from_memory()           a volume
  *         iso_build()  or  iso_pyramid_open()                       a pyramid
  *           iso_tf_adapt()                                            a TF for one of its levels
- *           iso_render()          a level as an image; iso_metrics_measure() tells how far two images are apart
+ *           iso_render()          a level as an image; iso_metrics_measure() compares two images
  *           iso_export()          a level for OpenVDB, Blender, POV-Ray
  *           iso_pyramid_level()   the numbers themselves
  *
  *   doc/guide/library.md is a program of about sixty lines that does all of this.
  *
- * Errors     A function that can fail returns an iso_status, ISO_OK where it did not, and leaves a sentence for a
+ * Errors     A function that can fail returns an iso_status, ISO_OK on success, and leaves a sentence for a
  *            person in its last parameter, an iso_error that may be NULL. Nothing is ever printed, and the process
- *            never ended. What a function was to create is NULL (an image: empty) after a failure.
+ *            never ended. After a failure the object to create is NULL (an image: empty).
  * Ownership  Handles (iso_volume *, iso_pyramid *, iso_tf *, iso_scene *) belong to the caller, who gives them back
- *            to the function whose name ends in _free; those accept NULL. No function keeps what it was given: a
+ *            to the function whose name ends in _free; those accept NULL. No function keeps its arguments: a
  *            volume may be freed once its pyramid is built. Arrays of the caller are read or filled, and not kept.
  * Threads    Handles that no function is changing may be read by several threads at once. Work is spread over all
  *            processor cores, or over as many as an option says; results do not depend on how many.
@@ -34,8 +34,8 @@
  *            defaults. Names (codes, estimators, renderers ...) are words, as on the command line; iso_choice_name()
  *            lists them.
  * Stability  Programs that were built with one version run with later ones of the same major number: handles are
- *            opaque, structs have room to grow ("reserved": zero), and statuses keep their numbers. Major number 0
- *            says that this may still change from one minor version to the next.
+ *            opaque, structs have space to grow ("reserved": zero), and statuses keep their numbers. Major number 0
+ *            means that this may still change from one minor version to the next.
  *
  * The header is C99 and C++. Link with `pkg-config --cflags --libs isoshade`. */
 #ifndef ISOSHADE_H
@@ -86,7 +86,7 @@ typedef enum iso_status {
 #undef ISO_STATUS_ENUM
 } iso_status;
 
-/* What went wrong, in one line: which file or option, the value and its limit. */
+/* An error in one line: the file or option, the value and its limit. */
 typedef struct iso_error {
     char text[1024];
 } iso_error;
@@ -103,7 +103,7 @@ typedef enum iso_choice {
     ISO_CHOICE_SCALAR_FILTER,    /* "mean" ... */
     ISO_CHOICE_DIRECTION_FILTER, /* "moments", "naive" ... */
     ISO_CHOICE_SHADING,          /* where a renderer takes directions from: "codes", "float" ... */
-    ISO_CHOICE_RENDERER,         /* "reference", "gl" ...: all that are known, be they installed or not */
+    ISO_CHOICE_RENDERER,         /* "reference", "gl" ...: all renderers, installed or not */
     ISO_CHOICE_EXPORT            /* "vdb", "nanovdb", "blender", "povray", "pbrt", "mitsuba" */
 } iso_choice;
 
@@ -121,7 +121,7 @@ typedef void (*iso_progress_callback)(void *user, const char *stage, double frac
 typedef struct iso_grid {
     size_t size[3];              /* voxels along x, y, z */
     double index_to_world[3][4]; /* world mm = index_to_world (i, j, k, 1); may rotate, shear and reflect */
-    double box_index[3];         /* what is rendered: [0, box_index]; coarse levels may overhang it; 0: size */
+    double box_index[3];         /* rendered part: [0, box_index]; coarse levels may overhang it; 0: size */
 } iso_grid;
 
 /* Makes a grid along the world's axes, centered at the origin. */
@@ -153,13 +153,13 @@ void iso_volume_free(iso_volume *volume);
 typedef struct iso_pyramid iso_pyramid;
 
 typedef struct iso_build_options {
-    size_t levels;                  /* with level 0, 1 to 32; fewer where a level would be a single voxel */
+    size_t levels;                  /* with level 0, 1 to 32; fewer if a level would be a single voxel */
     const char *code;               /* how directions are stored */
     const char *estimator;          /* how level 0's gradients are estimated */
     const char *scalar_filter;      /* how a coarse value comes from eight finer ones */
     const char *direction_filter;   /* how a coarse direction does */
-    bool keep_float;                /* directions as they were before encoding, too: 12 bytes a voxel more */
-    bool keep_magnitude;            /* the gradients' magnitudes, too: 4 bytes a voxel more */
+    bool keep_float;                /* also directions before encoding: 12 more bytes per voxel */
+    bool keep_magnitude;            /* also the gradients' magnitudes: 4 more bytes per voxel */
     int threads;                    /* 0: all cores */
     iso_progress_callback progress; /* or NULL */
     void *progress_user;
@@ -230,8 +230,8 @@ iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double u
 /* Adapts a TF to a level, so that the level looks like the volume. Returns a copy at level 0, and if adapting would not
  * be closer. ISO_E_RANGE: no such level; ISO_E_MEMORY. */
 iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t level, iso_tf **adapted, iso_error *err);
-/* Looks up red, green, blue and extinction per mm of values, as renderers of this pyramid do. A TF that says "fit"
- * takes its range from the pyramid's level 0. ISO_E_RANGE, ISO_E_MEMORY. */
+/* Looks up red, green, blue and extinction per mm of values, as renderers of this pyramid do. A TF whose range is
+ * "fit" takes its range from the pyramid's level 0. ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_tf_evaluate(const iso_tf *tf, const iso_pyramid *pyramid, const double *values, size_t count,
                            double (*rgb_extinction)[4], iso_error *err);
 /* Writes NAME.tf.json. ISO_E_IO. */
@@ -256,7 +256,7 @@ void iso_scene_free(iso_scene *scene);
 typedef struct iso_image {
     size_t width, height;
     float *rgba;   /* 4 a pixel; owned, freed by iso_image_destroy() */
-    int origin[2]; /* first column and row of an EXR's display window; else 0, 0 */
+    int origin[2]; /* first column and row of an EXR's display window; 0, 0 for other formats */
     const void *reserved[4];
 } iso_image;
 
@@ -283,8 +283,8 @@ iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err
 
 /* ---- comparison -------------------------------------------------------------------------------------------------- */
 
-/* How far two images are apart, over the four channels of all pixels. FLIP (what a person sees when the images
- * alternate) and SSIM (alike structures: 1) look at what a screen would show. */
+/* Differences between two images, over the four channels of all pixels. FLIP (visible to a person when the images
+ * alternate) and SSIM (equal structures: 1) compare the images as a screen would show them. */
 typedef struct iso_metrics {
     double rmse, max_abs, p99_abs; /* p99: 99 % of the pixels differ by less, in their worst channel */
     double psnr_db;                /* peak 1; infinite for equal images */
@@ -304,7 +304,7 @@ typedef struct iso_frame_options {
     size_t width, height;           /* 0: the scene's */
     const iso_tf *tf;               /* NULL: the scene's */
     const char *shading;            /* where directions come from; of "reference" and "gl" */
-    double step_voxels;             /* of rays, in the smallest spacing; 0: what the renderer is most exact with */
+    double step_voxels;             /* of rays, in the smallest spacing; 0: the renderer's most exact step */
     int samples, seed;              /* of "cycles"; 0: its defaults */
     int threads;                    /* 0: all cores */
     iso_progress_callback progress; /* or NULL */
@@ -325,7 +325,7 @@ iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const 
 
 typedef struct iso_export_options {
     size_t level;                   /* the first, or the only one */
-    size_t level_count;             /* so many levels from there on in one file; of "vdb", "nanovdb" and "blender" */
+    size_t level_count;             /* levels from there on in one file; of "vdb", "nanovdb" and "blender" */
     size_t width, height;           /* of the scene's images; 0: the scene's */
     const iso_tf *tf;               /* NULL: the scene's */
     bool half_float;                /* of "vdb": smaller and less exact */
@@ -338,9 +338,9 @@ typedef struct iso_export_options {
 iso_export_options iso_export_defaults(void);
 
 /* Exports levels. Target "vdb": a file NAME.vdb with the grids "density" and "gradient"; scene may be NULL. "nanovdb":
- * NAME.nvdb, the same grids. "blender": NAME.blend, and its grids beside it; needs Blender. "povray": a folder with scene and densities.
+ * NAME.nvdb, the same grids. "blender": NAME.blend, and its grids next to it; needs Blender. "povray": a folder with scene and densities.
  * "pbrt", "mitsuba": a folder with a scene whose medium is baked for that scene. ISO_E_USAGE: an unknown target, no
- * scene where one is needed, an option that the target does not have; ISO_E_RANGE; ISO_E_IO; ISO_E_MISSING;
+ * scene although one is needed, an option that the target does not have; ISO_E_RANGE; ISO_E_IO; ISO_E_MISSING;
  * ISO_E_PROGRAM. */
 iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,
                       const iso_export_options *options, iso_error *err);

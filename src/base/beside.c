@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 
-/* NULL where it is at none of the places that begin at the folder of `file`. */
+/* Finds the file near the folder of `file`. NULL if no candidate exists. */
 static char *find_near(const char *file, const char *name)
 {
     static const char *const places[] = {".", "../lib/isoshade", "isoshade", ".."};

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* beside.h - parts of the program that stand on large libraries, in files of their own: they are left out where those
- * libraries are not installed, and only started or loaded when they are needed. */
+/* beside.h - parts of the program that need large libraries, in files of their own. They are left out if those
+ * libraries are not installed, and are started or loaded only when needed. */
 #ifndef ISO_BESIDE_H
 #define ISO_BESIDE_H
 
-/* The path of such a file: beside the program or the library as they are built, or where `make install` puts it, wherever
- * both were moved to. To be freed; NULL where there is none. */
+/* Returns the path of such a file: next to the program or library in a build, or in the folder of `make install`,
+ * wherever both were moved to. To be freed; NULL if there is none. */
 char *iso_beside_find(const char *name);
 
 #endif

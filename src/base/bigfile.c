@@ -26,7 +26,7 @@ static iso_status io_error(const iso_bigfile *f, iso_error *err)
     return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", f->path, strerror(errno));
 }
 
-/* The end of what is kept lies inside a block, which is read back. */
+/* Keeps the first `keep` bytes. The block that holds the last of them is read back. */
 static iso_status keep_bytes(iso_bigfile *f, size_t keep, iso_error *err)
 {
     struct stat st;

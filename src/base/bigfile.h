@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* bigfile.h - long files, written from their beginning to their end.
  *
- * Where the file system can, writes go past the page cache (O_DIRECT), in
- * aligned blocks: a file larger than memory gains nothing from the cache, and
- * does not push out what others keep there. */
+ * If the file system allows it, writes bypass the page cache (O_DIRECT), in aligned blocks. A file larger than
+ * memory gains nothing from the cache, and would push out other programs' pages. */
 #ifndef ISO_BIGFILE_H
 #define ISO_BIGFILE_H
 
@@ -14,11 +13,11 @@
 
 typedef struct iso_bigfile iso_bigfile;
 
-/* The buffer of each file takes so much memory. */
+/* Size of each file's buffer. */
 #define ISO_BIGFILE_BYTES ((size_t)1 << 20)
 
-/* Opens or creates the file. The first `keep` bytes of an existing one stay, and writing goes on behind them; the
- * rest is cut off. ISO_E_FORMAT when the file is shorter than that. */
+/* Opens or creates the file. The first `keep` bytes of an existing one stay, and writing goes on after them; the
+ * rest is cut off. ISO_E_FORMAT if the file is shorter than that. */
 iso_status iso_bigfile_open(const char *path, bool direct, size_t keep, iso_bigfile **file, iso_error *err);
 /* Opens a file that another process has created, and changes nothing in it. Call iso_bigfile_go_on() before writing. */
 iso_status iso_bigfile_join(const char *path, bool direct, iso_bigfile **file, iso_error *err);
@@ -35,9 +34,9 @@ typedef struct iso_bigfile_tail {
 } iso_bigfile_tail;
 /* The tail so far. To be called only after open, go_on or flush. */
 void iso_bigfile_get_tail(const iso_bigfile *file, iso_bigfile_tail *tail);
-/* Changes the tail to what it will be when `bytes` more bytes, at data, have been written. */
+/* Changes the tail to its state after writing `bytes` more bytes, at data. */
 void iso_bigfile_tail_after(iso_bigfile_tail *tail, const void *data, size_t bytes);
-/* Writing goes on behind this tail. */
+/* Continues writing after this tail. */
 void iso_bigfile_go_on(iso_bigfile *file, const iso_bigfile_tail *tail);
 /* Writes all blocks that are full. */
 iso_status iso_bigfile_flush(iso_bigfile *file, iso_error *err);

@@ -79,7 +79,7 @@ const char *iso_path_base(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Asks again where the answer could not be read: it is no "no". */
+/* Repeats the call if the answer could not be read: that is not a "no". */
 static bool look_at(const char *path, struct stat *st)
 {
     return stat(path, st) == 0 || ((errno == EIO || errno == EINTR) && stat(path, st) == 0);
@@ -117,7 +117,7 @@ static int remove_entry(const char *path, const struct stat *st, int type, struc
     return remove(path);
 }
 
-/* Again where something fails in between, such as an allocation: what is left is not found by anyone later. */
+/* Repeats if a step fails, such as an allocation: nobody finds the remains later. */
 void iso_remove_tree(const char *path)
 {
     for (int tries = 0; tries < 3; ++tries)
@@ -138,7 +138,7 @@ int iso_memory_close(FILE *memory)
 iso_status iso_file_open(const char *path, int *fd, size_t *bytes, iso_error *err)
 {
     struct stat st;
-    *fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe without a writer is told, not waited for */
+    *fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe without a writer is reported, not waited for */
     if (*fd < 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     if (fstat(*fd, &st) == 0 && S_ISREG(st.st_mode)) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* file.h - outputs that appear whole or not at all.
  *
- * A file or a directory is made under a temporary name beside its final one (temporary.h), flushed to the disk, and
- * renamed when it is complete. What stood there before stays until then. An output that is a link is written to what the
- * link names, and the link stays; devices, pipes and sockets are refused. */
+ * A file or a folder is made under a temporary name next to its final one (temporary.h), flushed to the disk, and
+ * renamed when it is complete. An existing output stays until then. If an output is a link, its target is written
+ * and the link stays. Devices, pipes and sockets are refused. */
 #ifndef ISO_FILE_H
 #define ISO_FILE_H
 
@@ -15,34 +15,36 @@
 #include "base/temporary.h"
 
 typedef struct iso_output {
-    char *final_path; /* what the user named */
+    char *final_path; /* path as the user gave it */
     char *temp_path;  /* where to write */
     bool is_folder;
     int lock;         /* 1 + the descriptor that locks the temporary; 0: none */
     const char *const *own; /* names in a folder that can be resumed; NULL: all in the temporary is its own */
 } iso_output;
 
-/* Reserves a temporary file name beside path. Writers that take a path write
- * to out->temp_path. ISO_E_IO when the folder is not there or not writable. */
+/* Reserves a temporary file name next to path. Writers that take a path write to out->temp_path. ISO_E_IO if the
+ * folder is missing or not writable. */
 iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err);
 
-/* The same for a directory, which is created. An existing directory at path is
- * replaced at commit only if it holds a file `marker`, a pattern of fnmatch() (so it is one of ours), and
- * nothing but what isoshade wrote (manifest.h); else ISO_E_IO, and nothing of the user's is lost. */
+/* Does the same for a folder, which is created. An existing folder at path is replaced at commit only if it is one
+ * of ours: it holds a file `marker`, a pattern of fnmatch(), and only files that isoshade wrote (manifest.h).
+ * Otherwise ISO_E_IO, and no file of the user is lost. */
 iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err);
 
-/* The same for work that can be resumed after it was killed: the temporary directory has the
- * fixed name .NAME.partial. If one exists and `resume` is set, its files stay and *resumed
- * becomes true; else they are removed. own: what the command calls its files there, patterns of fnmatch(), the marker
- * first and NULL last; it outlives the output. ISO_E_IO while another process works in the directory, and where it is
- * a link, another user's, or has an entry that is no file of such a name; that stays as it is. */
+/* Does the same for work that can be resumed after it was killed. The temporary folder has the fixed name
+ * .NAME.partial. If one exists and `resume` is set, its files stay and *resumed becomes true; otherwise they are
+ * removed.
+ * own: names of the command's files there, patterns of fnmatch(), the marker first and NULL last; it outlives the
+ * output.
+ * ISO_E_IO while another process works in the folder. ISO_E_IO also if the folder is a link, belongs to another
+ * user, or has an entry that matches no such name; that folder stays unchanged. */
 iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *const *own, bool resume, bool *resumed,
                                  iso_error *err);
 
-/* Does a name fit one of the patterns, or is it one that all folders of ours may have? */
+/* True if a name fits one of the patterns, or is one that all our folders may have. */
 bool iso_output_is_own(const char *const *own, const char *name);
 
-/* Replaces the temporary name in an error message by the final one, which the user knows. */
+/* Replaces the temporary name in an error message by the final one, which the user gave. */
 void iso_output_rename_in(const char *temp_path, const char *final_path, iso_error *err);
 
 /* The same for all temporaries of iso_output_begin() and iso_output_begin_dir(). main() calls it. */
@@ -68,8 +70,8 @@ void iso_output_abandon(iso_output *out);
 /* As abandon, but keeps the temporary, so that the work can be resumed. */
 void iso_output_keep(iso_output *out);
 
-/* Closes what open_memstream() made, which may be NULL; not 0 where something that was written to it found no memory. What
- * it left then is no text. */
+/* Closes a stream of open_memstream(), which may be NULL. Not 0 if a write found no memory; the buffer is then not
+ * NUL-terminated. */
 int iso_memory_close(FILE *memory);
 
 /* Removes a directory and all in it. Missing is fine. */
@@ -78,8 +80,8 @@ void iso_remove_tree(const char *path);
 /* The lock of a folder; it ends when fd is closed. */
 typedef struct iso_folder_lock {
     int fd;    /* of the folder; below 0: not locked */
-    int cause; /* errno: EWOULDBLOCK, another process has the lock; ENOENT, there is no folder. With an fd: 0, or the
-                * reason why this file system has no locks, so that nobody is kept out */
+    int cause; /* errno: EWOULDBLOCK, another process has the lock; ENOENT, the folder is missing. With an fd: 0, or
+                * the reason why this file system has no locks, so that nobody is kept out */
     bool made; /* True if the folder is new */
 } iso_folder_lock;
 
@@ -103,7 +105,7 @@ bool iso_path_ends_with(const char *path, const char *suffix);
 /* Opens a regular file for reading, and nothing else. *fd is -1 on failure. */
 iso_status iso_file_open(const char *path, int *fd, size_t *bytes, iso_error *err);
 
-/* Reads a whole file; a terminating 0 is added behind *size bytes. To be freed. */
+/* Reads a whole file; a terminating 0 follows its *size bytes. To be freed. */
 iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error *err);
 
 /* Writes a whole file at once, under a temporary name. */

@@ -13,7 +13,7 @@
 #include "base/file.h"
 #include "base/temporary.h"
 
-/* A regular file that was noted or announced; the name under which it was is NULL where it was not. */
+/* A regular file that was noted or announced; the name of the use that did not occur is NULL. */
 typedef struct known {
     struct statx at;
     char *input, *output;
@@ -37,7 +37,7 @@ static int compare(uint64_t a, uint64_t b)
     return (a > b) - (a < b);
 }
 
-/* The time of birth, where the file system keeps it: an inode's number goes to another file when its own is removed. */
+/* The time of birth, if the file system keeps it: an inode's number goes to another file when its own is removed. */
 static int compare_files(const struct statx *x, const struct statx *y)
 {
     int order = compare(x->stx_ino, y->stx_ino);
@@ -62,7 +62,7 @@ static bool look_at(const char *path, known *file)
            S_ISREG(file->at.stx_mode);
 }
 
-/* With the lock held. NULL: memory has ended. */
+/* Finds the file, or adds it. The caller holds the lock. NULL: out of memory. */
 static known *find_or_add(const known *file)
 {
     void *found = tfind(file, &files, by_inode);
@@ -143,7 +143,7 @@ iso_status iso_inputs_note(const char *path, iso_error *err)
     return iso_temporary_holds(path) ? ISO_OK : take(path, true, err);
 }
 
-/* What is looked for among the announced outputs. */
+/* A search among the announced outputs. */
 typedef struct announced {
     iso_status status;
     iso_error *err;

@@ -40,7 +40,8 @@ iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
     return status;
 }
 
-/* A value that a float holds may come back as a neighboring double: its reader wants a float, and 0.1f stays short. */
+/* True if the number reads back as the value. A value that a float holds may come back as a neighboring double: its
+ * reader uses a float, and 0.1f stays short. */
 static bool comes_back(const char *number, double value)
 {
     return strtod(number, NULL) == value || ((float)value == value && strtof(number, NULL) == (float)value);

@@ -28,14 +28,13 @@ typedef struct iso_json_reader {
     iso_error *err;
 } iso_json_reader;
 
-/* required: a missing key is an error; else *value keeps what it had.
- * A number must be finite and lie in [lo, hi]; the message names file, key,
- * value and limit. */
+/* Reads a number. required: a missing key is an error; otherwise *value stays unchanged. The number must be finite
+ * and lie in [lo, hi]; the message names file, key, value and limit. */
 void iso_json_get_number(iso_json_reader *r, const json_t *object, const char *key, bool required, double lo, double hi,
                          double *value);
 void iso_json_get_size(iso_json_reader *r, const json_t *object, const char *key, bool required, size_t lo, size_t hi,
                        size_t *value);
-/* So many numbers, each in [lo, hi]. */
+/* Numbers of a list, each in [lo, hi]. */
 typedef struct iso_json_list {
     double *values;
     size_t count;
@@ -52,8 +51,8 @@ void iso_json_get_word(iso_json_reader *r, const json_t *object, const char *key
 /* Objects and arrays, borrowed; NULL when absent and not required. */
 json_t *iso_json_get_object(iso_json_reader *r, const json_t *object, const char *key, bool required);
 json_t *iso_json_get_array(iso_json_reader *r, const json_t *object, const char *key, bool required);
-/* Refuses a control character in each text of a value, at any depth: for what is kept as JSON, of which texts reach
- * scripts and terminals. key names the value. */
+/* Refuses a control character in each text of a value, at any depth. For kept JSON whose texts reach scripts and
+ * terminals. key names the value. */
 void iso_json_check_texts(iso_json_reader *r, const char *key, const json_t *value);
 /* Refuses keys that are not in the NULL-terminated list: a misspelt option must not be ignored. */
 void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[]);

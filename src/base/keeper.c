@@ -15,7 +15,7 @@
 
 extern char **environ;
 
-/* Ends this process and says why the program could not be started. */
+/* Ends this process and reports why the program could not be started. */
 static void give_up(int told)
 {
     const int cause = errno;
@@ -24,7 +24,7 @@ static void give_up(int told)
     _exit(127);
 }
 
-/* What is said is errno, or nothing where the program was started: the pipe closes then. 0, or the cause. */
+/* Reads errno from the pipe; the end of the file means that the program started. 0, or the cause. */
 static int listen_for_cause(int told)
 {
     int cause = 0;
@@ -40,7 +40,7 @@ static int listen_for_cause(int told)
     return cause;
 }
 
-/* What is to be started, and how. */
+/* A program to start, and its settings. */
 typedef struct order {
     const char *const *argv;
     const char *directory;
@@ -131,7 +131,7 @@ static void keep(pid_t program, const sigset_t *wanted)
     for (bool stop = false, ended = false; !stop && !ended;) {
         const struct timespec patience = {.tv_sec = 1}; /* a signal that came before this process began is not lost either */
         stop = sigtimedwait(wanted, NULL, &patience) == SIGTERM;
-        int how; /* of the program, or of what it left */
+        int how; /* status of the program, or of a process that it left running */
         for (pid_t pid; !ended && (pid = waitpid(-1, &how, WNOHANG)) > 0;)
             ended = pid == program;
         if (ended)
@@ -141,7 +141,7 @@ static void keep(pid_t program, const sigset_t *wanted)
     end_like(result);
 }
 
-/* The keeper itself, from the fork on. */
+/* Runs the supervisor itself, from the fork on. */
 static void be_keeper(const order *o, pid_t caller, const sigset_t *wanted)
 {
     setpgid(0, 0);
@@ -160,7 +160,7 @@ static void be_keeper(const order *o, pid_t caller, const sigset_t *wanted)
     keep(program, wanted);
 }
 
-/* Waits until the program has been started. -1 with errno where it could not be; then the keeper is no more. */
+/* Waits until the program has been started. -1 with errno if it could not be; the supervisor has ended then. */
 static pid_t started(pid_t keeper, int told)
 {
     const int cause = listen_for_cause(told);
@@ -186,7 +186,7 @@ pid_t iso_keeper_start(const char *const argv[], const char *directory, const is
     sigaddset(&wanted, SIGCHLD);
     sigaddset(&wanted, SIGTERM);
     const pid_t caller = getpid();
-    /* Blocked before the fork: no order may come before the keeper can take it. */
+    /* Blocked before the fork: no signal may come before the supervisor can take it. */
     pthread_sigmask(SIG_BLOCK, &wanted, &o.mask);
     const pid_t keeper = fork();
     if (keeper == 0)

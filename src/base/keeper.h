@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* keeper.h - a process between this one and a program, which ends with the program and lets nothing outlive either.
+/* keeper.h - a supervisor process between this one and a program. It ends with the program and lets no process outlive
+ * them.
  *
- * The keeper adopts whatever the program leaves running, also what has moved to a session of its own, and ends all of it
- * when the program has ended, when it is told to, and when the process or thread that started it is no more, however that
- * came to its end. It ends as the program did: by the same exit code or signal. */
+ * The supervisor adopts every process that the program leaves running, also one in a session of its own. It ends
+ * them all when the program has ended, on request, and when the process or thread that started it has ended for any
+ * reason. It ends as the program did: by the same exit code or signal. */
 #ifndef ISO_KEEPER_H
 #define ISO_KEEPER_H
 
@@ -11,9 +12,10 @@
 
 #include "base/sandbox.h"
 
-/* The keeper's number, which is its process group's, once the program has begun; -1 with errno where it cannot: a fork
- * fails, its folder, stdin or the sandbox cannot be had, or the kernel refuses the file. box: what the program may do; the
- * keeper stays outside. in: what the program reads from, below 0: nothing. out: its stdout and stderr. */
+/* Starts a program and returns its supervisor's number, which is its process group's. -1 with errno if it cannot start:
+ * a fork fails, its folder, stdin or the sandbox is not available, or the kernel refuses the file.
+ * box: the program's rights; the supervisor stays outside. in: the program's stdin, below 0: none. out: its stdout
+ * and stderr. */
 pid_t iso_keeper_start(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out);
 
 /* Tells it to end everything now. It has to be waited for all the same. */

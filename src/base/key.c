@@ -22,7 +22,7 @@
 
 struct iso_key {
     json_t *parts; /* name to hash */
-    json_t *shown; /* what a message calls the parts that are inputs */
+    json_t *shown; /* names of the input parts in messages */
     size_t whole_bytes_left;
     bool has_failed; /* memory ended: the key is no longer all of it */
 };
@@ -85,7 +85,7 @@ static iso_status fail_read(const char *path, iso_error *err)
     return iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", path, strerror(errno));
 }
 
-/* Hashes from `at` on: so many bytes, or less at the end of the file. */
+/* Hashes `bytes` bytes from `at` on, or fewer at the end of the file. */
 static bool hash_bytes(XXH3_state_t *state, int fd, off_t at, size_t bytes)
 {
     static _Thread_local unsigned char block[BLOCK_BYTES];
@@ -104,7 +104,7 @@ static bool hash_bytes(XXH3_state_t *state, int fd, off_t at, size_t bytes)
     return true;
 }
 
-/* What changes when somebody writes the file, whatever its bytes are. */
+/* Hashes the attributes that change when the file is written, even with the same bytes. */
 static void hash_marks(XXH3_state_t *state, const struct stat *st)
 {
     const int64_t marks[] = {(int64_t)st->st_size,         (int64_t)st->st_ino,         (int64_t)st->st_mtim.tv_sec,
@@ -174,7 +174,8 @@ static int by_path(const void *a, const void *b)
     return strcmp(((const entry *)a)->path, ((const entry *)b)->path);
 }
 
-/* A store may have millions of chunks. They are not opened if they do not fit into what is hashed whole. */
+/* Hashes a folder's entries. A store may have millions of chunks: they are not opened if they exceed the budget of
+ * whole files. */
 static iso_status hash_entries(XXH3_state_t *state, size_t name_at, size_t *whole_left, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -302,7 +303,7 @@ iso_status iso_key_add_surroundings(iso_key *key, iso_error *err)
 
 /* ---- renderers ---- */
 
-/* To be freed; NULL: there is no such file. */
+/* Finds a dependency's path. To be freed; NULL if the file does not exist. */
 static char *find_dependency(const char *name)
 {
     char *path = NULL;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* key.h - everything that a result depends on, so that stored work is taken up for the same inputs alone.
+/* key.h - all dependencies of a result, so that stored work is reused for the same inputs alone.
  *
  * A key has named parts, each with a hash of its value. Stored work keeps the parts. A later run makes a key of its own,
  * and iso_key_differs() names the first part that is not the same. The parts are

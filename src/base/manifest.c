@@ -17,12 +17,12 @@
 #include "base/file.h"
 #include "base/inputs.h"
 
-/* A pyramid that was written past the page cache would be read from the disk again for its checksums, and twice when
- * another replaces it, which takes a good part of the time of a build: larger files are told by their size, and by
- * whether they were changed after the list was written. */
+/* A pyramid that bypassed the page cache would be read from the disk again for its checksums, and twice when another
+ * replaces it. That takes a good part of a build's time. So larger files are identified by their size, and by a
+ * change after the list was written. */
 enum { CHECKED_BYTES = 1 << 20 };
 
-/* What is met in a folder. */
+/* An entry of a folder. */
 typedef struct entry {
     const char *path, *name; /* name: its path in the folder */
     struct stat st;
@@ -33,7 +33,7 @@ static bool is_large(const entry *e)
     return S_ISREG(e->st.st_mode) && e->st.st_size > CHECKED_BYTES;
 }
 
-/* Its line of the list, to be freed; NULL where it is neither a file nor a folder. */
+/* Makes its line of the list, to be freed; NULL if it is neither a file nor a folder. */
 static iso_status line_of(const entry *e, bool is_hashed, char **line, iso_error *err)
 {
     char sum[20] = "-";
@@ -156,8 +156,8 @@ iso_status iso_manifest_write(const char *folder, const char *const *own, iso_er
     return status;
 }
 
-/* One write at the end of the file, so that no other process's line is lost. A line that has no room goes whole. The
- * list keeps its time, by which the large files are told that were there before; so of this one the line has the
+/* Adds a line by one write at the end of the file, so that no other process's line is lost. A line that does not fit
+ * is left out whole. The list keeps its time, by which older large files are checked; so this file's line has the
  * checksum. */
 bool iso_manifest_add(const char *folder, const char *name)
 {
@@ -173,7 +173,7 @@ bool iso_manifest_add(const char *folder, const char *name)
         const bool has_time = fstat(fd, &before) == 0;
         good = write(fd, line, strlen(line)) == (ssize_t)strlen(line);
         if (!good && end >= 0 && ftruncate(fd, end) != 0)
-            good = false; /* then the folder is not replaced, and says why */
+            good = false; /* the folder is not replaced then, with a message */
         if (has_time)
             futimens(fd, (const struct timespec[]){{.tv_nsec = UTIME_OMIT}, before.st_mtim});
         close(fd);
@@ -235,7 +235,7 @@ static iso_status has_entry(const listed *list, const entry *e, bool is_hashed, 
     return status;
 }
 
-/* Is it in the list, and as it was? */
+/* Sets *same to true if the entry is in the list and unchanged. */
 static iso_status is_unchanged(const listed *list, const entry *e, bool *same, iso_error *err)
 {
     *same = false;

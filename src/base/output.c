@@ -32,7 +32,7 @@ static iso_status find_target(const char *path, char **target, iso_error *err)
     if (S_ISLNK(st.st_mode)) {
         char *named = realpath(trimmed, NULL);
         if (!named)
-            return iso_fail(err, iso_errno_status(), "%s: is a link to what cannot be reached: %s", path,
+            return iso_fail(err, iso_errno_status(), "%s: is a link whose target cannot be reached: %s", path,
                             strerror(errno));
         free(trimmed);
         *target = named;
@@ -130,7 +130,7 @@ static iso_status check_locked(const char *final_path, const char *marker, iso_e
 {
     if (has_marker(final_path, marker))
         return iso_manifest_check(final_path, final_path, err);
-    if (rmdir(final_path) == 0) /* an empty directory is no loss */
+    if (rmdir(final_path) == 0) /* an empty folder may be removed */
         return ISO_OK;
     return iso_fail(err, ISO_E_IO, "%s: exists and holds no %s, so it is not replaced", final_path, marker);
 }
@@ -162,9 +162,9 @@ iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *m
     return status;
 }
 
-/* ---- folders that work goes on in: their name is known to all, so what is in them need not be ours ---- */
+/* ---- folders of resumable work: their names are public, so their entries need not be ours ---- */
 
-/* A name that the command gives to what it writes there, the list of its files, or a temporary of one of them. */
+/* True if the command gives this name to its files there, or it is the list of files, or a temporary of one of them. */
 bool iso_output_is_own(const char *const *own, const char *name)
 {
     for (; *own; ++own)
@@ -183,7 +183,7 @@ static DIR *list_partial(const iso_output *out)
     return dir;
 }
 
-/* ISO_E_IO, with the first entry that is no file of the command's own. */
+/* Checks a folder's entries. ISO_E_IO, with the first entry that does not belong to the command. */
 static iso_status check_own(const iso_output *out, const char *path, iso_error *err)
 {
     DIR *dir = list_partial(out);
@@ -213,8 +213,8 @@ void iso_output_clear(const iso_output *out)
         closedir(dir);
 }
 
-/* Made, or opened where it is there; locked. No link is followed, and no folder of another user is worked in: its owner
- * may change what is in it meanwhile. Without locks two processes could mix their work in it. */
+/* Creates the folder, or opens an existing one, and locks it. No link is followed, and another user's folder is
+ * refused: its owner may change it meanwhile. Without locks two processes could mix their work in it. */
 static iso_status lock_partial(iso_output *out, const char *path, bool *is_new, iso_error *err)
 {
     struct stat st;
@@ -267,11 +267,11 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
     if (status != ISO_OK) {
         if (is_new)
             rmdir(out->temp_path);
-        iso_output_keep(out); /* what an earlier run has left stays */
+        iso_output_keep(out); /* the files of an earlier run stay */
         return status;
     }
     *resumed = resume && !is_new;
-    if (!*resumed) { /* what an earlier run has left is not ours to remove */
+    if (!*resumed) { /* the files of an earlier run are not ours to remove */
         iso_unfinished_add(out->temp_path, true);
         iso_output_clear(out);
     }
@@ -294,8 +294,8 @@ void iso_output_rename_all_in(iso_error *err)
     iso_temporary_rename_in(err->text);
 }
 
-/* Both folders change places: in one step, or, on file systems that cannot do that, the old one steps aside first, under a
- * name that nobody takes for a temporary. */
+/* Exchanges both folders in one step. On file systems that cannot do that, the old one is first renamed, to a name
+ * that does not look like a temporary. */
 static int exchange(const char *from, const char *to)
 {
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_EXCHANGE) == 0)
@@ -316,7 +316,7 @@ static int exchange(const char *from, const char *to)
     return result;
 }
 
-/* What is called finished has to be on the disk, also when the power fails a moment later. */
+/* Flushes to the disk: a finished output has to survive a power failure a moment later. */
 static int flush_to_disk(const char *path)
 {
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
@@ -383,7 +383,7 @@ static iso_status replace(iso_output *out, bool *done, iso_error *err)
         if (*done && out->own)
             move_replaced_aside(out);
     }
-    unlock(&lock); /* the removal needs none: nobody knows the folder's name */
+    unlock(&lock); /* the removal needs no lock: the folder's name is private */
     return status;
 }
 
@@ -487,7 +487,7 @@ void iso_output_abandon(iso_output *out)
 {
     if (out && out->temp_path && out->own) {
         iso_output_clear(out);
-        rmdir(out->temp_path); /* not where a person has put something into it */
+        rmdir(out->temp_path); /* fails if a person has put a file into it */
     } else if (out && out->temp_path)
         iso_remove_tree(out->temp_path);
     iso_output_keep(out);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* parallel.h - threads by OpenMP. Loops say
+/* parallel.h - threads by OpenMP. Loops begin with
  *     #pragma omp parallel for schedule(static) num_threads(iso_threads(opt->threads))
  * and give results that do not depend on the number. */
 #ifndef ISO_PARALLEL_H

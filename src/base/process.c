@@ -76,7 +76,7 @@ iso_status iso_process_find_named(const char *what, const char *name, char **pat
                     name);
 }
 
-/* What is kept of the output: enough to say why a program failed. */
+/* The kept part of the output: enough to report why a program failed. */
 typedef struct line_log {
     char line[1024];
     size_t used;
@@ -114,8 +114,8 @@ static void take_output(line_log *log, const char *bytes, size_t count)
     }
 }
 
-/* Ctrl-C and the like, while programs run: they are ended and the calls fail, so that the callers remove what is half
- * made. A handler can speak through nothing but a global; the first of several calls watches, the last restores. */
+/* Ctrl-C and similar signals, while programs run: the programs are ended and the calls fail, so that callers remove
+ * unfinished outputs. A handler can reach only a global; the first of several calls watches, the last restores. */
 static _Atomic int stop_signal, was_stopped; /* lock-free, for the handler; _Atomic, for threads that look */
 _Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a signal's handler may store to atomics without a lock alone");
 static const int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -168,9 +168,10 @@ static bool has_ended(pid_t pid)
 
 typedef enum drain_end { DRAIN_CLOSED, DRAIN_TIMED_OUT, DRAIN_STOPPED, DRAIN_WAITS, DRAIN_UNREADABLE } drain_end;
 
-/* Reads until the child closes its output, or says the line that is waited for. talking: a child of its own may hold the
- * output while it waits for a line, so that its end counts too. Output that cannot be read (errno says why) is none that
- * was closed: the child would write on, and be ended by that, or not at all. */
+/* Reads until the child closes its output, or prints the line that is waited for. talking: a child of its own may hold
+ * the output while it waits for a line, so that its end counts too.
+ * Unreadable output (errno has the cause) differs from closed output: the child would write on, and be ended by
+ * that, or not at all. */
 static drain_end drain(int fd, pid_t talking, line_log *log, double deadline)
 {
     for (char buffer[4096];;) {
@@ -215,13 +216,13 @@ static void close_both(const int fds[2])
             close(fds[i]);
 }
 
-/* ENOENT of a file that is there: what the file names to run it, such as an interpreter, is not. */
+/* ENOENT for an existing file: the file's interpreter, or another file that it names, is missing. */
 static iso_status failure(void)
 {
     return errno == ENOMEM ? ISO_E_MEMORY : errno == ENOENT ? ISO_E_MISSING : errno == EIO ? ISO_E_IO : ISO_E_PROGRAM;
 }
 
-/* talks: it can be told lines. A socket, since writing to a pipe that nobody reads would end this process. */
+/* talks: it accepts lines. A socket, since writing to a pipe without a reader would end this process. */
 static iso_status begin_in(const char *const argv[], const char *directory, const iso_sandbox *box, bool talks,
                            iso_process *p, iso_error *err)
 {
@@ -350,11 +351,11 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     const double start = iso_clock_seconds(), last = last_moment > 0 ? fmax(last_moment, start) : INFINITY,
                  deadline = fmin(start + iso_process_limit(options->timeout_seconds), last);
     drain_end end = drain(p->out, p->in >= 0 ? p->pid : 0, log, deadline);
-    const int cause = errno; /* where it could not be read */
+    const int cause = errno; /* errno of a failed read */
     *ended = end != DRAIN_WAITS;
     if (!*ended)
         return ISO_OK;
-    struct rusage used = {0}; /* the keeper's and of all that it has waited for */
+    struct rusage used = {0}; /* of the supervisor and of all processes that it has waited for */
     const int result = reap(p, deadline, &end, &used);
     note_outcome(options, end, result, &used, start);
     if (end == DRAIN_STOPPED)

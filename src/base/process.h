@@ -8,9 +8,8 @@
 #include "base/sandbox.h"
 #include "base/status.h"
 
-/* The path of a program: the environment variable ISOSHADE_<NAME> when it is
- * set (it must then point to an executable file), else the first hit on PATH.
- * To be freed. ISO_E_MISSING with the Debian package that has it. */
+/* Finds a program: the environment variable ISOSHADE_<NAME> if it is set (it must then point to an executable file),
+ * or the first hit on PATH. The path is to be freed. ISO_E_MISSING with the Debian package that has it. */
 iso_status iso_process_find(const char *program, const char *debian_package, char **path, iso_error *err);
 
 /* How a program ended. */
@@ -23,39 +22,38 @@ typedef struct iso_process_outcome {
     double peak_bytes;        /* the most memory that one of these processes had at once */
 } iso_process_outcome;
 
-/* The same of a program that a person names: a path (a name with a slash), or a name that PATH has. what: what it should
- * be, for the message. */
+/* Does the same for a program that a person names: a path (a name with a slash), or a name on PATH. what: a
+ * description of the program, for the message. */
 iso_status iso_process_find_named(const char *what, const char *name, char **path, iso_error *err);
 
 typedef struct iso_process_options {
     const char *directory;                      /* working directory, which is the sandbox's folder; NULL: unchanged */
-    iso_sandbox_wish sandbox;                   /* its folder is a fresh one, and removed, where there is no directory */
+    iso_sandbox_wish sandbox;                   /* with a fresh folder, removed afterwards, if directory is NULL */
     void (*line)(void *user, const char *line); /* each line of stdout and stderr; may be NULL */
     void *user;
-    double timeout_seconds; /* that of iso_process_set_limit(), where it is less or this is 0 */
-    iso_process_outcome *outcome; /* filled where the program ended; may be NULL */
+    double timeout_seconds; /* the limit of iso_process_set_limit(), if that is less or this is 0 */
+    iso_process_outcome *outcome; /* filled if the program ended; may be NULL */
 } iso_process_options;
 
-/* How long a program may take at most, or stay silent after an order: one that hangs would hold its caller for ever.
- * Options may say less, not more. 0: without end. At the start it is: */
+/* Longest time that a program may take, or stay silent after a line: one that hangs would hold its caller forever.
+ * Options may lower it, not raise it. 0: no limit. The initial limit: */
 #define ISO_PROCESS_LIMIT_SECONDS 7200
 void iso_process_set_limit(double seconds);
-/* The less of this and a limit of one's own, where 0 is none. Infinite where there is neither. */
+/* Returns the smaller of this limit and the caller's own, 0 being none. Infinite if there is neither. */
 double iso_process_limit(double own_seconds);
 /* No program goes on longer than that, by iso_clock_seconds(); 0: without end, as at the start. */
 void iso_process_set_deadline(double clock_seconds);
 
-/* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is
- * captured; on a non-zero exit, a signal or a timeout the status is
- * ISO_E_PROGRAM and the message names the program, the cause and the last
- * lines of the output that look like an error. Output that cannot be read ends
- * the program, and is ISO_E_IO. SIGINT, SIGTERM and SIGHUP end
- * the program and are such a failure, so that callers clean up. Neither the program nor
- * anything that it started outlives the call, or this process (keeper.h). Threads may each run one; a signal ends all. */
+/* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is captured. On a non-zero exit, a signal or
+ * a timeout the status is ISO_E_PROGRAM. The message names the program, the cause and the last lines of the output that
+ * look like an error. Unreadable output ends the program, and is ISO_E_IO.
+ * SIGINT, SIGTERM and SIGHUP end the program and are such a failure, so that callers clean up. Neither the program
+ * nor a process that it started outlives the call, or this process (keeper.h). Each thread may run one; a signal
+ * ends all. */
 iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err);
 
-/* Did a signal end programs of this process, such as Ctrl-C? Then a program that failed is not to blame, and nothing more is
- * to be begun. */
+/* True if a signal, such as Ctrl-C, ended programs of this process. A program that failed is not to blame then, and
+ * no further work may begin. */
 bool iso_process_was_stopped(void);
 
 /* ---- a program that stays and takes one order after the other ---- */
@@ -65,11 +63,11 @@ typedef struct iso_process iso_process;
 iso_status iso_process_start(const char *const argv[], const char *directory, const iso_sandbox_wish *sandbox,
                              iso_process **process, iso_error *err);
 
-/* Sends a line. A program that has ended says so when it is listened to. */
+/* Sends a line. If the program has ended, iso_process_listen() reports it. */
 void iso_process_say(iso_process *process, const char *line);
 
-/* Takes output until a line is `until`: then the program waits for its next line. *ended: it came to its end instead, which
- * is told as iso_process_run() does; nothing more can be said to it. options->directory and sandbox are not looked at. */
+/* Reads output until a line is `until`: the program waits for its next line then. *ended: the program ended instead,
+ * which is reported as by iso_process_run(); it accepts no more lines. options->directory and sandbox are ignored. */
 iso_status iso_process_listen(iso_process *process, const char *until, const iso_process_options *options, bool *ended,
                               iso_error *err);
 

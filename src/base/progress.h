@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* progress.h - how long work tells how far it is.
+/* progress.h - reports of the progress of long work.
  *
- * The library calls report(user, stage, fraction) with fraction in [0, 1];
- * the command line draws a bar from it. A NULL progress, or a NULL report, is
- * silence. Calls come from one thread at a time. */
+ * The library calls report(user, stage, fraction) with fraction in [0, 1]; the command line draws a bar from it. A
+ * NULL progress, or a NULL report, is silent. Calls come from one thread at a time. */
 #ifndef ISO_PROGRESS_H
 #define ISO_PROGRESS_H
 

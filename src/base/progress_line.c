@@ -19,7 +19,7 @@ enum { MOST_STEPS = 64 };
 static const double REDRAW_SECONDS = 0.1, LOG_SECONDS = 30;
 
 struct iso_progress_line {
-    char command[64], name[96]; /* name: of what runs */
+    char command[64], name[96]; /* name: of the current step */
     struct step {
         const char *name;
         double cost;
@@ -33,7 +33,7 @@ struct iso_progress_line {
     pthread_t ticker;
 };
 
-/* The length of the text if it is cut to so many bytes, between characters of UTF-8. */
+/* Returns the text's length if it is cut to `bytes` bytes, between characters of UTF-8. */
 static size_t cut(const char *text, size_t bytes)
 {
     size_t length = strnlen(text, bytes);
@@ -129,7 +129,7 @@ static void set_done(iso_progress_line *line, double done)
     line->fraction = all > 0 ? fmax(line->fraction, sum / all) : line->done;
 }
 
-/* Steps before the named one are over. A name of no step to come says nothing of the whole. */
+/* Steps before the named one are over. A name that is not a later step leaves the total unchanged. */
 static void go_on(iso_progress_line *line, const char *name, double fraction)
 {
     size_t i = line->current;

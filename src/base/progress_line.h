@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* progress_line.h - one line on stderr that says how far a command is:
+/* progress_line.h - one line on stderr that shows a command's progress:
  *
  *     validate: level 1: cycles-limit   43 %, 1 min 20 s
  *
- * The command, what runs, the percent of all steps, which never falls, and the time that has passed. A terminal's line is
- * redrawn in place and wiped off in the end. Elsewhere it is a line each half a minute, so that short commands are silent.
- * Functions accept NULL, which is silence. Any thread may report. */
+ * It holds the command, the current step, the percent of all steps, which never falls, and the elapsed time. A
+ * terminal's line is redrawn in place and wiped at the end. Other outputs get one line per half minute, so that
+ * short commands are silent. Functions accept NULL, which is silent. Any thread may report. */
 #ifndef ISO_BASE_PROGRESS_LINE_H
 #define ISO_BASE_PROGRESS_LINE_H
 

@@ -20,7 +20,7 @@ iso_provenance iso_provenance_kept(void)
     return kept_now;
 }
 
-/* What follows the last slash that something follows: the name of "a/b/" is "b/". */
+/* Returns a path's last name, trailing slashes ignored: the name of "a/b/" is "b/". */
 static const char *last_name(const char *path)
 {
     const char *name = path;
@@ -60,8 +60,8 @@ static bool is_quotient(const char *word)
     return end != word && !*end;
 }
 
-/* "dir/a.json,dir/b.json" or "16/255,1/255" to the last name of each part, in place. False: it is no such list, but may be
- * one name with a comma in it. */
+/* Shortens each part of a list, "dir/a.json,dir/b.json" or "16/255,1/255", to its last name, in place. False: it is
+ * not a list, but may be one name with a comma in it. */
 static bool shorten_list(char *list)
 {
     char copy[4096], *rest = copy, *to = list;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* provenance.h - what outputs say of where they came from.
+/* provenance.h - names of inputs in outputs.
  *
- * Pictures, reports and exports are passed on. Folders tell who made them and of whom: names of people, of patients, of
- * machines. So outputs name a file by its last name alone, unless the user asks for whole paths; or they say nothing. What
- * is printed on the terminal, such as an error, is not an output and names files as they were given. */
+ * Pictures, reports and exports are passed on. Folder names reveal their author and subject: people, patients,
+ * machines. So outputs name a file by its last name alone, unless the user asks for whole paths; or they leave names
+ * out. Terminal messages, such as errors, are not outputs and name files as given. */
 #ifndef ISO_PROVENANCE_H
 #define ISO_PROVENANCE_H
 
@@ -22,15 +22,16 @@ iso_provenance iso_provenance_kept(void);
 /* How an output names the file at path, which may be NULL: a part of path, or "". */
 const char *iso_provenance_name(const char *path);
 
-/* What an output calls the volume at path in a title: its last name, or "a volume". */
+/* Returns the title of the volume at path in outputs: its last name, or "a volume". */
 const char *iso_provenance_title(const char *path);
 
-/* What an output calls the scene at path: "brain" of "dir/brain.scene.json"; where names are left out "scene", or "scene-N" of
- * several, whose numbers begin at 1 (0: it is the only one). To be freed; NULL: out of memory. */
+/* Returns the name of the scene at path in outputs: "brain" of "dir/brain.scene.json". If names are left out it is
+ * "scene", or "scene-N" of several, whose numbers begin at 1 (0: it is the only one). To be freed; NULL: out of
+ * memory. */
 char *iso_provenance_scene(const char *path, size_t number);
 
-/* A word of a command line, quoted for a shell: the folders of a path are left out as iso_provenance_name() says, those
- * in "--option=path" too. A quotient such as 1/255 is no path. */
+/* Prints a word of a command line, quoted for a shell. The folders of a path are left out as by
+ * iso_provenance_name(), also in "--option=path". A quotient such as 1/255 is not a path. */
 void iso_provenance_put_word(FILE *f, const char *word);
 
 /* A command line that iso_words_put_quoted() and spaces made, as an output has it; to be freed. NULL: out of memory. */

@@ -67,7 +67,7 @@ iso_status iso_ranks_open(iso_ranks **ranks, iso_error *err)
     return status;
 }
 
-/* The library stays: MPI leaves threads and handlers behind. */
+/* Closes the job. The library stays loaded: MPI leaves threads and handlers running. */
 void iso_ranks_close(iso_ranks *r)
 {
     if (r && r->count > 0)

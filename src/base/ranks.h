@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* ranks.h - the processes of one MPI job, for work that outgrows one machine.
  *
- * All calls to MPI go through this header. They are made in isoshade_mpi.so, which lies beside the program and is
- * loaded only when mpirun started the program; else iso_ranks_open() gives NULL, and every function here takes NULL for
- * a job of one rank. All calls have to come from the thread that opened. When a rank dies, mpirun ends the others. */
+ * All calls to MPI go through this header. They are made in isoshade_mpi.so, which lies next to the program and is
+ * loaded only if mpirun started the program. Without it iso_ranks_open() gives NULL, and every function here takes
+ * NULL for a job of one rank. All calls have to come from the thread that opened. When a rank dies, mpirun ends the
+ * others. */
 #ifndef ISO_RANKS_H
 #define ISO_RANKS_H
 

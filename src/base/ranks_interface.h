@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ranks_interface.h - what the library beside the program offers; private to ranks. */
+/* ranks_interface.h - the interface of the library next to the program; private to ranks. */
 #ifndef ISO_RANKS_INTERFACE_H
 #define ISO_RANKS_INTERFACE_H
 

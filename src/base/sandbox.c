@@ -52,7 +52,7 @@ static int landlock_version(void)
     return version > 0 ? (int)version : 0;
 }
 
-/* What the sandbox refuses, of what a version knows. */
+/* Returns the rights to deny, limited to those that this Landlock version supports. */
 static uint64_t handled(int version)
 {
     return WRITE_FILE | REMOVALS | MAKES | (version >= 2 ? RENAMES_BETWEEN : 0) | (version >= 3 ? TRUNCATES : 0) |
@@ -101,7 +101,7 @@ static void allow_devices(int rules, uint64_t rights)
     allow_in_home(rules, ".nv", rights);
 }
 
-/* Below 0 where the kernel has no Landlock, or gives no more rules. */
+/* Makes the rules. Below 0 if the kernel has no Landlock, or gives no more rules. */
 static int make_rules(const iso_sandbox_wish *wish, const char *folder, iso_status *status, iso_error *err)
 {
     static const char *const streams[] = {"/dev/null", "/dev/zero", "/dev/full"};
@@ -147,11 +147,11 @@ static bool take_filter(const struct sock_filter *filter, size_t count)
     return syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, 0, &program) == 0;
 }
 
-/* A pair of sockets is connected with each other, and stays allowed where it is a stream: one of datagrams may send to any
- * other socket of this machine that has a path. */
+/* A pair of sockets is connected with each other, and stays allowed if it is a stream. A pair of datagrams may send
+ * to any other socket of this machine that has a path. */
 static bool refuse_sockets(bool but_of_this_machine)
 {
-    /* What of a pair's kind is looked at, and has to be there: who may have such sockets may have such pairs. */
+    /* The bits of a pair's kind to test, and their required values: a program with such sockets may have such pairs. */
     const uint32_t looked_at = but_of_this_machine ? 0 : KIND_OF_SOCKET, wanted = looked_at & SOCK_STREAM;
     const struct sock_filter filter[] = {
         LOAD(arch),
@@ -185,7 +185,7 @@ static bool refuse_sockets(bool but_of_this_machine)
     return take_filter(filter, COUNT(filter));
 }
 
-/* Calls that change what a file is said to be, anywhere: its rights, owner, times and extended attributes. */
+/* Calls that change a file's attributes, anywhere: its rights, owner, times and extended attributes. */
 /* clang-format off */
 static const uint16_t attribute_calls[] = {
     SYS_chmod, SYS_fchmod, SYS_fchmodat, 452 /* fchmodat2 */,
@@ -282,7 +282,7 @@ void iso_sandbox_describe(char *text, size_t size)
 
 /* ---- before the fork ---- */
 
-static const char *const folder_names[] = {"TMPDIR", "TMP", "TEMP", "HOME"}; /* the last only where it is wished */
+static const char *const folder_names[] = {"TMPDIR", "TMP", "TEMP", "HOME"}; /* the last only on request */
 enum { FOLDER_NAMES = sizeof folder_names / sizeof *folder_names };
 
 static void free_environment(char **environment, size_t copies)
@@ -375,7 +375,7 @@ void iso_sandbox_release(iso_sandbox *box)
     *box = (iso_sandbox){.rules = -1};
 }
 
-/* ---- behind it ---- */
+/* ---- after it ---- */
 
 bool iso_sandbox_enter(const iso_sandbox *box)
 {

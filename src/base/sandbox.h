@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* sandbox.h - what a program that is started may do: read what its user may, write into its own folder, use no network.
+/* sandbox.h - limits of a started program: it may read its user's files, write into its own folder, use no network.
  *
- * It is made of what Linux offers to any process, without a helper and without a namespace, so that it works in containers
- * and for root alike:
+ * It uses only Linux features for any process, without a helper and without a namespace, so that it works in containers
+ * and for root:
  *
  *   Landlock             writes, new files, removals and renames outside of the folders named here fail with EACCES or EXDEV;
  *                        no signals to processes outside (from Linux 6.12 on)
  *   seccomp              sockets fail with EACCES, but for pairs of streams, io_uring with ENOSYS; without a graphics
  *                        device changes of rights, owners, times and extended attributes fail with EACCES, too
- *   PR_SET_NO_NEW_PRIVS  no program that it starts gets rights which it has not
+ *   PR_SET_NO_NEW_PRIVS  no program that it starts gets further rights
  *   the environment      TMPDIR is its own folder
  *
- * Where the kernel lacks a part, the others hold all the same, and iso_sandbox_describe() says what is missing.
+ * If the kernel lacks a part, the others still hold, and iso_sandbox_describe() names the missing ones.
  * Reading is not restricted. */
 #ifndef ISO_SANDBOX_H
 #define ISO_SANDBOX_H
@@ -22,10 +22,10 @@
 #include "base/status.h"
 
 typedef enum iso_sandbox_kind {
-    ISO_SANDBOX_CLOSED, /* no sockets at all, and no changes of what Landlock does not look at, such as a file's rights */
+    ISO_SANDBOX_CLOSED, /* no sockets at all, and no changes outside Landlock's scope, such as a file's rights */
     ISO_SANDBOX_DEVICE, /* for who may draw on a graphics device: sockets of this machine (AF_UNIX), the devices of
                          * graphics, and the folders in which drivers keep compiled programs (~/.cache, ~/.nv, /var/tmp) */
-    ISO_SANDBOX_NONE    /* as this process: for isoshade itself, which puts what it starts into sandboxes */
+    ISO_SANDBOX_NONE    /* as this process: for isoshade itself, which puts its own programs into sandboxes */
 } iso_sandbox_kind;
 
 typedef struct iso_sandbox_wish {
@@ -36,7 +36,7 @@ typedef struct iso_sandbox_wish {
     const char *without;       /* how the names of settings begin that it does not get, such as "PYTHON"; or NULL */
 } iso_sandbox_wish;
 
-/* Prepared before the fork, entered behind it. {0} is none. */
+/* Prepared before the fork, entered after it. {0} is none. */
 typedef struct iso_sandbox {
     bool closes;        /* it is one */
     bool has_sockets;   /* those of this machine */
@@ -45,8 +45,8 @@ typedef struct iso_sandbox {
     size_t copies;      /* its first settings, which are not ours */
 } iso_sandbox;
 
-/* folder: the program's own, which is there; NULL: it may write nowhere, and TMPDIR stays. Without a sandbox the environment
- * alone is as wished. ISO_E_MEMORY; ISO_E_IO where the folder or the output is not there. */
+/* Prepares a sandbox. folder: the program's own, which exists; NULL: it may write nowhere, and TMPDIR stays. Without
+ * a sandbox only the environment is changed. ISO_E_MEMORY; ISO_E_IO if the folder or the output does not exist. */
 iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err);
 void iso_sandbox_release(iso_sandbox *box);
 
@@ -58,7 +58,7 @@ bool iso_sandbox_enter(const iso_sandbox *box);
 void iso_sandbox_set(bool on);
 bool iso_sandbox_is_on(void);
 
-/* "writes in their own folders only (Landlock 7), no network (seccomp)", and what is missing. */
+/* Describes it: "writes in their own folders only (Landlock 7), no network (seccomp)", and the missing parts. */
 void iso_sandbox_describe(char *text, size_t size);
 
 #endif

@@ -12,7 +12,7 @@
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     defined(__OPTIMIZE__)
-#ifdef ISO_WITHOUT_AVX512 /* make config=avx2: what a machine without it would take */
+#ifdef ISO_WITHOUT_AVX512 /* make config=avx2: the path of a machine without it */
 #define ISO_SIMD __attribute__((target_clones("avx2", "default")))
 #else
 #define ISO_SIMD __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))

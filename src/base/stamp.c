@@ -46,7 +46,8 @@ bool iso_stamp_fits(const char *path)
     return fits;
 }
 
-/* Gives a file a second name. False: the name is taken, or errno has the cause. Without hard links the first name goes. */
+/* Gives a second name to a file. False: the name is taken, or errno has the cause. Without hard links the first name
+ * goes. */
 static bool give_name(const char *path, const char *name)
 {
     if (link(path, name) == 0)

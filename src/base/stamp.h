@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* stamp.h - was a file changed since isoshade wrote it?
+/* stamp.h - detects changes to a file after isoshade wrote it.
  *
- * Files that people edit, as scenes are, end in a line with the checksum of all before it. Copies, renamed and moved files
- * keep it; a program that saves the file anew drops it, and an editor that changes a byte makes it wrong. So a file is
- * overwritten without a question only while it is what was written. */
+ * Files that people edit, such as scenes, end in a line with the checksum of all before it. Copies, renamed and
+ * moved files keep it. A program that rewrites the file drops it, and an editor that changes a byte makes it wrong.
+ * So only an unchanged file is overwritten without a question. */
 #ifndef ISO_STAMP_H
 #define ISO_STAMP_H
 
@@ -20,7 +20,7 @@ bool iso_stamp_fits(const char *path);
 /* Guards a file that work will overwrite. ISO_OK: it is missing or stamped. Else ISO_E_IO, which names the file and the
  * remedy; with force the file stays as PATH1, as Blender names a backup, or as PATH2, PATH3 ... if that is taken. */
 iso_status iso_stamp_guard(const char *path, bool force, iso_error *err);
-/* Guards a file that has no room for a stamp: the caller knows if it is ours. */
+/* Guards a file that cannot hold a stamp: the caller decides if it is ours. */
 iso_status iso_stamp_guard_other(const char *path, bool is_ours, bool force, iso_error *err);
 /* Guards a file of a command without --force, named after another output. */
 iso_status iso_stamp_guard_beside(const char *path, bool is_ours, iso_error *err);

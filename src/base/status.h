@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* status.h - how the library's own functions say what went wrong.
+/* status.h - error reports of the library's own functions.
  *
- * Every function that can fail returns an iso_status and takes an iso_error
- * last, which may be NULL; both stand in the library's header, with the list of
- * all statuses. The value of a status is the exit code of the command that met
- * it. The library never prints and never exits. */
+ * Every function that can fail returns an iso_status and takes an iso_error last, which may be NULL. Both are
+ * defined in the library's header, with the list of all statuses. A command's exit code is the value of its status.
+ * The library never prints and never exits. */
 #ifndef ISO_STATUS_H
 #define ISO_STATUS_H
 
@@ -14,7 +13,7 @@
  *     return iso_fail(err, ISO_E_RANGE, "%s: size %zu, at most %zu", path, n, max); */
 iso_status iso_fail(iso_error *err, iso_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* What a call of the system that failed comes to, by errno: ISO_E_MEMORY where memory ended, else ISO_E_IO. */
+/* Returns the status of a failed system call, by errno: ISO_E_MEMORY if out of memory, otherwise ISO_E_IO. */
 iso_status iso_errno_status(void);
 
 /* Puts "context: " before the message that a callee left. Returns status. */

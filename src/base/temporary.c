@@ -158,7 +158,7 @@ iso_status iso_temp_dir_fail(iso_error *err)
                     strerror(errno));
 }
 
-/* ---- what dead processes left ---- */
+/* ---- remains of dead processes ---- */
 
 static bool is_dead(long pid, unsigned long long start)
 {
@@ -168,7 +168,7 @@ static bool is_dead(long pid, unsigned long long start)
     return start != 0 && now != 0 && now != start;
 }
 
-/* Others' entries in a folder that all may write to are left alone: what is in them may be changed while we remove it. */
+/* Other users' entries in a shared folder are left alone: they may change while we remove them. */
 static void sweep_entry(const char *dir, const char *name)
 {
     const char *mark = name + (name[0] == '.');
@@ -185,7 +185,7 @@ static void sweep_entry(const char *dir, const char *name)
     free(path);
 }
 
-/* The folders that were looked at. More of them than there is room for are looked at again: slower, never wrong. */
+/* True if the folder was swept. Folders beyond the list's capacity are swept again: slower, never wrong. */
 static bool was_swept(const struct stat *st)
 {
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* temporary.h - names of what is not finished yet.
+/* temporary.h - names of unfinished outputs.
  *
- * A temporary is called [.]isoshade-HOST-PID-START-RANDOM[-NAME]: HOST stands for this boot of this machine and for the
- * namespace that process numbers count in, START is when the process began. So two processes never write to one
- * temporary, even in containers that share a folder and have equal process numbers, and what a killed process left can be
- * told from the work of one that lives. */
+ * A temporary is called [.]isoshade-HOST-PID-START-RANDOM[-NAME]. HOST stands for this boot of this machine and for
+ * the namespace of process numbers. START is the start time of the process. So two processes never write to one
+ * temporary, even in containers that share a folder and have equal process numbers. The remains of a killed process
+ * differ from the work of a living one. */
 #ifndef ISO_TEMPORARY_H
 #define ISO_TEMPORARY_H
 
@@ -16,21 +16,21 @@
  * a format by it. NULL only when memory ends. */
 char *iso_temporary_path(const char *dir, const char *name);
 
-/* Removes what dead processes of this machine and user left in dir, temporaries of outputs or of $TMPDIR alike. Once for
- * each folder in a process. */
+/* Removes temporaries that dead processes of this machine and user left in dir, of outputs and of $TMPDIR. Once per
+ * folder and process. */
 void iso_temporary_sweep(const char *dir);
 
 /* A fresh private directory under $TMPDIR or /tmp, by its whole path, since programs run elsewhere; the caller frees
  * the path and removes the tree. NULL when none can be made. */
 char *iso_make_temp_dir(void);
 
-/* What to fail with then: where none can be made, and why, by errno. */
+/* Fails with the folders that were tried and the cause, by errno, if no temporary folder can be made. */
 iso_status iso_temp_dir_fail(iso_error *err);
 
-/* Is the path in, or itself, a temporary of this process? */
+/* True if the path is a temporary of this process, or in one. */
 bool iso_temporary_holds(const char *path);
 
-/* Takes the marks of this process's temporaries out of a message, so that it names what the user named. */
+/* Takes the marks of this process's temporaries out of a message, so that it names the user's files. */
 void iso_temporary_rename_in(char *text);
 
 #endif

@@ -93,7 +93,7 @@ void iso_unfinished_remove(bool resumable_too)
 }
 
 static const char *_Atomic last_words;
-static _Atomic pid_t speaker; /* a process that was forked from it says nothing */
+static _Atomic pid_t speaker; /* a process that was forked from it prints nothing */
 
 void iso_unfinished_say(const char *line)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* version.h - ISO_VERSION, "MAJOR.MINOR.PATCH", which the library's own header tells. */
+/* version.h - ISO_VERSION, "MAJOR.MINOR.PATCH", from the library's own header. */
 #ifndef ISO_VERSION_H
 #define ISO_VERSION_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* warnings.h - facts about an input that a user should know although it is read, such as a file that is left out.
+/* warnings.h - facts that a user should read about an accepted input, such as a file that is left out.
  *
  * The library prints nothing: a program names the function that prints. Without one, warnings are dropped. */
 #ifndef ISO_WARNINGS_H

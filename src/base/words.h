@@ -10,23 +10,23 @@
 
 #include "base/status.h"
 
-/* A word of a command line, quoted for a shell where it has to be. */
+/* Prints a word of a command line, quoted for a shell if needed. */
 void iso_words_put_quoted(FILE *f, const char *word);
 
-/* How many bytes of a text's beginning are a control character: below a space, delete, or U+0080 to U+009F in UTF-8, of
- * which U+009B begins what terminals obey. 0: it is none. */
+/* Returns the length in bytes of a control character at the text's beginning, 0 if there is none: below a space,
+ * delete, or U+0080 to U+009F in UTF-8, of which U+009B begins terminal commands. */
 size_t iso_words_control(const char *text);
-/* Does a text hold one? No name or word of a file needs it, and a line feed would begin a statement in texts that are
- * written for other programs. */
+/* True if a text holds one. No name or word of a file needs it, and a line feed would begin a statement in texts for
+ * other programs. */
 bool iso_words_has_control(const char *text);
-/* A copy without them, spaces in their place, of what fits into size bytes. */
+/* Copies a text with spaces in place of control characters, as much as fits into size bytes. */
 void iso_words_copy_line(const char *text, char *line, size_t size);
-/* All of it, likewise; the line is not ended. */
+/* Prints all of it in the same way, without a line end. */
 void iso_words_put_line(FILE *f, const char *text);
-/* What another program printed may hold anything: bytes that are no printable ASCII become '?', tabs a space, in place. */
+/* Makes another program's output printable, in place: bytes outside printable ASCII become '?', tabs a space. */
 void iso_words_make_printable(char *text);
 
-/* Puts more at the end of a text in a buffer of `size` bytes; what does not fit is left out. */
+/* Appends to a text in a buffer of `size` bytes; the rest is cut off. */
 void iso_words_append(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* "40x56x33", "1x1x2.5", or one number for all three. ISO_E_USAGE with the text. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* work.h - what this process has had done: programs that were started, pictures that were drawn, samples that were taken.
+/* work.h - counts of this process's work: programs started, pictures rendered, samples taken.
  *
- * Counted from the start of the process, by any thread; iso_work_reset() begins anew. Names are copied, 63 characters of
- * them at most; there is room for ISO_WORK_MOST of each kind, and what comes later is counted by the last one. */
+ * Counted from the start of the process, by any thread; iso_work_reset() sets all to 0. Names are copied, 63
+ * characters at most. Each kind has ISO_WORK_MOST entries; later names are counted in the last one. */
 #ifndef ISO_BASE_WORK_H
 #define ISO_BASE_WORK_H
 
@@ -13,11 +13,11 @@ enum { ISO_WORK_MOST = 32 };
 
 void iso_work_reset(void);
 
-/* A program was started; it ended, after so much processor time of its own and of what it had started. */
+/* Counts the start of a program, and its end with its own and its children's processor time. */
 void iso_work_add_start(const char *program);
 void iso_work_add_end(const char *program, double processor_seconds);
 
-/* A renderer drew a picture. samples: pixels times the steps of a ray through the whole box; 0 where it has no steps. */
+/* Counts a rendered picture. samples: pixels times the steps of a ray through the whole box; 0 if it has no steps. */
 void iso_work_add_picture(const char *renderer, double pixels, double samples);
 
 typedef struct iso_work_total {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* choices.c - the words that options of the library's interface take, from the tables of their rooms. */
+/* choices.c - the words that options of the library's interface take, from the tables of their modules. */
 #include "library/shared.h"
 #include "renderers/renderers.h"
 #include "targets/targets.h"

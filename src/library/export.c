@@ -37,7 +37,7 @@ static iso_status check_levels(const iso_pyramid *p, const iso_export_options *o
     return status;
 }
 
-/* An option that the target would pass over is an error: its user would believe it. */
+/* Refuses an option that the target would ignore: its user would rely on it. */
 static iso_status check_options(const iso_export_target *t, const iso_scene *scene, const iso_export_options *o,
                                 iso_error *err)
 {

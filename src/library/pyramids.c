@@ -133,7 +133,7 @@ size_t iso_directions_bytes(const char *code)
     return iso_code_from_name(code, &which, NULL) == ISO_OK ? iso_code_describe(which)->bytes : 0;
 }
 
-/* What is normalized in single precision is a little longer than 1 at times. */
+/* True if d has length 1. A vector that was normalized in single precision is sometimes a little longer. */
 static bool is_direction(const float *d)
 {
     const double x = d[0], y = d[1], z = d[2];

@@ -18,7 +18,7 @@ static iso_status check_limits(const iso_frame_options *given, iso_error *err)
     return ISO_OK;
 }
 
-/* An option that the renderer would pass over is an error: its user would believe it. */
+/* Refuses an option that the renderer would ignore: its user would rely on it. */
 static iso_status check_for_renderer(const iso_renderer_info *r, const iso_frame_options *given,
                                      const iso_render_options *o, iso_error *err)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* shared.h - what the files of the library's interface (isoshade.h) share.
+/* shared.h - functions that the files of the library's interface (isoshade.h) share.
  *
- * The interface's handles are the structs that the other rooms work with, allocated; its options are words and plain
- * numbers, which these files turn into the options of the rooms. No arithmetic on samples is done here. */
+ * The interface's handles are the structs of the other modules, allocated. Its options are words and plain numbers;
+ * these files turn them into the modules' options. No arithmetic on samples is done here. */
 #ifndef ISO_LIBRARY_SHARED_H
 #define ISO_LIBRARY_SHARED_H
 
@@ -11,7 +11,7 @@
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
 
-/* Public grids and the geometry of the rooms say the same. */
+/* Converts a module's geometry to a public grid with the same values. */
 iso_grid iso_grid_of_geometry(const iso_geometry *g);
 iso_geometry iso_geometry_of_grid(const iso_grid *grid);
 

@@ -7,7 +7,7 @@
 #include "library/shared.h"
 #include "tf/adapt.h"
 
-/* A handle that holds what `from` does; nothing of it on failure. */
+/* Moves `from` into a new handle; *tf is NULL on failure. */
 static iso_status keep(iso_status status, iso_tf *from, iso_tf **tf, iso_error *err)
 {
     *tf = NULL;

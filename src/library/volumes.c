@@ -49,7 +49,7 @@ static iso_status no_memory(iso_error *err)
     return iso_fail(err, ISO_E_MEMORY, "out of memory");
 }
 
-/* Frees *volume and forgets it where the status is no success. */
+/* Frees *volume and sets it to NULL unless the status is ISO_OK. */
 static iso_status volume_or_nothing(iso_status status, iso_volume **volume)
 {
     if (status != ISO_OK) {

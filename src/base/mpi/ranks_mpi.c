@@ -9,7 +9,7 @@
 
 #include "base/ranks_interface.h"
 
-/* What is on its way to each rank. */
+/* The messages in flight to each rank. */
 typedef struct sending {
     MPI_Request request;
     void *copy;
@@ -28,7 +28,7 @@ static void mpi_open(int *index, int *count)
         MPI_Abort(MPI_COMM_WORLD, 6);
 }
 
-/* MPI's own waiting takes a whole core, which the ranks beside this one may be computing on. */
+/* Sleeps while it waits: MPI's own waiting takes a whole core, on which the neighboring ranks may be computing. */
 static void wait_asleep(MPI_Request *request)
 {
     const struct timespec pause = {.tv_nsec = 200000};
