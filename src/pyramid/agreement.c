@@ -7,7 +7,7 @@
 #include "pyramid/cascade.h"
 
 static const double unit = 0x1p-36;
-/* With level 0: as many as a part of the volume makes without the others. */
+/* Level 0 included: a part of the volume makes as many levels as the whole does. */
 enum { MEASURED_LEVELS = 5 };
 
 void iso_agreement_add_row(iso_agreement *a, const float *state, size_t stride, size_t n)

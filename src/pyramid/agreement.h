@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* agreement.h - how far the gradients below a level's voxels agree, and the direction filter that follows from it.
+/* agreement.h - agreement of the gradients below a level's voxels, and the direction filter chosen by it.
  *
  * Over the voxels of a level, with N, S and T of filter_kernel.h (N = mean of m g, S = mean of m^2, T = mean of g g^T):
  *
- *   mean agreement L = sum |N| / sum S        1 where gradients point one way, 0 where they cancel
- *   axis agreement F = sum |T| / sum S        1 where they lie on one axis, whatever their sense; .58 where on none
+ *   mean agreement L = sum |N| / sum S        1 if gradients point one way, 0 if they cancel
+ *   axis agreement F = sum |T| / sum S        1 if they lie on one axis, in either sense; .58 if on none
  *                                             (|T|: the root of the sum of its squared elements)
  *
- * Sums are weighted by the squared magnitude as the filters are, so that it is the surfaces that count. F - L is what the
- * main axis of T holds together and the mean loses: opposite faces that lie closer than a voxel. From
- * ISO_AGREEMENT_GAIN on a level gets the tensor filter, else moments (doc/method/gradients.md has how the limit was
- * found, and why neither naive nor eq1 is ever chosen).
+ * Like the filters, the sums are weighted by the squared magnitude, so that surfaces count most. F - L grows with
+ * opposite faces that are closer than a voxel: T keeps their axis, the mean cancels. A level with F - L of at least
+ * ISO_AGREEMENT_GAIN gets the tensor filter, any other level moments. doc/method/gradients.md derives the limit and
+ * gives the reason why naive and eq1 are never chosen.
  *
- * Sums are integers of 2^-36, a row at a time, so that neither threads, slabs nor ranks change them. */
+ * Sums are integers of 2^-36 per row, so that they do not depend on threads, slabs or ranks. */
 #ifndef ISO_PYRAMID_AGREEMENT_H
 #define ISO_PYRAMID_AGREEMENT_H
 
@@ -37,18 +37,19 @@ typedef struct iso_agreement {
 void iso_agreement_add_row(iso_agreement *a, const float *state, size_t stride, size_t n);
 void iso_agreement_add(iso_agreement *a, const iso_agreement *more);
 
-/* The choice for all coarse levels from what was summed up over levels 1 to `measured`; levels above get that of the last
- * one that was measured. */
+/* Chooses for all coarse levels from the sums of levels 1 to `measured`. Higher levels get the choice of the last
+ * measured level. */
 void iso_agreement_choose(const iso_agreement levels[], size_t measured, iso_direction_choice *choice);
 
-/* opt for a cascade that only sums up; and what it has summed up. */
+/* Options for a cascade that only sums the agreement; the sums of that cascade. */
 iso_pyramid_options iso_agreement_options(const iso_pyramid_options *opt);
-/* Of a volume in memory: sets opt->choice where opt->direction_filter is ISO_DIRECTION_AUTO, else does nothing. scale: of
- * the cascade. */
+/* Of a volume in memory: sets opt->choice where opt->direction_filter is ISO_DIRECTION_AUTO, else does nothing. scale:
+ * of the cascade. */
 iso_status iso_agreement_choose_for(const iso_planes *planes, const iso_geometry *g, double scale,
                                     iso_pyramid_options *opt, const iso_progress *progress, iso_error *err);
 
-/* "tensor: its gradients agree by .27 in direction and by .92 on an axis". Returns text, cut where it is too long. */
+/* Formats "tensor: its gradients agree by .27 in direction and by .92 on an axis". Returns text, truncated if it is too
+ * long. */
 const char *iso_direction_choice_text(const iso_direction_choice *choice, size_t level, char *text, size_t size);
 
 #endif

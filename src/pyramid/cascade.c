@@ -10,7 +10,7 @@
 #include "base/simd.h"
 #include "pyramid/cascade_kernel.h"
 
-/* ---- rows to what is stored ---- */
+/* ---- from rows to stored samples ---- */
 
 size_t iso_emit_rows_count(const iso_cascade *c)
 {
@@ -109,7 +109,7 @@ typedef struct tile {
     iso_agreement agreement[MAX_LEVELS];
 } tile;
 
-/* Where a row's scalars go among the sums of two rows: labels are not added, the second row stands behind the first. */
+/* Place of a row's scalars among the sums of two rows. Labels are not added: the second row follows the first. */
 static float *scalar_of(const iso_cascade *c, float *acc, size_t stride, bool add)
 {
     return acc + (c->state_count + (c->majority && add ? 1 : 0)) * stride;

@@ -46,8 +46,8 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
                               iso_cascade **out, iso_error *err);
 void iso_cascade_destroy(iso_cascade *c); /* accepts NULL */
 
-/* A power of two that brings gradients of samples with this range near 1, so
- * that their fourth powers neither overflow nor vanish whatever the units are. */
+/* A power of two that brings gradients of samples in this range near 1. Their fourth powers then neither overflow nor
+ * vanish, in any unit. */
 double iso_cascade_scale(const iso_geometry *g, double range);
 
 /* Slabs start at multiples of this number of planes. */
@@ -65,17 +65,17 @@ size_t iso_cascade_complete(const iso_cascade *c, size_t level, size_t z);
 iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1, const iso_cascade_out *out,
                             iso_error *err);
 
-/* Levels above the fifth are made when all is fed, from the states kept here: planes of `*plane_floats` floats, one for
- * each complete plane of level iso_cascade_carry_level(). NULL when there are no such levels. */
+/* Levels above the fifth are made at the end, from the states kept here. Each complete plane of level
+ * iso_cascade_carry_level() has one plane of `*plane_floats` floats. NULL if no level is above the fifth. */
 float *iso_cascade_carry(const iso_cascade *c, size_t *plane_floats);
 size_t iso_cascade_carry_level(const iso_cascade *c);
 
 /* Memory that the cascade holds between slabs. */
 size_t iso_cascade_bytes(const iso_cascade *c);
 
-/* For options of ISO_DIRECTION_AUTO whose choice is not made (iso_agreement_options): what all that was fed adds up to, up
- * to the fifth level; `out` of iso_cascade_feed() holds NULLs. The sums of several cascades that were
- * fed parts of a volume, from multiples of iso_cascade_step() on, may be added. */
+/* For options of ISO_DIRECTION_AUTO whose choice is not made (iso_agreement_options): what all that was fed adds up to,
+ * up to the fifth level; `out` of iso_cascade_feed() holds NULLs. The sums of several cascades that were fed parts of a
+ * volume, from multiples of iso_cascade_step() on, may be added. */
 void iso_cascade_get_agreement(const iso_cascade *c, size_t level, iso_agreement *sums);
 void iso_cascade_add_agreement(iso_cascade *c, size_t level, const iso_agreement *sums);
 /* The choice that follows. */

@@ -17,7 +17,7 @@ enum { BLOCK_ROWS = 16 };
 enum { BATCH_LEAST = 8, BATCH_MOST = 32 };
 #define BATCH_BYTES ((size_t)64 << 20)
 
-/* What one call of iso_cascade_gauss_feed works with. */
+/* Working state of one call of iso_cascade_gauss_feed. */
 typedef struct gauss_run {
     iso_cascade *c;
     gauss_channel *channel;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* cascade_kernel.h - what cascade.c (filters that read only the children), cascade_gauss.c (Gaussian filters),
- * cascade_spline.c (least squares) and cascade_weighted.c (least-squares directions) share; private to the four. */
+/* cascade_kernel.h - declarations shared by cascade.c (filters that read only the children), cascade_gauss.c (Gaussian
+ * filters), cascade_spline.c (least squares) and cascade_weighted.c (least-squares directions); private to the four. */
 #ifndef ISO_PYRAMID_CASCADE_KERNEL_H
 #define ISO_PYRAMID_CASCADE_KERNEL_H
 
@@ -36,9 +36,9 @@ struct iso_cascade {
     /* Filters that read only the children, tile by tile. */
     size_t tile_top;    /* the highest level that is made depth first from level 0 */
     size_t state_count; /* components of the state it carries; 0: directions have a Gaussian filter */
-    bool scalar_means;  /* or majorities; else scalars have a filter of their own */
+    bool scalar_means;  /* True if scalars are means or majorities; otherwise they have a filter of their own */
     bool majority;      /* of labels */
-    float *carry;       /* states and scalars of level tile_top, where there are levels above it */
+    float *carry;       /* states and scalars of level tile_top, if there are levels above it */
     bool only_sums_up;  /* nothing is chosen yet: the levels' agreement is measured, nothing is stored */
     iso_agreement agreement[MAX_LEVELS];
     /* Gaussian filters, plane by plane (cascade_gauss.c). */
@@ -98,7 +98,8 @@ void iso_cascade_spline_destroy(iso_cascade *c);
 size_t iso_cascade_spline_floats(const iso_cascade *c);
 /* Floats of a plane of the carry that are this filter's, at its end (cascade_spline_top.c). */
 size_t iso_cascade_cells_floats(const iso_cascade *c);
-/* Planes of a level that are complete after feeding up to z, and how many fewer they may be than without this filter. */
+/* Planes of a level that are complete after feeding up to z, and how many fewer they may be than without this
+ * filter. */
 size_t iso_cascade_spline_complete(const iso_cascade *c, size_t level, size_t z);
 size_t iso_cascade_spline_lag(void);
 /* The first plane of level 0 that planes of the level from `complete` on depend on. */

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* cascade_own.c - what damped least-squares levels take beside the solution: of the fine voxels that a coarse voxel
- * covers, its own, the mean; and their range, to which the solution of level 1 is held.
- *
- * A task adds up its rows of fine voxels, reduces them along x when a row of own voxels is complete, and adds that to the
- * planes that are kept beside those of the level. */
+/* cascade_own.c - inputs of damped least-squares levels besides the solution. They are the mean of the fine voxels that
+ * a coarse voxel covers (its own voxels), and their range, to which the solution of level 1 is clamped. A task adds its
+ * rows of fine voxels. When a row of own voxels is complete, it is reduced along x and added to planes that are kept
+ * next to the level's planes. */
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -56,7 +55,7 @@ static void fill(float value, size_t n, float *row)
 
 /* ---- planes ---- */
 
-/* What is kept of a voxel: means that count voxels beyond the volume as zeros; at level 1 the range. */
+/* Numbers kept per voxel: the mean, which counts voxels beyond the volume as zeros, and at level 1 the range. */
 enum { MEAN, LOW, HIGH, NUMBERS };
 static const float empty[NUMBERS] = {0, FLT_MAX, -FLT_MAX};
 

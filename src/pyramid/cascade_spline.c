@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* cascade_spline.c - least-squares levels (spline_kernel.h), each from level 0, plane by plane.
  *
- * A fine row is added to the coarse rows that it has a part in, these are reduced along x, and added to the coarse
- * planes that have a part in the fine plane. A coarse plane whose last fine plane has come is solved along x and y. Along
- * z the solution reaches over the whole volume, but decays: blocks of SPLINE_BLOCK planes, by their index, are
- * solved with SPLINE_APRON planes on either side, so that the result depends on no slab:
+ * A fine row is added to the coarse rows whose tents it touches. These are reduced along x and added to the coarse
+ * planes whose tents touch the fine plane. A coarse plane whose last fine plane has come is solved along x and y. Along
+ * z the solution reaches over the whole volume, but decays: blocks of SPLINE_BLOCK planes, by their index, are solved
+ * with SPLINE_APRON planes on either side, so that the result depends on no slab:
  *
  *     planes       . . . . . . . . . . . . | o o o o o o o o | . . . . . . . . . . . .
  *                  apron, 12                 block, 8          apron, 12
  *
- * What is neglected is below 1e-6 of how much the values at the apron's end differ from their neighbors. */
+ * The truncation error is below 1e-6 of the difference between the values at the apron's end and their neighbors. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -230,7 +230,7 @@ static void sum_planes(const spline_run *r, size_t z0, size_t z1)
 
 /* ---- solving ---- */
 
-/* What fine planes complete of a level: planes that are solved along x and y, and those of blocks. */
+/* Work that fine planes complete in a level: planes to solve along x and y, and planes of blocks. */
 typedef struct spline_range {
     size_t p0, p1, block0, block1;
 } spline_range;
@@ -257,7 +257,7 @@ static void solve_plane(const spline_run *r, const spline_level *s, size_t p)
         iso_spline_solve(s->solve[1], ny, plane + x, nx, nx - x < CHUNK ? nx - x : CHUNK);
 }
 
-/* Row y of a block along z, to where it is stored. */
+/* Solves row y of a block along z and stores it. */
 static void solve_row(const spline_run *r, size_t k, size_t block, size_t y, float *lo, float *hi)
 {
     const spline_level *s = &r->c->spline[k];
@@ -278,7 +278,7 @@ static void solve_row(const spline_run *r, size_t k, size_t block, size_t y, flo
     }
 }
 
-/* Of the levels k0 .. k1 - 1 together, so that threads meet seldom: a meeting may wait for a busy core. */
+/* Finishes levels k0 .. k1 - 1 together. Threads then meet seldom: each meeting may wait for a busy core. */
 static void finish_planes(const spline_run *r, size_t k0, size_t k1, size_t z0, size_t z1)
 {
     iso_cascade *c = r->c;

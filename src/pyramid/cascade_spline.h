@@ -24,7 +24,7 @@ struct spline_level {
     float *own;   /* cascade_own.c: of damped levels; or NULL */
 };
 
-/* What one call of iso_cascade_spline_feed works with. */
+/* Working state of one call of iso_cascade_spline_feed. */
 typedef struct spline_run {
     iso_cascade *c;
     const iso_planes *in;
@@ -52,7 +52,7 @@ static inline float *spline_scratch(const spline_run *r)
 typedef struct own_rows {
     size_t z, j0, j1, row;
     size_t count;   /* at level 1: fine rows that are kept, 1 or 2 */
-    float *sums[2]; /* ... these; of coarser levels a sum and what it is reduced to */
+    float *sums[2]; /* ... and if so, these; at coarser levels a sum and its reduced row */
 } own_rows;
 bool iso_own_create(spline_level *s);
 size_t iso_own_floats(const spline_level *s);
@@ -62,7 +62,7 @@ void iso_own_row(const spline_level *s, size_t y, const float *row, own_rows *t)
 void iso_own_end(const spline_level *s, own_rows *t);
 /* Of levels above the carry: a row of cells' means, `size` voxels an edge. */
 void iso_own_cells(const spline_level *s, size_t size, size_t cell_y, size_t cell_z, const float *means, size_t cells);
-/* A row of least squares to what is stored. */
+/* Turns a row of the least-squares solution into a damped row to store. */
 void iso_own_damp(const spline_level *s, size_t y, size_t z, float *row);
 
 /* cascade_spline_top.c */

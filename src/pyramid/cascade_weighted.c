@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* cascade_weighted.c - least-squares directions (weighted_kernel.h), each level from level 0's gradients, plane by plane.
+/* cascade_weighted.c - least-squares directions (weighted_kernel.h), each level from level 0's gradients, plane by
+ * plane.
  *
- * A fine row is reduced along x and added to the coarse rows and planes that it has a part in. The system of all coarse
- * voxels is then solved by WEIGHTED_ROUNDS rounds of Chebyshev's iteration from b / W: with W before it, M has its
- * eigenvalues between 0 and 1. Few rounds are wanted: what is smallest among them is noise. Each round reaches one plane
- * further, and coefficients are fixed. So blocks of WEIGHTED_BLOCK planes, by their index, are solved with as many planes
- * on either side as there are rounds, and no byte depends on slabs, threads or ranks:
+ * A fine row is reduced along x and added to the coarse rows and planes whose tents it touches. The system of all
+ * coarse voxels is then solved by WEIGHTED_ROUNDS rounds of Chebyshev's iteration from b / W: with W before it, M has
+ * its eigenvalues between 0 and 1. Few rounds suffice: the components of the smallest eigenvalues are noise. Each round
+ * reaches one plane further, and coefficients are fixed. So blocks of WEIGHTED_BLOCK planes, by their index, are solved
+ * with as many planes on either side as there are rounds, and no byte depends on slabs, threads or ranks:
  *
  *     round 0      . . . o o o o o o o o . . .     planes that are made
  *     round 1        . . o o o o o o o o . .
@@ -38,7 +39,7 @@ struct weighted_level {
     size_t tasks;
 };
 
-/* What one call of iso_cascade_weighted_feed works with. */
+/* Working state of one call of iso_cascade_weighted_feed. */
 typedef struct weighted_run {
     iso_cascade *c;
     const iso_planes *in;
@@ -200,7 +201,8 @@ static weighted_place place_of(const iso_spline_axis *a, size_t i)
     return (weighted_place){j, {(float)(1 - f), (float)f}, f > 0};
 }
 
-/* A fine row, reduced along x, into one coarse row of one coarse plane; y, z: 0 for the lower of the two, 1 for the next. */
+/* A fine row, reduced along x, into one coarse row of one coarse plane; y, z: 0 for the lower of the two, 1 for the
+ * next. */
 static void add_reduced(const weighted_level *s, const float *reduced, const weighted_place at[2], size_t y, size_t z)
 {
     const size_t n = row_floats(s), row = at[0].at + y, plane = at[1].at + z;

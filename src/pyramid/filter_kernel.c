@@ -337,7 +337,7 @@ ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n, siz
     }
 }
 
-/* ---- what is stored ---- */
+/* ---- from states to stored values ---- */
 
 /* (N / |N|) L^2 = (N / S) L: quotients before squares, so that small gradients do not underflow. */
 ISO_SIMD static void moment_directions(const float *restrict state, size_t stride, size_t n, float *restrict dx,
@@ -355,9 +355,8 @@ ISO_SIMD static void moment_directions(const float *restrict state, size_t strid
     }
 }
 
-/* The main axis of T by squaring: T^64 is the axis alone unless the two largest
- * eigenvalues are within a few per cent of each other, where no axis means much.
- * The column of the largest diagonal element is the longest. */
+/* The main axis of T by squaring. T^64 is the axis alone, unless the two largest eigenvalues are within a few per cent
+ * of each other and no axis is meaningful. The column of the largest diagonal element is the longest. */
 ISO_SIMD static void tensor_directions(const float *restrict state, const float *restrict tensor, size_t stride,
                                        size_t n, float *restrict dx, float *restrict dy, float *restrict dz)
 {

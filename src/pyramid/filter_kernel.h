@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* filter_kernel.h - filters of rows: from gradients to states, from states to directions. Cannot fail or allocate.
  *
- * A direction's *state* is a few floats a voxel, in planar rows, carried from level to level:
+ * A direction's *state* is a few floats per voxel, in planar rows, carried from level to level:
  *   moments  N (3), S      N = mean of m^2 d = m g, S = mean of m^2
  *   naive    G (3)         the mean gradient
  *   eq1      m^p G (3), m^p, m    G the filtered gradient of the level, m its length
@@ -53,18 +53,19 @@ void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row
 /* acc = row, or acc += row */
 void iso_accumulate_row(const float *restrict row, size_t n, float *restrict acc, bool add);
 void iso_double_row(float *row, size_t n);
-/* The 2x2x2 mean: a and b hold n sums of two rows each, and one float more of room. */
+/* The 2x2x2 mean: a and b hold n sums of two rows each, and capacity for one more float. */
 void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restrict out);
-/* The label that most of 2x2x2 have, the largest of several: four rows of n labels; a last one of an odd n counts twice. */
+/* The label that most of 2x2x2 have, the largest of several: four rows of n labels; a last one of an odd n counts
+ * twice. */
 void iso_majority_row(const float *const rows[4], size_t n, float *restrict out);
-/* Reduces n fine values to (n + 1) / 2 weighted sums; the edge value is repeated. `padded` has room for n + 2 radius
+/* Reduces n fine values to (n + 1) / 2 weighted sums; the edge value is repeated. `padded` holds n + 2 radius
  * floats. */
 void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded,
                   float *restrict out);
 /* Eq. 1: sums of m^p G g and m^p g to the filtered gradient's own state, in place. */
 void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t exponent);
 
-/* ---- what is stored ---- */
+/* ---- from states to stored values ---- */
 
 /* The components of a row's state, `stride` floats apart, and the filter that they are of. */
 typedef struct iso_state_row {
@@ -74,11 +75,12 @@ typedef struct iso_state_row {
 } iso_state_row;
 
 
-/* Directions of a coarse level, and magnitudes (NULL: not wanted). f: moments or tensor where the state is that of auto. */
+/* Directions of a coarse level, and magnitudes (NULL: not wanted). f: moments or tensor where the state is that of
+ * auto. */
 void iso_direction_rows(iso_direction_filter f, const iso_state_row *state, size_t n, float *const d[3],
                         float *restrict magnitude);
 void iso_interleave_rows(const float *dx, const float *dy, const float *dz, size_t n, float *restrict out);
-/* The low three bytes of each word; bytes has room for 3 n + 16. */
+/* Packs the low three bytes of each word; `bytes` holds 3 n + 16 bytes. */
 void iso_unpack_bytes(const uint32_t *packed, size_t n, uint8_t *restrict bytes);
 void iso_row_range(const float *row, size_t n, float *lo, float *hi);
 void iso_scale_row(float *row, size_t n, float factor);

@@ -119,7 +119,7 @@ static iso_status read_at(const paged_file *f, size_t at, size_t bytes, char *ou
     return ISO_OK;
 }
 
-/* Each row's bytes, as they are in the file, to the end of the room of `pitch` bytes that it has in out. */
+/* Reads each row's bytes as stored, to the end of the `pitch` bytes that the row has in out. */
 static iso_status read_rows(iso_level_pages *p, const paged_file *f, const size_t first[3], const size_t count[3],
                             size_t pitch, char *out, iso_error *err)
 {
@@ -140,7 +140,7 @@ iso_status iso_level_pages_codes(const iso_level_pages *p, const size_t first[3]
     return read_rows((iso_level_pages *)p, &p->codes, first, count, 3 * count[0], (char *)out, err);
 }
 
-/* A row of n samples of 8 or 16 bits, which stand at the end of its room, in place. */
+/* Widens in place a row of n samples of 8 or 16 bits, which stand at the end of the row's buffer. */
 static void widen(iso_type type, size_t n, float *row)
 {
     enum { PIECE = 512 };

@@ -45,7 +45,8 @@ iso_status iso_narrow_codes_begin(iso_narrow_codes *c, const iso_pyramid *p, con
     return status;
 }
 
-/* The box with what its gradients are made of, but never so few voxels that a border would meet the one across. */
+/* Widens the box by the stencil of its gradients. The box keeps enough voxels that a border never meets the opposite
+ * one. */
 static void widen(const iso_narrow_codes *c, const size_t first[3], const size_t end[3], size_t from[3], size_t size[3])
 {
     enum { LEAST = 2 * ISO_GRADIENT_MOST_REACH };
@@ -62,7 +63,7 @@ static void widen(const iso_narrow_codes *c, const size_t first[3], const size_t
     }
 }
 
-/* The samples of the box: those of whole planes stay where they are, others are copied to `*own`. */
+/* Samples of the box. Whole planes are used in place; other boxes are copied to `*own`. */
 static const void *box_samples(const iso_narrow_codes *c, void **own)
 {
     const size_t *n = c->volume->geometry.size, *size = c->size, bytes = iso_type_bytes(c->volume->type);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* narrow.h - a pyramid without level 0, whose scalars and codes are read from the volume itself: an eighth of the memory
- * where samples are bytes. For what reads scalars a few at a time, and codes a box after the other, such as exports. */
+/* narrow.h - a pyramid without level 0; scalars and codes of level 0 are read from the volume itself. Takes an eighth
+ * of the memory if samples are bytes. For users such as exports, which read scalars a few at a time and codes box by
+ * box. */
 #ifndef ISO_PYRAMID_NARROW_H
 #define ISO_PYRAMID_NARROW_H
 
@@ -10,11 +11,12 @@
 iso_status iso_pyramid_build_narrow(const iso_volume *v, const char *source, const iso_pyramid_options *opt,
                                     iso_pyramid *out, const iso_progress *progress, iso_error *err);
 
-/* The scalars of `count` voxels from number `first` on: the level's own, or where it has none the volume's. */
+/* Copies the scalars of `count` voxels from number `first` on, from the level or, if it has none, from the volume. */
 void iso_level_scalars(const iso_level *level, const iso_volume *volume, size_t first, size_t count,
                        float *restrict out);
 
-/* Those of a level that has its own or `samples`: where they are, or in `room` for as many. */
+/* Scalars of a level that has its own or `samples`: in place, or converted into the caller's buffer of `count`
+ * floats. */
 static inline const float *iso_level_floats(const iso_level *level, size_t first, size_t count, float *room)
 {
     if (level->scalar)
@@ -34,15 +36,16 @@ typedef struct iso_narrow_codes {
     const iso_volume *volume;
     iso_pyramid_options options;
     double scale;             /* of gradients, as the whole volume has it (cascade.h) */
-    size_t first[3], size[3]; /* of what `codes` holds: the box, and voxels around it whose codes may be wrong */
+    size_t first[3], size[3]; /* the boxes that `codes` covers: the valid one, and the larger one, whose outer codes may
+                               * be wrong */
     uint8_t *codes;           /* owned */
-    size_t codes_bytes;       /* that there is room for */
+    size_t codes_bytes;       /* allocated bytes of `codes` */
 } iso_narrow_codes;
 
 /* p: as iso_pyramid_build_narrow() made it of v. No codes are made yet. */
 iso_status iso_narrow_codes_begin(iso_narrow_codes *c, const iso_pyramid *p, const iso_volume *v, iso_error *err);
-/* From voxel `first` to `end`, which is not included; those made before are gone. By several threads; not to be called by
- * several. ISO_E_MEMORY. */
+/* From voxel `first` to `end`, which is not included; those made before are gone. By several threads; not to be called
+ * by several. ISO_E_MEMORY. */
 iso_status iso_narrow_codes_make(iso_narrow_codes *c, const size_t first[3], const size_t end[3], iso_error *err);
 void iso_narrow_codes_destroy(iso_narrow_codes *c); /* accepts empty */
 

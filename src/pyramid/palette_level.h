@@ -5,8 +5,8 @@
 
 #include "pyramid/pyramid.h"
 
-/* The level's directions before encoding where it keeps them (*owned is NULL), else its decoded codes in *owned. Free
- * *owned in either case. */
+/* Gets the level's directions before encoding. If the level does not keep them, *owned gets the decoded codes,
+ * otherwise NULL. Free *owned in either case. */
 iso_status iso_level_directions(const iso_level *level, iso_code code, const float **directions, float **owned,
                                 iso_error *err);
 

@@ -122,8 +122,8 @@ iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *
     return ISO_OK;
 }
 
-/* A filter sums some dozens of samples; least squares make values of a level larger than those of level 0, but not by this
- * much. */
+/* A filter sums some dozens of samples; least squares make values of a level larger than those of level 0, but not by
+ * this much. */
 #define LARGEST (FLT_MAX / 256)
 
 iso_status iso_pyramid_check_values(double lo, double hi, const char *source, iso_error *err)
@@ -168,7 +168,7 @@ static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, boo
            (l->magnitude || !opt->keep_magnitude);
 }
 
-/* Not inline: of two that stand beside each other gcc 12 makes a vector, and then rounds neither. */
+/* Not inline: from two adjacent conversions gcc 12 makes a vector and then rounds neither. */
 __attribute__((noinline)) static float nearest_float(double value)
 {
     return (float)value;

@@ -1,34 +1,31 @@
 /* SPDX-License-Identifier: MIT */
 /* pyramid.h - a volume at several levels, with directions from the finest.
  *
- *     NAME.iso/pyramid.json        what made it, options, geometry, checksums
+ *     NAME.iso/pyramid.json        builder, options, geometry, checksums
  *              level_K.nrrd        scalar
- *              level_K_dir.nrrd    3 bytes a voxel, the encoded directions
- *              level_K_grad.nrrd   3 floats a voxel (keep_float)
- *              level_K_mag.nrrd    1 float a voxel, gradient magnitude per mm (keep_magnitude)
+ *              level_K_dir.nrrd    3 bytes per voxel, the encoded directions
+ *              level_K_grad.nrrd   3 floats per voxel (keep_float)
+ *              level_K_mag.nrrd    1 float per voxel, gradient magnitude per mm (keep_magnitude)
  *
- * Level 0's scalar keeps the type of the input if that has 8 or 16 bits or is float;
- * coarser levels are float. Voxel i of level k covers the fine voxels
- * [i 2^k, (i+1) 2^k); where a size is odd, the last plane of
- * each level is repeated, so that a level can be made from the files of the next finer one.
- * Direction d of a level: unit at level 0 (zero where the gradient is zero);
- * at coarse levels by the filter:
+ * Level 0's scalar keeps the type of the input if that has 8 or 16 bits or is float; coarser levels are float. Voxel i
+ * of level k covers the fine voxels [i 2^k, (i+1) 2^k); if a size is odd, the last plane of each level is repeated. A
+ * level can thus be made from the files of the next finer one. Direction d of a level: unit at level 0 (zero where the
+ * gradient is zero); at coarse levels by the filter:
  *   moments  N = sum m^2 d, S = sum m^2 over the own children, carried in float
  *            from level to level; stored d = (N/|N|) L^2, L = |N| / S in [0,1].
  *   eq1      [diaz-garcia-2017] Eq. 1 as written, iterated from G0: Gaussian times
  *            magnitude, radius and sigma by option; stored unit.
  *   naive    the mean of the children's gradient vectors; stored unit.
- *   tensor   T = sum g g^T beside N; the main axis of T, on N's side, times L:
- *            opposite gradients agree on an axis where their mean vanishes.
+ *   tensor   T = sum g g^T, and N; the main axis of T, on N's side, times L:
+ *            opposite gradients agree on an axis although their mean vanishes.
  *   least-squares  the directions whose trilinear lookup is nearest to level 0's, weighted by m^2: some rounds towards
  *            them (doc/method/least-squares-levels.md), no longer than 1; levels above the fourth as moments.
- *   auto     a level each gets moments or tensor (agreement.h).
- * magnitude: |gradient| at level 0; above, the root mean square (moments, tensor) or the
- * length of the filtered gradient (eq1, naive).
- * scalar: mean of the 2x2x2 children, a Gaussian, or the least-squares level: of all levels
- * of its size the one whose trilinear lookup is nearest to level 0 (doc/method/least-squares-levels.md);
- * its values can lie outside level 0's range. Damped: from the means ISO_DAMPED_PART of the way to it, where at
- * level 1 it is first held to the range of each voxel's own fine voxels. */
+ *   auto     each level gets moments or tensor (agreement.h).
+ * magnitude: |gradient| at level 0; above, the root mean square (moments, tensor) or the length of the filtered
+ * gradient (eq1, naive). scalar: mean of the 2x2x2 children, a Gaussian, or the least-squares level: of all levels of
+ * its size the one whose trilinear lookup is nearest to level 0 (doc/method/least-squares-levels.md); its values can
+ * lie outside level 0's range. Damped: from the means ISO_DAMPED_PART of the way to it, where at level 1 it is first
+ * held to the range of each voxel's own fine voxels. */
 /* Of a label map: the label that most of the 2x2x2 children have, of several such the largest. */
 #ifndef ISO_PYRAMID_H
 #define ISO_PYRAMID_H
@@ -61,10 +58,10 @@ typedef enum iso_direction_filter {
     ISO_DIRECTION_LEAST_SQUARES,
     ISO_DIRECTION_COUNT,
     ISO_DIRECTION_AUTO =
-        ISO_DIRECTION_COUNT /* one of these for each coarse level, by what is measured of its gradients */
+        ISO_DIRECTION_COUNT /* chooses one of the filters above for each coarse level, from measured gradients */
 } iso_direction_filter;
 
-/* What ISO_DIRECTION_AUTO chose for each coarse level, and the figures that it chose by (agreement.h). */
+/* Choice of ISO_DIRECTION_AUTO for each coarse level, and the figures that decided it (agreement.h). */
 typedef struct iso_direction_choice {
     bool is_made;
     iso_direction_filter filter[32];
@@ -83,7 +80,8 @@ typedef struct iso_pyramid_options {
     bool keep_float;
     bool keep_magnitude;
     int threads;
-    double value_range[2];       /* of all frames of a series: what a fitted TF follows in each; equal: level 0's own */
+    double value_range[2];       /* of all frames of a series: the range that a fitted TF follows in each; equal: use
+                                  * level 0's own */
     iso_direction_choice choice; /* with ISO_DIRECTION_AUTO; made by the build */
 } iso_pyramid_options;
 iso_pyramid_options iso_pyramid_defaults(void);
@@ -91,10 +89,10 @@ iso_pyramid_options iso_pyramid_defaults(void);
 /* ISO_E_RANGE with the value and its limits. */
 iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *err);
 
-/* ISO_E_RANGE: values from lo to hi are so large that sums of them, of which coarse levels are made, may be no floats. */
+/* ISO_E_RANGE if values from lo to hi are so large that sums of them could overflow floats in coarse levels. */
 iso_status iso_pyramid_check_values(double lo, double hi, const char *source, iso_error *err);
-/* The largest difference that the samples can have: from the type where it is narrow, else measured. ISO_E_RANGE: values
- * that are not finite, or too large. source: for messages. */
+/* The largest difference that the samples can have: from the type if that is narrow, otherwise measured. ISO_E_RANGE:
+ * values that are not finite, or too large. source: for messages. */
 iso_status iso_pyramid_sample_range(const iso_volume *v, const char *source, double *range, iso_error *err);
 
 extern const iso_names iso_scalar_filter_names, iso_direction_filter_names;
@@ -113,20 +111,22 @@ typedef struct iso_level {
     iso_geometry geometry;
     iso_type stored_type;      /* of the scalar on disk */
     float *scalar;             /* NULL in an outline, and where `samples` has it */
-    const iso_volume *samples; /* borrowed: of a level whose scalars are read from there (narrow.h); else NULL */
-    uint8_t *codes;            /* 3 bytes a voxel; NULL in an outline */
-    float *directions;         /* 3 floats a voxel before encoding, or NULL */
-    float *magnitude;          /* 1 float a voxel, or NULL */
+    const iso_volume *samples; /* borrowed: the volume that holds the level's scalars (narrow.h); NULL if the level
+                                * holds them */
+    uint8_t *codes;            /* 3 bytes per voxel; NULL in an outline */
+    float *directions;         /* 3 floats per voxel before encoding, or NULL */
+    float *magnitude;          /* 1 float per voxel, or NULL */
     double min, max;           /* of the scalar */
     bool labels;               /* looked up without interpolation: the value of the voxel that holds a point */
     const json_t *segments;    /* borrowed: the pyramid's */
-    bool made_for_scene;       /* the scalar is not of the pyramid's filter: iso_pyramid.made_for says what it is */
-    /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or an index a voxel. */
+    bool made_for_scene;       /* True if the scalar is not from the pyramid's filter; iso_pyramid.made_for describes
+                                * it */
+    /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or one index per voxel. */
     const iso_palette *palette;
     const uint16_t *palette_index;
 } iso_level;
 
-/* What the lengths of a volume's file were in; all of ours are in mm. */
+/* Unit of the lengths in a volume's file. All lengths in the pyramid are in mm. */
 typedef struct iso_pyramid_unit {
     char name[16]; /* "" where the file names none */
     double mm;
@@ -134,7 +134,7 @@ typedef struct iso_pyramid_unit {
 
 typedef struct iso_pyramid {
     iso_pyramid_options options;
-    char *source; /* what it was made from */
+    char *source; /* source of the volume, such as its file */
     iso_pyramid_unit unit;
     char built_by[64]; /* "isoshade 0.2.0" */
     size_t level_count;
@@ -158,7 +158,7 @@ double iso_pyramid_hi(const iso_pyramid *p);
 /* iso_pyramid_save() writes a directory NAME.iso, complete or absent: in the library's header. */
 /* Checks the sizes and the checksums that pyramid.json states. */
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err);
-/* What pyramid.json says, without samples: levels' scalar, codes and the rest are NULL. */
+/* Loads pyramid.json without samples: levels' scalar, codes and the rest are NULL. */
 iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err);
 /* The outline and the levels' scalars: what transfer functions need. */
 iso_status iso_pyramid_load_scalars(const char *dir, iso_pyramid *out, iso_error *err);

@@ -225,7 +225,7 @@ static iso_status load_choice(iso_json_reader *r, const json_t *entry, size_t le
     return r->status;
 }
 
-/* What is read of a pyramid besides pyramid.json. */
+/* Parts of a pyramid to load besides pyramid.json. */
 typedef enum load_what { LOAD_OUTLINE, LOAD_SCALARS, LOAD_ALL } load_what;
 
 static bool is_wanted(load_what what, int file)
@@ -267,7 +267,7 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     return status;
 }
 
-/* Those that were made for a scene. What that says is read by who makes them (fit/level_scalar.h). */
+/* Marks the levels that were made for a scene. fit/level_scalar.h parses the details. */
 static void mark_levels(iso_pyramid *p)
 {
     const json_t *levels = json_object_get(p->made_for, "levels"), *entry;

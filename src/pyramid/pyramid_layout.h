@@ -33,8 +33,8 @@ iso_type iso_layout_type(iso_type input);
  * that a mapped file has its samples aligned. To be freed. */
 char *iso_layout_header(const iso_geometry *g, const level_file *f);
 
-/* A level's file: `count` samples as floats, codes as bytes; to be freed. ISO_E_FORMAT where its size, its header or its
- * checksum are not those that pyramid.json says; ISO_E_IO, ISO_E_MEMORY. */
+/* A level's file: `count` samples as floats, codes as bytes; to be freed. ISO_E_FORMAT if its size, header or checksum
+ * differ from pyramid.json; ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_layout_read(const char *path, const char *header, const level_file *f, const char *digest, size_t count,
                            void **data, iso_error *err);
 /* Samples of the scalar's file as floats. */
@@ -44,18 +44,19 @@ json_t *iso_layout_options(const iso_pyramid_options *opt);
 json_t *iso_layout_geometry(const iso_geometry *g);
 json_t *iso_layout_level(const iso_geometry *g, iso_type scalar_type, double min, double max,
                          const level_file files[FILE_COUNT], size_t level);
-/* What was chosen for a coarse level, into its object. Nothing where nothing was. */
+/* Writes the choice for a coarse level into its object; leaves the object unchanged if nothing was chosen. */
 void iso_layout_choice(const iso_pyramid_options *opt, size_t level, json_t *object);
-/* Writes pyramid.json; takes the list of levels. of: the pyramid, for what it was made for and chosen by, and its segments; or NULL. */
+/* Writes pyramid.json; takes ownership of the list of levels. of: the pyramid, for its scene, its choices and its
+ * segments; or NULL. */
 iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_unit *unit,
                            const iso_pyramid_options *opt, json_t *levels, const iso_pyramid *of, iso_error *err);
 /* Each level borrows the pyramid's. */
 void iso_pyramid_share_segments(iso_pyramid *p);
-/* With 17 digits, so that numbers are read back as they were. */
+/* Writes numbers with 17 digits, so that they are read back exactly. */
 iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err);
 
-/* pyramid.json. ISO_E_IO; ISO_E_FORMAT where it is none, or not as it was written: levels, ranges and boxes of a file that
- * was changed would give a wrong picture and no error. */
+/* Loads pyramid.json. ISO_E_IO; ISO_E_FORMAT if it is not a pyramid's or was changed: changed levels, ranges or boxes
+ * would give a wrong picture and no error. */
 iso_status iso_layout_load(const char *path, json_t **root, iso_error *err);
 
 #endif

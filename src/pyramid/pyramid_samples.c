@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* pyramid_samples.c - a level's file, read in pieces: what a piece is hashed, compared and converted by finds it in the
- * processor's cache, and no more than the samples themselves is kept. */
+/* pyramid_samples.c - reads a level's file in pieces. Each piece is hashed, compared and converted while it is in the
+ * processor's cache; nothing but the samples is kept. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdio.h>
@@ -54,7 +54,7 @@ static iso_status read_header(reading *r, iso_error *err)
     return status;
 }
 
-/* Codes come where they stay, values by way of a piece. */
+/* Reads codes in place, values through a piece. */
 static iso_status read_samples(const reading *r, size_t count, void *samples, iso_error *err)
 {
     const size_t width = iso_type_bytes(r->file->type), most = PIECE_BYTES / width;
@@ -111,7 +111,8 @@ iso_status iso_layout_read(const char *path, const char *header, const level_fil
     if (status == ISO_OK) {
         r.hash = XXH3_createState();
         r.piece = malloc(PIECE_BYTES);
-        /* Not by large.h: a virtual machine that tells its host of each free huge page has to get it back for every file. */
+        /* Not by large.h: a virtual machine that tells its host of each free huge page has to get it back for every
+         * file. */
         *data = malloc(keeps_bytes(f) ? count : count * sizeof(float));
         if (r.hash && r.piece && *data) {
             XXH3_64bits_reset(r.hash);

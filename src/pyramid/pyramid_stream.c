@@ -8,7 +8,7 @@
 #include "pyramid/pyramid_layout.h"
 #include "pyramid/stream_build.h"
 
-/* From this size on files bypass the page cache. */
+/* Files of at least this size bypass the page cache. */
 #define DIRECT_BYTES ((size_t)256 << 20)
 
 static iso_status create_buffers(pyramid_build *s, iso_error *err)
@@ -79,11 +79,11 @@ static iso_status begin(pyramid_build *s, size_t *done, iso_error *err)
     return status;
 }
 
-/* What is written into the folder. */
+/* Files that a build writes into the folder. */
 static const char *const own_names[] = {ISO_PYRAMID_MARKER, "level_*.nrrd", STREAM_PROGRESS_NAME, STREAM_CARRY_NAME,
                                         NULL};
 
-/* Rank 0 makes the folder, then the others open what is in it. */
+/* Rank 0 makes the folder, then the other ranks open its files. */
 static iso_status begin_all(pyramid_build *s, const char *dir, double scale, json_t **job, size_t *done, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -191,7 +191,8 @@ iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_opti
     if (status != ISO_OK)
         iso_output_rename_in(s->plan.folder, dir, err);
     json_decref(job);
-    /* A later run goes on where a stop was asked for, and with what was there already and is not to blame. */
+    /* A later run resumes after a requested stop. It also keeps an earlier build's files that did not cause the
+     * error. */
     const bool stays = s->resumed && (status == ISO_E_IO || status == ISO_E_MEMORY);
     clean_up(s, status == ISO_E_PROGRAM || stays);
     free(s);

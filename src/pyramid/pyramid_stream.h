@@ -17,25 +17,26 @@
 #include "pyramid/pyramid.h"
 #include "volume/stream.h"
 
-/* Opens the volume at its first plane. Volumes of floats are opened and read twice, the first time for their range; with
- * ISO_DIRECTION_AUTO all are read once more, for the choice. */
+/* Opens the volume at its first plane. Volumes of floats are opened and read twice, the first time for their range;
+ * with ISO_DIRECTION_AUTO all are read once more, for the choice. */
 typedef struct iso_stream_input {
     iso_status (*open)(void *user, iso_volume_source **source, iso_error *err);
     void *user;
     const char *path; /* becomes the pyramid's source */
 } iso_stream_input;
 
-/* Such a note waits until the disk has all that is written, .25 s on some. What a killed build loses at most. */
+/* Longest time whose work a killed build loses. Each note waits until all written data is on the disk, .25 s on
+ * some. */
 #define ISO_STREAM_SAVE_SECONDS 10.0
 
 typedef struct iso_stream_options {
     size_t memory_bytes; /* of buffers; 0: as little as is fast */
-    size_t max_slab;     /* planes; 0: as memory allows; at least what the levels need */
+    size_t max_slab;     /* planes; 0: as memory allows; at least as many as the levels need */
     bool resume;         /* resume a killed build of the same volume and options */
     bool direct;         /* write past the page cache, as large files are in any case */
     double save_seconds; /* between two notes of how far the build is; 0: one after each slab */
     size_t stop_after;   /* planes; 0: all. For tests: ends as if killed */
-    const struct iso_key *key; /* what the build depends on besides the files that are opened (base/key.h); or NULL */
+    const struct iso_key *key; /* inputs of the build besides the opened files (base/key.h); or NULL */
     iso_ranks *ranks;    /* NULL: no MPI. Each rank makes the same call and takes memory_bytes */
 } iso_stream_options;
 
@@ -54,8 +55,8 @@ typedef struct iso_stream_report {
     double seconds_reading, seconds_writing; /* of these threads, summed, with hashing */
 } iso_stream_report;
 
-/* ISO_E_MEMORY when memory_bytes is too little, with what is needed. All ranks get the same status and message; the
- * report is rank 0's. */
+/* ISO_E_MEMORY if memory_bytes is too little; the message has the minimum. All ranks get the same status and message;
+ * the report is rank 0's. */
 iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_options *opt,
                               const iso_stream_options *stream, const char *dir, iso_stream_report *report,
                               const iso_progress *progress, iso_error *err);

@@ -12,7 +12,7 @@
 
 enum { MAX_LEVELS = 32 };
 
-/* What is made again, a slab at a time. */
+/* Levels made again, a slab at a time. */
 typedef struct rebuild {
     const iso_pyramid *p;
     iso_cascade *cascade;
@@ -33,7 +33,8 @@ static void end_rebuild(rebuild *r)
     iso_cascade_destroy(r->cascade);
 }
 
-/* As it was built: by the range of the type where that is narrow, else of the values. Only the exponent counts. */
+/* Finds the scale as the build does: from the type's range if the type is narrow, otherwise from the values. Only the
+ * exponent counts. */
 static iso_status find_scale(const iso_level *l, double *scale, iso_error *err)
 {
     const size_t bytes = iso_type_bytes(l->stored_type);
@@ -67,7 +68,8 @@ static iso_status begin_rebuild(rebuild *r, size_t slab, iso_error *err)
     return ISO_OK;
 }
 
-/* What is stored of voxel `at` of the level and was made at `made` of the slab, bit by bit; or NULL. */
+/* Compares voxel `at` of the level, bit by bit, with voxel `made` of the slab. Returns the name of the first stored
+ * quantity that differs, or NULL. */
 static const char *difference(const iso_level *l, const iso_cascade_out *o, size_t at, size_t made)
 {
     if (o->scalar && !l->made_for_scene && memcmp(l->scalar + at, o->scalar + made, sizeof(float)) != 0)
@@ -130,7 +132,7 @@ static bool is_same_geometry(const iso_geometry *a, const iso_geometry *b)
     return same && memcmp(&a->index_to_world, &b->index_to_world, sizeof a->index_to_world) == 0;
 }
 
-/* What auto chose, and the figures that it chose by. */
+/* True if auto made the same choice from the same figures. */
 static bool is_same_choice(const rebuild *r, size_t k)
 {
     const iso_direction_choice *a = &r->p->options.choice, *b = &r->choice;
@@ -138,7 +140,7 @@ static bool is_same_choice(const rebuild *r, size_t k)
                            a->axis_agreement[k] == b->axis_agreement[k]);
 }
 
-/* What belongs to a level as a whole. */
+/* Compares the properties of each level as a whole. */
 static void compare_levels(rebuild *r)
 {
     iso_geometry g = r->p->levels[0].geometry;

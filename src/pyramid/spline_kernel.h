@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* spline_kernel.h - least-squares fits of linear splines along one axis. Cannot fail, allocate or know of threads.
+/* spline_kernel.h - least-squares fits of linear splines along one axis. Cannot fail or allocate, and is free of
+ * threads.
  *
  * A renderer looks up a coarse level between its voxels' centers, linearly, and clamped to the outermost centers. Along
- * an axis, what it finds at the center of fine voxel i is
+ * an axis, its value at the center of fine voxel i is
  *
  *     s(i) = (1 - f) c[j] + f c[j + 1],   u = (i + 1/2) / r - 1/2 clamped to [0, m - 1],   j + f = u,   r = 2^k,
  *
- * or s = A c with two entries in a row of A. The coefficients nearest to the fine values v are c = (A^T A)^-1 A^T v, and
- * A^T A is tridiagonal [unser-1993]. In three dimensions A is the Kronecker product of the
- * three axes, and so is the inverse: one axis after the other is exact.
+ * or s = A c with two entries in a row of A. The coefficients nearest to the fine values v are c = (A^T A)^-1 A^T v,
+ * and A^T A is tridiagonal [unser-1993]. In three dimensions A and its inverse are Kronecker products of the three
+ * axes: solving one axis after the other is exact.
  *
  *     fine      |  0  |  1  |  2  |  3  |  4  |  5  |  6  |  7  |          r = 4
  *     coarse    |           0           |           1           |
@@ -26,7 +27,7 @@ typedef struct iso_spline_axis {
 
 /* The coarse voxel j below the center of fine voxel i, and the weight f of the next one; f is 0 where j is the last. */
 size_t iso_spline_lookup(const iso_spline_axis *a, size_t i, double *f);
-/* The first fine voxel that coarse voxel j has a part in, and the one behind the last. */
+/* The first fine voxel that the tent of coarse voxel j covers, and the one after the last. */
 size_t iso_spline_first(const iso_spline_axis *a, size_t j);
 size_t iso_spline_end(const iso_spline_axis *a, size_t j);
 
@@ -36,13 +37,13 @@ typedef struct iso_spline_row {
     float below, inverse, above;
 } iso_spline_row;
 
-/* The equations of coarse voxels j0 .. j1 - 1. Where the range ends inside the volume, the coefficients beyond are taken
- * to be as the last: an error that decays by a third a voxel or faster. */
+/* The equations of coarse voxels j0 .. j1 - 1. If the range ends inside the volume, the coefficients beyond are taken
+ * to equal the last one. That error decays to a third per voxel or faster. */
 void iso_spline_factorize(const iso_spline_axis *a, size_t j0, size_t j1, iso_spline_row *rows);
 
 /* Solves for `lanes` columns at once, in place: equation i of them stands at values + i * stride. */
 void iso_spline_solve(const iso_spline_row *rows, size_t count, float *values, size_t stride, size_t lanes);
-/* Solves along x for up to ISO_SPLINE_LANES rows, `stride` apart; scratch has room for ISO_SPLINE_LANES * count. */
+/* Solves along x for up to ISO_SPLINE_LANES rows, `stride` apart; scratch holds ISO_SPLINE_LANES * count floats. */
 enum { ISO_SPLINE_LANES = 16 };
 void iso_spline_solve_rows(const iso_spline_row *rows, size_t count, float *values, size_t stride, size_t row_count,
                            float *scratch);
@@ -51,8 +52,8 @@ void iso_spline_solve_rows(const iso_spline_row *rows, size_t count, float *valu
 void iso_spline_moments(const float *restrict row, size_t n, size_t ratio, float *restrict scratch, const float **t,
                         const float **u);
 
-/* What a cell of s fine voxels, s a power of two up to r / 2, adds to coarse voxel j: by_t * T + by_u * U. Returns how
- * many of the two parts there are. */
+/* Contributions of a cell of s fine voxels, s a power of two up to r / 2, to coarse voxel j: by_t * T + by_u * U.
+ * Returns the number of contributions, up to two. */
 typedef struct iso_spline_part {
     size_t j;
     float by_t, by_u;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* stream_build.h - the parts of a streaming build (pyramid_stream.h), private to them.
  *
- *   pyramid_stream.c   from beginning to end: opens, sets up, and closes
- *   stream_choose.c    reads the volume once before, where the direction filters are to be chosen
- *   stream_slabs.c     how many planes a slab has, its buffers; slabs one after the other, alone
+ *   pyramid_stream.c   the whole build: opens, sets up and closes
+ *   stream_choose.c    reads the volume once more before, if direction filters are to be chosen
+ *   stream_slabs.c     size of a slab, its buffers; slabs in sequence on a single rank
  *   stream_turns.c     slabs in turns with other ranks of an MPI job
- *   stream_progress.c  what a killed build leaves, and how it is taken up
+ *   stream_progress.c  notes of a build's progress, and resuming from them
  *   stream_input.c, stream_output.c   the threads that read and write */
 #ifndef ISO_PYRAMID_STREAM_BUILD_H
 #define ISO_PYRAMID_STREAM_BUILD_H
@@ -31,7 +31,7 @@ typedef struct stream_turn {
     size_t carry_first, carry_count;
 } __attribute__((aligned(64))) stream_turn;
 
-/* What rank 0 decides for all ranks. */
+/* Decisions of rank 0 for all ranks. */
 typedef struct stream_plan {
     char folder[4096];
     size_t start, slab; /* first plane; planes of a slab */
@@ -40,7 +40,7 @@ typedef struct stream_plan {
 typedef struct pyramid_build {
     const iso_stream_input *in;
     const iso_pyramid_options *opt;
-    iso_pyramid_options own; /* opt points to it: with what was chosen */
+    iso_pyramid_options own; /* copy that opt points to, with the choices made */
     const iso_stream_options *how;
     iso_stream_report *report;
     iso_output output; /* rank 0's */
@@ -96,7 +96,7 @@ size_t iso_stream_planes_capacity(const pyramid_build *s, size_t slab);
 
 size_t iso_stream_slab_count(const pyramid_build *s);
 stream_slab iso_stream_slab_at(const pyramid_build *s, size_t i);
-/* Starts to read the slab's planes; does nothing behind the last slab. */
+/* Starts to read the slab's planes; does nothing after the last slab. */
 void iso_stream_request_slab(pyramid_build *s, size_t i);
 iso_status iso_stream_wait_for_planes(pyramid_build *s, const stream_planes **planes, iso_error *err);
 iso_status iso_stream_feed_slab(pyramid_build *s, const stream_slab *b, const stream_planes *planes, iso_error *err);
@@ -112,7 +112,7 @@ iso_status iso_stream_run_alone(pyramid_build *s, json_t *job, size_t done, cons
 bool iso_stream_turn_create(pyramid_build *s);
 /* All slabs, in turns with the other ranks. */
 iso_status iso_stream_run_in_turns(pyramid_build *s, json_t *job, const iso_progress *progress, iso_error *err);
-/* The rank of the last slab closes the files; what it knows of them comes to rank 0. */
+/* The rank of the last slab closes the files and sends their sizes and checksums to rank 0. */
 iso_status iso_stream_close_in_turns(pyramid_build *s, iso_error *err);
 
 /* ---- progress.json ---- */
@@ -121,8 +121,8 @@ iso_status iso_stream_close_in_turns(pyramid_build *s, iso_error *err);
 iso_status iso_stream_make_key(pyramid_build *s, double scale, iso_error *err);
 /* A new progress.json of this key; NULL: no memory. */
 json_t *iso_stream_describe_job(const pyramid_build *s);
-/* Tests whether an earlier build in the folder had the same key, and how many planes it finished. ISO_E_IO: its notes cannot
- * be read. */
+/* Tests whether an earlier build in the folder had the same key, and how many planes it finished. ISO_E_IO: its notes
+ * cannot be read. */
 iso_status iso_stream_read_progress(pyramid_build *s, bool *is_same, size_t *planes, iso_error *err);
 /* Reads the cascade's carry up to plane z from the folder's file. */
 iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t z, iso_error *err);

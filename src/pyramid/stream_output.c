@@ -13,7 +13,7 @@
 /* Hashed, then copied to the file's block while in the cache. */
 #define PIECE_BYTES ((size_t)128 << 10)
 
-/* What one file hands on to the next rank in turn. */
+/* State of one file that goes to the next rank in turn. */
 typedef struct stream_tail {
     iso_bigfile_tail file;
     XXH3_state_t hash;
@@ -327,7 +327,8 @@ void iso_stream_tails_get(const stream_output *o, void *tails)
             }
 }
 
-/* The state of another process points to the library's secret where that one has it. */
+/* Repairs the pointer of a state from another process: it has to point to this process's copy of the library's
+ * secret. */
 static void adopt_hash(XXH3_state_t *own, const XXH3_state_t *state)
 {
     const unsigned char *secret = own->extSecret;

@@ -76,7 +76,7 @@ iso_status iso_stream_output_join(stream_output *o, const char *dir, iso_error *
 void iso_stream_output_copy_begun(stream_output *o);
 /* The buffers for the planes of the slab. */
 void iso_stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MAX_LEVELS]);
-/* Lists what the slab has completed: level k up to plane complete[k]; level 0's scalars may stand in the input's
+/* Lists the planes that the slab completed: level k up to plane complete[k]; level 0's scalars may stand in the input's
  * planes. */
 void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_LEVELS], const char *input,
                             size_t input_first);
@@ -92,10 +92,9 @@ iso_status iso_stream_output_close(stream_output *o, iso_error *err);
 size_t iso_stream_tails_bytes(const stream_output *o);
 /* The tails of the files that iso_stream_output_open() has opened. */
 void iso_stream_tails_get(const stream_output *o, void *tails);
-/* Writing goes on behind these tails. To be called while nothing is being written. */
+/* Continues writing after these tails. To be called while nothing is being written. */
 void iso_stream_tails_set(stream_output *o, const void *tails);
-/* Hashes the listed items and changes the tails to those behind them. iso_stream_tails_set() has been called with
- * them. */
+/* Hashes the listed items and moves the tails past them. iso_stream_tails_set() has been called with these tails. */
 void iso_stream_tails_advance(stream_output *o, void *tails);
 
 #endif

@@ -45,7 +45,7 @@ static iso_status save_progress(const pyramid_build *s, json_t *job, size_t plan
     for (size_t k = 0; k < s->out.level_count; ++k) {
         double range[2] = {0, 0};
         iso_cascade_range(s->cascade, k, &range[0], &range[1]);
-        json_array_append_new(ranges, iso_json_numbers(range, 2)); /* null where there is none yet */
+        json_array_append_new(ranges, iso_json_numbers(range, 2)); /* null if there is none yet */
     }
     json_object_set_new(job, "planes", json_integer((json_int_t)planes));
     json_object_set_new(job, "ranges", ranges);
@@ -73,7 +73,7 @@ iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t
     return status;
 }
 
-/* What a build can go on from; false where the notes are not whole. */
+/* Takes the state that a build resumes from; false if the notes are incomplete. */
 static bool take_notes(pyramid_build *s, const json_t *found, size_t *planes)
 {
     const json_t *ranges = json_object_get(found, "ranges");
@@ -126,7 +126,7 @@ bool iso_stream_progress_is_due(pyramid_build *s)
     return true;
 }
 
-/* What is on the disk up to plane z may be taken up. */
+/* Notes that all data on the disk up to plane z may be resumed from. */
 iso_status iso_stream_note_progress(pyramid_build *s, json_t *job, size_t z, iso_error *err)
 {
     iso_status status = write_carry(s, z, err);

@@ -77,7 +77,7 @@ size_t iso_stream_buffer_bytes(const pyramid_build *s, size_t slab)
     return bytes;
 }
 
-/* What is fed twice when slabs do not follow each other. */
+/* Planes that are fed twice if slabs do not follow each other. */
 size_t iso_stream_longest_warm_up(const pyramid_build *s)
 {
     size_t longest = 0;
@@ -88,7 +88,7 @@ size_t iso_stream_longest_warm_up(const pyramid_build *s)
     return longest;
 }
 
-/* Of several ranks each has several slabs, so that none waits long for the last ones. */
+/* Limits a slab so that each of several ranks has several slabs, so that none waits long for the last ones. */
 static size_t longest_slab(const pyramid_build *s)
 {
     const size_t nz = s->header.geometry.size[2], step = iso_cascade_step(s->cascade);

@@ -129,8 +129,9 @@ static iso_status do_slab_in_turn(pyramid_build *s, size_t i, iso_status status,
     return status;
 }
 
-/* Slab i is rank i mod count's. When rank 0 has the turn of slab i, slabs up to i - count are written: whoever had the
- * turn has waited for its own writers. Their end stands in the first block of the next slab, so one slab less is safe. */
+/* Slab i is rank i mod count's. When rank 0 has the turn of slab i, slabs up to i - count are written: whoever had
+ * the turn has waited for its own writers. Their end stands in the first block of the next slab, so one slab less is
+ * safe. */
 iso_status iso_stream_run_in_turns(pyramid_build *s, json_t *job, const iso_progress *progress, iso_error *err)
 {
     const size_t count = (size_t)iso_ranks_count(s->how->ranks), rank = (size_t)iso_ranks_index(s->how->ranks);
@@ -152,7 +153,7 @@ iso_status iso_stream_run_in_turns(pyramid_build *s, json_t *job, const iso_prog
 
 /* ---- the end ---- */
 
-/* What the rank of the last slab knows of the files comes to rank 0. */
+/* Sizes and checksums of the files, sent by the rank of the last slab to rank 0. */
 typedef struct summary {
     level_file files[STREAM_MAX_LEVELS][FILE_COUNT];
     double lo[STREAM_MAX_LEVELS], hi[STREAM_MAX_LEVELS];

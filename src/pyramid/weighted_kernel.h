@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* weighted_kernel.h - rows of weighted least squares in three dimensions. Cannot fail, allocate or know of threads.
+/* weighted_kernel.h - rows of weighted least squares in three dimensions. Cannot fail or allocate, and is free of
+ * threads.
  *
- * Sought are the directions D of a coarse level whose trilinear lookup is nearest to the unit directions d of the fine
- * voxels x, each as heavy as its squared gradient w(x):
+ * Sought are the directions D of a coarse level whose trilinear lookup is nearest to the unit directions d of the
+ * fine voxels x, each as heavy as its squared gradient w(x):
  *
  *     sum_x w(x) |sum_j hat_j(x) D_j - d(x)|^2  ->  least,      or M D = b,
  *     M_ij = sum_x w hat_i hat_j,   b_i = sum_x w hat_i d,   W_i = sum_x w hat_i = sum_j M_ij
  *
- * Weights leave no product of axes, as the scalar's system is one (spline_kernel.h). But hat_i hat_j is a product, and the
- * same for both diagonals of a cell, so that of a coarse voxel's 27 entries 8 are kept, by whether the two differ along
- * x, y and z, at the lower of the two. What a coarse voxel has: W, b (3) and these 8: 12 planes. */
+ * With weights the system is not a product of axes, unlike the scalar's (spline_kernel.h). But hat_i hat_j is a
+ * product, and equal for both diagonals of a cell. So 8 of a coarse voxel's 27 entries are kept, at the lower of the
+ * two voxels, indexed by whether the two differ along x, y and z. A coarse voxel has W, b (3) and these 8: 12
+ * planes. */
 #ifndef ISO_PYRAMID_WEIGHTED_KERNEL_H
 #define ISO_PYRAMID_WEIGHTED_KERNEL_H
 
@@ -26,9 +28,9 @@ static inline size_t iso_weighted_m(size_t dx, size_t dy, size_t dz)
 /* Of a row of n gradients: their squares, and gradients times lengths, which are weighted unit directions. */
 void iso_weighted_row(float *const g[3], size_t n, float *restrict w, float *const wd[3]);
 
-/* What a fine row is reduced to along x: W, b (3), and M without and with a difference along x. */
+/* Sums of a fine row, reduced along x: W, b (3), and M without and with a difference along x. */
 enum { ISO_WEIGHTED_REDUCED = 6 };
-/* lookup, part: of each fine voxel, the coarse voxel below its center and the weight of the next one, 0 where there is
+/* lookup, part: of each fine voxel, the coarse voxel below its center and the weight of the next one, 0 if there is
  * none (iso_spline_lookup). out: ISO_WEIGHTED_REDUCED rows, `coarse` floats apart. */
 void iso_weighted_reduce_row(const unsigned *lookup, const float *part, size_t fine, size_t coarse,
                              const float *restrict w, float *const wd[3], float *restrict out);
@@ -41,7 +43,7 @@ void iso_weighted_subtract(const float *restrict same, const float *restrict nex
 /* step = keep * step + gain * residual / W, and D = before + step; 0 where W is none. */
 void iso_weighted_step(float keep, float gain, const float *restrict weight, const float *restrict residual, size_t n,
                        float *restrict step, const float *before, float *after);
-/* D of length L to what is stored, D L: no longer than 1, and as moments have it shorter where gradients disagree. */
+/* Shortens D of length L to the stored D L: at most 1, and shorter if gradients disagree, as with moments. */
 void iso_weighted_shorten(float *const d[3], size_t n);
 
 #endif
