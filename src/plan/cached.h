@@ -16,7 +16,7 @@ typedef struct iso_cached_report {
 } iso_cached_report;
 
 typedef struct iso_cached_options {
-    double cache_bytes; /* what the textures of scalars and directions may take; or, when it is 0, */
+    double cache_bytes; /* limit for the textures of scalars and directions; or, when it is 0, */
     double plan_error;  /* the predicted RMSE that bricks may be coarsened for (plan/plan.h) */
     size_t brick_voxels, level_count, page_side; /* page_side 0: what GL takes */
     double step_voxels;                          /* 0: the view's */
@@ -27,9 +27,9 @@ typedef struct iso_cached_options {
     iso_cached_report *report; /* filled; or NULL */
 } iso_cached_options;
 
-/* gl NULL: by the CPU ray caster, whose bricks need no textures: what they take are 8 bytes a node, 2 where there is no light.
- * Levels are chosen as plan.h chooses, for the least predicted error that fits; nothing is rendered for it. ISO_E_RANGE
- * when the coarsest levels do not fit, with what they take. */
+/* gl NULL: renders with the CPU ray caster, whose bricks need no textures: they take 8 bytes per node, or 2 without
+ * light. Levels are chosen as in plan.h, for the least predicted error that fits; nothing is rendered to choose them.
+ * ISO_E_RANGE with the needed size if the coarsest levels do not fit. */
 iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view *view, const iso_cached_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);
 

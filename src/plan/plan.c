@@ -11,7 +11,7 @@
 
 /* ---- estimates ---------------------------------------------------------------- */
 
-/* What the errors of a view's bricks are estimated with. */
+/* Inputs for estimating the errors of a view's bricks. */
 typedef struct estimator {
     const iso_node_levels *nodes;
     const iso_view *view;
@@ -19,7 +19,7 @@ typedef struct estimator {
     double voxel_mm;
 } estimator;
 
-/* What a table's entry emits: extinction times color, and its extinction. */
+/* Emission rate of a table's entry: extinction times color, and its extinction. */
 static double rate_of(const iso_tf_table *tf, size_t entry, int c)
 {
     const float *e = tf->entries + 4 * entry;
@@ -63,7 +63,7 @@ static void mean_entry(const estimator *e, double a, double b, double entry[4])
         entry[c] = sum[c] / sum[3];
 }
 
-/* What an entry emits over one voxel by a direction, and its opacity: all that the image is made of. */
+/* Computes the emission of an entry over one voxel in a direction, and its opacity; images depend on nothing else. */
 static void emit(const estimator *e, const double entry[4], const double direction[ISO_NODE_CHANNELS - 1],
                  double rgba[4])
 {
@@ -88,8 +88,8 @@ static double largest_difference(const double a[4], const double b[4])
     return worst;
 }
 
-/* The node of level 0 at p, moved outwards by one where it lies on a face of the brick. False inside the brick and at
- * the volume's end. */
+/* The node of level 0 at p, moved outwards by one if it lies on a face of the brick. False inside the brick and at the
+ * volume's end. */
 static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const size_t local[3],
                         double value[ISO_NODE_CHANNELS])
 {
@@ -107,8 +107,8 @@ static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const s
     return moved;
 }
 
-/* Where one node's errors are looked for: at the node, half-way to the node beyond the brick's face, on the way to the
- * brick's next node. */
+/* Places where a node's errors are estimated: at the node, half-way to the node beyond the brick's face, and on the way
+ * to the brick's next node. */
 enum { AT_NODE, BEYOND_FACE, TO_NEXT, PLACES };
 
 /* The end of the way: along one axis a node, all of them in turn. False at the brick's end. */
@@ -119,9 +119,9 @@ static bool next_node(const iso_node_levels *n, const size_t local[3], double q[
     return local[axis] < n->brick_voxels;
 }
 
-/* Adds the errors of one node at every level: at the node, and on a face also half-way to the next brick's node, whose
- * cell takes the face with it; on the way to the next node, where that is larger. Returns whether level 0 shows
- * anything there. */
+/* Adds the errors of one node at every level. Places are the node, on a face half-way to the next brick's node (the
+ * face belongs to that cell, too), and the way to the next node if the error there is larger. Returns true if level 0
+ * shows anything there. */
 static bool add_errors(const estimator *e, const iso_brick_field *f, uint8_t *level, const size_t brick[3],
                        const size_t local[3], double *sum)
 {
@@ -158,8 +158,8 @@ static bool add_errors(const estimator *e, const iso_brick_field *f, uint8_t *le
     return shows;
 }
 
-/* A quarter of the nodes, in a lattice that no plane and no row evades; a voxel alone may. So where it meets nothing of what
- * is shown, the next quarter is looked at as well. */
+/* Looks at a quarter of the nodes, in a lattice that no plane and no row evades, although a single voxel may. So if
+ * nothing visible is found, the next quarter is looked at as well. */
 static void estimate_brick(const estimator *e, uint8_t *levels, size_t index, float *errors)
 {
     enum { QUARTERS = 4 };
@@ -182,7 +182,8 @@ static void estimate_brick(const estimator *e, uint8_t *levels, size_t index, fl
     levels[index] = 0;
 }
 
-/* Along one ray through the finest level, adds T^2 once to each brick that it passes, T the transmittance at its entry. */
+/* Along one ray through the finest level, adds T^2 once to each brick that it passes, T the transmittance at its
+ * entry. */
 static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray *ray, const uint8_t *shown,
                   double *seen)
 {

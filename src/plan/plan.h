@@ -1,25 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* plan.h - the least model that a scene needs: which bricks to leave out, and how
- * coarse the others may be.
+/* plan.h - the least model that a scene needs: which bricks to leave out, and how coarse the others may be.
  *
- * For each view, brick and level the error in the view's image is estimated: what a
- * node emits towards the camera over one voxel (TF, extinction, ambient and diffuse
- * light), or what lies on the way to the next node does on average, where that differs
- * more: a narrow transfer function may show values that interpolation alone takes. Its
- * difference to level 0 is averaged over the brick and taken over the voxels of a ray
- * through it. A brick's footprint is the pixels that see it: rays over
- * the image find which bricks they pass, and count by the square of the transmittance
+ * For each view, brick and level the error in the view's image is estimated from a node's emission towards the camera
+ * over one voxel (TF, extinction, ambient and diffuse light). If the average emission on the way to the next node
+ * differs more, that is used: a narrow transfer function may show values that occur only between nodes. The difference
+ * to level 0 is averaged over the brick and multiplied by the voxels of a ray through it. A brick's footprint is the
+ * pixels that see it: rays over the image find which bricks they pass, and count by the square of the transmittance
  * with which they get there. The predicted RMSE over the images of all views is then
  *     sqrt(sum over views and bricks of footprint * error^2 / pixels),
- * and the levels are those of the least number of nodes for it: each brick minimizes
- * nodes + lambda * sum of footprint * error^2, with one lambda for all.
+ * and the levels are those of the least number of nodes for it: each brick minimizes nodes + lambda * sum of footprint
+ * * error^2, with one lambda for all.
  *
- * A brick outside every view, or behind what is opaque in all of them, has footprint 0
- * and is left out, as are those that no TF shows. Bricks that are left out stay at level
- * 0: there they cost nothing, while a coarse level would make the faces of their
- * neighbors coarse too. The prediction has to be verified by rendering: `isoshade plan`
- * lowers or raises it until every view has at most the error that was asked for. All
- * results are deterministic. */
+ * A brick that is outside every view or hidden by opaque bricks in all of them has footprint 0. It is left out, as are
+ * bricks that no TF shows. Omitted bricks stay at level 0: they cost nothing there, and a coarse level would make the
+ * faces of their neighbors coarse too. The prediction has to be verified by rendering: `isoshade plan` lowers or raises
+ * it until every view has at most the requested error. All results are deterministic. */
 #ifndef ISO_PLAN_H
 #define ISO_PLAN_H
 

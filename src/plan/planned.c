@@ -131,7 +131,7 @@ static void row_ranges(const iso_node_levels *n, size_t by, size_t bz, float *co
     }
 }
 
-/* Two numbers a brick; to be freed. NULL: no memory. */
+/* Two numbers per brick; to be freed. NULL: no memory. */
 static float *find_ranges(const iso_node_levels *n, int threads)
 {
     float *ranges = malloc(2 * iso_brick_count(n) * sizeof *ranges);
@@ -151,8 +151,8 @@ static float *find_ranges(const iso_node_levels *n, int threads)
     return ranges;
 }
 
-/* Does the transfer function show a brick that the plan hides? Its voxels tell of most that it does not; few have to be
- * made to know. */
+/* True if the transfer function shows a brick that the plan hides. Voxel ranges decide most bricks without building
+ * nodes. */
 static bool is_wrong(const iso_planned *p, const iso_tf_table *tf, size_t i, const float *ranges)
 {
     const iso_brick_field field = field_of(p);
@@ -286,7 +286,7 @@ static void find_box(const iso_lattice *l, const iso_geometry *g, double box[2][
     }
 }
 
-/* What all scalars of integers are whole multiples of, those that are sampled too (lattice.h). */
+/* Greatest common step of all integer scalars, sampled ones included (lattice.h). */
 static double quantum_of(const iso_planned *p, const iso_level *level0)
 {
     const bool whole = level0->stored_type != ISO_F32 && level0->stored_type != ISO_F64;

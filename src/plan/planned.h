@@ -25,7 +25,7 @@ iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *
 json_t *iso_plan_file_bricks(const uint8_t *levels, const uint8_t *drawn, const uint8_t *seen, size_t count);
 void iso_plan_file_destroy(iso_plan_file *plan); /* accepts empty and NULL */
 
-/* What a plan leaves of a volume. */
+/* A volume reduced by a plan. */
 typedef struct iso_planned {
     iso_plan_file plan;
     iso_node_levels nodes; /* of single bricks; directions as the pyramid's code has them */
@@ -34,7 +34,7 @@ typedef struct iso_planned {
     double build_seconds;
 } iso_planned;
 
-/* What a plan is of: a volume, the code of its directions, and the transfer functions that show it. */
+/* Subject of a plan: a volume, the code of its directions, and its transfer functions. */
 typedef struct iso_planned_subject {
     const iso_level *level0; /* its scalars or samples are kept, not copied */
     iso_code code;
@@ -56,9 +56,9 @@ iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool w
                                        iso_planned_lattices *lattices, iso_error *err);
 void iso_planned_lattices_destroy(iso_planned_lattices *lattices);
 
-/* The merged lattice as a level for programs that know no sparse grids: cropped to what is needed, scalars of the
- * stored type where nothing is sampled. What is written for them is dense, but read from the lattice row by row: the
- * level has neither scalars nor codes. box: where the volume's own box is, in voxels of the level. Release with
+/* The merged lattice as a level for programs without sparse grids. It is cropped to the needed part; scalars have the
+ * stored type if nothing is sampled. The exported grid is dense, but read from the lattice row by row: the level has
+ * neither scalars nor codes. box: place of the volume's own box, in voxels of the level. Release with
  * iso_planned_crop_destroy(). */
 typedef struct iso_planned_crop {
     iso_lattice lattice; /* of the level's voxels */

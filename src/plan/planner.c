@@ -37,7 +37,7 @@ static iso_status load_scene_views(const iso_subject_look *look, size_t turns, c
     if (status != ISO_OK)
         return status;
     for (size_t i = 0; i < turns && status == ISO_OK; ++i) {
-        scene = made; /* with what it points to, which stays the first one's */
+        scene = made; /* copies pointers, whose targets stay the first one's */
         turn_scene(&scene, 2 * acos(-1) * (double)i / (double)turns);
         status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &views[*count],
                                    err);
@@ -118,7 +118,7 @@ static iso_status render_levels(iso_planner *p, const uint8_t *levels, bool ever
     return iso_planner_draw(p, levels, everything ? NULL : p->wanted, &p->views[view], image, err);
 }
 
-/* What remains of an image when nothing is drawn. */
+/* Measures the error of an image in which nothing is drawn. */
 static iso_status measure_blank(const iso_image *full, const iso_view *view, double *rmse, iso_error *err)
 {
     iso_image blank;
@@ -188,7 +188,7 @@ void iso_planner_destroy(iso_planner *p)
     *p = (iso_planner){0};
 }
 
-/* Which bricks the views' transfer functions show at these levels, and what they hold. */
+/* Finds the bricks that the views' transfer functions show at these levels, and counts their nodes. */
 static iso_status count_drawn(const iso_planner *p, iso_plan_trial *t, iso_error *err)
 {
     const iso_brick_field field = {.nodes = p->nodes, .levels = t->levels, .faces = p->faces};
@@ -214,7 +214,8 @@ static iso_status count_drawn(const iso_planner *p, iso_plan_trial *t, iso_error
     return ISO_OK;
 }
 
-/* Renders the levels that the plan has, and measures. Once the RMSE of a view is above `limit` the others do not matter. */
+/* Renders the levels that the plan has, and measures. Once the RMSE of a view is above `limit` the others do not
+ * matter. */
 static iso_status try_levels(iso_planner *p, double predicted_rmse, double limit, iso_plan_trial *t, iso_error *err)
 {
     size_t count = p->plan.brick_count;
@@ -251,9 +252,9 @@ static iso_status try_rmse(iso_planner *p, double rmse, double limit, iso_plan_t
     return try_levels(p, iso_plan_choose(&p->plan, p->nodes, rmse), limit, t, err);
 }
 
-/* Level 0 everywhere, without what does not show: a coarse brick may make a larger error than is predicted. What no view
- * was found to see may still show a little, behind what is nearly opaque or between the rays that looked: then it stays,
- * too. */
+/* Tries level 0 everywhere, without invisible bricks: a coarse brick may make a larger error than predicted. Bricks
+ * that no view was found to see may still show a little, through nearly opaque ones or between the sampled rays. If so,
+ * they stay, too. */
 static iso_status try_finest(iso_planner *p, double error, iso_plan_trial *t, iso_error *err)
 {
     memset(p->plan.levels, 0, p->plan.brick_count);
@@ -271,7 +272,8 @@ static iso_status try_finest(iso_planner *p, double error, iso_plan_trial *t, is
 
 /* ---- the search ------------------------------------------------------------------ */
 
-/* Does it meet what is asked for? A model that draws nothing is none, unless there is nothing to be drawn. */
+/* True if the trial meets the requested error and memory. A model that draws nothing does not count, unless the full
+ * one draws nothing either. */
 static bool is_good(const iso_planner *p, double error, double memory, const iso_plan_trial *t)
 {
     if (memory <= 0)
@@ -284,7 +286,7 @@ static bool is_good(const iso_planner *p, double error, double memory, const iso
 iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress, iso_error *err)
 {
     enum { steps = 9 };
-    double low = -8, high = 0, least = INFINITY; /* decades; bytes of what was seen at all */
+    double low = -8, high = 0, least = INFINITY; /* decades; bytes of the visible bricks */
     if (memory <= 0) {                           /* the prediction is about right: start around it */
         low = log10(error) - 2;
         high = log10(error) + 2;

@@ -16,7 +16,7 @@ enum { ISO_BYTES_A_NODE = 10 };
 typedef struct iso_plan_trial {
     double predicted_rmse;
     iso_metrics measured;    /* of the view in which the RMSE is the largest */
-    uint8_t *levels, *drawn; /* owned; one byte a brick */
+    uint8_t *levels, *drawn; /* owned; one byte per brick */
     size_t drawn_count, node_count;
     iso_image image; /* of the first view */
 } iso_plan_trial;
@@ -30,7 +30,7 @@ typedef struct iso_planner {
     iso_plan plan;
     uint8_t *wanted;   /* bricks that a view sees */
     iso_image *full;   /* a view each, all bricks at level 0 */
-    double blank_rmse; /* of the background alone, in the view where it is the least */
+    double blank_rmse; /* RMSE of the background alone, in the view with the least */
     size_t full_node_count;
     iso_plan_trial best;
     int render_count, threads;
@@ -45,9 +45,9 @@ typedef struct iso_planner_options {
 /* The views and nodes are kept, not copied. */
 iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_planner_options *opt,
                               const iso_progress *progress, iso_error *err);
-/* memory 0: the least model whose measured RMSE is at most `error` in every view; ISO_E_RANGE where none is. Else the
- * model of the least RMSE in at most so many bytes. ISO_E_RANGE when that is too little for anything to be seen, with what
- * is needed. */
+/* memory 0: finds the least model whose measured RMSE is at most `error` in every view; ISO_E_RANGE if there is none.
+ * Otherwise finds the model of the least RMSE within `memory` bytes. ISO_E_RANGE with the needed size if that is too
+ * little to show anything. */
 iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress,
                               iso_error *err);
 void iso_planner_destroy(iso_planner *p); /* accepts empty */
@@ -65,7 +65,7 @@ static inline double iso_plan_trial_bytes(const iso_plan_trial *t)
  * 360 / turns degrees. *views is to be released with iso_planner_destroy_views(). */
 iso_status iso_planner_load_views(const iso_subject_look *look, size_t turns, const iso_pyramid *p, iso_view **views,
                                   size_t *count, iso_error *err);
-/* What can be found wrong before the volume is read. */
+/* Checks the views before the volume is read. */
 iso_status iso_planner_check_views(const iso_subject_look *look, iso_error *err);
 void iso_planner_destroy_views(iso_view *views, size_t count);
 

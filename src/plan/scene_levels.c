@@ -20,7 +20,7 @@ iso_level_scalar iso_scene_level_choose(const iso_level_candidate c[ISO_LEVEL_SC
 {
     iso_level_scalar best = ISO_LEVEL_AS_BUILT;
     for (int i = 1; i < ISO_LEVEL_SCALAR_COUNT; ++i) {
-        double worst = -INFINITY; /* a candidate is held to what is built, and compared with the best so far */
+        double worst = -INFINITY; /* a candidate is compared with the built level, and with the best so far */
         for (int v = 0; v < VIEWS; ++v)
             worst = fmax(worst, c[i].of_view[v] - c[0].of_view[v]);
         const bool nearer = c[i].ssim_dissimilarity < (1 - ISO_SCENE_LEVELS_GAIN) * c[best].ssim_dissimilarity;
@@ -65,7 +65,7 @@ static iso_status look(const iso_pyramid *p, const iso_scene *scene, int threads
     iso_status status = ISO_OK;
     *l = (looks){0};
     for (int i = 0; i < VIEWS && status == ISO_OK; ++i) {
-        iso_scene s = *scene; /* with what it points to, which stays the scene's */
+        iso_scene s = *scene; /* copies pointers, whose targets stay the scene's */
         s.width = s.height = PIXELS;
         s.camera_fit = s.orthographic = true;
         s.camera_direction = iso_small_views_direction(i);
@@ -220,7 +220,7 @@ iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *
         return status;
     json_decref(p->made_for);
     p->made_for = made_for(scene, first, p->level_count, levels);
-    return p->made_for ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for what the levels are made for");
+    return p->made_for ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for the description of the levels' scene");
 }
 
 size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type)

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* scene_levels.h - the scalars of coarse levels that show one scene best.
  *
- * Each coarse level has candidates (fit/level_scalar.h): what the pyramid's filter makes, least squares, and from level
- * ISO_SCENE_FITTED_FROM on the scalar that is fitted to the scene's transfer function. They are looked at: small
- * pictures with the scene's lights, shading, clip planes and ray step, along the twelve lines of small_views.h, by the
- * reference's midpoint sums; each candidate under the transfer function that renderers would show it by with --adapt
- * (adapt.h). The candidate whose pictures are nearest to those of level 0 is taken.
+ * Each coarse level has candidates (fit/level_scalar.h): the pyramid's filter, least squares, and from level
+ * ISO_SCENE_FITTED_FROM on the scalar that is fitted to the scene's transfer function. They are judged by small
+ * pictures with the scene's lights, shading, clip planes and ray step, along the twelve lines of small_views.h,
+ * rendered by the reference's midpoint sums. Each candidate is shown under the transfer function of --adapt (adapt.h).
+ * The candidate whose pictures are nearest to those of level 0 is taken.
  *
- * Neither the error at the voxels nor pictures without light can tell: of a shell in steep gradients, the fit takes the
- * error at the voxels down to a quarter while its pictures, in steps as long as a level's, are half as far again.
+ * Neither the error at the voxels nor pictures without light are enough to choose by. For a shell in steep gradients,
+ * the fit reduces the error at the voxels to a quarter. Its pictures, in steps as long as a level's, nevertheless have
+ * 1.5 times the error.
  *
- * What is chosen, and the figures, are written to p->made_for (doc/reference/files-pyramid.md). */
+ * The choice and its figures are written to p->made_for (doc/reference/files-pyramid.md). */
 #ifndef ISO_SCENE_LEVELS_H
 #define ISO_SCENE_LEVELS_H
 
@@ -24,7 +25,7 @@ enum { ISO_SCENE_LEVELS_PIXELS = 64, ISO_SCENE_FITTED_FROM = 2 };
 typedef struct iso_level_candidate {
     bool tried;
     bool adapted;                          /* its transfer function */
-    double of_view[ISO_SMALL_VIEWS_COUNT]; /* 1 - SSIM over what is shown */
+    double of_view[ISO_SMALL_VIEWS_COUNT]; /* 1 - SSIM over the visible part */
     double ssim_dissimilarity, rmse;       /* means */
 } iso_level_candidate;
 
@@ -35,8 +36,8 @@ typedef struct iso_scene_level {
     double seconds; /* with looking */
 } iso_scene_level;
 
-/* A candidate takes the place of one before it in the enum where its 1 - SSIM is less by this part of it, its RMSE
- * is not more by ISO_SCENE_RMSE_LOSS, and no view is farther by ISO_ADAPT_WORST_VIEW: differences below say nothing. */
+/* A candidate replaces one before it in the enum only if its 1 - SSIM is less by this part of it, its RMSE is not more
+ * by ISO_SCENE_RMSE_LOSS, and no view is farther by ISO_ADAPT_WORST_VIEW. Smaller differences are not significant. */
 #define ISO_SCENE_LEVELS_GAIN 0.02
 #define ISO_SCENE_RMSE_LOSS 0.15
 iso_level_scalar iso_scene_level_choose(const iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT]);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* agreement.c - every renderer against the closed form or the reference, level by level: by the same samples and by first
- * hits here, by limits in agreement_limits.c. */
+/* agreement.c - every renderer against the closed form or the reference, level by level: by the same samples and by
+ * first hits here, by limits in agreement_limits.c. */
 #include <math.h>
 #include <stdio.h>
 
 #include "validate/agreement_rows.h"
 #include "validate/rounding.h"
 
-/* Of the same samples with exact lookups, whatever the transfer function. */
+/* Tolerances for the same samples with exact lookups, for any transfer function. */
 static iso_tolerances exact_lock_step_tolerances(const iso_renderer_info *renderer)
 {
     const iso_sample_error *e = &renderer->lock_step->exact;
@@ -16,9 +16,9 @@ static iso_tolerances exact_lock_step_tolerances(const iso_renderer_info *render
 
 /* ---- lock-step: the same samples ---- */
 
-/* Where the TF is steep, or the usual lookups are out of their tolerances, a renderer that has exact lookups is compared
- * once more without what the usual ones round: what is left then is held to narrower tolerances than smooth TFs are.
- * *holds: it is within them. */
+/* Compares a renderer that has exact lookups once more, without the usual rounding, if the TF is steep or the usual
+ * lookups exceed their tolerances. The remaining error has narrower tolerances than smooth TFs have. *holds: it is
+ * within them. */
 static iso_status exact_lock_step(iso_validation *v, size_t level, const iso_truth *same, iso_render_options opt,
                                   bool *holds, iso_error *err)
 {
@@ -58,8 +58,8 @@ static iso_status allow_rounding(const iso_validation *v, size_t level, const is
     return status;
 }
 
-/* The row of the usual lookups, and where it is asked for that of exact ones: where the usual ones are out of their
- * tolerances the exact ones come first, because they tell rounding from a fault. */
+/* Adds the row of the usual lookups and, if requested, that of exact ones. If the usual ones exceed their tolerances,
+ * the exact ones come first, because they separate rounding from a fault. */
 static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agreement *row, const iso_truth *same,
                                 const iso_compared *with, const iso_render_options *opt, iso_error *err)
 {
@@ -82,8 +82,8 @@ static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agre
     return status;
 }
 
-/* What is rounded to 8 bits is compared where the reference shows ten times what that leaves: a hundred times would be more
- * than most scenes show. */
+/* Images rounded to 8 bits are compared if the reference shows ten times the rounding error: a hundred times would be
+ * more than most scenes show. */
 enum { STATED_SIGNAL = 10 };
 
 static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_info *renderer, iso_error *err)
@@ -186,7 +186,8 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     return status;
 }
 
-/* Is it asked, in this row's directions and transfer function? Pictures that were made elsewhere are of the scene's own. */
+/* True if renderer i takes part in this row's directions and transfer function. Pictures that were made elsewhere show
+ * the scene's own only. */
 static bool takes_part(const iso_validation *v, size_t i, bool programs)
 {
     const iso_renderer_info *renderer = iso_renderer_at(i);
@@ -218,7 +219,7 @@ static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_er
     return status == ISO_OK && limits ? iso_validate_limits_at(v, level, err) : status;
 }
 
-/* By the same samples where they are known, and only else by the limit, which takes many times as long. */
+/* Compares by the same samples if they are known, otherwise by the limit, which takes many times as long. */
 iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
 {
     /* At level 0 all filters store the same directions. */

@@ -117,7 +117,7 @@ static iso_status compare_limits(iso_validation *v, size_t level, const iso_leve
     return status;
 }
 
-/* Limits take most of the time: so many pixels as they need, at several steps each. */
+/* Limits take most of the time: they render several steps, with only as many pixels as they need. */
 iso_status iso_validate_limits_at(iso_validation *v, size_t level, iso_error *err)
 {
     const iso_view *whole = v->view, small = iso_validate_small_view(whole, v->limit_size);

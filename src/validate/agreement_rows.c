@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* agreement_rows.c - the rows of comparisons, what has none, and what a level is compared with. */
+/* agreement_rows.c - the rows of comparisons, the rows that cannot be compared, and the images that a level is compared
+ * with. */
 #define _GNU_SOURCE
 #include "validate/agreement_rows.h"
 
@@ -30,7 +31,7 @@ iso_status iso_validate_add_image(iso_validation *v, const char *name, const iso
     return status;
 }
 
-/* What a row begins with: its name for the progress, and its clock. */
+/* Starts a row: its name for the progress line, and its clock. */
 void iso_validate_begin_row(iso_validation *v, size_t level, const char *what)
 {
     char stage[160];
@@ -39,8 +40,9 @@ void iso_validate_begin_row(iso_validation *v, size_t level, const char *what)
     v->row_start = iso_clock_seconds();
 }
 
-/* What holds the image as a whole: for first hits the difference that 99 % of the pixels stay below, since their RMSE is
- * left to the few rays that graze the surface; else RMSE, or the largest difference where that alone is asked. */
+/* Limit for the image as a whole. For first hits it is the difference that 99 % of the pixels stay below, since their
+ * RMSE depends on the few rays that graze the surface. Otherwise it is the RMSE, or the largest difference if only that
+ * is requested. */
 static double limit_of_the_picture(const iso_report_agreement *row, const iso_compared *with,
                                    iso_signal_measure *measure)
 {
@@ -52,8 +54,8 @@ static double limit_of_the_picture(const iso_report_agreement *row, const iso_co
                                       : row->tolerances.max_abs;
 }
 
-/* Images that show little beside their limits prove nothing. Where a formula says that nothing is shown, emptiness is the
- * scene's point: then the image has to be the background in every bit. */
+/* Images that show little compared with their limits prove nothing. But if a formula predicts an empty image, emptiness
+ * is the scene's point: then every bit of the image has to equal the background. */
 static iso_status ask_for_a_signal(const iso_validation *v, const iso_truth *a, const iso_compared *with,
                                    iso_report_agreement *row, char why[512], iso_error *err)
 {
@@ -74,7 +76,7 @@ static iso_status ask_for_a_signal(const iso_validation *v, const iso_truth *a, 
     return status;
 }
 
-/* A row, its image b and what they have in common; *row has its comparison, tier, tolerances and gates. */
+/* Adds a row with its image b and the shared data; *row has its comparison, tier, tolerances and gates. */
 iso_status iso_validate_add_row(iso_validation *v, size_t level, iso_report_agreement *row, const iso_truth *a,
                                 const iso_compared *with, iso_error *err)
 {
@@ -104,9 +106,8 @@ iso_status iso_validate_add_row(iso_validation *v, size_t level, iso_report_agre
     return status;
 }
 
-/* Is there nothing to compare: the renderer is missing, failed its calibration, or does not have what the scene asks for,
- * or is there no time left?
- * Then *row says so, in the words of why. */
+/* True if nothing can be compared: the renderer is missing, failed its calibration or lacks a feature of the scene, or
+ * time has run out. Then *row states the reason from `why`. */
 bool iso_validate_cannot_compare(const iso_validation *v, const iso_renderer_info *renderer, iso_report_agreement *row,
                                  char why[512])
 {
@@ -144,7 +145,8 @@ iso_status iso_validate_add_without_images(iso_validation *v, size_t level, iso_
     return iso_report_add_agreement(v->report, &row, err);
 }
 
-/* A program that failed by itself is refused from here on: one that hangs would take its time limit again. The others go on. */
+/* A program that failed by itself is refused from here on: one that hangs would take its time limit again. The others
+ * go on. */
 iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
                                       const iso_renderer_info *renderer, iso_status status, const iso_error *why,
                                       iso_error *err)

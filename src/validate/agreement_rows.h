@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* agreement_rows.h - what a level is compared with, and the rows of the report that say so: shared by the comparisons of the
- * same samples (agreement.c) and of limits (agreement_limits.c). */
+/* agreement_rows.h - the images that a level is compared with, and the report's rows about them. Shared by the
+ * comparisons of the same samples (agreement.c) and of limits (agreement_limits.c). */
 #ifndef ISO_VALIDATE_AGREEMENT_ROWS_H
 #define ISO_VALIDATE_AGREEMENT_ROWS_H
 
 #include "validate/validate.h"
 
-/* What a level is compared with, rendered once. */
+/* The image that a level is compared with, rendered once. */
 typedef struct iso_truth {
     const char *name; /* "closed form", "reference" */
     char image_name[96];
@@ -15,7 +15,7 @@ typedef struct iso_truth {
 
 typedef struct iso_level_truths {
     iso_truth main;     /* closed form, or the reference from the codes */
-    iso_truth exported; /* the reference from decoded directions, where that is another image */
+    iso_truth exported; /* the reference from decoded directions, if that is another image */
     bool differ;
 } iso_level_truths;
 
@@ -36,19 +36,19 @@ void iso_validate_name_image(const iso_validation *v, size_t level, const char *
 iso_status iso_validate_add_image(iso_validation *v, const char *name, const iso_image *image, const char *caption,
                                   iso_error *err);
 
-/* What a row begins with: its name for the progress, and its clock. */
+/* Starts a row: its name for the progress line, and its clock. */
 void iso_validate_begin_row(iso_validation *v, size_t level, const char *what);
-/* A row, its image and what it is compared with; *row has its comparison, tier, tolerances and gates. */
+/* Adds a row with its image and its comparison image; *row has its comparison, tier, tolerances and gates. */
 iso_status iso_validate_add_row(iso_validation *v, size_t level, iso_report_agreement *row, const iso_truth *a,
                                 const iso_compared *with, iso_error *err);
 
-/* Is there nothing to compare: the renderer is missing, failed its calibration, does not have what the scene asks for, or is
- * there no time left? Then *row says so, in the words of why, and is added without images. */
+/* True if nothing can be compared: the renderer is missing, failed its calibration or lacks a feature of the scene, or
+ * time has run out. Then *row states the reason from `why` and is added without images. */
 bool iso_validate_cannot_compare(const iso_validation *v, const iso_renderer_info *renderer, iso_report_agreement *row,
                                  char why[512]);
 iso_status iso_validate_add_without_images(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
                                            const iso_renderer_info *renderer, iso_error *err);
-/* What becomes of a renderer that failed with this status: a row that says so, or the failure of the run. */
+/* Handles a renderer that failed with this status: adds a row with the failure, or fails the run. */
 iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
                                       const iso_renderer_info *renderer, iso_status status, const iso_error *why,
                                       iso_error *err);
@@ -56,11 +56,12 @@ iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_repor
 /* intervals: of a quadrature that has them. */
 iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, size_t intervals,
                                          iso_direction_source source, iso_image *image, iso_error *err);
-/* A formula of level 0 need not hold for the levels that are made of it: voxels at the faces of a ramp are means of fewer
- * values. Where level 0 itself does not have it, the scene is wrong, which is said when it is drawn. */
+/* True if no formula holds for the level. A formula of level 0 need not hold for coarser levels: voxels at the faces of
+ * a ramp are means of fewer values. If level 0 itself lacks the formula, the scene is wrong, which is reported when it
+ * is drawn. */
 bool iso_validate_has_no_formula(const iso_validation *v, size_t level, iso_error *why);
-/* The closed form or the reference of a level; the reference is held to the formula where there is one. Nothing where the
- * level has no formula, which rows say. */
+/* Finds the closed form or the reference of a level; the reference is compared with the formula if there is one. If the
+ * level has no formula, nothing is found, and rows report that. */
 iso_status iso_validate_find_truths(iso_validation *v, size_t level, iso_level_truths *t, iso_error *err);
 
 /* ---- limits (agreement_limits.c) ---- */
@@ -70,7 +71,7 @@ struct iso_version_limit_kept; /* a limit that stays until the versions of its p
 /* kept: takes the limit, if it is compared; or NULL. */
 iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso_renderer_info *renderer,
                                       const iso_level_truths *t, struct iso_version_limit_kept *kept, iso_error *err);
-/* Of all wanted renderers, with at most v->limit_size pixels. */
+/* Compares all selected renderers, with at most v->limit_size pixels. */
 iso_status iso_validate_limits_at(iso_validation *v, size_t level, iso_error *err);
 
 #endif

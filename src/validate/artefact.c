@@ -14,7 +14,8 @@ enum { MOST_PIXELS = 64 }; /* along a side of the picture in a report */
 
 /* ---- an export that moves ---- */
 
-/* A copy that owns its table. Validation has neither 2D transfer functions nor extinction scales nor regions of interest. */
+/* A copy that owns its table. Validation has neither 2D transfer functions nor extinction scales nor regions of
+ * interest. */
 static iso_status copy_view(const iso_view *from, iso_view *to, iso_error *err)
 {
     const size_t bytes = from->tf.count * 4 * sizeof(float);
@@ -66,7 +67,7 @@ static iso_status export_and_open(const iso_artefact *a, const char *here, const
     return status;
 }
 
-/* ---- what it has to show ---- */
+/* ---- expected picture ---- */
 
 static iso_status render_expected(iso_renderers *renderers, const iso_artefact *a, iso_image *image,
                                   const iso_progress *progress, iso_error *err)
@@ -165,7 +166,7 @@ static iso_status add_result(iso_validation *v, const iso_artefact *a, const iso
     return status == ISO_OK ? iso_report_add_calibration(v->report, &row, err) : status;
 }
 
-/* late: the budget's end ended the program, which says nothing of what was exported. */
+/* late: the budget ended the program, which proves nothing about the export. */
 static iso_status examine(iso_validation *v, const iso_artefact *a, bool *late, iso_error *err)
 {
     iso_artefact_result r;
@@ -182,7 +183,7 @@ static iso_status examine(iso_validation *v, const iso_artefact *a, bool *late, 
     return status;
 }
 
-/* Of the coarsest level, small: what is looked for is in every pixel. */
+/* Uses a small picture of the coarsest level: the faults to find are in every pixel. */
 iso_status iso_validate_artefacts(iso_validation *v, iso_error *err)
 {
     iso_view view = *v->view;

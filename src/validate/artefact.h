@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* artefact.h - is what a person is given what was validated?
+/* artefact.h - checks that exported files render as validated.
  *
- * Renderers are asked for passes without a background, in private folders. Here a level is exported as `isoshade export`
- * does it, the folder is moved, the program is started anew on it as its page tells a person to, and the picture that it
- * leaves, background and all, is compared with the picture that is known to be right:
+ * Validation asks renderers for passes without a background, in private folders. Here a level is exported as by
+ * `isoshade export`, the folder is moved, and the program is started again on it, as its page describes. The resulting
+ * picture, background included, is compared with a picture that is known to be right:
  *
- *   of a renderer whose samples are known   the reference's of the same samples
- *   else                                    the renderer's own by the same steps, which its limit holds to the reference
+ *   renderer with known samples   the reference's picture of the same samples
+ *   any other renderer            its own by the same steps; its limit is compared with the reference
  *
- * A file that holds colors of 0 to 1 is compared with what the reference's picture is when it is clipped. */
+ * A file that holds colors of 0 to 1 is compared with the clipped picture of the reference. */
 #ifndef ISO_VALIDATE_ARTEFACT_H
 #define ISO_VALIDATE_ARTEFACT_H
 
@@ -28,14 +28,13 @@ typedef struct iso_artefact {
 
 typedef struct iso_artefact_result {
     iso_image expected, picture;
-    double value, limit; /* RMSE of the colors; NaN: there is no picture, and `why` says the reason */
+    double value, limit; /* RMSE of the colors; NaN: no picture, `why` has the reason */
     const char *unit;
     char why[512];
-    iso_status failure; /* of the program, or of what it left; ISO_OK: there is a picture */
+    iso_status failure; /* of the program, or of its picture; ISO_OK: there is a picture */
 } iso_artefact_result;
 
-/* ISO_OK also where the program fails at what was exported. Release with iso_artefact_release(), which accepts what
- * failed. */
+/* Returns ISO_OK also if the program fails on the export. Release with iso_artefact_release(), also after a failure. */
 iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a, iso_artefact_result *out,
                                 const iso_progress *progress, iso_error *err);
 void iso_artefact_release(iso_artefact_result *result);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* assumed.c - what is asked of a scene that does not say it.
+/* assumed.c - the agreement tier of a scene that does not state one.
  *
- * Smooth TFs are held to bars a tenth as wide as sharp ones, so that it must not be guessed. The question is whether a ray
- * step resolves the TF on this volume: rays from voxels of level 0 to their neighbors are composited with steps of 1/4 and
- * 1/8 of the way, which is where halving begins, and compared with steps of 1/64. The TF is sharp where the coarser one is
- * wrong by more than 1/150 of what is shown, RMS over the pairs; or where it is wrong by more than 1/1000 and halving leaves
- * more than smooth TFs are allowed (0.354 of the error: limit_gates.c). Of the suite's scenes, which say what they are, the
- * roughest smooth one has 1/180, the mildest sharp one 1/130. */
+ * Smooth TFs have error bars a tenth as wide as sharp ones, so the choice must not be a guess. The question is whether
+ * a ray step resolves the TF on this volume. Rays from voxels of level 0 to their neighbors are composited with steps
+ * of 1/4 and 1/8 of the way, the first steps of halving, and compared with steps of 1/64. The TF is sharp if the
+ * coarser one is wrong by more than 1/150 of the shown color, RMS over the pairs. It is also sharp if the error is
+ * above 1/1000 and halving leaves more of it than smooth TFs are allowed (0.354: limit_gates.c). Among the suite's
+ * scenes, which state their tier, the roughest smooth one has 1/180, the mildest sharp one 1/130. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -20,7 +20,8 @@ typedef struct pair {
     double from, to, mm;
 } pair;
 
-/* Premultiplied color and alpha of the way from one to the other, its ray samples in the middles of so many steps. */
+/* Composites color (premultiplied) and alpha from one voxel to the other, with ray samples in the middles of `steps`
+ * steps. */
 static void composite(const iso_tf_table *tf, const pair *p, int steps, double rgba[4])
 {
     double through = 1;
@@ -44,7 +45,7 @@ static double square_between(const double a[4], const double b[4])
     return sum;
 }
 
-/* Squares of errors, and of what is shown. */
+/* Sums of squared errors, and of squared shown colors. */
 typedef struct squares {
     double shown, quarter, eighth;
 } squares;
@@ -87,9 +88,9 @@ void iso_validate_assume(const iso_level *level0, const iso_view *view, iso_scen
     agreement->sharp = error > most_error || (error > error_that_counts && left > most_left);
     snprintf(
         agreement->why, sizeof agreement->why,
-        "the scene states no agreement: between neighbors of level 0 a ray step of 1/4 voxel is wrong by %.2g of what "
-        "the transfer function shows, and half of it leaves %.2g of that, so that the TF is taken for %s (smooth: at "
-        "most %.2g, or %.2g where half of it leaves more than %.3g)",
+        "the scene states no agreement: between neighbors of level 0 a ray step of 1/4 voxel is wrong by %.2g of the "
+        "visible color, and half of it leaves %.2g of that error, so the TF is taken for %s (smooth: at most %.2g, or "
+        "%.2g if half of it leaves more than %.3g)",
         error, left, agreement->sharp ? "sharp" : "smooth", most_error, error_that_counts, most_left);
 }
 

@@ -53,7 +53,7 @@ static iso_status prepare_placement(iso_calibration_stage *s, iso_error *err)
     return ISO_OK;
 }
 
-/* How far the centroid of the optical depth is from where it should be. */
+/* Distance of the centroid of the optical depth from its expected place. */
 static double judge_placement(iso_calibration_stage *s, const iso_renderer_info *which)
 {
     (void)which;
@@ -121,7 +121,8 @@ static iso_status prepare_transfer_function(iso_calibration_stage *s, iso_error 
 
 /* ---- order: the color and nothing else changes along the ray ---- */
 
-/* Integral of sigma exp(-sigma t) (from + (to - from) t / length) dt over a piece that begins with what is let through. */
+/* Integral of sigma exp(-sigma t) (from + (to - from) t / length) dt over a piece, times the transmittance at its
+ * start. */
 static double colored_piece(double through, double sigma, double length, double from, double to)
 {
     const double slope = length > 0 ? (to - from) / length : 0;
@@ -176,7 +177,7 @@ static iso_status prepare_order(iso_calibration_stage *s, iso_error *err)
     return ISO_OK;
 }
 
-/* ---- shading: what the equation of scene.h says ---- */
+/* ---- shading: the equation of scene.h ---- */
 
 static double expected_shade(const iso_view *view, const double n[3], iso_vec3 to_viewer)
 {
@@ -186,7 +187,7 @@ static double expected_shade(const iso_view *view, const double n[3], iso_vec3 t
            view->shading.specular * pow(highlight, view->shading.power);
 }
 
-/* What the code keeps of a direction is the truth here. */
+/* Rounds a direction by the code: the expected picture is shaded with the rounded direction. */
 static void coded_direction(iso_code code, const float direction[3], uint8_t bytes[3], double d[3])
 {
     double e[3];
@@ -236,7 +237,7 @@ static iso_status prepare_light(iso_calibration_stage *s, iso_error *err)
     return prepare_linear_field(s, &camera, &shading, err);
 }
 
-/* From so near that the highlight is another one in each pixel. */
+/* Camera so near that the highlight differs in each pixel. */
 static iso_status prepare_view_vector(iso_calibration_stage *s, iso_error *err)
 {
     const iso_shading shading = {.ambient = 0.1, .diffuse = 0.2, .specular = 0.9, .power = 6};
@@ -286,7 +287,7 @@ static iso_status prepare_interpolation(iso_calibration_stage *s, iso_error *err
 static const struct {
     iso_calibration blank;
     unsigned needs;   /* iso_trait */
-    const char *open; /* what it leaves open where it is not made */
+    const char *open; /* what stays open if the check is not made */
     iso_status (*prepare)(iso_calibration_stage *s, iso_error *err);
     double (*judge)(iso_calibration_stage *s, const iso_renderer_info *which); /* its value, of s->got */
 } checks[ISO_CALIBRATION_COUNT] = {
@@ -328,7 +329,7 @@ static const struct {
       .why =
           "a color that changes along the ray is summed up in steps of a quarter of a voxel; reversed it is off by 0.1"},
      0,
-     "whether what is near covers what is far",
+     "whether near samples cover far ones",
      prepare_order,
      iso_calibration_largest_difference},
     {{.check = "view vector",
@@ -368,8 +369,8 @@ static const char *lacking(const iso_renderer_info *which, int check)
     return lacks & ISO_HAS_LIGHTS ? "lights" : lacks ? "orthographic views" : NULL;
 }
 
-/* What is rounded to few bits is held to what that leaves, and to what the renderer states of itself. A centroid of such
- * ISO_CALIBRATION_PIXELS is known to a tenth of one. */
+/* Widens the limit by the quantization error and by the error that the renderer states. A centroid of this many
+ * ISO_CALIBRATION_PIXELS is accurate to a tenth of a pixel. */
 static void widen_limit(const iso_renderer_info *which, iso_calibration *c)
 {
     const double stated = !which->output.most             ? 0
@@ -381,7 +382,7 @@ static void widen_limit(const iso_renderer_info *which, iso_calibration *c)
     snprintf(c->why, sizeof c->why, "%u bits a channel: %.400s", which->output.bits, which->lock_step->why);
 }
 
-/* What a check asks of a renderer, before anything is drawn. */
+/* Fills in the requirements of a check before anything is drawn. */
 static void begin(const iso_renderer_info *which, int check, iso_calibration *out)
 {
     *out = checks[check].blank;
@@ -390,7 +391,7 @@ static void begin(const iso_renderer_info *which, int check, iso_calibration *ou
     widen_limit(which, out);
 }
 
-/* Of the picture that was drawn. */
+/* Judges the drawn picture. */
 static void judge(iso_calibration_stage *s, const iso_renderer_info *which, int check, iso_calibration *out)
 {
     out->value = checks[check].judge(s, which);
@@ -421,7 +422,7 @@ iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which,
     return status == ISO_OK ? ISO_OK : iso_fail_in(err, status, "calibration of %s", which->name);
 }
 
-/* All checks by one start. Where it fails the checks are made one after the other, which tells the one that fails. */
+/* Makes all checks by one start. If that fails, makes them one after the other, to identify the failing check. */
 static iso_status calibrate_together(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
                                      iso_calibration out[ISO_CALIBRATION_COUNT], iso_error *err)
 {
@@ -451,7 +452,7 @@ iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const
     iso_error why = {""};
     iso_status status = which->render_scenes ? calibrate_together(r, which, planted, out, &why) : ISO_OK;
     *made = which->render_scenes && status == ISO_OK ? ISO_CALIBRATION_COUNT : 0;
-    if (status != ISO_OK && iso_process_was_stopped()) /* which is no failure of a check */
+    if (status != ISO_OK && iso_process_was_stopped()) /* a stop is not a failure of a check */
         return iso_fail(err, status, "calibration of %s: %s", which->name, why.text);
     status = ISO_OK;
     for (; *made < ISO_CALIBRATION_COUNT && status == ISO_OK; *made += status == ISO_OK)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* calibrate.h - checks of each renderer before it is compared: tiny volumes whose
- * images are known in closed form.
+/* calibrate.h - checks of each renderer before it is compared: tiny volumes whose images are known in closed form.
  *
  *   placement          a small blob off the center of a rotated, anisotropic grid: the
  *                      centroid of the optical depth is the projection of the centroid
@@ -8,12 +7,12 @@
  *   slab               a constant volume, rotated, in perspective: 1 - exp(-sigma chord)
  *                      in every pixel.
  *   transfer function  a ramp seen from the side: every column shows one value, so the
- *                      colors and extinctions of the table stand side by side.
+ *                      colors and extinctions of the table appear in order.
  *   light              a linear field has one gradient everywhere: one shade, by the
  *                      inverse transpose of the rotated, anisotropic matrix, from
- *                      behind, with a highlight above 1.
+ *                      the far side, with a highlight above 1.
  *   order              a constant extinction and a color that changes along the ray:
- *                      what is near covers what is far.
+ *                      near samples cover far ones.
  *   view vector        the linear field in perspective from near by: each pixel has
  *                      its own highlight, by its own direction to the eye.
  *   interpolation      two directions of unequal length at right angles, voxel by
@@ -33,13 +32,14 @@ typedef struct iso_calibration {
     char why[512];       /* the cause of the limit */
     bool passed;
     const char *
-        no_picture; /* of a renderer that is a folder of pictures, which lacks that of the check: what stays open; or NULL */
-    const char *lacks; /* what the check needs and the renderer does not have: it is not asked; or NULL */
+        no_picture; /* set if the renderer is a folder of pictures that lacks the check's picture: what stays open; or
+                     * NULL */
+    const char *lacks; /* feature that the check needs and the renderer lacks: the check is skipped; or NULL */
 } iso_calibration;
 
-/* ISO_OK when all checks could be made, whether they passed or not. A renderer that fails itself, such as a program that
- * crashes, ends it: *made is how many were made before, and the next one is that in which it failed. planted: a fault that is put into the renderer;
- * NULL: none. */
+/* ISO_OK when all checks could be made, whether they passed or not. A renderer that fails itself, such as a program
+ * that crashes, ends it: *made is how many were made before, and the next one is that in which it failed. planted: a
+ * fault that is put into the renderer; NULL: none. */
 iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
                          iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, iso_error *err);
 

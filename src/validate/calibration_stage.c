@@ -78,7 +78,7 @@ void iso_calibration_set_entry(iso_view *view, size_t i, float r, float g, float
     memcpy(view->tf.entries + 4 * i, entry, sizeof entry);
 }
 
-/* Renderers of a fixed number of intervals take by default as many as they can, whatever the volume's size. These volumes
+/* Renderers of a fixed number of intervals take by default as many as they can, for any size of volume. These volumes
  * have a few voxels: a sixteenth of one, extrapolated, leaves 1e-5. */
 static iso_render_options stage_options(const iso_calibration_stage *s, const iso_renderer_info *which)
 {
@@ -111,7 +111,7 @@ iso_status iso_calibration_render(iso_calibration_stage *stages, size_t count, i
     return status;
 }
 
-/* Integers end at a color: so does what they are compared with. */
+/* Integers clamp at a color of 1: the expected value is clamped, too. */
 double iso_calibration_largest_difference(iso_calibration_stage *s, const iso_renderer_info *which)
 {
     double worst = 0;

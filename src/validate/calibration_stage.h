@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* calibration_stage.h - what a check of calibrate.h draws: a tiny volume, its view, and the picture that it must give. */
+/* calibration_stage.h - the scene of a check of calibrate.h: a tiny volume, its view, and the expected picture. */
 #ifndef ISO_VALIDATE_CALIBRATION_STAGE_H
 #define ISO_VALIDATE_CALIBRATION_STAGE_H
 
@@ -18,25 +18,25 @@ typedef struct iso_calibration_stage {
 
 /* A grid turned about an oblique axis, with three different spacings. */
 iso_geometry iso_calibration_turned_grid(size_t nx, size_t ny, size_t nz);
-/* From 60 mm before the origin. */
+/* Looks from 60 mm before the origin. */
 iso_camera iso_calibration_look(iso_vec3 forward, double half_height, bool orthographic);
 
-/* The volume of value() with two levels, a view of one light and no shading, and an empty picture. Release it with
- * iso_calibration_stage_clear(), also where it failed. */
+/* Makes the volume of value() with two levels, a view of one light and no shading, and an empty picture. Release it
+ * with iso_calibration_stage_clear(), also after a failure. */
 iso_status iso_calibration_stage_set(iso_calibration_stage *s, const iso_geometry *g,
                                      double (*value)(const iso_geometry *, iso_vec3 index), iso_error *err);
 void iso_calibration_stage_clear(iso_calibration_stage *s);
 
 void iso_calibration_set_entry(iso_view *view, size_t i, float r, float g, float b, float extinction);
-/* What a constant color and extinction (r, g, b, sigma), shaded by a constant, show in a pixel. */
+/* Sets the expected pixel for a constant color and extinction (r, g, b, sigma), shaded by a constant. */
 void iso_calibration_expect_pixel(iso_calibration_stage *s, size_t column, size_t row, const double rgbs[4],
                                   double shade);
 
-/* A picture of each stage, by one start where the renderer can. planted: a fault that is put into what the renderer is given,
+/* Renders a picture of each stage, by one start if the renderer can. planted: a fault to put into the renderer's input,
  * or NULL. */
 iso_status iso_calibration_render(iso_calibration_stage *stages, size_t count, iso_renderers *r,
                                   const iso_renderer_info *which, const iso_planted *planted, iso_error *err);
-/* Of what was drawn to what is expected. */
+/* Largest difference between rendered and expected image. */
 double iso_calibration_largest_difference(iso_calibration_stage *s, const iso_renderer_info *which);
 
 #endif

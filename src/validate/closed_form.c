@@ -55,7 +55,7 @@ static iso_status single_color(const iso_tf_table *tf, double color[3], iso_erro
     return ISO_OK;
 }
 
-/* What the code keeps of the field's one gradient: its normal, zero for a constant. */
+/* Normal of the field's one gradient after coding, zero for a constant. */
 static iso_vec3 coded_normal(const iso_level *level, const linear_field *f, iso_code code)
 {
     iso_mat3 to_world = iso_mat3_transpose(iso_mat3_inverse(level->geometry.index_to_world));

@@ -73,11 +73,11 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
     return ISO_OK;
 }
 
-/* What all methods share: the pictures of level 0, the levels made again from it, and what is measured. */
+/* Data shared by all methods: the pictures of level 0, the levels made again from it, and the measurements. */
 typedef struct levels_run {
     iso_image finest[max_views];
     bool late;                  /* the budget was over before all was measured */
-    iso_pyramid made;           /* from level 0, where it is not known that the pyramid's own levels are */
+    iso_pyramid made;           /* levels made from level 0, unless the pyramid's own are verified */
     const iso_pyramid *rebuilt; /* that, or the pyramid */
     iso_measured measured;
 } levels_run;
@@ -120,7 +120,7 @@ static iso_status measure_images(iso_validation *v, levels_run *run, const iso_p
     return status;
 }
 
-/* Keeps a row, and what was measured in its views: in all of them. */
+/* Keeps a row, and its measurements in all of its views. */
 static iso_status keep(iso_validation *v, levels_run *run, iso_report_consistency *row, const iso_measured_level *views,
                        iso_error *err)
 {
@@ -172,7 +172,7 @@ static bool has_scaled_row(const iso_validation *v, const levels_run *run, const
     return v->scales != ISO_SCALES_NONE && m == run->measured.own;
 }
 
-/* The row of what is handed over with extinction scales: the pyramid's own directions alone. */
+/* Measures the row of the export with extinction scales, with the pyramid's own directions only. */
 static iso_status measure_scaled(iso_validation *v, levels_run *run, const iso_pyramid *p, iso_report_consistency row,
                                  iso_measured_level views, iso_error *err)
 {
@@ -237,7 +237,7 @@ iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter
     return status;
 }
 
-/* Gradients on the fly are those of the levels that level 0 makes: what a stored level got wrong is not forgiven because
+/* Gradients on the fly are those of the levels made from level 0: an error of a stored level is not excused because
  * another method shows it as well. */
 static iso_status measure_method(iso_validation *v, levels_run *run, const iso_method *m, iso_error *err)
 {
@@ -274,7 +274,7 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
         status = measure_method(v, run, &iso_methods[i], err);
     if (status == ISO_OK && all->own == own)
         status = measure_method(v, run, own, err);
-    /* What auto chose from, so that a wrong choice is seen. */
+    /* Reports the figures that auto chose by, so that a wrong choice shows. */
     if (status == ISO_OK && own->filter == ISO_DIRECTION_AUTO)
         status = measure_method(v, run, &tensor, err);
     return status;
@@ -310,7 +310,7 @@ static bool is_open(const iso_validation *v, const iso_measured *all, size_t lev
 }
 
 static const iso_method stored = {"stored", ISO_DIRECTION_MOMENTS,
-                                  ISO_FROM_CODES}; /* at level 0 all filters are alike */
+                                  ISO_FROM_CODES}; /* at level 0 all filters are the same */
 
 static iso_status render_finest(iso_validation *v, levels_run *run, const char *what, iso_error *err)
 {
@@ -328,7 +328,7 @@ static void forget_finest(iso_image *finest)
         iso_image_destroy(&finest[i]);
 }
 
-/* Where the budget is over before that, levels are judged by the views that there are, which is said. */
+/* If the budget ends before that, levels are judged by the views that there are, and the report states it. */
 static iso_status measure_open_levels(iso_validation *v, levels_run *run, iso_error *err)
 {
     const size_t views = v->consistency_views, levels = v->pyramid->level_count;

@@ -106,7 +106,7 @@ iso_status iso_elsewhere_write_scene(const iso_elsewhere *e, const iso_pyramid *
     return status;
 }
 
-/* ---- calibrations: a renderer that writes what it is asked, and draws nothing ---- */
+/* ---- calibrations: a renderer that writes requests and draws nothing ---- */
 
 static iso_status write_instead(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
 {
@@ -133,7 +133,7 @@ iso_status iso_elsewhere_write_calibrations(const iso_elsewhere *e, iso_error *e
     return status;
 }
 
-/* ---- the index, and what a person reads ---- */
+/* ---- the index, and the text for people ---- */
 
 static iso_status write_index(const iso_elsewhere *e, const char *command, iso_error *err)
 {
@@ -168,10 +168,10 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
     size_t i;
     json_t *one;
     fputs(
-        "Pictures that are wanted\n"
-        "========================\n\n"
-        "Each folder holds one request: request.json says what is to be drawn, volume.nrrd has the values and\n"
-        "directions.nrrd, where a light can be seen, their directions. isoshade's doc/reference/files-request.md\n"
+        "Requested pictures\n"
+        "==================\n\n"
+        "Each folder holds one request: request.json describes the picture, volume.nrrd has the values and\n"
+        "directions.nrrd, if a light is visible, their directions. isoshade's doc/reference/files-request.md\n"
         "has the keys, doc/extending.md a short renderer that reads them.\n\n"
         "Draw these, and leave each where its request lies: OpenEXR, 32-bit float, channels R G B A, linear light,\n"
         "color multiplied by alpha, background included, of exactly that size:\n\n",
@@ -180,12 +180,12 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
     fprintf(
         f,
         "\npicture.exr takes the midpoints of the steps as samples, step-H.exr is the same at a step of H voxels%s\n"
-        "calibration-* are tiny scenes whose pictures are known by a formula: without them nothing is said of the\n"
-        "mistakes that each of them finds. Pictures of one level may be missing; each is then named.\n\n"
+        "calibration-* are tiny scenes whose pictures are known by a formula. Without them the validation cannot find the\n"
+        "faults that each of them detects. Pictures of one level may be missing; each is then named.\n\n"
         "A renderer of that interface draws all of it:\n\n"
         "    for request in */request.json; do (cd \"${request%%/*}\" && RENDERER \"$PWD/request.json\"); done\n\n"
-        "Then, beside the volume:\n\n    %s\n\n"
-        "pictures.json may be edited to say what the pictures are held to: \"tier\" (\"samples\", \"limit\" or \"8 bits\"),\n"
+        "Then, in the volume's folder:\n\n    %s\n\n"
+        "pictures.json may be edited to set the limits of the pictures: \"tier\" (\"samples\", \"limit\" or \"8 bits\"),\n"
         "\"bits\", \"limits\" ({\"rmse\", \"max_abs\"}) with \"why\", and \"title\", as in renderers.json\n"
         "(doc/reference/files-request.md).\n",
         e->steps ? ",\nfor the limit of small steps." : ".", validate);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* elsewhere.h - what somebody has to render who has a renderer elsewhere: requests (renderers/request.h), a folder for each
- * scene and level and for each calibration, an index and a text that says which pictures are wanted (renderers/pictures.h). */
+/* elsewhere.h - what somebody has to render who has a renderer elsewhere: requests (renderers/request.h), a folder for
+ * each scene and level and for each calibration, an index and a text that says which pictures are wanted
+ * (renderers/pictures.h). */
 #ifndef ISO_VALIDATE_ELSEWHERE_H
 #define ISO_VALIDATE_ELSEWHERE_H
 
@@ -11,8 +12,8 @@
 typedef struct iso_elsewhere {
     const char *dir;  /* that is there */
     const char *tier; /* "samples", "limit" or "8 bits" */
-    size_t steps;     /* pictures at so many steps, each half of the one before, for the limit; 0: none */
-    json_t *pictures; /* what is wanted, as pictures.json has it; owned by who began it */
+    size_t steps;     /* number of pictures, each at half the step of the one before, for the limit; 0: none */
+    json_t *pictures; /* requested pictures, as in pictures.json; owned by the caller that began it */
     json_t *left_out; /* scenes for which a request has no words: each "scene", "why" */
 } iso_elsewhere;
 

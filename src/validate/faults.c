@@ -78,7 +78,7 @@ static iso_vec3 send_by_the_matrix(const void *user, iso_vec3 d)
     return iso_scale(iso_normalize(iso_mul(*m, index)), fmin(iso_norm(d), 1));
 }
 
-/* What looks away from the light is not lit by it: neither diffuse nor highlight. */
+/* Leaves directions that face away from the light unlit: neither diffuse nor highlight. */
 static iso_vec3 unlight(const void *user, iso_vec3 d)
 {
     const iso_vec3 *light = user;
@@ -189,7 +189,7 @@ static void turn_lights(iso_view *view, double angle)
     }
 }
 
-/* About the center of the box, so that the rest stays where it is. */
+/* Scales about the center of the box, so that the rest keeps its place. */
 static void lengthen_x(iso_geometry *g, double factor)
 {
     const iso_vec3 center = iso_geometry_box_center_mm(g);
@@ -226,7 +226,7 @@ iso_planted iso_planted_inverse(const iso_planted *planted)
     return inverse;
 }
 
-/* ---- what is planted -------------------------------------------------------------- */
+/* ---- planted changes ---- */
 
 void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_view *view)
 {

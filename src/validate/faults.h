@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* faults.h - planted faults: known ways for a renderer or an exporter to be wrong, so that tests and
- * `isoshade-lab power` can show that each is rejected, by which check, and from which amount on. */
+/* faults.h - planted faults: known ways for a renderer or an exporter to be wrong. Tests and `isoshade-lab power` show
+ * with them that each fault is rejected, by its check, from some amount on. */
 #ifndef ISO_VALIDATE_FAULTS_H
 #define ISO_VALIDATE_FAULTS_H
 
@@ -41,8 +41,8 @@ typedef enum iso_fault {
 const char *iso_fault_name(iso_fault fault);  /* "nothing" for ISO_FAULT_NONE */
 const char *iso_fault_check(iso_fault fault); /* NULL for it */
 
-/* Faults of any amount, to find the smallest amount that is rejected: enum, name, unit of the amount, an amount that is
- * obvious, the check. An amount of 1 percent makes a length, an exponent ... 1.01 times what it was. */
+/* Faults of any amount, to find the smallest amount that is rejected: enum, name, unit of the amount, an obvious
+ * amount, the check. An amount of 1 percent multiplies a length, an exponent ... by 1.01. */
 /* clang-format off */
 #define ISO_DEVIATION_LIST(X)                                                                      \
     X(ISO_DEVIATION_SHIFT, "the volume is shifted along all axes", "voxel", 0.5, "placement")      \
@@ -71,7 +71,7 @@ const char *iso_deviation_unit(iso_deviation d);  /* NULL for it */
 const char *iso_deviation_check(iso_deviation d); /* NULL for it */
 double iso_deviation_most(iso_deviation d);
 
-/* What is planted: a fault, a deviation of an amount, or, zeroed, nothing. */
+/* A planted change: a fault, a deviation of an amount, or, zeroed, nothing. */
 typedef struct iso_planted {
     iso_fault fault;
     iso_deviation deviation;
@@ -81,7 +81,7 @@ typedef struct iso_planted {
 /* The deviation that undoes *planted. Exact, except that directions are encoded again. */
 iso_planted iso_planted_inverse(const iso_planted *planted);
 
-/* Puts the fault into what a renderer is given: level `level` of p, and the view. planted NULL: no fault. */
+/* Puts the fault into a renderer's input: level `level` of p, and the view. planted NULL: no fault. */
 void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_view *view);
 /* The level that is rendered instead of `level`. */
 size_t iso_planted_level(const iso_planted *planted, size_t level);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* level_bound.c - the bound of a level's RMSE (render/image_bound.h) beside what was measured in the same views. The bound
- * knows nothing of the pictures, so that a measured figure above it says that one of the two is wrong. */
+/* level_bound.c - the bound of a level's RMSE (render/image_bound.h) next to the RMSE measured in the same views. The
+ * bound is independent of the pictures: if the measured figure is above it, one of the two is wrong. */
 #include <math.h>
 
 #include "render/image_bound.h"
@@ -16,7 +16,7 @@ static size_t count_views(const iso_validation *v)
     return fit < 1 ? 1 : fit < (double)v->consistency_views ? (size_t)fit : v->consistency_views;
 }
 
-/* Of the verdicts on all coarse levels, as `done` of the views of this level's bound are. */
+/* Reports progress of the verdicts on all coarse levels; `done` of the views of this level's bound are finished. */
 static void report_progress(const iso_validation *v, size_t level, double done)
 {
     iso_progress_report(v->progress, "consistency: verdict",

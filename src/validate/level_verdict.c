@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* level_verdict.c - may a level stand for level 0? What was measured in the views becomes a verdict (report/levels.h). */
+/* level_verdict.c - decides whether a level may replace level 0: turns measurements in the views into a verdict
+ * (report/levels.h). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,14 +12,15 @@
 static const double confidence = 0.95;
 /* A quarter of a step of 8 bits: nobody sees a picture change by so little, and smooth volumes differ by less. */
 static const double margin = 1e-3;
-/* Samples of coarse levels are floats, and rebuilding gives the same ones; another order of the sums would round them. */
+/* Samples of coarse levels are floats, and rebuilding gives the same ones; another order of the sums would round
+ * them. */
 static const double scalar_limit = 1e-5;
 /* A last bit of a code is up to .5 degrees (snorm), where rounding turns it; on average it hardly ever does. */
 static const double direction_limit_deg = 0.1;
 
-/* Directions that are averaged are nearer to level 0's than gradients of averaged values, but for the code's error and, in
- * grain, chance: 0.3 degrees farther at most by moments and 3.0 by Eq. 1 were seen on whole volumes. Few voxels scatter by
- * more, which the interval covers. Angles fail a level only together with its pictures. */
+/* Directions that are averaged are nearer to level 0's than gradients of averaged values, but for the code's error and,
+ * in grain, chance: 0.3 degrees farther at most by moments and 3.0 by Eq. 1 were seen on whole volumes. Few voxels
+ * scatter by more, which the interval covers. Angles fail a level only together with its pictures. */
 static const double angle_margin_deg = 5;
 
 /* ---- is a level what level 0 makes? ---- */
@@ -40,7 +42,8 @@ static iso_vec3 direction_of(const iso_level *l, iso_code code, size_t voxel)
     return iso_v3(d[0], d[1], d[2]);
 }
 
-/* Mean over the voxels that have a direction in either, weighted by how long the longer one is: short ones are grain. */
+/* Mean over the voxels that have a direction in either, weighted by how long the longer one is: short ones are
+ * grain. */
 static double direction_difference_deg(const iso_level *a, const iso_level *b, iso_code code)
 {
     double sum = 0, weights = 0;
@@ -77,7 +80,7 @@ static double mean(const double *values, size_t count)
     return sum;
 }
 
-/* What turns the judged pictures' transfer function into the rival's. */
+/* Option that turns the judged pictures' transfer function into the rival's. */
 static const char *tf_option(const iso_measured_level *m, const iso_measured_level *own)
 {
     if (m->use == own->use)
@@ -155,8 +158,8 @@ static const iso_measured_level *find_more(const iso_measured *all, size_t level
     return NULL;
 }
 
-/* Of the pyramid's own directions and of gradients on the fly: the angles to level 0's, and the pictures under the original TF,
- * which differ by the directions alone. */
+/* Of the pyramid's own directions and of gradients on the fly: the angles to level 0's, and the pictures under the
+ * original TF, which differ by the directions alone. */
 static iso_status compare_directions(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
                                      iso_report_level *row, iso_error *err)
 {
@@ -171,7 +174,7 @@ static iso_status compare_directions(const iso_validation *v, const iso_measured
     return iso_validate_compare_angles(v, row->level, stored, simple, confidence, &row->angle_behind, err);
 }
 
-/* late: the level is judged without its bound, for which there was no time. */
+/* late: the level is judged without its bound, because time has run out. */
 static iso_status judge(iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt, size_t level,
                         bool *late, iso_error *err)
 {

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* levels.c - do the levels of a pyramid belong together?
- *
- * All renderers are given the same levels. Where these are another volume's, the renderers agree all the same, so that
- * nothing else of a validation can see it. Joint histograms that are kept beside them are counted again, too: adapted
- * transfer functions are made of them. */
+/* levels.c - checks that the levels of a pyramid belong together. All renderers are given the same levels. If these are
+ * another volume's, the renderers still agree, so that no other check of a validation can find it. Joint histograms
+ * that are kept with them are counted again, too: adapted transfer functions are made from them. */
 #include <stdio.h>
 #include <stdlib.h>
 

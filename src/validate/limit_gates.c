@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* limit_gates.c - what is asked of an extrapolated limit, and what the report says of it. */
+/* limit_gates.c - the gates of an extrapolated limit, and their rows in the report. */
 #include <math.h>
 
 #include "base/json.h"
 #include "validate/validate.h"
 
-/* Error bars have to be below a tenth of an 8-bit step where the TF is smooth, and below that step where it is sharp. */
+/* Error bars have to be below a tenth of an 8-bit step if the TF is smooth, and below that step if it is sharp. */
 static const double smooth_bar = 1.0 / 2550, sharp_bar = 1.0 / 255;
-/* What halving a step may leave of its error: half a power of the step more than second order where the TF is smooth.
- * Bends and steps between the samples have random phases, so that there they are of first order, and single halvings a
- * little worse. */
+/* Part of a step's error that may remain after halving. For smooth TFs it is half a power of the step more than second
+ * order. For sharp ones, bends and steps between the samples have random phases: they are of first order, and single
+ * halvings a little worse. */
 static const double smooth_left = 0.354, sharp_left = 0.6;
-/* What is so many times as far off as it may be, and stays there, is told without its last halvings. */
+/* A limit that stays this many times farther off than allowed is decided without its last halvings. */
 static const double hopeless_bars = 5;
 
-/* Of lit scenes: below what a person sees when the images alternate. */
+/* For lit scenes: below the difference that a person sees when the images alternate. */
 static const double lit_flip = 0.01, lit_ssim_dissimilarity = 0.001;
 
 iso_view iso_validate_small_view(const iso_view *view, size_t pixels)

@@ -19,7 +19,7 @@ iso_limit_options iso_limit_defaults(void)
                                .seeds = 4};
 }
 
-/* What is extrapolated: `seeds` images at the double step, then `seeds` at the step. */
+/* Images to extrapolate: `seeds` images at the double step, then `seeds` at the step. */
 typedef struct step_pair {
     iso_render_options frames[2 * ISO_EXTRAPOLATION_MAX_SEEDS];
     iso_image images[2 * ISO_EXTRAPOLATION_MAX_SEEDS];
@@ -45,12 +45,12 @@ static void ask_steps(step_pair *pair, const iso_level *level, double step, doub
     }
 }
 
-/* The frames of half the step. Where its double is what was the step, those images stay: always but where there would be more
- * intervals than the renderer takes. *first is the first frame that is to be rendered. */
+/* Sets the frames of half the step. If the double of the new step is the old step, those images are reused. That fails
+ * only if the renderer takes no more intervals. *first is the first frame to render. */
 static void halve(step_pair *pair, const iso_level *level, double step, double finest, size_t *first)
 {
     const size_t n = pair->seeds;
-    const size_t doubled = 2 * pair->frames[n].intervals; /* 0 where there are none */
+    const size_t doubled = 2 * pair->frames[n].intervals; /* 0 if none are kept */
     const bool stays = doubled <= pair->frames[n].renderer->max_intervals;
     for (size_t i = 0; i < n; ++i) {
         iso_image_destroy(&pair->images[i]);
@@ -115,7 +115,7 @@ static bool is_narrow(const iso_extrapolated *l, const iso_limit_options *opt)
     return !possible || iso_extrapolated_held_to(l) <= opt->wanted_held_to;
 }
 
-/* One bit of single precision at the distance from the eye to what is farthest of the box. */
+/* One bit of single precision at the distance from the eye to the farthest corner of the box. */
 static double eye_step_mm(const iso_geometry *g, const iso_camera *camera)
 {
     const iso_vec3 way = iso_sub(iso_geometry_box_center_mm(g), camera->position);
@@ -123,9 +123,9 @@ static double eye_step_mm(const iso_geometry *g, const iso_camera *camera)
     return ldexp(1, ilogb(distance) - 23);
 }
 
-/* How far each value of the reference moves when its eye moves by so much, to and fro along three axes: the largest less the
- * least. Along an edge of an opaque box it is many times as much as elsewhere, and a renderer in single precision cannot
- * be asked for more. */
+/* How far each value of the reference moves when its eye moves by so much, to and fro along three axes: the largest
+ * less the least. Along an edge of an opaque box it is many times as much as elsewhere, and a renderer in single
+ * precision cannot be asked for more. */
 static iso_status measure_unsteadiness(const iso_render_request *what, const iso_render_options *truth,
                                        iso_image *unsteady, iso_error *err)
 {
@@ -155,8 +155,8 @@ static iso_status measure_unsteadiness(const iso_render_request *what, const iso
     return status;
 }
 
-/* Extrapolates the pair. Only where pixels are beyond chance, the reference is rendered again to see whether it moves there;
- * *unsteady is kept for the next step. */
+/* Extrapolates the pair. Only where pixels are beyond chance, the reference is rendered again to see whether it moves
+ * there; *unsteady is kept for the next step. */
 static iso_status extrapolate_pair(const iso_render_request *what, const step_pair *pair, const iso_image *reference,
                                    const iso_limit_options *opt, iso_image *unsteady, iso_extrapolated *out,
                                    iso_error *err)
@@ -189,17 +189,18 @@ static bool is_good(const iso_extrapolated *l, const iso_limit_options *opt)
            (opt->wanted_flip <= 0 || l->flip_mean <= opt->wanted_flip);
 }
 
-/* Where samples have random phases a single halving can leave more of the error than it should by chance, above all with
- * few pixels: in a limit that meets all else, one halving more tells chance from a fault, which stays. */
+/* Where samples have random phases a single halving can leave more of the error than it should by chance, above all
+ * with few pixels: in a limit that meets all else, one halving more tells chance from a fault, which stays. */
 static bool is_to_be_confirmed(const iso_extrapolated *l, const iso_limit_options *opt)
 {
     iso_limit_options rest = *opt;
     rest.wanted_left = INFINITY;
-    rest.wanted_held_to = 0; /* that a faint image is not compared is said elsewhere */
+    rest.wanted_held_to = 0; /* another row reports that a faint image is not compared */
     return opt->confirm && l->seeds < 2 && is_good(l, &rest) && iso_extrapolated_error_left(l) > opt->wanted_left;
 }
 
-/* Halving again makes the bars narrower, and what is left of the error more. */
+/* True if the limit is far off: halving again makes the bars narrower, and increases the remaining part of the
+ * error. */
 static bool is_far_off(const iso_extrapolated *limit, const iso_limit_options *opt)
 {
     return limit->rmse > opt->hopeless * limit->allowed && iso_extrapolated_error_left(limit) > 0.9;
@@ -233,7 +234,7 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
         if (status == ISO_OK && step < finest && finest == opt->finest_voxels && is_to_be_confirmed(out, opt))
             finest = step;
         far_off = status == ISO_OK && is_far_off(out, opt) ? far_off + 1 : 0;
-        const bool is_hopeless = far_off >= 2 || !isfinite(out->step_bar); /* what is no number stays none */
+        const bool is_hopeless = far_off >= 2 || !isfinite(out->step_bar); /* NaN stays NaN */
         if (status != ISO_OK || is_good(out, opt) || is_hopeless || !(step >= finest))
             break;
         const double now = iso_clock_seconds();

@@ -8,12 +8,12 @@
  *   - halving does not reduce the error as second order should;
  *   - the error bar is wider than a faint image allows;
  *   - a pixel is beyond chance, and nothing excuses it;
- *   - a person would see the difference (FLIP, SSIM), where the scene asks for that.
- * Where only the last halving left too much at the finest step, of a renderer without noise, it is halved once more: with
- * samples of random phases a single halving may, by chance.
- * Where two limits in a row are many times farther off than they may be, and the halving left nearly all of the error, it is
- * told at once: finer steps would only make the bars narrower.
- * A renderer that is right passes in the end. The difference of one that is wrong stays, while its bar shrinks. */
+ *   - a person would see the difference (FLIP, SSIM), if the scene asks for that.
+ * If only the last halving left too much error at the finest step of a renderer without noise, the step is halved once
+ * more: with samples of random phases a single halving may leave more by chance. If two limits in a row are many times
+ * farther off than allowed, and the halving left nearly all of the error, the renderer fails at once: finer steps would
+ * only make the bars narrower. A correct renderer passes in the end. The difference of a wrong one stays, while its bar
+ * shrinks. */
 #ifndef ISO_VALIDATE_LIMITS_H
 #define ISO_VALIDATE_LIMITS_H
 
@@ -27,7 +27,8 @@ typedef struct iso_limit_options {
     double factor;         /* of safety: ISO_EXTRAPOLATION_FACTOR_... */
     double wanted_held_to; /* the most that iso_extrapolated_held_to() may be, for a faint image; 0: anything */
     double wanted_left;    /* part of the error that halving may leave: iso_extrapolated_error_left() */
-    double hopeless; /* give up when two limits in a row are so many bars off and halving left nearly all; INFINITY: never */
+    double hopeless; /* give up if two limits in a row are this many bars off and halving left nearly all; INFINITY:
+                      * never */
     double wanted_ssim_dissimilarity, wanted_flip; /* of the limit; 0: not checked */
     size_t seeds;                                  /* of random renderers, at least 2 */
     size_t planes,
@@ -44,8 +45,8 @@ typedef struct iso_limit_options {
 iso_limit_options iso_limit_defaults(void);
 
 /* Renders and extrapolates until the limit is good enough, hopeless, or the step would be below finest_voxels. what: a
- * level and a view; its options are chosen here, and may be NULL. Pixels that are not finite make the error bar infinite,
- * so the limit fails its gates. Release *out with iso_extrapolated_destroy(). */
+ * level and a view; its options are chosen here, and may be NULL. Pixels that are not finite make the error bar
+ * infinite, so the limit fails its gates. Release *out with iso_extrapolated_destroy(). */
 iso_status iso_limit_find(const iso_render_request *what, const iso_image *reference, const iso_renderer_info *which,
                           const iso_limit_options *opt, iso_extrapolated *out, iso_error *err);
 

@@ -7,7 +7,7 @@
 #include "scene/views.h"
 #include "validate/validate.h"
 
-/* What a level is shown by. */
+/* Transfer function that a level is shown with. */
 typedef enum iso_level_tf_use {
     ISO_USE_ORIGINAL, /* the original transfer function */
     ISO_USE_ADAPTED,  /* the one adapted to the level */
@@ -20,7 +20,7 @@ typedef struct iso_measured_level {
     const iso_method *method;
     iso_level_tf_use use;
     double figures[ISO_LEVEL_FIGURE_COUNT][ISO_FACE_VIEWS];
-    double angle_deg; /* of its directions to level 0's, mean; NaN where none is seen */
+    double angle_deg; /* mean angle between its directions and level 0's; NaN if none is visible */
 } iso_measured_level;
 
 enum { ISO_MEASURED_MOST = 16 }; /* ways to show a level */
@@ -34,11 +34,12 @@ typedef struct iso_measured {
     iso_measured_level *more;
 } iso_measured;
 
-/* What is judged of a level. */
+/* The use of a transfer function by which a level is judged. */
 iso_level_tf_use iso_measured_own_use(const iso_validation *v, size_t level);
 const iso_measured_level *iso_measured_find(const iso_measured *all, size_t level, const iso_method *method,
                                             iso_level_tf_use use);
-/* By its mean the default is behind the simple way in a figure, and the scatter over the views is larger than that. */
+/* True if the default is worse than the simple way in the mean of a figure, and the scatter over the views is larger
+ * than the difference. */
 bool iso_measured_is_open(const iso_measured_level *own, const iso_measured_level *simple, size_t views);
 /* True if it is worse beyond the scatter. More views have to confirm that: of three figures at several levels one is
  * beyond an interval of 95 % by chance more often than once in twenty. */
@@ -46,7 +47,8 @@ bool iso_measured_is_behind(const iso_measured_level *own, const iso_measured_le
 
 /* View i of the levels: the scene's, from another side, of the size of v->consistency_size. */
 iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err);
-/* Fills row->scale: are the bytes those that level 0 makes, and do they change a picture? Nothing where v->scales is none. */
+/* Fills row->scale: are the bytes those that level 0 makes, and do they change a picture? Nothing where v->scales is
+ * none. */
 iso_status iso_validate_judge_scale(iso_validation *v, const iso_pyramid *rebuilt, iso_report_level *row,
                                     iso_error *err);
 /* View i of a level of p, by the renderer that draws all views. */
@@ -60,9 +62,8 @@ iso_status iso_validate_bound_level(const iso_validation *v, const iso_measured_
 iso_status iso_validate_judge_levels(iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
                                      iso_error *err);
 
-/* The angle between a level's normals and level 0's, in degrees, at fine voxels that the TF shows and that have a
- * direction; at most about 1e5 of them, evenly strided. Level 0 is that of v->pyramid, the level one of p. NaN where there
- * is no such voxel. */
+/* The angle between a level's normals and level 0's, in degrees, at visible fine voxels that have a direction; at most
+ * about 1e5 of them, evenly strided. Level 0 is that of v->pyramid, the level one of p. NaN if there are none. */
 typedef struct iso_level_angles {
     double mean, p95;
 } iso_level_angles;
@@ -74,8 +75,9 @@ typedef struct iso_angles_of {
     const iso_pyramid *pyramid;
     iso_direction_source source;
 } iso_angles_of;
-/* Measures how much larger the angles of a are than those of b, at the same voxels, with an interval. Neighbors share what they are
- * interpolated from, so that blocks of 2 x 2 x 2 of the level's voxels count as one. NaN where there is no such voxel. */
+/* Measures how much larger the angles of a are than those of b, at the same voxels, with an interval. Neighbors are
+ * interpolated from the same voxels, so blocks of 2 x 2 x 2 of the level's voxels count as one. NaN if there are
+ * none. */
 iso_status iso_validate_compare_angles(const iso_validation *v, size_t level, iso_angles_of a, iso_angles_of b,
                                        double confidence, iso_paired *difference, iso_error *err);
 

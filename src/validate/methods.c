@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* methods.c - do the renderers agree whatever the directions are made of, and whatever the TF is?
+/* methods.c - checks that the renderers agree for each way to make directions and for each kind of TF.
  *
- * Every level with each way to make directions, under the original TF and under the one adapted to the level where
- * adapting changes it; with the pyramid's own directions also with extinction scales and under 2D transfer functions. Renderers by the same samples
- * where those are known, else by their limits; exports carry directions, so that programs have no gradients on the fly. The
- * quick run keeps to the renderers of this process. */
+ * Every level is compared with each way to make directions, under the original TF and, if adapting changes it, under
+ * the adapted one. The pyramid's own directions are also compared with extinction scales and 2D transfer functions.
+ * Renderers are compared by the same samples if those are known, otherwise by their limits. Exports carry directions,
+ * so that programs have no gradients on the fly. The quick run keeps to the renderers of this process. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -93,12 +93,13 @@ static iso_status compare_tf_2d(iso_validation *v, const iso_pyramid *p, const i
     return status;
 }
 
-/* With an extinction scale, and the transfer function adapted whatever small views say. */
+/* Compares with an extinction scale, always with the adapted transfer function: small views ignore extinction
+ * scales. */
 static iso_status compare_scaled(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level,
                                  const iso_view *small, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_view view = *small; /* borrowed, but for what is made here */
+    iso_view view = *small; /* borrowed, except for the parts made here */
     opt.threads = v->threads;
     opt.fall_back = false;
     iso_status status = iso_adapt_level(p, level, &v->view->tf, &opt, &view.tf, NULL, err);

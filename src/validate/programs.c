@@ -4,7 +4,8 @@
 #include "report/rows.h"
 #include "validate/validate.h"
 
-/* Programs fail by what they do; memory that ends here, a request that has no words, and Ctrl-C are not theirs. */
+/* True if the failure is the program's own. Out of memory, an unsupported request and Ctrl-C in this process are
+ * not. */
 bool iso_validate_is_its_fault(const iso_renderer_info *which, iso_status status)
 {
     return iso_renderer_has(which, ISO_IS_PROGRAM) && status != ISO_OK && status != ISO_E_MEMORY &&

@@ -11,7 +11,7 @@
 #include "validate/calibrate.h"
 #include "validate/validate.h"
 
-/* What one renderer said. */
+/* Results of one renderer. */
 typedef struct fitness {
     const iso_renderer_info *which;
     char version[320];
@@ -60,7 +60,7 @@ static iso_status ask_version(iso_validation *v, size_t part, void *user, iso_er
     return status == ISO_OK ? ISO_OK : note_failure(f, status, &why, err);
 }
 
-/* Are the checks of a renderer made side by side, each by a start of its own, because that ends sooner? */
+/* True if the checks of a renderer run at the same time, each by a start of its own, because that ends sooner. */
 static bool are_apart(const iso_validation *v, const iso_renderer_info *which)
 {
     return iso_renderer_has(which, ISO_WAITS_BETWEEN) && iso_validate_workers(v, ISO_CALIBRATION_COUNT) > 1;
@@ -82,10 +82,10 @@ static iso_status examine(iso_validation *v, size_t part, void *user, iso_error 
     iso_progress_line_add(v->line, e->part);
     if (e->status != ISO_OK && iso_process_was_stopped())
         return iso_fail(err, e->status, "%s", e->why.text);
-    return ISO_OK; /* what failed is said in the order of the checks */
+    return ISO_OK; /* failures are reported in the order of the checks */
 }
 
-/* What to examine of each renderer that has a version. Its memory is the caller's. */
+/* Lists the checks of each renderer that has a version. Its memory is the caller's. */
 static size_t list_examinations(const iso_validation *v, fitness *all, size_t count, examination *list)
 {
     size_t n = 0;
@@ -135,7 +135,7 @@ static iso_status add_check(iso_validation *v, const fitness *f, const iso_calib
     } else if (c->no_picture) {
         snprintf(scene, sizeof scene, "calibration-%s", c->check);
         iso_picture_folder(scene, 0, folder);
-        snprintf(lacks, sizeof lacks, "there is no picture %.100s, so that this stays open: %.160s", folder,
+        snprintf(lacks, sizeof lacks, "picture %.100s is missing, so that this stays open: %.160s", folder,
                  c->no_picture);
         row.detail = lacks;
         row.not_asked = true;

@@ -27,7 +27,7 @@ static void put_tolerances(FILE *f, const iso_tolerances *l)
 static void put_render(FILE *f, const iso_validation *v, size_t level, const iso_renderer_info *renderer,
                        const char *options, const char *image)
 {
-    const bool is_volume = !iso_pyramid_is_one(v->volume_path); /* a pyramid keeps what it was built with */
+    const bool is_volume = !iso_pyramid_is_one(v->volume_path); /* a pyramid keeps its build options */
     if (v->make) {
         fprintf(f, "isoshade make %s -o ", v->make);
         iso_provenance_put_word(f, v->volume_path);
@@ -52,7 +52,7 @@ static void put_render(FILE *f, const iso_validation *v, size_t level, const iso
 char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer,
                              const char *options, const char *image_a, const iso_tolerances *tolerances)
 {
-    /* Other directions than a pyramid on disk has are made from its level 0, for which there is no command. */
+    /* Directions other than those of a pyramid on disk are made from its level 0, which no command does. */
     if (v->build_options[0] && iso_pyramid_is_one(v->volume_path))
         return NULL;
     if (iso_provenance_kept() == ISO_PROVENANCE_NONE)

@@ -8,16 +8,16 @@
 #include "render/reference_ray.h"
 #include "render/sampler.h"
 
-/* One step of single precision at 1: a coordinate of a texture is a part of the volume, and one step of it off at most after
- * the arithmetic that makes it. */
+/* One step of single precision at 1: a coordinate of a texture is a part of the volume, and one step of it off at most
+ * after the arithmetic that makes it. */
 static const double coordinate_step = 0x1p-24;
-/* A value is filtered by seven interpolations, each rounded in the product and in the sum, and becomes a coordinate of the
- * table: four steps of the largest value that takes part. */
+/* A value is filtered by seven interpolations, each rounded in the product and in the sum, and becomes a coordinate of
+ * the table: four steps of the largest value that takes part. */
 static const double value_steps = 4 * 0x1p-24;
 /* So that nothing is divided by an extinction of 0 that rounding may raise. */
 static const double least_extinction = 1e-30;
 
-/* What rounding is propagated through; the emitter's field. */
+/* Medium through which rounding is propagated; the emitter's field. */
 typedef struct medium {
     double step_voxels[3];  /* by which a coordinate is off */
     iso_view below, above;  /* the view with values that are off; they borrow */
@@ -42,7 +42,7 @@ static emission emission_at(const iso_view *view, const iso_emitter_place *at, i
     return e;
 }
 
-/* How much farther the pair is apart than *most says already. Where one shows nothing its color has no say. */
+/* Raises *most to the difference of the pair. If one of the two is invisible, its color does not count. */
 static void widen(const emission *a, const emission *b, double *extinction, double *radiance)
 {
     *extinction = fmax(*extinction, fabs(a->extinction - b->extinction));
@@ -88,7 +88,7 @@ static void shift_tables(iso_view *view, iso_tf_2d *tf_2d, double by)
     view->tf_2d = tf_2d;
 }
 
-/* Of any color of the tables under all lights at once, or of the background. */
+/* Brightest color of the tables under all lights at once, or of the background. */
 static double brightest_of(const iso_view *view)
 {
     double light = view->shading.ambient, color = 0, most;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* stages.c - what did not run is said in a row of its own, so that nothing that was asked for is missing without a word. */
+/* stages.c - reports each skipped stage in a row of its own, so that no requested check is missing without a reason. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>

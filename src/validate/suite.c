@@ -22,7 +22,7 @@ static int is_scene(const struct dirent *entry)
 
 enum { most_levels = 16 }; /* whose rows come in a row */
 
-/* What the scenes share. */
+/* Data shared by the scenes. */
 typedef struct suite_run {
     const iso_suite_options *options;
     const char *scratch;

@@ -3,7 +3,7 @@
 #include "base/parallel.h"
 #include "validate/validate.h"
 
-/* What the workers share; what is in a critical section alone touches what changes. */
+/* Data shared by the workers; members that change are accessed in a critical section only. */
 typedef struct team {
     size_t count;
     iso_status status; /* the first failure: nothing more is begun */

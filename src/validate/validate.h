@@ -4,10 +4,10 @@
  *   levels         a pyramid's levels are those of its own level 0, byte by byte (pyramid/pyramid_verify.h)
  *   calibrate      each renderer on volumes whose images are known (calibrate.h)
  *   agreement      each level: every renderer against a closed form or the double-precision reference, by the same
- *                  samples and by extrapolated limits (limits.h), as the scene's tier has it
+ *                  samples and by extrapolated limits (limits.h), by the scene's tier
  *   adaptation     the TF of each level, or why the original is kept
  *   methods        agreement again, for each way to make directions, and for adapted TFs
- *   artefacts      exports, moved and opened as a person would: do they show what was validated? (artefact.h)
+ *   artefacts      checks that exports, moved and opened as by a person, render as validated (artefact.h)
  *   consistency    each level, each way to make directions, and either TF, against level 0
  *
  * All of it goes into one report (report/report.h). */
@@ -24,15 +24,17 @@
 typedef struct iso_level_tf {
     iso_tf_table table;          /* adapted to the level, or a copy of the original */
     iso_adapt_judgment judgment; /* use_original: the original is kept, as always at level 0 */
-    /* By iso_validate_scale(), of coarse levels alone: a byte a voxel, and the table that the bytes were made for. */
+    /* For iso_validate_scale(), of coarse levels only: one byte per voxel, and the table that the bytes were made
+     * for. */
     uint8_t *extinction_scale;
     iso_tf_table scaled_table;
 } iso_level_tf;
 
-/* What levels are shown by besides their own transfer function. */
+/* Additional ways to show levels, besides their own transfer function. */
 typedef enum iso_level_scales {
     ISO_SCALES_NONE,
-    ISO_SCALES_ADAPTED, /* extinction scales on the adapted TF, whatever small views say of that: --adapt --extinction-scale */
+    ISO_SCALES_ADAPTED, /* extinction scales on the adapted TF, also if small views prefer the original: --adapt
+                         * --extinction-scale */
     ISO_SCALES_ORIGINAL /* on the original one: --extinction-scale */
 } iso_level_scales;
 
@@ -55,26 +57,26 @@ typedef struct iso_validation {
     iso_direction_source source;
     bool loaded; /* the pyramid was read, not built for this validation: its levels are to be verified */
     bool
-        is_as_made; /* the levels were verified, or built here: nothing has to be made again to know what they should be */
-    char foreign[512]; /* what the first level that is not made from level 0 differs in; or "" */
+        is_as_made; /* True if the levels were verified or built here, so that they need not be made again */
+    char foreign[512]; /* difference of the first level that is not made from level 0; or "" */
     bool quick;
     double deadline, budget_seconds; /* by iso_clock_seconds(), when nothing more is begun; 0: never */
     enum { ISO_VALIDATE_ALL, ISO_VALIDATE_SAMPLES, ISO_VALIDATE_LIMITS } agreement_part;
     size_t seeds;     /* of random renderers */
     size_t order;     /* in which the report lists the rows of this part */
-    double row_start; /* when what a row compares began */
+    double row_start; /* start time of the row's comparison */
     bool wanted[ISO_MAX_RENDERERS];
     iso_refusal refused[ISO_MAX_RENDERERS];
     size_t limit_size; /* pixels along the longer edge of the pictures of limits, at most; 0: as many as the others have */
     size_t consistency_size, consistency_views;
     bool may_add_views;      /* twenty, of a level that these leave open */
     iso_level_tf *level_tfs; /* one a level; by iso_validate_adapt() */
-    iso_level_scales scales; /* the verdict on levels is on these, where they are not none */
+    iso_level_scales scales; /* ISO_SCALES_NONE, or the scales that the verdict on levels is based on */
     int threads;
     iso_renderers renderers;
     iso_report *report;
     iso_status (*save_viewer)(const struct iso_validation *v, iso_error *err); /* a page of the volume; or NULL */
-    iso_progress_line *line;      /* what a person sees of the whole; NULL: nothing */
+    iso_progress_line *line;      /* progress line for the whole run; NULL: none */
     const iso_progress *progress; /* the same, for what reports */
 } iso_validation;
 
@@ -85,14 +87,14 @@ iso_status iso_validate_levels(iso_validation *v, iso_error *err);
  * program is a reason to refuse, not a failure. */
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
 
-/* Did a program fail by itself, so that it is refused and the others go on? */
+/* True if a program failed by itself, so that it is refused and the others go on. */
 bool iso_validate_is_its_fault(const iso_renderer_info *which, iso_status status);
 /* ISO_E_UNTRUSTED, with the first row that was refused of a renderer that had passed its calibration; or ISO_OK. */
 iso_status iso_validate_refused_later(const iso_validation *v, iso_error *err);
 /* Into the report's "programs": how each of them was run. */
 void iso_validate_describe_programs(const iso_validation *v);
 
-/* Of --budget. The reason why what is left is not asked, for rows. */
+/* True if the time of --budget has run out; for rows, the reason of skipped checks. */
 bool iso_validate_is_out_of_time(const iso_validation *v);
 void iso_validate_explain_budget(const iso_validation *v, char why[512]);
 
@@ -100,8 +102,8 @@ void iso_validate_explain_budget(const iso_validation *v, char why[512]);
 iso_status iso_validate_agreement(iso_validation *v, iso_error *err);
 
 /* Parts 0 to count - 1, which do not depend on each other, as many at a time as there are threads: programs that start,
- * read and write leave a core idle. Each part gets a copy of *v with renderers of its own; the report lists their rows in
- * the order of the parts. The first failure ends the run. */
+ * read and write leave a core idle. Each part gets a copy of *v with renderers of its own; the report lists their rows
+ * in the order of the parts. The first failure ends the run. */
 size_t iso_validate_workers(const iso_validation *v, size_t count); /* how many at a time */
 typedef iso_status (*iso_validation_part)(iso_validation *mine, size_t part, void *user, iso_error *err);
 iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err);
@@ -125,23 +127,24 @@ iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter
 iso_status iso_validate_adapt(iso_validation *v, iso_error *err);
 void iso_validate_forget_tfs(iso_validation *v);
 
-/* Makes the extinction scales that v->scales asks for: of the pyramid's own scalars, for the view's TF. Needs level_tfs. */
+/* Makes the extinction scales that v->scales asks for: of the pyramid's own scalars, for the view's TF. Needs
+ * level_tfs. */
 iso_status iso_validate_scale(iso_validation *v, iso_error *err);
 
-/* The view with at most so many pixels along its longer edge (0: any), of the same scene; borrowed, so not to be
- * destroyed. A limit is judged by ratios of means over pixels, which a regular part of them shows as well: isoshade-lab power
+/* The view with at most `pixels` pixels along its longer edge (0: any), of the same scene; borrowed, so not to be
+ * destroyed. A limit is judged by ratios of means over pixels, which a regular subset shows as well: isoshade-lab power
  * --sensitivity has both. */
 iso_view iso_validate_small_view(const iso_view *view, size_t pixels);
 enum { ISO_VALIDATE_LIMIT_PIXELS = 96, ISO_VALIDATE_LIMIT_PIXELS_QUICK = 64 };
 
 /* Both need level_tfs. */
-/* Images of other directions and transfer functions are that large at most: there are many, and what they would show is
- * arithmetic. */
+/* Largest edge of images of other directions and transfer functions: there are many, and they test only arithmetic. */
 enum { ISO_VALIDATE_METHOD_PIXELS = 64 };
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
-/* What is asked where the scene does not say it: smooth or sharp, by what a ray step makes of the TF on this level. */
+/* Assumes the tier of a scene that states none: smooth or sharp, by the error of a ray step through the TF on this
+ * level. */
 void iso_validate_assume(const iso_level *level0, const iso_view *view, iso_scene_agreement *agreement);
 /* Into the report's "asked", by the scene's name: what all rows of the scene are held to, and why. */
 void iso_validate_report_asked(const iso_validation *v);
@@ -153,7 +156,7 @@ iso_status iso_validate_stage_left_out(const iso_validation *v, const char *stag
 /* Rows of agreement so far. */
 size_t iso_validate_row_count(const iso_validation *v);
 
-/* Two versions of a program, by their limits of a level: the row that tells what changed between them. */
+/* Compares two versions of a program by their limits of a level: the row that shows what changed between them. */
 typedef struct iso_version_limit {
     const iso_renderer_info *renderer;
     const iso_extrapolated *limit; /* kept (validate/limits.h) */
@@ -165,8 +168,8 @@ iso_status iso_validate_versions(iso_validation *v, size_t level, const iso_vers
 /* Whether a limit of this renderer is compared with that of another version. */
 bool iso_validate_has_versions(const iso_validation *v, const iso_renderer_info *renderer);
 
-/* A command line that renders image b of a row again and compares it with the report's image a; to be freed. NULL where
- * there is no such command. options: of `isoshade render`, besides v's own. */
+/* A command line that renders image b of a row again and compares it with the report's image a; to be freed. NULL if no
+ * command does that. options: of `isoshade render`, besides v's own. */
 char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer,
                              const char *options, const char *image_a, const iso_tolerances *tolerances);
 
@@ -182,16 +185,17 @@ iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, c
 /* The error bar that the scene asks of a limit, RMSE. */
 double iso_validate_error_bar(const iso_scene_agreement *asked);
 
-/* What is asked of a limit: that it meets the reference within its bars, that the bars are narrow, that the error
- * falls at its order, that no pixel and no bias is beyond chance. Fills tolerances, gates and error_bar of *row. */
+/* Fills tolerances, gates and error_bar of *row for a limit. It has to meet the reference within its bars, the bars
+ * have to be narrow, and the error has to fall at its order. Neither a pixel nor a bias may be beyond chance. */
 void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapolated *limit, iso_report_agreement *row);
 /* The statistics of a limit, for its row of the report. */
 json_t *iso_validate_limit_to_json(const iso_extrapolated *limit);
 
-/* A row of calibration for each program renderer: what is exported to it shows what was validated (artefact.h). */
+/* Adds a row of calibration for each program renderer: its export shows the validated picture (artefact.h). */
 iso_status iso_validate_artefacts(iso_validation *v, iso_error *err);
 
-/* Adds the steps of a validation of so many levels to the line. hurried: there is a budget, which changes their order. */
+/* Adds the steps of a validation of `level_count` levels to the line. hurried: True if there is a budget, which changes
+ * their order. */
 void iso_validate_expect(iso_progress_line *line, const bool *wanted, size_t level_count, bool hurried);
 /* Tells v->line that a row is over: of agreement, not of a method. */
 void iso_validate_end_row(const iso_validation *v, const iso_renderer_info *renderer, bool limit);

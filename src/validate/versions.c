@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* versions.c - what changed between two versions of a program.
- *
- * Each is compared with the reference by its limit; here the limits are compared with each other, seed by seed, so that what
- * the seeds scatter is known of the difference as well. Images of one program twice differ in nothing. */
+/* versions.c - compares two versions of a program. Each is compared with the reference by its limit; here the limits
+ * are compared with each other, seed by seed, so that the scatter over seeds is part of the difference. Two images of
+ * one program are identical. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
