@@ -56,7 +56,7 @@ else
 fi
 
 refuse too_little_says_what_is_needed 5 "this picture needs" "$ISOSHADE" render n.iso --scene "$scene" --size 72x40 --memory 1 -o no.exr
-needed='s/.*needs \([0-9.]*\) MB: \([0-9.]*\) for what is empty, \([0-9.]*\) for rays and the image, \([0-9.]*\) for 64 pages$/\1 - \2 - \3 - \4/p'
+needed='s/.*needs \([0-9.]*\) MB: \([0-9.]*\) for empty space, \([0-9.]*\) for rays and the image, \([0-9.]*\) for 64 pages$/\1 - \2 - \3 - \4/p'
 holds its_parts_are_the_sum "($(sed -n "$needed" err)) ^ 2 < 1e-6"
 refuse no_memory_is_too_little 2 "--memory is 0" "$ISOSHADE" render n.iso --scene "$scene" --memory 0 -o no.exr
 refuse a_pyramid_that_is_not_there 3 "nowhere.iso: cannot be opened: No such file" "$ISOSHADE" render nowhere.iso --scene "$scene" --memory 30 -o no.exr

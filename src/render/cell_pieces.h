@@ -23,7 +23,7 @@ static const cell_rule cell_rules[CELL_RULES] = {
      {0.0506142681451881296, 0.111190517226687235, 0.156853322938943644, 0.181341891689180991, 0.181341891689180991,
       0.156853322938943644, 0.111190517226687235, 0.0506142681451881296}}};
 
-/* What the transfer function shows between two entries that it bends at: r, g, b and the extinction per mm are
+/* Linear piece of the transfer function between two entries at which it bends: r, g, b and the extinction per mm are
  * base + slope (X - entry). */
 typedef struct cell_line {
     double entry, base[4], slope[4];
@@ -45,8 +45,8 @@ typedef struct cell_pieces {
     double diffuse[ISO_MAX_LIGHTS], specular[ISO_MAX_LIGHTS];
     /* The cell at work. */
     double x[4], d[3][4], nl[ISO_MAX_LIGHTS][4], nh[ISO_MAX_LIGHTS][4], length;
-    double depth, left; /* the optical depth so far; what is behind it can add at most */
-    double error, pool; /* of what is in; what earlier places did not use of the tolerance */
+    double depth, left; /* the optical depth so far; the most that the rest of the ray can add */
+    double error, pool; /* bound of the sum so far; unused tolerance of earlier places */
     cell_queue queue[CELL_RULES];
     lanes color[3];
 } cell_pieces;
@@ -90,7 +90,7 @@ void iso_cell_directions(const iso_cell_scene *c, const size_t voxel[8], const i
 int iso_cubic_extremes(const double p[4], double u[2]);
 /* Places in (0, 1) where a cubic changes its sign, ascending; how many. */
 int iso_cubic_zeros(const double p[4], double u[3]);
-/* Where a cubic that is monotone on [a, b] passes a value that lies between those at its ends. */
+/* Solves for the place where a cubic that is monotone on [a, b] takes a value between those at its ends. */
 double iso_cubic_solve(const double p[4], double value, double a, double b);
 
 /* ---- the bound ---- */
@@ -98,7 +98,7 @@ double iso_cubic_solve(const double p[4], double value, double a, double b);
 /* Radii R of the discs round a section of the cell, in its half widths. */
 #define CELL_RADII ((lanes){1.12, 1.35, 1.7, 2.3, 3.2, 5, 9, 20})
 
-/* What bounds the emission on discs round the section's middle. */
+/* Bounds of the emission on discs round the section's middle. */
 typedef struct cell_section {
     double middle, half; /* u */
     double x;            /* X in the middle */
@@ -122,8 +122,8 @@ ISO_LANES_INLINE lanes reach(const double z[4])
     return ((r * fabs(z[3]) + fabs(z[2])) * r + fabs(z[1])) * r;
 }
 
-/* One light's highlight. A power that is no whole number branches where n.h is 0: discs that hold such a place bound nothing,
- * but on the ray itself the highlight is small there, which is what they have in *rough. */
+/* Bounds one light's highlight. A fractional power branches at n.h = 0, so discs that hold such a place give no bound.
+ * On the ray itself the highlight is small there: *rough gets its bound. */
 ISO_LANES_INLINE lanes bound_highlight(const cell_pieces *w, const cell_section *s, size_t light, lanes root,
                                        lanes *rough)
 {
@@ -185,8 +185,8 @@ ISO_LANES_INLINE cell_section make_section(const cell_pieces *w, double from, do
     return s;
 }
 
-/* The rule of the fewest points whose error on [from, from + width], inside the section, is at most `allowed`; its bound.
- * CELL_RULES: none. */
+/* The rule of the fewest points whose error on [from, from + width], inside the section, is at most `allowed`; its
+ * bound. CELL_RULES: none. */
 ISO_LANES_INLINE int choose_rule(const cell_pieces *w, const cell_section *s, const cell_line *line, double width,
                                  double through, double allowed, double *bound)
 {

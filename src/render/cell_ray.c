@@ -71,7 +71,7 @@ int iso_cubic_zeros(const double p[4], double u[3])
 
 /* ---- directions ---- */
 
-/* The voxel beside one that an index names along an axis, clamped. */
+/* Index of the next voxel along an axis, clamped. */
 static size_t beside(const size_t n[3], const int at[3], int axis, int by)
 {
     size_t voxel = 0;
@@ -127,7 +127,7 @@ bool iso_cell_scene_is_for(const iso_sampler *s, const iso_view *view)
     return linear && s->source != ISO_FROM_FLIPPED && s->source != ISO_FROM_PALETTE_NEAREST;
 }
 
-/* Where a component's slope changes at an entry, and the entry or one beside it shows something. */
+/* True if a component's slope changes at an entry, and the entry or a neighboring one is visible. */
 static bool bends_at(const iso_tf_table *tf, size_t i)
 {
     const float *here = tf->entries + 4 * i, *before = i > 0 ? here - 4 : here,

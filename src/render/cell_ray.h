@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* cell_ray.h - the rendering equation along one ray, cell by cell, with a bound of its error; private to the reference.
  *
- * Between the centers of eight voxels the scalar along a ray is a cubic of the way, and so is each component of what is
- * shaded with. A transfer function's table is linear between its entries. So a ray is cut
- *   where it enters a cell,
+ * Between the centers of eight voxels the scalar along a ray is a cubic of the way, and so is each component of the
+ * shading vector. A transfer function's table is linear between its entries. So a ray is cut
+ *   at the places where it enters a cell,
  *   where its scalar passes an entry at which the table bends,
  *   where |n.l| or |n.h| has its kink,
  * and each piece is a smooth function of the way u:
@@ -17,9 +17,9 @@
  *
  *     |error| <= 64/15 M rho^-2n / (1 - rho^-2)        on an interval of length 2
  *
- * M is found from the polynomials' coefficients (each |z^k| is at most R^k in a disc of radius R that holds the ellipse),
- * for eight radii, and the least bound counts. Where no rule's bound is below what the piece may have, the piece is
- * halved. So the sum over pieces is a bound of the pixel's error, proved but for rounding (about 1e-14).
+ * M is found from the polynomials' coefficients (each |z^k| is at most R^k in a disc of radius R that holds the
+ * ellipse), for eight radii, and the least bound counts. Where no rule's bound is below what the piece may have, the
+ * piece is halved. So the sum over pieces is a bound of the pixel's error, proved but for rounding (about 1e-14).
  *
  * Eight pieces are evaluated at a time, for the instruction set that the machine has; all give the same bits: own
  * exponential, whole powers by squaring, no fused products. */
@@ -29,7 +29,7 @@
 #include "render/empty_space.h"
 #include "render/reference_ray.h"
 
-/* A ray ends where what is behind can add at most this to a color or to the opacity: reports print nine digits, and images
+/* A ray ends if the rest of it can add at most this to a color or to the opacity: reports print nine digits, and images
  * hold floats. It is part of the bound. */
 #define ISO_REFERENCE_LEFT 1e-12
 
@@ -39,9 +39,9 @@ typedef struct iso_cell_scene {
     const iso_tf_table *tf;
     const iso_shown *shown;
     const iso_empty_space *empty;
-    size_t *bends; /* owned; bends[i]: how many of the entries below i bend the table where it shows something */
+    size_t *bends; /* owned; bends[i]: number of the entries below i at which the visible part of the table bends */
     bool lit;
-    int power;        /* of the highlights, or -1 where it is no whole number */
+    int power;        /* of the highlights, or -1 if it is fractional */
     int whole_power;  /* the largest that is not above it */
     double eps_2;     /* of n = d / sqrt(|d|^2 + eps^2) */
     double brightest; /* color times shade, at most */
@@ -53,14 +53,15 @@ iso_status iso_cell_scene_create(iso_cell_scene *c, const iso_sampler *s, const 
                                  const iso_empty_space *empty, iso_error *err);
 void iso_cell_scene_destroy(iso_cell_scene *c);
 
-/* From t0 to t1. error: of color and opacity, at most. */
+/* A ray from t0 to t1. error: bound of the error of color and opacity. */
 typedef struct iso_cell_ray {
     iso_vec3 origin, direction, to_viewer; /* as ray_state's */
     double t0, t1, tolerance;
 } iso_cell_ray;
 stretch iso_cell_ray_integrate(const iso_cell_scene *c, const iso_cell_ray *ray, double *error);
 
-/* The same for one instruction set, for tests; NULL beyond the last. Those that the machine lacks must not be called. */
+/* The same for one instruction set, for tests; NULL beyond the last. Those that the machine lacks must not be
+ * called. */
 typedef stretch (*iso_cell_ray_function)(const iso_cell_scene *c, const iso_cell_ray *ray, double *error);
 typedef struct iso_cell_ray_variant {
     const char *name;

@@ -38,7 +38,7 @@ static void widen_columns(const float *restrict voxels, size_t count, float *res
     }
 }
 
-/* One row of the finest blocks; lo and hi: room for a row of voxels each. */
+/* One row of the finest blocks; lo and hi: capacity for a row of voxels each. */
 static void look_at_blocks(iso_empty_space *e, const iso_level *level, const iso_shown *shown, size_t by, size_t bz,
                            float *lo, float *hi)
 {

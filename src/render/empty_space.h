@@ -54,7 +54,8 @@ typedef struct iso_empty_space {
     uint8_t *seen[ISO_EMPTY_LEVELS]; /* owned; 0: the block shows nothing. NULL: not known, nothing is skipped */
 } iso_empty_space;
 
-/* Of a level in memory. keep_lo, keep_hi: a box of index coordinates that counts as seen, or NULL. ISO_E_MEMORY. */
+/* Builds the tree of a level in memory. keep_lo, keep_hi: a box of index coordinates that counts as seen, or NULL.
+ * ISO_E_MEMORY. */
 iso_status iso_empty_space_create(iso_empty_space *e, const iso_level *level, const iso_shown *shown,
                                   const double keep_lo[3], const double keep_hi[3], int threads, iso_error *err);
 void iso_empty_space_destroy(iso_empty_space *e); /* accepts empty */

@@ -14,7 +14,7 @@ enum { CHANNELS = ISO_BOUND_CHANNELS, FINE = ISO_BOUND_FINE, COARSE = ISO_BOUND_
 enum { DENSE_POINTS = 2, REGION_POINTS = 4 };
 #define DENSE_VOXELS ((size_t)1 << 21) /* volumes up to here take DENSE_POINTS an axis, larger ones 1 */
 
-/* What one of the two levels has in a region. */
+/* Ranges of one of the two levels in a region. */
 typedef struct side {
     float sigma_min, sigma_max, g_min[CHANNELS], g_max[CHANNELS]; /* g where sigma > 0 */
 } side;
@@ -40,7 +40,8 @@ typedef struct bound {
     size_t block_pixels, blocks[2], slabs, points_an_axis;
     double depth_from, slab_mm, pixel_size; /* pixel_size: mm, or at depth 1 of a perspective camera */
     double longest_mm;                      /* of a ray inside a slab */
-    double least_depth_mm;                  /* at which points at the camera or behind it are projected */
+    double least_depth_mm;                  /* least depth for projection: points at or beyond the camera plane are
+                                             * projected at this depth */
     region *regions;                        /* slab fastest */
     bool late;                              /* the deadline came before all points were looked up */
 } bound;
@@ -196,7 +197,8 @@ static iso_status for_points(bound *b, void (*take)(const point *p, region *r), 
     return ISO_OK;
 }
 
-/* What a slab of transmittance in [t_min, t_max], of colors in [g_min, g_max], makes of a range of L behind it. */
+/* Maps the range of L beyond a slab to the range in front of it, for transmittance in [t_min, t_max] and colors in
+ * [g_min, g_max]. */
 static void pass_slab(const side *s, double slab_mm, bool whole, double lo[CHANNELS], double hi[CHANNELS])
 {
     if (!(s->sigma_max > 0))
@@ -289,8 +291,8 @@ static size_t points_an_axis(const iso_image_bound_input *in)
     return iso_geometry_voxel_count(&in->fine->geometry) <= DENSE_VOXELS ? DENSE_POINTS : 1;
 }
 
-/* Blocks and slabs of REGION_POINTS points along an edge: smaller ones would not hold the ranges, larger ones would be more
- * unlike within. */
+/* Blocks and slabs of REGION_POINTS points along an edge: smaller ones would not hold the ranges, larger ones would be
+ * more unlike within. */
 static iso_status cut_image(bound *b, iso_error *err)
 {
     const iso_view *v = b->in->view;

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* image_bound.h - how far a coarse level's image can be from level 0's, at most, before either is drawn.
+/* image_bound.h - upper bound of the difference between a coarse level's image and level 0's, without drawing either.
  *
- * An upper bound of the RMSE over all pixels and the four channels (as compare/metrics.h has it), for a scene, a level
- * and its transfer function. Derivation, assumptions and each inequality: doc/method/level-bound.md. In short, with s
- * the extinction, g the color times the shade, L the radiance that arrives from behind and T the transmittance in front:
+ * Bounds the RMSE over all pixels and the four channels (compare/metrics.h), for a scene, a level and its transfer
+ * function. Derivation, assumptions and each inequality: doc/method/level-bound.md. In short, with s the extinction, g
+ * the color times the shade, L the radiance that arrives from beyond and T the transmittance in front:
  *
  *     C_k - C_0 = integral of T_k [ s_k (g_k - L_0) - s_0 (g_0 - L_0) ] dt      exact
- *     |C_k - C_0| <= I = integral of sup T_k * sup over L of | ... | dt,  and <= M, what the two can differ by at all
+ *     |C_k - C_0| <= I = integral of sup T_k * sup over L of | ... | dt,  and <= M, the largest possible difference
  *     mean square over a block of pixels <= M min(M, mean of I)
  *
  * No ray is followed. The image is cut into blocks of pixels, the depth into slabs; the volume is sampled at points
- * spread evenly over its voxels, each of which falls into one region (block and slab). Regions keep the ranges of s and g,
- * from which the ranges of L and T follow slab by slab, and a second pass over the points sums the integrand. */
+ * spread evenly over its voxels, each of which falls into one region (block and slab). Regions keep the ranges of s and
+ * g, from which the ranges of L and T follow slab by slab, and a second pass over the points sums the integrand. */
 #ifndef ISO_IMAGE_BOUND_H
 #define ISO_IMAGE_BOUND_H
 
@@ -33,14 +33,14 @@ typedef struct iso_image_bound_input {
 
 /* Whether there is a bound for the view: none with clip planes, a 2D transfer function or a region of interest. */
 bool iso_image_bound_is_for(const iso_view *view);
-/* How many points of a voxel are looked up, of a volume of so many voxels: what the time goes by. */
+/* Number of sampled points per voxel in a volume of `voxels` voxels; the time is proportional to it. */
 size_t iso_image_bound_points(double voxels);
 /* ISO_E_RANGE: a view with clip planes, a 2D transfer function or a region of interest; ISO_E_MEMORY. */
 iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, iso_error *err);
 
-/* What makes it wider: the same integral along the rays themselves, of absolute values as in the bound, but of the T and
- * L that are there. It lies between the RMSE and the bound: what it is above the one is signs, what it is below the other
- * is that regions stand for their rays. It costs as much as the images. */
+/* Computes the same integral along the rays themselves, of absolute values as in the bound, but of the actual T and L.
+ * It lies between the RMSE and the bound. Its excess over the RMSE is due to cancellation; the excess of the bound over
+ * it is due to regions that stand for their rays. It costs as much as the images. */
 iso_status iso_image_bound_without_signs(const iso_image_bound_input *in, double *rmse, iso_error *err);
 
 #endif

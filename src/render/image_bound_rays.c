@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* image_bound_rays.c - how much of the bound is signs: its integrand along the rays themselves, with the transmittance and
- * the light that are there, and nothing given away but that absolute values are taken. */
+/* image_bound_rays.c - how much of the bound is signs: its integrand along the rays themselves, with the transmittance
+ * and the light that are there, and nothing given away but that absolute values are taken. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,7 +14,7 @@ typedef struct ray_samples {
     double step_mm;
 } ray_samples;
 
-/* L at the middle of each step, of what is behind it and the half of it that is behind. */
+/* Computes L at the middle of each step, from the light beyond the step and from the far half of the step. */
 static void follow_light(const iso_view *view, ray_samples *s)
 {
     for (int i = 0; i < 2; ++i) {

@@ -46,7 +46,7 @@ static size_t *bends_create(const iso_tf_table *tf, const iso_tf_2d *tf_2d)
     return bends;
 }
 
-/* What all pixels of an image share. */
+/* Data shared by all pixels of an image. */
 typedef struct picture {
     layer layers[2];
     const iso_view *view;
@@ -114,7 +114,7 @@ static iso_status check_options(const iso_view *view, const iso_reference_option
     return ISO_OK;
 }
 
-/* Tiles are small beside the image, so that the last ones to end leave no thread waiting for long. */
+/* Tiles are small compared with the image, so that the last ones leave no thread waiting for long. */
 enum { TILE = 8 };
 
 static void render_tiles(const picture *p, const iso_progress *progress)
@@ -137,8 +137,8 @@ static void render_tiles(const picture *p, const iso_progress *progress)
     }
 }
 
-/* Small pictures of large volumes meet so few voxels that looking at all of them takes longer than it saves: some 25 ns a
- * cell that is met, half a nanosecond a voxel. */
+/* True if building the tree saves time. Small pictures of large volumes meet few voxels, and reading all of them takes
+ * longer than it saves: some 25 ns per cell met, half a nanosecond per voxel. */
 static bool is_worth_a_tree(const picture *p)
 {
     const iso_geometry *g = &p->layers[0].sampler->level->geometry;
@@ -147,7 +147,8 @@ static bool is_worth_a_tree(const picture *p)
     return 50 * met > (double)iso_geometry_voxel_count(g);
 }
 
-/* What is empty, and whether rays go by cells. Not known of bricks and emitters: there nothing is passed over. */
+/* Finds the empty space, and decides whether rays go by cells. Bricks and emitters have no tree: no part of them is
+ * passed over. */
 static iso_status find_empty_space(picture *p, iso_error *err)
 {
     const iso_sampler *s = p->layers[0].sampler;
@@ -175,7 +176,8 @@ static iso_status render_all(const iso_sampler *sampler, const iso_sampler *roi,
                              iso_error *err)
 {
     const iso_roi *f = view->roi;
-    /* The rows of a 2D transfer function have one range and count, so the first serves for them where entries are counted. */
+    /* The rows of a 2D transfer function have one range and count, so the first serves for them where entries are
+     * counted. */
     const iso_tf_table *tf = view->tf_2d ? &view->tf_2d->rows[0] : &view->tf;
     size_t *bends = bends_create(tf, view->tf_2d), *roi_bends = f ? bends_create(&f->tf, NULL) : NULL;
     picture p = {.view = view, .opt = opt, .image = image};

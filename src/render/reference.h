@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* reference.h - the reference renderer: the rendering equation in double precision on the CPU.
  *
- * Proved on closed forms (tests/test_reference.c): a slab, 1 - exp(-sigma d); a
- * linear ramp of extinction; a sphere. Results do not depend on threads.
+ * Proved on closed forms (tests/test_reference.c): a slab, 1 - exp(-sigma d); a linear ramp of extinction; a sphere.
+ * Results do not depend on threads.
  *
  * Quadratures:
  *   converged  rays are cut where the trilinear cell changes and where the TF bends; each piece
  *              is integrated by Gauss and Legendre's rule with a proved bound (cell_ray.h), or,
- *              for what cell_ray.h is not for, by Romberg-extrapolated midpoint sums, halved until
+ *              if cell_ray.h does not apply, by Romberg-extrapolated midpoint sums, halved until
  *              the change is below tolerance: no step is left in the result.
- *   midpoint   what the GL ray caster does: segments [k ds, (k+1) ds] clipped to
+ *   midpoint   as the GL ray caster: segments [k ds, (k+1) ds] clipped to
  *              the box, sample in the middle, 1 - exp(-sigma length).
  *   preintegrated  the same segments, with the TF's means between the values at
  *              both ends (tf/integral.h), shaded in the middle.
- *   povray     what POV-Ray's method 2 does: N equal intervals a ray, weight
+ *   povray     as POV-Ray's method 2: N equal intervals per ray, weight
  *              tau exp(-tau / 2) (see exporters/povray).
  *   first hit  no quadrature: the first point of the ray inside the box where
  *              the value is at least iso, opaque, C = c(iso) shade(d). */
@@ -27,7 +27,7 @@
 #include "scene/field.h"
 #include "scene/scene.h"
 
-/* A medium that is no scalar seen through one transfer function, such as colors that are stored at the voxels. */
+/* A medium other than a scalar with one transfer function, such as colors stored at the voxels. */
 typedef struct iso_emitter_place {
     const iso_view *view;
     const struct iso_sampler *sampler; /* of the level that is rendered */
@@ -53,31 +53,32 @@ typedef struct iso_reference_options {
     double step_voxels; /* midpoint and preintegrated; 0: the view's */
     size_t intervals;   /* povray */
     size_t planes;      /* povray: that cut the box across the view, each piece of a ray with its own intervals */
-    double tolerance;   /* converged, of a pixel's value: of what is halved until it stays, an estimate */
-    double most_error;  /* the same, of what has a proved bound */
+    double tolerance;   /* converged, per pixel value: of the parts that are halved until they stay, an estimate */
+    double most_error;  /* the same, of the parts with a proved bound */
     bool plain;         /* nothing is passed over, and every piece is halved: slow, for comparison */
     double iso;         /* first hit: the value of the surface */
-    iso_surface_output output; /* first hit: what the image shows of it */
-    /* Converged and midpoint: instead of the level's scalar and the view's transfer function; or NULL. Converged: it is smooth
-     * within the cells between the level's voxel centers. */
+    iso_surface_output output; /* first hit: the property of the hit that the image shows */
+    /* Converged and midpoint: instead of the level's scalar and the view's transfer function; or NULL. Converged: it is
+     * smooth within the cells between the level's voxel centers. */
     const iso_emitter *emitter;
     int threads;
-    struct iso_reference_result *result; /* filled where it is not NULL */
+    struct iso_reference_result *result; /* filled if it is not NULL */
 } iso_reference_options;
 iso_reference_options iso_reference_defaults(void);
 
-/* What an image does not say. */
+/* Results besides the image. */
 typedef struct iso_reference_result {
     double *rgba; /* the caller's, or NULL: the pixels before they are rounded to floats, 4 each */
     /* Converged: how far a color or the opacity of any pixel is from the equation, at most. NaN: another quadrature. */
     double error;
     bool
-        is_proved; /* every piece has its bound (cell_ray.h); else an estimate, the change by halving, is summed up for some */
+        is_proved; /* True if every piece has its bound (cell_ray.h); otherwise some pieces contribute an estimate, the
+                    * change by halving */
 } iso_reference_result;
 
-/* Linear color and extinction per mm that the view shows at a point of the sampler's level, in its index coordinates: by its
- * transfer function or 2D transfer function, and its extinction scale. A region of interest has no say. Returns the
- * scalar there. */
+/* Linear color and extinction per mm that the view shows at a point of the sampler's level, in its index coordinates:
+ * by its transfer function or 2D transfer function, and its extinction scale. A region of interest has no say. Returns
+ * the scalar there. */
 double iso_reference_classify(const struct iso_sampler *sampler, const iso_view *view, iso_vec3 index, double rgbs[4]);
 
 /* Creates *image (view->width x view->height, RGBA, premultiplied, background

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* reference_ray.c - what one ray meets, and its integral: converged, by equal intervals, by midpoints, by the TF's means,
- * or the first hit of a surface. */
+/* reference_ray.c - what one ray meets, and its integral: converged, by equal intervals, by midpoints, by the TF's
+ * means, or the first hit of a surface. */
 #include "render/reference_ray.h"
 
 #include <math.h>
@@ -103,7 +103,7 @@ static double emission(const ray_state *ray, double t, double color[3])
     return sigma + around;
 }
 
-/* Where the ray leaves the largest block round its place at t that shows nothing; t where there is none. */
+/* The place where the ray leaves the largest empty block round its place at t; t if there is none. */
 static double leave_empty_block(const ray_state *ray, double t)
 {
     if (!ray->empty->seen[0])
@@ -202,10 +202,9 @@ static double cut_at_bend(const ray_state *ray, const layer *l, double a, double
     return 0.5 * (a + b);
 }
 
-/* Smooth between cell borders and bends of the TF; what is not yet extrapolated
- * well is halved. weight is the transmittance in front of the piece, so that
- * hidden pieces are not refined. Where |n.l| or a slight bend leaves a kink, two
- * sums can agree by chance: their difference has to be well below the tolerance. */
+/* Integrates a piece that is smooth between cell borders and bends of the TF; halves it until its extrapolation is
+ * accurate. weight is the transmittance in front of the piece, so that hidden pieces are not refined. At a kink of
+ * |n.l| or a slight bend two sums can agree by chance: their difference has to be well below the tolerance. */
 static stretch integrate_piece(const ray_state *ray, double a, double b, double weight, double tolerance, int depth,
                                double *error)
 {
@@ -242,7 +241,7 @@ static double to_next_plane(double p, double d)
     return (plane - q) / d;
 }
 
-/* The first face of the region of interest or of its band, likewise. */
+/* The first face of the region of interest or of its band, in the same way. */
 static double to_next_face(const iso_roi *f, iso_vec3 index, iso_vec3 direction)
 {
     const double p[3] = {index.x, index.y, index.z}, d[3] = {direction.x, direction.y, direction.z};
@@ -310,9 +309,8 @@ static double value_at(const ray_state *ray, double t)
     return iso_sample_scalar(ray->layer->sampler, iso_madd(ray->origin, ray->direction, t));
 }
 
-/* The first t in [a, b], a piece inside one cell, where the value is at least
- * iso; infinite when there is none. The value is a cubic of t there: its Bezier
- * points bound it, and what they cannot exclude is halved. */
+/* The first t in [a, b], a piece inside one cell, at which the value is at least iso; infinite if there is none. The
+ * value is a cubic of t there: its Bezier points bound it, and intervals that they cannot exclude are halved. */
 static double first_hit(const ray_state *ray, double iso, double a, double b, int depth)
 {
     enum { max_depth = 44 };
@@ -331,7 +329,7 @@ static double first_hit(const ray_state *ray, double iso, double a, double b, in
     return isfinite(front) ? front : first_hit(ray, iso, 0.5 * (a + b), b, depth + 1);
 }
 
-/* Opaque where it is hit: an infinite depth behind. */
+/* Makes a hit opaque: the optical depth beyond it is infinite. */
 static stretch hit_surface(const ray_state *ray, double t0, double t1, double iso, iso_surface_output output)
 {
     stretch s = {{0}, 0};
@@ -357,7 +355,7 @@ static stretch hit_surface(const ray_state *ray, double t0, double t1, double is
 /* Segments [k ds, (k+1) ds] clipped to the box, midpoint, 1 - exp(-sigma length): the ray caster's. */
 static stretch integrate_midpoint(const ray_state *ray, double t0, double t1, double ds)
 {
-    /* What is behind 40 has a part of 4e-18. */
+    /* Beyond optical depth 40 transmittance is below 4.3e-18. */
     const double opaque = ray->plain ? INFINITY : 40;
     stretch s = {{0}, 0};
     for (double k = floor(t0 / ds); k * ds < t1 && s.depth < opaque; ++k) {

@@ -31,7 +31,7 @@ typedef struct ray_state {
     iso_vec3 half[ISO_MAX_LIGHTS];   /* between the lights and the viewer; set by the integral */
 } ray_state;
 
-/* What a stretch of the ray emits towards its own start, and its optical depth. */
+/* Emission of a stretch of the ray towards its own start, and its optical depth. */
 typedef struct stretch {
     double color[3], depth;
 } stretch;
@@ -39,7 +39,7 @@ typedef struct stretch {
 /* shade(d) of scene/scene.h: n, |n| <= 1, and to_viewer in world axes. */
 double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer);
 
-/* From t0 to t1, by the quadrature of opt. *error: converged: what halving changed, summed up. */
+/* Integrates from t0 to t1, by the quadrature of opt. *error: converged: the sum of the changes by halving. */
 stretch iso_reference_integrate(ray_state *ray, const iso_reference_options *opt, double t0, double t1, double *error);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "encode/decode_double.h"
 
-/* Linear codes of a byte a component need no copy of the level: the same floats, byte by byte. */
+/* Reads linear codes of one byte per component without a copy of the level: they give the same floats. */
 static void read_bytes(iso_sampler *s)
 {
     s->by_bytes = true;
@@ -20,8 +20,8 @@ static void read_bytes(iso_sampler *s)
     }
 }
 
-/* e of n = g / sqrt(|g|^2 + e^2). A constant level has no range, but what rounding leaves of its differences is no direction:
- * it is next to nothing beside the value. */
+/* e of n = g / sqrt(|g|^2 + e^2). In a constant level, which has no range, differences are rounding errors and give no
+ * direction: e is tiny compared with the value, but above these. */
 static double on_the_fly_eps(const iso_level *level)
 {
     const double range = level->max - level->min, scale = range > 0 ? range : fmax(fabs(level->max), 1);

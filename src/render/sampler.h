@@ -22,7 +22,8 @@ typedef struct iso_sampler {
     iso_direction_source source;
     float *owned;         /* lattice vectors or decoded directions, made here */
     const float *vectors; /* 3 a voxel, filtered; NULL: of_byte, or on the fly */
-    /* The component that a byte of the level's codes stands for, in codes whose bytes are read one by one; or on the fly. */
+    /* The component that a byte of the level's codes stands for, in codes whose bytes are read one by one; or on the
+     * fly. */
     float of_byte[256];
     bool by_bytes;
     iso_mat3 gradient_to_world;
@@ -34,11 +35,11 @@ typedef struct iso_sampler {
 /* ISO_E_RANGE when the level holds no floats and they are asked for. */
 iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code code, iso_direction_source source,
                               iso_error *err);
-/* A sampler of bricks. *level is filled with what the sampler needs of a level and has to outlive it. */
+/* Makes a sampler of bricks. *level gets the members of a level that the sampler uses, and has to outlive it. */
 void iso_sampler_of_bricks(iso_sampler *s, const iso_brick_field *bricks, iso_level *level);
 void iso_sampler_destroy(iso_sampler *s);
 
-/* What is filtered of a voxel, not on the fly. */
+/* The vector of a voxel that lookups filter; not for gradients on the fly. */
 static inline void iso_sampler_vector(const iso_sampler *s, size_t voxel, float v[3])
 {
     for (size_t a = 0; a < 3; ++a)
@@ -51,7 +52,7 @@ double iso_sample_bytes(const iso_sampler *s, const uint8_t *bytes, iso_vec3 ind
 /* The same for floats, `channels` for each voxel (at most ISO_SAMPLE_CHANNELS), into out. */
 enum { ISO_SAMPLE_CHANNELS = 8 };
 void iso_sample_floats(const iso_sampler *s, const float *values, size_t channels, iso_vec3 index, double *out);
-/* World axes, |n| <= 1, zero where there is no direction. */
+/* World axes, |n| <= 1, zero if the point has no direction. */
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index);
 
 #endif

@@ -14,8 +14,9 @@ static seen see(const iso_camera *c, iso_vec3 v)
     return (seen){iso_dot(v, c->right), iso_dot(v, c->up), iso_dot(v, c->forward)};
 }
 
-/* What all blocks share: their first one's middle, the way to the next along each axis, half of what one spans along each of
- * the camera's axes, and the sphere around one. Half a thousandth more than they are, for rounding. */
+/* Data shared by all blocks: the first one's middle, the way to the next along each axis, half of a block's extent
+ * along each of the camera's axes, and the sphere around one. They are half a thousandth too large, to allow for
+ * rounding. */
 typedef struct block_shape {
     seen first, step[3], half;
     double radius;
@@ -79,7 +80,7 @@ static void add_block(iso_screen_reach *r, const iso_view *view, const block_sha
     const float least = (float)(middle - wide), most = (float)(middle + wide);
     long x[2] = {0, (long)r->columns - 1}, y[2] = {0, (long)r->rows - 1};
     if (far < 0)
-        return; /* behind the camera */
+        return; /* beyond the camera plane */
     /* A block around the camera is everywhere. */
     if (c->orthographic || near > 1e-3 * s->radius) {
         double left = at.right - s->half.right, right = at.right + s->half.right;

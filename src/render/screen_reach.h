@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* screen_reach.h - which pixels can show anything at all, and between which distances along their rays: by tiles of
+/* screen_reach.h - the pixels that can show anything, and the range of distances along their rays: by tiles of
  * ISO_SCREEN_TILE x ISO_SCREEN_TILE pixels, from the blocks that a transfer function shows (brick/occupancy.h).
  *
  *     image    +----+----+----+----+       each block that shows is drawn as a rectangle around its projection,
@@ -7,10 +7,10 @@
  *              |    | ## | ## |    |       the block's nearest and farthest point
  *              +----+----+----+----+
  *
- * What is said is too much at worst, never too little: all that a tile's rays meet outside its distances is empty. So
- * leaving it out changes no sample that shows (tests/test_screen_reach.c). Blocks that others surround on all six sides are
- * passed over, because a ray enters and leaves what shows through one that is not, or begins in what shows: blocks around
- * the camera count always. */
+ * Ranges may be too wide, never too narrow: outside its distances a tile's rays meet only empty space. So leaving it
+ * out changes no sample that shows (tests/test_screen_reach.c). Blocks that others surround on all six sides are passed
+ * over, because a ray enters and leaves the visible part through a block that is not, or begins in a visible block:
+ * blocks around the camera count always. */
 #ifndef ISO_SCREEN_REACH_H
 #define ISO_SCREEN_REACH_H
 
@@ -20,8 +20,8 @@
 
 enum { ISO_SCREEN_TILE = 8 };
 
-/* Blocks of `voxels` a side, x fastest; block b begins at voxels * b + first in index coordinates. distance is 0 where a
- * block shows. */
+/* Blocks of `voxels` a side, x fastest; block b begins at voxels * b + first in index coordinates. distance is 0 where
+ * a block shows. */
 typedef struct iso_screen_blocks {
     const uint8_t *distance;
     size_t count[3];
@@ -30,8 +30,8 @@ typedef struct iso_screen_blocks {
 
 typedef struct iso_screen_reach {
     size_t columns, rows; /* of tiles */
-    /* Two a tile, owned: millimeters along a ray, from the camera or, where that is orthographic, from its plane. The first
-     * is the larger one where nothing shows. */
+    /* Two per tile, owned: millimeters along a ray, from the camera or, if it is orthographic, from its plane. The
+     * first is the larger one if the tile shows nothing. */
     float *mm;
 } iso_screen_reach;
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* cast.h - what the CPU ray caster's packets of rays read (cast_packet.h), made once a picture by caster.c.
+/* cast.h - input of the CPU ray caster's packets of rays (cast_packet.h), made once per picture by caster.c.
  *
- * Scalar, codes and the other channels lie in bricks of 16^3 cells, each with the voxels of its cells' far faces, so that
- * the eight voxels of a cell are at fixed offsets from the first. A cell is what lies between eight voxel centers; the grid
- * has one more voxel at each end, a copy of the outermost, so that clamping at the edge needs no test:
+ * Scalar, codes and the other channels lie in bricks of 16^3 cells, each with the voxels of its cells' far faces, so
+ * that the eight voxels of a cell are at fixed offsets from the first. A cell is the cube between eight voxel centers;
+ * the grid has one more voxel at each end, a copy of the outermost, so that clamping at the edge needs no test:
  *
  *     voxel    -1     0     1            N-1    N
  *               o-----o-----o--- ... ---o-----o
@@ -13,8 +13,8 @@
  * Positions are counted in cells: index + 1/2.
  *
  * Bricks of mixed resolution (mixed.h) have their own nodes. Positions are counted in cells of level 0, index - 1/2 +
- * ISO_CAST_OUTER: so blocks of 4 cells do not lie across bricks, and what is outside the first nodes is above 0. Private to
- * src/render/cpu. */
+ * ISO_CAST_OUTER: so blocks of 4 cells do not lie across bricks, and what is outside the first nodes is above 0.
+ * Private to src/render/cpu. */
 #ifndef ISO_RENDER_CPU_CAST_H
 #define ISO_RENDER_CPU_CAST_H
 
@@ -28,7 +28,7 @@ enum {
     ISO_CAST_PLANE = ISO_CAST_ROW * ISO_CAST_ROW,
     ISO_CAST_VOXELS = ISO_CAST_PLANE * ISO_CAST_ROW, /* of a brick */
     ISO_CAST_BLOCK_SHIFT = 2,                        /* empty space is known by blocks of 4 cells a side */
-    ISO_CAST_TILE = 32,                              /* pixels a side: what a thread takes at once */
+    ISO_CAST_TILE = 32,                              /* pixels along the edge of a tile, the work unit of a thread */
     ISO_CAST_OUTER = 4,      /* cells in front of the first node of bricks of mixed resolution */
     ISO_CAST_LEVEL_BITS = 3, /* of the number that says where such a brick is */
 };
@@ -49,8 +49,8 @@ typedef struct iso_cast_light {
     float diffuse, specular; /* intensity times the material's */
 } iso_cast_light;
 
-/* The table's entry i and how far it is to the next: value, step, value, step ... of optical depth (of a whole segment), red,
- * green and blue. */
+/* The table's entry i and how far it is to the next: value, step, value, step ... of optical depth (of a whole
+ * segment), red, green and blue. */
 enum { ISO_CAST_DEPTH = 0, ISO_CAST_GREEN = 4, ISO_CAST_ENTRY = 8 };
 
 typedef struct iso_cast {
@@ -64,19 +64,19 @@ typedef struct iso_cast {
     double box[3], step_mm;
     size_t clip_count;
     double clips[ISO_MAX_CLIP_PLANES][4]; /* index coordinates */
-    /* the volume, in bricks; NULL where it is not read */
-    int32_t size[3], brick_stride[3]; /* from a brick to the next, in voxels; in bricks where there are slots */
+    /* the volume, in bricks; NULL if it is not read */
+    int32_t size[3], brick_stride[3]; /* from a brick to the next, in voxels; in bricks if there are slots */
     const int32_t
         *slots; /* where bricks are pages (paged.h): the first voxel of each, below 0: it has to be loaded. Else NULL */
-    bool has_integers; /* scalars are kept less the least value, where they have at most 16 bits; else their part of the
-                          range is, as a float */
+    bool has_integers; /* True if scalars have at most 16 bits: they are kept less the least value. Otherwise they are
+                        * kept as floats, scaled to their range */
     const uint16_t *integers; /* scalars alone: these ... */
     const float *floats;      /* ... or these */
-    const uint32_t *voxels;   /* or two words a voxel, which one fetch takes: three bytes of code, and the scalar, as an
-                                 integer or as a float's bits */
+    const uint32_t *voxels;   /* or two words per voxel, which one fetch takes: three bytes of code, and the scalar, as
+                               * an integer or as a float's bits */
     bool labels;              /* not filtered */
-    /* Bricks of mixed resolution, else NULL: of each its first node times 8, and its level; -1: it is left out. Its nodes are
-     * scalars alone as above, integers in 65535 steps of the range; or they have directions, too: */
+    /* Bricks of mixed resolution, otherwise NULL: the first node of each times 8, plus its level; -1: it is left out.
+     * Its nodes are scalars alone as above, integers in 65535 steps of the range; or they have directions, too: */
     const int32_t *places;
     int32_t places_shift[2];     /* the next brick along y is 2^places_shift[0] numbers on, along z 2^places_shift[1] */
     int32_t cells_shift;         /* a brick has 2^cells_shift cells of level 0 a side */
@@ -87,7 +87,7 @@ typedef struct iso_cast {
     const uint16_t *second, *scale; /* bytes of a 2D transfer function and of the extinction's scale */
     /* the transfer function: a value's entry is value * entries_per_value + first_entry */
     const float *entries;
-    int32_t entry_count, row_count; /* row_count: of a 2D one, else 0 */
+    int32_t entry_count, row_count; /* row_count: of a 2D one, otherwise 0 */
     float entries_per_value, first_entry;
     /* light */
     iso_cast_normals normals;
@@ -98,12 +98,12 @@ typedef struct iso_cast {
     iso_cast_light lights[ISO_MAX_LIGHTS];
     bool specular;
     float ambient, power, background[3];
-    /* Empty space: NULL where it is not looked at. Of rays whose bricks are pages: each block's distance to the nearest one
-     * that the transfer function shows. */
+    /* Empty space: NULL if it is not used. If bricks are pages: each block's distance to the nearest one that the
+     * transfer function shows. */
     const uint8_t *distance;
     int32_t block_count[3];
-    /* Of all others: such distances for each octant of directions (brick/occupancy.h); of each block two words whose bits
-     * are cells that can show something, x fastest, the first word of the cells with the lesser z. */
+    /* Of all others: such distances for each octant of directions (brick/occupancy.h); of each block two words whose
+     * bits are cells that can show something, x fastest, the first word of the cells with the lesser z. */
     const uint8_t *octants;
     const int32_t *cells;
     int32_t blocks;
@@ -121,7 +121,7 @@ typedef struct iso_cast_rays {
     float sum[4][ISO_CAST_RAYS], rest[4][ISO_CAST_RAYS];
 } iso_cast_rays;
 
-/* What rays ask for, two bytes a brick: a ray waits for it; it lies ahead of one that waits. */
+/* Requests of rays, two bytes per brick: a ray waits for it; it lies ahead of one that waits. */
 enum { ISO_CAST_WANTED, ISO_CAST_AHEAD, ISO_CAST_ASKED };
 
 /* Takes each ray of a tile as far as its bricks are there. Returns how many rays wait. */
@@ -129,8 +129,8 @@ typedef size_t iso_cast_paged_tile(const iso_cast *c, size_t x, size_t y, iso_ca
                                    float *rgba);
 iso_cast_paged_tile iso_cast_paged_tile_1, iso_cast_paged_tile_4, iso_cast_paged_tile_8, iso_cast_paged_tile_16;
 
-/* Pixels [x, x + ISO_CAST_TILE) of rows [y, y + ISO_CAST_TILE), as far as the image goes. One function a width, the same
- * bits from each. */
+/* Draws pixels [x, x + ISO_CAST_TILE) of rows [y, y + ISO_CAST_TILE), as far as the image goes. One function per width;
+ * all give the same bits. */
 typedef void iso_cast_tile(const iso_cast *c, size_t x, size_t y, float *rgba);
 iso_cast_tile iso_cast_tile_1, iso_cast_tile_4, iso_cast_tile_8, iso_cast_tile_16;
 

@@ -62,12 +62,12 @@ static inline uint32_t iso_cast_scalar_word(const iso_cast_scalars *s, float sca
 uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar);
 float *iso_cast_brick_floats(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar);
 uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes);
-/* Two words a voxel, code and scalar. */
+/* Two words per voxel, code and scalar. */
 uint32_t *iso_cast_brick_voxels(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar,
                                 const uint8_t *codes, bool is_signed);
 float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sampler, int component);
 
-/* What of a level's blocks a table shows: `octants` and `cells` of cast.h. */
+/* Visible parts of a level's blocks under a table: `octants` and `cells` of cast.h. */
 typedef struct iso_cast_blocks {
     size_t count[3], blocks;
     uint8_t *octants; /* owned, both */

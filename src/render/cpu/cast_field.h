@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* cast_field.h - what a packet of points finds in the volume: the scalar, its color and extinction, the shading normal. */
+/* cast_field.h - lookups of a packet of points in the volume: the scalar, its color and extinction, the shading
+ * normal. */
 #ifndef ISO_RENDER_CPU_CAST_FIELD_H
 #define ISO_RENDER_CPU_CAST_FIELD_H
 
@@ -167,7 +168,7 @@ CAST vf filter_floats(const float *values, const place *at)
     return lerp_in_cell(v, at->part);
 }
 
-/* Four words behind each other: of two voxels, each with its code and its scalar. */
+/* Four consecutive words: of two voxels, each with its code and its scalar. */
 CAST word_quad row_of_voxels(const iso_cast *c, const place *at, int row)
 {
     return gather_quads(c->voxels + 2 * CELL_ROW(row), at->voxel, 2);
@@ -231,7 +232,7 @@ CAST vf label_at(const iso_cast *c, const place *at, const points *p)
 
 /* ---- color and extinction ---- */
 
-/* Where on the table the points are: the entry before each, and how far behind it. */
+/* Places of the points on the table: the entry before each, and the distance from it. */
 typedef struct entry {
     vi at;
     vf part;
@@ -251,7 +252,7 @@ CAST entry entry_at(const iso_cast *c, const points *p, const place *at)
     return e;
 }
 
-/* Two components that are kept beside each other. */
+/* Two components that are stored next to each other. */
 typedef struct two {
     vf first, second;
 } two;
@@ -420,7 +421,8 @@ CAST vf filter_row(const iso_cast *c, vi voxel, vf x)
     return lerp((vf)pair.first, (vf)pair.second, x);
 }
 
-/* The scalar a voxel to each side along each axis: at the same part of the neighboring cells, of those that there are. */
+/* The scalar a voxel to each side along each axis: at the same part of the neighboring cells, of those that there
+ * are. */
 CAST void sides_of_labels(const iso_cast *c, const points *p, vi there[3][2], vf side[3][2])
 {
     for (int a = 0; a < 3; ++a)
@@ -430,14 +432,14 @@ CAST void sides_of_labels(const iso_cast *c, const points *p, vi there[3][2], vf
         }
 }
 
-/* Cells beside each other along y or z have two rows in common, which are filtered along x but once:
+/* Adjacent cells along y or z have two rows in common, which are filtered along x only once:
  *
  *     z + 2        o o
  *     z + 1      o # # o        #: rows of the point's own cell
  *     z          o # # o
  *     z - 1        o o
  *            y - 1 y   y + 2
- */
+ * */
 CAST void sides_of(const iso_cast *c, const place *at, vi there[3][2], vi is_edge[3][2], vf side[3][2])
 {
     const vf *f = at->part;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* cast_packet.h - a packet of rays through the volume: ISO_CAST_WIDTH pixels at once, included by one file a width.
+/* cast_packet.h - a packet of rays through the volume: ISO_CAST_WIDTH pixels at once, included by one file per width.
  *
- * The segments are those of the reference's midpoints and of the OpenGL ray caster: [k ds, (k + 1) ds] of each ray, clipped to
- * the box, one sample in the middle. Rays are neighbors, and all go a segment on at once: where one meets something that shows,
- * most do, so that to wait for the others, each at its next sample that shows, took longer. */
+ * The segments are those of the reference's midpoints and of the OpenGL ray caster: [k ds, (k + 1) ds] of each ray,
+ * clipped to the box, one sample in the middle. Rays are neighbors, and all advance by a segment at once: if one meets
+ * a visible sample, most do. Waiting for the others, each at its next visible sample, took longer. */
 #ifndef ISO_RENDER_CPU_CAST_PACKET_H
 #define ISO_RENDER_CPU_CAST_PACKET_H
 
@@ -20,7 +20,7 @@ enum { PACKET_ROWS = ISO_CAST_WIDTH / PACKET_COLUMNS };
 
 typedef struct packet {
     vi count;               /* segments */
-    vf front_cut, back_cut; /* what the box cuts off the first and the last one, in segments */
+    vf front_cut, back_cut; /* parts of the first and the last one that the box cuts off, in segments */
     points at;              /* the middle of segment k */
     points stride;          /* from one to the next */
     vf step[3];             /* the same as floats */
@@ -73,7 +73,7 @@ CAST void aim(const iso_cast *c, size_t x, size_t y, ray_doubles *r)
     r->origin[a][i] = c->position[a] + moved[a][i];
 }
 
-/* From where to where each ray is in the box, and on the kept side of the clip planes. */
+/* Range of each ray in the box, on the kept side of the clip planes. */
 CAST void clip(const iso_cast *c, ray_doubles *r)
 {
     EACH_RAY(i)
@@ -108,14 +108,14 @@ CAST void clip(const iso_cast *c, ray_doubles *r)
     }
 }
 
-/* A double as a whole number and 32 bits of what is left. */
+/* Splits a double into a whole number and 32 bits of fraction. */
 CAST void to_fixed(const double *x, vi *whole, vu *part)
 {
     int32_t w[ISO_CAST_WIDTH];
     uint32_t p[ISO_CAST_WIDTH];
     EACH_RAY(i)
     {
-        const int64_t fixed = (int64_t)floor(x[i] * 0x1p32); /* as one number: what is just below 0 is -2^-32, not -1 */
+        const int64_t fixed = (int64_t)floor(x[i] * 0x1p32); /* as one number: a value just below 0 is -2^-32, not -1 */
         w[i] = (int32_t)(fixed >> 32);
         p[i] = (uint32_t)fixed;
     }
@@ -191,8 +191,8 @@ CAST void advance_by(packet *p, vi n)
     p->k += n;
 }
 
-/* The middles of segments of which the box cuts off parts at the front and at the back; returns what is left of them. What is
- * next to nothing below 0 is a float's 1 above -1, and has to stay below the next whole number. */
+/* The middles of segments that the box cuts at the front and at the back; returns the remaining parts of them. A number
+ * just below 0 becomes a float just above -1 plus 1, and has to stay below the next whole number. */
 CAST vf cut(points *at, vf front, vf back, const vf step[3])
 {
     const vf shift = 0.5f * (front - back), most_part = all_float(0x1.fffffep30f);
@@ -203,7 +203,7 @@ CAST vf cut(points *at, vf front, vf back, const vf step[3])
     return 1.0f - front - back;
 }
 
-/* The middles of the segments, of those that the box cuts as well; what is left of them. */
+/* The middles of the segments, cut ones included, and the remaining part of each. */
 CAST points middles(const packet *p, vf *whole)
 {
     points at = p->at;
@@ -215,8 +215,8 @@ CAST points middles(const packet *p, vf *whole)
     return at;
 }
 
-/* One look at the blocks of the rays of the mask that do not know theirs: past the blocks nearer than the distance, which are
- * empty; the number of segments through them is a little less than rounding could make of it. */
+/* One look at the blocks of the rays of the mask that do not know theirs: past the blocks nearer than the distance,
+ * which are empty; the number of segments through them is a little less than rounding could make of it. */
 CAST void leave_blocks_once(const iso_cast *c, packet *p, vi ask)
 {
     vf whole;
@@ -240,7 +240,7 @@ CAST void leave_blocks_once(const iso_cast *c, packet *p, vi ask)
     advance_by(p, n & ask & is_empty);
 }
 
-/* What a packet found: where, and what shows there. */
+/* A packet's sample: its place, and its visible color. */
 typedef struct sample {
     points at;
     place place;
@@ -248,7 +248,7 @@ typedef struct sample {
     vf depth; /* of the whole segment */
 } sample;
 
-/* At s->at and s->place; whole: what is left of the segment. */
+/* Looks at s->at and s->place; whole: the remaining part of the segment. */
 CAST void look_at_place(const iso_cast *c, sample *s, vf whole, vi mask)
 {
     if (c->places) {
@@ -264,8 +264,8 @@ CAST void look_there(const iso_cast *c, sample *s, vf whole, vi mask)
     look_at_place(c, s, whole, mask);
 }
 
-/* Asks the memory for what the rays will look at AHEAD segments on. The cells of neighboring rays overlap, so that the first
- * voxel of each brings nearly all of it. Places are rough, and one outside the volume does no harm. */
+/* Prefetches the memory that the rays will look at AHEAD segments on. The cells of neighboring rays overlap, so that
+ * the first voxel of each brings nearly all of it. Places are rough, and one outside the volume does no harm. */
 enum { AHEAD = 4 };
 CAST void fetch_ahead(const iso_cast *c, const packet *p)
 {
@@ -303,8 +303,8 @@ CAST vf shade(const iso_cast *c, const vec *to_viewer, const sample *s, vi mask)
     return sum;
 }
 
-/* A float sum of hundreds of terms, and what rounding left of them. A ray that waits adds nothing: even 0 could move a rest
- * into its sum. */
+/* A float sum of hundreds of terms, and what rounding left of them. A ray that waits adds nothing: even 0 could move a
+ * rest into its sum. */
 typedef struct sums {
     vf sum[4], rest[4];
 } sums;
@@ -316,7 +316,7 @@ CAST void add_to(sums *s, int i, vf term, vi mask)
     s->sum[i] = select_float(mask, sum, s->sum[i]);
 }
 
-/* What the samples that the packet found add to its rays. */
+/* Adds the samples of the packet to its rays. */
 CAST void blend(const iso_cast *c, const packet *p, sample *found, vi shows, sums *s)
 {
     if (c->scale)
@@ -352,8 +352,8 @@ CAST void write_packet(const iso_cast *c, const sums *s, size_t x, size_t y, flo
     EACH_RAY(i) write_pixel(c, s, i, x + (size_t)(i % PACKET_COLUMNS), y + (size_t)(i / PACKET_COLUMNS), rgba);
 }
 
-/* Every segment of a packet of neighbors. Where the next sample is, is known before this one is shaded, so that the memory is
- * asked for it meanwhile; for codes, which take the most, it is asked some segments earlier. */
+/* Every segment of a packet of neighbors. Where the next sample is, is known before this one is shaded, so that the
+ * memory is asked for it meanwhile; for codes, which take the most, it is asked some segments earlier. */
 CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
 {
     packet p = begin(c, x, y);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* cast_paged.h - rays whose bricks come from a file: each goes on until it meets a brick that is not there, and waits.
  *
- * A ray's place follows from the number of its segment, without rounding (cast_field.h), so that a ray that waited takes the
- * samples of one that did not, and its sums are kept with what rounding left of them: the picture has the same bits. What is
- * hidden by what is opaque is never asked for. Included after cast_tile.h. */
+ * A ray's place follows from the number of its segment, without rounding (cast_field.h), so that waiting does not
+ * change a ray's samples. Its sums are kept with their rounding errors: the picture has the same bits. Bricks hidden by
+ * opaque ones are never requested. Included after cast_tile.h. */
 #ifndef ISO_RENDER_CPU_CAST_PAGED_H
 #define ISO_RENDER_CPU_CAST_PAGED_H
 
-/* Bricks ahead of a ray that waits, which are loaded as well where there is room. */
+/* Bricks ahead of a waiting ray, which are loaded as well if pages are free. */
 enum { BRICKS_AHEAD = 3 };
 
 CAST int count_of(vi mask)
@@ -75,7 +75,7 @@ static void save(const packet *p, const sums *s, vi wants, iso_cast_rays *rays, 
     }
 }
 
-/* Is there a ray of these that can go on? */
+/* True if any of these rays can advance. */
 static bool can_go_on(const iso_cast *c, const iso_cast_rays *rays, size_t first)
 {
     EACH_RAY(i)

@@ -22,9 +22,9 @@ struct iso_cpu_scene {
 
 /* An empty scene for a width and threads, to be released after a failure, too: ISO_E_MEMORY, ISO_E_RANGE. */
 iso_status iso_cast_begin(iso_cpu_scene **scene, iso_cpu_width width, int threads, iso_error *err);
-/* The scene frees the array. ISO_E_MEMORY where it is NULL. */
+/* The scene takes and frees the array. ISO_E_MEMORY if it is NULL. */
 iso_status iso_cast_own(iso_cpu_scene *s, void *array, size_t bytes, iso_error *err);
-/* Leaves out what the blocks say is empty, and takes their arrays. After the camera. ISO_E_MEMORY. */
+/* Leaves out the blocks that are empty, and takes their arrays. After the camera. ISO_E_MEMORY. */
 iso_status iso_cast_use_blocks(iso_cpu_scene *s, const iso_geometry *g, const iso_view *view, iso_cast_blocks *b,
                                iso_error *err);
 /* iso_cast_set_tf() of a scene. */
@@ -32,13 +32,13 @@ iso_status iso_cast_own_tf(iso_cpu_scene *s, const iso_view *view, double min, d
 
 void iso_cast_set_camera(iso_cast *c, const iso_geometry *g, const iso_view *view, double step_mm);
 void iso_cast_set_light(iso_cast *c, const iso_view *view);
-/* unit: what one of the bricks' values is; they begin at min, the level's least one. After the camera. Returns the entries,
- * to be freed, and their bytes; NULL when memory ends. */
+/* unit: what one of the bricks' values is; they begin at min, the level's least one. After the camera. Returns the
+ * entries, to be freed, and their bytes; NULL when memory ends. */
 float *iso_cast_set_tf(iso_cast *c, const iso_view *view, double min, double unit, size_t *bytes);
-/* How the level's scalars are kept, and what one of what is kept is. */
+/* The format of the level's scalars in the caster, and the size of one unit. */
 iso_cast_scalars iso_cast_scalars_of(const iso_level *level);
 double iso_cast_unit(const iso_cast_scalars *scalars);
-/* NULL where this machine has not that many rays at once. */
+/* NULL if this machine does not support that width. */
 iso_cast_paged_tile *iso_cast_paged_tile_of(iso_cpu_width width);
 
 #endif

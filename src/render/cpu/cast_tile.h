@@ -2,18 +2,18 @@
 /* cast_tile.h - a tile of pixels with empty space left out: packet by packet, in four stages.
  *
  *     seek     along each ray, the segments whose cell can show something        cells' bits, floats
- *     look     the transfer function at their samples, those that show are kept  exact places
+ *     look     the transfer function at their samples; keeps visible ones         exact places
  *     shade    their light
  *     add      in the order of each ray, until no light is left
  *
- * Rays that go different ways leave places empty in a packet. So the first two stages write lists without holes, and looking
- * and shading, which cost most, take as many samples at once as the machine can, whatever their rays. Lists are short, because
- * what lies behind something opaque was sought in vain.
+ * Rays that go different ways leave places empty in a packet. So the first two stages write lists without holes, and
+ * looking and shading, which cost most, take as many samples at once as the machine can, from any rays. Lists are
+ * short, because samples hidden by opaque ones were sought in vain.
  *
- * Seeking decides by a place in floats. Where that may be wrong, beside a face of a cell or where the box cuts a segment, it
- * asks the exact one: no sample that shows is left out. Each stage's operations are those of cast_packet.h, lane by lane, so
- * that the bits are the same. Pixels that can show nothing are written at once; the others' rays begin where their part of the
- * picture can show something and end behind it (render/screen_reach.h). */
+ * Seeking decides by a place in floats. Near a face of a cell, or if the box cuts a segment, that may be wrong: there
+ * the exact place decides. So no visible sample is left out. Each stage's operations are those of cast_packet.h, lane
+ * by lane, so that the bits are the same. Pixels that can show nothing are written at once; the others' rays are
+ * limited to the range that can show something (render/screen_reach.h). */
 #ifndef ISO_RENDER_CPU_CAST_TILE_H
 #define ISO_RENDER_CPU_CAST_TILE_H
 
@@ -40,12 +40,12 @@ typedef struct finds {
 /* Red, green, blue, transmittance. */
 typedef float quad __attribute__((vector_size(16)));
 
-/* A packet's rays and what they have seen. */
+/* A packet's rays and their results so far. */
 typedef struct walk {
     packet p; /* at segment 0 */
     vi k, end;
     /* Its places in floats, in cells: origin + k step. */
-    vf origin[3], per_cell[3]; /* segments a cell, with the sign of the step; 0 where it does not move */
+    vf origin[3], per_cell[3]; /* segments per cell, with the sign of the step; 0 if it does not move */
     vf first_exit[3];          /* the segment that leaves through the face at 0 */
     vi is_down[3];             /* mask */
     vi map;                    /* where the map of its octant begins */
@@ -56,7 +56,7 @@ typedef struct walk {
 
 /* ---- begin ---- */
 
-/* Leaves out the segments in front of what a tile of pixels can show, and ends behind it. */
+/* Leaves out the segments before the visible range of a tile of pixels, and ends the rays after it. */
 CAST void narrow(const iso_cast *c, const float reach_mm[2], walk *w)
 {
     const double from = floor(reach_mm[0] / c->step_mm), to = floor(reach_mm[1] / c->step_mm) + 1;
@@ -94,7 +94,7 @@ CAST void begin_walk(const iso_cast *c, size_t x, size_t y, const float reach_mm
 
 /* ---- seek ---- */
 
-/* The sample of segment k of the ray `lane` of the packet, and what the box leaves of the segment. */
+/* The sample of segment k of the ray `lane` of the packet, and the part of the segment inside the box. */
 CAST points sample_at(const walk *w, vi lane, vi k, vf *whole)
 {
     const packet *p = &w->p;
@@ -171,7 +171,7 @@ CAST vi can_show(const iso_cast *c, const vi cell[3], vi block)
     return (word << (31 - bit)) < 0;
 }
 
-/* The cells of the next segments of rays that are in a block that shows something; returns the segment behind them. */
+/* The cells of the next segments of rays that are in a visible block; returns the segment after them. */
 CAST vi seek_in_cells(const iso_cast *c, walk *w, vi mask, vi k, const vi first_cell[3], vi first_block)
 {
     vi shows[AT_ONCE];
@@ -188,7 +188,7 @@ CAST vi seek_in_cells(const iso_cast *c, walk *w, vi mask, vi k, const vi first_
     return k + AT_ONCE;
 }
 
-/* As far as there is room for what is found. */
+/* Seeks until the lists are full. */
 CAST void seek(const iso_cast *c, walk *w)
 {
     vi k = w->k;
@@ -262,7 +262,7 @@ CAST void look_at_spots(const iso_cast *c, walk *w)
 
 /* ---- shade ---- */
 
-/* What look_at_spots() kept. Of the parts of a cell 24 bits are left, which tell as well which voxel is the nearest. */
+/* The samples that look_at_spots() kept. The parts of a cell have 24 bits left, enough to find the nearest voxel. */
 CAST sample take_sample(const iso_cast *c, const finds *f, int i, vi mask)
 {
     sample s;

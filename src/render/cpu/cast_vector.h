@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* cast_vector.h - as many floats or integers as the packet has rays (ISO_CAST_WIDTH), and what they lack in C.
- *
- * Every operation is that of IEEE 754 lane by lane, and none is fused, so that all widths give the same bits. */
+/* cast_vector.h - as many floats or integers as the packet has rays (ISO_CAST_WIDTH), and the operations that C
+ * lacks for them. Every operation is that of IEEE 754 lane by lane, and none is fused, so that all widths give the
+ * same bits. */
 #ifndef ISO_RENDER_CPU_CAST_VECTOR_H
 #define ISO_RENDER_CPU_CAST_VECTOR_H
 
@@ -171,7 +171,7 @@ CAST vi lane_numbers(void)
 }
 
 #if ISO_CAST_WIDTH == 16
-/* The lanes of the mask, first ones first, and 0 behind them; how many there are. */
+/* Packs the lanes of the mask to the front, followed by 0; returns their number. */
 CAST vi pack_lanes(vi mask, int *count)
 {
     const __mmask16 bits = _mm512_test_epi32_mask((__m512i)mask, (__m512i)mask);
@@ -235,8 +235,8 @@ CAST word_pair gather_pairs(const void *base, vi at)
 #endif
 }
 
-/* The words base[n at] to base[n at + 3]. The processor's own instructions fetch at most two at a time, and take a cycle or
- * more for each: four at a time and turned are faster. */
+/* The words base[n at] to base[n at + 3]. The processor's own instructions fetch at most two at a time, and take a
+ * cycle or more for each: four at a time and turned are faster. */
 typedef struct word_quad {
     vi word[4];
 } word_quad;
@@ -299,12 +299,13 @@ CAST vf gather_floats(const float *base, vi at)
     return (vf)GATHER(base, at, 4);
 }
 
-/* The two halves of 2^t, t in [-126, 127]: a power of 2, and what is left of it less 1. */
+/* The two factors of 2^t, t in [-126, 127]: a power of 2, and the remaining factor less 1. */
 CAST vf power_less_one(vf t, vf *power)
 {
     const vf whole = round_down(t + 0.5f), f = t - whole;
     *power = (vf)((to_int(whole) + 127) << 23);
-    /* 2^f - 1 by the Taylor series of exp(f ln 2): the term that is left out is below 2e-8 of the sum for |f| <= 1/2. */
+    /* 2^f - 1 by the Taylor series of exp(f ln 2): the term that is left out is below 2e-8 of the sum for |f| <=
+     * 1/2. */
     vf sum = all_float(1.525273380e-5f);
     sum = sum * f + 1.540353039e-4f;
     sum = sum * f + 1.333355815e-3f;

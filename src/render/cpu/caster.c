@@ -155,7 +155,7 @@ double iso_cast_unit(const iso_cast_scalars *scalars)
     return scalars->are_integers ? 1 : scalars->range;
 }
 
-/* Where there are no codes beside it. */
+/* Sets the scalars if no codes are interleaved with them. */
 static iso_status set_scalar(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, iso_error *err)
 {
     const iso_cast_scalars scalars = iso_cast_scalars_of(level);
@@ -276,8 +276,8 @@ float *iso_cast_set_tf(iso_cast *c, const iso_view *view, double min, double uni
     return entries;
 }
 
-/* Five roundings of floats along the way to a place and nine to where a ray leaves a cube of blocks, each of the volume's
- * length or that of the largest cube: 16 leave room. */
+/* Margin for five roundings of floats along the way to a place and nine to the exit of a ray from a cube of blocks.
+ * Each is relative to the volume's length or that of the largest cube: 16 are enough. */
 static float margin_of(const iso_geometry *g)
 {
     double most = ISO_OCTANT_MOST << ISO_CAST_BLOCK_SHIFT;

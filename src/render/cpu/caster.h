@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* caster.h - the ray caster on the CPU: the OpenGL ray caster's samples, by packets of rays in AVX-512, AVX2 or plain C.
+/* caster.h - the ray caster on the CPU: the OpenGL ray caster's samples, by packets of rays in AVX-512, AVX2 or plain
+ * C.
  *
- * Quadrature: segments [k ds, (k + 1) ds] of each ray clipped to the box, one sample in the middle, 1 - exp(-sigma length):
- * the reference's midpoints. Rays are set up in double, samples stand in 32 bits of a voxel's part, all else is float. The
- * image depends neither on the number of threads nor on the instruction set, and leaving out empty space changes no bit. */
+ * Quadrature: segments [k ds, (k + 1) ds] of each ray clipped to the box, one sample in the middle, 1 - exp(-sigma
+ * length): the reference's midpoints. Rays are set up in double, samples stand in 32 bits of a voxel's part, all else
+ * is float. The image depends neither on the number of threads nor on the instruction set, and leaving out empty space
+ * changes no bit. */
 #ifndef ISO_RENDER_CPU_CASTER_H
 #define ISO_RENDER_CPU_CASTER_H
 
@@ -36,7 +38,7 @@ typedef struct iso_cpu_options {
 } iso_cpu_options;
 iso_cpu_options iso_cpu_defaults(void);
 
-/* What a machine has: the widest. */
+/* The widest of this machine. */
 iso_cpu_width iso_cpu_widest(void);
 /* "AVX-512, 16 rays at a time" */
 const char *iso_cpu_width_name(iso_cpu_width width);
@@ -47,18 +49,19 @@ bool iso_cpu_takes(const iso_geometry *g);
 /* A level and a view, ready to be drawn as often as one likes. */
 typedef struct iso_cpu_scene iso_cpu_scene;
 
-/* level and view have to outlive it. ISO_E_USAGE: a region of interest; ISO_E_RANGE: a step that is not above 0, a volume
- * of more than 2^31 voxels in bricks, a width that this machine has not, a source that the level lacks. ISO_E_MEMORY. */
+/* level and view have to outlive it. ISO_E_USAGE: a region of interest; ISO_E_RANGE: a step of 0 or less, a volume of
+ * more than 2^31 voxels in bricks, a width that this machine does not support, a source missing in the level.
+ * ISO_E_MEMORY. */
 iso_status iso_cpu_prepare(iso_cpu_scene **scene, const iso_level *level, iso_code code, const iso_view *view,
                            const iso_cpu_options *opt, iso_error *err);
 void iso_cpu_release(iso_cpu_scene *scene); /* accepts NULL */
-/* Of what a picture reads. */
+/* Bytes that a picture reads. */
 double iso_cpu_bytes(const iso_cpu_scene *scene);
 /* Fills an image of the view's size. */
 void iso_cpu_draw(const iso_cpu_scene *scene, iso_image *image);
 
-/* Draws it `most` times at least once, until `enough` seconds (0: no limit) have gone by; seconds[] by the clock, or of the
- * processor, has room for `most`. Returns how many draws were made. */
+/* Draws it `most` times at least once, until `enough` seconds (0: no limit) have gone by; seconds[] by the clock, or of
+ * the processor, holds `most` entries. Returns the number of draws. */
 size_t iso_cpu_draw_repeatedly(const iso_cpu_scene *scene, iso_image *image, size_t most, double enough,
                                bool processor_time, double *seconds);
 

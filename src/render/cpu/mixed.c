@@ -11,14 +11,15 @@
 #include "render/brick_visible.h"
 #include "render/cpu/cast_scene.h"
 
-enum { MOST_NODES = 1 << (31 - ISO_CAST_LEVEL_BITS), ROOM = 4 }; /* ROOM: nodes that a fetch may reach behind the last */
+enum { MOST_NODES = 1 << (31 - ISO_CAST_LEVEL_BITS), ROOM = 4 }; /* ROOM: nodes that a fetch may reach beyond the
+                                                                  * last */
 
 iso_cpu_brick_options iso_cpu_brick_defaults(void)
 {
     return (iso_cpu_brick_options){.shaded = true, .node_bits = 16};
 }
 
-/* What is made of the bricks. */
+/* Data made from the bricks. */
 typedef struct mixed {
     iso_cpu_scene *scene;
     const iso_brick_field *field;
@@ -87,7 +88,7 @@ static size_t bytes_a_node(const mixed *m)
     return (m->is_lit ? ISO_NODE_CHANNELS : 1) * (size_t)m->opt->node_bits / 8;
 }
 
-/* Baked nodes become what is looked up. The scalars are changed to what they are there. */
+/* Turns baked nodes into the stored form. The scalars are changed to their stored values. */
 static void keep_nodes(const mixed *m, size_t first, size_t count, float *baked)
 {
     const iso_node_levels *n = m->field->nodes;
@@ -117,7 +118,8 @@ static void keep_nodes(const mixed *m, size_t first, size_t count, float *baked)
 
 /* ---- empty space ---- */
 
-/* The number of a block, and which bit of its words a cell is: cells are counted with those in front of the first node. */
+/* The number of a block, and which bit of its words a cell is: cells are counted with those in front of the first
+ * node. */
 static size_t block_of(const iso_cast_blocks *b, const size_t cell[3])
 {
     return (cell[0] >> ISO_CAST_BLOCK_SHIFT) +
@@ -177,8 +179,8 @@ static void show_brick(const mixed *m, size_t i, const float *baked)
             }
 }
 
-/* Where positions are taken for those of the outermost nodes, what they show: layers of cells in front of the first one and
- * behind the last along each axis, those along the axes before included. */
+/* Shows the layers of outer cells, whose positions are clamped to the outermost nodes: cells before the first one and
+ * after the last along each axis, those along the axes before included. */
 static void show_outer_cells(const mixed *m)
 {
     const int32_t *last = m->scene->cast.last_cell;
@@ -272,7 +274,7 @@ static iso_status bake_bricks(const mixed *m, iso_error *err)
     return failed ? iso_fail(err, ISO_E_MEMORY, "cpu: no memory for a brick of %zu nodes", most) : ISO_OK;
 }
 
-/* Rays that are left out look at node 0 and what a brick of level 0 would have behind it. */
+/* Makes the nodes. Omitted rays look at node 0 and at the nodes that follow in a brick of level 0. */
 static iso_status make_nodes(mixed *m, iso_error *err)
 {
     const size_t side = m->field->nodes->brick_voxels + 1, least = side * side * side;

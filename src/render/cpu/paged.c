@@ -81,7 +81,7 @@ static void measure(paged *p, const iso_view *view)
     p->tiles[1] = (view->height + ISO_CAST_TILE - 1) / ISO_CAST_TILE;
 }
 
-/* A tenth of a megabyte and more, so that the parts are what the sum is. */
+/* Rounds up to a tenth of a megabyte, so that the parts add up to the sum. */
 static double tenths_of_mb(double bytes)
 {
     return ceil(bytes / 104857.6) / 10;
@@ -91,12 +91,12 @@ static iso_status say_what_is_needed(double given, double empty, double rays, do
 {
     const double parts[] = {tenths_of_mb(empty), tenths_of_mb(rays), tenths_of_mb(pages)};
     return iso_fail(err, ISO_E_RANGE,
-                    "paged: %.1f MB are too little, this picture needs %.1f MB: %.1f for what is empty, %.1f for rays "
+                    "paged: %.1f MB are too little, this picture needs %.1f MB: %.1f for empty space, %.1f for rays "
                     "and the image, %.1f for %d pages",
                     given / 1048576, parts[0] + parts[1] + parts[2], parts[0], parts[1], parts[2], (int)LEAST_PAGES);
 }
 
-/* Everything but the pool, which takes what is left of the memory. */
+/* Allocates everything but the pool, which takes the rest of the memory. */
 static iso_status allocate(paged *p, const iso_view *view, double memory_bytes, iso_error *err)
 {
     const double fixed = fixed_bytes(p, view), pages = LEAST_PAGES * (double)page_bytes(p);
@@ -167,7 +167,7 @@ static iso_status set_scene(paged *p, iso_code code, const iso_view *view, doubl
     return p->entries ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "paged: no memory for the transfer function");
 }
 
-/* ---- what is empty ---- */
+/* ---- empty space ---- */
 
 static bool block_shows(const iso_tf_table *tf, const float *rows, size_t nx, size_t row_count, size_t bx)
 {
@@ -182,7 +182,7 @@ static bool block_shows(const iso_tf_table *tf, const float *rows, size_t nx, si
     return iso_tf_shows(tf, (double)min, (double)max);
 }
 
-/* Blocks b[1], b[2] of y and z, all along x. rows: room for BLOCK_ROWS^2 of them. */
+/* Blocks b[1], b[2] of y and z, all along x. rows: buffer for BLOCK_ROWS^2 of them. */
 static iso_status find_row_of_blocks(paged *p, const iso_tf_table *tf, const size_t b[3], float *rows, iso_error *err)
 {
     const size_t *size = p->level->geometry.size;
@@ -325,7 +325,7 @@ static void assign(paged *p, size_t brick, size_t *count)
     p->list[(*count)++] = (int32_t)page;
 }
 
-/* The pages of the next pass: bricks that rays wait for, then those ahead, as many as there is room for. */
+/* Chooses the pages of the next pass: bricks that rays wait for, then those ahead, until the pool is full. */
 static size_t choose(paged *p)
 {
     size_t count = 0;

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* paged.h - the ray caster on the CPU for levels that are larger than memory: bricks are pages, read when a ray needs them.
+/* paged.h - the ray caster on the CPU for levels that are larger than memory: bricks are pages, read when a ray needs
+ * them.
  *
  *     level_K.nrrd  --read once, row by row-->  blocks that the transfer function shows (a byte for 64 voxels)
  *     level_K.nrrd, level_K_dir.nrrd  --bricks that rays wait for-->  pool of pages  -->  rays go on, or wait again
  *
- * All rays begin at once. In each pass every ray goes on until it is done or meets a brick that is not in the pool; then the
- * bricks that are waited for are loaded, and where there is room those that lie ahead. What no ray reaches, because the
- * transfer function hides it or something opaque is before it, is never loaded. The picture is that of caster.h, bit for
- * bit, whatever the memory and the number of threads. */
+ * All rays begin at once. In each pass every ray goes on until it is done or meets a brick that is not in the pool;
+ * then the bricks that rays wait for are loaded and, if pages are free, those ahead. Bricks that no ray reaches,
+ * because the transfer function or an opaque part hides them, are never loaded. The picture is that of caster.h, bit
+ * for bit, for any memory and number of threads. */
 #ifndef ISO_RENDER_CPU_PAGED_H
 #define ISO_RENDER_CPU_PAGED_H
 
@@ -28,9 +29,9 @@ typedef struct iso_paged_options {
     int threads;
 } iso_paged_options;
 
-/* level: of the outline that pages were opened with; with its codes where the view is lit. Shaded from codes. ISO_E_USAGE:
- * a region of interest, a 2D transfer function, scales of extinction; ISO_E_RANGE: too little memory, with what is needed;
- * ISO_E_IO, ISO_E_MEMORY. */
+/* level: of the outline that pages were opened with; with its codes if the view is lit. Shaded from codes. ISO_E_USAGE:
+ * a region of interest, a 2D transfer function, scales of extinction; ISO_E_RANGE: too little memory, with the needed
+ * size; ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_cpu_render_paged(const iso_level *level, iso_code code, const iso_level_pages *pages,
                                 const iso_view *view, const iso_paged_options *opt, iso_image *image,
                                 iso_paged_stats *stats, const iso_progress *progress, iso_error *err);

@@ -192,7 +192,7 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_node_levels *n, u
     return iso_gl_create_occupancy(gl, n->count, visible, &t->occupancy, err);
 }
 
-/* What is drawn, and what stands on the GPU of it. */
+/* The bricks to draw, and their data on the GPU. */
 typedef struct brick_job {
     iso_gl *gl;
     const iso_brick_field *field;

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* gl_context.h - a headless OpenGL context (gl_context.c), its programs (gl_program.c) and its textures (gl_draw.c).
  *
- * The context comes from EGL through libepoxy (gl_devices.h): the device that is asked for, or each EGL device that is
- * no software renderer, then the platform without a surface (Mesa's llvmpipe). Core profile, 4.3 or newer. Nothing here
- * knows about volumes.
+ * The context comes from EGL through libepoxy (gl_devices.h): the requested device, or each EGL device except software
+ * renderers, then the platform without a surface (Mesa's llvmpipe). Core profile, 4.3 or newer. Independent of volumes.
  *
  * Private to src/render and src/brick: commands see render/gl/raycaster.h. */
 #ifndef ISO_GL_CONTEXT_H
@@ -49,8 +48,8 @@ iso_status iso_gl_get_program(iso_gl *gl, const char *fragment, const char *defi
  * size and limit when it is too large for this GL, ISO_E_MEMORY. */
 iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, const size_t size[3], const char *what,
                                     GLuint *texture, iso_error *err);
-/* Sets all texels of the bound texture to 0: of one that is not written as a whole. Where a filter reaches beyond what was
- * written, by a rounding, a NaN there would be a NaN of the picture. */
+/* Sets all texels of the bound texture to 0, if it is not written as a whole. A filter may reach beyond the written
+ * texels, by a rounding: a NaN there would be a NaN in the picture. */
 iso_status iso_gl_clear_texture_3d(const size_t size[3], iso_error *err);
 /* One texel a brick, nearest: its distance to the nearest occupied one (brick/occupancy.h). */
 iso_status iso_gl_create_occupancy(const iso_gl *gl, const size_t count[3], const uint8_t *distance, GLuint *texture,
@@ -71,8 +70,8 @@ typedef struct iso_gl_cover {
 iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, iso_gl_cover cover, float *rgba,
                        double *seconds, iso_error *err);
 
-/* How often a program is drawn: `count` times (0: once) while they have taken less than `seconds` (0: all; else after a
- * draw of one pixel). */
+/* Number of draws of a program: `count` times (0: once) while they have taken less than `seconds` (0: all; otherwise
+ * after a draw of one pixel). */
 typedef struct iso_gl_repeats {
     size_t count;
     double seconds;

@@ -10,9 +10,9 @@
 
 enum { MOST_DEVICES = 16 };
 
-/* What was tried, and what is wanted. */
+/* Devices tried so far, and the wanted one. */
 typedef struct trial {
-    const char *choice; /* NULL: the first that is no software */
+    const char *choice; /* NULL: the first that is not a software renderer */
     char tried[768];
 } trial;
 
@@ -39,7 +39,7 @@ static bool is_number(const char *text)
     return text && *text && text[strspn(text, "0123456789")] == '\0';
 }
 
-/* Does the current context have what the choice asks for, by name? */
+/* True if the name of the current context matches the choice. */
 static bool is_called(const char *choice)
 {
     const char *const texts[] = {(const char *)glGetString(GL_VENDOR), (const char *)glGetString(GL_RENDERER)};

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* gl_devices.h - the devices that EGL knows, and the choice of one. Private to src/render/gl.
+/* gl_devices.h - the devices that EGL lists, and the choice of one. Private to src/render/gl.
  *
- * Without a choice: each device that is no software renderer, then the platform without a surface. A choice is a
- * device's number, a part of what its OpenGL is called (vendor or renderer, small and capital letters alike), or
- * "surfaceless"; there is then nothing to fall back to.
- */
+ * Without a choice: each device except software renderers, then the platform without a surface. A choice is a device's
+ * number, a part of its OpenGL vendor or renderer name (ignoring case), or "surfaceless"; a choice has no fallback.
+ * */
 #ifndef ISO_GL_DEVICES_H
 #define ISO_GL_DEVICES_H
 

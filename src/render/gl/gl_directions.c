@@ -34,8 +34,8 @@ iso_status iso_gl_upload_bytes(const iso_gl *gl, const iso_level *level, const u
 
 /* ---- codes ------------------------------------------------------------------------------------------------------ */
 
-/* How codes are stored: bytes where they are filtered as finely as floats, else the same lattice in 16 bits: a multiple of
- * the byte, so that nothing is rounded. */
+/* Storage of codes: bytes if they are filtered as finely as floats. Otherwise the same lattice in 16 bits, a multiple
+ * of the byte, so that no code is rounded. */
 typedef struct code_layout {
     bool is_signed, wide;
     size_t channels;

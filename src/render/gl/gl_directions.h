@@ -19,8 +19,8 @@ typedef struct iso_gl_directions {
 iso_status iso_gl_upload_bytes(const iso_gl *gl, const iso_level *level, const uint8_t *bytes, const char *what,
                                GLuint *texture, iso_error *err);
 
-/* The same from the level's codes. extinction_scale: a byte a voxel that goes into alpha, which the texture has anyway;
- * or NULL. */
+/* The same from the level's codes. extinction_scale: one byte per voxel that goes into alpha, which the texture has
+ * anyway; or NULL. */
 iso_status iso_gl_upload_codes(const iso_gl *gl, const iso_level *level, iso_code code, const uint8_t *extinction_scale,
                                iso_gl_directions *d, iso_error *err);
 /* Codes in 16 bits with the scalar in alpha: (value - min) * multiple, which has to be a whole number of at most

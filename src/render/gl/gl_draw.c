@@ -6,8 +6,8 @@
 #include "base/parallel.h"
 #include "render/gl/gl_context.h"
 
-/* GL says nothing of what is in a new texture: Mesa clears it, other drivers leave what the memory held. Builds with the
- * sanitizers put NaN there, so that reading what nobody wrote shows. */
+/* Fills a new texture with NaN in builds with sanitizers, so that reads of unwritten texels are visible. GL leaves the
+ * content of a new texture undefined: Mesa clears it, other drivers leave old memory. */
 static void poison(GLenum internal_format, const size_t size[3])
 {
 #ifdef ISO_POISON_TEXTURES
@@ -98,7 +98,7 @@ iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t 
     return status;
 }
 
-/* Begins a query of the time that the device takes for what follows; 0: it has no timer. */
+/* Begins a query of the device time of the following commands; 0: it has no timer. */
 static GLuint begin_timer(const iso_gl *gl)
 {
     GLuint query = 0;

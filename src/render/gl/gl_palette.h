@@ -5,7 +5,8 @@
 
 #include "render/gl/gl_context.h"
 
-/* One index a voxel, in 8 bits where the palette has at most 256 entries, else in 16. Integers are never filtered. */
+/* One index per voxel, in 8 bits if the palette has at most 256 entries, otherwise in 16. Integers are never
+ * filtered. */
 iso_status iso_gl_upload_indices(const iso_gl *gl, const iso_level *level, GLuint *texture, iso_error *err);
 
 /* One row: the entry's direction, and as fourth component its shade under the view's lights, seen along the camera's

@@ -36,8 +36,8 @@ static const struct {
     {"warp_map.h", iso_warp_map_glsl},
 };
 
-/* The text of a shader file: from the shader folder when one is named, else the
- * embedded one. *owned is to be freed. */
+/* The text of a shader file: from the shader folder if one is named, otherwise the embedded text. *owned is to be
+ * freed. */
 static iso_status shader_text(const iso_gl *gl, const char *name, const char **text, char **owned, iso_error *err)
 {
     *owned = NULL;

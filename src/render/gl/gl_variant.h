@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* gl_variant.h - the ray caster's variants: raycast.glsl compiled with what a view needs, by names that the shaders
- * share (shaders/variants.h). */
+/* gl_variant.h - the ray caster's variants: raycast.glsl compiled with the features of a view, by names that the
+ * shaders share (shaders/variants.h). */
 #ifndef ISO_GL_VARIANT_H
 #define ISO_GL_VARIANT_H
 
 #include "render/gl/gl_context.h"
 #include "render/gl/shaders/variants.h"
 
-/* The fields are the shader's switches of the same names; raycast.glsl says what each does. */
+/* The fields are the shader's switches of the same names; raycast.glsl documents each. */
 typedef struct iso_gl_variant {
     int direction_source; /* SOURCE_... */
     int decoder;          /* ISO_DECODER_... of code_decode.h, for SOURCE_CODES */
     int output;           /* OUTPUT_... */
     size_t light_count;
     bool scalar_with_directions, specular, shade_table, skip_empty, preintegrated, exact, filtered_by_hand, roi, bricks;
-    int screen_tile;        /* pixels a side of the tiles that know where they can show anything; 0: there are none */
+    int screen_tile;        /* pixels along the edge of the tiles that have a visible range; 0: there are none */
     int tf_2d_rows;         /* of a 2D transfer function; 0: it is 1D */
     int extinction_scale;   /* SCALE_... */
     size_t pages;           /* of the brick cache; 0: one */

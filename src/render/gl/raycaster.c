@@ -126,7 +126,8 @@ static double bytes_of(const level_textures *t)
     return bytes;
 }
 
-/* The TF's sums as floats, and what the floats leave of them: their differences then keep a float's digits. */
+/* Uploads the TF's sums as floats, and the rounding errors of these floats: differences of sums then keep a float's
+ * digits. */
 static iso_status upload_sums(const iso_gl *gl, const iso_tf_table *tf, level_textures *t, iso_error *err)
 {
     iso_tf_integral integral;
@@ -146,7 +147,8 @@ static iso_status upload_sums(const iso_gl *gl, const iso_tf_table *tf, level_te
     return status;
 }
 
-/* What each tile of pixels can show. It belongs to a picture, not to the volume: its time is the drawing's. */
+/* Uploads the visible range of each tile of pixels. It belongs to a picture, not to the volume: its time counts as
+ * drawing. */
 static iso_status upload_reach(const iso_gl *gl, const iso_level *level, const iso_view *view,
                                const iso_screen_blocks *blocks, level_textures *t, iso_error *err)
 {
@@ -200,7 +202,8 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
     return status;
 }
 
-/* The rows of a 2D transfer function as rows of one texture, and a byte a voxel. Bricks are skipped by the envelope. */
+/* The rows of a 2D transfer function as rows of one texture, and one byte per voxel. Bricks are skipped by the
+ * envelope. */
 static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
                                const iso_view *view, level_textures *t, iso_error *err)
 {
@@ -259,8 +262,8 @@ static iso_status upload_roi(const iso_gl *gl, const iso_roi *f, iso_code code, 
     return status;
 }
 
-/* Where a fetch takes as long as its filter computes, one of four channels is faster than one of the scalar and one of
- * the code. A GPU would fetch four times the bytes where nothing shows. */
+/* True if scalar and code share a texture. If a fetch takes as long as its filter computes, one fetch of four channels
+ * is faster than one of the scalar and one of the code. A GPU would fetch four times the bytes in invisible parts. */
 static bool holds_scalar_with_codes(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
                                     const iso_view *view)
 {
@@ -446,7 +449,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
                          const iso_gl_options *options, iso_image *image, iso_error *err)
 {
     iso_gl_options with_step = *options, *opt = &with_step;
-    /* A surface's place is counted in segments, so they are voxels there, whatever the step. */
+    /* A surface's place is counted in segments, so segments are voxels there, for any step. */
     const double step_voxels = opt->step_voxels = opt->surface           ? 1
                                                   : opt->step_voxels > 0 ? opt->step_voxels
                                                                          : view->step_voxels;

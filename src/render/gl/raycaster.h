@@ -35,19 +35,19 @@ typedef struct iso_gl_info {
 #define ISO_GL_DEVICE_VARIABLE "ISOSHADE_GL_DEVICE"
 /* How many EGL lists; the n-th is called by its number. */
 size_t iso_gl_device_count(void);
-/* Whether drawing would be software's: nobody set a device, and EGL lists none that is no software. No context is made. */
+/* True if a software renderer would draw: no device is set, and EGL lists only software renderers. No context is
+ * made. */
 bool iso_gl_is_software(void);
 
-/* shader_dir: read the shaders there instead of the embedded ones; or NULL.
- * ISO_E_MISSING when EGL gives no context, with what was tried. The context is
- * current on the calling thread only. */
+/* shader_dir: read the shaders there instead of the embedded ones; or NULL. ISO_E_MISSING with the devices tried if EGL
+ * gives no context. The context is current on the calling thread only. */
 iso_status iso_gl_create(iso_gl **gl, const char *shader_dir, iso_error *err);
-/* On the device of that choice; NULL or "": the first that is no software. */
+/* Creates it on the chosen device; NULL or "": the first that is not a software renderer. */
 iso_status iso_gl_create_on(iso_gl **gl, const char *device, const char *shader_dir, iso_error *err);
 void iso_gl_destroy(iso_gl *gl);
 iso_gl_info iso_gl_describe(const iso_gl *gl);
-/* What the last drawing took by the device's own timer, the fastest where it was repeated: without what the driver and
- * this program do beside it. NaN: it has none. */
+/* Seconds of the last drawing by the device's own timer, the fastest if it was repeated. Work of the driver and this
+ * program is excluded. NaN: the device has no timer. */
 double iso_gl_device_seconds(const iso_gl *gl);
 /* From now on times are processor time summed over all cores instead of wall-clock time: for software GL on a machine
  * that is also used by others. */
@@ -62,7 +62,7 @@ typedef enum iso_gl_skip {
 } iso_gl_skip;
 #define ISO_GL_SKIP_OCCUPIED 0.5
 
-/* What an image took. */
+/* Measurements of an image. */
 #define ISO_GL_MAX_DRAWS 16
 typedef struct iso_gl_stats {
     double upload_seconds; /* until the first draw: textures made and filled, shaders compiled */
@@ -81,12 +81,12 @@ typedef struct iso_gl_options {
     double repeat_seconds; /* above 0: draws are repeated until they took so long; a draw of one pixel goes before
                                   * them, because drivers compile in the first one */
     iso_gl_stats *stats;   /* filled; or NULL */
-    double *seconds;       /* set to what the drawing alone took; or NULL */
-    bool shade_table;      /* palettes: shading by a table of the entries, made anew for each view and its
-                                  * lights, with one direction to the viewer; exact for orthographic cameras and the
-                                  * nearest entry, else shades are filtered instead of directions */
-    bool fast_filter;      /* the device's filter also where it is coarse, for frames that are timed; else the shader
-                                  * filters there itself, in float, eight fetches for one */
+    double *seconds;       /* gets the seconds of the drawing alone; or NULL */
+    bool shade_table;      /* palettes: shading by a table of the entries, made again for each view and its lights, with
+                            * one direction to the viewer; exact for orthographic cameras and the nearest entry,
+                            * otherwise shades are filtered instead of directions */
+    bool fast_filter;      /* True if the device's filter is used even if it is coarse, for timed frames; otherwise the
+                            * shader filters in float, with eight fetches instead of one */
     bool preintegrated;    /* not with a 2D transfer function */
     bool exact_lookups;    /* the shader filters textures and finds the table's entry itself, at positions in double
                                   * precision; texture units take float coordinates. Slow, for validation; not with a

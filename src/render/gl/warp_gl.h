@@ -18,7 +18,8 @@ typedef struct iso_gl_warp {
     const iso_level *level;
 } iso_gl_warp;
 
-/* Of the options max_slots, keep_hidden and wanted are ignored. Fields of one channel are drawn unshaded. ISO_E_RANGE, ISO_E_MEMORY. */
+/* Ignores the options max_slots, keep_hidden and wanted. Fields of one channel are drawn unshaded. ISO_E_RANGE,
+ * ISO_E_MEMORY. */
 iso_status iso_gl_render_warp(iso_gl *gl, const iso_gl_warp *warp, const iso_view *view,
                               const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
                               iso_error *err);

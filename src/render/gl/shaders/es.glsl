@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// es.glsl - what GLSL ES 3.00 lacks, so that WebGL2 compiles the same sources: it stands before them, behind the #version.
-// There are no doubles: a ray is set up in floats, 1e-5 voxels off where 300 voxels are crossed.
+// es.glsl - definitions that GLSL ES 3.00 lacks, so that WebGL2 compiles the same sources. It precedes them, after #version.
+// Doubles are missing: a ray is set up in floats, 1e-5 voxels off where 300 voxels are crossed.
 precision highp float;
 precision highp int;
 precision highp sampler2D;

@@ -2,11 +2,11 @@
 // first_hit.glsl - the first point of the ray inside the box where the value is at least iso: opaque, c(iso) shade(d).
 //
 // The reference's definition (first_hit in reference.c): between two planes of samples the value is a cubic of the ray's
-// length, known from four fetches; its Bezier points bound it, and what they cannot exclude is halved. So no step is
+// length, known from four fetches; its Bezier points bound it, and other intervals are halved. So no step is
 // too long for a thin sheet.
 //
 // OUTPUT_HIT_COLOR, or the place in index coordinates (OUTPUT_HIT_PLACE) or the shading normal (OUTPUT_HIT_NORMAL), whose
-// alpha is 0 where nothing is hit. All else as in raycast.glsl.
+// alpha is 0 without a hit. Otherwise as in raycast.glsl.
 
 uniform float iso_texel;     // the surface's value, as a texel
 uniform vec3 samples_per_p;  // of level 0; brick levels are coarser by their layout's w
@@ -29,7 +29,7 @@ Cell cell_at(vec3 p)
 #endif
 }
 
-// What is left out is below every surface.
+// Omitted voxels are below every surface.
 float value_in(Cell cell, vec3 p)
 {
 #if BRICKS
@@ -118,11 +118,11 @@ float first_root(vec4 c, float iso)
     return 2.0;
 }
 
-// Where the ray first hits, in segments; beyond its end where it does not.
+// Segment in which the ray first hits; beyond its end if it does not.
 float hit(Ray ray)
 {
     float at = ray.first_cut - 0.5, last = ray.length - 0.5, nowhere = last + 1.0;
-    // As in raycast.glsl: the search is a loop, what is seldom needed stands outside it.
+    // As in raycast.glsl: the search is a loop, rarely executed code stands outside it.
     while (at < last) {
         float end = at, s[4] = float[4](0.0, 0.0, 0.0, 0.0);
         vec4 cubic = vec4(0.0);

@@ -10,7 +10,7 @@ vec4 hold(vec4 x) { return max(x, vec4(-3.0e38)); }
 int hold(int x) { return max(x, -0x7fffffff); }
 ivec3 hold(ivec3 x) { return max(x, ivec3(-0x7fffffff)); }
 
-// The fields are uniforms of the same names but where it is said.
+// Fields are uniforms of the same names unless a comment names another.
 struct Held {
     float tf_scale, tf_offset;
     int tf_count;

@@ -6,23 +6,23 @@
 // A ray is set up in double precision, once a pixel: where a thin shell is met at a glancing angle, 1e-5 voxels of shift
 // show in the image. Its samples are floats, from the middle of the first segment.
 //
-// Defined before this file (gl_variant.c), each 0 or 1 where nothing else is said:
+// Defined before this file (gl_variant.c), each 0 or 1 unless noted:
 //     DIRECTION_SOURCE, OUTPUT   names of variants.h
 //     DECODER                    a name of code_decode.h, for SOURCE_CODES
 //     SCALAR_WITH_DIRECTIONS     the scalar is the alpha of the directions, so that a sample's fetch is that of its normal
 //     LIGHT_COUNT, SPECULAR      of the view
 //     SHADE_TABLE                a palette's shades instead of its directions
 //     SKIP_EMPTY                 bricks that the TF does not show are passed over
-//     SCREEN_TILE                with SKIP_EMPTY: tiles of so many pixels a side know where they can show anything, or 0
+//     SCREEN_TILE                with SKIP_EMPTY: edge in pixels of tiles with a visible range, or 0
 //     PREINTEGRATED              the TF's means between the values at both ends of a segment
 //     EXACT                      textures are filtered here and values classified, in double
 //     ROI                        a finer level inside a region: roi.glsl
 //     TF_2D_ROWS                 rows of a 2D transfer function (tf_2d.h); 0: it is 1D
 //     EXTINCTION_SCALE           where its bytes are, a name of variants.h
 //     BRICKS, PAGES              a cache of bricks, and how many textures hold it
-//     TRANSITION                 with BRICKS whose samples lie inside them: transition.glsl; else undefined
+//     TRANSITION                 with BRICKS whose samples lie inside them: transition.glsl; otherwise undefined
 //     FILTERED_BY_HAND           textures are filtered here, in float: where the texture unit weighs texels coarsely, or does
-//                                not filter floats (WebGL2 on some telephones); else undefined
+//                                not filter floats (WebGL2 on some telephones); otherwise undefined
 // In WebGL2 es.glsl stands before this file: doubles are floats there, and the rests that they leave are 0.
 #include "variants.h"
 
@@ -70,7 +70,7 @@ uniform vec3 brick_in_cache;        // a brick of level 0, in texture coordinate
 uniform vec3 last_node;             // p of the volume's last node
 #endif
 #if PAGES > 1                       // of the cache: coordinates z + page
-uniform sampler3D scalar_pages[PAGES - 1], direction_pages[PAGES - 1]; // those behind the first
+uniform sampler3D scalar_pages[PAGES - 1], direction_pages[PAGES - 1]; // those after the first
 #endif
 
 #if DIRECTION_SOURCE == SOURCE_PALETTE || DIRECTION_SOURCE == SOURCE_NEAREST
@@ -101,9 +101,9 @@ vec3 rounded_p;                  // what stands for it everywhere else
 struct Ray {
     vec3 start, stride; // p in the first segment's middle; a segment further
     vec3 start_rest, stride_rest; // what float leaves of them: a hundred segments on it would be 1e-5 voxels
-    float first_cut;    // what the box cuts off the first segment, in segments
+    float first_cut;    // part of the first segment that the box cuts off, in segments
     float length;       // segments to the end of the box, counted from where the first one begins
-    float from, to;     // what can show anything, in segments
+    float from, to;     // the range that can show anything, in segments
     vec3 world;         // unit direction
 };
 
@@ -187,9 +187,9 @@ Segment segment(Ray ray, float k)
 }
 
 #if SKIP_EMPTY
-// Whether segment k's middle lies in a brick that shows: segments before `until` are known to. If not, k becomes the first
-// segment behind the cube of bricks nearer than `distance`, which is empty. Brick ranges reach half a voxel further than
-// the brick, so rounding at its faces does not matter.
+// True if segment k's middle lies in a visible brick; segments before `until` are known to. If not, k becomes the first
+// segment beyond the cube of bricks nearer than `distance`, which is empty. Brick ranges reach half a voxel further
+// than the brick, so rounding at its faces does not matter.
 bool leave_empty_bricks(Ray ray, inout float k, inout float until)
 {
     bool known = k < until;
@@ -216,7 +216,7 @@ bool leave_empty_bricks(Ray ray, inout float k, inout float until)
 uniform bool labels; // are not filtered: the voxel that holds the position
 #endif
 
-// What the texture has at p: eight texels, weighted.
+// The texture's value at p: eight texels, weighted.
 #ifdef FILTERED_BY_HAND
 vec4 filtered(sampler3D texels, vec3 p)
 {
@@ -244,7 +244,7 @@ vec4 layout_of(vec3 brick) { return textureLod(layout_of_bricks, (brick + 0.5) *
 #ifdef TRANSITION
 #include "transition.glsl"
 #else
-// Where the cache holds p as a brick has it, whose closed box p is in; w is 0 where it is left out.
+// Place of p in the cache for a brick whose closed box holds p; w is 0 if it is left out.
 vec4 address_in(vec3 brick, vec3 p)
 {
     vec4 place = layout_of(brick);
@@ -254,7 +254,7 @@ vec4 address_in(vec3 brick, vec3 p)
 #endif
 #endif
 
-// Where the textures hold p; w is 0 where they do not.
+// Place of p in the textures; w is 0 if it is not there.
 vec4 address(vec3 p)
 {
 #if BRICKS
@@ -490,7 +490,7 @@ float shade_at(vec3 p, vec3 halfway[LIGHT_COUNT + 1])
 #endif
 }
 
-// q of fit/extinction_scale.h. Where it comes with the directions, the fetch is that of the normal: one for both.
+// q of fit/extinction_scale.h. If it comes with the directions, one fetch gives both.
 float extinction_scale_at(vec3 p)
 {
 #if EXTINCTION_SCALE == SCALE_WITH_DIRECTIONS
@@ -532,8 +532,8 @@ void main()
     vec3 halfway[LIGHT_COUNT + 1] = halfway_to(ray.world);
     vec3 sum = vec3(0.0);
     float transmittance = 1.0, before = 1.0, segment_mm = float(step_mm);
-    // A ray ends one segment after the light is spent, and that one adds nothing: where a segment begins does not wait
-    // for the light that the last one left, so that processors work at several at a time.
+    // A ray ends one segment after the light is spent, and that one adds nothing. So the start of a segment does not
+    // wait for the light left by the last one, and processors work at several at a time.
 #if SKIP_EMPTY
     // A look at the bricks and a sample in each turn: software GL takes 4 or 8 pixels at a time and runs both sides of a
     // branch, so a pixel that leaves empty bricks would keep the others waiting in a loop of its own.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// roi.glsl - a finer level inside a box, the other around it, and a band in which what they emit and absorb is blended:
+// roi.glsl - a finer level inside a box, the other around it, and a band in which their emission and absorption are blended:
 // scene/roi.h. The finer level has a scalar, directions (of the same source) and a TF of its own.
 
 uniform sampler3D roi_scalar, roi_directions;

@@ -6,14 +6,14 @@
 
 #include "warp_map.h"
 
-uniform usampler3D coarse_neighbors; // 26 bits a brick; none for coarse ones
+uniform usampler3D coarse_neighbors; // 26 bits per brick; 0 for coarse ones
 uniform float brick_side;             // voxels of a brick of level 0
 
 // The second fetch of the place that address_in() gave last.
 vec3 foot_place = vec3(0.0);
 float foot_part = 0.0;
 
-// Where the cache holds p as a brick has it; w is 0 where it is left out. In the cache a fine brick begins at its border.
+// Place of p in the cache for a brick; w is 0 if it is left out. In the cache a fine brick begins at its border.
 vec4 address_in(vec3 brick, vec3 p)
 {
     vec4 place = layout_of(brick);
