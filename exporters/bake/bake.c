@@ -23,7 +23,8 @@ static size_t block_count(const iso_baked *b)
     return b->blocks[0] * b->blocks[1] * b->blocks[2];
 }
 
-/* The lattice's geometry: so many points a voxel, a rim of one round them, x reversed where the level is left-handed. */
+/* The lattice's geometry: so many points a voxel, a rim of one round them, x reversed where the level is
+ * left-handed. */
 static iso_geometry lattice_of(const iso_geometry *g, size_t points, bool reversed)
 {
     iso_geometry l = *g;
@@ -121,7 +122,8 @@ static void bake_point(const iso_baked *b, const iso_sampler *sampler, iso_vec3 
                                                  : no_color;
 }
 
-/* ---- blocks -------------------------------------------------------------------------------------------------------- */
+/* ---- blocks
+ * -------------------------------------------------------------------------------------------------------- */
 
 typedef struct block_place {
     size_t number, first[3], end[3]; /* points, within the lattice */
@@ -199,8 +201,8 @@ static bool fill_block(const iso_baked *b, const iso_sampler *sampler, const blo
     return shows;
 }
 
-/* The mean color of the visible ones among a point's 26 neighbors, by extinction. false: there is none. Only points that
- * show something are read, which nothing changes meanwhile. */
+/* The mean color of the visible ones among a point's 26 neighbors, by extinction. false: there is none. Only points
+ * that show something are read, which nothing changes meanwhile. */
 static bool color_of_neighbors(const iso_baked *b, const size_t at[3], float color[3])
 {
     double sum[4] = {0};
@@ -239,7 +241,7 @@ static bool color_block(const iso_baked *b, const block_place *p, float *block)
     return any;
 }
 
-/* A block without extinction beside one with it may have points to color. */
+/* True if a block without extinction has a neighbor with it, and so may have points to color. */
 static bool has_neighbor(const iso_baked *b, size_t number)
 {
     const size_t *n = b->blocks, at[3] = {number % n[0], number / n[0] % n[1], number / n[0] / n[1]};
@@ -376,7 +378,8 @@ void iso_baked_destroy(iso_baked *b)
     *b = (iso_baked){0};
 }
 
-/* ---- between the points ---------------------------------------------------------------------------------------------- */
+/* ---- between the points
+ * ---------------------------------------------------------------------------------------------- */
 
 double iso_baked_sample(const iso_baked *b, iso_baked_pair pair, iso_vec3 index, double color[3])
 {

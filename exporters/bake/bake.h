@@ -1,23 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /* bake.h - a level seen through its transfer function, as a grid of extinction and color that any program can show.
  *
- * In:  a level and a view. Out: for each point of a lattice its extinction per mm, linear color, and place on the transfer
+ * In:  a level and a view. Out: for each point of a lattice its extinction per mm, linear color, and place on the
+ * transfer
  *      function's range.
  *
- * Here the scalar is interpolated and the transfer function comes after it. Programs that read colors interpolate what came
- * out of the transfer function at the points of the lattice: fine structures of the transfer function between two points
- * are lost, and edges are wider. bake_error.h measures what that changes in the picture. A finer lattice has less of it.
+ * Here the scalar is interpolated and the transfer function comes after it. Programs that read colors interpolate what
+ * came out of the transfer function at the points of the lattice: fine structures of the transfer function between two
+ * points are lost, and edges are wider. bake_error.h measures what that changes in the picture. A finer lattice has
+ * less of it.
  *
  *      level    |     o     |     o     |          o  a voxel's center
  *      lattice  | x | x | x | x | x | x | x |      x  a point, 3 to a voxel, and one more round the box, transparent
  *
- * - Extinction is never negative. Programs read 0 beyond the outermost points, so it falls off over a point's distance at
+ * - Extinction is never negative. Programs read 0 beyond the outermost points, so it falls off over a point's
+ *   distance at
  *   the faces of the box: along each line of points the optical depth is still that of the box.
  * - A point whose cell the box or clip planes cut keeps the extinction of the part that is left.
- * - A transparent point has no color of its own; were it black, or whatever the transfer function holds there, it would
+ * - A transparent point has no color of its own; were it black, or whatever the transfer function holds there, it
+ *   would
  *   bleed into its neighbors where extinction and color are interpolated each by itself. So transparent points next to
  *   visible ones (26 neighbors) have the neighbors' mean color, weighted by extinction. Others have none.
- * - Shaded colors are those of each sample times its shade by the level's directions; a program that knows no directions
+ * - Shaded colors are those of each sample times its shade by the level's directions; a program that knows no
+ *   directions
  *   shows them as light. They are right for this camera and these lights alone.
  * - Memory: blocks of 8 x 8 x 8 points that show something or are next to it. */
 #ifndef ISO_BAKE_H
@@ -30,7 +35,8 @@
 
 enum { ISO_BAKE_BLOCK = 8, ISO_BAKE_CHANNELS = 5, ISO_BAKE_MOST_POINTS = 8 };
 
-/* What a point has: extinction per mm, linear red, green and blue, and the value's place on the table's range, 0 to 1. */
+/* Channels of a point: extinction per mm, linear red, green and blue, and the value's place on the table's range, 0 to
+ * 1. */
 enum { ISO_BAKE_EXTINCTION, ISO_BAKE_COLOR, ISO_BAKE_PLACE = ISO_BAKE_COLOR + 3 };
 
 typedef struct iso_bake_options {
@@ -60,10 +66,10 @@ iso_status iso_bake(const iso_level *level, iso_code code, const iso_view *view,
                     iso_baked *out, const iso_progress *progress, iso_error *err);
 void iso_baked_destroy(iso_baked *b); /* accepts empty and NULL */
 
-/* The channels of a point, or NULL where there is neither extinction nor color. A color below 0: none. */
+/* The channels of a point, or NULL if it has neither extinction nor color. A color below 0: none. */
 const float *iso_baked_point(const iso_baked *b, size_t x, size_t y, size_t z);
 
-/* What a program makes of the grids between their points. */
+/* Interpolation of the grids between their points by a program. */
 typedef enum iso_baked_pair {
     ISO_BAKED_COLORS,  /* density and Cd: both are interpolated, then multiplied */
     ISO_BAKED_EMISSION /* density and emission, their product at the points */

@@ -11,15 +11,15 @@
 #include "base/provenance.h"
 #include "base/stamp.h"
 
-/* Points so near to a visible one are active, with extinction 0: one for programs that interpolate between active points
- * alone; of the density one more for Cycles, which shifts grids by half a point in what active ones bound. */
+/* Points so near to a visible one are active, with extinction 0: one for programs that interpolate between active
+ * points alone; of the density one more for Cycles, which shifts grids by half a point in what active ones bound. */
 enum { RIM = 2 };
 static long rim_of(iso_bake_grid grid)
 {
     return grid == ISO_BAKE_DENSITY ? RIM : 1;
 }
 
-/* What the readers of a grid look at. */
+/* Data that the readers of a grid share. */
 typedef struct grid_source {
     const iso_baked *baked;
     iso_bake_grid grid;
@@ -31,7 +31,7 @@ static int channels_of(iso_bake_grid grid)
     return grid == ISO_BAKE_CD || grid == ISO_BAKE_EMISSION ? 3 : 1;
 }
 
-/* Points that have a color have a place and, where they are visible, an extinction. */
+/* True for points that have a color; visible ones also have an extinction. */
 static bool is_active(iso_bake_grid grid, const float *point)
 {
     if (!point)
@@ -73,7 +73,7 @@ static bool is_visible(const iso_baked *b, long x, long y, long z)
     return point && point[ISO_BAKE_EXTINCTION] > 0;
 }
 
-/* Is a point of column x visible, at most `rim` rows and planes from (y, z)? */
+/* True if a point of column x is visible, at most `rim` rows and planes from (y, z). */
 static bool shows_in_column(const iso_baked *b, long rim, long x, long y, long z)
 {
     bool any = false;

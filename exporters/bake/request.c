@@ -18,7 +18,7 @@ static const struct {
 };
 const iso_names iso_bake_grid_names = ISO_NAMES_OF_ROWS("baked grid", grids);
 
-/* A name that OpenVDB, USD and shaders take alike. */
+/* True for a name that is valid in OpenVDB, USD and shaders. */
 static bool is_identifier(const char *text)
 {
     if (!isalpha((unsigned char)*text) && *text != '_')
@@ -85,7 +85,7 @@ static iso_status take_count(const char *option, int given, size_t *count, iso_e
     return ISO_OK;
 }
 
-/* What has no meaning alone. */
+/* Refuses options that have no meaning alone. */
 static iso_status check_alone(const iso_bake_words *w, iso_error *err)
 {
     const char *const alone = w->unit            ? "--scene-unit"

@@ -25,7 +25,7 @@
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
 
-/* What a render took inside Blender. */
+/* Measurements of a render inside Blender. */
 typedef struct iso_cycles_stats {
     double load_seconds;   /* from the start of the first picture until its pixels begin: grids read, textures made */
     double render_seconds; /* all of it */
@@ -34,8 +34,8 @@ typedef struct iso_cycles_stats {
     char device[128];      /* what Cycles rendered on: "CPU", "OPTIX NVIDIA H200" */
 } iso_cycles_stats;
 
-/* A Blender that stays for the next scene, which spares its start. Pictures are those of a Blender of their own, and one
- * that fails at a scene ends: the next scene has a new one. */
+/* A Blender that stays for the next scene, which spares its start. Pictures are those of a Blender of their own, and
+ * one that fails at a scene ends: the next scene has a new one. */
 typedef struct iso_blender_session iso_blender_session;
 /* NULL: nothing to do. */
 void iso_blender_session_end(iso_blender_session *session);
@@ -62,20 +62,21 @@ extern const iso_names iso_blender_material_names;
 
 /* program: as in iso_blender_options. To be freed. ISO_E_MISSING. */
 iso_status iso_blender_find(const char *program, char **path, iso_error *err);
-/* Version of a Blender (program: as in the options), such as "3.4.1". ISO_E_MISSING: it is not there, or older than any that
- * was tried. ISO_E_PROGRAM: it is not Blender, or fails. */
+/* Version of a Blender (program: as in the options), such as "3.4.1". ISO_E_MISSING: it is not there, or older than any
+ * that was tried. ISO_E_PROGRAM: it is not Blender, or fails. */
 iso_status iso_blender_version(const char *program, char *version, size_t size, iso_error *err);
 
 /* The same, and what Cycles renders on, when Cycles of this Blender shows volumes and has the device that is asked for:
- * ISO_E_MISSING with the reason when it does not. Blender 5 needs NanoVDB, which a build may lack: there a tiny volume is
- * rendered to see. */
+ * ISO_E_MISSING with the reason when it does not. Blender 5 needs NanoVDB, which a build may lack: there a tiny volume
+ * is rendered to see. */
 typedef struct iso_cycles_about {
     char version[32], device[128];
 } iso_cycles_about;
 iso_status iso_cycles_ask(const char *program, iso_cycles_about *about, iso_error *err);
 
-/* What Cycles renders on, in this process: a row of the table. Else the environment variable ISOSHADE_CYCLES_DEVICE says
- * it, else it is the processor. ISO_E_USAGE: no such row. A device that a Blender lacks is ISO_E_MISSING when it starts. */
+/* What Cycles renders on, in this process: a row of the table. Else the environment variable ISOSHADE_CYCLES_DEVICE
+ * says it, else it is the processor. ISO_E_USAGE: no such row. A device that a Blender lacks is ISO_E_MISSING when it
+ * starts. */
 extern const iso_names iso_cycles_device_names;
 iso_status iso_cycles_set_device(const char *name, iso_error *err); /* NULL: as nobody had said it */
 iso_status iso_cycles_device(const char **name, iso_error *err);
@@ -113,8 +114,8 @@ typedef struct iso_blender_sequence {
     bool force; /* files of such names that are not isoshade's are kept aside; else refused */
 } iso_blender_sequence;
 
-/* One NAME.blend and a NAME_0000.vdb, NAME_0001.vdb ... for each frame, which Blender plays as a sequence: its frame 1 is the
- * file of number 0. Frames are loaded one after the other. ISO_E_USAGE for label maps. */
+/* One NAME.blend and a NAME_0000.vdb, NAME_0001.vdb ... for each frame, which Blender plays as a sequence: its frame 1
+ * is the file of number 0. Frames are loaded one after the other. ISO_E_USAGE for label maps. */
 iso_status iso_blender_export_sequence(const iso_blender_sequence *sequence, const char *blend_path,
                                        const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
@@ -129,9 +130,9 @@ typedef struct iso_blender_several {
     bool force; /* as above */
 } iso_blender_several;
 
-/* opt->step_voxels 0: the first view's. One NAME.blend with a NAME_volume.vdb, a box, a material and a collection for each, a property "show" of each box, and
- * camera, lights and background of the first. Volumes are loaded one after the other. Where they overlap their emission and
- * their extinction add up. */
+/* opt->step_voxels 0: the first view's. One NAME.blend with a NAME_volume.vdb, a box, a material and a collection for
+ * each, a property "show" of each box, and camera, lights and background of the first. Volumes are loaded one after the
+ * other. Where they overlap their emission and their extinction add up. */
 iso_status iso_blender_export_several(const iso_blender_several *several, const char *blend_path,
                                       const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
@@ -151,12 +152,12 @@ typedef struct iso_blender_frames {
 iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const iso_view *view,
                                     const iso_blender_frames *frames, const iso_progress *progress, iso_error *err);
 
-/* A planned volume (brick/lattice.h): one lattice, in which all bricks are merged. Of a volume object a level, which overlap,
- * Cycles evaluates all materials at each step. The lattice has to be made with whole_box. */
+/* A planned volume (brick/lattice.h): one lattice, in which all bricks are merged. Of a volume object a level, which
+ * overlap, Cycles evaluates all materials at each step. The lattice has to be made with whole_box. */
 typedef struct iso_blender_plan {
     const iso_geometry *geometry; /* of level 0 */
     const iso_lattice *lattice;
-    const char *source; /* what it was made from */
+    const char *source; /* source of the volume */
     const char *unit;   /* of the lengths of its file; NULL or "": not named */
 } iso_blender_plan;
 
@@ -166,12 +167,12 @@ iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view 
 iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *view, const iso_blender_options *opt,
                                   iso_image *image, const iso_progress *progress, iso_error *err);
 
-/* The TF as Blender's ColorRamp, to be edited by hand: at most 32 stops, which Cycles bakes to 256 or 257 entries. The .blend
- * carries one for each different TF in the group "isoshade ramp", beside the exact image.
+/* The TF as Blender's ColorRamp, to be edited by hand: at most 32 stops, which Cycles bakes to 256 or 257 entries. The
+ * .blend carries one for each different TF in the group "isoshade ramp", beside the exact image.
  *
  * Alpha is the opacity of unit_mm, as in a TF file; nodes behind the ramp make extinction = -ln(1 - alpha) / unit_mm of
- * it. So a TF's own points are the stops where there are at most 32. Others get the fewest stops that keep color
- * and opacity within 1/1024, or within more where 32 do not suffice. The ramp spans the values between which the TF
+ * it. So a TF's own points are the stops where there are at most 32. Others get the fewest stops that keep color and
+ * opacity within 1/1024, or within more where 32 do not suffice. The ramp spans the values between which the TF
  * changes, or the table's range where that loses less. */
 #define ISO_RAMP_MAX_STOPS 32
 typedef struct iso_color_ramp {
@@ -181,8 +182,8 @@ typedef struct iso_color_ramp {
     double unit_mm;                      /* that alpha is the opacity of */
     double position[ISO_RAMP_MAX_STOPS]; /* single precision, ascending without equals */
     double rgba[ISO_RAMP_MAX_STOPS][4];  /* linear color, opacity */
-    /* The largest differences from the table after either baking, at its entries: color (of entries of an opacity of at least
-     * 1/1024), opacity of unit_mm, both of 1, and extinction as a part of the largest one. */
+    /* The largest differences from the table after either baking, at its entries: color (of entries of an opacity of at
+     * least 1/1024), opacity of unit_mm, both of 1, and extinction as a part of the largest one. */
     double color_loss, opacity_loss, extinction_loss;
     double worst_value; /* where color or opacity differ most */
     double off;         /* share of the entries where color or opacity differ by more than 1/255 */

@@ -36,7 +36,7 @@ static iso_status save_lattice(const iso_blender_plan *plan, const char *path, i
     return iso_vdb_save_lattices(&lattice, 1, plan->source, path, &options, progress, err);
 }
 
-/* What is made of a plan: a picture, or a .blend whose grids have paths relative to it. */
+/* Output of a plan: a picture, or a .blend whose grids have paths relative to it. */
 typedef struct plan_job {
     const iso_blender_plan *plan;
     const iso_view *view;

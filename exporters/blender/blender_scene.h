@@ -31,18 +31,19 @@ iso_status iso_blender_guard_grid(const char *path, bool force, iso_error *err);
 
 /* ---- the description: all places in Blender's space ---- */
 
-/* A place in Blender is units (world - origin_mm). A unit is a millimeter, but for volumes that are so small or so large
- * that single precision and Cycles' fixed offsets do not suit them. The origin is the world's, but for volumes that stand
- * so far from it that single precision would lose parts of a voxel: there it is in the volume. */
+/* A place in Blender is units (world - origin_mm). A unit is a millimeter, but for volumes that are so small or so
+ * large that single precision and Cycles' fixed offsets do not suit them. The origin is the world's, but for volumes
+ * that stand so far from it that single precision would lose parts of a voxel: there it is in the volume. */
 typedef struct iso_blender_space {
     double units; /* per mm */
     iso_vec3 origin_mm;
 } iso_blender_space;
 /* That of a volume whose level 0 is g, in mm. */
 iso_blender_space iso_blender_space_of(const iso_geometry *g);
-/* What a file of grids in that space says of it. */
+/* Writes the space into the metadata of a file of grids. */
 void iso_blender_note_space(const iso_blender_space *space, iso_vdb_options *options);
-/* How the grids of an export are written that a transfer function shows: `shown` is filled in and kept by the caller. */
+/* How the grids of an export are written that a transfer function shows: `shown` is filled in and kept by the
+ * caller. */
 void iso_blender_grid_options(const iso_blender_options *opt, const iso_tf_table *tf, const iso_tf_2d *tf_2d,
                               iso_vdb_shown *shown, iso_vdb_options *options);
 /* What the material needs to know of grids that are written so: eps is relative to the directions' length. */
@@ -62,7 +63,8 @@ json_t *iso_blender_describe_scene(const iso_view *view, const iso_blender_space
  * interest; and a ramp for each that differs from the others. */
 json_t *iso_blender_describe_tf(const iso_view *views, size_t first, size_t count, double units);
 
-/* A level and its grids. The paths are those that Blender sees: absolute, or relative to the .blend by a leading "//". */
+/* A level and its grids. The paths are those that Blender sees: absolute, or relative to the .blend by a leading
+ * "//". */
 typedef struct blender_level {
     const iso_geometry *geometry; /* in mm */
     size_t number;
@@ -76,23 +78,23 @@ json_t *iso_blender_describe_level(const iso_geometry *g, size_t k, size_t table
 void iso_blender_append_level(json_t *levels, const blender_level *level, const iso_view *view,
                               const iso_blender_space *space, const iso_blender_options *opt);
 
-/* Of a label map: the image of its class numbers in `folder`, where each of about's "levels" is in it, and tables by class
- * instead of by value. */
+/* Of a label map: the image of its class numbers in `folder`, where each of about's "levels" is in it, and tables by
+ * class instead of by value. */
 iso_status iso_blender_describe_labels(json_t *about, const iso_pyramid *p, const iso_blender_levels *levels,
                                        double units, const char *folder, iso_error *err);
 
 /* ---- running Blender ---- */
 
-/* A fresh folder for a scene, to be removed and freed: in that of the options' session, where its Blender may write. NULL
- * where none can be made. */
+/* A fresh folder for a scene, to be removed and freed: in that of the options' session, where its Blender may write.
+ * NULL where none can be made. */
 char *iso_blender_folder(const iso_blender_options *opt);
 
-/* Has a description worked off: by the Blender of the options' session, else by one that is started for it. What it needs
- * is written into the folder. Takes `about`. */
+/* Runs a job description in Blender: in the session of the options, or in one that is started for it. Its files are
+ * written into the folder. Takes `about`. */
 iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_options *opt,
                            const iso_progress *progress, iso_error *err);
-/* The seed that Cycles is given. It does not look at the last bit (the seeds 2 and 3 have the same noise), so that seeds in a
- * row are spread over all bits, by Knuth's multiplicative hash; 0 stays 0. */
+/* The seed that Cycles is given. It does not look at the last bit (the seeds 2 and 3 have the same noise), so that
+ * seeds in a row are spread over all bits, by Knuth's multiplicative hash; 0 stays 0. */
 int iso_blender_seed(int seed);
 /* One entry a picture: what may change without building the scene again. */
 json_t *iso_blender_describe_frames(double voxel, const char *folder, const iso_blender_options *frames, size_t count);
@@ -101,7 +103,8 @@ iso_status iso_blender_load_pictures(const char *folder, const iso_view *view, s
 
 /* ISO_E_USAGE: not a path that Blender takes for a .blend. */
 iso_status iso_blender_check_path(const char *blend_path, iso_error *err);
-/* Reserves the .blend in *out, and puts in it what Blender saves in its folder of what `about` describes, which is taken. */
+/* Reserves the .blend in *out, and puts in it what Blender saves in its folder of what `about` describes, which is
+ * taken. */
 iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *out, const char *folder,
                             const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 

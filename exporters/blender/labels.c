@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* labels.c - label maps. Cycles interpolates every grid of a volume, linearly or more smoothly, and has no other way; an
- * image it looks up without. So the labels travel as an image of class numbers, the slices of a level side by side in
- * tiles, those of the next level below them, and the transfer function as a table of one entry a class. */
+/* labels.c - label maps. Cycles interpolates every grid of a volume, linearly or more smoothly, and has no other way;
+ * an image it looks up without. So the labels travel as an image of class numbers, the slices of a level side by side
+ * in tiles, those of the next level below them, and the transfer function as a table of one entry a class. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <png.h>
@@ -116,7 +116,7 @@ static iso_status draw_levels(const iso_pyramid *p, size_t first, size_t count, 
     return status;
 }
 
-/* What the transfer function gives to each label; of one label twice, since a table has two entries. */
+/* Table of the colors of all labels; a single label is repeated, since a table has two entries. */
 static iso_status make_table(const iso_tf_table *tf, const label_classes *c, iso_tf_table *table, iso_error *err)
 {
     const size_t count = c->count > 1 ? c->count : 2;

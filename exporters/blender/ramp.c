@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* ramp.c - a table of thousands of entries in 32 stops, and what that loses. */
+/* ramp.c - a table of thousands of entries in 32 stops, and the error of that. */
 #include <math.h>
 #include <string.h>
 
 #include "blender/blender.h"
 
-/* Cycles evaluates a ramp at i / 255 (Blender 3.4) or at i / 256 (4.3) and interpolates: measured, tests/addon_buttons.py. */
+/* Cycles evaluates a ramp at i / 255 (Blender 3.4) or at i / 256 (4.3) and interpolates: measured,
+ * tests/addon_buttons.py. */
 static const double baked_steps[] = {255, 256};
 static const double close_enough = 1.0 / 1024; /* of fitted stops: less than a person sees, and few stops to edit */
 static const double same = 1e-4; /* of a TF's own points: the table's floats near the largest opacity, no other curve */
@@ -40,7 +41,7 @@ static double larger_difference(const double a[4], const double b[4])
     return most;
 }
 
-/* What is transparent has no color to lose. */
+/* Largest visible difference: transparent entries have no color to lose. */
 static double visible_difference(const double want[4], const double have[4])
 {
     return want[3] < close_enough ? fabs(want[3] - have[3]) : larger_difference(want, have);
@@ -157,8 +158,8 @@ static bool take_points(const iso_tf_table *t, bool whole, iso_color_ramp *ramp)
     return fits;
 }
 
-/* Whether the table is that of the points: a copy of a table may have got other entries. An entry at a step is on either
- * side of it. */
+/* Whether the table is that of the points: a copy of a table may have got other entries. An entry at a step is on
+ * either side of it. */
 static bool is_the_table(const iso_tf_table *t, const iso_color_ramp *ramp)
 {
     for (size_t i = 0; i < t->count; ++i) {
@@ -239,7 +240,7 @@ static void fit_stops(const iso_tf_table *t, bool whole, iso_color_ramp *ramp)
         within *= 1.25;
 }
 
-/* ---- what it loses ---- */
+/* ---- loss ---- */
 
 /* What one of the bakings makes of an entry, taken into the ramp's losses. Returns the visible difference. */
 static double measure_entry(const iso_tf_table *t, size_t i, double steps, double max_extinction, iso_color_ramp *ramp)

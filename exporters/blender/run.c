@@ -55,8 +55,8 @@ typedef struct listener {
     iso_cycles_stats *stats;
 } listener;
 
-/* "Fra:1 Mem:91.94M (Peak 92.20M) | Time:00:01.34 | Mem:82.00M, Peak:82.00M | scene, ViewLayer | Sample 0/1": of the first
- * picture, when its pixels begin and when it is finished. */
+/* "Fra:1 Mem:91.94M (Peak 92.20M) | Time:00:01.34 | Mem:82.00M, Peak:82.00M | scene, ViewLayer | Sample 0/1": of the
+ * first picture, when its pixels begin and when it is finished. */
 static void take_stats(iso_cycles_stats *stats, const char *line)
 {
     int minutes;
@@ -94,7 +94,7 @@ static void take_line(void *user, const char *line)
     sscanf(line, "isoshade: failed: %255[^\n]", l->failure);
 }
 
-/* One script of them all: the last one, which runs, needs what the others define. */
+/* Joins all scripts into one: the last one, which runs, uses the definitions of the others. */
 static iso_status write_script(const char *path, iso_error *err)
 {
     const char *const parts[] = {iso_blender_scene_nodes_py,   iso_blender_scene_device_py,  iso_blender_scene_transfer_py,
@@ -159,7 +159,7 @@ char *iso_blender_folder(const iso_blender_options *opt)
     return NULL;
 }
 
-/* What a run of Blender needs. */
+/* Inputs of a run of Blender. */
 typedef struct blender_run {
     const char *blender, *folder, *script, *description, *calibration;
     int threads;
@@ -253,7 +253,7 @@ iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_
         const blender_run run = {blender, folder, script, description, calibration, iso_threads(opt->threads)};
         status = run_blender(&run, opt, progress, err);
     }
-    /* What stands behind the end of a .blend no Blender reads. */
+    /* Blender ignores data after the end of a .blend. */
     const char *saved = json_string_value(json_object_get(about, "save"));
     if (status == ISO_OK && saved)
         status = iso_stamp_append(saved, "", err);

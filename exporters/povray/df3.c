@@ -59,7 +59,7 @@ typedef struct plane_writer {
     int files[ISO_DF3_MAX_CHANNELS];
 } plane_writer;
 
-/* What one thread encodes a plane with. */
+/* Buffers of one thread for encoding a plane. */
 typedef struct plane_room {
     uint8_t *planes; /* one a channel */
     float *values;   /* a row */
@@ -98,7 +98,8 @@ static void repeat_first(uint8_t *row, size_t bytes, size_t count)
     }
 }
 
-/* Voxels of a row from x on to their places in it, the row y of the plane in the room. alike: all are like the first. */
+/* Voxels of a row from x on to their places in it, the row y of the plane in the room. alike: all are like the
+ * first. */
 static void encode_run(const plane_writer *w, const plane_room *room, size_t y, size_t first, size_t x, size_t count,
                        bool alike)
 {

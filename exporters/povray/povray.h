@@ -43,7 +43,7 @@
 /* Environment: set, each pass is a start of its own. For bench job. */
 #define ISO_POVRAY_APART "ISOSHADE_PICTURES_APART"
 
-/* What a render took inside POV-Ray, over all its passes. */
+/* Measurements of a render inside POV-Ray, over all its passes. */
 typedef struct iso_povray_stats {
     double trace_seconds;     /* without starting, reading DF3 files and parsing */
     double processor_seconds; /* the same over all threads */
@@ -54,12 +54,12 @@ typedef struct iso_povray_options {
     size_t intervals;       /* 2 to 255 a piece of a ray */
     size_t planes;          /* cutting planes across the view: 0 to 100 */
     bool extrapolate;       /* Richardson from intervals / 2 and intervals */
-    unsigned df3_bits;      /* 16 or 32, for what is not exact in 8 or 16 */
+    unsigned df3_bits;      /* 16 or 32, for values that 8 or 16 bits do not hold exactly */
     double quantum;         /* scalars are whole multiples of it, and exact in 16 bits where these hold as many; 0: not known */
     bool float_directions;  /* iso_level.directions instead of the codes */
     bool isosurface;        /* first hit instead of volume rendering */
     double iso;             /* the value of the isosurface */
-    const double (*box)[3]; /* low and high corner of what is shown, in voxels; NULL: 0 to box_index */
+    const double (*box)[3]; /* low and high corner of the visible part, in voxels; NULL: 0 to box_index */
     const iso_volume *volume; /* level 0's scalars where the pyramid has none (pyramid/narrow.h); or NULL */
     const iso_lattice *lattice; /* what the level's samples are where it has none: it is the lattice's box; or NULL */
     int threads;
@@ -67,8 +67,8 @@ typedef struct iso_povray_options {
 } iso_povray_options;
 /* Converged: 255 intervals, 8 planes, extrapolated, 32 bits. */
 iso_povray_options iso_povray_defaults(void);
-/* As few pieces of equally many intervals as make the longest ray's step at most step_voxels; not extrapolated. g: of the
- * level. */
+/* As few pieces of equally many intervals as make the longest ray's step at most step_voxels; not extrapolated. g: of
+ * the level. */
 void iso_povray_set_step(const iso_geometry *g, const iso_view *view, double step_voxels, iso_povray_options *options);
 
 /* Bytes of the DF3 files in a folder, such as an export. */
@@ -95,8 +95,8 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
 iso_status iso_povray_render(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);
 
-/* Pictures that differ in their intervals alone (opt->intervals is not read, nor is opt->extrapolate), by one export and one
- * start of POV-Ray; all or none. At most ISO_POVRAY_MAX_PICTURES. */
+/* Pictures that differ in their intervals alone (opt->intervals is not read, nor is opt->extrapolate), by one export
+ * and one start of POV-Ray; all or none. At most ISO_POVRAY_MAX_PICTURES. */
 typedef struct iso_povray_pictures {
     const size_t *intervals;
     size_t count;
@@ -106,9 +106,9 @@ iso_status iso_povray_render_several(const iso_pyramid *p, size_t level, const i
                                      const iso_povray_options *opt, const iso_povray_pictures *wanted,
                                      const iso_progress *progress, iso_error *err);
 
-/* Pictures of one size of several scenes by one start of POV-Ray, each what iso_povray_render() makes of it; all or none. At
- * most half of ISO_POVRAY_MAX_PICTURES scenes: an extrapolated picture is made of two. The first scene's threads and stats
- * are those of all. */
+/* Pictures of one size of several scenes by one start of POV-Ray, each what iso_povray_render() makes of it; all or
+ * none. At most half of ISO_POVRAY_MAX_PICTURES scenes: an extrapolated picture is made of two. The first scene's
+ * threads and stats are those of all. */
 typedef struct iso_povray_wanted {
     const iso_pyramid *pyramid;
     size_t level;

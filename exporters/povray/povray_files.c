@@ -103,13 +103,13 @@ static double steepest(const iso_level *level)
     return sqrt(most);
 }
 
-/* What a layer's samples are read from. */
+/* Source of a layer's samples. */
 typedef struct layer_reader {
     iso_code code;
     const iso_level *level;
-    const iso_volume *volume; /* its scalars where it has none */
+    const iso_volume *volume; /* its scalars if it has none */
     const uint8_t *bytes;
-    iso_narrow_codes *made;      /* its codes, planes after planes, where it has none */
+    iso_narrow_codes *made;      /* its codes, planes after planes, if it has none */
     iso_lattice_samples lattice; /* the level's samples */
 } layer_reader;
 
@@ -153,7 +153,7 @@ static void read_bytes(const void *user, size_t first, size_t count, float *out)
         out[i] = r->bytes[first + i];
 }
 
-/* What is written instead of the level's voxels; NULL: these. A region of interest has its own. */
+/* The lattice that replaces the level's voxels; NULL: none. A region of interest has its own. */
 static const iso_lattice *lattice_of(const iso_povray_scene *s)
 {
     return s->voxels->scalar ? NULL : s->options->lattice;
@@ -174,7 +174,7 @@ static size_t lattice_run(const void *user, size_t first, size_t count, bool *al
     return iso_lattice_samples_run(&((const layer_reader *)user)->lattice, first, count, alike);
 }
 
-/* One file a suffix. */
+/* One file per suffix. */
 static iso_status write_samples(const iso_povray_scene *s, const layer_reader *r,
                                 void (*read)(const void *, size_t, size_t, float *), const char *const *suffixes,
                                 size_t count, const iso_df3_coding *coding, const char *dir, iso_error *err)
@@ -234,7 +234,7 @@ static float *tf_2d_rows(const iso_tf_2d *tf_2d)
     return rows;
 }
 
-/* A byte a voxel as a file of its own. */
+/* Writes one byte per voxel as a file of its own. */
 static iso_status write_bytes(const iso_povray_scene *s, const uint8_t *bytes, const char *suffix, const char *dir,
                               iso_error *err)
 {

@@ -9,7 +9,7 @@
 iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *view, const iso_povray_options *opt,
                             iso_error *err);
 
-/* A scene with what it points to. */
+/* A scene with the data that it points to. */
 typedef struct iso_povray_prepared {
     iso_povray_scene scene, roi;
     iso_tf_table envelope; /* of the view's 2D transfer function */

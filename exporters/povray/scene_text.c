@@ -225,7 +225,7 @@ static void write_media(FILE *f, const iso_povray_scene *s)
                "    interior { Iso_Interior } }\n");
 }
 
-/* What the media of a layer are made of. */
+/* Writes the media of a layer. */
 static void write_layer(FILE *f, const iso_povray_scene *s)
 {
     write_fields(f, s);
@@ -259,7 +259,8 @@ static bool ends_there(const char *at)
     return !isalnum((unsigned char)*at) && *at != '_';
 }
 
-/* The text with its declared names made those of the finer layer; what the user sets is shared, and what belongs to both. */
+/* The text with its declared names made those of the finer layer; what the user sets is shared, and what belongs to
+ * both. */
 void iso_povray_write_renamed(FILE *f, const char *text)
 {
     static const char *const shared[] = {"Iso_Emission", "Iso_Intervals", "Iso_Scale", "Iso_Light", "Iso_Units_Per_mm",

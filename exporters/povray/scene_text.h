@@ -17,8 +17,7 @@
 #include "povray/df3.h"
 #include "povray/povray.h"
 
-/* What the texts are written from. A region of interest has a second one, whose
- * declared names begin with Iso_Roi_ and whose files with NAME_roi. */
+/* Inputs of the texts. A region of interest has a second one, with declared names Iso_Roi_... and files NAME_roi.... */
 typedef struct iso_povray_scene {
     const char *name; /* of the files */
     bool is_roi;
@@ -26,12 +25,12 @@ typedef struct iso_povray_scene {
     char source[256]; /* for the comments: one line, which cannot end them */
     size_t level;
     const iso_geometry *geometry;            /* of the level: what the container stands in */
-    const iso_level *voxels;                 /* the level, or what a region of interest holds of a finer one */
+    const iso_level *voxels;                 /* the level, or the part of a finer one in a region of interest */
     double lattice_scale, lattice_offset[3]; /* index in voxels = scale * index in the container - offset */
     const struct iso_povray_scene *roi;      /* the region of interest's data and TF; or NULL */
     const iso_view *view;
     const iso_tf_2d *tf_2d;          /* the view's; NULL for a surface */
-    const uint8_t *extinction_scale; /* the view's, likewise */
+    const uint8_t *extinction_scale; /* the view's, in the same way */
     const iso_tf_table *tf;          /* the view's, or the envelope of the 2D one */
     const iso_povray_options *options;
     iso_df3_coding scalar, direction;
@@ -47,12 +46,12 @@ void iso_povray_measure_peaks(iso_povray_scene *s);
 
 #define ISO_POVRAY_COLOR_MAP_ENTRIES 256
 
-/* TFs that do not fit a color_map travel as DF3 tables: NAME_tf_extinction.df3, or _red, _green and _blue; 2D
- * transfer functions always, row by row, and NAME_second.df3 is the second value. NAME_scale.df3 has the bytes of an extinction scale
- * (fit/extinction_scale.h). */
+/* TFs that do not fit a color_map travel as DF3 tables: NAME_tf_extinction.df3, or _red, _green and _blue; 2D transfer
+ * functions always, row by row, and NAME_second.df3 is the second value. NAME_scale.df3 has the bytes of an extinction
+ * scale (fit/extinction_scale.h). */
 bool iso_povray_needs_tables(const iso_povray_scene *s, bool color);
 
-/* Declared on the command line to choose what is rendered. */
+/* Passes, declared on the command line. */
 typedef enum iso_povray_pass {
     ISO_POVRAY_PICTURE,       /* with the background */
     ISO_POVRAY_EMISSION,      /* times 1 / peak, over black */

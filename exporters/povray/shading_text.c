@@ -12,7 +12,7 @@ double iso_povray_specular_sum(const iso_view *view)
     return sum;
 }
 
-/* What the user may set; numbers of Iso_Lights are taken out of the array, since functions read none. */
+/* Writes the user's settings; numbers of Iso_Lights are taken out of the array, since functions read none. */
 void iso_povray_write_lights(FILE *f, const iso_view *v)
 {
     fprintf(f,
@@ -70,8 +70,8 @@ void iso_povray_write_diffuse(FILE *f, const iso_povray_scene *s)
             iso_povray_lazily(s, "select(Iso_Opaque(x, y, z), 0, "), iso_povray_lazily(s, ")"));
 }
 
-/* The vector to the viewer at a point in voxel coordinates, as a function's three arguments: of an orthographic camera the
- * unit vector, unless the user has said where the viewer is. */
+/* The vector to the viewer at a point in voxel coordinates, as a function's three arguments: of an orthographic camera
+ * the unit vector, unless the user has said where the viewer is. */
 static void write_to_viewer(FILE *f, const iso_povray_scene *s)
 {
     static const char *const axis[3] = {"X", "Y", "Z"}, *const part[3] = {"x", "y", "z"};
@@ -100,7 +100,8 @@ static void write_to_viewer(FILE *f, const iso_povray_scene *s)
     fprintf(f, "#end\n");
 }
 
-/* sum of intensity |n.h|^p over the sum of the intensities, h = normalize(l + v): n.h = (d.l + d.v) / (|d| sqrt(2 + 2 l.v)). */
+/* sum of intensity |n.h|^p over the sum of the intensities, h = normalize(l + v): n.h = (d.l + d.v) / (|d| sqrt(2 + 2
+ * l.v)). */
 void iso_povray_write_specular(FILE *f, const iso_povray_scene *s)
 {
     fprintf(f, "// Highlights need the direction to the viewer: they belong to this camera, or to Iso_Viewer.\n");

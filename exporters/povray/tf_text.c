@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* tf_text.c - NAME_tf.inc: the transfer function as a color_map that a person edits.
  *
- * POV-Ray looks values up in the exact table (transfer_text.c) for as long as the color_map is what was exported; when it
- * parses the scene it compares the two, and a map that was changed is tabulated anew at 256 places. */
+ * POV-Ray looks values up in the exact table (transfer_text.c) for as long as the color_map is what was exported; when
+ * it parses the scene it compares the two, and a map that was changed is tabulated anew at 256 places. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 
 enum { MOST_POINTS = ISO_TF_FEW_POINTS };
 
-/* A point of the map: position in the TF's range, linear color, and what is left of light behind a unit's length. */
+/* A point of the map: position in the TF's range, linear color, and transmittance of a unit's length. */
 typedef struct map_point {
     double position, rgb[3], transparency;
 } map_point;
@@ -56,8 +56,8 @@ static iso_tf_table with_transparency(const iso_tf_table *tf, double unit_mm)
     return t;
 }
 
-/* Of a table without points, as an adapted one is: so many of its entries that lines between them are as near as a few can
- * be. */
+/* Of a table without points, as an adapted one is: so many of its entries that lines between them are as near as a few
+ * can be. */
 static void fit_points(const iso_povray_scene *s, editable_map *map)
 {
     const double densest = s->peak_extinction;

@@ -64,7 +64,7 @@ size_t iso_povray_mark_bends(const iso_tf_table *tf, const int channels[2], doub
     return kept + 1;
 }
 
-/* What a density map is made of: the TF's channels [first, end), divided by peak. */
+/* Source of a density map: the TF's channels [first, end), divided by peak. */
 typedef struct map_source {
     int channels[2];
     double peak;
@@ -82,7 +82,7 @@ static map_source color_source(const iso_povray_scene *s)
 /* Positions in a color_map are floats: tables with finer steps than this travel as DF3. */
 enum { max_color_map_table = 1024 };
 
-/* NULL when the table does not fit a color_map; else which entries it needs, to be freed. */
+/* NULL if the table does not fit a color_map, otherwise flags of the entries that it needs, to be freed. */
 static bool *color_map_entries(const iso_povray_scene *s, map_source source)
 {
     const iso_tf_table *tf = s->tf;

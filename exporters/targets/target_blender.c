@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_blender.c - levels, or what a plan leaves, as a scene that Blender renders as it opens. */
+/* target_blender.c - levels, or the bricks of a plan, as a scene that Blender renders as it opens. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,7 +68,8 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
 {
     const iso_node_levels *n = &job->planned->nodes;
     iso_planned_lattices lattices;
-    /* One grid: of volumes that overlap Cycles evaluates all materials at each step, which took several times as long. */
+    /* One grid: of volumes that overlap Cycles evaluates all materials at each step, which took several times as
+     * long. */
     iso_status status = iso_planned_lattices_create(job->planned, true, true, job->threads, &lattices, err);
     if (status != ISO_OK)
         return status;

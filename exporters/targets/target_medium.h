@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_medium.h - what the targets pbrt and mitsuba have alike: a folder with a medium of a baked level. */
+/* target_medium.h - shared parts of the targets pbrt and mitsuba: a folder with a medium of a baked level. */
 #ifndef ISO_TARGET_MEDIUM_H
 #define ISO_TARGET_MEDIUM_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* target_nanovdb.c - what the target vdb writes, as a NanoVDB file: by a file of OpenVDB grids beside it, which goes. */
+/* target_nanovdb.c - the grids of the target vdb as a NanoVDB file. A temporary file of OpenVDB grids stands next to
+ * it. */
 #include <stdlib.h>
 
 #include "base/file.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_povray.c - a level, or what a plan leaves, as a folder that POV-Ray renders. */
+/* target_povray.c - a level, or the bricks of a plan, as a folder that POV-Ray renders. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,7 +44,7 @@ static void samples(const iso_geometry *level, const iso_view *view, double step
 static iso_status write_povray(const iso_export_job *job, iso_error *err)
 {
     iso_povray_options o = iso_povray_defaults();
-    /* What is rendered with this step, to the last bit: the same samples of the same files. */
+    /* Renders the same samples of the same files, to the last bit. */
     const double step = step_of(job->step_voxels, job->view);
     iso_povray_set_step(&job->pyramid->levels[job->level].geometry, job->view, step, &o);
     o.threads = job->threads;

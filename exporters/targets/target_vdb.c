@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_vdb.c - levels, or what a plan leaves, as grids of one OpenVDB file. */
+/* target_vdb.c - levels, or the bricks of a plan, as grids of one OpenVDB file. */
 #include <stdlib.h>
 
 #include "targets/target_vdb_baked.h"
@@ -18,7 +18,7 @@ static iso_status write_planned(const iso_export_job *job, iso_vdb_options *o, i
     return status;
 }
 
-/* What the file's levels are shown by: a view each, and what is made of it. */
+/* Views that show the file's levels, one each, and the voxels found by them. */
 typedef struct shown_levels {
     iso_view views[64];
     iso_vdb_shown shown[64];

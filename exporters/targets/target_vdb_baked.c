@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* target_vdb_baked.c - a level as other programs read it: baked, saved, and what the baking changes in the picture said. */
+/* target_vdb_baked.c - a level as other programs read it: baked and saved; reports the error of baking in the
+ * picture. */
 #include "targets/target_vdb_baked.h"
 
 #include "vdb/vdb.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_vdb_baked.h - what the target vdb writes where --bake or --for is given. */
+/* target_vdb_baked.h - the target vdb with --bake or --for. */
 #ifndef ISO_TARGET_VDB_BAKED_H
 #define ISO_TARGET_VDB_BAKED_H
 

@@ -56,19 +56,19 @@ typedef enum iso_export_option {
         ISO_EXPORT_OPTION_COUNT
 } iso_export_option;
 
-/* What is to be written. */
+/* An export to be written. */
 typedef struct iso_export_job {
     const iso_pyramid *pyramid;
-    const iso_volume *volume; /* of a narrow target: level 0's scalars where the pyramid has none; else NULL */
+    const iso_volume *volume; /* of a narrow target: level 0's scalars if the pyramid has none; otherwise NULL */
     size_t level, level_count; /* levels from `level` on */
     const char *output;
     iso_view *
         view; /* of a target that takes a scene, with a plan and with an extinction scale: it has the scene's own transfer function */
-    const iso_planned *planned; /* what a plan leaves, or NULL: whole levels */
-    bool merged;                /* what a plan leaves as one grid, else one a level */
+    const iso_planned *planned; /* bricks of a plan, or NULL: whole levels */
+    bool merged;                /* True if a plan is written as one grid, otherwise one per level */
     double step_voxels;         /* 0: the scene's */
     bool half_float;
-    bool float_directions;    /* directions are not stored in half floats, whatever is left out */
+    bool float_directions;    /* True if directions are not stored in half floats, for any omitted part */
     iso_bake_options lattice; /* of a target that takes ISO_EXPORT_LATTICE; points 0: as is usual */
     const iso_bake_request
         *bake;     /* of a target that bakes: the grids that are asked for, or NULL; then `view` is the scene's */
@@ -76,7 +76,7 @@ typedef struct iso_export_job {
     bool
         is_shown; /* of a target that takes ISO_EXPORT_SHOWN: the views that view_of_level makes are what the user gave */
     bool dense;   /* grids hold all voxels */
-    bool force;   /* a file beside the output that is not isoshade's is kept aside, else it ends the export */
+    bool force;   /* True if a foreign file next to the output is kept aside; otherwise it ends the export */
     const double *background; /* the value that stands for what grids leave out; NULL: chosen, or none is left out */
     const char *command;      /* to be noted in files: without folders */
     bool extinction_scale;    /* the views that view_of_level makes have one (fit/extinction_scale.h) */
@@ -90,33 +90,34 @@ typedef struct iso_export_job {
     size_t frame_count;
     iso_status (*load_frame)(void *user, size_t frame, iso_pyramid *p, iso_error *err);
     void *frame_user;
-    /* Several volumes, of write_volumes: how many, and one of them with its view, to be destroyed; its name, 63 bytes. */
+    /* Several volumes, of write_volumes: how many, and one of them with its view, to be destroyed; its name, 63
+     * bytes. */
     size_t volume_count;
     iso_status (*load_volume)(void *user, size_t i, iso_pyramid *p, iso_view *view, char name[64], iso_error *err);
     void *volume_user;
     const void *user;
-    json_t *results; /* what a target has to say, by keys, or NULL; */
+    json_t *results; /* results of the target, by keys, or NULL; */
     FILE *notes;     /* or the same for people, in lines, or NULL */
 } iso_export_job;
 
 typedef struct iso_export_target {
     const char *name;      /* "vdb" */
     const char *title;     /* "OpenVDB" */
-    const char *summary;   /* what is written */
-    const char *baked;     /* the same of a target that bakes, where that is asked for; or NULL */
+    const char *summary;   /* contents of the output */
+    const char *baked;     /* the same for a target that bakes, if baking is requested; or NULL */
     const char *output;    /* what -o names: "NAME.vdb" */
     unsigned options;      /* of ISO_EXPORT_TAKES(option) */
     const char *stages[4]; /* that writing reports (base/progress.h), in order; the last takes longest; or none */
     iso_status (*write)(const iso_export_job *job, iso_error *err);
-    /* All frames of a series in one output, by job->load_frame; job->pyramid is NULL. NULL: an output a frame, by write, whose
-     * names end in `suffix` behind the number. */
+    /* All frames of a series in one output, by job->load_frame; job->pyramid is NULL. NULL: an output a frame, by
+     * write, whose names end in `suffix` behind the number. */
     iso_status (*write_frames)(const iso_export_job *job, iso_error *err);
     const char *suffix;
     /* Several volumes in one output, by job->load_volume; job->pyramid is NULL. NULL: there is no such thing. */
     iso_status (*write_volumes)(const iso_export_job *job, iso_error *err);
 
-    /* What a person sees of it. open starts the program anew on what was written, as the target's page tells a person to,
-     * and reads the picture that it leaves: colors with the background, in linear light. NULL: nothing to start. */
+    /* What a person sees of it. open starts the program anew on what was written, as the target's page tells a person
+     * to, and reads the picture that it leaves: colors with the background, in linear light. NULL: nothing to start. */
     iso_status (*open)(const char *output, iso_image *picture, iso_error *err);
     const char *renderer; /* its name among the renderers */
     bool narrow;  /* where a level is written by itself, level 0's scalars may be in job.volume alone (pyramid/narrow.h) */
@@ -125,8 +126,8 @@ typedef struct iso_export_target {
      * ours (base/stamp.h). roi: of a region of interest, too. NULL: there are none. */
     iso_status (*guard)(const char *output, size_t level, size_t level_count, bool roi, bool force, iso_error *err);
     const char *example; /* what -o may be called */
-    /* The samples of a ray in what is written with this step: intervals in each piece, and the planes between pieces. NULL:
-     * it has steps. */
+    /* The samples of a ray in what is written with this step: intervals in each piece, and the planes between pieces.
+     * NULL: it has steps. */
     void (*samples)(const iso_geometry *level, const iso_view *view, double step_voxels, size_t *intervals,
                     size_t *planes);
     bool clipped;    /* the picture's file holds 0 to 1 */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb.c - saving: what is told of a file, and the file. */
+/* vdb.c - saving: the metadata of a file, and the file. */
 #define _GNU_SOURCE
 #include <limits.h>
 #include <math.h>

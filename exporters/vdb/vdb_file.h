@@ -30,12 +30,12 @@ typedef struct iso_vdb_reversed {
 
 enum { ISO_VDB_MAX_GRIDS = 4 };
 
-/* What the grids of a level are read from. It stays where it is until the file is written. */
+/* Source of the grids of a level. It stays in place until the file is written. */
 typedef struct iso_vdb_grids {
     const iso_lattice *lattice; /* or a level: */
     const iso_level *level;
-    const iso_volume *volume; /* its scalars where it has none */
-    iso_narrow_codes made;    /* owned: its codes, a box after the other, where it has none */
+    const iso_volume *volume; /* its scalars if it has none */
+    iso_narrow_codes made;    /* owned: its codes, box by box, if it has none */
     iso_code code;
     const uint8_t *tf_2d, *extinction_scale;
     float direction_scale;
@@ -43,7 +43,7 @@ typedef struct iso_vdb_grids {
     iso_vdb_reversed reversed[ISO_VDB_MAX_GRIDS];
 } iso_vdb_grids;
 
-/* What is being saved. */
+/* The data being saved. */
 typedef struct iso_vdb_job {
     const iso_openvdb *openvdb;
     iso_vdb_file *file;
@@ -55,7 +55,7 @@ typedef struct iso_vdb_job {
 /* NULL where it cannot be loaded, with ISO_E_MISSING; path: of the file that it is wanted for. */
 const iso_openvdb *iso_vdb_library(const char *path, iso_error *err);
 
-/* Fills in what a level and a lattice have alike. */
+/* Fills in the shared description of a level or a lattice. */
 iso_vdb_source iso_vdb_describe(const iso_geometry *g, const char *made_from, const iso_vdb_options *opt);
 iso_status iso_vdb_fail(int code, const char *path, const iso_vdb_message *message, iso_error *err);
 

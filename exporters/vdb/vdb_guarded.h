@@ -14,7 +14,7 @@
 
 namespace iso_vdb {
 
-/* What `work` returns, or the status and the text of what it throws. */
+/* Returns the result of `work`, or the status and the text of its exception. */
 template <typename Work> int guarded(iso_vdb_message *message, Work work)
 {
     int status = ISO_OPENVDB_FAILED;

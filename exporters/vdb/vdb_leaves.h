@@ -83,7 +83,7 @@ private:
     std::vector<char> room_;
 };
 
-/* What is written is added to `bytes`. */
+/* Appends written data to `bytes`. */
 struct byte_buffer : std::streambuf {
     std::string bytes;
 
@@ -111,7 +111,7 @@ public:
     {
     }
 
-    /* What has been written since they were taken. */
+    /* Takes the bytes written since the last call. */
     std::string take_bytes()
     {
         std::string taken = std::move(buffer_.bytes);
@@ -175,10 +175,10 @@ private:
     half_value halves_[Leaf::SIZE];
 };
 
-/* Pieces of a file that threads hand in as they finish them, and that are written in their order. A piece that is too early
- * waits here and not its thread, unless there are many: threads that wait for their turn in a loop of OpenMP spin, which took
- * two thirds of an export's processor time where the machine has other work. The first exception is kept, to be thrown
- * where the threads have met again: none may leave its thread. */
+/* Pieces of a file that threads hand in as they finish them, and that are written in their order. A piece that is too
+ * early waits here and not its thread, unless there are many: threads that wait for their turn in a loop of OpenMP
+ * spin, which took two thirds of an export's processor time where the machine has other work. The first exception is
+ * kept, to be thrown where the threads have met again: none may leave its thread. */
 class ordered_output {
 public:
     ordered_output(std::ostream &out, size_t most) : out_(out), most_(most) {}

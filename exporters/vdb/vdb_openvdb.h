@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* vdb_openvdb.h - the interface between C (vdb.c) and C++ (vdb_openvdb.cc): plain types, no exceptions.
  *
- * The C++ is in isoshade_openvdb.so, which lies beside the program and is loaded when a file of grids is written or read:
- * OpenVDB and what it stands on take longer to load than all the rest of the program.
+ * The C++ is in isoshade_openvdb.so, which lies beside the program and is loaded when a file of grids is written or
+ * read: OpenVDB and what it stands on take longer to load than all the rest of the program.
  *
- * Transforms are rows of a 3 x 4 matrix that takes OpenVDB's index (integers at
- * the voxels' centers) to world. Private to exporters/vdb. */
+ * Transforms are rows of a 3 x 4 matrix that takes OpenVDB's index (integers at the voxels' centers) to world. Private
+ * to exporters/vdb. */
 #ifndef ISO_VDB_OPENVDB_H
 #define ISO_VDB_OPENVDB_H
 
@@ -58,7 +58,7 @@ typedef struct iso_vdb_source {
 
 typedef struct iso_vdb_file iso_vdb_file;
 
-/* What a grid's header says. box_index is size where the file has none. */
+/* Contents of a grid's header. box_index is size if the file has none. */
 typedef struct iso_vdb_grid_info {
     double index_to_world[3][4];
     double box_index[3];
@@ -70,8 +70,8 @@ typedef struct iso_vdb_grid_info {
 typedef struct iso_openvdb {
     /* NULL when memory ends. */
     iso_vdb_file *(*create)(void);
-    /* Asks which voxels are active. Their values are read by write(), in no order within what is prepared, so that what the
-     * source's users point to has to stay until then. */
+    /* Asks which voxels are active. Their values are read by write(), in no order within what is prepared, so that what
+     * the source's users point to has to stay until then. */
     int (*add)(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message);
     /* An entry of the file's own metadata. */
     int (*note)(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message);

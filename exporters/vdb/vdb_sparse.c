@@ -9,7 +9,7 @@
 #include "brick/occupancy.h"
 #include "pyramid/narrow.h"
 
-/* ---- what is shown -------------------------------------------------------------- */
+/* ---- visible voxels ---- */
 
 /* The entries of one table that show anything: next[i] is the first one from i on, `count` where there is none. */
 typedef struct shown_entries {
@@ -168,12 +168,12 @@ static iso_status find_background(const shown_test *t, const iso_level *level, c
 typedef struct marker {
     iso_vdb_activity *activity;
     const iso_level *level;
-    const iso_volume *volume; /* its scalars where it has none */
+    const iso_volume *volume; /* its scalars if it has none */
     const shown_test *test;
     size_t pad;
 } marker;
 
-/* What one thread works with. */
+/* Buffers of one thread. */
 typedef struct planes {
     float *row[2];             /* two rows of voxels, with the rim */
     float *least[2], *most[2]; /* over squares of four voxels, of this plane of voxels and the next */
@@ -330,8 +330,8 @@ static bool mark_chunk(const marker *m, size_t begin, size_t end, size_t counts[
     return true;
 }
 
-/* Cycles without NanoVDB fades a grid to 0 beyond its active voxels, and 0 may be a value that is shown: their box has to
- * be that of the level. */
+/* Cycles without NanoVDB fades a grid to 0 beyond its active voxels, and 0 may be a value that is shown: their box has
+ * to be that of the level. */
 static void keep_corners(iso_vdb_activity *a)
 {
     for (int end = 0; end < 2; ++end) {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* vdb_tree.h - a tree of a grid that knows which voxels are active, and reads their values when it is written.
  *
- * OpenVDB writes a tree that is complete in memory, 4 bytes a voxel and 12 of a vector. This one is the same to the file,
- * bit for bit, but its leaves have no values: a grid of 512 x 512 x 512 voxels takes 30 MB instead of .5 or 1.6 GB.
+ * OpenVDB writes a tree that is complete in memory, 4 bytes a voxel and 12 of a vector. This one is the same to the
+ * file, bit for bit, but its leaves have no values: a grid of 512 x 512 x 512 voxels takes 30 MB instead of .5 or 1.6
+ * GB.
  *
  * It is for writing alone: nothing may ask it for a value. Private to exporters/vdb. */
 #ifndef ISO_VDB_TREE_H
@@ -18,8 +19,8 @@
 
 namespace iso_vdb {
 
-/* A tree whose leaves hold which voxels are active and no values: these are read from the source when the tree is written.
- * To the file it is the same as a tree with values. */
+/* A tree whose leaves hold which voxels are active and no values: these are read from the source when the tree is
+ * written. To the file it is the same as a tree with values. */
 template <typename T> class written_tree : public openvdb::tree::Tree4<T, 5, 4, 3>::Type {
     using base = typename openvdb::tree::Tree4<T, 5, 4, 3>::Type;
     using leaf = typename base::LeafNodeType;
@@ -45,7 +46,7 @@ public:
         write_leaves(out, leaves, *source_, to_half);
     }
 
-    /* What a program that reads the grid will hold. */
+    /* Memory of a program that reads the grid. */
     openvdb::Index64 memUsage() const override
     {
         return base::memUsage() + this->leafCount() * leaf::SIZE * sizeof(T);
@@ -55,13 +56,15 @@ private:
     const iso_vdb_source *source_;
 };
 
-/* A grid for OpenVDB's archive, which writes the type first, and the header from a copy. Two things differ from then on.
+/* A grid for OpenVDB's archive, which writes the type first, and the header from a copy. Two things differ from then
+ * on.
  *
- * The class. Fog volumes are written without ZIP, which halves them, though they are read with it: the archive looks at the
- * class before it makes the copy.
+ * The class. Fog volumes are written without ZIP, which halves them, though they are read with it: the archive looks at
+ * the class before it makes the copy.
  *
- * The type. Of grids of the types that it knows the archive asks all leaves for their values, to note in the header how large
- * they will be (file_delayed_load). Here they have none. Readers do without: they find the sizes in the file as they go. */
+ * The type. Of grids of the types that it knows the archive asks all leaves for their values, to note in the header how
+ * large they will be (file_delayed_load). Here they have none. Readers do without: they find the sizes in the file as
+ * they go. */
 template <typename T> class written_grid : public openvdb::Grid<typename openvdb::tree::Tree4<T, 5, 4, 3>::Type> {
     using base = openvdb::Grid<typename openvdb::tree::Tree4<T, 5, 4, 3>::Type>;
 
