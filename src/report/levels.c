@@ -158,9 +158,8 @@ static void add_way(iso_levels_summary *s, const json_t *way)
                      fly ? "" : " directions", iso_row_text(way, "tf"));
 }
 
-/* "1-SSIM 0.067 against 0.071, 0.004 +- 0.003 less", for each figure by which the rival is better; or "more", for each by
- * which it is worse. */
-static void add_figures(iso_levels_summary *s, const json_t *rival, const char *key, const char *less)
+/* Adds "1-SSIM 0.067 against 0.071, 0.004 +- 0.003 less" for each figure by which the rival is better. */
+static void add_better_figures(iso_levels_summary *s, const json_t *rival)
 {
     const char *before = "";
     json_t *f;
@@ -168,21 +167,12 @@ static void add_figures(iso_levels_summary *s, const json_t *rival, const char *
     json_array_foreach(json_object_get(rival, "figures"), i, f)
     {
         const double value = iso_row_number(f, "value"), difference = iso_row_number(f, "difference");
-        if (!is_true(f, key))
+        if (!is_true(f, "better"))
             continue;
-        iso_words_append(s->sentence, sizeof s->sentence, "%s%s %.3g against %.3g, %.2g +- %.2g %s", before,
-                         iso_row_text(f, "name"), value, value + difference, fabs(difference),
-                         iso_row_number(f, "half_width"), less);
+        iso_words_append(s->sentence, sizeof s->sentence, "%s%s %.3g against %.3g, %.2g +- %.2g less", before,
+                         iso_row_text(f, "name"), value, value + difference, difference, iso_row_number(f, "half_width"));
         before = "; ";
     }
-}
-
-static bool is_worse_by_any(const json_t *rival)
-{
-    json_t *f;
-    size_t i;
-    json_array_foreach(json_object_get(rival, "figures"), i, f) if (is_true(f, "worse")) return true;
-    return false;
 }
 
 /* Other stored directions under the same TF: then it was the choice of the filter. */
@@ -200,11 +190,7 @@ static void add_rival(iso_levels_summary *s, const json_t *row, const json_t *ri
         iso_words_append(s->sentence, sizeof s->sentence, "auto chose %s, but ", iso_row_text(row, "chosen_filter"));
     add_way(s, rival);
     iso_words_append(s->sentence, sizeof s->sentence, " look more like level 0 (");
-    add_figures(s, rival, "better", "less");
-    if (is_worse_by_any(rival)) {
-        iso_words_append(s->sentence, sizeof s->sentence, "; yet less by ");
-        add_figures(s, rival, "worse", "more");
-    }
+    add_better_figures(s, rival);
     iso_words_append(s->sentence, sizeof s->sentence, "): %s.", iso_row_text(rival, "option"));
 }
 
