@@ -7,9 +7,9 @@ found=$(python3 "$top/tests/references.py" "$top")
 if [ -z "$found" ]; then ok every_reference_resolves; else not_ok every_reference_resolves "$(head -n 20 <<<"$found")"; fi
 
 # Planted faults: one of each kind, beside references that are good.
-mkdir -p planted/src planted/doc/reference && cd planted || exit 1
+mkdir -p planted/src planted/doc/reference planted/doc/guide && cd planted || exit 1
 printf -- '- [good-2001] A work.\n- [idle-1999] Another.\n' >doc/reference/references.md
-printf 'See [good-2001](reference/references.md), x.h and gone.md.\n' >doc/guide/blender.md
+printf 'See [good-2001](../reference/references.md), x.h and gone.md.\n' >doc/guide/blender.md
 cat >src/x.h <<'END'
 /* x.h - after [good-2001] and [unknown-2002]; see src/gone.c and x.h. */
 int iso_there(void); /* iso_there() is, iso_gone() is not */
