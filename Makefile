@@ -49,15 +49,16 @@ flags_coverage := -O1 -g --coverage
 flags_threads := -O1 -g -fsanitize=thread
 # -fPIC for the shared library. Its functions call each other as in the program: nobody may put others in their place.
 flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
-# Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not.
-library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib libdeflate libarchive OpenEXR Imath epoxy egl libxxhash
+# Those that Debian describes to pkg-config; teem, nifti and OpenVDB it does not. libarchive's description asks for packages
+# of its own libraries when a program is linked with libisoshade.a.
+library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib libdeflate OpenEXR Imath epoxy egl libxxhash
 pkgs := $(library_pkgs) popt
 pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
 pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
 missing = $(error Debian packages are missing that isoshade is built with: `make setup` installs them)
 CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(if $(pkg_libs),$(pkg_cflags),$(missing))
 CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
-unpackaged_libs := -lteem -lniftiio -lznz
+unpackaged_libs := -lteem -lniftiio -lznz -larchive
 LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
 openvdb_libs = -fopenmp -lopenvdb $(shell pkg-config --libs tbb Imath libdeflate)
 

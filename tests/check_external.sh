@@ -53,7 +53,7 @@ expect a_step_that_is_asked_for 0 stepped --step 0.5
 check is_said test "$(json_number out step_voxels)" = 0.5
 check and_taken by_step 0.5
 check the_list_has_it bash -c "ISOSHADE_RENDERERS=renderers.json '$ISOSHADE' list | grep -q '^  numpy  *numpy ray caster'"
-check not_by_default bash -c "! '$ISOSHADE' list | grep -q numpy"
+check not_by_default bash -c "! '$ISOSHADE' list | grep -q '^  numpy '"
 
 # ---- a program that was edited while its run was interrupted, which no version tells: nothing of before is taken ----
 mkdir killing edited && printf '#!/bin/sh\nkill -KILL $PPID\n' >killing/gnuplot && chmod +x killing/gnuplot # which the report needs
