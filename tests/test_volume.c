@@ -182,8 +182,7 @@ static void a_format_of_this_test_alone_is_read_skipped_and_named(void **state)
     assert_int_equal(readers_closed, 2);
     write_bytes("b.cnt", "COUNTERS", 8);
     assert_int_equal(iso_volume_load(in_dir("b.cnt"), &v, &why), ISO_E_FORMAT);
-    assert_non_null(strstr(why.text, "COUNTING (\"COUNTING\")"));
-    assert_non_null(strstr(why.text, "NRRD (\"NRRD000N\")"));
+    assert_non_null(strstr(why.text, "starts with \"COUNTERS\", an unknown format; isoshade list names"));
     assert_int_equal(iso_volume_format_suffix_bytes("a.cnt"), 4);
     assert_int_equal(iso_volume_format_suffix_bytes("a.cnt.long"), 9);
     assert_int_equal(iso_volume_format_suffix_bytes(".cnt"), 0);
