@@ -22,7 +22,7 @@ check and_both_are_still_there test -p pipe -a -c /dev/null
 touch target && ln -s target link && ln -s nowhere loose
 check a_link_is_followed isoshade make sphere --size 4 -o link -q
 check and_stays test -L link -a -s target
-check a_link_to_nothing_is_refused ends 3 'is a link to' isoshade make sphere --size 4 -o loose
+check a_link_to_nothing_is_refused ends 3 'is a link whose target cannot be reached' isoshade make sphere --size 4 -o loose
 long=$(printf 'x%.0s' $(seq 250)).nrrd
 check the_longest_name_fits isoshade make sphere --size 4 -o "$long" -q
 

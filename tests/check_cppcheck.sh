@@ -23,7 +23,7 @@ END
     elif grep -q "\[$5\]" found; then ok "$1"
     else not_ok "$1" "found: $(head -n 1 found)"; fi
 }
-plant memory_that_is_lost_is_found src/bench/all.c 'return (x > y) - (x < y);' 'int *lost = malloc(4); if (!lost) return 1; lost[0] = x > y; return lost[0] - (x < y);' memleak
+plant memory_that_is_lost_is_found src/figure/charted.c 'return (x > y) - (x < y);' 'int *lost = malloc(4); if (!lost) return 1; lost[0] = x > y; return lost[0] - (x < y);' memleak
 plant an_index_beyond_its_array_is_found src/base/base64.c 'text[used++] = digits[n >> 18];' 'text[sizeof text] = 0; text[used++] = digits[n >> 18];' arrayIndexOutOfBounds
 plant a_format_without_its_number_is_found src/cli/cmd_compare.c '"verdict   %s\n", agree ? "agree" : "differ"' '"verdict   %s\n"' wrongPrintfScanfArgNum
 plant an_element_that_is_not_there_is_found src/volume/itk/dicom.cc 'return value[0];' 'std::vector<double> empty; return empty[0];' containerOutOfBounds

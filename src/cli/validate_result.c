@@ -79,8 +79,7 @@ void iso_cli_validate_print(const char *output, const iso_cli *cli, const iso_va
                             const iso_report_summary *s, const iso_levels_summary *levels)
 {
     if (cli->json) {
-        json_dumpf(iso_report_json(v->report), stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-        putchar('\n');
+        iso_cli_print_json(json_incref((json_t *)iso_report_json(v->report)));
     } else {
         puts(s->sentence);
         if (levels->sentence[0])

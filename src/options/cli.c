@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/json_text.h"
 #include "base/process.h"
 #include "base/provenance.h"
 #include "options/overwrite.h"
@@ -501,7 +502,9 @@ json_t *iso_cli_json(const iso_cli *cli)
 
 void iso_cli_print_json(json_t *root)
 {
-    json_dumpf(root, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-    putchar('\n');
+    char *text = iso_json_text(root, JSON_INDENT(2));
+    if (text)
+        puts(text);
+    free(text);
     json_decref(root);
 }
