@@ -83,7 +83,8 @@ void iso_extrapolated_destroy(iso_extrapolated *limit)
     *limit = (iso_extrapolated){0};
 }
 
-/* The square of an RMSE less what chance alone leaves in it, within three of its own standard errors. */
+/* Returns the square of an RMSE less the part that chance alone leaves in it, within three of its own standard
+ * errors. */
 static double without_noise(double rmse, double noise_square, double uncertainty)
 {
     return fmax(rmse * rmse - noise_square - 3 * uncertainty, 0);
@@ -96,7 +97,7 @@ double iso_extrapolated_error_left(const iso_extrapolated *l)
     const double coarse = sqrt(without_noise(l->coarse_rmse, l->coarse_noise.square, 0));
     if (isnan(l->fine_rmse) || isnan(l->coarse_rmse))
         return NAN;
-    return fine <= 0 ? 0 : fine / coarse; /* infinite where there was no error before */
+    return fine <= 0 ? 0 : fine / coarse; /* infinite if there was no error before */
 }
 
 double iso_extrapolated_held_to(const iso_extrapolated *l)
@@ -130,9 +131,9 @@ static iso_status mean_pair(const iso_image *images, size_t seeds, iso_image *co
     return status;
 }
 
-/* The mean square error of the mean, over pixels and all four channels (the alpha of a picture may be noisier than its
- * colors, where volume and background are alike), and how well n images tell it: a variance from n samples has a
- * variance of 2 / (n - 1) times its square; the channels of a pixel err together. */
+/* Returns the mean square error of the mean, over pixels and all four channels, and its uncertainty. Alpha may be
+ * noisier than the colors if volume and background are equal. A variance from n samples has a variance of 2 / (n -
+ * 1) times its square; the channels of a pixel err together. */
 static iso_extrapolated_noise noise_of_mean(const iso_image *images, size_t n, const iso_image *mean)
 {
     const size_t pixels = mean->width * mean->height;
@@ -150,9 +151,9 @@ static iso_extrapolated_noise noise_of_mean(const iso_image *images, size_t n, c
     return (iso_extrapolated_noise){sum / (double)(4 * pixels), sqrt(squares) / (double)(4 * pixels)};
 }
 
-/* How far the step's error goes at each value: what halving the step changes there, in any seed, in the 3 x 3 pixels around
- * it, times the factor. The seeds one by one, since their mean may be alike at both steps by chance; the neighbors, since
- * a bend of the TF may lie where one pixel's samples do not tell it at either step. */
+/* Measures the step's error at each value: the change by halving the step, in any seed, in the 3 x 3 pixels around
+ * it, times the factor. Each seed counts by itself, since the means may be equal at both steps by chance. The
+ * neighbors count, since one pixel's samples may miss a bend of the TF at both steps. */
 static void measure_tolerances(const iso_extrapolation_input *of, const iso_image *limits, double *tolerances)
 {
     const size_t width = of->reference->width, height = of->reference->height;
@@ -178,7 +179,7 @@ static iso_status test_noise(const iso_extrapolation_input *of, const iso_image 
 {
     iso_samples samples;
     const size_t count = 4 * of->reference->width * of->reference->height;
-    if (!isfinite(out->step_bar)) { /* pixels that are no numbers: the row differs, and the others go on */
+    if (!isfinite(out->step_bar)) { /* pixels that are not finite: the row differs, and the others go on */
         out->noise_bar = INFINITY;
         out->noise.rejected = out->noise.tests = count;
         return ISO_OK;

@@ -31,8 +31,8 @@ iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double
 iso_status iso_observed_order(const iso_image *a, const iso_image *b, const iso_image *c, double ratio, double *order,
                               iso_error *err);
 
-/* Two limits agree when their RMSE is at most `factor` times the root of the summed squares of their bars,
- * plus floor (what rounding adds). NaN never agrees. */
+/* True if two limits agree: their RMSE is at most `factor` times the root of the summed squares of their bars, plus
+ * floor (the share of rounding). NaN never agrees. */
 bool iso_extrapolated_agree(double rmse, double bar_a, double bar_b, double factor, double floor);
 
 /* ---- several seeds ------------------------------------------------------------- */
@@ -48,13 +48,13 @@ typedef struct iso_extrapolated {
     iso_image image;                                 /* the limit: the mean over the seeds */
     iso_image fine;                                  /* at step_voxels; mean over the seeds */
     double step_voxels;                              /* the finer of the last two */
-    size_t planes, intervals;                        /* of a renderer with intervals there; else 0 */
+    size_t planes, intervals;                        /* of a renderer with intervals there; 0 for others */
     double coarse_rmse, fine_rmse;                   /* against the reference, of the means */
     double rmse, ssim_dissimilarity, flip_mean;      /* of the limit against the reference */
     double order;                                    /* observed: log2 (coarse_rmse / fine_rmse) */
     double step_bar;                                 /* RMSE of `fine` against the limit */
     double noise_bar;                                /* standard error of the limit over the seeds */
-    iso_extrapolated_noise coarse_noise, fine_noise; /* of the means at both steps; 0 where nothing is random */
+    iso_extrapolated_noise coarse_noise, fine_noise; /* of the means at both steps; 0 if nothing is random */
     double bar;                                      /* the error bar: both together, times the factor */
     double allowed;                                  /* RMSE to the reference: the bar, and rounding */
     size_t seeds;                                    /* 1: the renderer is not random, and `noise` is not filled */
@@ -64,8 +64,9 @@ typedef struct iso_extrapolated {
     iso_image *kept; /* ... the limit of each seed, and how far the step's error goes at each value */
 } iso_extrapolated;
 
-/* With second order, halving the step leaves a quarter of the error. The bends of a TF fall anywhere between samples, so
- * that single halvings leave less or more: validation allows the square root of two times a quarter. */
+/* Order of the method: second, so halving the step leaves a quarter of the error. The bends of a TF fall anywhere
+ * between samples, so that single halvings leave less or more. Validation allows the square root of two times a
+ * quarter. */
 #define ISO_EXTRAPOLATION_ORDER 2.0
 /* An error bar is the difference between the fine image and the limit, times a factor of safety, as in the grid
  * convergence index of [roache-1994], who takes 3 for two grids. Suppose the errors at the two steps, r e and e, are
@@ -74,9 +75,9 @@ typedef struct iso_extrapolated {
  * smooth TFs. A TF that the step does not resolve has first order, r = 2, and a ratio of 2. */
 #define ISO_EXTRAPOLATION_FACTOR_SMOOTH 2.0
 #define ISO_EXTRAPOLATION_FACTOR_SHARP 2.5
-/* The rounding of 16 bits a channel (POV-Ray) and of single precision. */
+/* The rounding of 16 bits per channel (POV-Ray) and of single precision. */
 #define ISO_EXTRAPOLATION_ROUNDING 1e-5
-/* Of the tests of all pixels and channels of an image together, and of that of its bias. */
+/* Significance of the tests of all pixels and channels of an image together, and of that of its bias. */
 #define ISO_EXTRAPOLATION_SIGNIFICANCE 1e-3
 
 void iso_extrapolated_destroy(iso_extrapolated *limit); /* accepts a zeroed one */
@@ -87,7 +88,7 @@ void iso_extrapolated_destroy(iso_extrapolated *limit); /* accepts a zeroed one 
 #define ISO_EXTRAPOLATION_EXCUSE_MOST (1.0 / 255)
 #define ISO_EXTRAPOLATION_EXCUSE_PART 5e-3
 
-/* What is extrapolated: `seeds` images at the double step, followed by `seeds` images at the step; at most
+/* Images to extrapolate: `seeds` images at the double step, followed by `seeds` images at the step; at most
  * ISO_EXTRAPOLATION_MAX_SEEDS. */
 typedef struct iso_extrapolation_input {
     const iso_image *images;
@@ -95,7 +96,7 @@ typedef struct iso_extrapolation_input {
     const iso_image *reference;
     double factor;             /* ISO_EXTRAPOLATION_FACTOR_... */
     const iso_image *unsteady; /* how far each value of the reference moves with its eye; or NULL: none is excused */
-    bool keep;                 /* what iso_extrapolated_compare() needs */
+    bool keep;                 /* True if iso_extrapolated_compare() will follow */
 } iso_extrapolation_input;
 
 /* Fills *out but for step_voxels, planes, intervals and seeds, which the caller sets. */
@@ -104,7 +105,7 @@ iso_status iso_extrapolate(const iso_extrapolation_input *of, iso_extrapolated *
 /* The image of the limit alone, created: the mean over the seeds. */
 iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_image *limit, iso_error *err);
 
-/* Two limits of several seeds, kept: what differs between them, by the same tests as one and a reference. */
+/* The differences between two kept limits of several seeds, by the same tests as one and a reference. */
 typedef struct iso_extrapolated_change {
     double largest, noise;          /* of a value, and the standard error of the difference there */
     size_t column, row, channel;    /* where */
@@ -114,13 +115,13 @@ typedef struct iso_extrapolated_change {
 iso_status iso_extrapolated_compare(const iso_extrapolated *a, const iso_extrapolated *b, iso_extrapolated_change *out,
                                     iso_error *err);
 
-/* What of `allowed` holds the image as a whole to the reference: without the part of the error bar that noise explains. A
- * fault of the whole image is seen below the noise of its pixels, for noise is taken off in squares where it is asked how
- * much of the error halving leaves; but not far below, so that a tenth of `allowed` is the least. */
+/* Returns the part of `allowed` that limits the image as a whole: without the noise's part of the error bar. A fault
+ * of the whole image shows below the noise of its pixels, since noise is subtracted in squares from the error that
+ * halving leaves. It does not show far below, so a tenth of `allowed` is the least. */
 double iso_extrapolated_held_to(const iso_extrapolated *limit);
 
-/* The part of the error that halving the step has left, about 1/4; rounding and noise are taken off. 0 where no error is
- * left. */
+/* Returns the part of the error that is left after halving the step, about 1/4; rounding and noise are subtracted. 0
+ * if no error is left. */
 double iso_extrapolated_error_left(const iso_extrapolated *limit);
 
 #endif

@@ -25,7 +25,7 @@ static const double rgb_from_xyz[3][3] = {
 };
 static const double white[3] = {0.95045592705167183, 1.0, 1.08905775075987852}; /* sums of the rows */
 
-/* Paper, Table 1: contrast sensitivity as sums of two Gaussians a exp(-(pi x)^2 / b), one row a channel. */
+/* Paper, Table 1: contrast sensitivity as sums of two Gaussians a exp(-(pi x)^2 / b), one row per channel. */
 static const struct {
     double a1, b1, a2, b2;
 } sensitivity[3] = {
@@ -41,7 +41,7 @@ typedef struct planes {
     size_t width, height;
 } planes;
 
-/* What is known of one image: adapted L*a*b* after the eye's filter, edges and points. */
+/* The features of one image: adapted L*a*b* after the eye's filter, edges and points. */
 typedef struct percept {
     planes color;
     double *edges, *points;
@@ -293,7 +293,7 @@ static iso_status perceive(const iso_image *image, double ppd, double scale, boo
     return iso_fail(err, ISO_E_MEMORY, "FLIP: no memory for %zu pixels", count);
 }
 
-/* Color difference raised to 1 - feature difference (Eq. 7): what is kept of map is the larger. */
+/* Combines color difference raised to 1 - feature difference (Eq. 7); map keeps the larger of it and its old value. */
 static void combine(const percept *a, const percept *b, size_t count, float *map)
 {
     double largest = largest_color_difference();

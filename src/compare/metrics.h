@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* metrics.h - how far two images are apart.
+/* metrics.h - differences between two images.
  *
- * On RGB in linear light and alpha, over all pixels. FLIP and SSIM are taken on
- * what people see: sRGB of the colors clipped to [0, 1].
+ * On RGB in linear light and alpha, over all pixels. FLIP and SSIM are taken on the
+ * displayed image: sRGB of the colors clipped to [0, 1].
  *   SSIM  [wang-2004]: luma, Gaussian window 11x11, sigma 1.5, K = .01, .03.
- *   FLIP  [andersson-2020] (LDR), at 67 pixels a degree.
+ *   FLIP  [andersson-2020] (LDR), at 67 pixels per degree.
  * A comparison with a non-finite pixel, of different sizes or of pictures that begin elsewhere, fails. */
 #ifndef ISO_METRICS_H
 #define ISO_METRICS_H
@@ -22,8 +22,8 @@ typedef struct iso_tolerances {
 /* iso_metrics_measure() without SSIM and FLIP, which are NaN: they take most of its time. */
 iso_status iso_metrics_measure_differences(const iso_image *a, const iso_image *b, iso_metrics *metrics, iso_error *err);
 
-/* Of red, green and blue alone. Values of a above `most` count as that, which is the most that b can hold; or INFINITY.
- * The images are of one size. */
+/* Returns the RMSE of red, green and blue alone. Values of a above `most`, the most that b can hold, count as
+ * `most`; it may be INFINITY. The images have the same size. */
 double iso_metrics_rmse_of_colors(const iso_image *a, const iso_image *b, double most);
 
 /* NaN is never within tolerances; without any tolerance only equal images are. */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* paired.h - is one way worse than another, or is it the scatter over the views?
+/* paired.h - tests if one method is worse than another by more than the scatter over the views.
  *
- * Both are measured in the same views, so that what makes a view hard for both cancels: the mean of the differences view
- * by view, and an interval that holds the mean over all views with a given confidence, by Student's t with count - 1
- * degrees of freedom. Few views have wide intervals: at 95 % half the width is 2.48 standard deviations of the
- * differences for 3 views, 1.05 for 6 and .47 for 20. */
+ * Both are measured in the same views, so that a view that is hard for both cancels. The result is the mean of the
+ * differences view by view, and an interval that holds the mean over all views with a given confidence. The interval
+ * is by Student's t with count - 1 degrees of freedom. Few views have wide intervals: at 95 % half the width is 2.48
+ * standard deviations of the differences for 3 views, 1.05 for 6 and .47 for 20. */
 #ifndef ISO_PAIRED_H
 #define ISO_PAIRED_H
 

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* signal.h - does an image show enough to be compared?
+/* signal.h - tests if an image shows enough to be compared.
  *
- * Limits are absolute. Where an image hardly differs from its background, a renderer that draws nothing is within them, and
- * so is one that is wrong throughout. So a comparison needs a signal: what the reference shows above its background has to
- * be at least ISO_SIGNAL_FACTOR times the limit that images are held to, in color as well as in alpha. What is drawn wrong
- * by one part in that factor is then outside the limit.
+ * Limits are absolute. If an image hardly differs from its background, an empty image is within them, and so is a wrong
+ * one. So a comparison needs a signal: the reference minus its background has to be at least ISO_SIGNAL_FACTOR times
+ * the limit of the images, in color and in alpha. An error of one part in that factor then exceeds the limit.
  *
- * Like is measured with like: RMS where the limit is one of RMSE, or of the largest difference (which RMS never exceeds, so
- * that this is the stricter choice); where it is the difference that 99 % of the pixels stay below, what the brightest 1 %
- * of the pixels show at least. */
+ * The signal has the limit's measure. For a limit of the RMSE or of the largest difference it is the RMS, which the
+ * largest difference always reaches, so that this is the stricter choice. For a limit that 99 % of the pixels stay
+ * below, it is the least value of the brightest 1 % of the pixels. */
 #ifndef ISO_SIGNAL_H
 #define ISO_SIGNAL_H
 
@@ -19,13 +18,13 @@
 typedef enum iso_signal_measure { ISO_SIGNAL_RMS, ISO_SIGNAL_P99 } iso_signal_measure;
 
 typedef struct iso_signal {
-    double color, alpha; /* what the image shows above its background */
-    double least;        /* what is asked of both; 0: nothing */
+    double color, alpha; /* signal of the image above its background */
+    double least;        /* required of both; 0: no requirement */
     iso_signal_measure measure;
 } iso_signal;
 
-/* Of an image with its background included, whose alpha is 0 where nothing is drawn. limit: what images are held to.
- * ISO_E_MEMORY. Pixels that are not finite make a signal that is no number, which is never enough. */
+/* Measures an image that includes its background; alpha is 0 in empty pixels. limit: the limit of the images.
+ * ISO_E_MEMORY. Pixels that are not finite make the signal NaN, which is never enough. */
 iso_status iso_signal_of(const iso_image *image, const double background[3], double limit, iso_signal_measure measure,
                          iso_signal *signal, iso_error *err);
 bool iso_signal_suffices(const iso_signal *signal);

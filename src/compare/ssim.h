@@ -13,8 +13,8 @@
  * [0, 1]. ISO_E_RANGE: empty or different sizes; ISO_E_MEMORY. */
 iso_status iso_ssim_mean(const iso_image *a, const iso_image *b, double *mean, iso_error *err);
 
-/* The same over the windows whose center has an alpha of at least ISO_SSIM_FOREGROUND in either image: a large empty
- * background, where all images agree, does not thin the difference. 1 where both images are empty. */
+/* Measures only windows whose center has an alpha of at least ISO_SSIM_FOREGROUND in either image. So a large empty
+ * background, equal in all images, does not thin the difference. 1 if both images are empty. */
 #define ISO_SSIM_FOREGROUND (1 / 255.0)
 iso_status iso_ssim_foreground(const iso_image *a, const iso_image *b, double *mean, iso_error *err);
 

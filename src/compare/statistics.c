@@ -108,7 +108,7 @@ iso_status iso_samples_add(iso_samples *s, const iso_image *image, iso_error *er
     return ISO_OK;
 }
 
-/* p of a difference whose standard error is known: only what exceeds the tolerance counts. */
+/* Returns p of a difference with a given standard error: only the excess over the tolerance counts. */
 static double p_value(double difference, double error, double tolerance, double degrees_of_freedom)
 {
     double excess = fabs(difference) - tolerance;
@@ -117,14 +117,14 @@ static double p_value(double difference, double error, double tolerance, double 
     return error > 0 ? iso_student_two_sided(excess / error, degrees_of_freedom) : 0;
 }
 
-/* [sidak-1967]: so many tests keep the significance of all together. -expm1(log1p) keeps its digits. */
+/* Sidak's correction [sidak-1967]: the tests together keep one significance. -expm1(log1p) keeps its digits. */
 static double sidak(double significance, size_t tests)
 {
     return -expm1(log1p(-significance) / (double)tests);
 }
 
-/* The variance that a value is tested with: its own, or that of the same channel in the 5 x 5 pixels around, where it is
- * larger. A few images that are alike by chance do not make a value certain, nor do calm neighbors. */
+/* Returns the variance for a value's test: the larger of its own and that of the same channel in the 5 x 5 pixels
+ * around. A few images that are equal by chance do not make a value certain, nor do calm neighbors. */
 static double variance_of(const iso_samples *s, size_t i)
 {
     const long width = (long)s->width, height = (long)s->height, column = (long)(i / 4) % width,

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* curve.h - what a voxel of a value shows: premultiplied color and opacity, as a table over the values.
+/* curve.h - a voxel's appearance by its value: premultiplied color and opacity, as a table over the values.
  *
  *     p(s) = (a r, a g, a b, a),   a = 1 - exp(-extinction(s) length)
  *
  * linear between its entries, constant beyond its ends. Widened, it is its mean over a window of values: a steep ramp
- * becomes a gentle one, a narrow peak a broad one, so that a voxel that is still on the wrong side of it is told in
+ * becomes a gentle one, a narrow peak a broad one. So a voxel on its wrong side has a slope that shows in
  * which direction to move. */
 #ifndef ISO_FIT_CURVE_H
 #define ISO_FIT_CURVE_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* extinction_scale.h - one byte a voxel of a coarse level that scales its extinction, so that the level is as opaque as
+/* extinction_scale.h - one byte per voxel of a coarse level that scales its extinction. The level is then as opaque as
  * the fine voxels are, place by place:
  *
  *     sigma(x) = q(x) sigma_TF(s(x)),    q(x) = 2^((b(x) - 168) / 28)
@@ -15,7 +15,7 @@
  *
  * hat_j: the weight of coarse voxel j at the fine voxel's center x (interpolation.h), a_0 the fine voxel's opacity under
  * the original transfer function, h the spacing of level 0, m_k the mean extinction under the level's transfer function
- * of the values within half a gradient's length of s(x): of what is in a fine voxel there, as a_0 has it of level 0. Sums
+ * of the values within half a gradient's length of s(x): the mean over a fine voxel's content, as a_0 is for level 0. Sums
  * that are nearly 0 leave q as it is.
  *
  * In: the scalars of level 0 and of the level, in memory. Out: the bytes, x fastest. They depend on no thread count.
@@ -34,7 +34,7 @@ enum {
     ISO_EXTINCTION_SCALE_LAST = 252       /* the largest byte */
 };
 
-/* log2 q of a byte, or of what lies between bytes. */
+/* Returns log2 q of a byte, or of a value between bytes. */
 static inline double iso_extinction_scale_log2(double byte)
 {
     return (byte - ISO_EXTINCTION_SCALE_ONE) / ISO_EXTINCTION_SCALE_PER_OCTAVE;
@@ -44,7 +44,8 @@ static inline double iso_extinction_scale_of(double byte)
     return exp2(iso_extinction_scale_log2(byte));
 }
 
-/* What does not depend on the transfer function, made once a level: an edit then costs rounds over what is seen. */
+/* The part that does not depend on the transfer function, made once per level: an edit then costs rounds over the
+ * visible voxels. */
 typedef struct iso_extinction_scaler iso_extinction_scaler;
 
 /* level: of coarse, as the number of halvings of fine, at least 1. Both keep their scalars while the scaler lives.

@@ -113,7 +113,7 @@ static void weigh_row(void *context, const iso_fine_row *row)
     iso_fit_row_weigh(&r);
 }
 
-/* One pass over the fine voxels under `coarse`; out: what is scattered, or NULL. */
+/* Runs one pass over the fine voxels under `coarse`; out: the scattered values, or NULL. */
 static iso_status go(fit *f, iso_fine_row_function *function, const float *coarse, float *out, iso_error *err)
 {
     const iso_interpolation_pass pass = {.input_count = 1,
@@ -174,7 +174,8 @@ static iso_status solve(fit *f, size_t rounds, iso_error *err)
     return ISO_OK;
 }
 
-/* A step of Gauss-Newton, halved until the wide curve's error falls. *error: E after it; stays where no step helps. */
+/* Takes a step of Gauss-Newton, halved until the wide curve's error falls. *error: E after it; unchanged if no step
+ * helps. */
 static iso_status improve(fit *f, const float limits[2], size_t solver_rounds, float *coarse, double *error,
                           iso_error *err)
 {

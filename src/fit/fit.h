@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* fit.h - the scalar of a coarse level fitted to a transfer function.
  *
- * A level is classified after it is filtered. What it shows at the centers of the fine voxels is s = A c
- * (interpolation.h), and how that looks is p(s) (curve.h). The fit looks for coarse values c with the least
+ * A level is classified after it is filtered. Its values at the centers of the fine voxels are s = A c
+ * (interpolation.h), and their appearance is p(s) (curve.h). The fit looks for coarse values c with the least
  *
  *     E(c) = sum over fine voxels j of |p((A c)_j) - p(v_j)|^2
  *
  * by Gauss-Newton: p is replaced by its tangent at s, so that each step is a linear least-squares problem with one
- * weight a fine voxel, w_j = |p'(s_j)|^2, solved by some rounds of conjugate gradients on A^T W A; then the step is
+ * weight per fine voxel, w_j = |p'(s_j)|^2, solved by some rounds of conjugate gradients on A^T W A; then the step is
  * halved until the error falls. Voxels that p is flat at have no weight: they are free, and keep the values that they
- * had. That is what lets a fitted level be nearer than the level of least squares, and why a fine voxel on the wrong
- * side of a steep ramp is not seen. So p is first widened (curve.h), and its width is continued down to none.
+ * had. So a fitted level can be nearer than the level of least squares. For the same reason a fine voxel on the wrong
+ * side of a steep ramp has no effect. So p is first widened (curve.h), and its width is continued down to none.
  *
  * The result is the iterate of least E, so it is never farther than the start. */
 #ifndef ISO_FIT_FIT_H
@@ -34,14 +34,14 @@ typedef struct iso_fit_report {
     double seconds;
 } iso_fit_report;
 
-/* What is fitted: fine values, and where they lie under the coarse ones. */
+/* The problem: fine values, and their places under the coarse ones. */
 typedef struct iso_fit_problem {
     const iso_interpolation *map;
     const float *fine;
     const iso_fit_curve *curve;
 } iso_fit_problem;
 
-/* What a fit needs beside its problem, in bytes: 5 a fine voxel, and 7 floats a coarse one. */
+/* Returns the bytes that a fit needs besides its problem: 5 per fine voxel, and 7 floats per coarse one. */
 size_t iso_fit_bytes(size_t fine_count, size_t coarse_count);
 
 /* E under the curve widened to `width` ramps, and its gradient by the coarse values (or NULL). ISO_E_MEMORY. */

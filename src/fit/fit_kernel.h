@@ -5,7 +5,7 @@
 
 #include "fit/curve.h"
 
-/* Where the fit compares, and with what. */
+/* A row of values to compare, and their targets. */
 typedef struct iso_fit_row {
     const float *fine;  /* level 0's values */
     const float *shown; /* the level's */

@@ -228,7 +228,7 @@ static void run_wanted(const work *w, size_t y)
     }
 }
 
-/* What the rows of this z summed up goes to the two coarse planes, still at fine x. */
+/* Adds the summed rows of this z to the two coarse planes, still at fine x. */
 static void add_slice(const work *w, size_t o)
 {
     const size_t length = w->map->axis[0].fine_size;
@@ -279,8 +279,8 @@ static void run_interval(work *w, size_t p)
     }
 }
 
-/* Each interval adds to the planes at both of its ends. Even ones share no plane, nor do odd ones: the sums of a plane
- * are taken in the same order whatever the threads do. */
+/* Runs all intervals. Each adds to the planes at both of its ends. Even ones share no plane, nor do odd ones: the
+ * sums of a plane are taken in the same order for any number of threads. */
 static void run_intervals(const iso_interpolation *map, const iso_interpolation_pass *pass, scratch *all, int threads)
 {
     const size_t count = map->axis[2].coarse_size;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* interpolation.h - what a coarse level shows at the centers of fine voxels, and the transpose of that.
+/* interpolation.h - a coarse level's values at the centers of fine voxels, and the transpose of that map.
  *
- * A coarse grid c is seen through trilinear interpolation between its voxels' centers, clamped at its edge, as the
+ * A coarse grid c is sampled by trilinear interpolation between its voxels' centers, clamped at its edge, as the
  * sampler does (render/sampler.h). At the fine voxels' centers that is a linear map, (A c)(x) = sum_j hat_j(x) c_j.
  * Methods that fit a coarse grid to fine voxels need A (gather) and its transpose A^T (scatter):
  *
@@ -12,7 +12,7 @@
  * In:  coarse grids of coarse.size = ceil(fine.size / 2^level) floats along each axis, fine rows. x is fastest in both.
  * Out: the same. Sums are taken in float, in an order that does not depend on the number of threads.
  * Weights are a product of one along each axis, and a coarse row is expanded along x once, not once for each fine row.
- * Cost: a gather or a scatter takes about 1 to 2.5 ns a fine voxel and thread (level 3 to 1, 256^3, AVX2).
+ * Cost: a gather or a scatter takes about 1 to 2.5 ns per fine voxel and thread (level 3 to 1, 256^3, AVX2).
  * Memory: each thread has a few coarse planes of fine row length; nothing grows with the fine grid. */
 #ifndef ISO_FIT_INTERPOLATION_H
 #define ISO_FIT_INTERPOLATION_H
@@ -37,8 +37,8 @@ typedef struct iso_interpolation {
     size_t fine_count, coarse_count; /* voxels */
 } iso_interpolation;
 
-/* level: how often the sizes were halved, rounded up, 0 to 31. ISO_E_RANGE where it is more or a size is 0 or beyond 2^31;
- * ISO_E_MEMORY. */
+/* Creates the map. level: number of halvings of the sizes, rounded up, 0 to 31. ISO_E_RANGE if it is more, or a size
+ * is 0 or beyond 2^31; ISO_E_MEMORY. */
 iso_status iso_interpolation_create(iso_interpolation *map, const size_t fine_size[3], size_t level, iso_error *err);
 void iso_interpolation_destroy(iso_interpolation *map); /* accepts empty and NULL */
 
@@ -54,9 +54,9 @@ iso_status iso_interpolation_scatter(const iso_interpolation *map, const float *
 /* Fine rows are cut into runs of this many voxels, the last one of a row shorter. */
 #define ISO_FIT_RUN 16
 
-/* Some runs of a fine row that follow each other: voxels x to x + count - 1 of the row (y, z). values[i][v] is what
- * input i shows at voxel x + v; results[o][v] is to be set, all count of them, for output o. Rows are called for in
- * any order, by several threads at once; thread counts from 0. */
+/* Consecutive runs of a fine row: voxels x to x + count - 1 of the row (y, z). values[i][v] is input i's value at
+ * voxel x + v; results[o][v] is to be set, all count of them, for output o. Rows are processed in any order, by
+ * several threads at once; thread counts from 0. */
 typedef struct iso_fine_row {
     size_t x, y, z, count;
     const float *const *values;
@@ -72,7 +72,7 @@ typedef struct iso_interpolation_pass {
     float *const *outputs;            /* coarse_count floats each, overwritten */
     iso_fine_row_function *function;
     void *context;
-    /* NULL, or a byte for each run, iso_interpolation_run_count() of them, run x fastest, then y, z: where it is 0 the
+    /* NULL, or a byte for each run, iso_interpolation_run_count() of them, run x fastest, then y, z. If it is 0 the
      * function is not called and its results count as zero. */
     const uint8_t *wanted;
 } iso_interpolation_pass;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* level_scalar.h - the scalars that a coarse level can store beside what `build` makes: by least squares, or fitted to
- * a transfer function; and whether what a pyramid stores is that.
+/* level_scalar.h - the scalars that a coarse level can store in place of those of `build`: by least squares, or fitted
+ * to a transfer function. Also tests if a pyramid stores them.
  *
- * Both are functions of level 0, the level's number and the transfer function alone, bit by bit: least squares are
- * (A^T A)^-1 A^T v, one axis after the other (pyramid/spline_kernel.h); the fit (fit.h) starts there. So a pyramid that
- * says which it stores, and for which transfer function, can be made again from its level 0.
+ * Both are functions of level 0, the level's number and the transfer function alone, bit by bit. Least squares are (A^T
+ * A)^-1 A^T v, one axis after the other (pyramid/spline_kernel.h); the fit (fit.h) starts there. So a pyramid that
+ * names its kind of scalars and its transfer function can be made again from its level 0.
  *
- * Memory: beside level 0, iso_level_scalar_bytes(). */
+ * Memory: iso_level_scalar_bytes(), in addition to level 0. */
 #ifndef ISO_FIT_LEVEL_SCALAR_H
 #define ISO_FIT_LEVEL_SCALAR_H
 
@@ -24,7 +24,7 @@ typedef enum iso_level_scalar {
 extern const iso_names iso_level_scalar_names;
 const char *iso_level_scalar_name(iso_level_scalar s);
 
-/* What is made of what. */
+/* The inputs of a level's scalars. */
 typedef struct iso_level_scalar_input {
     const iso_level *level0;
     const iso_tf_table *tf; /* of ISO_LEVEL_FITTED */
@@ -40,8 +40,8 @@ iso_status iso_level_scalars_make(const iso_level_scalar_input *in, float *least
 /* Bytes of buffers while a level is made. */
 size_t iso_level_scalar_bytes(const size_t level0_size[3]);
 
-/* What pyramid.made_for (pyramid.h) says of the levels, and the reverse: the transfer function, resolved for the
- * pyramid, and which scalar each level has. ISO_E_FORMAT. */
+/* Reads pyramid.made_for (pyramid.h), and the reverse: the transfer function, resolved for the pyramid, and each
+ * level's kind of scalars. ISO_E_FORMAT. */
 iso_status iso_level_scalars_read(const iso_pyramid *p, iso_tf_table *tf, iso_level_scalar kinds[32], iso_error *err);
 
 /* iso_pyramid_verify() of any pyramid: levels that were made for a scene are made again for its transfer function. */

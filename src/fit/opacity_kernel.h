@@ -10,7 +10,7 @@
 typedef struct iso_depth_table {
     float lo, entries_per_value, last; /* the value of entry 0; and the number of the last entry */
     const float *depth, *slope;        /* of an entry; to the next one */
-    const float *sum, *rest;           /* the integral up to an entry, and what a float leaves of it */
+    const float *sum, *rest;           /* the integral up to an entry, and its remainder after rounding to a float */
 } iso_depth_table;
 
 /* The opacity of n voxels, each of which holds the values from value - width / 2 to value + width / 2 in equal parts: its
@@ -21,8 +21,9 @@ void iso_opacity_row(const iso_depth_table *table, const float *restrict value, 
 void iso_opacity_row_scaled(const iso_depth_table *table, const float *restrict value, const float *restrict width,
                             const float *restrict octaves, size_t n, float *restrict alpha);
 
-/* The length of the gradient, in values a voxel: central differences of the row in the middle and of the four beside it,
- * low and high along y and z. Rows have n voxels; the first and the last have one-sided differences unless the row goes on there. */
+/* Computes the length of the gradient, in values per voxel: central differences of the row in the middle and of its
+ * four neighbors, low and high along y and z. Rows have n voxels. The first and the last have one-sided differences
+ * unless the row goes on there. */
 typedef struct iso_stencil_rows {
     const float *middle, *y[2], *z[2];
     float y_scale, z_scale; /* 1 / the distance between both */

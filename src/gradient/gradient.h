@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* gradient.h - gradients of the scalar field, in value per mm, in world axes.
  *
- * In:  iso_volume.   Out: 3 floats a voxel (gx, gy, gz), x fastest.
+ * In:  iso_volume.   Out: 3 floats per voxel (gx, gy, gz), x fastest.
  * Paper: [diaz-garcia-2017] sec. 2; [bentum-1996].
  * At a border the missing neighbor is left out and the difference one-sided,
  * so that fields linear in x, y, z are exact everywhere; an axis of one voxel
@@ -13,8 +13,8 @@
 #include "base/names.h"
 #include "volume/volume.h"
 
-/* The one list of estimators: ISO_GRADIENT_CENTRAL is the number of iso_gradient_central, the row that stands beside
- * its kernel. Errors of each: `isoshade-lab gradient`. */
+/* The one list of estimators: ISO_GRADIENT_CENTRAL is the number of iso_gradient_central, the row in its kernel's
+ * file. Errors of each: `isoshade-lab gradient`. */
 /* clang-format off */
 #define ISO_GRADIENT_LIST(X)      \
     X(CENTRAL, central)           \

@@ -5,9 +5,9 @@
  * On the grid the pre-filters along the other axes cancel with the spline's own (1 4 1) / 6, so each component is a
  * filter along its own axis:
  *     D(z) = 3 (z - 1/z) / (z + 4 + 1/z) = sum over k > 0 of w_k (z^k - z^-k),   w_k = sqrt(3)/2 (1 - p^2) p^(k-1),
- * with the pole p = sqrt(3) - 2. The recursion would reach over the whole axis; its response shrinks to .268 a voxel,
- * so REACH taps a side are the same to float precision, need no more than a halo of slabs, and vectorize along x
- * whatever the axis. The last two taps take up the rest, so that linear and cubic data are exact.
+ * with the pole p = sqrt(3) - 2. The recursion would reach over the whole axis; its response shrinks to .268 per voxel,
+ * so REACH taps per side are the same to float precision, need no more than a halo of slabs, and vectorize along x
+ * for every axis. The last two taps take up the rest, so that linear and cubic data are exact.
  *
  * Beyond a border the samples go on as the cubic through the last four, which keeps the border at third order. */
 #include <math.h>
@@ -22,7 +22,7 @@ static void interior_weights(float w[REACH])
 {
     const double pole = sqrt(3) - 2, a = REACH - 1, b = REACH;
     double exact[REACH], slope = 0.5, cubic = 0,
-                         power = 1; /* what is still missing: sum of k w = 1/2, sum of k^3 w = 0 */
+                         power = 1; /* the remainder: sum of k w = 1/2, sum of k^3 w = 0 */
     for (int k = 1; k <= REACH - 2; ++k) {
         exact[k - 1] = sqrt(3) / 2 * (1 - pole * pole) * power;
         slope -= k * exact[k - 1];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* gradient_kernel.h - gradients of one row of samples in the type of their
- * file. Cannot fail, allocate or know of threads. */
+/* gradient_kernel.h - gradients of one row of samples in the type of their file. Cannot fail or allocate, and does
+ * not depend on threads. */
 #ifndef ISO_GRADIENT_KERNEL_H
 #define ISO_GRADIENT_KERNEL_H
 
@@ -14,7 +14,7 @@ typedef struct iso_planes {
     size_t first, count;
 } iso_planes;
 
-/* What kernels are made for: X(type, suffix, type in C, type that holds a difference exactly or in float). */
+/* Sample types of the kernels: X(type, suffix, type in C, type that holds a difference exactly or in float). */
 #define ISO_SAMPLE_TYPES(X) \
     X(ISO_U8, u8, uint8_t, int) \
     X(ISO_I8, i8, int8_t, int) \
@@ -42,8 +42,8 @@ iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world);
 /* Floats of scratch that iso_gradient_row needs for rows of nx voxels. */
 size_t iso_gradient_scratch_count(size_t nx);
 
-/* Gradients of the row (y, z), times the matrix, to the planar rows g. The planes
- * within reach, where the volume has them, must be in memory. */
+/* Computes gradients of the row (y, z), times the matrix, into the planar rows g. The volume's planes within reach
+ * must be in memory. */
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
                       size_t z, float *scratch, float *const g[3]);
 

@@ -43,7 +43,7 @@ static const char *take_name(reader *r)
     return name;
 }
 
-/* Types whose values the library reads by the type, whatever the attribute's size says. Others are read by the size. */
+/* Types whose values the library reads by the type and not by the attribute's size. Others are read by the size. */
 static const struct {
     const char *type;
     size_t bytes;

@@ -14,8 +14,8 @@
 extern "C" {
 #endif
 
-/* Checks that all attributes of all headers lie in the file and have the sizes of their types, and that the file has room
- * for an entry of 8 bytes per tile. ISO_E_FORMAT names the attribute. */
+/* Checks that all attributes of all headers lie in the file and have the sizes of their types. Checks also that the
+ * file can hold an entry of 8 bytes per tile. ISO_E_FORMAT names the attribute. */
 iso_status iso_exr_header_check(const char *path, const char *data, size_t size, iso_error *err);
 
 #ifdef __cplusplus

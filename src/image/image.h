@@ -9,10 +9,10 @@
 
 #include "base/status.h"
 
-/* An image is OpenEXR (floats, linear) or PNG (8 bits, sRGB) by its name's end, .exr or .png in either case.
- * ISO_E_USAGE for another end; option: what named it, such as "-o". */
+/* Checks an image's name: OpenEXR (floats, linear) or PNG (8 bits, sRGB) by its end, .exr or .png in either case.
+ * ISO_E_USAGE for another end; option: the option with the name, such as "-o". */
 iso_status iso_image_check_name(const char *option, const char *path, iso_error *err);
-/* As the name says. notes: for OpenEXR, or NULL. */
+/* Saves in the format of the name. notes: for OpenEXR, or NULL. */
 iso_status iso_image_save(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err);
 
 /* POV-Ray writes 16-bit PPM (P6, maxval 65535): linear values / 65535, A = 1. */
@@ -26,7 +26,7 @@ typedef struct iso_image_choice {
     bool has_alpha;             /* output: true if the file loaded last has an alpha channel, else alpha is 1 */
 } iso_image_choice;
 
-/* Loads OpenEXR, PNG or PPM by the file's content, whatever its name. choice: may be NULL. */
+/* Loads OpenEXR, PNG or PPM by the file's content, under any name. choice: may be NULL. */
 iso_status iso_image_load(const char *path, iso_image_choice *choice, iso_image *image, iso_error *err);
 
 /* Header of an OpenEXR file, read before its pixels. */
@@ -43,13 +43,13 @@ iso_status iso_exr_verify(const char *path, const iso_image *image, iso_error *e
 /* color += (1 - alpha) * background: for images of renderers that do not draw the background. */
 void iso_image_add_background(iso_image *image, const double background[3]);
 
-/* The share of the pixels that show something of what was rendered: whose alpha is at least 1/255. */
+/* Returns the share of the pixels that show the volume: those with an alpha of at least 1/255. */
 double iso_image_shown_share(const iso_image *image);
 
 /* Values above it become `most`. Returns whether there were any. */
 bool iso_image_clip(iso_image *image, float most);
 
-/* Are all values numbers? */
+/* True if all values are finite. */
 bool iso_image_is_finite(const iso_image *image);
 
 #endif

@@ -12,7 +12,7 @@ iso_status iso_picture_read_file(const char *path, char **data, size_t *size, is
 iso_picture_kind iso_picture_kind_of(const char *data, size_t size);
 /* Refuses bytes of another kind by the name of that kind. wanted: the kinds that are read. Returns ISO_E_FORMAT. */
 iso_status iso_picture_refuse(const char *path, const char *data, size_t size, const char *wanted, iso_error *err);
-/* Reads a file that must be of that kind, whose name is `wanted`. */
+/* Reads a file that must be of the given kind, called `wanted` in messages. */
 iso_status iso_picture_read_kind(const char *path, iso_picture_kind kind, const char *wanted, char **data, size_t *size,
                                  iso_error *err);
 

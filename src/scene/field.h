@@ -7,8 +7,8 @@
 #include "pyramid/pyramid.h"
 
 typedef enum iso_direction_source {
-    ISO_FROM_CODES,           /* fetch codes, filter, decode: what a GPU does */
-    ISO_FROM_DECODED,         /* decode at the voxels, then filter: what exports carry; the same for linear codes */
+    ISO_FROM_CODES,           /* fetch codes, filter, decode, as on a GPU */
+    ISO_FROM_DECODED,         /* decode at the voxels, then filter, as in exports; the same for linear codes */
     ISO_FROM_FLOAT,           /* iso_level.directions */
     ISO_FROM_FLIPPED,         /* decode at the voxels, turn them to one side (code_decode.h), then filter */
     ISO_FROM_ON_THE_FLY,      /* central differences of the filtered scalar, one voxel apart */
@@ -21,7 +21,7 @@ extern const iso_names iso_direction_source_names;
 const char *iso_direction_source_name(iso_direction_source s);
 iso_status iso_direction_source_from_name(const char *name, iso_direction_source *s, iso_error *err);
 
-/* What an image of a first-hit isosurface shows. */
+/* The content of an image of a first-hit isosurface. */
 typedef enum iso_surface_output {
     ISO_SURFACE_COLOR,    /* c(iso) shade(d) */
     ISO_SURFACE_POSITION, /* of the hit, index coordinates of the level; alpha 0: no hit */

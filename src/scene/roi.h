@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* roi.h - a region of interest: a finer level inside a box, the level that is
+/* roi.h - a region of interest: a finer level inside a box, the level
  * rendered around it, and no seam between them.
  *
  * Paper: [diaz-garcia-2016], Figure 11, which sets full resolution into a coarse
- * level whose transfer function (TF) is adapted, and relies on the two looking
- * alike. Here what the two levels emit and absorb is blended as well. With w the
+ * level whose transfer function (TF) is adapted, and relies on their equal
+ * appearance. Here the two levels' emission and absorption are blended as well. With w the
  * weight of the finer level at a point,
  *
  *     sigma         = (1 - w) sigma_k           + w sigma_j
@@ -37,7 +37,7 @@ typedef struct iso_roi {
     double band;
 } iso_roi;
 
-/* What to make: the box in voxels of level 0, the level inside, the band (0: none, a hard switch). */
+/* Settings: the box in voxels of level 0, the level inside, the band (0: none, a hard switch). */
 typedef struct iso_roi_options {
     double lo[3], hi[3];
     size_t level;

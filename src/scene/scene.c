@@ -224,7 +224,7 @@ static void read_suite(iso_json_reader *r, const json_t *root, iso_scene *s)
                              r->path);
 }
 
-/* {"file": "name.xml"} and what the file leaves open, by the names of `tf convert`'s options. */
+/* Reads {"file": "name.xml"} and the settings that the file leaves open, by the names of `tf convert`'s options. */
 static const char *read_tf_request(iso_json_reader *r, const json_t *tf, iso_tf_request *q)
 {
     static const char *const keys[] = {"file", "name", "unit_distance_mm", "opacity", "range", NULL};
@@ -342,8 +342,8 @@ void iso_scene_destroy(iso_scene *scene)
     *scene = (iso_scene){0};
 }
 
-/* A fitted camera frames the sphere round the box: it looks the same whatever
- * the box's sides are, and nothing is cut off from any direction. */
+/* Resolves the camera. A fitted one frames the sphere round the box: the view is the same for all sides of the box,
+ * and nothing is cut off from any direction. */
 static iso_camera resolve_camera(const iso_scene *s, const iso_geometry *g)
 {
     iso_camera c = {.orthographic = s->orthographic, .forward = s->camera_direction};
@@ -365,7 +365,7 @@ static iso_camera resolve_camera(const iso_scene *s, const iso_geometry *g)
     return c;
 }
 
-/* "at" counts from where the box begins along the normal. */
+/* Resolves a clip plane. "at" counts from the box's first corner along the normal. */
 static iso_clip_plane resolve_clip(const struct iso_scene_clip *clip, const iso_geometry *g)
 {
     double middle = iso_dot(clip->normal, iso_geometry_box_center_mm(g)), extent = 0;

@@ -15,15 +15,15 @@
  *     "lights": [ {"direction": [0, 0, 1], "space": "world" | "camera", "intensity": 1} ],
  *                 direction points towards the light; camera space: right, up, backwards (towards the viewer)
  *     "clip_planes": [ {"normal": [0, 1, 0], "at": 0.5} | {"normal": .., "point_mm": [x, y, z]} ],   optional, up to 6
- *                 what lies on the normal's side stays; at: 0 where the box begins along the normal, 1 where it ends
+ *                 the normal's side stays; at: 0 at the box's beginning along the normal, 1 at its end
  *     "shading": {"ambient": 0.3, "diffuse": 0.7, "specular": 0.2, "power": 20},
  *     "background": [0, 0, 0],
  *     "step_voxels": 0.5,               ray step, in the smallest spacing of the level that is rendered
  *     "tf": "name.tf.json" | { ... },   a path relative to the scene file, or the TF itself
  *        or {"file": "preset.xml", "name": "CT-Bone", "unit_distance_mm": 2, "opacity": [0, 1], "range": "fit" | [lo, hi]},
- *                                       a file of another program, and what it leaves open
- *     "agreement": {"tier": "convergence", "tf": "smooth" | "sharp", "why": "..."},   what validation asks; optional
- *     "levels": {"ssim_dissimilarity": 0.1, "flip": [0.05, 0.1], "rmse": 0.02},   how far levels may be from level 0; optional
+ *                                       a file of another program, and the settings that it leaves open
+ *     "agreement": {"tier": "convergence", "tf": "smooth" | "sharp", "why": "..."},   the limits of validation; optional
+ *     "levels": {"ssim_dissimilarity": 0.1, "flip": [0.05, 0.1], "rmse": 0.02},   limits of the levels' errors; optional
  *     "suite": {"make": "shells --size 31x37x29", "isosurface": 0.5} }   the volume, as options of isoshade make; optional
  *
  *   shade(d) = ka + sum over lights of intensity (kd |n.l| + ks |n.h|^p),  h = normalize(l + v), v towards the viewer
@@ -51,7 +51,7 @@ typedef struct iso_light {
     double intensity;
 } iso_light;
 
-/* What stays: normal . p >= offset_mm, normal a unit vector. */
+/* The side that stays: normal . p >= offset_mm, normal a unit vector. */
 typedef struct iso_clip_plane {
     iso_vec3 normal;
     double offset_mm;
@@ -61,13 +61,13 @@ typedef struct iso_shading {
     double ambient, diffuse, specular, power;
 } iso_shading;
 
-/* How the true image of a scene is known, which decides what validation asks of renderers: enum, name. */
+/* The source of a scene's true image, which decides validation's limits for renderers: enum, name. */
 /* clang-format off */
 #define ISO_TIER_LIST(X)                                                                                     \
     X(ISO_TIER_CLOSED_FORM, "closed form") /* a formula; for all renderers */                                \
     X(ISO_TIER_TIGHT, "tight")             /* the ray caster's own samples in double precision */            \
     X(ISO_TIER_CONVERGENCE, "convergence") /* limits of halved steps, by all renderers */                    \
-    X(ISO_TIER_LIT, "lit")                 /* the same, and what a person sees of highlights: FLIP, SSIM */  \
+    X(ISO_TIER_LIT, "lit")                 /* the same, and visible differences of highlights: FLIP, SSIM */ \
     X(ISO_TIER_FIRST_HIT, "first hit")     /* an isosurface: no quadrature at all */
 /* clang-format on */
 
@@ -94,17 +94,17 @@ typedef struct iso_scene_level_limits {
     size_t count; /* 0: not asked */
     double limits[ISO_SCENE_LEVELS];
 } iso_scene_level_limits;
-/* NaN where nothing is asked. */
+/* Returns a level's limit; NaN if there is none. */
 double iso_scene_level_limit(const iso_scene_level_limits *limits, size_t level);
 
 typedef struct iso_scene {
-    char *path; /* where it came from */
+    char *path; /* path of its file */
     size_t width, height;
     bool camera_fit;
     bool orthographic;
     iso_vec3 camera_direction, camera_position, camera_look_at, camera_up;
     double fov_y_deg, height_mm, margin;
-    double zoom; /* the picture's middle, enlarged so many times; 0 and 1: all of it */
+    double zoom; /* magnification of the picture's middle; 0 and 1: all of it */
     size_t light_count;
     iso_light lights[ISO_MAX_LIGHTS];
     size_t clip_count;
@@ -120,7 +120,7 @@ typedef struct iso_scene {
     struct iso_scene_asked {
         iso_scene_level_limits ssim_dissimilarity, flip, rmse;
     } levels;
-    char *suite_make;        /* what follows `isoshade make`, without -o; NULL: no scene of a suite */
+    char *suite_make;        /* arguments of `isoshade make`, without -o; NULL: not a scene of a suite */
     double suite_isosurface; /* the surface's value, as a fraction of the volume's range; NaN: none */
 } iso_scene;
 
@@ -128,7 +128,8 @@ iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err);
 /* The same from an object; a TF that it names is looked for in the folder of `path`, the file to blame. */
 iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *scene, iso_error *err);
 void iso_scene_destroy(iso_scene *scene);
-/* A new object in the form of the file, with the TF in it; without what a suite or a verdict on levels asks. */
+/* Returns a new object in the form of the file, with the TF in it; without a suite's or a levels' verdict's
+ * requirements. */
 json_t *iso_scene_to_json(const iso_scene *scene);
 /* Writes the object of a file only if it can be read: the reader's limits hold for each writer. */
 iso_status iso_scene_save_json(const json_t *root, const char *path, iso_error *err);
@@ -146,7 +147,8 @@ typedef struct iso_view {
     double step_voxels;
     iso_tf_table tf;
     iso_tf_2d *tf_2d; /* the 2D transfer function of the rendered level, used instead of tf; owned, or NULL */
-    /* Scales the extinction of tf or tf_2d: a byte a voxel of the rendered level (fit/extinction_scale.h); owned, or NULL. */
+    /* Scales the extinction of tf or tf_2d: one byte per voxel of the rendered level (fit/extinction_scale.h);
+     * owned, or NULL. */
     uint8_t *extinction_scale;
     struct iso_roi *roi; /* a finer level inside a box (roi.h); owned, or NULL */
 } iso_view;
@@ -155,7 +157,7 @@ typedef struct iso_view {
 iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0, double value_min, double value_max,
                              iso_view *view, iso_error *err);
 void iso_view_destroy(iso_view *view);
-/* Does its shading depend on directions? Not where no light can be seen. */
+/* True if the view's shading depends on directions; false if no light is visible. */
 bool iso_view_is_lit(const iso_view *view);
 /* [{"direction": [x, y, z], "intensity": 1}, ...], towards the lights, in world space. A new array. */
 json_t *iso_view_lights_to_json(const iso_view *view);

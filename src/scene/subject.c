@@ -86,7 +86,7 @@ static iso_status first_scene(const iso_subject_look *look, const iso_geometry *
     return status;
 }
 
-/* What stands instead of the scene's own. The size comes first: the camera frames the box in it. */
+/* Replaces parts of the scene. The size comes first: the camera frames the box in it. */
 static iso_status change_scene(const iso_subject_look *look, const iso_geometry *g, iso_scene *scene, iso_error *err)
 {
     iso_viewpoint viewpoint;

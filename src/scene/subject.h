@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* subject.h - what a command works on: a pyramid, or a volume that becomes one
- * in memory; and a scene resolved for it. */
+/* subject.h - input of a command: a pyramid, or a volume that becomes one in memory; and a scene resolved for it. */
 #ifndef ISO_SCENE_SUBJECT_H
 #define ISO_SCENE_SUBJECT_H
 
@@ -9,14 +8,14 @@
 #include "scene/scene.h"
 #include "tf/survey.h"
 
-/* Of a first picture, along each side. */
+/* Pixels of a first picture along each side. */
 enum { ISO_SUBJECT_PIXELS = 512 };
 
-/* path: NAME.iso, or any volume that iso_volume_input_load() reads. A volume is
- * built with `opt`; a pyramid keeps what it was built with. */
+/* Loads or builds a pyramid. path: NAME.iso, or any volume that iso_volume_input_load() reads. A volume is built
+ * with `opt`; a pyramid keeps its own options. */
 iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
                                     const iso_progress *progress, iso_pyramid *p, iso_error *err);
-/* ISO_E_USAGE for a label map: `what`, an option or a command, would interpolate it. */
+/* Refuses a label map with ISO_E_USAGE: `what`, an option or a command, would interpolate it. */
 iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err);
 
 /* How a picture is asked for, each part of it or none. Without a scene file it is a first picture (viewpoint.h) with a
@@ -24,16 +23,17 @@ iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, con
 typedef struct iso_subject_look {
     const char *scene, *tf, *view, *size;
     double zoom;            /* 0: not given */
-    iso_tf_request request; /* what the file that tf names leaves open */
+    iso_tf_request request; /* settings that the file named by tf leaves open */
     int threads;
-    bool frames_box; /* the camera of a first picture does, whatever of it is visible: of a series others may be */
-    const iso_survey *survey; /* of the volume, where there is one already; else NULL */
+    bool frames_box; /* True if the camera frames the box and not its visible part: in a series, the visible part may
+                      * change */
+    const iso_survey *survey; /* of the volume, if there is one already, or NULL */
 } iso_subject_look;
 
 /* Its transfer function is made from the volume's values: a preset, or one that is suggested. */
 bool iso_subject_look_needs_values(const iso_subject_look *look);
 
-/* What can be found wrong before the volume is read: files that are missing or damaged, names, numbers. */
+/* Checks everything that can be checked before the volume is read: missing or damaged files, names, numbers. */
 iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err);
 /* The scene for a pyramid whose level 0 has its scalar, where values are needed. */
 iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err);

@@ -12,7 +12,7 @@ static iso_status load(const iso_subject_frames *f, size_t frame, iso_pyramid *p
     iso_volume_input one = *f->input;
     snprintf(number, sizeof number, "%zu", frame);
     one.frame = number;
-    one.no_labels = one.no_labels || !f->are_labels; /* all frames are what was found of all */
+    one.no_labels = one.no_labels || !f->are_labels; /* each frame takes the finding for all frames */
     one.labels = f->are_labels;
     return iso_subject_load_pyramid(f->path, &one, &f->build, f->progress, p, err);
 }
@@ -33,7 +33,7 @@ static bool is_same_grid(const iso_geometry *a, const iso_geometry *b)
     return same;
 }
 
-/* By their headers, before anything is written. */
+/* Checks the frames' grids by their headers, before anything is written. */
 static iso_status check_grids(const iso_subject_frames *f, iso_error *err)
 {
     iso_status status = ISO_OK;

@@ -13,14 +13,15 @@ typedef struct iso_subject_frames {
     iso_pyramid_options build; /* its value_range is that of all frames */
     size_t count;
     bool are_labels;
-    size_t widest;   /* the frame with the widest range: what a suggested transfer function is suggested for */
-    iso_scene scene; /* its own, where a look was given */
+    size_t widest;   /* the frame with the widest range, for which a transfer function is suggested */
+    iso_scene scene; /* the frames' own scene, if a look was given */
     bool has_scene;
     iso_geometry geometry; /* of level 0 */
 } iso_subject_frames;
 
-/* Reads all frames of a file that has several, or of files (volume/frames_all.h). look: NULL where no picture is made.
- * ISO_E_USAGE for one frame, a pyramid, or frames of which only some are label maps; ISO_E_RANGE for several grids. To be destroyed in every case. */
+/* Reads all frames of a file that has several, or of files (volume/frames_all.h). look: NULL if no picture is made.
+ * ISO_E_USAGE for one frame, a pyramid, or frames of which only some are label maps; ISO_E_RANGE for several grids.
+ * To be destroyed in every case. */
 iso_status iso_subject_frames_create(const char *path, const iso_volume_input *input, const iso_pyramid_options *build,
                                      const iso_subject_look *look, const iso_progress *progress,
                                      iso_subject_frames *frames, iso_error *err);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* viewpoint.h - from where a volume is looked at, by a name or by two angles; and a whole scene without a scene file.
+/* viewpoint.h - viewpoints of a volume, by a name or by two angles; and a whole scene without a scene file.
  *
- * The world is right, anterior, superior where the file names an anatomical space; other files' axes are taken the same
- * way: front is what one sees looking along -y, z is up. Angles: AZ degrees round the z axis from the front towards the
- * left (patient's left: -x), EL degrees above the horizon. */
+ * The world is right, anterior, superior if the file names an anatomical space. Other files' axes are used in the
+ * same way: front is the view along -y, z is up. Angles: AZ degrees round the z axis from the front towards the left
+ * (patient's left: -x), EL degrees above the horizon. */
 #ifndef ISO_SCENE_VIEWPOINT_H
 #define ISO_SCENE_VIEWPOINT_H
 
@@ -25,10 +25,10 @@ const char *iso_viewpoint_usual(const iso_geometry *g);
 /* Camera, light, shading and background of a first picture: the camera frames the corners of the box closely. The
  * transfer function is left empty, to be set. */
 iso_scene iso_scene_first(const iso_geometry *level0, const iso_viewpoint *viewpoint, size_t width, size_t height);
-/* From nearer, where the visible part of the volume needs no more than this of the distance from which the box is framed. */
+/* The camera moves nearer if the visible part needs at most this part of the distance at which the box is framed. */
 #define ISO_FRAME_VISIBLE_BELOW 0.7
-/* The camera of a first picture frames what the table shows of level 0: the planes across each axis without a thousandth of
- * all opacity at each end. ISO_E_MEMORY. */
+/* Frames the part of level 0 that the table makes visible: the planes across each axis without a thousandth of all
+ * opacity at each end. For a first picture's camera. ISO_E_MEMORY. */
 iso_status iso_scene_frame_visible(iso_scene *scene, const iso_level *level0, const iso_tf_table *tf, int threads,
                                    iso_error *err);
 /* A camera that looks from there in a scene that has another, framing the box of `level0`. */

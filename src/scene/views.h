@@ -15,7 +15,7 @@ iso_vec3 iso_view_of_faces(int i, int count);
 /* Along the six diagonals of an icosahedron. */
 enum { ISO_DIAGONAL_VIEWS = 6 };
 iso_vec3 iso_view_along_diagonal(int i);
-/* View i of `count`: diagonals, of which no two are the same picture from behind; more than six through faces. */
+/* Returns view i of `count`: diagonals, no two of which are opposite views; above six also through faces. */
 iso_vec3 iso_view_spread(int i, int count);
 
 /* An up vector that is far from the direction. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* arrays_open.c - what the program isoshade-arrays reads: files that hold arrays, of which FILE:DATASET names one. */
+/* arrays_open.c - opens the formats of the program isoshade-arrays: files that hold arrays, of which FILE:DATASET
+ * names one. */
 #define _GNU_SOURCE
 #include <stdlib.h>
 #include <string.h>

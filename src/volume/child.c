@@ -26,8 +26,8 @@ typedef struct child {
     const iso_child_program *program;
 } child;
 
-/* Waits for a program that is at its end, and ends it where it is not. Until then it has some seconds: its exit code is
- * of interest, and what watches it, such as valgrind, has something to say. */
+/* Waits for a program that is about to end, and ends it after some seconds. Its exit code is of interest, and a
+ * watching tool, such as valgrind, has a report to write. */
 static int end_program(child *r)
 {
     enum { PATIENCE_MS = 5000 };
@@ -44,14 +44,14 @@ static int end_program(child *r)
     return result;
 }
 
-/* Of a program whose output has ended. */
+/* True if the program, whose output has ended, did not start. */
 static bool did_not_start(child *r)
 {
     const int result = r->process.pid > 0 ? end_program(r) : 0;
     return WIFEXITED(result) && WEXITSTATUS(result) == ISO_CHILD_NOT_STARTED;
 }
 
-/* Is there something to read, or the end of it, or an error? false: the deadline came first. */
+/* True if there is output to read, its end, or an error; false: the deadline came first. */
 static bool wait_for_output(const child *r, double deadline)
 {
     struct pollfd output = {.fd = r->process.output, .events = POLLIN};
@@ -106,7 +106,7 @@ static iso_status read_planes(iso_volume_source *source, size_t plane_count, voi
     return status;
 }
 
-/* One that is well ends when it is told to. */
+/* Closes the reader: a healthy one ends on SIGTERM. */
 static void close_reader(iso_volume_source *source)
 {
     child *r = source->reader;
@@ -192,7 +192,7 @@ static iso_status choose(iso_volume_source *source, const iso_child_program *p, 
                          iso_error *err)
 {
     iso_extra_axes axes = {.frame = {h->frames, false, 1}, .channel = {h->channels, false, h->frames ? h->frames : 1}};
-    axes.frame_step = isfinite(h->frame_step) ? h->frame_step : 0; /* 0: not said */
+    axes.frame_step = isfinite(h->frame_step) ? h->frame_step : 0; /* 0: not given */
     snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", h->frame_unit);
     for (size_t c = 0; c < ISO_NAMED_CHANNELS && c < h->channels; ++c)
         snprintf(axes.channel_name[c], sizeof axes.channel_name[c], "%s", h->channel_name[c]);

@@ -7,12 +7,12 @@
 
 typedef struct iso_child_program {
     const char *name;    /* "isoshade-itk" */
-    const char *library; /* what it stands on, for messages */
+    const char *library; /* its library, for messages */
     const char *package; /* Debian's, that it is built with */
 } iso_child_program;
 
-/* Starts the program for the source's path, reads its header, and leaves it ready to give planes. `part`: of what the path
- * names, which one; NULL: the only one. ISO_E_MISSING where it was not built. */
+/* Starts the program for the source's path, reads its header, and leaves it ready to give planes. `part`: the part
+ * of the path's content to read; NULL: the only one. ISO_E_MISSING if it was not built. */
 iso_status iso_child_open(iso_volume_source *source, const iso_child_program *program, const char *part,
                           iso_error *err);
 

@@ -24,7 +24,7 @@ void iso_child_end_texts(iso_child_header *h)
     END_TEXT(h->warning);
 }
 
-/* Of what a reader may come to: no comparison, and no renderer. */
+/* True for a status that a reader may have: not of a comparison or a renderer. */
 static bool is_known(iso_status status)
 {
     return status >= ISO_E_USAGE && status <= ISO_E_PROGRAM;

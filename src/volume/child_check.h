@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* child_check.h - what a program that reads volumes says (child_stream.h) is not trusted: a damaged file may make its
- * library write anything. Private to src/volume. */
+/* child_check.h - checks of the output of the programs that read volumes (child_stream.h). It is untrusted input: a
+ * damaged file may make its library write anything. Private to src/volume. */
 #ifndef ISO_VOLUME_CHILD_CHECK_H
 #define ISO_VOLUME_CHILD_CHECK_H
 
 #include "volume/child_stream.h"
 
-/* Ends each text where its field ends, whatever was written. */
+/* Ends each text where its field ends, for any content. */
 void iso_child_end_texts(iso_child_header *header);
 void iso_child_end_text(iso_child_answer *answer);
 
-/* What the program says went wrong, or ISO_OK. `path` and `library` are for the message where it says nothing that is
- * known: ISO_E_FORMAT. Its text is ended. */
+/* Returns the program's error, or ISO_OK. `path` and `library` are for the message if the answer's status is
+ * unknown: ISO_E_FORMAT. Its text is ended. */
 iso_status iso_child_check_answer(const iso_child_answer *answer, const char *path, const char *library,
                                   iso_error *err);
 

@@ -11,13 +11,13 @@
 
 #include "base/sandbox.h"
 
-/* The program itself, by system calls alone: it may write nothing but its output, which is ours to read. What it and its
- * libraries print goes nowhere. */
+/* Runs the program itself, by system calls alone: it may write only its output, which this process reads. Other
+ * prints of it and its libraries are discarded. */
 static void run_program(const char *const words[], const iso_sandbox *box, int output, pid_t parent)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    signal(SIGTERM, SIG_DFL); /* by which it is told to end, whatever is ignored here */
-    if (getppid() != parent)  /* which ended before that was said */
+    signal(SIGTERM, SIG_DFL); /* the signal that ends it, even if ignored in this process */
+    if (getppid() != parent)  /* the parent ended before the death signal was set */
         _exit(ISO_CHILD_NOT_STARTED);
     const int nothing = open("/dev/null", O_RDWR);
     dup2(nothing, STDIN_FILENO);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* child_stream.h - what the programs that read volumes for isoshade (isoshade-itk, isoshade-arrays, isoshade-vdb) write to
- * their output: an iso_child_header, and if all is well for each plane an iso_child_answer, and its samples if that is
- * well. Programs of their own: libraries for so many formats end by an assertion or worse where a file is damaged, which
- * then ends no more than that. They are started as
- * PROGRAM PATH PART FRAME CHANNEL: "" for a part that is not named, and numbers from 0. */
+/* child_stream.h - output of the programs that read volumes for isoshade (isoshade-itk, isoshade-arrays, isoshade-vdb).
+ * They write an iso_child_header. If it is good, an iso_child_answer follows for each plane, and its samples if the
+ * answer is good.
+ * They are separate programs, since libraries of many formats may crash on a damaged file, which then ends only that
+ * program. They are started as
+ * PROGRAM PATH PART FRAME CHANNEL: "" for an unnamed part, and numbers from 0. */
 #ifndef ISO_VOLUME_CHILD_STREAM_H
 #define ISO_VOLUME_CHILD_STREAM_H
 
@@ -16,7 +17,7 @@ typedef struct iso_child_answer {
     iso_error error;
 } iso_child_answer;
 
-/* What the axes of the file's world are. */
+/* The meaning of the axes of the file's world. */
 typedef enum iso_child_world {
     ISO_CHILD_LPS,     /* left, posterior, superior */
     ISO_CHILD_RAS,     /* right, anterior, superior */
@@ -32,20 +33,20 @@ typedef struct iso_child_header {
     size_t size[3];
     iso_type type;
     iso_child_world world;
-    double first[3];         /* where the center of the first sample stands */
+    double first[3];         /* center of the first sample */
     double step[3][3];       /* step[a]: from a sample to the next along axis a */
-    char unit[3][32];        /* of the world's axes; "" where the file has none, which is mm */
+    char unit[3][32];        /* of the world's axes; "" if the file has none, which is mm */
     double slope, intercept; /* physical value = slope * sample + intercept */
-    double box[3];           /* the box in index coordinates, where it is smaller than the grid; 0: as the grid */
+    double box[3];           /* the box in index coordinates, if it is smaller than the grid; 0: as the grid */
     bool is_whole;           /* doubles that are integers of 64 bits in the file */
     size_t fill_count;       /* values that stand for none, and which */
     double fill[3];
     size_t frames, channels; /* that the file has, of which one each is given; 0 or 1: there is one */
     char channel_name[ISO_CHILD_CHANNELS][48];
-    double frame_step; /* how far frames are apart; 0: not said */
+    double frame_step; /* distance of frames; 0: not given */
     char frame_unit[16];
-    char unspaced[160]; /* "", or which spacing the file does not say: "between its slices" */
-    char warning[320];  /* "", or a thing that a user should know, such as a file that is left out */
+    char unspaced[160]; /* "", or the spacing that is missing in the file: "between its slices" */
+    char warning[320];  /* "", or a warning for the user, such as a file that is left out */
 } iso_child_header;
 
 #endif

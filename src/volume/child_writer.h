@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* child_writer.h - what the programs that read volumes for isoshade have in common (child_stream.h), in C++. */
+/* child_writer.h - common code of the programs that read volumes for isoshade (child_stream.h), in C++. */
 #ifndef ISO_VOLUME_CHILD_WRITER_H
 #define ISO_VOLUME_CHILD_WRITER_H
 
@@ -20,7 +20,7 @@
 
 #include "volume/child_stream.h"
 
-/* What is wrong, for the one line that a person reads. */
+/* An error, with the one line that a person reads. */
 struct Failure {
     iso_status status;
     std::string text;
@@ -43,7 +43,7 @@ inline size_t bytes_of(iso_type type)
     }
 }
 
-/* A header, and the planes in their order. Both throw Failure, or what their library throws. */
+/* A header, and the planes in their order. Both throw Failure, or an exception of their library. */
 class PlaneReader {
 public:
     iso_child_header header{};
@@ -55,7 +55,7 @@ public:
     virtual void read_plane(char *out, size_t bytes) = 0;
 };
 
-/* What of a file is read. */
+/* The part of a file to read. */
 struct Wanted {
     std::string part; /* "": the only one */
     size_t frame = 0, channel = 0;
@@ -63,7 +63,7 @@ struct Wanted {
 
 struct ChildProgram {
     std::unique_ptr<PlaneReader> (*open)(const std::string &path, const Wanted &wanted);
-    /* What an exception of the library says. */
+    /* Returns the text of an exception of the library. */
     std::string (*cause)(const std::exception &e);
 };
 
@@ -84,7 +84,7 @@ inline std::string plain(const std::string &message)
     return text.size() <= most ? text : text.substr(0, most) + " ...";
 }
 
-/* Runs what may throw. */
+/* Runs work that may throw. */
 template <typename Work> iso_child_answer guarded(const ChildProgram &program, const std::string &path, Work work)
 {
     iso_child_answer answer{};
@@ -130,11 +130,11 @@ inline double bytes_of_input(const std::string &path, double most)
     return bytes;
 }
 
-/* What a library has for itself, without the stacks of its threads. */
+/* Memory of a library itself, without the stacks of its threads. */
 constexpr double own_memory = 192e6;
 
-/* What a file of its size may ask for: deflate packs at most 1032 bytes into one, and libraries hold what they unpack up to
- * three times, and have a stack for each core. At most what the machine has. */
+/* Returns the memory limit by the file's size. Deflate packs at most 1032 bytes into one; libraries hold unpacked
+ * data up to three times, and have a stack for each core. At most the machine's memory. */
 inline rlim_t memory_for(const std::string &path)
 {
     const double base = own_memory + 16e6 * static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), a_byte = 3100,
@@ -153,7 +153,7 @@ inline void limit_memory(rlim_t bytes)
     setrlimit(RLIMIT_DATA, &limit);
 }
 
-/* So many bytes beside that limit, for what a reader knows a bound of that does not go by the file's size. */
+/* Raises the memory limit by `bytes`, if a reader has its own bound that does not depend on the file's size. */
 inline void allow_memory(size_t bytes)
 {
     if (memory_limit > 0)
@@ -164,7 +164,7 @@ inline void allow_memory(size_t bytes)
  *
  * OpenVDB counts nodes up to 2^32 that a file does not have; HDF5 follows a heap whose parts have no length for ever. */
 
-inline const void *late_answer; /* what is written then */
+inline const void *late_answer; /* written at the time limit */
 inline size_t late_bytes;
 inline int late_output = -1;
 
@@ -181,8 +181,8 @@ extern "C" inline void answer_late(int)
     _exit(ISO_E_FORMAT);
 }
 
-/* While it lives, so many seconds of processor time: then `answer`, which holds `refusal`, is what the output ends with. No
- * other output may wait to be written. */
+/* A limit of processor time in seconds while it lives. At the limit the output ends with `answer`, which holds
+ * `refusal`. No other output may wait to be written. */
 class TimeLimit {
 public:
     template <typename Answer>

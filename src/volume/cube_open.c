@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* cube_open.c - Gaussian's cube files: two lines of words, atoms and where the grid stands, three axes, the atoms, and the
- * values as text, z fastest. Lengths are bohr, or angstrom where an axis has a negative number of samples. */
+/* cube_open.c - Gaussian's cube files: two lines of words, the number of atoms and the grid's origin, three axes,
+ * the atoms, and the values as text, z fastest. Lengths are bohr, or angstrom if an axis has a negative number of
+ * samples. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
@@ -18,7 +19,7 @@ typedef struct cube {
     long values; /* a voxel */
 } cube;
 
-/* A line of a count and three numbers; *more: a count behind them, 1 where there is none. */
+/* Reads a line of a count and three numbers; *more: a count after them, 1 if there is none. */
 static bool take_line(FILE *f, long *count, double v[3], long *more)
 {
     char line[LINE_BYTES];
@@ -37,7 +38,8 @@ static bool read_header(FILE *f, cube *c)
     return well && labs(c->atoms) <= ATOMS_MOST && c->values >= 1;
 }
 
-/* Leaves the file at the first value: behind the atoms, and the orbitals' numbers where the atoms' is negative. */
+/* Leaves the file at the first value: after the atoms, and after the orbitals' numbers if the number of atoms is
+ * negative. */
 static bool skip_atoms(FILE *f, cube *c)
 {
     char line[LINE_BYTES];
@@ -59,7 +61,7 @@ static bool is_cube(const char *path)
     if (!iso_path_ends_with(path, ".cube") && !iso_path_ends_with(path, ".cub"))
         return false;
     FILE *f = fopen(path, "rb");
-    const bool is_one = !f || read_header(f, &c) || ferror(f); /* what cannot be read is told when it is opened */
+    const bool is_one = !f || read_header(f, &c) || ferror(f); /* a read error is reported on opening */
     if (f)
         fclose(f);
     return is_one;

@@ -73,7 +73,7 @@ static void unescape(char *text)
     *to = 0;
 }
 
-/* The text of an attribute within [tag, end), to be freed; NULL where it has none. */
+/* Returns the text of an attribute within [tag, end), to be freed; NULL if it has none. */
 static char *attribute(const char *tag, const char *end, const char *name)
 {
     const size_t length = strlen(name);
@@ -96,7 +96,7 @@ static iso_status read_pvd(const char *path, const char *text, iso_file_list *li
     if (!strstr(text, "<VTKFile") || !strstr(text, "<Collection") || !strstr(text, "</Collection>"))
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no collection of ParaView's (.pvd)", path);
     for (const char *at = text; status == ISO_OK && (at = strstr(at, "<DataSet")); ++at) {
-        const char *end = strpbrk(at + 1, "<>"); /* no tag goes on behind another's beginning */
+        const char *end = strpbrk(at + 1, "<>"); /* no tag continues after the beginning of another */
         const bool is_tag = end && *end == '>';
         char *name = is_tag ? attribute(at, end, "file") : NULL, *time = is_tag ? attribute(at, end, "timestep") : NULL;
         char *rest = NULL;

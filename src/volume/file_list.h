@@ -10,16 +10,16 @@
 
 typedef struct iso_listed_file {
     double time;
-    char *path; /* beside the list, where its name is relative */
+    char *path; /* in the list's folder, if its name is relative */
 } iso_listed_file;
 
 typedef struct iso_file_list {
     iso_listed_file *file; /* by time; those of one time as they are listed */
     size_t count, room;
-    double step; /* of time, where it is even within 1 %; else 0 */
+    double step; /* of time, if it is even within 1 %; 0 otherwise */
 } iso_file_list;
 
-/* By its name. */
+/* True if the path's name is that of a list. */
 bool iso_file_list_is_one(const char *path);
 /* ISO_E_FORMAT for a list that is damaged or empty, or that has several parts of a time step; ISO_E_IO; ISO_E_MEMORY.
  * To be destroyed in every case. */

@@ -30,7 +30,7 @@ iso_status iso_volume_format_add(const iso_volume_format *format, iso_error *err
     return ISO_OK;
 }
 
-/* Of the words of `suffixes`, the longest that `name` ends with. */
+/* Returns the length of the longest word of `suffixes` that `name` ends with. */
 static size_t longest_suffix(const char *suffixes, const char *name)
 {
     const size_t length = strlen(name);

@@ -38,29 +38,29 @@ enum {
 typedef struct iso_volume_format {
     const char *name;     /* "nrrd" */
     const char *title;    /* "NRRD" */
-    const char *summary;  /* what of the format is read */
-    const char *suffixes; /* of its files' names, such as ".nrrd .nhdr": what a pyramid's name leaves out */
+    const char *summary;  /* description of the readable part of the format */
+    const char *suffixes; /* of its files' names, such as ".nrrd .nhdr": left out in a pyramid's name */
     const char
         *starts;     /* how its files start, for the message about a file that is of no format; NULL where probe is */
     bool takes_part;   /* of a file that holds several volumes, FILE:PART names one */
     bool unpacks;      /* gzip by itself, plane by plane; others get an unpacked copy of the file */
     bool takes_series; /* of a folder that holds several volumes, --series names one */
-    /* Whether a file of these first bytes, unpacked where they are compressed, is of this format. NULL: it takes options
-     * to say so, as for raw. */
+    /* True if a file with these first bytes, unpacked if compressed, is of this format. NULL: only options select
+     * the format, as for raw. */
     bool (*probe)(const unsigned char *head, size_t size);
     /* Whether a folder, or a file that no row's probe() takes, is of this format; NULL: none is. */
     bool (*probe_path)(const char *path);
     /* Reads the header into an empty source whose path is set, and leaves the samples ready to be read: a file or a
-     * compressed file at the first sample, all samples in memory, or a reader of its own (stream_kernel.h). Checks the
-     * geometry and that the samples are as many as the header says. The caller closes the source on failure. */
+     * compressed file at the first sample, all samples in memory, or a reader of its own (stream_kernel.h). Checks
+     * the geometry and that the number of samples is the header's. The caller closes the source on failure. */
     iso_status (*open)(iso_volume_source *source, iso_error *err);
 } iso_volume_format;
 
 extern const iso_names iso_volume_format_names;
-/* Rows 0 .. iso_volume_format_names.count - 1, then those that were added; NULL behind the last. */
+/* Returns rows 0 .. iso_volume_format_names.count - 1, then those that were added; NULL after the last. */
 const iso_volume_format *iso_volume_format_at(size_t row);
 
-/* One more format, such as a module's; the row must live as long as the program. ISO_E_RANGE when there is no room.
+/* Adds a format, such as a module's; the row must live as long as the program. ISO_E_RANGE if the table is full.
  * Before threads open files. */
 iso_status iso_volume_format_add(const iso_volume_format *format, iso_error *err);
 

@@ -89,7 +89,7 @@ iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, co
         count, step, count - 1);
 }
 
-/* "0 red, 1 green, 2 blue", or "0 to 2"; luminance where there is one. */
+/* Writes "0 red, 1 green, 2 blue", or "0 to 2"; luminance if there is one. */
 static void list_channels(const iso_extra_axes *axes, char *text, size_t size)
 {
     enum { LISTED = 12 };

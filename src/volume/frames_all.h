@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* frames_all.h - all frames of a file, or of numbered files: their number, their range, names for what is made of them. */
+/* frames_all.h - all frames of a file, or of numbered files: their number, their range, names of their outputs. */
 #ifndef ISO_VOLUME_FRAMES_ALL_H
 #define ISO_VOLUME_FRAMES_ALL_H
 
@@ -11,12 +11,12 @@ typedef struct iso_frames_facts {
     size_t widest;   /* the frame whose own range is the widest, the first of several */
 } iso_frames_facts;
 
-/* Reads all frames, plane by plane. ISO_E_USAGE where there is one only; ISO_E_RANGE for NaN and infinite voxels. */
+/* Reads all frames, plane by plane. ISO_E_USAGE if there is only one; ISO_E_RANGE for NaN and infinite voxels. */
 iso_status iso_frames_measure(const char *path, const iso_volume_input *input, iso_frames_facts *facts, iso_error *err);
-/* As iso_volume_input_labels(), of all frames: the most labels that one has. ISO_E_USAGE where some look like label maps and
- * others do not, and the input does not say which they are. */
+/* Does the work of iso_volume_input_labels() for all frames: the most labels of one. ISO_E_USAGE if some look like
+ * label maps, others do not, and the input does not decide it. */
 iso_status iso_frames_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err);
-/* "out_0003.iso" of "out.iso" and "out_%04d.iso", where the suffix is ".iso"; to be freed, NULL when memory ends. */
+/* Makes "out_0003.iso" of "out.iso" and "out_%04d.iso", if the suffix is ".iso"; to be freed, NULL: out of memory. */
 char *iso_frames_name(const char *output, const char *suffix, size_t frame);
 
 #endif

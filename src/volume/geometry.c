@@ -18,7 +18,7 @@ iso_geometry iso_geometry_axis_aligned(const size_t size[3], const double spacin
 
 iso_status iso_geometry_check(const iso_geometry *g, const char *name, iso_error *err)
 {
-    /* 32 bytes a voxel: the largest element that any stage allocates per voxel. */
+    /* 32 bytes per voxel: the largest element that any stage allocates for one. */
     const size_t limit = SIZE_MAX / 2 / 32;
     size_t count = 1;
     for (int a = 0; a < 3; ++a) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* geometry.h - where a grid of voxels lies in the world.
+/* geometry.h - position of a grid of voxels in the world.
  *
  * Index coordinates are continuous: voxel i covers [i, i+1) and has its center
  * at i + 1/2. World coordinates are millimeters, right-handed:
@@ -46,8 +46,8 @@ typedef struct iso_geometry {
 /* size, spacing along the world's axes, centered at the world's origin. */
 iso_geometry iso_geometry_axis_aligned(const size_t size[3], const double spacing_mm[3]);
 
-/* ISO_E_RANGE: a size of 0, a product that overflows, an index_to_world that
- * is singular or not finite, a voxel's edge or an origin out of the ranges above. `name` is what an error message names: the file, for instance. */
+/* Checks a geometry. ISO_E_RANGE: a size of 0, a product that overflows, an index_to_world that is singular or not
+ * finite, a voxel's edge or an origin out of the ranges above. `name` stands in the message: the file, for instance. */
 iso_status iso_geometry_check(const iso_geometry *g, const char *name, iso_error *err);
 
 /* The geometry of the next coarser level: sizes (n + 1) / 2, the same box. */

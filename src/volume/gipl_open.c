@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* gipl_open.c - GIPL of Guy's Hospital: 256 bytes of header, most significant byte first, then the samples; all of it may be
- * packed by gzip. ITK reads it, too, but gives zeros for what a truncated file lacks. */
+/* gipl_open.c - GIPL of Guy's Hospital: 256 bytes of header, most significant byte first, then the samples; all of
+ * it may be packed by gzip. ITK reads it, too, but gives zeros for the missing end of a truncated file. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>

@@ -117,7 +117,7 @@ iso_status iso_volume_input_open(const char *path, const iso_volume_input *in, i
     return status;
 }
 
-/* What is known without a look at the samples, or is contradicted; *look: a look is needed. */
+/* Checks all that needs no look at the samples; *look: a look is needed. */
 static iso_status check_labels(const char *path, const iso_volume_input *in, const iso_volume *v, bool *look,
                                iso_error *err)
 {
@@ -132,10 +132,10 @@ static iso_status check_labels(const char *path, const iso_volume_input *in, con
     return ISO_OK;
 }
 
-/* said: by the caller or by the file. */
+/* said: the caller or the file marks it as a label map. */
 static iso_status count_labels(const char *path, bool said, const iso_label_facts *facts, size_t *count, iso_error *err)
 {
-    *count = facts->is_map || said ? facts->count : 0; /* 0, too, where nothing was looked at */
+    *count = facts->is_map || said ? facts->count : 0; /* 0 also if the samples were not examined */
     if (said && facts->has_too_many)
         return iso_fail(
             err, ISO_E_RANGE,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* input.h - how a volume is to be read where its file does not say: size, type and spacing of a file without a header,
- * spacing, unit, which series, frame and channel; stored or physical values. The fields are the texts and numbers of the options of the same names, 0 where not given. */
+/* input.h - settings for reading a volume that its file lacks: size, type and spacing of a file without a header,
+ * spacing, unit, which series, frame and channel; stored or physical values. The fields are the texts and numbers of
+ * the options of the same names, 0 if not given. */
 #ifndef ISO_VOLUME_INPUT_H
 #define ISO_VOLUME_INPUT_H
 
@@ -18,15 +19,16 @@ void iso_volume_input_defaults(iso_volume_input *input);
 /* The options that were given, as a command line has them, each after a space; to be freed. */
 char *iso_volume_input_line(const iso_volume_input *input);
 
-/* ISO_E_USAGE for raw options that miss or contradict; else as iso_volume_load. */
+/* Loads a volume as iso_volume_load() does. ISO_E_USAGE also for raw options that are missing or contradict each
+ * other. */
 iso_status iso_volume_input_load(const char *path, const iso_volume_input *input, iso_volume *v, iso_error *err);
 iso_status iso_volume_input_open(const char *path, const iso_volume_input *input, iso_volume_source **source,
                                  iso_error *err);
-/* The rest of iso_volume_input_load() where the source is open already; it is closed. */
+/* Does the rest of iso_volume_input_load() for an open source, and closes it. */
 iso_status iso_volume_input_load_source(iso_volume_source *source, const char *path, const iso_volume_input *input,
                                         iso_volume *v, iso_error *err);
-/* How many labels a volume has that is a label map, by what the caller says or else by its samples; 0: intensities. As much
- * is read as it takes. iso_volume_input_load() leaves it in the notes. */
+/* Counts the labels of a volume that is a label map, by the caller's hint or by its samples; 0: intensities. It
+ * reads only as far as needed. iso_volume_input_load() leaves the count in the notes. */
 iso_status iso_volume_input_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err);
 
 #endif

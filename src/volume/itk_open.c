@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* itk_open.c - what the program isoshade-itk reads: DICOM series, stacks of pictures, and other formats that ITK knows. */
+/* itk_open.c - opens the formats of the program isoshade-itk: DICOM series, stacks of pictures, and other formats of
+ * ITK. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <stdlib.h>
@@ -9,7 +10,7 @@
 #include "base/inputs.h"
 #include "volume/child.h"
 
-/* How the files begin that are known without ITK, so that a message can name it where it is missing. */
+/* First bytes of the files that are recognized without ITK, so that a message can name it if it is missing. */
 typedef struct start {
     size_t at, size;
     const char *bytes;
@@ -19,13 +20,13 @@ static const start starts[] = {
     {128, 4, "DICM"}, {0, 8, "\x89PNG\r\n\x1a\n"}, {0, 3, "\xff\xd8\xff"}, /* JPEG */
 };
 
-/* With one of the first `count`. */
+/* True if the file starts with one of the first `count`. */
 static bool has_known_start(const char *path, size_t count)
 {
     char head[256];
     FILE *f = fopen(path, "rb");
     const size_t size = f ? fread(head, 1, sizeof head, f) : 0;
-    const bool is_unread = !f || ferror(f); /* which is told when it is opened */
+    const bool is_unread = !f || ferror(f); /* reported on opening */
     if (f)
         fclose(f);
     for (size_t i = 0; i < count; ++i)
@@ -34,7 +35,7 @@ static bool has_known_start(const char *path, size_t count)
     return is_unread;
 }
 
-/* A folder of files, whatever they are. */
+/* True for a folder that holds any files. */
 static bool holds_files(const char *path)
 {
     DIR *dir = opendir(path);
@@ -54,7 +55,7 @@ static bool can_read(const char *path)
     return iso_path_is_dir(path) ? holds_files(path) : has_known_start(path, sizeof starts / sizeof *starts);
 }
 
-/* What ITK reads of a folder: of a series the files that say that they are DICOM, of pictures all. */
+/* Notes the files of a folder that ITK reads: of a series the DICOM files, of pictures all. */
 static iso_status note_slices(const char *folder, bool is_series, iso_error *err)
 {
     DIR *dir = opendir(folder);
@@ -77,7 +78,7 @@ static iso_status open_itk(iso_volume_source *source, iso_error *err)
     const bool is_series = source->header.notes.world_is_ras;
     if (status != ISO_OK || !iso_path_is_dir(source->path))
         return status;
-    status = is_series ? ISO_OK : iso_frames_check_numbers(source->path, err); /* DICOM says where its slices are */
+    status = is_series ? ISO_OK : iso_frames_check_numbers(source->path, err); /* DICOM has its slices' positions */
     return status == ISO_OK ? note_slices(source->path, is_series, err) : status;
 }
 

@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Values that can be labels, and after so many changes intensities are known for what they are. */
+/* Range of values that can be labels, and the number of changes after which intensities are certain. */
 enum { LOWEST = -32768, VALUE_COUNT = 32768 + 65536, KNOWN_AFTER = 20000, ROOM = ISO_LABELS_MAX_COUNT + 1 };
 
 typedef struct label_probe {
-    uint16_t id[VALUE_COUNT]; /* 0: not seen; else by the order of appearance, from 1 */
+    uint16_t id[VALUE_COUNT]; /* 0: not seen; others by the order of appearance, from 1 */
     int32_t value[ROOM + 1];  /* of an id */
     size_t count;
     uint32_t changes[ROOM + 1][ROOM + 1]; /* from id to id, of neighbors along an axis */
@@ -75,7 +75,7 @@ static void look_at_plane(label_probe *p, size_t z)
         }
 }
 
-/* The next plane; false where no more are needed. */
+/* Takes the next plane; false if no more are needed. */
 static bool feed(label_probe *p, const iso_volume *plane, size_t z)
 {
     uint16_t *oldest = p->plane[2];

@@ -23,11 +23,12 @@ enum { ISO_LABELS_MAX_COUNT = 512, ISO_LABELS_MIN_VOXELS = 32, ISO_LABELS_MIN_CO
 
 typedef struct iso_label_facts {
     size_t count;              /* values that there are, at most ISO_LABELS_MAX_COUNT + 1 */
-    double twice, next;        /* parts as above; 0 where nothing changes */
+    double twice, next;        /* parts as above; 0 if nothing changes */
     bool is_map, has_too_many; /* by this rule; more values than ISO_LABELS_MAX_COUNT, or too large ones */
 } iso_label_facts;
 
-/* Reads as many planes as it takes to know, or all that count; of types that are no integers none. The source may be closed then. */
+/* Reads as many planes as needed for a decision, or all that count; none of types that are not integers. The source
+ * may be closed then. */
 iso_status iso_labels_look(iso_volume_source *source, bool all, iso_label_facts *facts, iso_error *err);
 /* The same of a volume in memory. */
 iso_status iso_labels_look_at(const iso_volume *v, bool all, iso_label_facts *facts, iso_error *err);

@@ -108,7 +108,7 @@ static void cell_edges(const mrc *m, const double length[3], double edge[3][3])
             edge[i][r] = length[i] * rows[i][r];
 }
 
-/* The file's axes (columns, rows, sections) are the cell's in the order that AXES says. */
+/* Takes the geometry. The file's axes (columns, rows, sections) are the cell's in the order of AXES. */
 static iso_status take_geometry(const mrc *m, iso_volume_source *source, iso_error *err)
 {
     iso_geometry *g = &source->header.geometry;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* nifti_open.c - headers of NIfTI-1, NIfTI-2 and Analyze 7.5, whose fields NIfTI-1 keeps. The header is read and checked
- * here, since libnifti prints and trusts what it reads; its part is the affine of a qform. */
+ * here, since libnifti prints, and trusts its input; it computes only the affine of a qform. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
@@ -14,15 +14,15 @@
 #include "base/inputs.h"
 #include "volume/stream_kernel.h"
 
-/* What both versions say; of the first the numbers were shorter. */
+/* The fields of both versions; the first has shorter numbers. */
 typedef struct nifti_header {
     const char *version; /* for messages */
     bool one_file, known;
     char magic[4];
     int64_t dim[8];
-    int datatype, qform_code, sform_code, units, intent, colors; /* colors: 3 or 4 bytes a voxel; 0 */
+    int datatype, qform_code, sform_code, units, intent, colors; /* colors: 3 or 4 bytes per voxel; 0 */
     double pixdim[8], vox_offset, slope, intercept, quatern[3], qoffset[3], srow[3][4];
-    double least_offset; /* of the samples in one file: behind the header and its extension flag */
+    double least_offset; /* of the samples in one file: after the header and its extension flag */
 } nifti_header;
 
 /* NIfTI-1 or NIfTI-2 of either byte order. */
@@ -140,7 +140,7 @@ static bool our_type(int datatype, iso_type *type, int *colors)
     }
 }
 
-/* As a header's word; "" where there is none. */
+/* Returns a unit as a header's word; "" if there is none. */
 static const char *unit_name(int units)
 {
     switch (XYZT_TO_SPACE(units)) {
@@ -161,8 +161,8 @@ static bool sform_is_empty(const nifti_header *h)
     return is_empty;
 }
 
-/* The affine of voxel centers; false when the file gives only spacings. The sign of pixdim says nothing: pixdim[0] has
- * the axes' handedness. */
+/* Computes the affine of voxel centers; false if the file gives only spacings. The signs of pixdim have no meaning,
+ * except pixdim[0]: the axes' handedness. */
 static bool center_affine(const nifti_header *h, const double spacing[3], double m[3][4])
 {
     if (h->sform_code > 0 && !sform_is_empty(h)) {
@@ -304,7 +304,7 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
         status = iso_source_check_read_gz(source->gz, image, ISO_OK, err);
     }
     if (status != ISO_OK) {
-        /* it is told already */
+        /* reported already */
     } else if (!source->gz) {
         status = iso_fail(err, iso_errno_status(), "%s: its samples, %s, cannot be opened: %s", source->path, image,
                           strerror(errno));

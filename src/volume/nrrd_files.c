@@ -22,10 +22,10 @@ typedef struct look {
     double bytes;
     bool is_text; /* words are looked at, too */
     size_t count;
-    char missing[160]; /* the first file that is not there: a pipe behind it is worse */
+    char missing[160]; /* the first missing file; checked first, since a pipe after it is worse */
 } look;
 
-/* From where it is read to its end. */
+/* Checks the words from the file's position to its end. */
 static iso_status check_words(const char *path, FILE *file, iso_error *err)
 {
     enum { MOST_WORD = 100 }; /* a message of 1024 bytes quotes it */
@@ -200,7 +200,7 @@ static iso_status look_at(look *l, FILE *header, bool *any, iso_error *err)
         if (n > MOST_LINE && may_be_quoted(line))
             status = iso_fail(err, ISO_E_FORMAT, "%s: a line of its header has %zd bytes, at most %d", l->path, n,
                               MOST_LINE);
-        else if (!ended) /* teem would take bytes behind it for its end */
+        else if (!ended) /* teem would take the bytes after it for its end */
             status = iso_fail(err, ISO_E_FORMAT, "%s: its header ends within a line", l->path);
         else if (strlen(line) != (size_t)n)
             status = iso_fail(err, ISO_E_FORMAT, "%s: its header holds a byte of 0", l->path);

@@ -16,7 +16,7 @@
 
 enum { MOST_SEGMENTS = 65536 };
 
-/* The value of "SegmentN_KEY"; to be freed. NULL: there is no such key. */
+/* Returns the value of "SegmentN_KEY"; to be freed. NULL: the key is missing. */
 static char *value_of(const Nrrd *nrrd, int number, const char *key)
 {
     char name[64];
@@ -34,7 +34,7 @@ static long number_of(const Nrrd *nrrd, int number, const char *key, long otherw
     return good ? value : otherwise;
 }
 
-/* Three numbers; beyond 0 to 1 they are no color. */
+/* Reads three numbers; a color's are 0 to 1. */
 static json_t *color_of(const Nrrd *nrrd, int number)
 {
     char *text = value_of(nrrd, number, "Color"), *at = text;

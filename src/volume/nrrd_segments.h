@@ -8,7 +8,7 @@
 #include <jansson.h>
 #include <teem/nrrd.h>
 
-/* Each with its layer (segments.h); NULL where the file names none. has_layers: it has an axis of them. */
+/* Returns each segment with its layer (segments.h); NULL if the file names none. has_layers: it has an axis of them. */
 json_t *iso_nrrd_segments(const Nrrd *nrrd, bool has_layers);
 
 #endif

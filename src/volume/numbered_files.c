@@ -24,7 +24,7 @@ typedef struct numbered_files {
     size_t count, room;
 } numbered_files;
 
-/* The place of a number such as %d or %04d in a file's name; NULL where there is none. */
+/* Finds the place of a number such as %d or %04d in a file's name; NULL if there is none. */
 static const char *find_place(const char *name, size_t *bytes)
 {
     for (const char *at = strchr(name, '%'); at; at = strchr(at + 1, '%')) {
@@ -101,7 +101,7 @@ static iso_status choose_file(const char *path, const iso_volume_hints *hints,
     const iso_volume_hints none = {0};
     const iso_extra_axes axes = {.frame = {.count = found->count}, .frame_step = found->step};
     iso_status status = iso_frames_choose(path, hints ? hints : &none, &axes, &found->frame, err);
-    for (size_t i = 0; status == ISO_OK && i < found->count; ++i) /* all: an output of one is no other's place */
+    for (size_t i = 0; status == ISO_OK && i < found->count; ++i) /* all: an output of one must not replace another */
         status = iso_inputs_note(name_of(files, i), err);
     if (status == ISO_OK && !(found->path = strdup(name_of(files, found->frame))))
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
@@ -160,7 +160,8 @@ static bool is_shown(const char *folder, const struct dirent *entry)
     return is_file;
 }
 
-/* All files of a folder, if their names are `first` but for the digits at `place`, sorted; else none. */
+/* Finds all files of a folder, sorted, if their names differ from `first` only in the digits at `place`; none
+ * otherwise. */
 static bool take_numbered(const char *folder, const char *first, size_t place, numbered_files *files)
 {
     const char *after = first + place + strspn(first + place, "0123456789");

@@ -14,7 +14,7 @@ enum { FINE_BINS = 16384 };
 
 const double iso_overview_percents[ISO_OVERVIEW_PERCENTS] = {1, 25, 50, 75, 99};
 
-/* What one thread counted. */
+/* The counts of one thread. */
 typedef struct counts {
     size_t *fine;
     iso_value_histogram shown, drawn;
@@ -113,7 +113,7 @@ static iso_status open_volume(slab_reading *s, iso_error *err)
 
 /* ---- range and rounding ---- */
 
-/* The sample itself, where a row of floats would round it. */
+/* Returns the sample itself, if a row of floats would round it. */
 static double exact_sample(const iso_volume *v, size_t at)
 {
     switch (v->type) {

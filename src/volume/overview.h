@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* overview.h - what the values of a volume are: range, mean, percentiles, histograms.
+/* overview.h - statistics of a volume's values: range, mean, percentiles, histograms.
  *
- * A volume of more than kept_bytes is read slab by slab, twice, and is never whole in memory; a smaller one is read once. The
- * figures are the same but for the last bits of the mean, and do not depend on the number of threads. */
+ * A volume of more than kept_bytes is read slab by slab, twice, and is never whole in memory; a smaller one is read
+ * once. The figures are the same except for the last bits of the mean, and do not depend on the number of threads. */
 #ifndef ISO_VOLUME_OVERVIEW_H
 #define ISO_VOLUME_OVERVIEW_H
 

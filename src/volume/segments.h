@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* segments.h - names and colors of a label map's labels, where its file has them (3D Slicer's .seg.nrrd).
+/* segments.h - names and colors of a label map's labels, if its file has them (3D Slicer's .seg.nrrd).
  *
  * They are carried as JSON, which pyramids and descriptions for other programs store as it is:
  *     [ {"label": 1, "name": "liver", "color": [0.87, 0.51, 0.4]}, ... ]
@@ -18,24 +18,25 @@
 /* Labels are whole numbers of 8 or 16 bits, with or without a sign. */
 enum { ISO_SEGMENTS_LABEL_MIN = -32768, ISO_SEGMENTS_LABEL_MAX = 65535 };
 
-/* UTF-8 without control characters: what is neither becomes '_'. A new string, or NULL where memory ends. */
+/* Copies a text as UTF-8 without control characters; all others become '_'. A new string; NULL: out of memory. */
 json_t *iso_segments_text(const char *text);
 
-/* Refuses what the list above cannot be, with ISO_E_FORMAT; a color's number beyond 0 to 1 with ISO_E_RANGE. */
+/* Refuses a list that differs from the form above, with ISO_E_FORMAT; a color's number beyond 0 to 1 with
+ * ISO_E_RANGE. */
 void iso_segments_check(iso_json_reader *r, const json_t *segments);
 
 /* The first segment of that label, or NULL. segments may be NULL. */
 const json_t *iso_segments_find(const json_t *segments, long label);
-/* "" where it has none. */
+/* Returns a label's name; "" if it has none. */
 const char *iso_segments_name(const json_t *segments, long label);
-/* Display color; false where it has none. */
+/* Finds a label's display color; false if it has none. */
 bool iso_segments_color(const json_t *segments, long label, double srgb[3]);
 
 /* The layer of the segment of this name, letters' case aside; false: there is none. */
 bool iso_segments_layer(const json_t *segments, const char *name, size_t *layer);
-/* "0 (head), 1 (mass, vessel)", cut where the text is full. */
+/* Writes "0 (head), 1 (mass, vessel)", cut if the text is full. */
 void iso_segments_list_layers(const json_t *segments, size_t layer_count, char *text, size_t size);
-/* Those of one layer, without saying so; NULL where there are none. A new array. */
+/* Returns those of one layer, without "layer"; NULL if there are none. A new array. */
 json_t *iso_segments_of_layer(const json_t *segments, size_t layer);
 
 #endif

@@ -120,8 +120,8 @@ static iso_status check_compressed_end(iso_volume_source *s, iso_error *err)
     return ISO_OK;
 }
 
-/* A file that would fill much of the memory is read once: its pages leave the cache behind the reader, which then takes
- * the same few pages again instead of new ones, three times as fast on a virtual machine. */
+/* Reads and drops the pages. A file that would fill much of the memory is read once: its pages leave the cache after
+ * the read. The reader then reuses the same few pages, three times as fast on a virtual machine. */
 static bool read_plain(iso_volume_source *s, char *out, size_t bytes)
 {
     const size_t memory = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGESIZE);

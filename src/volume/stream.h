@@ -4,20 +4,20 @@
  * A source reads a file from its first plane to its last; a sink writes one.
  * iso_volume_load() and iso_volume_save() are built on them.
  *
- * World coordinates (geometry.h) are millimeters. Where the file names an
+ * World coordinates (geometry.h) are millimeters. If the file names an
  * anatomical space (NRRD: left-posterior-superior and the like; NIfTI with an
  * sform or a qform) they are turned to right, anterior, superior, so that one
- * patient lies in one place whatever the file format; a reflected space (LAS)
+ * patient lies in one place in every file format; a reflected space (LAS)
  * gives a reflected index_to_world. Else the world is the file's own frame.
  *   NRRD   space directions are the columns of index_to_world; space origin is
  *          the center of the first sample, so origin_mm = space origin - half a
  *          step along each axis. Without a space: spacings along the world's
- *          axes, axis mins where all three are given, else the box is centered.
+ *          axes, axis mins if all three are given; otherwise the box is centered.
  *          Known units (unit.h) are converted, others refused; without one lengths are mm.
  *   NIfTI  (1 and 2) sform before qform before bare pixdim (centered); its matrix maps
  *          voxel centers, so the corner lies at (-1/2, -1/2, -1/2).
  * doc/reference/formats-read.md has the other formats. Trailing axes of one sample are dropped. Of several
- * time steps or several numbers a voxel one is chosen (frames.h). Volumes of two axes are refused. */
+ * time steps or several numbers per voxel one is chosen (frames.h). Volumes of two axes are refused. */
 #ifndef ISO_VOLUME_STREAM_H
 #define ISO_VOLUME_STREAM_H
 
@@ -29,10 +29,10 @@ typedef struct iso_volume_source iso_volume_source;
  * iso_volume_load. *source stays NULL on failure. Other threads may read from it, but not for longer than the thread
  * lives that opened it: a program that reads the format ends with that. */
 iso_status iso_source_open(const char *path, iso_volume_source **source, iso_error *err);
-/* What a file does not say, or says wrongly. */
+/* Values that the file lacks, or has wrong. */
 typedef struct iso_volume_hints {
-    const char *unit;     /* of its lengths, one of unit.h; NULL: as the file says */
-    double spacing_mm[3]; /* 0: as the file says. Axes keep their directions, and the box its center */
+    const char *unit;     /* of its lengths, one of unit.h; NULL: the file's */
+    double spacing_mm[3]; /* 0: the file's. Axes keep their directions, and the box its center */
     const char *series;   /* of a folder that holds several: its number from 1, or its name; NULL: the only one */
     const char *frame;    /* which time step, from 0; NULL: the only one */
     const char *channel;  /* which number of a voxel: from 0, its name, or "luminance" of colors; NULL: the only one */
@@ -42,11 +42,11 @@ iso_status iso_source_open_with(const char *path, const iso_volume_hints *hints,
 iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
                                iso_error *err);
 
-/* What the header says; data is NULL. Valid until close. */
+/* Returns the header's volume; data is NULL. Valid until close. */
 const iso_volume *iso_source_volume(const iso_volume_source *source);
 
-/* From now on samples come as physical values, slope * sample + intercept, as float (iso_volume_notes, whose scale then
- * is 1 and 0). Nothing changes where the file names no scale. Before the first read. */
+/* Makes the source return physical values, slope * sample + intercept, as float (iso_volume_notes, whose scale then
+ * is 1 and 0). No effect if the file has no scale. To be called before the first read. */
 void iso_source_apply_scale(iso_volume_source *source);
 
 /* The next plane_count planes, in the machine's byte order, into

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* stream_kernel.h - what the readers of formats share; private to src/volume. */
+/* stream_kernel.h - functions that the readers of formats share; private to src/volume. */
 #ifndef ISO_VOLUME_STREAM_KERNEL_H
 #define ISO_VOLUME_STREAM_KERNEL_H
 
@@ -21,14 +21,14 @@ typedef enum iso_form {
 
 enum { ISO_SOURCE_FILLS = 3 };
 
-/* What of the samples is looked at while they are read. */
+/* Statistics of the samples, taken while they are read. */
 typedef struct iso_source_look {
     double fill[ISO_SOURCE_FILLS]; /* values that stand for none */
     size_t fill_count, filled;     /* voxels that have one of them */
     double least_fill, most_fill;  /* of those */
     double lo, hi;                 /* of the other samples, as they are stored */
     size_t seen;
-    bool is_rounded; /* some value is no float */
+    bool is_rounded; /* True if some value does not fit a float */
 } iso_source_look;
 
 struct iso_volume_source {
@@ -51,7 +51,7 @@ struct iso_volume_source {
     double slope, intercept;
     iso_source_choice choice;
     size_t planes_done,
-        planes_read; /* given to the caller; read from the file, which may have volumes behind each other */
+        planes_read; /* given to the caller; read from the file, which may have several consecutive volumes */
     /* Samples that are none of these: read_planes gives the next planes of the file, all its channels, in the machine's
      * byte order, and close_reader, which may be NULL, ends it. */
     void *reader;
@@ -59,13 +59,13 @@ struct iso_volume_source {
     void (*close_reader)(iso_volume_source *source);
 };
 
-/* One of the file's units in mm, for its lengths: `unit` is the header's word, NULL or "" where it has none, which is
- * then `fallback`; the caller's hint comes before both. ISO_E_FORMAT for a unit that is not known. */
+/* Converts one of the file's units to mm, for its lengths. `unit` is the header's word, NULL or "" if it has none,
+ * which is then `fallback`; the caller's hint comes before both. ISO_E_FORMAT for an unknown unit. */
 iso_status iso_source_unit(iso_volume_source *source, const char *unit, const char *fallback, double *mm,
                            iso_error *err);
-/* ISO_E_FORMAT if no hint gives the spacing that the file lacks; `what` says which: "between its slices". */
+/* Fails with ISO_E_FORMAT if no hint gives the spacing that the file lacks; `what` names it: "between its slices". */
 iso_status iso_source_need_spacing(const iso_volume_source *source, const char *what, iso_error *err);
-/* The rule of all formats for lengths that a header gives: each is finite and above 0. NAN: the header does not say it.
+/* Applies the rule of all formats for lengths in a header: each is finite and above 0. NAN: the header lacks it.
  * ISO_E_FORMAT for others, unless a hint gives the spacing: then they become 1. */
 iso_status iso_source_take_spacing(const iso_volume_source *source, double spacing[3], iso_error *err);
 /* The same of the steps of header.geometry, which may point anywhere; then iso_geometry_check(). */
@@ -74,36 +74,35 @@ iso_status iso_source_check_geometry(iso_volume_source *source, iso_error *err);
 iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
 /* The same of a file in which other things follow. */
 iso_status iso_source_take_part(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
-/* The same of samples that zlib packed, until the end of what it packed. */
+/* Does the same for samples that zlib packed, up to the end of the packed data. */
 iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
-/* ISO_E_IO where reading the file failed, whatever was then found to be missing; else `status`. */
+/* Returns ISO_E_IO if reading the file failed, even if data is missing; otherwise `status`. */
 iso_status iso_source_check_read(FILE *f, const char *path, iso_status status, iso_error *err);
 iso_status iso_source_check_read_gz(gzFile gz, const char *path, iso_status status, iso_error *err);
 /* How samples stand as decimals in a file. */
 typedef struct iso_text_layout {
     bool z_fastest;    /* z runs fastest, x slowest */
-    bool words_follow; /* what follows, if anything, begins with a word that is no number; else nothing may */
+    bool words_follow; /* True if a word that is not a number may follow; false: nothing may */
 } iso_text_layout;
-/* Reads all samples from where the file stands, and leaves it behind the last; the caller checks whether it could be
- * read. */
+/* Reads all samples from the file's position, and leaves it after the last; the caller checks for a read error. */
 iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_layout layout, iso_error *err);
 
 /* Checks header.geometry, and that `available` is the number of bytes of its samples. */
 iso_status iso_source_check_bytes(const iso_volume_source *source, double available, iso_error *err);
 /* Deflate, of zlib and gzip, packs no more bytes into one. */
 enum { ISO_SOURCE_DEFLATE_MOST = 1032 };
-/* Before memory is asked for: ISO_E_FORMAT where `packed` bytes of the file `path`, each of which holds `most` bytes of
- * samples at most, cannot hold all that the sizes need. */
+/* Checks the size before memory is allocated. ISO_E_FORMAT if `packed` bytes of the file `path`, of at most `most`
+ * bytes of samples each, cannot hold all samples. */
 iso_status iso_source_check_packed(const iso_volume_source *source, const char *path, double packed, double most,
                                    iso_error *err);
-/* ISO_E_IO where the path names no regular file: a pipe would be waited for. */
+/* Fails with ISO_E_IO if the path is not a regular file: reading a pipe would wait. */
 iso_status iso_source_check_regular(const char *path, iso_error *err);
-/* As iso_source_check_bytes(), of what the plain file holds from where it stands. */
+/* Does the work of iso_source_check_bytes() for the rest of the plain file. */
 iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err);
 /* Of all samples in the file, and of one of its planes: those of the frames and channels that are not read, too. */
 size_t iso_source_bytes(const iso_volume_source *source);
 size_t iso_source_plane_bytes(const iso_volume_source *source);
-/* Planes in the file, of all volumes that stand behind each other; the type of its samples. */
+/* Returns the number of planes in the file, of all consecutive volumes; the type of its samples. */
 size_t iso_source_planes(const iso_volume_source *source);
 iso_type iso_source_stored_type(const iso_volume_source *source);
 /* Skips planes of the file. */
@@ -116,7 +115,7 @@ void iso_source_note_fill(iso_volume_source *source, double value);
 void iso_source_look_at(iso_volume_source *source, const void *cells, size_t count);
 /* ISO_E_RANGE if the values that stand for none would make the range, or if floats cannot hold the values. */
 iso_status iso_source_check_look(const iso_volume_source *source, iso_error *err);
-/* From now on samples are made floats (iso_source_convert). */
+/* Makes the source convert samples to floats from now on (iso_source_convert). */
 void iso_source_make_floats(iso_volume_source *source);
 
 #endif

@@ -164,7 +164,7 @@ static void noise_row(const noise_wave waves[NOISE_WAVES], iso_vec3 p, iso_vec3 
     }
 }
 
-/* What overlapping parts show together, 1 - product of (1 - s_i): in [0, 1], and as smooth as each. */
+/* The union of overlapping parts, 1 - product of (1 - s_i): in [0, 1], and as smooth as each. */
 typedef struct overlap {
     double rest;        /* the product */
     iso_vec3 log_slope; /* sum of ds_i / (1 - s_i) */
@@ -183,7 +183,7 @@ static double join_parts(const overlap *o, iso_vec3 *d)
     return 1 - o->rest;
 }
 
-/* From 1 inside (depth > 0) to 0 outside. */
+/* Returns a flank's height, from 1 inside (depth > 0) to 0 outside. */
 static double flank_at(double depth, double width, double *slope)
 {
     double v = 1 / (1 + exp(-depth / width));
@@ -267,7 +267,7 @@ static double vessels(iso_vec3 p, const vessel tree[VESSEL_COUNT], iso_vec3 *d)
     return join_parts(&sum, d);
 }
 
-/* What all samples of a field share. */
+/* The part that all samples of a field share. */
 typedef struct field_frame {
     double half_edge; /* mm */
     iso_vec3 center;

@@ -13,7 +13,7 @@
 #include "base/names.h"
 #include "volume/volume.h"
 
-/* enum, name, what it is */
+/* enum, name, description */
 /* clang-format off */
 #define ISO_FIELD_LIST(X)                                                                     \
     X(ISO_FIELD_RAMP, "ramp", "linear in x, y and z")                                         \
@@ -41,7 +41,7 @@ typedef struct iso_field {
     iso_geometry geometry; /* where p is normalized */
     uint64_t seed;         /* of noise, vessels and grain */
     bool has_range;        /* samples run over `range` instead of the type's own */
-    double range[2];       /* what the values 0 and 1 become; within the type */
+    double range[2];       /* the range of the values 0 to 1 in the volume; within the type */
     double grain;          /* the samples alone: standard deviation of nearly normal noise, of the values 0 to 1 */
 } iso_field;
 
@@ -56,7 +56,7 @@ double iso_field_value(const iso_field *f, iso_vec3 world_mm, iso_vec3 *gradient
  * f->range, or the whole range of an integer type, or [0, 1]. */
 iso_status iso_field_sample(const iso_field *f, iso_type type, iso_volume *v, iso_error *err);
 
-/* What the type can hold; [0, 1] for float and double. */
+/* Returns the type's range; [0, 1] for float and double. */
 void iso_field_type_range(iso_type type, double *lo, double *hi);
 
 /* The planes [z0, z1) alone, for volumes larger than memory; the geometry has

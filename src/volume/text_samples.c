@@ -43,7 +43,7 @@ static const char *next_number(FILE *f, double *value)
                                    : "no number";
 }
 
-/* Where more follows than the sizes need, they are wrong. The file stays where it is. */
+/* Refuses more values than the sizes need: then the sizes are wrong. The file keeps its position. */
 static iso_status check_end(const iso_volume_source *source, FILE *f, size_t count, bool words_follow, iso_error *err)
 {
     const off_t at = ftello(f);
@@ -59,7 +59,8 @@ static iso_status check_end(const iso_volume_source *source, FILE *f, size_t cou
                     count);
 }
 
-/* Cut to an integer where the type is one; false where that is beyond the type, whose conversion C leaves open. */
+/* Stores a value, cut to an integer for an integer type; false if it is beyond the type, as C does not define that
+ * conversion. */
 static bool store(char *data, iso_type type, size_t at, double value)
 {
 /* clang-format off */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* unit.h - units of length that headers name. World coordinates are millimeters, whatever the file has. */
+/* unit.h - units of length in headers. World coordinates are millimeters for every file. */
 #ifndef ISO_VOLUME_UNIT_H
 #define ISO_VOLUME_UNIT_H
 
@@ -11,8 +11,8 @@
 /* The names for messages and --help: those that --unit takes; headers may spell them out (micrometer, microns). */
 #define ISO_UNIT_NAMES "m, cm, mm, um, nm, pm, angstrom, bohr or inch"
 
-/* One such unit in millimeters, and its short name, which may be NULL; false where the unit is not known. Not sensitive
- * to case. */
+/* Finds a unit in millimeters, and its short name, which may be NULL; false if the unit is unknown. Not sensitive to
+ * case. */
 bool iso_unit_find(const char *text, double *mm, const char **name);
 
 /* Of an option: ISO_E_USAGE with the names. */

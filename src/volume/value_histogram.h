@@ -19,8 +19,8 @@ typedef struct iso_value_histogram {
 iso_status iso_value_histogram_count(const iso_volume *v, double lo, double hi, size_t most_bins,
                                      iso_value_histogram *h, iso_error *err);
 
-/* The same in parts: empty bins, whole numbers wide where all values are whole numbers; values, in any order; what another
- * one counted in the same bins; and at last which bin is the fullest. */
+/* Do the same in parts: create empty bins, a whole number wide if all values are whole numbers; add values, in any
+ * order; add another histogram's counts of the same bins; finally find the fullest bin. */
 iso_status iso_value_histogram_begin(bool are_whole, double lo, double hi, size_t most_bins, iso_value_histogram *h,
                                      iso_error *err);
 void iso_value_histogram_add(iso_value_histogram *h, const float *values, size_t count);

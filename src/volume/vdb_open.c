@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_open.c - what the program isoshade-vdb reads: grids of OpenVDB, of which FILE:GRID names one. */
+/* vdb_open.c - opens the formats of the program isoshade-vdb: grids of OpenVDB, of which FILE:GRID names one. */
 #define _GNU_SOURCE
 #include <string.h>
 

@@ -96,8 +96,7 @@ void iso_volume_floats(const iso_volume *v, float *restrict out)
         to_floats(v, z * plane, plane, out + z * plane);
 }
 
-/* A volume is measured in this many runs of planes, whatever the threads, so
- * that sums do not depend on them. */
+/* A volume is measured in this many runs of planes for any number of threads, so that sums do not depend on it. */
 #define RUNS 64
 
 typedef struct run_stats {

@@ -3,7 +3,7 @@
  *
  * Samples stand x fastest, then y, then z. Stages that follow read rows as
  * float (iso_volume_row): exact for 8 and 16 bits and float; 32-bit integers
- * and doubles are rounded to the nearest float, which `isoshade info` says. */
+ * and doubles are rounded to the nearest float, which `isoshade info` reports. */
 #ifndef ISO_VOLUME_H
 #define ISO_VOLUME_H
 
@@ -12,17 +12,18 @@
 #include "volume/geometry.h"
 #include "volume/type.h"
 
-/* What a file says besides geometry and samples. */
+/* A file's facts besides geometry and samples. */
 typedef struct iso_volume_notes {
-    bool world_is_ras;                       /* world = right, anterior, superior; else the file's own frame */
+    bool world_is_ras;                       /* True if the world is right, anterior, superior; false: the file's own
+                                              * frame */
     double scale_slope, scale_intercept;     /* physical value = slope * sample + intercept; iso_source_apply_scale() */
     double applied_slope, applied_intercept; /* the scale that samples have been given; slope 0: none */
-    char unit[16];                 /* of lengths, as the file or the caller names it; "" where none does: mm */
-    double unit_mm;                /* which is so many mm */
+    char unit[16];                 /* of lengths, as the file or the caller names it; "" if none does: mm */
+    double unit_mm;                /* the unit in mm */
     size_t frame_count, frame;     /* time steps in the file, and the one that was read, from 0; 0: one volume */
-    double frame_step;             /* from one to the next; 0: the file does not say */
+    double frame_step;             /* from one to the next; 0: not in the file */
     char frame_unit[16];           /* as the file calls it */
-    bool says_labels;              /* the file itself says that it is a label map */
+    bool says_labels;              /* True if the file marks itself as a label map */
     size_t label_count;            /* of a label map (labels.h); 0: intensities */
     size_t channel_count, channel; /* numbers a voxel in the file, and the one that was read */
     char channel_name[48];         /* "": it has none */
@@ -52,10 +53,9 @@ typedef struct iso_volume_stats {
 } iso_volume_stats;
 iso_volume_stats iso_volume_measure(const iso_volume *v);
 
-/* Loads by the file's content (doc/reference/formats-read.md), values as they are stored.
- * ISO_E_IO, ISO_E_FORMAT (truncated, wrong magic, sizes that do not match the file, types and dimensions that are not ours), ISO_E_RANGE (sizes
- * that overflow, NaN or Inf voxels), ISO_E_MEMORY. stream.h reads slab by slab
- * and says how world coordinates come from the file. */
+/* Loads by the file's content (doc/reference/formats-read.md), values as they are stored. ISO_E_IO. ISO_E_FORMAT:
+ * truncated, wrong magic, sizes that do not match the file, unsupported types and dimensions. ISO_E_RANGE: sizes
+ * that overflow, NaN or Inf voxels. ISO_E_MEMORY. stream.h reads slab by slab and defines the world coordinates. */
 iso_status iso_volume_load(const char *path, iso_volume *v, iso_error *err);
 
 /* A file without a header. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* vti_open.c - VTK's XML image data (.vti): one piece; its samples appended raw or in base64, inline in base64 or as text;
- * packed by zlib or not. What is appended raw and not packed is read plane by plane, the rest at once. */
+/* vti_open.c - VTK's XML image data (.vti): one piece; its samples appended raw or in base64, inline in base64 or as
+ * text; packed by zlib or not. Samples that are appended raw and not packed are read plane by plane, others at once. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
@@ -15,7 +15,7 @@ enum { HEAD_BYTES = 1 << 16, WORD_BYTES = 256 };
 typedef struct vti {
     char *text; /* the file's beginning, or all of it */
     size_t size;
-    const char *array, *appended; /* behind the tag DataArray; behind the _ of AppendedData */
+    const char *array, *appended; /* after the tag DataArray; after the _ of AppendedData */
     char type[32], format[32], encoding[32];
     long extent[6];
     double origin[3], spacing[3], direction[9]; /* rows of a matrix whose columns are the axes' directions */
@@ -24,7 +24,7 @@ typedef struct vti {
     iso_extra_axes axes;
 } vti;
 
-/* The text of an attribute of the tag that starts at `tag`; false where it has none. */
+/* Finds the text of an attribute of the tag that starts at `tag`; false if it has none. */
 static bool attribute(const char *tag, const char *name, char *out, size_t size)
 {
     const char *end = tag ? strchr(tag, '>') : NULL;
@@ -52,7 +52,7 @@ static int numbers(const char *text, double *out, int most)
     return count;
 }
 
-/* The file's beginning, or all of it where what comes first is not appended. */
+/* Reads the file's beginning, or all of it if the first samples are not appended. */
 static iso_status read_text(const char *path, vti *v, iso_error *err)
 {
     FILE *f = fopen(path, "rb");
@@ -259,7 +259,7 @@ static bool unpack(const vti *v, const unsigned char *data, size_t size, unsigne
     return done == bytes;
 }
 
-/* Of `size` bytes that start with their length, or with those of blocks. */
+/* Takes `size` bytes that start with their length, or with the lengths of blocks. */
 static iso_status take_bytes(const vti *v, iso_volume_source *source, const unsigned char *data, size_t size,
                              iso_error *err)
 {

@@ -102,7 +102,7 @@ static bool take_type(const char *name, iso_volume_source *source)
     return false;
 }
 
-/* Points stand at ORIGIN and every SPACING from there; cells are what lies between them. */
+/* Takes the geometry. Points stand at ORIGIN and every SPACING from there; cells lie between them. */
 static iso_status take_geometry(const vtk_header *h, iso_volume_source *source, iso_error *err)
 {
     iso_geometry *g = &source->header.geometry;
@@ -136,7 +136,7 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
                           h.type);
     if (status == ISO_OK)
         status = take_geometry(&h, source, err);
-    /* Bytes are written as colors, whatever they are: three or four of them are taken for such. */
+    /* Bytes are always written as colors: three or four of them count as such. */
     const iso_extra_axes axes = {.channel = {.count = (size_t)h.components, .inside = true, .stride = 1},
                                  .is_color = h.is_color && h.components >= 3 && h.components <= 4};
     if (status == ISO_OK)

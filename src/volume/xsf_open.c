@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* xsf_open.c - XCrySDen's files: the grid behind BEGIN_DATAGRID_3D, in angstrom, as text, x fastest. Its three vectors span
- * from the first sample to the last, which periodic grids have on both sides. */
+/* xsf_open.c - XCrySDen's files: the grid after BEGIN_DATAGRID_3D, in angstrom, as text, x fastest. Its three
+ * vectors span from the first sample to the last, which periodic grids have on both sides. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdlib.h>
@@ -31,7 +31,7 @@ static bool is_xsf(const char *path)
     if (!iso_path_ends_with(path, ".xsf"))
         return false;
     FILE *f = fopen(path, "rb");
-    const bool is_one = !f || find_grid(f) || ferror(f); /* what cannot be read is told when it is opened */
+    const bool is_one = !f || find_grid(f) || ferror(f); /* a read error is reported on opening */
     if (f)
         fclose(f);
     return is_one;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* zlib_samples.c - samples that zlib packed, within a file: gzread() knows gzip alone. */
+/* zlib_samples.c - samples that zlib packed, within a file: gzread() reads only gzip. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdlib.h>
@@ -19,7 +19,7 @@ typedef struct zlib_reader {
     unsigned char input[INPUT_BYTES];
 } zlib_reader;
 
-/* The next bytes, fewer only at the end; false where they are damaged. */
+/* Inflates the next bytes, fewer only at the end; false if they are damaged. */
 static bool inflate_some(zlib_reader *r, unsigned char *out, size_t bytes, size_t *done)
 {
     for (*done = 0; *done < bytes && !r->ended;) {

@@ -11,8 +11,8 @@ namespace {
 
 constexpr size_t SLAB_BYTES = 256 << 20;
 
-/* A header of some bytes may promise samples of the fill value that are given for hours. Up to so many bytes, a volume of
- * 2048^3 floats, there are minutes of them, which a sparse volume may have; a plane costs as much as this one. */
+/* A header of a few bytes may promise samples of the fill value that take hours. Up to this size, a volume of 2048^3
+ * floats, they take minutes, as in a sparse volume; a plane costs as much as LEAST_OF_A_PLANE bytes. */
 constexpr double MOST_WITHOUT_CHUNKS = 2048. * 2048 * 2048 * 4, LEAST_OF_A_PLANE = 4096;
 
 std::unique_ptr<Store> open_store(const std::string &path)
@@ -66,7 +66,7 @@ const Array &choose(const std::vector<Array> &all, std::string wanted, const std
                           ", FILE:DATASET must name one of: " + list_of(all));
 }
 
-/* An array's axes: those of the grid, the fastest first, and what others it has. */
+/* An array's axes: those of the grid, the fastest first, and any others. */
 struct Axes {
     size_t space[3] = {};
     long frame = -1, channel = -1;
@@ -87,7 +87,8 @@ bool is_channel(const std::string &name)
     return name == "c" || name == "channel" || name == "channels" || name == "band" || name == "component";
 }
 
-/* Axes of one sample are left out until three are there; else x, y and z have to be known by their names. */
+/* Finds the axes of space. Axes of one sample are left out until three remain; with more, x, y and z have to be
+ * found by their names. */
 Axes axes_of(const Array &array, const std::string &path)
 {
     Axes axes;
@@ -184,7 +185,7 @@ private:
             fail(ISO_E_RANGE, shown_ + ": has no such frame or channel");
     }
 
-    /* What CF, netCDF and Zarr call so. */
+    /* Reads the fill values under the names of CF, netCDF and Zarr. */
     void take_fills()
     {
         auto all = store_->fills(array_);
@@ -216,8 +217,9 @@ private:
                                    sizes_of(array_));
     }
 
-    /* What is held of a sparse volume, or of zeros well packed, does not go by the bytes that are there: a slab, a
-     * plane as it is given, and a chunk. A plane of more than a slab has to be in the file's bytes, as all else has. */
+    /* Allows memory for a slab, a plane in the file's type, and a chunk. For a sparse volume, or well packed zeros,
+     * the file's size does not bound them. A plane larger than a slab has to fit the bound by the file's size, as
+     * all other memory does. */
     void allow_slab()
     {
         const double plane = std::min(plane_bytes(), static_cast<double>(SLAB_BYTES));

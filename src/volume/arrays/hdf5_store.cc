@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* hdf5_store.cc - HDF5, and what is HDF5: netCDF-4, MINC 2. */
+/* hdf5_store.cc - HDF5 and the formats based on it: netCDF-4, MINC 2. */
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
@@ -11,7 +11,7 @@
 
 namespace {
 
-/* Closes what HDF5 opened. */
+/* Closes an object that HDF5 opened. */
 class Handle {
 public:
     Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -32,7 +32,7 @@ private:
     herr_t (*close_)(hid_t);
 };
 
-/* HDF5 has a text for each step that failed; the innermost says why. */
+/* Returns the cause of a failure. HDF5 has a text for each step that failed; the innermost has the cause. */
 std::string why()
 {
     std::string text = "cannot be read";
@@ -47,7 +47,7 @@ std::string why()
     return text;
 }
 
-/* Half floats, and what else a float holds, are given as float. */
+/* Finds the sample type. Half floats, and other types that fit into a float, become float. */
 bool type_of(hid_t stored, iso_type &type, std::string &refused)
 {
     const H5T_class_t kind = H5Tget_class(stored);
@@ -69,7 +69,7 @@ bool type_of(hid_t stored, iso_type &type, std::string &refused)
         return true;
     }
     if (kind == H5T_INTEGER && bytes == 8) {
-        type = ISO_F64; /* as is_whole says of the array */
+        type = ISO_F64; /* marked by the array's is_whole */
         return true;
     }
     refused = kind == H5T_INTEGER    ? "integers of " + std::to_string(8 * bytes) + " bits"
@@ -282,7 +282,7 @@ public:
     }
 
 private:
-    /* For a Handle to close; -1 where there is none. The file stays open for it without its object. */
+    /* Opens an attribute for a Handle to close; -1 if there is none. The file stays open for it without its object. */
     hid_t open_attribute(const std::string &array, const std::string &name) const
     {
         const Handle object(H5Oopen(file_, array.c_str(), H5P_DEFAULT), H5Oclose);
@@ -322,7 +322,7 @@ private:
         return result;
     }
 
-    /* Imaris fills its arrays up to whole chunks; the image is the part that this says. */
+    /* Takes the image's size: Imaris fills its arrays up to whole chunks. */
     void take_imaris_size(Array &array)
     {
         const std::string group = array.name.substr(0, array.name.rfind('/'));

@@ -7,8 +7,9 @@
 
 #include <string>
 
-/* Throws Failure (child_writer.h): ISO_E_FORMAT where a name, a list or the header itself is longer than it may be. What is
- * no classic file is left to the library. Format: the netCDF Classic Format Specification, versions 1, 2 and 5. */
+/* Checks a classic header. Throws Failure (child_writer.h): ISO_E_FORMAT if a name, a list or the header itself is
+ * longer than allowed. Files that are not classic are left to the library. Format: the netCDF Classic Format
+ * Specification, versions 1, 2 and 5. */
 void check_netcdf_header(const std::string &path);
 
 #endif

@@ -10,7 +10,7 @@
 
 namespace {
 
-/* An open file, which is closed also where what is in it is refused. */
+/* An open file, which is closed also if its content is refused. */
 class OpenFile {
 public:
     explicit OpenFile(const std::string &path)
@@ -129,7 +129,7 @@ private:
         return 4 * std::ceil(bytes / 4);
     }
 
-    /* What a list of attributes takes in the header: names, types, counts and values. */
+    /* Returns the bytes of a list of attributes in the header: names, types, counts and values. */
     double attribute_bytes(int v, int count) const
     {
         double bytes = 8;
@@ -145,8 +145,8 @@ private:
         return bytes;
     }
 
-    /* The library gives zeros for what a truncated file lacks. The classic format's header and variables take this, and
-     * more in its later versions. */
+    /* Refuses a truncated file, for which the library gives zeros. The classic format's header and variables take
+     * these bytes, and more in its later versions. */
     void check_is_whole()
     {
         int dimensions = 0, count = 0, attributes = 0, of_variable = 0;
@@ -218,7 +218,8 @@ private:
         }
     }
 
-    /* The classic format has no such type: a convention and MINC say it so; MINC's default is unsigned. */
+    /* True for unsigned bytes. The classic format has no such type: a convention and MINC mark it otherwise; MINC's
+     * default is unsigned. */
     bool bytes_are_unsigned(const std::string &name)
     {
         const std::string is_minc = text(name, "vartype"), sign = text(name, "signtype");

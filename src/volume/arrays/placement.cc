@@ -134,7 +134,7 @@ void place_by_coordinates(Store &store, const Array &array, const size_t (&space
                                  : "of its voxels");
 }
 
-/* Of microscopy's HDF5 files: a number an axis, in micrometers. */
+/* Places the samples of microscopy's HDF5 files: one number per axis, in micrometers. */
 bool place_by_element_size(Store &store, const Array &array, const size_t (&space)[3], iso_child_header &header)
 {
     const auto size = store.numbers(array.name, "element_size_um");

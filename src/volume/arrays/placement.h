@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* placement.h - where an array's samples stand, and their scale, by what the file says of them. */
+/* placement.h - positions and scale of an array's samples, by the file's attributes. */
 #ifndef ISO_VOLUME_ARRAYS_PLACEMENT_H
 #define ISO_VOLUME_ARRAYS_PLACEMENT_H
 
@@ -9,7 +9,8 @@
 void place(Store &store, const Array &array, const size_t (&space)[3], const std::string &path,
            iso_child_header &header);
 
-/* How far the samples along the axis of frames are apart, and in what, where the file says so evenly (within 1 %). */
+/* Takes the distance of samples along the axis of frames, and its unit, if the file has one and it is even (within 1
+ * %). */
 void take_frame_step(Store &store, const Array &array, size_t axis, iso_child_header &header);
 
 /* MINC scales each slice for itself. */

@@ -12,27 +12,26 @@
 struct Array {
     std::string name;
     std::vector<size_t> size;
-    std::vector<std::string> axes; /* their names; "" where they have none */
+    std::vector<std::string> axes; /* their names; "" if they have none */
     iso_type type = ISO_U8;        /* of its samples, as they are given */
     bool is_whole = false;         /* doubles, of integers of 64 bits */
-    std::string refused;           /* why it cannot be read; "" where it can */
+    std::string refused;           /* reason why it cannot be read; "" if it can */
     std::vector<size_t> chunk;     /* samples that are packed together; empty: none are */
 };
 
-/* For how many bytes of samples one of a file may stand where zeros are packed by zstd or blosc, or were never
- * written. zstd has 2^15 at most, blosc somewhat more; where a thousandth of the chunks is there, each packed to a
- * 130th, it is so many. */
+/* Largest number of sample bytes per byte of a file, for zeros packed by zstd or blosc, or never written. zstd has
+ * 2^15 at most, blosc somewhat more. The limit allows a thousandth of the chunks, each packed to a 130th. */
 constexpr double MOST_OF_A_BYTE = 1 << 17;
 
 class Store {
 public:
     virtual ~Store() = default;
-    /* All arrays; those that cannot be read say why. */
+    /* Returns all arrays; unreadable ones have the reason. */
     virtual std::vector<Array> arrays() = 0;
-    /* An attribute; empty where there is none. */
+    /* Returns an attribute; empty if there is none. */
     virtual std::vector<double> numbers(const std::string &array, const std::string &attribute) = 0;
     virtual std::string text(const std::string &array, const std::string &attribute) = 0;
-    /* The array of one axis that says where the samples along an axis stand; "" where there is none. */
+    /* Returns the array of one axis with the positions of the samples along an axis; "" if there is none. */
     virtual std::string coordinate(const Array &array, size_t axis) = 0;
     /* All values of a small array. */
     virtual std::vector<double> values(const std::string &array) = 0;
@@ -56,19 +55,19 @@ public:
     {
         return enough;
     }
-    /* Memory for one chunk as it is unpacked, where a byte of the file may stand for more of it than deflate packs
-     * into one; 0: for no more. */
+    /* Returns the memory for unpacking one chunk, if a byte of the file may unpack to more than by deflate; 0: not
+     * more. */
     virtual size_t chunk_memory(const Array &)
     {
         return 0;
     }
-    /* Names of channels; empty where the format has none. */
+    /* Returns names of channels; empty if the format has none. */
     virtual std::vector<std::string> channel_names(const Array &)
     {
         return {};
     }
-    /* The name of the array that is meant where none is named; "" where the format does not say. Of formats that have an
-     * array for each frame and channel, that of these. */
+    /* Returns the default array's name; "" if the format defines none. In formats that have an array for each frame
+     * and channel, it is theirs. */
     virtual std::string main_array(size_t /* frame */, size_t /* channel */)
     {
         return "";
@@ -89,7 +88,7 @@ public:
     }
 };
 
-/* 0, 1, 2: x, y, z of the world, by an axis' name or its `axis` attribute ("X"); -1: neither says so. */
+/* Returns 0, 1, 2 for x, y, z of the world, by an axis' name or its `axis` attribute ("X"); -1: by neither. */
 int world_axis_of(const std::string &name, const std::string &letter);
 
 std::unique_ptr<Store> open_hdf5(const std::string &path);

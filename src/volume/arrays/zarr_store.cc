@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* zarr_store.cc - Zarr 2: a folder an array, whose `.zarray` says how its chunks are packed, a file each; attributes stand
- * in `.zattrs`. OME-Zarr 0.4 is this with axes and scales in the attributes of the folder above [moore-2023]. */
+/* zarr_store.cc - Zarr 2: one folder per array. Its `.zarray` describes how the chunks are packed, one file each;
+ * attributes stand in `.zattrs`. OME-Zarr 0.4 adds axes and scales in the attributes of the folder above
+ * [moore-2023]. */
 #include <blosc.h>
 #include <jansson.h>
 #include <zlib.h>
@@ -20,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/* Is the file there? A pipe in its place would be waited for. */
+/* True if the file exists and is regular: reading a pipe would wait. */
 bool has_file(const std::string &path)
 {
     if (!fs::exists(path))
@@ -30,7 +31,7 @@ bool has_file(const std::string &path)
     return true;
 }
 
-/* A JSON file, freed with it; null where there is none. */
+/* A JSON file, freed with it; null if there is none. */
 class Json {
 public:
     explicit Json(const std::string &path)
@@ -165,7 +166,7 @@ public:
         return stored_bytes(array, chunk / MOST_OF_A_BYTE) < chunk / MOST_OF_A_BYTE ? 0 : static_cast<size_t>(chunk);
     }
 
-    /* 0 is what writers put that know no other. */
+    /* Returns the fill values. Writers without one of their own put 0. */
     std::vector<double> fills(const Array &array) override
     {
         const Layout &l = layout(array.name);
@@ -226,7 +227,7 @@ public:
         const bool scaled = transform(json_object_get(image.level, "coordinateTransformations"), scale, shift);
         const bool whole = transform(json_object_get(image.image, "coordinateTransformations"), scale, shift);
         unit = word(json_array_get(json_object_get(image.image, "axes"), axis), "unit");
-        /* A scale of 1 without a unit is what writers put where they know none. */
+        /* Writers put a scale of 1 without a unit if they have none. */
         step = (scaled || whole) && !(scale[axis] == 1 && unit.empty()) ? scale[axis] : 0;
         return true;
     }
@@ -292,7 +293,7 @@ private:
         return image;
     }
 
-    /* Scales and translations, in their order; false where there are none. */
+    /* Applies scales and translations, in their order; false if there are none. */
     bool transform(const json_t *steps, std::vector<double> &scale, std::vector<double> &shift) const
     {
         for (size_t i = 0; i < json_array_size(steps); ++i) {
@@ -455,8 +456,8 @@ private:
         inflateEnd(&z);
     }
 
-    /* Each is looked for, which takes microseconds where there is none: a few bytes of .zarray may promise any number. 4096^3
-     * samples in chunks of 32^3 are so many. */
+    /* Limit of the chunks. Each is looked up, which takes microseconds if it does not exist: a few bytes of .zarray
+     * may promise any number. 4096^3 samples in chunks of 32^3 reach it. */
     static constexpr size_t MOST_CHUNKS = 1 << 21;
 
     static double chunk_bytes(const Layout &l)
@@ -481,7 +482,7 @@ private:
                                std::to_string(static_cast<size_t>(bytes)) + " bytes");
     }
 
-    /* A chunk's samples as they are stored; none where the chunk was never written. */
+    /* Loads a chunk's samples as stored; none if the chunk was never written. */
     std::vector<char> load_chunk(const Array &array, const Layout &l, const std::vector<size_t> &at) const
     {
         std::string name;

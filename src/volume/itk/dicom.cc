@@ -17,8 +17,8 @@ using Numbers = std::vector<double>;
 
 constexpr uint16_t pixels = 0x7fe0;
 
-/* The items of a sequence. They live no longer than this: a sequence whose type the file does not say (VR UN) is made
- * of its bytes when it is asked for, and belongs to the caller. */
+/* The items of a sequence. They live no longer than this object. A sequence whose type the file lacks (VR UN) is
+ * made of its bytes on request, and belongs to the caller. */
 class Items {
 public:
     Items(const DataSet *set, const Tag &tag)
@@ -65,7 +65,7 @@ std::vector<std::string> words_of(const std::string &text)
     return words;
 }
 
-/* Decimals between backslashes; none if one of them is no finite number. */
+/* Reads decimals between backslashes; none if one of them is not a finite number. */
 Numbers decimals_of(const std::string &text)
 {
     Numbers values;
@@ -179,7 +179,7 @@ Vector cross(const Vector &a, const Vector &b)
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/* Two spacings, between rows and then between columns; empty if the file does not say them. */
+/* Returns two spacings, between rows and then between columns; empty if the file lacks them. */
 Numbers pixel_spacing(const Sets &sets, DicomFile &file)
 {
     struct {
@@ -397,7 +397,7 @@ void take_frames(const DataSet &all, DicomFile &file)
             fail(ISO_E_FORMAT, file.path + ": some frames have ImagePositionPatient, others do not");
 }
 
-/* Frames of one place that InstanceNumber alone tells apart, if the file says how many there are. */
+/* Takes frames of one place that differ only in InstanceNumber, if the file has their number. */
 void take_repetition(const DataSet &all, DicomFile &file)
 {
     const Numbers times = decimals_in(&all, Tag(0x0020, 0x0105)), repetition = decimals_in(&all, Tag(0x0018, 0x0080));

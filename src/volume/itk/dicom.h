@@ -3,8 +3,8 @@
  *
  * Spacing and places: PixelSpacing, else NominalScannedPixelSpacing, else ImagerPixelSpacing; ImagePositionPatient and
  * ImageOrientationPatient; GridFrameOffsetVector; SpacingBetweenSlices. Functional groups of the frame come before the
- * shared ones, and both before the file's own elements. An element that is missing has no default: its spacing is one
- * that the file does not say. Values: RescaleSlope and RescaleIntercept, DoseGridScaling. GDCM parses elements and
+ * shared ones, and both before the file's own elements. A missing element has no default: its spacing counts
+ * as missing in the file. Values: RescaleSlope and RescaleIntercept, DoseGridScaling. GDCM parses elements and
  * decodes compressed samples; its own geometry and scale are not used. */
 #ifndef ISO_VOLUME_ITK_DICOM_H
 #define ISO_VOLUME_ITK_DICOM_H
@@ -30,8 +30,8 @@ struct DicomFile {
     bool is_signed = false;
     bool has_direction = false;
     std::vector<DicomFrame> frames;
-    std::string unspaced; /* "", or which spacing the file does not say */
-    std::string warning;  /* "", or a thing that a user should know */
+    std::string unspaced; /* "", or the spacing that is missing in the file */
+    std::string warning;  /* "", or a warning for the user */
 };
 
 /* True if the file starts as DICOM files do. */

@@ -47,13 +47,13 @@ iso_type type_of(const itk::ImageIOBase &io, const std::string &path)
 
 } // namespace
 
-/* Beside what is in use: libraries hold what they parse up to four times. No thread begins in that time, whose stack would
- * take memory for each core. */
+/* Adds to the memory in use: libraries hold parsed data up to four times. No thread begins in that time, since its
+ * stack would take memory for each core. */
 ParseMemory::ParseMemory(double file_bytes)
 {
     double used = 0;
     std::ifstream file("/proc/self/statm");
-    for (int i = 0; i < 6; ++i) /* the sixth is what RLIMIT_DATA counts, in pages */
+    for (int i = 0; i < 6; ++i) /* the sixth is the memory that RLIMIT_DATA counts, in pages */
         file >> used;
     getrlimit(RLIMIT_DATA, &before_);
     const double most = used * static_cast<double>(sysconf(_SC_PAGESIZE)) + own_memory + 4 * file_bytes;
@@ -77,7 +77,7 @@ double bytes_to_parse(const std::string &path)
     return failed ? 0 : bytes * (head.find(deflated_syntax) == std::string::npos ? 1 : 1032);
 }
 
-/* ITK's text has lines of where it was thrown, and its own words before the cause. */
+/* Returns the cause. ITK's text has lines with the place of the throw, and its own words before the cause. */
 std::string cause_of(const std::exception &e)
 {
     const auto *itk = dynamic_cast<const itk::ExceptionObject *>(&e);
@@ -114,7 +114,8 @@ Slice open_slice(const std::string &path)
 
 namespace {
 
-/* The decoder draws gray for what a truncated file lacks; a whole one has its end marker, and padding at most behind it. */
+/* Refuses a truncated file, for which the decoder draws gray; a whole one has its end marker, followed at most by
+ * padding. */
 void check_jpeg_end(const Slice &s)
 {
     const size_t size = std::filesystem::file_size(s.path), look = std::min<size_t>(size, 4096);
@@ -140,7 +141,7 @@ void read_samples(const Slice &s, char *out, size_t bytes)
         fail(ISO_E_FORMAT, s.path + ": holds " + std::to_string(s.io->GetImageSizeInBytes()) +
                                " bytes of samples, not " + std::to_string(bytes));
     check_jpeg_end(s);
-    /* Decoders hold what they give several times. */
+    /* Decoders hold their output several times. */
     const ParseMemory memory(bytes_to_parse(s.path) + 4 * static_cast<double>(bytes));
     try {
         s.io->Read(out);

@@ -24,12 +24,12 @@ struct Slice {
 
 /* Its header; throws Failure, or ITK's own. */
 Slice open_slice(const std::string &path);
-/* All samples of the file; `bytes` is what the header says they take. */
+/* Reads all samples of the file; `bytes` is their size by the header. */
 void read_samples(const Slice &s, char *out, size_t bytes);
 
-/* While it lives, the memory for what GDCM parses of files of at most so many bytes. Data of implicit VR under a header
- * that says explicit have lengths of gigabytes, which GDCM would allocate and clear, each time that a file is read,
- * before it reads the data as they are: this it does as soon as it gets no memory. */
+/* A memory limit while it lives, for the data that GDCM parses of files of at most `file_bytes` bytes. Data of
+ * implicit VR under a header of explicit VR have lengths of gigabytes. GDCM would allocate and clear these each time
+ * that it reads a file, before it reads the data as they are. Without memory it does the latter at once. */
 class ParseMemory {
 public:
     explicit ParseMemory(double file_bytes);
@@ -46,7 +46,7 @@ constexpr char deflated_syntax[] = "1.2.840.10008.1.2.1.99";
 /* The bytes of a file that GDCM parses; of a deflated one those that it may unpack to. */
 double bytes_to_parse(const std::string &path);
 
-/* What an exception says. */
+/* Returns the text of an exception. */
 std::string cause_of(const std::exception &e);
 
 #endif

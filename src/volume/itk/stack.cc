@@ -27,7 +27,7 @@ std::string number(double value)
     return text;
 }
 
-/* Seconds of a clock, within a month of the same year; else the number. NAN where it is none. */
+/* Returns the seconds of a clock, within a month of the same year, or the number. NAN if it is neither. */
 double value_of(const std::string &text, const char *unit)
 {
     char *end;
@@ -78,7 +78,7 @@ Places places_of(const std::vector<Plane> &planes, const Vector &n, double same)
                            " slices at each place, which no time, echo or b-value alone tells apart, such as " + two);
 }
 
-/* Whether the key tells the planes of each place apart. */
+/* True if the planes of each place differ in the key. */
 bool tells_apart(const std::vector<Plane> &planes, const Places &places, size_t key)
 {
     for (const auto &place : places) {
@@ -98,7 +98,7 @@ double order_value(const Plane &plane, size_t key)
     return key < plane_keys.size() ? value_of(plane.keys[key], plane_keys[key].unit) : plane.number;
 }
 
-/* True if InstanceNumber tells frames apart, as many as the files say that there are. */
+/* True if frames differ in InstanceNumber, and there are as many as the files state. */
 bool are_numbered(const std::vector<Plane> &planes, const Places &places)
 {
     for (const auto &place : places) {
@@ -130,7 +130,7 @@ size_t choose_key(const std::vector<Plane> &planes, const Places &places, const 
     return found;
 }
 
-/* How far frames are apart, where they are so evenly (within 1 %): by the first key that is a time. */
+/* Takes the distance of frames if it is even (within 1 %): by the first key that is a time. */
 void take_frame_step(const std::vector<Plane> &planes, const std::vector<size_t> &place, Stack &stack)
 {
     const double resolution = planes[place[0]].resolution_ms;

@@ -9,18 +9,18 @@
 
 #include "volume/itk/slice.h"
 
-/* What may tell slices of one place apart; the first that does is taken. */
+/* A key that may distinguish slices of one place; the first that does is taken. */
 struct PlaneKey {
     const char *tag; /* as ITK's dictionary has it */
     const char
-        *unit; /* of its numbers; "" where they only count, "clock" for HHMMSS, or YYYYMMDDHHMMSS before a zone */
+        *unit; /* of its numbers; "" if they only count, "clock" for HHMMSS, or YYYYMMDDHHMMSS before a zone */
 };
 extern const std::vector<PlaneKey> plane_keys;
 
 struct Plane {
     std::string name; /* for messages */
     Vector first{0, 0, 0};
-    std::vector<std::string> keys;    /* of each of plane_keys, "" where it has none */
+    std::vector<std::string> keys;    /* of each of plane_keys, "" if it has none */
     double resolution_ms = 0;         /* TemporalResolution; 0: absent */
     double repetition_ms = 0;         /* RepetitionTime; 0: absent */
     double number = 0;                /* InstanceNumber; NAN: absent */
@@ -32,12 +32,12 @@ struct Stack {
     std::vector<size_t> planes; /* of the frame that is wanted, in their order */
     Vector step{0, 0, 1};       /* from one to the next */
     size_t frames = 1;
-    double frame_step = 0; /* 0: not said, or uneven */
+    double frame_step = 0; /* 0: not given, or uneven */
     std::string frame_unit;
 };
 
-/* Along the normal of the planes, which have to be equally far apart: throws Failure where one is missing, or where several
- * stand at a place and nothing tells them apart. Under a tilted gantry the step is oblique to the planes. */
+/* Makes a stack along the normal of the planes, which have to be equally far apart. Throws Failure if one is
+ * missing, or if several at one place differ in no key. Under a tilted gantry the step is oblique to the planes. */
 Stack stack_of(const std::vector<Plane> &planes, const Vector &u, const Vector &v, size_t frame,
                const std::string &shown);
 

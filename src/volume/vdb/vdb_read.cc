@@ -79,7 +79,8 @@ public:
     {
         openvdb::initialize();
         openvdb::io::File file(path);
-        file.open(/*delayLoad=*/false); /* which copies the file first, where nothing may be written */
+        file.open(/*delayLoad=*/false); /* without a delay the file is not copied first, since writing may be
+                                         * forbidden */
         std::vector<Entry> all;
         for (auto name = file.beginName(); name != file.endName(); ++name)
             all.push_back({name.gridName(), file.readGridMetadata(name.gridName())->valueType()});
@@ -134,7 +135,7 @@ private:
                  shown_ + ": values of type " + grid->valueType() + ", must be float, double, int32 or bool");
     }
 
-    /* isoshade's own files say how large a level is, and may have a rim around it. */
+    /* Takes the level's size from isoshade's own files, which may have a rim around it. */
     void take_box(const openvdb::GridBase &grid)
     {
         box_ = grid.evalActiveVoxelBoundingBox();
@@ -193,7 +194,7 @@ private:
         v[2] = y;
     }
 
-    /* OpenVDB has none; isoshade's files say theirs, and where their origin stands. */
+    /* Takes the unit and the origin from isoshade's own files; OpenVDB has no unit. */
     void take_unit(const openvdb::GridBase &grid)
     {
         const auto name = grid.getMetadata<openvdb::StringMetadata>("isoshade_unit");
