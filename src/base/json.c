@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/json_text.h"
 #include "base/names.h"
 #include "base/words.h"
 

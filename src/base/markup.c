@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "base/json_text.h"
+#include "base/json.h"
 #include "base/words.h"
 
 /* Returns how many bytes of the text were taken. */

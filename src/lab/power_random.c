@@ -12,6 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/json.h"
 #include "base/beside.h"
 #include "base/file.h"
 #include "base/parallel.h"
@@ -340,7 +341,7 @@ static void print_sums(const iso_power_random_options *o, const sums *s)
     json_t *alarm;
     json_array_foreach(s->list, i, alarm)
     {
-        char *scene = json_dumps(json_object_get(alarm, "scene"), JSON_COMPACT | JSON_REAL_PRECISION(9));
+        char *scene = iso_json_text(json_object_get(alarm, "scene"), JSON_COMPACT);
         printf("scene %lld: %s\n    %s\n    %s\n    %s\n    %s\n    s.scene.json: %s\n",
                (long long)json_integer_value(json_object_get(alarm, "number")), iso_row_text(alarm, "row"),
                iso_row_text(alarm, "sentence"), iso_row_text(alarm, "levels_sentence"), iso_row_text(alarm, "make"),

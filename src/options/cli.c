@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/json_text.h"
+#include "base/json.h"
 #include "base/process.h"
 #include "base/provenance.h"
 #include "options/overwrite.h"

@@ -256,7 +256,7 @@ static iso_status new_source(const char *path, const iso_volume_hints *hints, is
 typedef struct file_head {
     unsigned char bytes[ISO_VOLUME_HEAD_BYTES];
     size_t size;
-    const char *packer; /* NULL: the file is not packed */
+    bool is_gzip; /* True if the bytes are unpacked ones */
 } file_head;
 
 /* Reads the first bytes, unpacked by zlib if gzip packed them. */
@@ -265,7 +265,7 @@ static iso_status read_head(const char *path, file_head *head, iso_error *err)
     gzFile gz = gzopen(path, "rb");
     if (!gz)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
-    const bool is_gzip = !gzdirect(gz);
+    head->is_gzip = !gzdirect(gz);
     int n = gzread(gz, head->bytes, ISO_VOLUME_HEAD_BYTES), code = Z_OK;
     if (n < 0)
         gzerror(gz, &code);
@@ -274,7 +274,6 @@ static iso_status read_head(const char *path, file_head *head, iso_error *err)
         status = iso_fail(err, code == Z_ERRNO ? iso_errno_status() : ISO_E_MEMORY, "%s: cannot be read: %s", path,
                           code == Z_ERRNO ? strerror(errno) : "out of memory");
     head->size = n > 0 ? (size_t)n : 0;
-    head->packer = is_gzip ? "gzip" : iso_packed_by(head->bytes, head->size);
     gzclose(gz);
     return status;
 }
@@ -420,8 +419,9 @@ static iso_status open_by_content(iso_volume_source *s, iso_error *err)
     const iso_status status = read_head(s->path, &head, err);
     if (status != ISO_OK)
         return status;
-    const iso_volume_format *f = head.packer ? find_format(&head) : NULL;
-    if (!head.packer || (f && f->unpacks))
+    const iso_volume_format *f = find_format(&head);
+    const bool is_packed = head.is_gzip ? !(f && f->unpacks) : !f && iso_looks_packed(head.bytes, head.size);
+    if (!is_packed)
         return open_plain(s, &head, err);
     const iso_status by_path = f ? ISO_OK : open_by_path(s, &found, err);
     return found ? by_path : open_packed(s, err);
@@ -540,7 +540,7 @@ static iso_status unpack_raw(iso_volume_source *s, const iso_raw_layout *layout,
     struct stat st;
     FILE *f = fopen(s->path, "rb");
     const size_t size = f ? fread(head, 1, sizeof head, f) : 0;
-    const bool is_plain = !iso_packed_by(head, size) || stat(s->path, &st) != 0 ||
+    const bool is_plain = !iso_looks_packed(head, size) || stat(s->path, &st) != 0 ||
                           (double)st.st_size == (double)layout->skip_bytes + (double)iso_source_bytes(s);
     if (f)
         fclose(f);

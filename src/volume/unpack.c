@@ -6,7 +6,6 @@
 #include <archive_entry.h>
 #include <errno.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,17 +18,17 @@
 enum { MOST_MAGIC = 6, BLOCK_BYTES = 1 << 18 };
 
 static const struct {
-    const char *name, *ending;
+    const char *ending;
     int filter;
     size_t bytes;
     unsigned char magic[MOST_MAGIC];
 } packers[] = {
-    {"gzip", ".gz", ARCHIVE_FILTER_GZIP, 3, {0x1f, 0x8b, 8}},
-    {"bzip2", ".bz2", ARCHIVE_FILTER_BZIP2, 3, "BZh"},
-    {"xz", ".xz", ARCHIVE_FILTER_XZ, 6, {0xfd, '7', 'z', 'X', 'Z', 0}},
-    {"zstd", ".zst", ARCHIVE_FILTER_ZSTD, 4, {0x28, 0xb5, 0x2f, 0xfd}},
-    {"lz4", ".lz4", ARCHIVE_FILTER_LZ4, 4, {0x04, 0x22, 0x4d, 0x18}},
-    {"compress", ".Z", ARCHIVE_FILTER_COMPRESS, 2, {0x1f, 0x9d}},
+    {".gz", ARCHIVE_FILTER_GZIP, 3, {0x1f, 0x8b, 8}},
+    {".bz2", ARCHIVE_FILTER_BZIP2, 3, "BZh"},
+    {".xz", ARCHIVE_FILTER_XZ, 6, {0xfd, '7', 'z', 'X', 'Z', 0}},
+    {".zst", ARCHIVE_FILTER_ZSTD, 4, {0x28, 0xb5, 0x2f, 0xfd}},
+    {".lz4", ARCHIVE_FILTER_LZ4, 4, {0x04, 0x22, 0x4d, 0x18}},
+    {".Z", ARCHIVE_FILTER_COMPRESS, 2, {0x1f, 0x9d}},
 };
 enum { PACKERS = sizeof packers / sizeof *packers };
 
@@ -42,10 +41,9 @@ static size_t find_packer(const unsigned char *head, size_t size)
     return i;
 }
 
-const char *iso_packed_by(const unsigned char *head, size_t size)
+bool iso_looks_packed(const unsigned char *head, size_t size)
 {
-    const size_t i = find_packer(head, size);
-    return i < PACKERS ? packers[i].name : NULL;
+    return find_packer(head, size) < PACKERS;
 }
 
 /* Returns the name without its packer's ending, to be freed. */

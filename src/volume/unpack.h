@@ -5,12 +5,13 @@
 #ifndef ISO_VOLUME_UNPACK_H
 #define ISO_VOLUME_UNPACK_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/status.h"
 
-/* Returns the packer's name, "gzip", by the first bytes; NULL: the file is not packed. */
-const char *iso_packed_by(const unsigned char *head, size_t size);
+/* True if a file of these first bytes looks packed; samples may begin like that by chance. */
+bool iso_looks_packed(const unsigned char *head, size_t size);
 
 /* An unpacked file. Its name is that of the packed one, without the packer's ending. */
 typedef struct iso_unpacked {

@@ -7,12 +7,8 @@ cd "$(dirname "$0")/../.."
 top=$PWD all=$PWD/build/coverage/isoshade-fuzz
 export OMP_NUM_THREADS=1
 . tests/fuzz/programs.sh
-# gcov's notes on a source: beside its object, or of a program that was compiled at once.
-notes_of() { # SOURCE PROGRAM
-    local name
-    name=$(basename "$1" .cc)
-    if [[ $1 == *.cc ]]; then echo "$all$2-$name.gcno"; else echo "build/coverage/${1%.c}.o"; fi
-}
+# notes_of SOURCE: the object next to which gcov's notes lie; those of readers (.cc) are in a folder of their own
+notes_of() { if [[ $1 == *.cc ]]; then echo "build/coverage/readers/${1%.cc}.o"; else echo "build/coverage/${1%.c}.o"; fi; }
 "$all" --list | while read -r name sources; do
     [ "$name" != planted ] && { [ $# = 0 ] || [[ " $* " == *" $name "* ]]; } || continue
     program=$(driver_of "$name") fuzz=$all$(driver_of "$name")
