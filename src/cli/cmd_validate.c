@@ -161,10 +161,13 @@ static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cl
     return status;
 }
 
-/* Says how to go on where a signal ended a program, and so the run; its error is in *err. */
+/* Closes the store, if it is still open. If a signal ended a program, and so the run, *err has its error: adds the way to go
+ * on. */
 static iso_status close_store(const iso_validate_arguments *a, iso_picture_store **store, bool remove, iso_status status,
                               iso_error *err)
 {
+    if (!*store)
+        return status;
     char *folder = store_folder(a);
     const iso_error why = *err;
     iso_unfinished_say(NULL);
