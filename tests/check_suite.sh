@@ -100,7 +100,7 @@ refuse a_suite_takes_no_volume 2 "one too many" validate x.nrrd --suite few -o n
 refuse a_junit_file_without_a_folder_is_told_before_the_work 3 "there is no folder nowhere" validate --suite few -o no --junit nowhere/no.xml
 render() { "$ISOSHADE" render few/no.nrrd --scene "$suite/step.scene.json" -q -o no.exr "$@"; }
 refuse seeds_are_of_limits 2 "--seeds needs --limit" render --with cycles --seeds 3
-refuse the_reference_has_no_limit 2 "--limit is for --with gl, cpu, cycles, povray" render --with reference --limit
+refuse the_reference_has_no_limit 2 "--limit is for --with gl, cpu, cycles and povray" render --with reference --limit
 refuse a_limit_halves_intervals 2 "must be even" render --with povray --limit --intervals 7
 refuse one_seed_has_no_scatter 2 "--seeds" validate --suite few --seeds 1 -o no
 refuse a_suite_takes_no_scene 2 "exclude each other" validate --suite few --scene x.scene.json -o no

@@ -2,6 +2,7 @@
 #include "base/json.h"
 
 #include <ctype.h>
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -39,11 +40,12 @@ iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
     return status;
 }
 
-/* True if the number reads back as the value. A value that a float holds may come back as a neighboring double: its
- * reader uses a float, and 0.1f stays short. */
+/* Computed values are off by some last places: 6.5 stands for 6.500000000000001. For values that are floats a float is
+ * enough: 0.1f stays short. */
 static bool comes_back(const char *number, double value)
 {
-    return strtod(number, NULL) == value || ((float)value == value && strtof(number, NULL) == (float)value);
+    return fabs(strtod(number, NULL) - value) <= 4 * DBL_EPSILON * fabs(value) ||
+           ((float)value == value && strtof(number, NULL) == (float)value);
 }
 
 /* Writes a number of `length` characters by the fewest digits with which it comes back, in its place. Returns the new

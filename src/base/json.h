@@ -18,8 +18,8 @@ iso_status iso_json_parse(const char *path, const char *text, size_t size, json_
 /* Loads an object. ISO_E_IO, or ISO_E_FORMAT with line and column. */
 iso_status iso_json_load(const char *path, json_t **root, iso_error *err);
 
-/* Returns the text of a value, to be freed; NULL: out of memory. Each real has as few of 9 to 17 digits as give the same
- * double, or the same float if it is one. flags: of json_dumps(), JSON_INDENT() or JSON_COMPACT. */
+/* Returns the text of a value, to be freed; NULL: out of memory. Each real has as few of 9 to 17 digits as give the
+ * double within 4 epsilon, or the same float if it is one. flags: of json_dumps(), JSON_INDENT() or JSON_COMPACT. */
 char *iso_json_text(const json_t *root, size_t flags);
 
 /* Writes iso_json_text() with an indent of 2 and a newline, keys in order of insertion. */
