@@ -45,14 +45,11 @@ static int begin(void **state)
     if (make_folder(state) != 0)
         return -1;
     iso_status status = iso_field_sample(&field, ISO_U16, &volume, NULL);
-    if (status == ISO_OK)
-        status = iso_pyramid_build(&volume, "noise", &build, &pyramid, NULL, NULL);
+    TRY(status, iso_pyramid_build(&volume, "noise", &build, &pyramid, NULL, NULL));
     iso_volume_destroy(&volume);
-    if (status == ISO_OK)
-        status = iso_scene_from_json(root, "scene", &scene, NULL);
+    TRY(status, iso_scene_from_json(root, "scene", &scene, NULL));
     const iso_level *l = &pyramid.levels[0];
-    if (status == ISO_OK)
-        status = iso_scene_resolve(&scene, &l->geometry, l->min, l->max, &view, NULL);
+    TRY(status, iso_scene_resolve(&scene, &l->geometry, l->min, l->max, &view, NULL));
     iso_scene_destroy(&scene);
     json_decref(root);
     return status == ISO_OK ? 0 : -1;

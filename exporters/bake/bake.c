@@ -355,8 +355,7 @@ iso_status iso_bake(const iso_level *level, iso_code code, const iso_view *view,
     status = iso_geometry_check(&b.geometry, "bake", err);
     if (status == ISO_OK && !(b.block = calloc(block_count(&b), sizeof *b.block)))
         status = iso_fail(err, ISO_E_MEMORY, "bake: no memory for %zu blocks", block_count(&b));
-    if (status == ISO_OK)
-        status = iso_sampler_create(&sampler, level, code, opt->shaded ? ISO_FROM_CODES : ISO_FROM_ON_THE_FLY, err);
+    TRY(status, iso_sampler_create(&sampler, level, code, opt->shaded ? ISO_FROM_CODES : ISO_FROM_ON_THE_FLY, err));
     if (status == ISO_OK && !bake_blocks(&b, &sampler, progress))
         status = iso_fail(err, ISO_E_MEMORY, "bake: out of memory; a coarser --level, or fewer points, need less");
     iso_sampler_destroy(&sampler);

@@ -52,8 +52,7 @@ iso_status iso_baked_render(const iso_baked *b, iso_baked_pair pair, const iso_v
     o.source = ISO_FROM_ON_THE_FLY;
     o.threads = b->options.threads;
     iso_status status = iso_sampler_create(&field.directions, b->level, b->code, ISO_FROM_CODES, err);
-    if (status == ISO_OK)
-        status = iso_reference_render(&lattice, b->code, &clipless, &o, image, progress, err);
+    TRY(status, iso_reference_render(&lattice, b->code, &clipless, &o, image, progress, err));
     iso_sampler_destroy(&field.directions);
     return status;
 }
@@ -64,8 +63,7 @@ static iso_status compare(const iso_baked *b, iso_baked_pair pair, const iso_vie
     iso_image image = {0};
     iso_status status = iso_baked_render(b, pair, view, step_voxels, &image, progress, err);
     iso_metrics metrics = {0};
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&image, exact, &metrics, err);
+    TRY(status, iso_metrics_measure(&image, exact, &metrics, err));
     if (status == ISO_OK)
         *out = (iso_bake_difference){metrics.rmse, metrics.max_abs};
     iso_image_destroy(&image);
@@ -107,8 +105,7 @@ iso_status iso_bake_measure_shaded(const iso_baked *b, size_t pixels, iso_bake_e
     *out = (iso_bake_error){.width = view.width, .height = view.height};
     iso_status status = render_exact(b, &view, &exact, progress, err);
     take_light_away(&view); /* it is in the colors */
-    if (status == ISO_OK)
-        status = compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err);
+    TRY(status, compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err));
     iso_image_destroy(&exact);
     return status;
 }
@@ -120,14 +117,11 @@ iso_status iso_bake_measure(const iso_baked *b, bool emission, size_t pixels, is
     iso_view view = measured_view(b, pixels);
     *out = (iso_bake_error){.width = view.width, .height = view.height, .has_emission = emission};
     iso_status status = render_exact(b, &view, &exact, progress, err);
-    if (status == ISO_OK)
-        status = compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err);
+    TRY(status, compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err));
     iso_image_destroy(&exact);
     take_light_away(&view);
-    if (status == ISO_OK)
-        status = render_exact(b, &view, &exact, progress, err);
-    if (status == ISO_OK)
-        status = compare(b, ISO_BAKED_COLORS, &view, &exact, &out->unlit, progress, err);
+    TRY(status, render_exact(b, &view, &exact, progress, err));
+    TRY(status, compare(b, ISO_BAKED_COLORS, &view, &exact, &out->unlit, progress, err));
     if (status == ISO_OK && emission)
         status = compare(b, ISO_BAKED_EMISSION, &view, &exact, &out->emission, progress, err);
     iso_image_destroy(&exact);

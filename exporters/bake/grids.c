@@ -128,10 +128,8 @@ iso_status iso_bake_guard_usda(const char *path, bool force, iso_error *err)
 {
     iso_status status = check_name(path, err);
     char *name = status == ISO_OK ? usda_path(path) : NULL;
-    if (status == ISO_OK)
-        status = name ? iso_inputs_announce(name, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    if (status == ISO_OK)
-        status = iso_stamp_guard(name, force, err);
+    TRY(status, name ? iso_inputs_announce(name, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path));
+    TRY(status, iso_stamp_guard(name, force, err));
     free(name);
     return status;
 }
@@ -143,12 +141,9 @@ static iso_status save_usda(const iso_baked *b, const iso_bake_request *r, const
     char *name = usda_path(path), *text = iso_bake_usda(b, r, path);
     iso_status status = name && text ? iso_output_begin(&out, name, err)
                                      : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    if (status == ISO_OK)
-        status = iso_file_write(out.temp_path, text, strlen(text), err);
-    if (status == ISO_OK)
-        status = iso_stamp_append(out.temp_path, "# ", err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, iso_file_write(out.temp_path, text, strlen(text), err));
+    TRY(status, iso_stamp_append(out.temp_path, "# ", err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     free(name);
     free(text);

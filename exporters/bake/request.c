@@ -107,8 +107,7 @@ iso_status iso_bake_request_make(const iso_bake_words *w, bool half, iso_bake_re
     *r = (iso_bake_request){.lattice = iso_bake_defaults(), .convention = iso_vdb_own_convention()};
     if (!w->program && !w->grids) {
         iso_status status = check_alone(w, err);
-        if (status == ISO_OK)
-            status = take_count("--points", w->points, &r->lattice.points, err);
+        TRY(status, take_count("--points", w->points, &r->lattice.points, err));
         return status == ISO_OK ? take_count("--supersample", w->samples, &r->lattice.samples, err) : status;
     }
     iso_status status = w->program ? iso_names_find(&iso_grid_program_names, w->program, &row, err) : ISO_OK;
@@ -127,7 +126,6 @@ iso_status iso_bake_request_make(const iso_bake_words *w, bool half, iso_bake_re
         status = iso_unit_parse("--scene-unit", unit, &r->convention.unit_mm, &r->convention.unit, err);
     if (status == ISO_OK && up)
         status = take_up(up, r, err);
-    if (status == ISO_OK)
-        status = take_count("--points", w->points, &r->lattice.points, err);
+    TRY(status, take_count("--points", w->points, &r->lattice.points, err));
     return status == ISO_OK ? take_count("--supersample", w->samples, &r->lattice.samples, err) : status;
 }

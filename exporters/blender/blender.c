@@ -117,8 +117,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     iso_blender_grid_options(&frames[0], view->roi ? &view->roi->tf : &view->tf, NULL, &roi_visible, &roi_options);
     iso_blender_note_space(&space, &vdb_options);
     status = iso_blender_pyramid_in_space(p, &space, &scaled, err);
-    if (status == ISO_OK)
-        status = iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err);
+    TRY(status, iso_vdb_save(&scaled, level, 1, vdb, &vdb_options, progress, err));
     if (status == ISO_OK && view->roi)
         status = save_roi(p, view->roi, &space, roi_vdb, roi_options, err);
     if (status == ISO_OK) {
@@ -137,8 +136,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         status = describe_labels(about, p, &(iso_blender_levels){level, 1, view}, space.units, folder, err);
         status = run_described(status, about, folder, &frames[0], progress, err);
     }
-    if (status == ISO_OK)
-        status = iso_blender_load_pictures(folder, view, count, pictures, err);
+    TRY(status, iso_blender_load_pictures(folder, view, count, pictures, err));
     iso_remove_tree(folder);
     free(scaled.levels);
     free(roi_vdb);
@@ -225,8 +223,7 @@ static iso_status write_grid(const export_job *e, size_t i, iso_output *out, con
     iso_blender_grid_options(e->opt, &view->tf, view->tf_2d, &shown, &options);
     iso_blender_note_space(e->space, &options);
     iso_status status = begin_grid(e, i, false, out, err);
-    if (status == ISO_OK)
-        status = iso_vdb_save(e->scaled, e->first + i, 1, out->temp_path, &options, progress, err);
+    TRY(status, iso_vdb_save(e->scaled, e->first + i, 1, out->temp_path, &options, progress, err));
     return status;
 }
 
@@ -236,8 +233,7 @@ static iso_status write_roi_grid(const export_job *e, size_t i, iso_output *out,
     iso_vdb_shown shown;
     iso_blender_grid_options(e->opt, &e->views[i].roi->tf, NULL, &shown, &options);
     iso_status status = begin_grid(e, i, true, out, err);
-    if (status == ISO_OK)
-        status = save_roi(e->p, e->views[i].roi, e->space, out->temp_path, options, err);
+    TRY(status, save_roi(e->p, e->views[i].roi, e->space, out->temp_path, options, err));
     return status;
 }
 
@@ -311,8 +307,7 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
 {
     const size_t first = levels->first, count = levels->count;
     iso_status status = iso_blender_check(p, first, count, opt, err);
-    if (status == ISO_OK)
-        status = iso_blender_check_path(blend_path, err);
+    TRY(status, iso_blender_check_path(blend_path, err));
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
@@ -321,14 +316,11 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
     const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);
     if (!folder || !outs)
         status = iso_temp_dir_fail(err);
-    if (status == ISO_OK)
-        status = iso_blender_pyramid_in_space(p, &space, &scaled, err);
+    TRY(status, iso_blender_pyramid_in_space(p, &space, &scaled, err));
     const export_job job = {p, &scaled, &space, first, count, levels->views, blend_path, opt};
     size_t files = 0;
-    if (status == ISO_OK)
-        status = write_files(&job, folder, outs, &files, progress, err);
-    if (status == ISO_OK)
-        status = iso_output_commit_all(outs, files + 1, err);
+    TRY(status, write_files(&job, folder, outs, &files, progress, err));
+    TRY(status, iso_output_commit_all(outs, files + 1, err));
     for (size_t i = 0; outs && i <= files; ++i)
         iso_output_abandon(&outs[i]);
     if (folder)

@@ -88,8 +88,7 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
                                                         folder, opt, 1));
         status = iso_blender_run(about, folder, opt, progress, err);
     }
-    if (status == ISO_OK)
-        status = iso_blender_load_pictures(folder, view, 1, image, err);
+    TRY(status, iso_blender_load_pictures(folder, view, 1, image, err));
     iso_remove_tree(folder);
     free(stem);
     free(folder);
@@ -109,8 +108,7 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
     iso_blender_grid_options(job->opt, &job->view->tf, NULL, &shown, &options);
     char *path = plan_vdb_path(plan, blend_path);
     iso_status status = iso_output_begin(&outs[0], path, err);
-    if (status == ISO_OK)
-        status = save_lattice(plan, outs[0].temp_path, options, progress, err);
+    TRY(status, save_lattice(plan, outs[0].temp_path, options, progress, err));
     free(path);
     if (status == ISO_OK) {
         snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
@@ -125,16 +123,14 @@ iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view 
                                    const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
     iso_status status = check_plan(plan, view, opt, err);
-    if (status == ISO_OK)
-        status = iso_blender_check_path(blend_path, err);
+    TRY(status, iso_blender_check_path(blend_path, err));
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
     iso_output outs[2] = {0};
     const plan_job job = {plan, view, blend_path, true, opt};
     status = folder ? write_plan(&job, folder, outs, progress, err) : iso_temp_dir_fail(err);
-    if (status == ISO_OK)
-        status = iso_output_commit_all(outs, 2, err);
+    TRY(status, iso_output_commit_all(outs, 2, err));
     for (size_t i = 0; i < 2; ++i)
         iso_output_abandon(&outs[i]);
     if (folder)

@@ -85,8 +85,7 @@ iso_status iso_blender_version(const char *program, char *version, size_t size, 
     const char *argv[] = {blender, "--version", NULL};
     const iso_process_options options = {.line = keep_version, .user = found, .timeout_seconds = 120};
     status = iso_process_run(argv, &options, err);
-    if (status == ISO_OK)
-        status = check_age(blender, found, err);
+    TRY(status, check_age(blender, found, err));
     if (status == ISO_OK)
         snprintf(version, size, "%s", found);
     free(blender);
@@ -115,8 +114,7 @@ iso_status iso_cycles_ask(const char *program, iso_cycles_about *about, iso_erro
     const char *device;
     *about = (iso_cycles_about){.device = "CPU"};
     iso_status status = iso_cycles_device(&device, err);
-    if (status == ISO_OK)
-        status = iso_blender_version(program, about->version, sizeof about->version, err);
+    TRY(status, iso_blender_version(program, about->version, sizeof about->version, err));
     if (status == ISO_OK && (atoi(about->version) >= 5 || strcmp(device, devices[0].name) != 0))
         status = probe(program, about->device, sizeof about->device, err);
     return status;

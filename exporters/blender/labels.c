@@ -196,10 +196,8 @@ iso_status iso_blender_describe_labels(json_t *about, const iso_pyramid *p, cons
     iso_status status = find_classes(p, first, count, &classes, err);
     if (status == ISO_OK && !(tiles && path))
         status = iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
-    if (status == ISO_OK)
-        status = draw_levels(p, first, count, &classes, tiles, path, err);
-    if (status == ISO_OK)
-        status = describe_tables(about, levels, &classes, units, err);
+    TRY(status, draw_levels(p, first, count, &classes, tiles, path, err));
+    TRY(status, describe_tables(about, levels, &classes, units, err));
     if (status == ISO_OK) {
         json_t *list = json_array();
         for (size_t i = 0; i < classes.count; ++i)

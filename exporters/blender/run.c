@@ -181,8 +181,7 @@ static iso_status start(const blender_run *run, iso_blender_session *s, iso_erro
         run->blender, "-b",        "--factory-startup", "-noaudio",       "--python-exit-code", "9", "-t", threads, "-P",
         run->script,  "--",        run->description,    NULL};
     iso_status status = write_script(run->script, err);
-    if (status == ISO_OK)
-        status = save_calibration_volume(run->calibration, err);
+    TRY(status, save_calibration_volume(run->calibration, err));
     /* Debian's Blender takes the Python that PATH names first for its own, and that of PYTHONHOME, and modules of
      * PYTHONPATH before its own: another Python's are none that it can load. */
     char *folder = iso_path_dir(run->blender);
@@ -192,8 +191,7 @@ static iso_status start(const blender_run *run, iso_blender_session *s, iso_erro
     if (status == ISO_OK && !(s->blender = strdup(run->blender)))
         status = iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     s->threads = run->threads;
-    if (status == ISO_OK)
-        status = iso_process_start(argv, s->folder ? s->folder : run->folder, &sandbox, &s->process, err);
+    TRY(status, iso_process_start(argv, s->folder ? s->folder : run->folder, &sandbox, &s->process, err));
     free(folder);
     return status;
 }
@@ -244,11 +242,9 @@ iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_
                         json_pack("{ss ss si}", "vdb", calibration, "folder", folder, "size", CALIBRATION_SIZE));
     const char *device = NULL;
     iso_status status = iso_cycles_device(&device, err);
-    if (status == ISO_OK)
-        status = iso_blender_find(opt->program, &blender, err);
+    TRY(status, iso_blender_find(opt->program, &blender, err));
     json_object_set_new(about, "device", json_string(device ? device : ""));
-    if (status == ISO_OK)
-        status = iso_json_save(description, about, err);
+    TRY(status, iso_json_save(description, about, err));
     if (status == ISO_OK) {
         const blender_run run = {blender, folder, script, description, calibration, iso_threads(opt->threads)};
         status = run_blender(&run, opt, progress, err);
@@ -341,10 +337,8 @@ iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *o
         json_decref(about);
     }
     /* Blender may write into its own folder alone. */
-    if (status == ISO_OK)
-        status = iso_file_read(saved, &data, &size, err);
-    if (status == ISO_OK)
-        status = iso_file_write(out->temp_path, data, size, err);
+    TRY(status, iso_file_read(saved, &data, &size, err));
+    TRY(status, iso_file_write(out->temp_path, data, size, err));
     free(data);
     free(saved);
     return status;

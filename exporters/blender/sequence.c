@@ -62,8 +62,7 @@ static iso_status write_grid(sequence_job *job, const iso_pyramid *p, iso_output
     iso_blender_grid_options(job->opt, &job->sequence->view->tf, job->sequence->view->tf_2d, &shown, &options);
     iso_blender_note_space(&job->space, &options);
     iso_status status = iso_blender_pyramid_in_space(p, &job->space, &scaled, err);
-    if (status == ISO_OK)
-        status = iso_vdb_save(&scaled, job->sequence->level, 1, out->temp_path, &options, NULL, err);
+    TRY(status, iso_vdb_save(&scaled, job->sequence->level, 1, out->temp_path, &options, NULL, err));
     free(scaled.levels);
     return status;
 }
@@ -74,8 +73,7 @@ static iso_status write_frame(sequence_job *job, size_t frame, iso_error *err)
     iso_pyramid p = {0};
     char *path = grid_path(job->blend_path, frame);
     iso_status status = path ? s->load(s->user, frame, &p, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
-    if (status == ISO_OK)
-        status = iso_blender_check(&p, s->level, 1, job->opt, err);
+    TRY(status, iso_blender_check(&p, s->level, 1, job->opt, err));
     if (status == ISO_OK && p.levels[0].labels)
         status =
             iso_fail(err, ISO_E_USAGE,
@@ -84,10 +82,8 @@ static iso_status write_frame(sequence_job *job, size_t frame, iso_error *err)
         job->space = iso_blender_space_of(&p.levels[0].geometry);
         describe(job, &p);
     }
-    if (status == ISO_OK)
-        status = iso_output_begin(&job->outs[frame], path, err);
-    if (status == ISO_OK)
-        status = write_grid(job, &p, &job->outs[frame], err);
+    TRY(status, iso_output_begin(&job->outs[frame], path, err));
+    TRY(status, write_grid(job, &p, &job->outs[frame], err));
     iso_pyramid_destroy(&p);
     free(path);
     return status;
@@ -117,8 +113,7 @@ iso_status iso_blender_export_sequence(const iso_blender_sequence *s, const char
 {
     sequence_job job = {.sequence = s, .blend_path = blend_path, .opt = opt, .progress = progress};
     iso_status status = iso_blender_check_path(blend_path, err);
-    if (status == ISO_OK)
-        status = guard_frames(&job, err);
+    TRY(status, guard_frames(&job, err));
     if (status != ISO_OK)
         return status;
     char *folder = iso_make_temp_dir();
@@ -127,10 +122,8 @@ iso_status iso_blender_export_sequence(const iso_blender_sequence *s, const char
         status = iso_temp_dir_fail(err);
     for (size_t k = 0; k < s->count && status == ISO_OK; ++k)
         status = write_frame(&job, k, err);
-    if (status == ISO_OK)
-        status = write_blend(&job, folder, err);
-    if (status == ISO_OK)
-        status = iso_output_commit_all(job.outs, s->count + 1, err);
+    TRY(status, write_blend(&job, folder, err));
+    TRY(status, iso_output_commit_all(job.outs, s->count + 1, err));
     for (size_t i = 0; job.outs && i <= s->count; ++i)
         iso_output_abandon(&job.outs[i]);
     json_decref(job.about);

@@ -57,12 +57,9 @@ static iso_status write_grid(several_job *job, const iso_pyramid *p, const char 
     char *path = grid_path(job->blend_path, name);
     iso_status status = path ? iso_blender_guard_grid(path, job->several->force, err)
                              : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
-    if (status == ISO_OK)
-        status = iso_output_begin(out, path, err);
-    if (status == ISO_OK)
-        status = iso_blender_pyramid_in_space(p, &job->space, &scaled, err);
-    if (status == ISO_OK)
-        status = iso_vdb_save(&scaled, job->several->level, 1, out->temp_path, &options, job->progress, err);
+    TRY(status, iso_output_begin(out, path, err));
+    TRY(status, iso_blender_pyramid_in_space(p, &job->space, &scaled, err));
+    TRY(status, iso_vdb_save(&scaled, job->several->level, 1, out->temp_path, &options, job->progress, err));
     free(scaled.levels);
     free(path);
     return status;
@@ -92,15 +89,12 @@ static iso_status write_volume(several_job *job, size_t i, iso_error *err)
     iso_status status = s->load(s->user, i, &p, &view, name, err);
     if (status == ISO_OK && !(job->opt.step_voxels > 0))
         job->opt.step_voxels = view.step_voxels;
-    if (status == ISO_OK)
-        status = iso_blender_check(&p, s->level, 1, &job->opt, err);
+    TRY(status, iso_blender_check(&p, s->level, 1, &job->opt, err));
     if (status == ISO_OK && i == 0)
         job->space = iso_blender_space_of(&p.levels[0].geometry);
-    if (status == ISO_OK)
-        status = write_grid(job, &p, name, &job->outs[i], err);
+    TRY(status, write_grid(job, &p, name, &job->outs[i], err));
     json_t *about = status == ISO_OK ? describe(job, &p, &view, name) : NULL;
-    if (status == ISO_OK)
-        status = describe_labels(job, about, &p, &view, name, err);
+    TRY(status, describe_labels(job, about, &p, &view, name, err));
     if (status == ISO_OK && i == 0)
         job->about = json_incref(about);
     else if (status == ISO_OK)
@@ -142,10 +136,8 @@ iso_status iso_blender_export_several(const iso_blender_several *s, const char *
         status = iso_temp_dir_fail(err);
     for (size_t i = 0; i < s->count && status == ISO_OK; ++i)
         status = write_volume(&job, i, err);
-    if (status == ISO_OK)
-        status = write_blend(&job, err);
-    if (status == ISO_OK)
-        status = iso_output_commit_all(job.outs, s->count + 1, err);
+    TRY(status, write_blend(&job, err));
+    TRY(status, iso_output_commit_all(job.outs, s->count + 1, err));
     for (size_t i = 0; job.outs && i <= s->count; ++i)
         iso_output_abandon(&job.outs[i]);
     json_decref(job.about);

@@ -197,8 +197,7 @@ static iso_status write_files(const iso_level *level, const iso_view *view, cons
                             ? write_vti(level, vti, err)
                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
     json_t *scene = scene_json(level, view, name);
-    if (status == ISO_OK)
-        status = write_state(scene, state, err);
+    TRY(status, write_state(scene, state, err));
     json_decref(scene);
     free(vti);
     free(state);
@@ -216,10 +215,8 @@ iso_status iso_paraview_export(const iso_pyramid *p, size_t level, const iso_vie
     if (!name)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     status = iso_output_begin_dir(&out, dir, "*.vti", err); /* the folder may have had another name */
-    if (status == ISO_OK)
-        status = write_files(&p->levels[level], view, name, out.temp_path, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, write_files(&p->levels[level], view, name, out.temp_path, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     free(name);
     return status;

@@ -201,8 +201,7 @@ static iso_status write_planes(const plane_writer *w, iso_error *err)
         const size_t end = z + slab < depth ? z + slab : depth;
         if (s->prepare)
             status = s->prepare(s->prepare_user, source_index(w, z, 2), source_index(w, end - 1, 2) + 1, err);
-        if (status == ISO_OK)
-            status = write_slab(w, z, end, err);
+        TRY(status, write_slab(w, z, end, err));
     }
     return status;
 }
@@ -245,8 +244,7 @@ static iso_status write_files(const iso_df3_source *s, size_t rim, const char *c
     }
     w.row_bytes = w.size[0] * (coding->bits / 8);
     iso_status status = open_files(&w, err);
-    if (status == ISO_OK)
-        status = write_planes(&w, err);
+    TRY(status, write_planes(&w, err));
     return close_files(&w, status, err);
 }
 

@@ -87,8 +87,7 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
         status = iso_output_begin_dir(&out, dir, "*.ini", err); /* the folder may have had another name */
     if (status == ISO_OK) {
         status = iso_povray_write_files(&s, out.temp_path, progress, err);
-        if (status == ISO_OK)
-            status = iso_output_commit(&out, err);
+        TRY(status, iso_output_commit(&out, err));
     }
     iso_output_abandon(&out);
     iso_povray_release(&s);

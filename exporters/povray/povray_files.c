@@ -194,8 +194,7 @@ static iso_status write_samples(const iso_povray_scene *s, const layer_reader *r
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         if (!(paths[i] = iso_povray_file_path(dir, s->name, suffixes[i])))
             status = iso_povray_no_memory(err);
-    if (status == ISO_OK)
-        status = iso_df3_write_from(&source, (const char *const *)paths, coding, s->options->threads, err);
+    TRY(status, iso_df3_write_from(&source, (const char *const *)paths, coding, s->options->threads, err));
     for (size_t i = 0; i < count; ++i)
         free(paths[i]);
     return status;
@@ -356,8 +355,7 @@ static iso_status write_layer(const iso_pyramid *p, const iso_povray_scene *s, c
         r.lattice = iso_lattice_samples_of(lattice, p->options.code);
     iso_status status = write_samples(s, &r, lattice ? read_lattice_scalars : read_scalars, &suffix, 1, &s->scalar, dir,
                                       err);
-    if (status == ISO_OK)
-        status = write_directions(p, s, dir, progress, err);
+    TRY(status, write_directions(p, s, dir, progress, err));
     if (status == ISO_OK && !s->options->isosurface)
         status = write_tf_tables(s, dir, err);
     if (status == ISO_OK && s->extinction_scale)
@@ -376,12 +374,9 @@ iso_status iso_povray_write_files(const iso_povray_prepared *s, const char *dir,
         status = write_text(&s->scene, dir, "_tf.inc", iso_povray_write_map, err);
     if (status == ISO_OK && s->scene.roi && iso_povray_has_editable_map(s->scene.roi))
         status = write_text(s->scene.roi, dir, "_tf.inc", iso_povray_write_map, err);
-    if (status == ISO_OK)
-        status = write_text(&s->scene, dir, ".inc", iso_povray_write_include, err);
-    if (status == ISO_OK)
-        status = write_text(&s->scene, dir, ".pov", iso_povray_write_scene, err);
-    if (status == ISO_OK)
-        status = write_text(&s->scene, dir, ".ini", iso_povray_write_ini, err);
+    TRY(status, write_text(&s->scene, dir, ".inc", iso_povray_write_include, err));
+    TRY(status, write_text(&s->scene, dir, ".pov", iso_povray_write_scene, err));
+    TRY(status, write_text(&s->scene, dir, ".ini", iso_povray_write_ini, err));
     iso_progress_report(progress, "povray: writing DF3", 1);
     return status;
 }

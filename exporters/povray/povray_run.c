@@ -258,8 +258,7 @@ static iso_status load_picture(const render_job *job, size_t i, iso_image *image
     const iso_povray_scene *scene = job->pictures[i].scene;
     iso_image transmittance = {0};
     iso_status status = load_pass(job, PASSES * i, &transmittance, err);
-    if (status == ISO_OK)
-        status = load_pass(job, PASSES * i + 1, image, err);
+    TRY(status, load_pass(job, PASSES * i + 1, image, err));
     if (status == ISO_OK)
         compose(image, &transmittance, scene->view, scene->peak);
     iso_image_destroy(&transmittance);
@@ -349,11 +348,9 @@ static iso_status prepare_scenes(const iso_povray_wanted *wanted, size_t count, 
         const iso_povray_wanted *w = &wanted[i];
         snprintf(s->names[i], sizeof s->names[i], "scene%zu", i);
         status = iso_povray_check(w->pyramid, w->level, w->view, w->options, err);
-        if (status == ISO_OK)
-            status = iso_povray_prepare(w->pyramid, w->level, w->view, s->names[i], w->options, &s->scenes[i], err);
+        TRY(status, iso_povray_prepare(w->pyramid, w->level, w->view, s->names[i], w->options, &s->scenes[i], err));
         s->count += status == ISO_OK;
-        if (status == ISO_OK)
-            status = iso_povray_write_files(&s->scenes[i], s->dir, progress, err);
+        TRY(status, iso_povray_write_files(&s->scenes[i], s->dir, progress, err));
     }
     return status;
 }
@@ -387,8 +384,7 @@ iso_status iso_povray_render_several(const iso_pyramid *p, size_t level, const i
     iso_status status = prepare_scenes(&(iso_povray_wanted){p, level, view, opt}, 1, progress, &s, err);
     for (size_t i = 0; i < wanted->count && status == ISO_OK; ++i)
         pictures[i] = (wanted_picture){&s.scenes[0].scene, wanted->intervals[i]};
-    if (status == ISO_OK)
-        status = render_prepared(&s, pictures, wanted->count, progress, wanted->images, err);
+    TRY(status, render_prepared(&s, pictures, wanted->count, progress, wanted->images, err));
     release_scenes(&s);
     return status;
 }
@@ -418,8 +414,7 @@ iso_status iso_povray_render_scenes(const iso_povray_wanted *wanted, size_t coun
         if (is_of_two(scene->options))
             pictures[n++] = (wanted_picture){scene, scene->options->intervals / 2};
     }
-    if (status == ISO_OK)
-        status = render_prepared(&s, pictures, n, progress, drawn, err);
+    TRY(status, render_prepared(&s, pictures, n, progress, drawn, err));
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         const iso_povray_options *opt = wanted[i].options;
         images[i] = drawn[next++];

@@ -157,8 +157,7 @@ static iso_status open_blender(const char *output, iso_image *picture, iso_error
         status = folder ? iso_process_run(argv, &options, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
         free(folder);
     }
-    if (status == ISO_OK)
-        status = iso_image_load_exr(exr, picture, err);
+    TRY(status, iso_image_load_exr(exr, picture, err));
     free(program);
     free(exr);
     return status;

@@ -39,10 +39,8 @@ static iso_status write_folder(const iso_export_job *job, const iso_medium *m, c
     iso_output out = {0};
     iso_status status = iso_output_begin_dir(&out, job->output, t->scene, err);
     iso_progress_report(job->progress, t->name, 0);
-    if (status == ISO_OK)
-        status = t->write(m, out.temp_path, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, t->write(m, out.temp_path, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_progress_report(job->progress, t->name, 1);
     iso_output_abandon(&out);
     return status;
@@ -58,16 +56,13 @@ iso_status iso_target_medium_write(const iso_export_job *job, const iso_target_m
     o.shaded = t->emits;
     o.threads = job->threads;
     iso_status status = job->view_of_level(job, job->level, &view, err);
-    if (status == ISO_OK)
-        status = iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked,
-                          job->progress, err);
+    TRY(status,
+        iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked, job->progress, err));
     if (status == ISO_OK && t->emits && (job->results || job->notes))
         status = iso_bake_measure_shaded(&baked, ISO_BAKE_ERROR_PIXELS, &error, job->progress, err);
     const char *source = job->pyramid->source ? iso_path_base(job->pyramid->source) : NULL;
-    if (status == ISO_OK)
-        status = iso_medium_create(&baked, source, &medium, err);
-    if (status == ISO_OK)
-        status = write_folder(job, &medium, t, err);
+    TRY(status, iso_medium_create(&baked, source, &medium, err));
+    TRY(status, write_folder(job, &medium, t, err));
     if (status == ISO_OK && job->results)
         tell_json(job->results, &medium, t, &error);
     if (status == ISO_OK && job->notes)

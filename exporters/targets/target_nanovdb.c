@@ -38,8 +38,7 @@ static iso_status write_nanovdb(const iso_export_job *job, iso_error *err)
     iso_status status = vdb ? iso_export_target_vdb.write(&grids, err)
                             : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", job->output);
     iso_progress_report(job->progress, stage, 0);
-    if (status == ISO_OK)
-        status = iso_nanovdb_from_vdb(vdb, job->output, err);
+    TRY(status, iso_nanovdb_from_vdb(vdb, job->output, err));
     iso_progress_report(job->progress, stage, 1);
     if (status == ISO_OK)
         tell(job);

@@ -75,8 +75,7 @@ static iso_status open_povray(const char *output, iso_image *picture, iso_error 
         const iso_process_options options = {.directory = output, .timeout_seconds = 600};
         status = iso_povray_run_program(argv, &options, err);
     }
-    if (status == ISO_OK)
-        status = iso_image_load_png(png, picture, err);
+    TRY(status, iso_image_load_png(png, picture, err));
     free(program);
     free(ini);
     free(png);

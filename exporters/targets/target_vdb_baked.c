@@ -70,16 +70,13 @@ iso_status iso_target_vdb_baked(const iso_export_job *job, iso_error *err)
     iso_view view = {0};
     o.threads = job->threads;
     iso_status status = job->view_of_level(job, job->level, &view, err);
-    if (status == ISO_OK)
-        status = iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked,
-                          job->progress, err);
+    TRY(status,
+        iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked, job->progress, err));
     if (status == ISO_OK && !r->unit_is_asked && !iso_vdb_fits(&r->convention, &baked.geometry))
         r->convention.unit = iso_vdb_choose_unit(iso_geometry_mean_spacing_mm(&baked.geometry), NULL,
                                                  &r->convention.unit_mm);
-    if (status == ISO_OK)
-        status = iso_bake_measure(&baked, r->has[ISO_BAKE_EMISSION], r->error_pixels, &error, job->progress, err);
-    if (status == ISO_OK)
-        status = iso_bake_save(&baked, r, (int)job->level, job->pyramid->source, job->output, job->progress, err);
+    TRY(status, iso_bake_measure(&baked, r->has[ISO_BAKE_EMISSION], r->error_pixels, &error, job->progress, err));
+    TRY(status, iso_bake_save(&baked, r, (int)job->level, job->pyramid->source, job->output, job->progress, err));
     if (status == ISO_OK && job->results)
         tell_json(job->results, &baked, r, &error);
     if (status == ISO_OK && job->notes)

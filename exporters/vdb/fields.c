@@ -129,8 +129,7 @@ iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const 
     iso_status status = check_size(f, path, err);
     if (status == ISO_OK && !(openvdb = iso_vdb_library(path, err)))
         status = ISO_E_MISSING;
-    if (status == ISO_OK)
-        status = iso_output_begin(&out, path, err);
+    TRY(status, iso_output_begin(&out, path, err));
     if (status != ISO_OK)
         return status;
     const fields_file to = {openvdb, openvdb->create(), path};
@@ -140,14 +139,12 @@ iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const 
         iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(f->count + 1));
         status = add(&to, f, i, err);
     }
-    if (status == ISO_OK)
-        status = note(&to, f, err);
+    TRY(status, note(&to, f, err));
     iso_vdb_message message = {""};
     if (status == ISO_OK && openvdb->write(to.file, out.temp_path, false, &message) != ISO_OPENVDB_OK)
         status = iso_fail(err, ISO_E_IO, "%s: OpenVDB: %s", path, message.text);
     openvdb->destroy(to.file);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     iso_progress_report(progress, "OpenVDB grids", 1);
     return status;

@@ -139,10 +139,8 @@ static iso_status note_file(const iso_vdb_job *job, const char *made_from, const
     char units[64];
     snprintf(units, sizeof units, *source.unit ? "%s" : "%s%.9g mm", source.unit, source.unit_mm);
     iso_status status = note(job, "creator", o->creator, err);
-    if (status == ISO_OK)
-        status = note(job, "source", source.made_from, err);
-    if (status == ISO_OK)
-        status = note(job, "units", units, err);
+    TRY(status, note(job, "source", source.made_from, err));
+    TRY(status, note(job, "units", units, err));
     return status == ISO_OK ? note(job, "command", o->command, err) : status;
 }
 
@@ -172,23 +170,20 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
     iso_vdb_grids *grids = calloc(what->count, sizeof *grids);
     if (!job.file || !grids)
         status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
-    if (status == ISO_OK)
-        status = note_file(&job, what->pyramid ? what->pyramid->source : what->made_from,
-                           what->pyramid ? &what->pyramid->levels[what->first].geometry : &what->lattices[0].geometry,
-                           err);
+    TRY(status,
+        note_file(&job, what->pyramid ? what->pyramid->source : what->made_from,
+                  what->pyramid ? &what->pyramid->levels[what->first].geometry : &what->lattices[0].geometry, err));
     for (size_t i = 0; i < what->count && status == ISO_OK; ++i) {
         iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(2 * what->count));
         status = add(&job, what, i, &grids[i], err);
     }
     iso_progress_report(progress, "OpenVDB grids", 0.5);
-    if (status == ISO_OK)
-        status = write(&job, out.temp_path, err);
+    TRY(status, write(&job, out.temp_path, err));
     openvdb->destroy(job.file);
     for (size_t i = 0; grids && i < what->count; ++i)
         iso_vdb_grids_destroy(&grids[i]);
     free(grids);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     iso_progress_report(progress, "OpenVDB grids", 1);
     return status;

@@ -368,8 +368,7 @@ iso_status iso_vdb_activity_create(iso_vdb_activity *a, const iso_level *level, 
     shown_test test;
     *a = (iso_vdb_activity){0};
     iso_status status = shown_test_create(&test, shown, err);
-    if (status == ISO_OK)
-        status = find_background(&test, level, volume, shown, &a->background, err);
+    TRY(status, find_background(&test, level, volume, shown, &a->background, err));
     if (status != ISO_OK) {
         shown_test_destroy(&test);
         return status;

@@ -216,16 +216,14 @@ iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_
     uint8_t levels[64] = {0};
     build.level_count = 1;
     iso_status status = iso_pyramid_build(v, "atlas", &build, &p, NULL, err);
-    if (status == ISO_OK)
-        status = iso_node_levels_create(&nodes, &p.levels[0], 8, 2, false, 0, err);
+    TRY(status, iso_node_levels_create(&nodes, &p.levels[0], 8, 2, false, 0, err));
     for (size_t b = 0; status == ISO_OK && which != ISO_ATLAS_RIGHT && b < iso_brick_count(&nodes) && b < sizeof levels;
          ++b)
         levels[b] = b % nodes.count[0] > 0; /* the first column of bricks is fine */
     const iso_brick_field f = {.nodes = &nodes,
                                .levels = levels,
                                .faces = which == ISO_ATLAS_FAILURE ? ISO_FACES_OWN : ISO_FACES_BAKED};
-    if (status == ISO_OK)
-        status = show_cut(&f, image, value, err);
+    TRY(status, show_cut(&f, image, value, err));
     iso_node_levels_destroy(&nodes);
     iso_pyramid_destroy(&p);
     return status;

@@ -96,8 +96,7 @@ static iso_status save_difference(const drawing *d, iso_atlas_which which, iso_e
         paint(difference_at(right, &d->r->images[which], i) / d->largest, map.rgba + 4 * i);
     char *path = file_of(d, d->page->dir,
                          which == ISO_ATLAS_FAILURE ? "-failure-difference.png" : "-fallback-difference.png");
-    if (status == ISO_OK)
-        status = path ? iso_image_save_png(&map, path, 1, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    TRY(status, path ? iso_image_save_png(&map, path, 1, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
     free(path);
     iso_image_destroy(&map);
     return status;
@@ -123,8 +122,7 @@ static iso_status save_pictures(drawing *d, iso_error *err)
     find_zoom(d);
     for (int w = 0; w < ISO_ATLAS_WAYS && status == ISO_OK; ++w) {
         status = save_picture(d, (iso_atlas_which)w, "png", err);
-        if (status == ISO_OK)
-            status = save_picture(d, (iso_atlas_which)w, "exr", err);
+        TRY(status, save_picture(d, (iso_atlas_which)w, "exr", err));
         if (status == ISO_OK && w != ISO_ATLAS_RIGHT)
             status = save_difference(d, (iso_atlas_which)w, err);
     }
@@ -137,12 +135,9 @@ static iso_status save_scene(const drawing *d, iso_error *err)
     json_t *json = iso_atlas_scene_to_json(&d->c->scene, d->c->title);
     iso_volume v = {0};
     iso_status status = volume && scene && json ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_atlas_volume(&d->c->scene, &v, err);
-    if (status == ISO_OK)
-        status = iso_volume_save(&v, volume, true, err);
-    if (status == ISO_OK)
-        status = iso_scene_save_json(json, scene, err);
+    TRY(status, iso_atlas_volume(&d->c->scene, &v, err));
+    TRY(status, iso_volume_save(&v, volume, true, err));
+    TRY(status, iso_scene_save_json(json, scene, err));
     iso_volume_destroy(&v);
     json_decref(json);
     free(volume);
@@ -319,8 +314,7 @@ iso_status iso_atlas_page_add(iso_atlas_page *page, const iso_atlas_case *c, con
     iso_status status = command ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK && c->scene.field)
         status = save_scene(&d, err);
-    if (status == ISO_OK)
-        status = save_pictures(&d, err);
+    TRY(status, save_pictures(&d, err));
     if (status == ISO_OK) {
         put_section(page->html, &d, command);
         add_object(page->cases, &d, command);

@@ -190,10 +190,8 @@ static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_e
                                         {"always", 0, POPT_ARG_NONE, &o->adapted.always, 0, NULL, NULL},
                                         POPT_TABLEEND};
     iso_status status = parse(way->build, build, err);
-    if (status == ISO_OK)
-        status = parse(way->render, render, err);
-    if (status == ISO_OK)
-        status = take_words(&w, o, err);
+    TRY(status, parse(way->render, render, err));
+    TRY(status, take_words(&w, o, err));
     free(w.estimator);
     free(w.direction_filter);
     free(w.shading_from);
@@ -205,10 +203,8 @@ static iso_status draw(const iso_atlas_scene *scene, const iso_pyramid *p, const
 {
     iso_view view;
     iso_status status = make_view(scene, &p->levels[0].geometry, &view, err);
-    if (status == ISO_OK)
-        status = iso_cli_adapt_view(&o->adapted, "", p, o->level, &view, 0, err);
-    if (status == ISO_OK)
-        status = iso_reference_render(&p->levels[o->level], p->options.code, &view, &o->render, image, NULL, err);
+    TRY(status, iso_cli_adapt_view(&o->adapted, "", p, o->level, &view, 0, err));
+    TRY(status, iso_reference_render(&p->levels[o->level], p->options.code, &view, &o->render, image, NULL, err));
     iso_view_destroy(&view);
     return status;
 }
@@ -223,12 +219,10 @@ iso_status iso_atlas_show(const iso_atlas_case *c, iso_atlas_which which, const 
     if (c->draw)
         return c->draw(v, which, image, value, err);
     iso_status status = take_options(way, &o, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_build(v, "atlas", &o.build, &p, NULL, err);
+    TRY(status, iso_pyramid_build(v, "atlas", &o.build, &p, NULL, err));
     if (status == ISO_OK && way->fault)
         status = way->fault(&c->scene, &p, o.level, err);
-    if (status == ISO_OK)
-        status = draw(&c->scene, &p, &o, image, err);
+    TRY(status, draw(&c->scene, &p, &o, image, err));
     iso_pyramid_destroy(&p);
     free(o.adapted.tf_2d);
     return status;

@@ -78,8 +78,7 @@ static iso_status walk_entry(const char *folder, const char *name, visitor *visi
     iso_status status = e.path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
     if (status == ISO_OK && lstat(e.path, &e.st) != 0)
         status = iso_fail(err, iso_errno_status(), "%s: cannot be looked at: %s", e.path, strerror(errno));
-    if (status == ISO_OK)
-        status = visit(user, &e, err);
+    TRY(status, visit(user, &e, err));
     if (status == ISO_OK && S_ISDIR(e.st.st_mode))
         status = walk_below(folder, name, visit, user, err);
     free((char *)e.path);
@@ -254,8 +253,7 @@ static iso_status check_entry(void *user, const entry *e, iso_error *err)
     const char *name = e->name;
     bool same = false;
     iso_status status = iso_inputs_check(e->path, err);
-    if (status == ISO_OK)
-        status = is_unchanged(list, e, &same, err);
+    TRY(status, is_unchanged(list, e, &same, err));
     if (status != ISO_OK || same)
         return status;
     if (has_name(list->text, name))
@@ -280,8 +278,7 @@ iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *
                           "%s: has no list of isoshade's files (" ISO_MANIFEST_NAME
                           "), so it is not replaced; remove it, or choose another output",
                           shown);
-    if (status == ISO_OK)
-        status = iso_file_read(path, &data, &bytes, err);
+    TRY(status, iso_file_read(path, &data, &bytes, err));
     if (status == ISO_OK && asprintf(&text, "\n%s", data) < 0) {
         text = NULL;
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);

@@ -52,8 +52,7 @@ static iso_status reserve(iso_output *out, const char *path, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "the output path is empty");
     char *dir = NULL;
     iso_status status = find_target(path, &out->final_path, err);
-    if (status == ISO_OK)
-        status = iso_inputs_check(out->final_path, err);
+    TRY(status, iso_inputs_check(out->final_path, err));
     if (status == ISO_OK && !(dir = iso_path_dir(out->final_path)))
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status == ISO_OK && !iso_path_is_dir(dir))
@@ -260,8 +259,7 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
     out->is_folder = true;
     out->own = own;
     status = name_partial(out, path, err);
-    if (status == ISO_OK)
-        status = lock_partial(out, path, &is_new, err);
+    TRY(status, lock_partial(out, path, &is_new, err));
     if (status == ISO_OK) /* after the lock: another process may have finished meanwhile */
         status = check_replaceable(out->final_path, own[0], err);
     if (status != ISO_OK) {

@@ -268,8 +268,7 @@ static iso_status begin(const char *const argv[], const char *directory, const i
     if (has_box && !directory && !(p->folder = iso_make_temp_dir()))
         return iso_temp_dir_fail(err);
     iso_status status = iso_sandbox_prepare(wish, directory ? directory : p->folder, &box, err);
-    if (status == ISO_OK)
-        status = begin_in(argv, directory, &box, talks, p, err);
+    TRY(status, begin_in(argv, directory, &box, talks, p, err));
     iso_sandbox_release(&box);
     if (status != ISO_OK)
         remove_folder(p);
@@ -382,8 +381,7 @@ iso_status iso_process_run(const char *const argv[], const iso_process_options *
     options = options ? options : &no_options;
     watch_signals();
     iso_status status = begin(argv, options->directory, &options->sandbox, false, &p, err);
-    if (status == ISO_OK)
-        status = listen_to(&p, NULL, options, &ended, err);
+    TRY(status, listen_to(&p, NULL, options, &ended, err));
     restore_signals();
     return status;
 }

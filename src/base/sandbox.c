@@ -359,8 +359,7 @@ iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder,
         box->has_sockets = wish->kind == ISO_SANDBOX_DEVICE;
         box->rules = make_rules(wish, whole, &status, err);
     }
-    if (status == ISO_OK)
-        status = set_environment(wish, whole, box, err);
+    TRY(status, set_environment(wish, whole, box, err));
     free(whole);
     if (status != ISO_OK)
         iso_sandbox_release(box);

@@ -20,4 +20,11 @@ iso_status iso_errno_status(void);
 iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Does the next step if all before it succeeded: status becomes the result of call, which runs only at ISO_OK. */
+#define TRY(status, call)       \
+    do {                        \
+        if ((status) == ISO_OK) \
+            (status) = (call);  \
+    } while (0)
+
 #endif

@@ -78,8 +78,7 @@ static iso_status ask(const all_bench *b, const char *program, const char *comma
     }
     if (!words || !out.to || fclose(out.to) != 0)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_json_parse(command, out.bytes, out.size, answer, err);
+    TRY(status, iso_json_parse(command, out.bytes, out.size, answer, err));
     if (status == ISO_OK)
         json_object_set_new(*answer, "process",
                             json_pack("{s:f, s:f, s:f}", "seconds", took.seconds, "processor_seconds",
@@ -299,12 +298,9 @@ static iso_status run_all(all_bench *b, const char *output, const char *page, co
     }
     if (!b->causes[OURS] || !b->causes[OTHER] || !b->values[OURS] || !b->values[OTHER])
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = make_volume(b, err);
-    if (status == ISO_OK)
-        status = measure_all(b, err);
-    if (status == ISO_OK)
-        status = report(b, output, page, beside_output, err);
+    TRY(status, make_volume(b, err));
+    TRY(status, measure_all(b, err));
+    TRY(status, report(b, output, page, beside_output, err));
     for (int which = 0; which < 2; ++which) {
         for (size_t i = 0; b->causes[which] && i < iso_headline_count; ++i)
             free(b->causes[which][i]);

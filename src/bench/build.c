@@ -134,8 +134,7 @@ static iso_status run_cascade(const iso_volume *v, const iso_pyramid_options *op
     iso_cascade *c;
     const double start = iso_clock_seconds(), processor_start = iso_cpu_seconds();
     iso_status status = iso_cascade_create(&v->geometry, v->type, opt, iso_cascade_scale(&v->geometry, 65535), &c, err);
-    if (status == ISO_OK)
-        status = iso_cascade_feed(c, &planes, 0, n[2], out, err);
+    TRY(status, iso_cascade_feed(c, &planes, 0, n[2], out, err));
     iso_cascade_destroy(c);
     *seconds = fmin(*seconds, iso_clock_seconds() - start);
     *processor = fmin(*processor, iso_cpu_seconds() - processor_start);
@@ -188,17 +187,14 @@ static iso_status time_build(const build_bench *b, const iso_volume *v, build_ti
     status = time_with_means(v, &opt, buffers.out, b->runs, t, err);
     opt.scalar_filter = ISO_SCALAR_MEAN;
     opt.level_count = 1;
-    if (status == ISO_OK)
-        status = time_cascade(v, &opt, &nothing, b->runs, &one, err);
-    if (status == ISO_OK)
-        status = time_cascade(v, &opt, buffers.out, b->runs, &coded, err);
+    TRY(status, time_cascade(v, &opt, &nothing, b->runs, &one, err));
+    TRY(status, time_cascade(v, &opt, buffers.out, b->runs, &coded, err));
     t->gradient = one;
     t->encode = coded - one;
     t->pyramid = t->total - coded;
     free_buffers(&buffers);
-    if (status == ISO_OK)
-        status = time_memcpy((t->bytes_read + t->bytes_written) / 2, b->runs, iso_threads(b->threads), &t->memcpy_build,
-                             err);
+    TRY(status, time_memcpy((t->bytes_read + t->bytes_written) / 2, b->runs, iso_threads(b->threads), &t->memcpy_build,
+                            err));
     return status;
 }
 
@@ -220,8 +216,7 @@ static iso_status time_central(const build_bench *b, const iso_volume *v, build_
     }
     free(out);
     t->central_bytes = count * (iso_type_bytes(v->type) + 3 * sizeof(float));
-    if (status == ISO_OK)
-        status = time_memcpy(t->central_bytes / 2, b->runs, iso_threads(b->threads), &t->memcpy_central, err);
+    TRY(status, time_memcpy(t->central_bytes / 2, b->runs, iso_threads(b->threads), &t->memcpy_central, err));
     return status;
 }
 
@@ -328,8 +323,7 @@ static iso_status bench(const iso_cli *cli, build_bench *b, iso_error *err)
     if (status != ISO_OK)
         return status;
     status = time_build(b, &v, &t, err);
-    if (status == ISO_OK)
-        status = time_central(b, &v, &t, err);
+    TRY(status, time_central(b, &v, &t, err));
     const size_t memory = (size_t)(b->memory_mb * 1048576);
     if (status == ISO_OK && b->volume)
         status = iso_bench_files_of(b->volume, &b->opt, b->files, memory, b->runs, &t.files, err);
@@ -375,19 +369,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_direction_filter_from_name(direction, &b.opt.direction_filter, err);
     if (status == ISO_OK && code)
         status = iso_code_from_name(code, &b.opt.code, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", levels, 1, 32, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--gauss-radius", radius, 1, 16, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--runs", runs, 1, 1000, err);
+    TRY(status, iso_words_check_range("--levels", levels, 1, 32, err));
+    TRY(status, iso_words_check_range("--gauss-radius", radius, 1, 16, err));
+    TRY(status, iso_words_check_range("--runs", runs, 1, 1000, err));
     b.opt.level_count = (size_t)levels;
     b.opt.gauss_radius = (size_t)radius;
     b.runs = (size_t)runs;
     b.files = files;
     b.volume = volume;
-    if (status == ISO_OK)
-        status = iso_words_check_range("--memory", b.memory_mb, 1, 1e9, err);
+    TRY(status, iso_words_check_range("--memory", b.memory_mb, 1, 1e9, err));
     if (status == ISO_OK && volume && !files)
         status = iso_fail(err, ISO_E_USAGE, "--volume needs --files");
     if (status == ISO_OK && next == ISO_CLI_RUN)

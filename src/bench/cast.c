@@ -75,8 +75,7 @@ static iso_status draw_cpu(const cast_options *opt, int threads, const iso_pyram
     o.width = opt->wide;
     *image = (iso_image){0};
     iso_status status = iso_cpu_prepare(&scene, &p->levels[0], p->options.code, view, &o, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, view->width, view->height, err);
+    TRY(status, iso_image_create(image, view->width, view->height, err));
     *time = (cast_time){INFINITY, INFINITY};
     for (int i = 0; i <= DRAWS && status == ISO_OK; ++i) {
         const double processor = iso_cpu_seconds(), wall = iso_clock_seconds();
@@ -124,8 +123,7 @@ static iso_status measure_errors(const iso_cli *cli, iso_gl *gl, const iso_pyram
         cast_time time;
         status = who == WHO_GL ? draw_gl(gl, p, c, &view, &image, &time, err)
                                : draw_cpu(opt, cli->threads, p, c, &view, &image, &time, err);
-        if (status == ISO_OK)
-            status = iso_metrics_measure(&truth, &image, &m, err);
+        TRY(status, iso_metrics_measure(&truth, &image, &m, err));
         if (status == ISO_OK) {
             c->rmse[who] = m.rmse;
             iso_image_destroy(&image);
@@ -190,8 +188,7 @@ static iso_status run_case(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p,
         return status;
     for (int i = 0; i < opt->rounds && status == ISO_OK; ++i)
         status = run_round(cli, gl, p, opt, c, i, err);
-    if (status == ISO_OK)
-        status = measure_errors(cli, gl, p, opt, c, err);
+    TRY(status, measure_errors(cli, gl, p, opt, c, err));
     iso_view_destroy(&c->view);
     return status;
 }
@@ -271,8 +268,7 @@ static iso_status run_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
                     times[tf][g][loop][who] = best_of(&c, who, opt->rounds).processor;
                 fflush(stdout);
             }
-    if (status == ISO_OK)
-        status = count_samples(cli, p, opt, samples, err);
+    TRY(status, count_samples(cli, p, opt, samples, err));
     if (status == ISO_OK)
         json_object_set_new(root, "skipping", report_skipping(cli, samples, times));
     json_object_set_new(root, "gl", json_string(iso_gl_describe(gl).renderer));
@@ -311,12 +307,9 @@ static iso_status bench(const iso_cli *cli, cast_options *opt, iso_error *err)
     iso_pyramid p;
     iso_gl *gl;
     iso_status status = iso_words_check_range("--image", opt->render.image, 1, 8192, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--rounds", opt->rounds, 1, MOST_ROUNDS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--truth", opt->truth, 1, 512, err);
-    if (status == ISO_OK)
-        status = choose_width(opt, err);
+    TRY(status, iso_words_check_range("--rounds", opt->rounds, 1, MOST_ROUNDS, err));
+    TRY(status, iso_words_check_range("--truth", opt->truth, 1, 512, err));
+    TRY(status, choose_width(opt, err));
     if (status != ISO_OK)
         return status;
     snprintf(threads, sizeof threads, "%d", iso_threads(cli->threads));

@@ -151,8 +151,7 @@ static iso_status measure(const char *volume, const iso_pyramid_options *opt, co
         size_t sizes[MAX_FILES];
         const size_t count = list_sizes(pyramid, sizes);
         iso_remove_tree(pyramid); /* before as much is written again */
-        if (status == ISO_OK)
-            status = copy_bytes(volume, sizes, count, work, t, err);
+        TRY(status, copy_bytes(volume, sizes, count, work, t, err));
     }
     free(pyramid);
     return status;
@@ -183,8 +182,7 @@ iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt
 {
     char *work;
     iso_status status = make_work(folder, &work, err);
-    if (status == ISO_OK)
-        status = measure(volume, opt, work, memory_bytes, runs, t, err);
+    TRY(status, measure(volume, opt, work, memory_bytes, runs, t, err));
     remove_work(work);
     return status;
 }
@@ -196,10 +194,8 @@ iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, 
     iso_status status = make_work(folder, &work, err);
     if (status == ISO_OK && !(volume = iso_path_join(work, "isoshade-bench.nrrd")))
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_volume_save(v, volume, false, err);
-    if (status == ISO_OK)
-        status = measure(volume, opt, work, memory_bytes, runs, t, err);
+    TRY(status, iso_volume_save(v, volume, false, err));
+    TRY(status, measure(volume, opt, work, memory_bytes, runs, t, err));
     free(volume);
     remove_work(work);
     return status;

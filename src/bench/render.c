@@ -150,18 +150,14 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
     iso_pyramid p;
     iso_gl *gl;
     iso_status status = iso_words_check_range("--size", opt->size, 8, 1024, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--image", opt->image, 1, 8192, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--runs", opt->runs, 1, 1000, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--step", opt->step_voxels, 1e-3, 100, err);
+    TRY(status, iso_words_check_range("--image", opt->image, 1, 8192, err));
+    TRY(status, iso_words_check_range("--runs", opt->runs, 1, 1000, err));
+    TRY(status, iso_words_check_range("--step", opt->step_voxels, 1e-3, 100, err));
     if (status == ISO_OK && opt->tf && strcmp(opt->tf, "dense") != 0 && strcmp(opt->tf, "sparse") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--tf \"%s\": wanted dense or sparse", opt->tf);
     if (status == ISO_OK && (opt->transition || opt->picture) && !(opt->bricks && opt->transition))
         status = iso_fail(err, ISO_E_USAGE, "--transition needs --bricks, and -o needs --transition");
-    if (status == ISO_OK)
-        status = iso_gl_create(&gl, NULL, err);
+    TRY(status, iso_gl_create(&gl, NULL, err));
     if (status != ISO_OK)
         return status;
     iso_gl_time_processor(gl, opt->processor_time);

@@ -248,8 +248,7 @@ static iso_status compare_levels(const level_comparison *c, const iso_node_level
         for (int i = 0; i < LEVEL_KINDS && status == ISO_OK; ++i) {
             iso_image image = {0};
             status = draw_level(c, nodes[i], &view, k, &image, err);
-            if (status == ISO_OK)
-                status = iso_metrics_measure(&image, &exact, &m[i], err);
+            TRY(status, iso_metrics_measure(&image, &exact, &m[i], err));
             iso_image_destroy(&image);
         }
         if (status == ISO_OK)
@@ -272,9 +271,8 @@ static iso_status compare_nodes_with_cells(const level_comparison *c, const iso_
                                                   &(iso_node_options){sharp->brick_voxels, sharp->level_count,
                                                                       ISO_NODES_SMOOTH, true, cli->threads},
                                                   err);
-    if (status == ISO_OK)
-        status = iso_node_levels_create_from_cells(&from_cells, p, sharp->brick_voxels, sharp->level_count,
-                                                   cli->threads, err);
+    TRY(status,
+        iso_node_levels_create_from_cells(&from_cells, p, sharp->brick_voxels, sharp->level_count, cli->threads, err));
     if (!cli->json) {
         printf("\nwhole levels against level 0, shaded: RMSE and SSIM\n%-8s %5s", "tf", "level");
         for (int i = 0; i < LEVEL_KINDS; ++i)

@@ -81,8 +81,7 @@ iso_status iso_bench_bricks_on_cpu(const iso_cli *cli, const iso_pyramid *p, con
         if (status != ISO_OK)
             return status;
         status = prepare(&c, p, *field, g != GRADIENTS_NONE, cli->threads, err);
-        if (status == ISO_OK)
-            status = draw(&c, opt, err);
+        TRY(status, draw(&c, opt, err));
         if (status == ISO_OK)
             report(cli, &c, (bench_gradients)g, opt->step_voxels, cases);
         for (int kind = 0; kind < KINDS; ++kind)

@@ -218,14 +218,11 @@ static iso_status measure_all(scale_bench *b, const iso_cli *cli, iso_error *err
     char *scene_path = iso_path_join(b->folder, "scale.scene.json"),
          *tf_path = iso_path_join(b->folder, "scale.tf.json");
     iso_status status = scene_path && tf_path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_file_write(scene_path, scene, sizeof scene - 1, err);
-    if (status == ISO_OK)
-        status = iso_file_write(tf_path, tf, sizeof tf - 1, err);
+    TRY(status, iso_file_write(scene_path, scene, sizeof scene - 1, err));
+    TRY(status, iso_file_write(tf_path, tf, sizeof tf - 1, err));
     free(scene_path);
     free(tf_path);
-    if (status == ISO_OK)
-        status = make_volume(b, least, err);
+    TRY(status, make_volume(b, least, err));
     for (size_t s = 0; s < STAGES && status == ISO_OK; ++s)
         if (is_asked(b, s))
             status = measure_command(b, stages[s].command, &b->start[s], err);
@@ -315,10 +312,8 @@ static iso_status draw(const scale_bench *b, const char *output, const char *for
     fclose(f);
     iso_output out = {0};
     iso_status status = iso_output_begin_dir(&out, output, "scale.csv", err);
-    if (status == ISO_OK)
-        status = iso_gnuplot_draw(out.temp_path, "scale", csv, iso_scale_gp, format, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, iso_gnuplot_draw(out.temp_path, "scale", csv, iso_scale_gp, format, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     free(csv);
     return status;
@@ -376,10 +371,8 @@ static iso_status run_all(scale_bench *b, const iso_cli *cli, const char *output
     const ssize_t n = readlink("/proc/self/exe", b->program, sizeof b->program - 1);
     b->folder = iso_make_temp_dir();
     iso_status status = n > 0 && b->folder ? ISO_OK : iso_temp_dir_fail(err);
-    if (status == ISO_OK)
-        status = measure_all(b, cli, err);
-    if (status == ISO_OK)
-        status = report(b, cli, output, format, err);
+    TRY(status, measure_all(b, cli, err));
+    TRY(status, report(b, cli, output, format, err));
     if (b->folder)
         iso_remove_tree(b->folder);
     free(b->folder);

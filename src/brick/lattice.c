@@ -275,8 +275,7 @@ static iso_status build(iso_lattice_builder *b, iso_error *err)
     l->background = iso_lattice_background(n, b->opt->tfs, b->opt->tf_count);
     l->empty[0] = (float)l->background;
     iso_status status = add_bricks(b, err);
-    if (status == ISO_OK)
-        status = iso_lattice_add_halo(b, err);
+    TRY(status, iso_lattice_add_halo(b, err));
     return status == ISO_OK ? trim(l, b->opt->whole_box, err) : status;
 }
 

@@ -365,8 +365,7 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
     iso_status status = c->renderer == &iso_renderer_cpu ? ISO_OK : iso_renderers_need_gl(&b->renderers, &gl, err);
     if (status == ISO_OK && gl && b->processor_time)
         iso_gl_time_processor(gl, true);
-    if (status == ISO_OK)
-        status = iso_cached_render_nodes(gl, &b->nodes, &s->plan, &s->view, &opt, image, err);
+    TRY(status, iso_cached_render_nodes(gl, &b->nodes, &s->plan, &s->view, &opt, image, err));
     if (status != ISO_OK)
         return status;
     iso_render_stats_of_gl(&report.draws, &c->took);
@@ -379,15 +378,11 @@ static iso_status render(iso_chart_bench *b, iso_chart_case *c, iso_image *image
 {
     *image = (iso_image){0};
     iso_status status = need_pyramid(b, c, err);
-    if (status == ISO_OK)
-        status = need_tf(b, c, err);
-    if (status == ISO_OK)
-        status = need_palette(b, c, err);
-    if (status == ISO_OK)
-        status = need_plan(b, c, err);
+    TRY(status, need_tf(b, c, err));
+    TRY(status, need_palette(b, c, err));
+    TRY(status, need_plan(b, c, err));
     const double start = iso_clock_seconds();
-    if (status == ISO_OK)
-        status = c->plan_error > 0 ? render_plan(b, c, image, err) : render_level(b, c, image, err);
+    TRY(status, c->plan_error > 0 ? render_plan(b, c, image, err) : render_level(b, c, image, err));
     if (status == ISO_OK)
         learn(b, c, iso_clock_seconds() - start);
     return status;
@@ -408,8 +403,7 @@ iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_er
 {
     iso_image image;
     iso_status status = render(b, c, &image, err);
-    if (status == ISO_OK)
-        status = compare(b, c, &image, !b->hasty || b->needs_visual, err);
+    TRY(status, compare(b, c, &image, !b->hasty || b->needs_visual, err));
     if (status == ISO_OK)
         c->picture = iso_chart_picture(&image);
     iso_image_destroy(&image);

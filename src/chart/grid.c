@@ -164,14 +164,10 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
     iso_status status = ISO_OK;
     for (size_t i = 0; i < sizeof lists / sizeof *lists && status == ISO_OK; ++i)
         status = parse_list(lists[i].list, lists[i].take, lists[i].flags, err);
-    if (status == ISO_OK)
-        status = iso_direction_filter_from_name(first_word(filters, word), &g->first_filter, err);
-    if (status == ISO_OK)
-        status = iso_gradient_from_name(first_word(estimators, word), &g->first_estimator, err);
-    if (status == ISO_OK)
-        status = iso_code_from_name(first_word(codes, word), &g->first_code, err);
-    if (status == ISO_OK)
-        status = parse_numbers(&steps, words->steps ? words->steps : usual->steps, g->steps, &g->step_count, err);
+    TRY(status, iso_direction_filter_from_name(first_word(filters, word), &g->first_filter, err));
+    TRY(status, iso_gradient_from_name(first_word(estimators, word), &g->first_estimator, err));
+    TRY(status, iso_code_from_name(first_word(codes, word), &g->first_code, err));
+    TRY(status, parse_numbers(&steps, words->steps ? words->steps : usual->steps, g->steps, &g->step_count, err));
     if (status == ISO_OK && strcmp(plans, "none") != 0)
         status = parse_numbers(&errors, plans, g->plans, &g->plan_count, err);
     for (size_t r = 0; r < iso_renderer_count() && !words->with; ++r)

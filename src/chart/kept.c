@@ -195,8 +195,7 @@ static iso_status copy_file(const char *from, const char *to, const char *name, 
     iso_status status = source && target ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     if (status == ISO_OK && iso_path_exists(source)) {
         status = iso_file_read(source, &bytes, &size, err);
-        if (status == ISO_OK)
-            status = iso_file_write(target, bytes, size, err);
+        TRY(status, iso_file_write(target, bytes, size, err));
     }
     free(bytes);
     free(source);
@@ -246,8 +245,7 @@ iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool 
     iso_status status = complete_key(key, b, err);
     if (status == ISO_OK && !(head = head_json(key, b)))
         status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    if (status == ISO_OK)
-        status = iso_output_resume_dir(&k->output, folder, own_names, resume, &partial, err);
+    TRY(status, iso_output_resume_dir(&k->output, folder, own_names, resume, &partial, err));
     if (status == ISO_OK && resume && !partial)
         status = copy_finished(k, b, err);
     if (status == ISO_OK && resume) {
@@ -260,8 +258,7 @@ iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool 
                 iso_output_abandon(&k->output);
         }
     }
-    if (status == ISO_OK)
-        status = begin_lines(k, head, err);
+    TRY(status, begin_lines(k, head, err));
     json_decref(found);
     json_decref(head);
     return status;
@@ -282,8 +279,7 @@ iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_c
         free(path);
     }
     rewind(k->lines);
-    if (status == ISO_OK)
-        status = take_lines(k, b, cases, count, err);
+    TRY(status, take_lines(k, b, cases, count, err));
     fseek(k->lines, 0, SEEK_END);
     /* without its reference nothing of a scene counts, nor what a small budget left unmeasured where it is asked for */
     for (size_t i = 0; i < count; ++i) {

@@ -120,12 +120,9 @@ iso_status iso_chart_result_write(const iso_chart_result *r, const char *folder,
 {
     char *csv = result_csv(r), *path = iso_path_join(folder, "chart.json");
     iso_status status = csv && path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    if (status == ISO_OK)
-        status = iso_json_save(path, json, err);
-    if (status == ISO_OK)
-        status = write_images(r, folder, err);
-    if (status == ISO_OK)
-        status = iso_chart_page_write(r, folder, json, err);
+    TRY(status, iso_json_save(path, json, err));
+    TRY(status, write_images(r, folder, err));
+    TRY(status, iso_chart_page_write(r, folder, json, err));
     if (status == ISO_OK && r->style)
         status = iso_gnuplot_use_style(r->style, folder, err);
     const char *const formats[] = {"svg", "pdf"};

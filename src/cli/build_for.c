@@ -91,19 +91,13 @@ iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *
     iso_scene_level levels[32];
     iso_cli_expect(b->cli, (const iso_cli_stage[]){{"pyramid", 1}, {"levels for the scene", 4}}, 2);
     iso_status status = iso_cli_check_memory("--for", b->volume, b->input, b->memory_mb, err);
-    if (status == ISO_OK)
-        status = iso_volume_input_load(b->volume, b->input, &volume, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_build(&volume, b->volume, opt, &p, &progress, err);
+    TRY(status, iso_volume_input_load(b->volume, b->input, &volume, err));
+    TRY(status, iso_pyramid_build(&volume, b->volume, opt, &p, &progress, err));
     iso_volume_destroy(&volume);
-    if (status == ISO_OK)
-        status = iso_subject_make_scene(b->look, &p, &scene, err);
-    if (status == ISO_OK)
-        status = warn(b, &p, &scene, err);
-    if (status == ISO_OK)
-        status = iso_scene_levels_make(&p, 1, &scene, b->cli->threads, levels, &progress, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_save(&p, b->output, err);
+    TRY(status, iso_subject_make_scene(b->look, &p, &scene, err));
+    TRY(status, warn(b, &p, &scene, err));
+    TRY(status, iso_scene_levels_make(&p, 1, &scene, b->cli->threads, levels, &progress, err));
+    TRY(status, iso_pyramid_save(&p, b->output, err));
     if (status == ISO_OK)
         print(b, &p, levels);
     iso_pyramid_destroy(&p);

@@ -158,8 +158,7 @@ static iso_status time_again(chart_run *run, iso_error *err)
         if (iso_clock_seconds() + iso_chart_bench_foresee(&run->bench, c) < run->end_seconds &&
             is_worth_timing_again(result, c)) {
             status = iso_chart_bench_time_again(&run->bench, c, err);
-            if (status == ISO_OK)
-                status = iso_chart_kept_put(&run->kept, &run->bench, c, err);
+            TRY(status, iso_chart_kept_put(&run->kept, &run->bench, c, err));
         }
     }
     iso_progress_report(&progress, "the best again", 1);
@@ -265,8 +264,7 @@ static iso_status finish(chart_run *run, iso_error *err)
 {
     iso_chart_result *result = &run->result;
     iso_status status = iso_chart_result_sort(result, err);
-    if (status == ISO_OK)
-        status = save_viewers(run, err);
+    TRY(status, save_viewers(run, err));
     if (status != ISO_OK)
         return status;
     result->spent_seconds = iso_clock_seconds() - run->start_seconds;
@@ -274,8 +272,7 @@ static iso_status finish(chart_run *run, iso_error *err)
     iso_progress_report(&progress, "drawing", 0);
     json_t *json = iso_chart_result_json(result);
     status = iso_chart_result_write(result, run->kept.output.temp_path, json, err);
-    if (status == ISO_OK)
-        status = iso_chart_kept_commit(&run->kept, err);
+    TRY(status, iso_chart_kept_commit(&run->kept, err));
     result->spent_seconds = iso_clock_seconds() - run->start_seconds;
     iso_progress_line_hide(run->cli->progress);
     if (status == ISO_OK && !run->cli->json)
@@ -325,8 +322,7 @@ static iso_status make_references(chart_run *run, iso_error *err)
         if (b->scenes[i].reference.rgba)
             continue;
         status = iso_chart_bench_reference(b, i, b->hasty ? ISO_CHART_HASTY_TOLERANCE : ISO_CHART_TOLERANCE, err);
-        if (status == ISO_OK)
-            status = iso_chart_kept_put_reference(&run->kept, b, i, err);
+        TRY(status, iso_chart_kept_put_reference(&run->kept, b, i, err));
     }
     return status;
 }
@@ -353,10 +349,8 @@ static iso_status take_kept(chart_run *run, iso_error *err)
                                                   &run->bench, err)
                             : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     iso_key_destroy(key);
-    if (status == ISO_OK)
-        status = identify_renderers(run, err);
-    if (status == ISO_OK)
-        status = iso_chart_kept_take(&run->kept, &run->bench, result->cases, result->count, err);
+    TRY(status, identify_renderers(run, err));
+    TRY(status, iso_chart_kept_take(&run->kept, &run->bench, result->cases, result->count, err));
     for (size_t i = 0; i < result->count && status == ISO_OK; ++i)
         result->kept_count += result->cases[i].kept;
     result->done_count = result->kept_count;
@@ -387,8 +381,7 @@ static iso_status open_bench(chart_run *run, iso_error *err)
     run->bench.needs_visual = a->metric != ISO_CHART_RMSE;
     for (size_t i = 0; i < run->bench.scene_count && status == ISO_OK; ++i)
         iso_cli_warn_of_view(run->cli, &run->bench.first, &run->bench.scenes[i].view, NULL, &(bool){false});
-    if (status == ISO_OK)
-        status = find_renderers(run, err);
+    TRY(status, find_renderers(run, err));
     return status;
 }
 
@@ -430,24 +423,16 @@ iso_status iso_cli_chart(const iso_chart_arguments *a, const iso_cli *cli, iso_e
                                     {"drawing", 2}};
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     iso_status status = iso_chart_grid_parse(&a->words, &run->grid, err);
-    if (status == ISO_OK)
-        status = check_looks(run, err);
-    if (status == ISO_OK)
-        status = open_bench(run, err);
-    if (status == ISO_OK)
-        status = iso_chart_grid_cases(&run->grid, &run->bench.first, run->bench.is_volume, run->bench.scene_count,
-                                      &result->cases, &result->count, err);
-    if (status == ISO_OK)
-        status = take_kept(run, err);
-    if (status == ISO_OK)
-        status = make_references(run, err);
+    TRY(status, check_looks(run, err));
+    TRY(status, open_bench(run, err));
+    TRY(status, iso_chart_grid_cases(&run->grid, &run->bench.first, run->bench.is_volume, run->bench.scene_count,
+                                     &result->cases, &result->count, err));
+    TRY(status, take_kept(run, err));
+    TRY(status, make_references(run, err));
     plan_time(run);
-    if (status == ISO_OK)
-        status = measure_all(run, err);
-    if (status == ISO_OK)
-        status = time_again(run, err);
-    if (status == ISO_OK)
-        status = finish(run, err);
+    TRY(status, measure_all(run, err));
+    TRY(status, time_again(run, err));
+    TRY(status, finish(run, err));
     free(line);
     end(run);
     return status;

@@ -81,10 +81,8 @@ static iso_status write_page(const char *dir, const json_t *root, const char *se
         iso_atlas_page_end(html);
         fclose(html);
     }
-    if (status == ISO_OK)
-        status = iso_file_write(page, text, size, err);
-    if (status == ISO_OK)
-        status = iso_json_save(data, root, err);
+    TRY(status, iso_file_write(page, text, size, err));
+    TRY(status, iso_json_save(data, root, err));
     free(text);
     free(page);
     free(data);
@@ -107,10 +105,8 @@ static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char 
     status = page.html ? make_cases(cli, wanted, &page, &fallen, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (page.html)
         fclose(page.html);
-    if (status == ISO_OK)
-        status = write_page(out.temp_path, root, sections, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, write_page(out.temp_path, root, sections, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     free(sections);
     if (status == ISO_OK && cli->json)
@@ -142,8 +138,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the atlas");
         else
             status = choose(cases, wanted, err);
-        if (status == ISO_OK)
-            status = make_atlas(&cli, wanted, output, root, err);
+        TRY(status, make_atlas(&cli, wanted, output, root, err));
         json_decref(root);
         free(wanted);
     }

@@ -41,10 +41,8 @@ static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const
 {
     json_t *then = NULL, *checked = NULL, *d = NULL;
     iso_status status = iso_report_load(cli->arguments[1], &then, err);
-    if (status == ISO_OK)
-        status = iso_difference_accept(then, &checked, err);
-    if (status == ISO_OK)
-        status = iso_difference_of(then, now, true, a->factor, &d, err);
+    TRY(status, iso_difference_accept(then, &checked, err));
+    TRY(status, iso_difference_of(then, now, true, a->factor, &d, err));
     const size_t worse = iso_difference_count_worse(d);
     if (status == ISO_OK) {
         iso_difference_conclude(d);
@@ -68,8 +66,7 @@ static iso_status baseline(const iso_cli *cli, const baseline_arguments *a, iso_
     json_t *report = NULL, *now = NULL;
     const bool is_there = iso_path_exists(path);
     iso_status status = iso_report_load(cli->arguments[0], &report, err);
-    if (status == ISO_OK)
-        status = iso_difference_accept(report, &now, err);
+    TRY(status, iso_difference_accept(report, &now, err));
     if (status == ISO_OK && !is_there && !a->update)
         status = iso_fail(err, ISO_E_IO, "%s: there is no baseline; --update makes one of this report", path);
     if (status == ISO_OK && is_there)

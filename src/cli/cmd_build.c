@@ -40,12 +40,9 @@ static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli
 {
     *out = iso_pyramid_defaults();
     iso_status status = iso_words_check_range("--levels", in->levels, 1, 32, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--gauss-radius", in->gauss_radius, 1, 16, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--gauss-sigma", in->gauss_sigma, 0.1, 100, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--eq1-exponent", in->eq1_exponent, 0, 4, err);
+    TRY(status, iso_words_check_range("--gauss-radius", in->gauss_radius, 1, 16, err));
+    TRY(status, iso_words_check_range("--gauss-sigma", in->gauss_sigma, 0.1, 100, err));
+    TRY(status, iso_words_check_range("--eq1-exponent", in->eq1_exponent, 0, 4, err));
     if (in->is_auto) {
         out->scalar_filter = ISO_SCALAR_DAMPED;
         out->direction_filter = ISO_DIRECTION_AUTO;
@@ -269,12 +266,9 @@ static iso_status build_for(const build_job *job, iso_error *err)
     iso_subject_look look;
     asked.scene = strcmp(in->scene, ISO_BUILD_FOR_FIRST) == 0 ? NULL : in->scene;
     const iso_build_for with = {cli, job->input, &look, path, output, in->memory_mb};
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&asked, cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = choose_filter(job, &opt, err);
-    if (status == ISO_OK)
-        status = iso_cli_build_for(&with, &opt, err);
+    TRY(status, iso_cli_look_check(&asked, cli->threads, &look, err));
+    TRY(status, choose_filter(job, &opt, err));
+    TRY(status, iso_cli_build_for(&with, &opt, err));
     free(output);
     return status;
 }
@@ -288,14 +282,10 @@ static iso_status build(const build_job *job, iso_error *err)
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, job->cli, &opt, err)
                                : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_words_check_range("--memory", in->memory_mb, 1, 1e9, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--save-every", in->save_seconds, 0, 1e6, err);
-    if (status == ISO_OK)
-        status = choose_filter(job, &opt, err);
-    if (status == ISO_OK)
-        status = in->frames ? build_frames(job, &opt, output, err) : build_one(job, &opt, output, &json, err);
+    TRY(status, iso_words_check_range("--memory", in->memory_mb, 1, 1e9, err));
+    TRY(status, iso_words_check_range("--save-every", in->save_seconds, 0, 1e6, err));
+    TRY(status, choose_filter(job, &opt, err));
+    TRY(status, in->frames ? build_frames(job, &opt, output, err) : build_one(job, &opt, output, &json, err));
     if (json)
         iso_cli_print_json(json);
     free(output);
@@ -396,10 +386,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     iso_ranks *ranks = NULL;
     iso_status status = silence_others(err);
-    if (status == ISO_OK)
-        status = iso_ranks_open(&ranks, err);
-    if (status == ISO_OK)
-        status = run_alone_or_as_rank(self, argc, argv, ranks, err);
+    TRY(status, iso_ranks_open(&ranks, err));
+    TRY(status, run_alone_or_as_rank(self, argc, argv, ranks, err));
     iso_ranks_close(ranks);
     return iso_ranks_is_other() ? ISO_OK : status;
 }

@@ -17,10 +17,8 @@ static iso_status check(iso_chart_arguments *a, iso_error *err)
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the chart");
     iso_status status = iso_renderers_load(a->renderers, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", a->level_count, 1, ISO_CHART_MAX_LEVELS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--budget", a->budget_seconds, 0, 1e6, err);
+    TRY(status, iso_words_check_range("--levels", a->level_count, 1, ISO_CHART_MAX_LEVELS, err));
+    TRY(status, iso_words_check_range("--budget", a->budget_seconds, 0, 1e6, err));
     if (status == ISO_OK && a->want_text)
         status = iso_words_parse_error("--want", a->want_text, &a->want, err);
     if (status == ISO_OK && a->metric_text)

@@ -89,8 +89,7 @@ static iso_status measure_flip(const compare_options *opt, const iso_image image
         status = iso_image_create(&picture, images[0].width, images[0].height, err);
         for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i)
             picture.rgba[i] = i % 4 == 3 ? 1 : map[i / 4];
-        if (status == ISO_OK)
-            status = iso_image_save(&picture, opt->flip_map, NULL, err);
+        TRY(status, iso_image_save(&picture, opt->flip_map, NULL, err));
         iso_image_destroy(&picture);
     }
     free(map);
@@ -158,8 +157,7 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
     bool has_alpha[2] = {false, false};
     hdr_flip hdr = {.mean = NAN};
     iso_status status = opt->flip_map ? iso_image_check_name("--flip-map", opt->flip_map, err) : ISO_OK;
-    if (status == ISO_OK)
-        status = load(cli, opt, images, has_alpha, err);
+    TRY(status, load(cli, opt, images, has_alpha, err));
     if (status != ISO_OK)
         return status;
     const bool has_one_size = images[0].width == images[1].width && images[0].height == images[1].height;
@@ -171,8 +169,7 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
         return iso_fail_in(err, status, "%s and %s", cli->arguments[0], cli->arguments[1]);
     if (opt->difference) {
         status = iso_image_difference(&images[0], &images[1], opt->scale, &images[2], err);
-        if (status == ISO_OK)
-            status = iso_image_save_png(&images[2], opt->difference, 1, err);
+        TRY(status, iso_image_save_png(&images[2], opt->difference, 1, err));
     }
     if (status == ISO_OK && (opt->hdr || opt->flip_map) && m.nonfinite_count == 0)
         status = measure_flip(opt, images, &flip, err);

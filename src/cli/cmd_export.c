@@ -41,8 +41,7 @@ static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *v
                                                &(iso_cli_roi_place){&a->adapted, a->cli->arguments[0], job->pyramid, k,
                                                                     a->cli->threads},
                                                view, err);
-    if (status == ISO_OK)
-        status = iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], job->pyramid, k, view, a->cli->threads, err);
+    TRY(status, iso_cli_adapt_view(&a->adapted, a->cli->arguments[0], job->pyramid, k, view, a->cli->threads, err));
     if (status != ISO_OK)
         iso_view_destroy(view);
     return status;
@@ -97,8 +96,7 @@ static iso_status check_arguments(iso_export_arguments *a, const iso_export_targ
                                   double iso[3], iso_error *err)
 {
     iso_status status = iso_export_check(a, target, err);
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&a->look, a->cli->threads, look, err);
+    TRY(status, iso_cli_look_check(&a->look, a->cli->threads, look, err));
     if (status == ISO_OK && a->isosurface)
         status = iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err);
     return status;
@@ -168,8 +166,7 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     job.extinction_scale = a->adapted.extinction_scale;
     job.bake = a->bake.wanted ? &a->bake : NULL;
     job.lattice = a->bake.lattice;
-    if (status == ISO_OK)
-        status = target->write(&job, err);
+    TRY(status, target->write(&job, err));
     if (status == ISO_OK && root) {
         json_object_update_new(root, json_pack("{s:s, s:s, s:i, s:i}", "to", a->to, "output", a->output, "level",
                                                a->level, "levels", a->level_count));
@@ -208,8 +205,7 @@ static iso_status make_series_view(const iso_export_arguments *a, const iso_subj
 {
     iso_pyramid first = {0};
     iso_status status = iso_subject_frames_load(frames, frames->widest, &first, err);
-    if (status == ISO_OK)
-        status = check_level(a, &first, err);
+    TRY(status, check_level(a, &first, err));
     if (status == ISO_OK && frames->has_scene)
         status = iso_subject_frames_view(frames, &first, view, err);
     if (status == ISO_OK && frames->has_scene)
@@ -230,8 +226,7 @@ static iso_status write_each(const iso_export_arguments *a, const iso_export_tar
         status = name ? iso_subject_frames_load(frames, k, &p, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
         job.pyramid = &p;
         job.output = name;
-        if (status == ISO_OK)
-            status = target->write(&job, err);
+        TRY(status, target->write(&job, err));
         iso_pyramid_destroy(&p);
         free(name);
     }
@@ -257,16 +252,14 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
                                            ? &look
                                            : NULL,
                                        &progress, &frames, err);
-    if (status == ISO_OK)
-        status = make_series_view(a, &frames, iso, &view, err);
+    TRY(status, make_series_view(a, &frames, iso, &view, err));
     json_t *root = status == ISO_OK && a->cli->json ? iso_cli_json(a->cli) : NULL;
     char *command = iso_cli_command_line(a->cli);
     iso_export_job job = job_of(a, target, &view, iso[0], &progress, command, root);
     job.frame_count = frames.count;
     job.load_frame = load_frame;
     job.frame_user = &frames;
-    if (status == ISO_OK)
-        status = target->write_frames ? target->write_frames(&job, err) : write_each(a, target, &frames, &job, err);
+    TRY(status, target->write_frames ? target->write_frames(&job, err) : write_each(a, target, &frames, &job, err));
     if (status == ISO_OK && root) {
         json_object_update_new(root,
                                json_pack("{s:s, s:s, s:i, s:i, s:I, s:o}", "to", a->to, "output", a->output, "level",
@@ -304,8 +297,7 @@ static iso_status export_volumes(iso_export_arguments *a, iso_error *err)
         status = iso_fail(err, ISO_E_USAGE, "%s and several volumes: %s is of one volume", other, other);
     if (status == ISO_OK && a->channels && a->input.channel)
         status = iso_fail(err, ISO_E_USAGE, "--channel and --channels: one of them");
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
+    TRY(status, iso_cli_look_check(&a->look, a->cli->threads, &look, err));
     if (status != ISO_OK)
         return status;
     iso_cli_expect_names(a->cli, true, target->stages, target->name);

@@ -51,8 +51,7 @@ static iso_status take_names(figure_arguments *a, iso_error *err)
 {
     iso_status status = iso_figure_kind_from_name(&iso_figure_kind_names, a->kind ? a->kind : iso_figure_usual_kind(a->job.input),
                                                   &a->job.kind, err);
-    if (status == ISO_OK)
-        status = iso_colormap_from_name(a->map ? a->map : "magma", &a->job.map, err);
+    TRY(status, iso_colormap_from_name(a->map ? a->map : "magma", &a->job.map, err));
     if (status == ISO_OK && a->error)
         status = iso_words_parse_error("--error", a->error, &a->job.error, err);
     if (status == ISO_OK && a->background)
@@ -152,8 +151,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         job->input = cli.argument_count ? cli.arguments[0] : NULL;
         job->output = a.output;
         status = take_names(&a, err);
-        if (status == ISO_OK)
-            status = iso_figure_make(job, err);
+        TRY(status, iso_figure_make(job, err));
         if (status == ISO_OK)
             print_result(&a);
     }

@@ -85,8 +85,7 @@ static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_e
     iso_vec3 center = {0, 0, 0};
     if (status == ISO_OK && opt->center)
         status = parse_center(opt->center, &center, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--grain", opt->grain, 0, 1, err);
+    TRY(status, iso_words_check_range("--grain", opt->grain, 0, 1, err));
     if (status == ISO_OK && opt->rotate)
         status = parse_rotation(opt->rotate, &turn, err);
     if (status != ISO_OK)
@@ -135,8 +134,7 @@ static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso
     for (size_t z = 0; status == ISO_OK && z < n[2]; z += slab) {
         size_t end = z + slab < n[2] ? z + slab : n[2];
         status = iso_field_sample_planes(field, type, z, end, cli->threads, planes, err);
-        if (status == ISO_OK)
-            status = iso_sink_write(sink, end - z, planes, err);
+        TRY(status, iso_sink_write(sink, end - z, planes, err));
         iso_progress_report(&progress, "make", (double)end / (double)n[2]);
     }
     free(planes);
@@ -149,15 +147,11 @@ static iso_status make_volume(const iso_cli *cli, const make_options *opt, iso_e
     iso_volume like = {.notes = {.scale_slope = 1}};
     iso_volume_sink *sink;
     iso_status status = iso_field_from_name(cli->arguments[0], &field.kind, err);
-    if (status == ISO_OK)
-        status = iso_type_from_name(opt->type ? opt->type : "uint16", &like.type, err);
-    if (status == ISO_OK)
-        status = parse_range(opt->range, like.type, &field, err);
-    if (status == ISO_OK)
-        status = parse_geometry(opt, &field.geometry, err);
+    TRY(status, iso_type_from_name(opt->type ? opt->type : "uint16", &like.type, err));
+    TRY(status, parse_range(opt->range, like.type, &field, err));
+    TRY(status, parse_geometry(opt, &field.geometry, err));
     like.geometry = field.geometry;
-    if (status == ISO_OK)
-        status = iso_sink_open(opt->output, &like, opt->gzip, &sink, err);
+    TRY(status, iso_sink_open(opt->output, &like, opt->gzip, &sink, err));
     if (status != ISO_OK)
         return status;
     status = write_slabs(&field, sink, like.type, cli, err);

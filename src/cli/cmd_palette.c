@@ -57,24 +57,17 @@ static iso_status to_options(const iso_palette_arguments *a, iso_palette_options
 {
     *out = iso_palette_defaults();
     iso_status status = iso_words_check_range("--entries", a->entries, 1, ISO_PALETTE_MAX, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--seed", a->seed, 0, 2147483647, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--swap-trials", a->swap_trials, 0, 10000, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--cycles", a->cycles, 0, 1000000, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--steps", a->steps, 0, 100000000, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--level", a->level, -1, 31, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--ellipsoid", a->ellipsoid, 0, 1e8, err);
+    TRY(status, iso_words_check_range("--seed", a->seed, 0, 2147483647, err));
+    TRY(status, iso_words_check_range("--swap-trials", a->swap_trials, 0, 10000, err));
+    TRY(status, iso_words_check_range("--cycles", a->cycles, 0, 1000000, err));
+    TRY(status, iso_words_check_range("--steps", a->steps, 0, 100000000, err));
+    TRY(status, iso_words_check_range("--level", a->level, -1, 31, err));
+    TRY(status, iso_words_check_range("--ellipsoid", a->ellipsoid, 0, 1e8, err));
     if (status == ISO_OK && a->method)
         status = iso_palette_method_from_name(a->method, &out->method, err);
     if (status == ISO_OK && (a->ellipsoid > 0) == (a->cli->argument_count > 0))
         status = iso_fail(err, ISO_E_USAGE, "wanted either a volume or --ellipsoid N");
-    if (status == ISO_OK)
-        status = check_outputs(a, err);
+    TRY(status, check_outputs(a, err));
     out->directions = (size_t)a->entries;
     out->seed = (uint64_t)a->seed;
     out->swap_trials = (size_t)a->swap_trials;
@@ -104,8 +97,7 @@ static iso_status save_indices(const iso_palette *palette, const iso_geometry *g
     iso_palette_lookup *lookup = NULL;
     iso_volume index = {0};
     iso_status status = iso_palette_lookup_create(palette, &lookup, err);
-    if (status == ISO_OK)
-        status = iso_volume_create(&index, g, bytes ? ISO_U8 : ISO_U16, path, err);
+    TRY(status, iso_volume_create(&index, g, bytes ? ISO_U8 : ISO_U16, path, err));
     if (status == ISO_OK) {
         index_vectors(lookup, bytes, vectors, index.data, iso_geometry_voxel_count(g));
         status = iso_volume_save(&index, path, false, err);
@@ -125,10 +117,8 @@ static iso_status save_volume_indices(const iso_palette_arguments *a, const iso_
     iso_status status = iso_volume_input_load(a->cli->arguments[0], &a->input, &v, err);
     if (status == ISO_OK && !(vectors = malloc(3 * iso_geometry_voxel_count(&v.geometry) * sizeof *vectors)))
         status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for its gradients", path);
-    if (status == ISO_OK)
-        status = iso_gradient_compute(&v, &gradient, vectors, err);
-    if (status == ISO_OK)
-        status = save_indices(palette, &v.geometry, vectors, path, err);
+    TRY(status, iso_gradient_compute(&v, &gradient, vectors, err));
+    TRY(status, save_indices(palette, &v.geometry, vectors, path, err));
     iso_volume_destroy(&v);
     free(vectors);
     return status;
@@ -141,8 +131,7 @@ static iso_status save_level_indices(const iso_pyramid *p, size_t k, const iso_p
     const float *directions;
     float *owned;
     iso_status status = iso_level_directions(l, p->options.code, &directions, &owned, err);
-    if (status == ISO_OK)
-        status = save_indices(palette, &l->geometry, directions, path, err);
+    TRY(status, save_indices(palette, &l->geometry, directions, path, err));
     free(owned);
     return status;
 }
@@ -266,10 +255,8 @@ static iso_status make_one(const iso_palette_arguments *a, const iso_palette_opt
         status = iso_palette_pyramid_set(a, p, level < 0 ? 0 : (size_t)level,
                                          level < 0 ? p->level_count - 1 : (size_t)level, &f.set, err);
     f.sample_seconds = iso_clock_seconds() - start;
-    if (status == ISO_OK)
-        status = fit(a, opt, &f, err);
-    if (status == ISO_OK)
-        status = save_all(a, p, &f, err);
+    TRY(status, fit(a, opt, &f, err));
+    TRY(status, save_all(a, p, &f, err));
     if (status == ISO_OK)
         report(a, opt, &f, palettes);
     fitted_destroy(&f);

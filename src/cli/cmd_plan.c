@@ -44,11 +44,9 @@ static iso_status bake_both(const iso_brick_field *older, const uint8_t *older_d
     iso_brick_store store = {0}, scratch = {0};
     iso_status status = iso_brick_store_update(&store, older, older_drawn, threads, NULL, err);
     double start = iso_clock_seconds();
-    if (status == ISO_OK)
-        status = iso_brick_store_update(&store, newer, drawn, threads, &u->baked_count, err);
+    TRY(status, iso_brick_store_update(&store, newer, drawn, threads, &u->baked_count, err));
     double middle = iso_clock_seconds();
-    if (status == ISO_OK)
-        status = iso_brick_store_update(&scratch, newer, drawn, threads, &u->drawn_count, err);
+    TRY(status, iso_brick_store_update(&scratch, newer, drawn, threads, &u->drawn_count, err));
     u->scratch_seconds = iso_clock_seconds() - middle;
     u->update_seconds = middle - start;
     u->equal = status == ISO_OK && iso_brick_store_equal(&store, &scratch, newer->nodes);
@@ -169,14 +167,12 @@ static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const 
     if (status != ISO_OK)
         return status;
     status = iso_planner_search(&p, a->error, a->memory == NO_MEMORY ? 0 : a->memory, &progress, err);
-    if (status == ISO_OK)
-        status = update_from(a, &p, cli->threads, &update, err);
+    TRY(status, update_from(a, &p, cli->threads, &update, err));
     if (status == ISO_OK && a->image)
         status = iso_image_save(&p.best.image, a->image, NULL, err);
     if (status == ISO_OK && a->full_image)
         status = iso_image_save(&p.full[0], a->full_image, NULL, err);
-    if (status == ISO_OK)
-        status = report(&p, a, &update, cli, err);
+    TRY(status, report(&p, a, &update, cli, err));
     iso_planner_destroy(&p);
     return status;
 }
@@ -184,14 +180,10 @@ static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const 
 static iso_status check(const plan_arguments *a, iso_error *err)
 {
     iso_status status = iso_words_check_range("--error", a->error, 1e-6, 1, err);
-    if (status == ISO_OK)
-        status = a->memory == NO_MEMORY ? ISO_OK : iso_words_check_range("--memory", a->memory, 1, 1e15, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--brick", a->brick, 2, ISO_BRICK_MOST_VOXELS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", a->levels, 1, ISO_BRICK_MAX_LEVELS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--views", a->views, 1, 360, err);
+    TRY(status, a->memory == NO_MEMORY ? ISO_OK : iso_words_check_range("--memory", a->memory, 1, 1e15, err));
+    TRY(status, iso_words_check_range("--brick", a->brick, 2, ISO_BRICK_MOST_VOXELS, err));
+    TRY(status, iso_words_check_range("--levels", a->levels, 1, ISO_BRICK_MAX_LEVELS, err));
+    TRY(status, iso_words_check_range("--views", a->views, 1, 360, err));
     if (status == ISO_OK && a->faces && strcmp(a->faces, "own") != 0 && strcmp(a->faces, "baked") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--faces is \"%s\", wanted baked or own", a->faces);
     if (status == ISO_OK && a->image)
@@ -223,21 +215,15 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     build.level_count = 1;
     build.threads = cli->threads;
     iso_status status = check(a, err);
-    if (status == ISO_OK)
-        status = iso_cli_look_take(&a->look, cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = iso_planner_check_views(&look, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err);
-    if (status == ISO_OK)
-        status = iso_subject_refuse_labels(&pyramid, cli->arguments[0], "a plan", err);
-    if (status == ISO_OK)
-        status = iso_planner_load_views(&look, (size_t)a->views, &pyramid, &views, &view_count, err);
+    TRY(status, iso_cli_look_take(&a->look, cli->threads, &look, err));
+    TRY(status, iso_planner_check_views(&look, err));
+    TRY(status, iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err));
+    TRY(status, iso_subject_refuse_labels(&pyramid, cli->arguments[0], "a plan", err));
+    TRY(status, iso_planner_load_views(&look, (size_t)a->views, &pyramid, &views, &view_count, err));
     if (status == ISO_OK)
         warn_of_views(cli, &pyramid, views, view_count);
-    if (status == ISO_OK)
-        status = iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)a->brick, (size_t)a->levels, true,
-                                        cli->threads, err);
+    TRY(status, iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)a->brick, (size_t)a->levels, true,
+                                       cli->threads, err));
     if (status == ISO_OK) {
         iso_node_levels_round(&nodes);
         status = plan_views(a, cli, &nodes, views, view_count, err);

@@ -96,8 +96,7 @@ static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cl
     iso_gl *gl = NULL;
     iso_status status = q->options->renderer == &iso_renderer_cpu ? ISO_OK
                                                                   : iso_renderers_need_gl(q->renderers, &gl, err);
-    if (status == ISO_OK)
-        status = iso_cached_render(gl, &q->pyramid->levels[0], q->view, &o, image, q->progress, err);
+    TRY(status, iso_cached_render(gl, &q->pyramid->levels[0], q->view, &o, image, q->progress, err));
     *seconds = r.seconds;
     if (status == ISO_OK)
         iso_render_report_cache(&r, cli);
@@ -146,8 +145,7 @@ static iso_status prepare(const iso_render_arguments *a, const iso_cli *cli, iso
     build->level_count = (size_t)a->level + 1;
     build->keep_float = opt->source == ISO_FROM_FLOAT || is_from_palette(opt->source);
     status = take_build(a, cli->arguments[0], build, err);
-    if (status == ISO_OK)
-        status = iso_render_check_output(a, err);
+    TRY(status, iso_render_check_output(a, err));
     return status == ISO_OK ? iso_cli_look_check(&a->look, cli->threads, look, err) : status;
 }
 
@@ -187,12 +185,9 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     iso_status status = prepare(a, cli, &opt, &build, &look, err);
     if (status == ISO_OK)
         iso_cli_expect_names(cli, !iso_pyramid_is_one(cli->arguments[0]), opt.renderer->stages, opt.renderer->name);
-    if (status == ISO_OK)
-        status = load_subject(a, cli, of, &build, &pyramid, err);
-    if (status == ISO_OK)
-        status = recode(a, &pyramid, err);
-    if (status == ISO_OK)
-        status = attach_palette(a, &opt, &pyramid, &palette, err);
+    TRY(status, load_subject(a, cli, of, &build, &pyramid, err));
+    TRY(status, recode(a, &pyramid, err));
+    TRY(status, attach_palette(a, &opt, &pyramid, &palette, err));
     if (status == ISO_OK)
         status = of->series ? iso_subject_frames_view(of->series, &pyramid, &view, err)
                             : iso_subject_make_view(&look, &pyramid, &view, err);
@@ -203,13 +198,11 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
                                   &(iso_cli_roi_place){&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level,
                                                        cli->threads},
                                   &view, err);
-    if (status == ISO_OK)
-        status = iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads,
-                                    err);
+    TRY(status, iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads,
+                                   err));
     if (status == ISO_OK && !a->with && !a->limit && !a->page_side)
         iso_renderers_choose(&pyramid, &view, &opt);
-    if (status == ISO_OK)
-        status = opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err);
+    TRY(status, opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err));
     opt.stats = &stats;
     if (status == ISO_OK && iso_render_is_in_bricks(a))
         status = render_cached(a, cli, &request, &image, &seconds, err);
@@ -217,10 +210,8 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
         status = render_limit(a, cli, &request, &image, &seconds, err);
     else if (status == ISO_OK)
         status = iso_render_with(&request, &image, &seconds, err);
-    if (status == ISO_OK)
-        status = iso_render_check_finite(opt.renderer, &image, err);
-    if (status == ISO_OK)
-        status = iso_render_save(a, cli, &image, version, taken_step(a, &request), err);
+    TRY(status, iso_render_check_finite(opt.renderer, &image, err));
+    TRY(status, iso_render_save(a, cli, &image, version, taken_step(a, &request), err));
     if (status == ISO_OK) {
         iso_visible_take_image(&visible, &image, view.background);
         if (!warned)
@@ -263,8 +254,7 @@ static iso_status render_series(const iso_render_arguments *a, const iso_cli *cl
                         : a->adapted.wanted ? "--adapt"
                                             : "--extinction-scale");
     iso_status status = prepare(a, cli, &opt, &build, &look, err);
-    if (status == ISO_OK)
-        status = iso_subject_frames_create(cli->arguments[0], &a->input, &build, &look, &progress, &series, err);
+    TRY(status, iso_subject_frames_create(cli->arguments[0], &a->input, &build, &look, &progress, &series, err));
     json_t *all = cli->json ? json_array() : NULL;
     for (size_t k = 0; k < series.count && status == ISO_OK; ++k) {
         iso_render_arguments one = *a;
@@ -340,8 +330,7 @@ static iso_status take_and_draw(iso_render_arguments *a, const iso_cli_cycles *c
     iso_status status = iso_renderers_load(a->renderers, err);
     if (status == ISO_OK && a->plan_error_text)
         status = iso_words_parse_error("--plan-error", a->plan_error_text, &a->plan_error, err);
-    if (status == ISO_OK)
-        status = iso_cli_take_cycles(cycles, a->with ? a->with : iso_renderers_usual()->name, err);
+    TRY(status, iso_cli_take_cycles(cycles, a->with ? a->with : iso_renderers_usual()->name, err));
     return status == ISO_OK ? draw(a, cli, err) : status;
 }
 

@@ -102,10 +102,8 @@ static iso_status check_and_diff(const iso_cli *cli, const report_arguments *a, 
     if (cli->argument_count != 3)
         return iso_fail(err, ISO_E_USAGE, "diff wants two reports, A and B");
     iso_status status = load(cli->arguments[1], &of[0], err);
-    if (status == ISO_OK)
-        status = load(cli->arguments[2], &of[1], err);
-    if (status == ISO_OK)
-        status = diff(cli, a, of, err);
+    TRY(status, load(cli->arguments[2], &of[1], err));
+    TRY(status, diff(cli, a, of, err));
     unload(&of[0]);
     unload(&of[1]);
     return status;

@@ -82,8 +82,7 @@ static iso_status choose(sheet *s, iso_error *err)
     static const char *const usual_views[] = {"front", "left", "top", "iso"};
     const scenes_arguments *a = s->arguments;
     iso_status status = take("--view", a->views, s->views, &s->view_count, err);
-    if (status == ISO_OK)
-        status = take("--tf", a->tfs, s->tfs, &s->tf_count, err);
+    TRY(status, take("--tf", a->tfs, s->tfs, &s->tf_count, err));
     if (a->scene && !a->views)
         s->views[s->view_count++] = NULL;
     if (a->scene && !a->tfs)
@@ -200,8 +199,7 @@ static iso_status draw_tf(sheet *s, size_t tf, iso_error *err)
                 return ISO_OK;
             }
         }
-        if (status == ISO_OK)
-            status = draw_one(s, tf, i, &view, err);
+        TRY(status, draw_one(s, tf, i, &view, err));
         iso_view_destroy(&view);
     }
     return status;
@@ -250,8 +248,7 @@ static iso_status guard_json(const char *output, iso_error *err)
 {
     char *path = json_path(output);
     iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
-    if (status == ISO_OK)
-        status = iso_stamp_guard_beside(path, is_of_a_sheet(path), err);
+    TRY(status, iso_stamp_guard_beside(path, is_of_a_sheet(path), err));
     free(path);
     return status;
 }
@@ -295,23 +292,18 @@ static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
                             : iso_fail(err, ISO_E_USAGE, "-o is missing: the picture to write, .png, .svg or .pdf");
     if (status == ISO_OK && !iso_gnuplot_ending(a->output))
         status = iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", a->output);
-    if (status == ISO_OK)
-        status = choose(&s, err);
+    TRY(status, choose(&s, err));
     if (status == ISO_OK) /* what was chosen is read, so that an input is told from what a person keeps there */
         status = guard_json(a->output, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &s.pyramid, err);
-    if (status == ISO_OK)
-        status = iso_survey_make(&s.pyramid.levels[0], a->cli->threads, &s.survey, err);
-    if (status == ISO_OK)
-        status = draw_all(&s, &progress, err);
+    TRY(status, iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &s.pyramid, err));
+    TRY(status, iso_survey_make(&s.pyramid.levels[0], a->cli->threads, &s.survey, err));
+    TRY(status, draw_all(&s, &progress, err));
     if (status == ISO_OK) {
         char title[256];
         snprintf(title, sizeof title, "%.200s", iso_provenance_title(a->cli->arguments[0]));
         status = iso_contact_sheet_draw(&s.pictures, s.view_count, title, a->output, err);
     }
-    if (status == ISO_OK)
-        status = report(&s, err);
+    TRY(status, report(&s, err));
     iso_contact_sheet_destroy(&s.pictures);
     iso_renderers_end(&s.renderers);
     iso_pyramid_destroy(&s.pyramid);
@@ -330,10 +322,8 @@ static iso_status write_requests(const scenes_arguments *a, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "--write takes one --tf and one --view");
     snprintf(size, sizeof size, "%d", a->size);
     iso_status status = a->size ? iso_words_check_range("--size", a->size, 1, 16384, err) : ISO_OK;
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", a->levels, 0, 16, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--steps", a->steps, -1, 12, err);
+    TRY(status, iso_words_check_range("--levels", a->levels, 0, 16, err));
+    TRY(status, iso_words_check_range("--steps", a->steps, -1, 12, err));
     const iso_scenes_write w = {.cli = a->cli,
                                 .input = &a->input,
                                 .look = {.scene = a->scene,

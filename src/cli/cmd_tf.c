@@ -42,11 +42,9 @@ static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_optio
             opt.mix_s = (double)i / TRIANGLE_STEPS;
             opt.mix_t = fmin((double)j / TRIANGLE_STEPS, 1 - opt.mix_s);
             status = iso_adapter_create(joint, &opt, &adapter, err);
-            if (status == ISO_OK)
-                status = iso_adapter_apply(adapter, tf, level0, level, &table, err);
+            TRY(status, iso_adapter_apply(adapter, tf, level0, level, &table, err));
             iso_adapt_judgment verdict = {0};
-            if (status == ISO_OK)
-                status = iso_adapt_judge(joint, tf, &table, level0, &verdict, err);
+            TRY(status, iso_adapt_judge(joint, tf, &table, level0, &verdict, err));
             rms[i][j] = verdict.rms_adapted;
             iso_tf_table_destroy(&table);
             iso_adapter_destroy(adapter);
@@ -116,18 +114,14 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
     build.threads = a->cli->threads;
     build.level_count = (size_t)a->level + 1;
     iso_status status = iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err);
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&a->look, a->cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = iso_cli_tf_load_subject(a, &look, false, &build, &p, err);
-    if (status == ISO_OK)
-        status = iso_cli_tf_tabulate(&look, &p, &table, err);
+    TRY(status, iso_cli_look_check(&a->look, a->cli->threads, &look, err));
+    TRY(status, iso_cli_tf_load_subject(a, &look, false, &build, &p, err));
+    TRY(status, iso_cli_tf_tabulate(&look, &p, &table, err));
     if (status == ISO_OK)
         status = iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL,
                                   &(iso_joint_key){(size_t)a->level, opt.bits, ISO_SECOND_VALUE_NONE}, opt.threads,
                                   &joint, err);
-    if (status == ISO_OK)
-        status = measure_triangle(&joint, &opt, &table, &p.levels[0].geometry, (size_t)a->level, rms, err);
+    TRY(status, measure_triangle(&joint, &opt, &table, &p.levels[0].geometry, (size_t)a->level, rms, err));
     if (status == ISO_OK && a->output)
         status = iso_gnuplot_picture(a->output, 640, 480, write_triangle, &(triangle_picture){a, rms}, err);
     if (status == ISO_OK)

@@ -85,29 +85,23 @@ static iso_status run_stage(iso_validation *v, const char *name, iso_status (*ru
 static iso_status run_stages(iso_validation *v, iso_error *err)
 {
     iso_status status = run_stage(v, "levels", iso_validate_levels, err);
-    if (status == ISO_OK)
-        status = run_stage(v, "calibration", iso_validate_renderers, err);
+    TRY(status, run_stage(v, "calibration", iso_validate_renderers, err));
     /* What the rest of a budget is for: first what tells most for its time. */
     iso_process_set_deadline(v->deadline);
     const bool hurried = v->deadline > 0;
     v->agreement_part = hurried ? ISO_VALIDATE_SAMPLES : ISO_VALIDATE_ALL;
-    if (status == ISO_OK)
-        status = run_stage(v, "agreement", iso_validate_agreement, err);
-    if (status == ISO_OK)
-        status = run_stage(v, "adaptation", iso_validate_adapt, err);
-    if (status == ISO_OK)
-        status = iso_validate_scale(v, err);
+    TRY(status, run_stage(v, "agreement", iso_validate_agreement, err));
+    TRY(status, run_stage(v, "adaptation", iso_validate_adapt, err));
+    TRY(status, iso_validate_scale(v, err));
     if (status == ISO_OK && hurried)
         status = run_stage(v, "consistency", iso_validate_consistency, err);
     v->agreement_part = ISO_VALIDATE_LIMITS;
     if (status == ISO_OK && hurried)
         status = run_stage(v, "limits", iso_validate_agreement, err);
-    if (status == ISO_OK)
-        status = run_stage(v, "methods", iso_validate_methods, err);
+    TRY(status, run_stage(v, "methods", iso_validate_methods, err));
     if (status == ISO_OK && !hurried)
         status = run_stage(v, "consistency", iso_validate_consistency, err);
-    if (status == ISO_OK)
-        status = run_stage(v, "artefacts", iso_validate_artefacts, err);
+    TRY(status, run_stage(v, "artefacts", iso_validate_artefacts, err));
     iso_process_set_deadline(0);
     return status;
 }
@@ -153,8 +147,7 @@ static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cl
                                           "viewer",  "junit", "summary-md", NULL};
     iso_key *key = iso_cli_key(cli, without);
     iso_status status = key ? iso_key_add_surroundings(key, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_picture_store_begin(store, a->resume, key, err);
+    TRY(status, iso_picture_store_begin(store, a->resume, key, err));
     if (status == ISO_OK)
         iso_unfinished_say(last_words);
     iso_key_destroy(key);
@@ -223,8 +216,7 @@ static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, is
     const iso_levels_summary levels = iso_levels_summarize(iso_report_json(v->report));
     iso_progress_report(v->progress, "report", 0);
     iso_status status = iso_report_finish(v->report, err);
-    if (status == ISO_OK)
-        status = write_other_forms(a, v->report, err);
+    TRY(status, write_other_forms(a, v->report, err));
     iso_progress_line_hide(v->line);
     if (status != ISO_OK)
         return status;
@@ -276,15 +268,11 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
                                     .scene = a->look.scene};
     scale_down(&v, scene, a);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
-    if (status == ISO_OK)
-        status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid),
-                                   iso_pyramid_hi(pyramid), &view, err);
-    if (status == ISO_OK)
-        status = check_visible(a, cli, pyramid, &view, err);
-    if (status == ISO_OK)
-        status = iso_report_create(&v.report, a->output, &about, err);
-    if (status == ISO_OK)
-        status = begin_store(a, cli, *store, err);
+    TRY(status, iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid),
+                                  iso_pyramid_hi(pyramid), &view, err));
+    TRY(status, check_visible(a, cli, pyramid, &view, err));
+    TRY(status, iso_report_create(&v.report, a->output, &about, err));
+    TRY(status, begin_store(a, cli, *store, err));
     if (status == ISO_OK) {
         describe_options(a, &v, pyramid->options.code);
         begin_budget(a, &v);
@@ -294,8 +282,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
         if (status == ISO_OK && v.save_viewer)
             status = v.save_viewer(&v, err);
     }
-    if (status == ISO_OK)
-        status = finish(a, cli, &v, err);
+    TRY(status, finish(a, cli, &v, err));
     if (v.report)
         status = close_store(a, store, has_no_use(&v, status), status, err);
     iso_report_destroy(v.report);
@@ -334,8 +321,7 @@ static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *
     status = iso_validate_scene_save(scene, own_path, err);
     iso_scene_destroy(scene);
     a->look.scene = own_path;
-    if (status == ISO_OK)
-        status = iso_scene_load(own_path, scene, err);
+    TRY(status, iso_scene_load(own_path, scene, err));
     if (status == ISO_OK)
         memcpy(scene->tf.of, of, sizeof of);
     return status;
@@ -357,16 +343,12 @@ static iso_status load_and_validate(const iso_validate_arguments *given, const i
         iso_validate_expect(cli->progress, wanted, build->level_count, a.budget != ISO_NO_BUDGET);
     if (status == ISO_OK && has_own_scene(&a))
         status = iso_validate_scene_name(a.output, &own_scene, err);
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&a.look, cli->threads, &look, err);
+    TRY(status, iso_cli_look_check(&a.look, cli->threads, &look, err));
     if (status == ISO_OK && own_scene)
         status = iso_validate_scene_guard(own_scene, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(cli->arguments[0], &a.input, build, &progress, &pyramid, err);
-    if (status == ISO_OK)
-        status = load_scene(&a, &look, &pyramid, own_scene, &scene, err);
-    if (status == ISO_OK)
-        status = validate(&a, cli, &pyramid, &scene, store, err);
+    TRY(status, iso_subject_load_pyramid(cli->arguments[0], &a.input, build, &progress, &pyramid, err));
+    TRY(status, load_scene(&a, &look, &pyramid, own_scene, &scene, err));
+    TRY(status, validate(&a, cli, &pyramid, &scene, store, err));
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
     free(own_scene);
@@ -401,18 +383,15 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
     if (status == ISO_OK && a->look.size)
         status = iso_subject_parse_image_size(a->look.size, &suite.width, &suite.height, err);
-    if (status == ISO_OK)
-        status = iso_report_create(&v.report, a->output, &about, err);
-    if (status == ISO_OK)
-        status = begin_store(a, cli, *store, err);
+    TRY(status, iso_report_create(&v.report, a->output, &about, err));
+    TRY(status, begin_store(a, cli, *store, err));
     if (status == ISO_OK) {
         describe_options(a, &v, build->code);
         begin_budget(a, &v);
         status = run_stage(&v, "calibration", iso_validate_renderers, err);
     }
     iso_process_set_deadline(v.deadline);
-    if (status == ISO_OK)
-        status = iso_validate_suite(&v, &suite, err);
+    TRY(status, iso_validate_suite(&v, &suite, err));
     iso_process_set_deadline(0);
     if (status == ISO_OK) {
         iso_report_put(v.report, "seconds", "total", json_real(iso_clock_seconds() - start));
@@ -435,12 +414,9 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
     for (size_t i = 0; a->images && a->images[i] && status == ISO_OK; ++i)
         status = iso_pictures_register(a->images[i], &unused, err);
     build.threads = cli->threads;
-    if (status == ISO_OK)
-        status = iso_validate_check_arguments(a, cli, &build, err);
-    if (status == ISO_OK)
-        status = iso_cli_take_cycles(&a->cycles, a->with, err);
-    if (status == ISO_OK)
-        status = open_store(a, &store, err);
+    TRY(status, iso_validate_check_arguments(a, cli, &build, err));
+    TRY(status, iso_cli_take_cycles(&a->cycles, a->with, err));
+    TRY(status, open_store(a, &store, err));
     if (status != ISO_OK)
         return status;
     status = a->suite ? validate_suite(a, cli, &build, &store, err) : load_and_validate(a, cli, &build, &store, err);

@@ -122,12 +122,9 @@ static iso_status check(const view_arguments *a, iso_error *err)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: the page to write, .html");
     if (status == ISO_OK && a->plan && a->level == 0)
         status = iso_fail(err, ISO_E_USAGE, "--plan and --level 0: the plan stands for level 0");
-    if (status == ISO_OK)
-        status = iso_words_check_range("--level", a->level, -1, 31, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", a->levels, 1, 16, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--most-voxels", a->most, 1, 1e9, err);
+    TRY(status, iso_words_check_range("--level", a->level, -1, 31, err));
+    TRY(status, iso_words_check_range("--levels", a->levels, 1, 16, err));
+    TRY(status, iso_words_check_range("--most-voxels", a->most, 1, 1e9, err));
     return status;
 }
 
@@ -150,30 +147,24 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level : 0) + (size_t)a->levels;
-    if (status == ISO_OK)
-        status = take_codes(a, &build, &v, err);
+    TRY(status, take_codes(a, &build, &v, err));
     if (status == ISO_OK && a->plan && v.code_count == 0)
         status = iso_fail(err, ISO_E_USAGE, "--plan and --code none: bricks are shaded by codes");
     build.code = v.code_count > 0 ? v.codes[0] : build.code;
     build.keep_float = v.code_count > 1;
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&a->look, cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(path, &a->input, &build, &progress, &pyramid, err);
+    TRY(status, iso_cli_look_check(&a->look, cli->threads, &look, err));
+    TRY(status, iso_subject_load_pyramid(path, &a->input, &build, &progress, &pyramid, err));
     if (status == ISO_OK && is_pyramid && !a->codes)
         v.codes[0] = pyramid.options.code;
-    if (status == ISO_OK)
-        status = choose_levels(a, &pyramid, &v, err);
-    if (status == ISO_OK)
-        status = iso_subject_make_scene(&look, &pyramid, &scene, err);
+    TRY(status, choose_levels(a, &pyramid, &v, err));
+    TRY(status, iso_subject_make_scene(&look, &pyramid, &scene, err));
     if (status == ISO_OK && a->plan)
         status = iso_subject_refuse_labels(&pyramid, path, "a plan", err);
     if (status == ISO_OK && a->plan) {
         status = iso_view_plan_open(&plan, a->plan, &v, err);
         v.plan = &plan.page;
     }
-    if (status == ISO_OK)
-        status = iso_viewer_save(&v, a->output, &progress, &size, err);
+    TRY(status, iso_viewer_save(&v, a->output, &progress, &size, err));
     if (status == ISO_OK)
         report(a, cli, &v, &size);
     iso_view_plan_close(&plan);

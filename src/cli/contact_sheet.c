@@ -120,8 +120,7 @@ iso_status iso_contact_sheet_draw(iso_contact_sheet *s, size_t group, const char
         place(s, &m);
         status = iso_file_write(raw, m.rgb, 3 * m.width * m.height, err);
     }
-    if (status == ISO_OK)
-        status = iso_gnuplot_picture(output, (double)m.width / 2, (double)m.height / 2, write_sheet, &m, err);
+    TRY(status, iso_gnuplot_picture(output, (double)m.width / 2, (double)m.height / 2, write_sheet, &m, err));
     if (dir)
         iso_remove_tree(dir);
     free(dir);

@@ -13,13 +13,11 @@ iso_status iso_cli_take_cycles(const iso_cli_cycles *a, const char *with, iso_er
     bool wanted[ISO_MAX_RENDERERS];
     const iso_renderer_info *cycles;
     iso_status status = iso_renderers_from_list(with, wanted, err);
-    if (status == ISO_OK)
-        status = iso_renderer_from_name("cycles", &cycles, err);
+    TRY(status, iso_renderer_from_name("cycles", &cycles, err));
     if (status == ISO_OK && (a->blender || a->device) && !wanted[iso_renderer_index(cycles)])
         status = iso_fail(err, ISO_E_USAGE, "%s is of cycles, which --with %s leaves out",
                           a->blender ? "--blender" : "--cycles-device", with);
-    if (status == ISO_OK)
-        status = iso_cycles_set_device(a->device, err);
+    TRY(status, iso_cycles_set_device(a->device, err));
     return status == ISO_OK ? iso_renderers_take_blenders(a->blender, err) : status;
 }
 

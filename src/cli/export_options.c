@@ -131,20 +131,15 @@ iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **t
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->summary);
     iso_status status = iso_words_check_range("--level", a->level, 0, 63, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", a->level_count, 1, 64, err);
+    TRY(status, iso_words_check_range("--levels", a->level_count, 1, 64, err));
     if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
         status = iso_words_check_range("--step", a->step, 1e-3, 16, err);
-    if (status == ISO_OK)
-        status = check_options(a, *target, err);
+    TRY(status, check_options(a, *target, err));
     if (status == ISO_OK && a->material)
         status = iso_names_find(&iso_blender_material_names, a->material, &a->material_row, err);
-    if (status == ISO_OK)
-        status = check_bake(a, err);
-    if (status == ISO_OK)
-        status = check_frames(a, *target, err);
-    if (status == ISO_OK)
-        status = check_plan(a, err);
+    TRY(status, check_bake(a, err));
+    TRY(status, check_frames(a, *target, err));
+    TRY(status, check_plan(a, err));
     if (status == ISO_OK && (*target)->stamped)
         status = iso_stamp_guard(a->output, a->force, err);
     return status == ISO_OK ? guard_files_beside(a, *target, err) : status;

@@ -148,8 +148,7 @@ static iso_status make_view(several_job *job, size_t i, const iso_pyramid *p, is
     iso_status status = iso_subject_make_scene(&look, p, &scene, err);
     if (status == ISO_OK && colored)
         color_points(&scene.tf, channel_colors[i % COLORS]);
-    if (status == ISO_OK)
-        status = iso_scene_resolve(&scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
+    TRY(status, iso_scene_resolve(&scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err));
     iso_scene_destroy(&scene);
     if (status != ISO_OK)
         return status;
@@ -180,8 +179,7 @@ static iso_status load(void *user, size_t i, iso_pyramid *p, iso_view *view, cha
     if (status == ISO_OK && a->level >= p->level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %zu, the pyramid has levels 0 to %zu", v->path, a->level,
                           p->level_count - 1);
-    if (status == ISO_OK)
-        status = make_view(job, i, p, view, err);
+    TRY(status, make_view(job, i, p, view, err));
     snprintf(name, NAME_BYTES, "%s", v->name);
     return status;
 }
@@ -210,9 +208,8 @@ iso_status iso_export_several_volumes(const iso_export_several *a, iso_error *er
     iso_status status = a->target->write_volumes
                             ? ISO_OK
                             : iso_fail(err, ISO_E_USAGE, "--to %s has one volume in a scene", a->target->name);
-    if (status == ISO_OK)
-        status = a->channels ? add_channels(&job, err)
-                             : add(&job, a->cli->arguments[0], NULL, NULL, name_of_volume(a->cli->arguments[0]), err);
+    TRY(status, a->channels ? add_channels(&job, err) : add(&job, a->cli->arguments[0], NULL, NULL,
+                                                            name_of_volume(a->cli->arguments[0]), err));
     for (size_t i = 0; a->added && a->added[i] && status == ISO_OK; ++i)
         status = add_other(&job, a->added[i], err);
     if (status == ISO_OK) {

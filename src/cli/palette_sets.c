@@ -56,8 +56,7 @@ iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *pa
     iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
     if (status == ISO_OK && !a->tf && !a->by_magnitude) {
         status = iso_volume_input_open(path, &a->input, &source, err);
-        if (status == ISO_OK)
-            status = iso_palette_sample_source(pool, source, &gradient, &w, &progress, err);
+        TRY(status, iso_palette_sample_source(pool, source, &gradient, &w, &progress, err));
     } else if (status == ISO_OK) {
         status = iso_volume_input_load(path, &a->input, &v, err);
         iso_volume_stats stats = {0};
@@ -68,11 +67,9 @@ iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *pa
             status = iso_tf_of_volume(a->tf, &a->request, &v, a->cli->threads, &tf, err);
         if (status == ISO_OK && a->tf)
             status = opacity_weights(a, &tf, &v.geometry, (double[]){stats.min, stats.max}, &w, &table, err);
-        if (status == ISO_OK)
-            status = iso_palette_sample_volume(pool, &v, &gradient, &w, &progress, err);
+        TRY(status, iso_palette_sample_volume(pool, &v, &gradient, &w, &progress, err));
     }
-    if (status == ISO_OK)
-        status = iso_direction_pool_finish(pool, set, err);
+    TRY(status, iso_direction_pool_finish(pool, set, err));
     iso_source_close(source);
     iso_volume_destroy(&v);
     iso_direction_pool_destroy(pool);
@@ -104,13 +101,11 @@ iso_status iso_palette_pyramid_set(const iso_palette_arguments *a, const iso_pyr
         const float *directions;
         float *owned;
         status = iso_level_directions(l, p->options.code, &directions, &owned, err);
-        if (status == ISO_OK)
-            status = iso_palette_sample_field(pool, directions, l->scalar, l->magnitude,
-                                              iso_geometry_voxel_count(&l->geometry), &w, err);
+        TRY(status, iso_palette_sample_field(pool, directions, l->scalar, l->magnitude,
+                                             iso_geometry_voxel_count(&l->geometry), &w, err));
         free(owned);
     }
-    if (status == ISO_OK)
-        status = iso_direction_pool_finish(pool, set, err);
+    TRY(status, iso_direction_pool_finish(pool, set, err));
     iso_direction_pool_destroy(pool);
     iso_tf_destroy(&tf);
     free(table);

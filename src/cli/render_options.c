@@ -108,10 +108,8 @@ static iso_status check_cache(const iso_render_arguments *a, const iso_renderer_
         return iso_fail(err, ISO_E_USAGE, "--page-side is of textures, which --with cpu has not");
     iso_status status = a->plan_error > 0 ? ISO_OK
                                           : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--brick", a->brick, 2, ISO_BRICK_MOST_VOXELS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err);
+    TRY(status, iso_words_check_range("--brick", a->brick, 2, ISO_BRICK_MOST_VOXELS, err));
+    TRY(status, iso_words_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err));
     return status == ISO_OK ? iso_words_check_range("--page-side", a->page_side, 0, 65536, err) : status;
 }
 
@@ -144,21 +142,14 @@ iso_status iso_render_take_options(const iso_render_arguments *a, int threads, i
         status = iso_direction_source_from_name(a->source, &opt->source, err);
     if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
         status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--intervals", a->intervals, 0,
-                                       renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--planes", a->planes, 0, 64, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--samples", a->samples, 0, 65536, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--level", a->level, 0, 63, err);
-    if (status == ISO_OK)
-        status = check_for_renderer(a, renderer, err);
-    if (status == ISO_OK)
-        status = check_cache(a, renderer, err);
-    if (status == ISO_OK)
-        status = check_limit(a, renderer, err);
+    TRY(status, iso_words_check_range("--intervals", a->intervals, 0,
+                                      renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err));
+    TRY(status, iso_words_check_range("--planes", a->planes, 0, 64, err));
+    TRY(status, iso_words_check_range("--samples", a->samples, 0, 65536, err));
+    TRY(status, iso_words_check_range("--level", a->level, 0, 63, err));
+    TRY(status, check_for_renderer(a, renderer, err));
+    TRY(status, check_cache(a, renderer, err));
+    TRY(status, check_limit(a, renderer, err));
     if (status != ISO_OK)
         return status;
     if (a->quadrature)

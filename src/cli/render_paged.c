@@ -69,8 +69,7 @@ static iso_status save(const iso_render_arguments *a, const iso_cli *cli, const 
     char *line = iso_cli_command_line(cli);
     const iso_image_note notes[] = {{"isoshade:command", line ? line : ""}, {NULL, NULL}};
     iso_status status = path && (png || !a->png) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_image_save(image, path, notes, err);
+    TRY(status, iso_image_save(image, path, notes, err));
     if (status == ISO_OK && png)
         status = iso_image_save_png(image, png, 1, err);
     free(line);
@@ -106,11 +105,9 @@ static iso_status render_level(const iso_render_arguments *a, const iso_cli *cli
     iso_image image = {0};
     iso_paged_stats stats;
     iso_status status = iso_level_pages_open(cli->arguments[0], p, level, iso_view_is_lit(view), &pages, err);
-    if (status == ISO_OK)
-        status = iso_cpu_render_paged(&p->levels[level], p->options.code, pages, view, &opt, &image, &stats, &progress,
-                                      err);
-    if (status == ISO_OK)
-        status = save(a, cli, &image, level, err);
+    TRY(status,
+        iso_cpu_render_paged(&p->levels[level], p->options.code, pages, view, &opt, &image, &stats, &progress, err));
+    TRY(status, save(a, cli, &image, level, err));
     if (status == ISO_OK)
         report(cli, a->output, level, &stats, frames);
     iso_image_destroy(&image);
@@ -126,15 +123,12 @@ iso_status iso_cli_render_paged(const iso_render_arguments *a, const iso_cli *cl
     iso_status status = check(a, cli, err);
     if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
         status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--level", a->level, 0, 63, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_load_outline(cli->arguments[0], &pyramid, err);
+    TRY(status, iso_words_check_range("--level", a->level, 0, 63, err));
+    TRY(status, iso_pyramid_load_outline(cli->arguments[0], &pyramid, err));
     if (status == ISO_OK && (size_t)a->level >= pyramid.level_count)
         status = iso_fail(err, ISO_E_RANGE, "level %d: the pyramid has levels 0 to %zu", a->level,
                           pyramid.level_count - 1);
-    if (status == ISO_OK)
-        status = make_view(a, cli, &pyramid, &view, err);
+    TRY(status, make_view(a, cli, &pyramid, &view, err));
     const size_t last = (size_t)a->level, first = a->refine && pyramid.level_count ? pyramid.level_count - 1 : last;
     for (size_t k = first + 1; k-- > last && status == ISO_OK;)
         status = render_level(a, cli, &pyramid, &view, k, frames, err);

@@ -41,10 +41,8 @@ static iso_status write_scene(const writing *w, iso_scene *scene, const iso_pyra
     iso_status status = w->asked->look.size
                             ? iso_subject_parse_image_size(w->asked->look.size, &scene->width, &scene->height, err)
                             : ISO_OK;
-    if (status == ISO_OK)
-        status = iso_scene_resolve(scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &view, err);
-    if (status == ISO_OK)
-        status = iso_elsewhere_write_scene(&w->elsewhere, p, scene, &view, name, err);
+    TRY(status, iso_scene_resolve(scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &view, err));
+    TRY(status, iso_elsewhere_write_scene(&w->elsewhere, p, scene, &view, name, err));
     iso_view_destroy(&view);
     return status;
 }
@@ -72,8 +70,7 @@ static iso_status keep_scene(const writing *w, iso_scene *scene, iso_error *err)
     iso_status status = root && path ? iso_scene_save_json(root, path, err)
                                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_scene_destroy(scene);
-    if (status == ISO_OK)
-        status = iso_scene_load(path, scene, err);
+    TRY(status, iso_scene_load(path, scene, err));
     json_decref(root);
     free(path);
     return status;
@@ -91,14 +88,11 @@ static iso_status write_volume(const writing *w, iso_error *err)
     char *name = own ? strdup("scene") : name_of_scene(a->look.scene);
     iso_status status = name ? iso_cli_look_check(&a->look, a->cli->threads, &look, err)
                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(a->cli->arguments[0], a->input, &build, &progress, &pyramid, err);
-    if (status == ISO_OK)
-        status = iso_subject_make_scene(&look, &pyramid, &scene, err);
+    TRY(status, iso_subject_load_pyramid(a->cli->arguments[0], a->input, &build, &progress, &pyramid, err));
+    TRY(status, iso_subject_make_scene(&look, &pyramid, &scene, err));
     if (status == ISO_OK && own)
         status = keep_scene(w, &scene, err);
-    if (status == ISO_OK)
-        status = write_scene(w, &scene, &pyramid, name, err);
+    TRY(status, write_scene(w, &scene, &pyramid, name, err));
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
     free(name);
@@ -124,10 +118,8 @@ static iso_status write_suite_scene(const writing *w, const char *file, const ch
         status = iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", so nothing says what volume it is of", path);
     if (status == ISO_OK && (status = iso_cli_make_volume(scene.suite_make, volume, err)) != ISO_OK)
         status = iso_fail_in(err, status, "%s", path);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err);
-    if (status == ISO_OK)
-        status = write_scene(w, &scene, &pyramid, name, err);
+    TRY(status, iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err));
+    TRY(status, write_scene(w, &scene, &pyramid, name, err));
     iso_pyramid_destroy(&pyramid);
     iso_scene_destroy(&scene);
     free(path);
@@ -146,8 +138,7 @@ static iso_status write_suite(const writing *w, iso_error *err)
     if (status == ISO_OK && count == 0)
         status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", w->asked->suite);
     for (int i = 0; i < count; ++i) {
-        if (status == ISO_OK)
-            status = write_suite_scene(w, entries[i]->d_name, volume, err);
+        TRY(status, write_suite_scene(w, entries[i]->d_name, volume, err));
         free(entries[i]);
     }
     free(entries);
@@ -243,8 +234,7 @@ iso_status iso_scenes_write_all(const iso_scenes_write *a, iso_error *err)
     const bool bits = a->tier && strcmp(a->tier, "8 bits") == 0;
     writing w = {.asked = a};
     iso_status status = check(a, err);
-    if (status == ISO_OK)
-        status = iso_output_begin_dir(&w.out, a->dir, ISO_PICTURES_INDEX, err);
+    TRY(status, iso_output_begin_dir(&w.out, a->dir, ISO_PICTURES_INDEX, err));
     if (status != ISO_OK)
         return status;
     char *line = iso_cli_command_line(a->cli), *validate = validate_line(a);
@@ -257,16 +247,11 @@ iso_status iso_scenes_write_all(const iso_scenes_write *a, iso_error *err)
                                   .left_out = json_array()};
     if (!line || !validate)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = a->suite ? write_suite(&w, err) : write_volume(&w, err);
-    if (status == ISO_OK)
-        status = iso_elsewhere_write_calibrations(&w.elsewhere, err);
-    if (status == ISO_OK)
-        status = iso_elsewhere_finish(&w.elsewhere, line, validate, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&w.out, err);
-    if (status == ISO_OK)
-        status = tell(&w, err);
+    TRY(status, a->suite ? write_suite(&w, err) : write_volume(&w, err));
+    TRY(status, iso_elsewhere_write_calibrations(&w.elsewhere, err));
+    TRY(status, iso_elsewhere_finish(&w.elsewhere, line, validate, err));
+    TRY(status, iso_output_commit(&w.out, err));
+    TRY(status, tell(&w, err));
     iso_output_abandon(&w.out);
     json_decref(w.elsewhere.pictures);
     json_decref(w.elsewhere.left_out);

@@ -42,8 +42,7 @@ static iso_status guard_level(const iso_tf_arguments *a, size_t level, iso_error
 {
     char *path = adapted_path(a, level);
     iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_stamp_guard_beside(path, is_tf(path), err);
+    TRY(status, iso_stamp_guard_beside(path, is_tf(path), err));
     free(path);
     return status;
 }
@@ -104,14 +103,11 @@ static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
     opt.folder = iso_pyramid_is_one(input) ? input : NULL;
     opt.level_0 = &run->level_0;
-    if (status == ISO_OK)
-        status = iso_adapt_level(run->p, level, run->tf, &opt, &table, &v, err);
+    TRY(status, iso_adapt_level(run->p, level, run->tf, &opt, &table, &v, err));
     if (status == ISO_OK && level > 0 && !opt.fall_back) /* no small views have looked for one */
         status = iso_ghost_measure(run->p, level, run->tf, &table, NULL, a->cli->threads, &v.ghost, err);
-    if (status == ISO_OK)
-        status = iso_tf_from_table(&table, &file, err);
-    if (status == ISO_OK)
-        status = iso_tf_save(&file, path, err);
+    TRY(status, iso_tf_from_table(&table, &file, err));
+    TRY(status, iso_tf_save(&file, path, err));
     if (status == ISO_OK) {
         json_array_append_new(run->levels, json_of_level(level, path, table.count, &v));
         if (!a->cli->json)
@@ -145,8 +141,7 @@ iso_status iso_cli_tf_tabulate(const iso_subject_look *look, const iso_pyramid *
 {
     iso_scene scene;
     iso_status status = iso_subject_make_scene(look, p, &scene, err);
-    if (status == ISO_OK)
-        status = iso_tf_tabulate(&scene.tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, table, err);
+    TRY(status, iso_tf_tabulate(&scene.tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, table, err));
     iso_scene_destroy(&scene);
     return status;
 }
@@ -199,23 +194,18 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
     iso_cli_tf_expect_levels(cli);
     iso_status status = check_output_name(a, err);
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&a->look, cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = iso_cli_adapt_options(&a->adapted, cli->threads, &checked, err);
-    if (status == ISO_OK)
-        status = iso_cli_tf_load_subject(a, &look, !a->adapted.always, &build, &p, err);
+    TRY(status, iso_cli_look_check(&a->look, cli->threads, &look, err));
+    TRY(status, iso_cli_adapt_options(&a->adapted, cli->threads, &checked, err));
+    TRY(status, iso_cli_tf_load_subject(a, &look, !a->adapted.always, &build, &p, err));
     if (status == ISO_OK && (size_t)a->level >= p.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1],
                           a->level, p.level_count - 1);
     for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
         if (a->level == 0)
             status = guard_level(a, k, err);
-    if (status == ISO_OK)
-        status = iso_cli_tf_tabulate(&look, &p, &table, err);
+    TRY(status, iso_cli_tf_tabulate(&look, &p, &table, err));
     adapt_run run = {.a = a, .p = &p, .tf = &table, .levels = levels};
-    if (status == ISO_OK)
-        status = adapt_levels(&run, err);
+    TRY(status, adapt_levels(&run, err));
     iso_small_views_fine_destroy(&run.level_0);
     if (status == ISO_OK && cli->json) {
         json_t *root = iso_cli_json(cli);

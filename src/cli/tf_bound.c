@@ -18,8 +18,7 @@ static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid
     iso_tf_table table = {0};
     iso_status status = iso_cli_adapt_options(a->adapted, a->cli->threads, &opt, err);
     opt.folder = iso_pyramid_is_one(path) ? path : NULL;
-    if (status == ISO_OK)
-        status = iso_adapt_level(p, level, &view->tf, &opt, &table, NULL, err);
+    TRY(status, iso_adapt_level(p, level, &view->tf, &opt, &table, NULL, err));
     const iso_tf_table *tfs[2] = {&view->tf, &table};
     for (int i = 0; i < 2 && status == ISO_OK; ++i) {
         const iso_image_bound_input in = {.fine = &p->levels[0],
@@ -74,23 +73,17 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
                             ? ISO_OK
                             : iso_fail(err, ISO_E_USAGE,
                                        "wanted: isoshade tf bound VOLUME|PYRAMID.iso [--scene FILE.scene.json]");
-    if (status == ISO_OK)
-        status = iso_cli_look_check(a->look, a->cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = iso_cli_adapt_options(a->adapted, a->cli->threads, &checked, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err);
-    if (status == ISO_OK)
-        status = iso_subject_refuse_labels(&p, a->cli->arguments[1], "the bound", err);
+    TRY(status, iso_cli_look_check(a->look, a->cli->threads, &look, err));
+    TRY(status, iso_cli_adapt_options(a->adapted, a->cli->threads, &checked, err));
+    TRY(status, iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err));
+    TRY(status, iso_subject_refuse_labels(&p, a->cli->arguments[1], "the bound", err));
     if (status == ISO_OK && (size_t)a->level >= p.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[1],
                           a->level, p.level_count - 1);
-    if (status == ISO_OK)
-        status = iso_subject_make_view(&look, &p, &view, err);
+    TRY(status, iso_subject_make_view(&look, &p, &view, err));
     if (status == ISO_OK)
         iso_cli_warn_of_view(a->cli, &p, &view, NULL, &(bool){false});
-    if (status == ISO_OK)
-        status = bound_levels(a, &p, &view, levels, err);
+    TRY(status, bound_levels(a, &p, &view, levels, err));
     if (status == ISO_OK && a->cli->json) {
         json_t *root = iso_cli_json(a->cli);
         json_object_set(root, "levels", levels);

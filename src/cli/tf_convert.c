@@ -58,19 +58,15 @@ iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, is
     iso_volume v = {0};
     iso_status status = iso_cli_transfer_request(&a->look.transfer, &request, err);
     request.measure = true;
-    if (status == ISO_OK)
-        status = check_name(a, path, &request, err);
-    if (status == ISO_OK)
-        status = iso_cli_tf_load_volume(a, &v, err);
+    TRY(status, check_name(a, path, &request, err));
+    TRY(status, iso_cli_tf_load_volume(a, &v, err));
     if (status == ISO_OK && a->volume) {
         const iso_volume_stats stats = iso_volume_measure(&v);
         lo = stats.min, hi = stats.max, g = v.geometry;
     }
-    if (status == ISO_OK)
-        status = iso_tf_of_volume(path, &request, &v, a->cli->threads, &t->tf, err);
+    TRY(status, iso_tf_of_volume(path, &request, &v, a->cli->threads, &t->tf, err));
     iso_volume_destroy(&v);
-    if (status == ISO_OK)
-        status = iso_tf_tabulate(&t->tf, lo, hi, &g, &t->table, err);
+    TRY(status, iso_tf_tabulate(&t->tf, lo, hi, &g, &t->table, err));
     t->voxel_mm = iso_geometry_mean_spacing_mm(&g);
     t->unit_mm = t->tf.unit_distance * (t->tf.unit_is_voxels ? t->voxel_mm : 1);
     if (status == ISO_OK && a->volume)
@@ -119,8 +115,7 @@ static iso_status read_again(const iso_tf_format *format, const char *path, doub
     if (format->says_no_unit)
         request.unit_mm = unit_mm;
     iso_status status = iso_tf_load_as(path, &request, &tf, err);
-    if (status == ISO_OK)
-        status = iso_tf_tabulate(&tf, t->table.lo, t->table.hi, &g, &again, err);
+    TRY(status, iso_tf_tabulate(&tf, t->table.lo, t->table.hi, &g, &again, err));
     if (status == ISO_OK)
         *loss = distance(&t->table, &again, unit_mm);
     iso_tf_table_destroy(&again);
@@ -191,8 +186,7 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE|PRESET OUT, a name that ends with %s",
                         iso_tf_format_written(written, sizeof written));
     iso_status status = iso_cli_refuse_same_file(output, a->cli->arguments[1], err);
-    if (status == ISO_OK)
-        status = iso_inputs_announce(output, err);
+    TRY(status, iso_inputs_announce(output, err));
     if (status != ISO_OK)
         return status;
     const iso_tf_format *format = iso_tf_format_of(output);
@@ -206,8 +200,7 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
     const double unit_mm = format->is_per_voxel ? t.voxel_mm : t.unit_mm;
     if (status == ISO_OK)
         status = format->save(&(iso_tf_output){&t.tf, &t.table, unit_mm}, output, err);
-    if (status == ISO_OK)
-        status = read_again(format, output, unit_mm, &t, &loss, err);
+    TRY(status, read_again(format, output, unit_mm, &t, &loss, err));
     if (status == ISO_OK)
         report(a, &t, format, unit_mm, &loss);
     iso_cli_tf_table_destroy(&t);

@@ -141,9 +141,8 @@ iso_status iso_cli_tf_show(const iso_tf_arguments *a, iso_error *err)
         p.volume = &volume;
         p.stats = iso_volume_measure(&volume);
     }
-    if (status == ISO_OK)
-        status = iso_gnuplot_picture(a->output, 720, 40 + 220 * (double)(a->cli->argument_count - 1), write_panels, &p,
-                                     err);
+    TRY(status,
+        iso_gnuplot_picture(a->output, 720, 40 + 220 * (double)(a->cli->argument_count - 1), write_panels, &p, err));
     if (status == ISO_OK && a->cli->json) {
         json_t *root = iso_cli_json(a->cli);
         json_object_set_new(root, "output", json_string(a->output));

@@ -70,9 +70,7 @@ iso_status iso_validate_check_arguments(const iso_validate_arguments *a, const i
                           "--extinction-scale is for the levels of a volume, which --suite does not judge");
     if (status == ISO_OK && a->code)
         status = iso_code_from_name(a->code, &build->code, err);
-    if (status == ISO_OK)
-        status = check_folder("--junit", a->junit, a->output, err);
-    if (status == ISO_OK)
-        status = check_folder("--summary-md", a->summary_md, a->output, err);
+    TRY(status, check_folder("--junit", a->junit, a->output, err));
+    TRY(status, check_folder("--summary-md", a->summary_md, a->output, err));
     return status;
 }

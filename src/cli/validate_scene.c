@@ -84,10 +84,8 @@ iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso
     iso_status status = ISO_OK;
     if (!comment || json_object_set_new(root, "comment", json_string(comment)) != 0)
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    if (status == ISO_OK)
-        status = iso_validate_scene_guard(path, err);
-    if (status == ISO_OK)
-        status = iso_scene_save_json(root, path, err);
+    TRY(status, iso_validate_scene_guard(path, err));
+    TRY(status, iso_scene_save_json(root, path, err));
     free(comment);
     json_decref(root);
     return status;

@@ -30,8 +30,7 @@ iso_status iso_view_plan_open(iso_view_plan *plan, const char *path, const iso_v
     if (status == ISO_OK)
         status = iso_planned_create(path, &(iso_planned_subject){level0, v->codes[0], &plan->view.tf, 1}, v->threads,
                                     &plan->planned, err);
-    if (status == ISO_OK)
-        status = read_errors(path, &plan->page, err);
+    TRY(status, read_errors(path, &plan->page, err));
     plan->page.nodes = &plan->planned.nodes;
     plan->page.levels = plan->planned.plan.levels;
     plan->page.drawn = plan->planned.plan.drawn;

@@ -25,8 +25,7 @@ iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double
     iso_status status = check_pair(coarse, fine, ratio, err);
     if (status == ISO_OK && !(order > 0 && order <= 16))
         status = iso_fail(err, ISO_E_RANGE, "extrapolation: order is %g, must be above 0 and at most 16", order);
-    if (status == ISO_OK)
-        status = iso_image_create(limit, fine->width, fine->height, err);
+    TRY(status, iso_image_create(limit, fine->width, fine->height, err));
     if (status != ISO_OK)
         return status;
     double scale = 1 / (pow(ratio, order) - 1), squares = 0;
@@ -57,8 +56,7 @@ iso_status iso_observed_order(const iso_image *a, const iso_image *b, const iso_
                               iso_error *err)
 {
     iso_status status = check_pair(a, b, ratio, err);
-    if (status == ISO_OK)
-        status = check_pair(b, c, ratio, err);
+    TRY(status, check_pair(b, c, ratio, err));
     if (status != ISO_OK)
         return status;
     double coarse = rms_difference(a, b), fine = rms_difference(b, c);
@@ -122,8 +120,7 @@ static void mean_of(const iso_image *images, size_t count, iso_image *mean)
 static iso_status mean_pair(const iso_image *images, size_t seeds, iso_image *coarse, iso_image *fine, iso_error *err)
 {
     iso_status status = iso_image_create(coarse, images[0].width, images[0].height, err);
-    if (status == ISO_OK)
-        status = iso_image_create(fine, images[0].width, images[0].height, err);
+    TRY(status, iso_image_create(fine, images[0].width, images[0].height, err));
     if (status == ISO_OK) {
         mean_of(images, seeds, coarse);
         mean_of(images + seeds, seeds, fine);
@@ -245,15 +242,11 @@ iso_status iso_extrapolate(const iso_extrapolation_input *of, iso_extrapolated *
     iso_extrapolation e = {0}, unused;
     iso_metrics limit = {0};
     iso_status status = mean_pair(images, seeds, &coarse, &out->fine, err);
-    if (status == ISO_OK)
-        status = iso_richardson(&coarse, &out->fine, 2, ISO_EXTRAPOLATION_ORDER, &out->image, &e, err);
+    TRY(status, iso_richardson(&coarse, &out->fine, 2, ISO_EXTRAPOLATION_ORDER, &out->image, &e, err));
     out->step_bar = e.error_bar;
-    if (status == ISO_OK)
-        status = rmse_of(&coarse, reference, &out->coarse_rmse, err);
-    if (status == ISO_OK)
-        status = rmse_of(&out->fine, reference, &out->fine_rmse, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&out->image, reference, &limit, err);
+    TRY(status, rmse_of(&coarse, reference, &out->coarse_rmse, err));
+    TRY(status, rmse_of(&out->fine, reference, &out->fine_rmse, err));
+    TRY(status, iso_metrics_measure(&out->image, reference, &limit, err));
     out->rmse = limit.rmse, out->ssim_dissimilarity = 1 - limit.ssim, out->flip_mean = limit.flip_mean;
     for (size_t i = 0; i < seeds && seeds > 1 && status == ISO_OK; ++i)
         status = iso_richardson(&images[i], &images[seeds + i], 2, ISO_EXTRAPOLATION_ORDER, &limits[i], &unused, err);
@@ -279,8 +272,7 @@ iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_imag
     iso_image coarse = {0}, fine = {0};
     iso_extrapolation unused;
     iso_status status = mean_pair(images, seeds, &coarse, &fine, err);
-    if (status == ISO_OK)
-        status = iso_richardson(&coarse, &fine, 2, ISO_EXTRAPOLATION_ORDER, limit, &unused, err);
+    TRY(status, iso_richardson(&coarse, &fine, 2, ISO_EXTRAPOLATION_ORDER, limit, &unused, err));
     iso_image_destroy(&coarse);
     iso_image_destroy(&fine);
     return status;
@@ -341,14 +333,11 @@ iso_status iso_extrapolated_compare(const iso_extrapolated *a, const iso_extrapo
         return iso_fail(err, ISO_E_RANGE, "extrapolation: two limits of %zu and %zu seeds cannot be compared", a->seeds,
                         b->seeds);
     iso_status status = iso_image_create(&zero, a->image.width, a->image.height, err);
-    if (status == ISO_OK)
-        status = iso_image_create(&difference, zero.width, zero.height, err);
+    TRY(status, iso_image_create(&difference, zero.width, zero.height, err));
     if (status == ISO_OK)
         memset(zero.rgba, 0, 4 * zero.width * zero.height * sizeof *zero.rgba);
-    if (status == ISO_OK)
-        status = iso_samples_create(&samples, &zero, err);
-    if (status == ISO_OK)
-        status = test_differences(a, b, &difference, &samples, out, err);
+    TRY(status, iso_samples_create(&samples, &zero, err));
+    TRY(status, test_differences(a, b, &difference, &samples, out, err));
     iso_samples_destroy(&samples);
     iso_image_destroy(&difference);
     iso_image_destroy(&zero);

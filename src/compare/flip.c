@@ -378,8 +378,7 @@ iso_status iso_flip_hdr(const iso_image *reference, const iso_image *b, double p
     double start = 0, stop = 0;
     size_t count = 0;
     iso_status status = check(reference, b, pixels_per_degree, err);
-    if (status == ISO_OK)
-        status = iso_flip_exposures(reference, &start, &stop, &count, err);
+    TRY(status, iso_flip_exposures(reference, &start, &stop, &count, err));
     if (status != ISO_OK)
         return status;
     memset(map, 0, reference->width * reference->height * sizeof *map);

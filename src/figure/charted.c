@@ -288,8 +288,7 @@ static iso_status draw_chart(const iso_figure_job *job, iso_page *page, iso_erro
     if (status == ISO_OK && (!json_is_array(c.cases) || strncmp(string_of(root, "schema"), "isoshade.chart/", 15) != 0))
         status = iso_fail(err, ISO_E_FORMAT, "%s: no chart of settings; its schema is \"%s\"", path,
                           string_of(root, "schema"));
-    if (status == ISO_OK)
-        status = draw_loaded(job, &c, page, err);
+    TRY(status, draw_loaded(job, &c, page, err));
     json_decref(root);
     free(path);
     return status;

@@ -122,8 +122,7 @@ static iso_status render_inset(drawn *w, size_t column, iso_image *image, iso_er
             "--dpi",
             width, height, (int)ISO_FIGURE_MOST_PIXELS >> 20);
     iso_status status = w->c->render(w->c->user, column, width, height, &whole, &unused, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, w->width, w->height, err);
+    TRY(status, iso_image_create(image, w->width, w->height, err));
     for (size_t row = 0; row < w->height && status == ISO_OK; ++row)
         memcpy(image->rgba + 4 * row * w->width, whole.rgba + 4 * ((y + row) * width + x),
                4 * w->width * sizeof *whole.rgba);
@@ -193,8 +192,7 @@ static iso_status draw(drawn *w, iso_error *err)
 {
     lay_out(w);
     iso_status status = choose_pixels(w, err);
-    if (status == ISO_OK)
-        status = render_all(w, err);
+    TRY(status, render_all(w, err));
     if (status != ISO_OK)
         return status;
     write_caption(w);

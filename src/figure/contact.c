@@ -43,8 +43,7 @@ static iso_status choose(contact *c, iso_error *err)
 {
     static const char *const usual[] = {"front", "left", "top", "iso"};
     iso_status status = take("--tf", c->job->tfs, c->tfs, ISO_PAPER_MOST_ROWS, &c->rows, err);
-    if (status == ISO_OK)
-        status = take("--view", c->job->views, c->views, MOST_COLUMNS, &c->columns, err);
+    TRY(status, take("--view", c->job->views, c->views, MOST_COLUMNS, &c->columns, err));
     if (c->rows == 0)
         c->tfs[c->rows++] = NULL;
     for (size_t i = 0; c->columns == 0 && !c->job->look.scene && i < sizeof usual / sizeof *usual; ++i)
@@ -80,8 +79,7 @@ static iso_status change_tf(contact *c, size_t row, iso_error *err)
     iso_scene_destroy(&s->scene);
     s->scene = (iso_scene){0};
     look.frames_box = true;
-    if (status == ISO_OK)
-        status = iso_subject_make_scene(&look, &s->pyramid, &s->scene, err);
+    TRY(status, iso_subject_make_scene(&look, &s->pyramid, &s->scene, err));
     if (c->job->has_background)
         memcpy(s->scene.background, c->job->background, sizeof s->scene.background);
     iso_tf_table_destroy(&s->tf);
@@ -162,10 +160,8 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
 {
     contact c = {.job = job};
     iso_status status = choose(&c, err);
-    if (status == ISO_OK)
-        status = iso_figure_subject_load(&c.subject, job, (size_t)job->level + 1, NULL, err);
-    if (status == ISO_OK)
-        status = lay_out(&c, page, err);
+    TRY(status, iso_figure_subject_load(&c.subject, job, (size_t)job->level + 1, NULL, err));
+    TRY(status, lay_out(&c, page, err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
         fputs("A sheet", f);

@@ -28,8 +28,7 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
         return ISO_OK;
     }
     /* What is no render has pictures of one size: each pixel as often as it takes. */
-    if (status == ISO_OK)
-        status = iso_image_create(image, width, height, err);
+    TRY(status, iso_image_create(image, width, height, err));
     for (size_t i = 0; i < width * height && status == ISO_OK; ++i)
         for (size_t c = 0; c < 4; ++c)
             image->rgba[4 * i + c] =

@@ -76,8 +76,7 @@ static iso_status draw_level(grid *g, const iso_figure_job *job, iso_page *page,
         char note[64] = "";
         double mm_per_pixel = 0;
         status = iso_figure_render(&g->subject, &what, &images[i], &mm_per_pixel, err);
-        if (status == ISO_OK)
-            status = iso_metrics_measure(&images[0], &images[i], &m, err);
+        TRY(status, iso_metrics_measure(&images[0], &images[i], &m, err));
         if (status != ISO_OK)
             break;
         if (i > 0) {
@@ -104,8 +103,7 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
     grid g = {.columns = 0};
     iso_paper_row rows[ISO_PAPER_MOST_ROWS];
     iso_status status = choose(&g, job, err);
-    if (status == ISO_OK)
-        status = iso_figure_subject_load(&g.subject, job, g.levels, NULL, err);
+    TRY(status, iso_figure_subject_load(&g.subject, job, g.levels, NULL, err));
     if (status == ISO_OK)
         g.tf = iso_figure_tf_foot_of(&g.subject);
     for (size_t i = 0; i < g.levels && status == ISO_OK; ++i)
@@ -117,8 +115,7 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
                                   .below_mm = i + 1 == g.levels ? iso_figure_tf_foot_mm(&g.tf) : 0,
                                   .has_titles = i == 0,
                                   .has_notes = g.columns > 1};
-    if (status == ISO_OK)
-        status = iso_paper_lay_out(&g.paper, job, page, rows, g.levels, err);
+    TRY(status, iso_paper_lay_out(&g.paper, job, page, rows, g.levels, err));
     if (status == ISO_OK) {
         fprintf(iso_page_caption(page), "Levels and renderers");
         iso_figure_put_subject(&g.subject, iso_page_caption(page));

@@ -68,8 +68,7 @@ static iso_status check_numbers(const iso_figure_job *job, iso_error *err)
         return iso_fail(err, ISO_E_RANGE, "--height is %g, must be 40 to 1000 mm", job->height_mm);
     if (!(job->dpi >= 36 && job->dpi <= 1200))
         return iso_fail(err, ISO_E_RANGE, "--dpi is %g, must be 36 to 1200", job->dpi);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--level", job->level, 0, 63, err);
+    TRY(status, iso_words_check_range("--level", job->level, 0, 63, err));
     if (status == ISO_OK && job->levels)
         status = iso_words_check_range("--levels", job->levels, 1, ISO_FIGURE_MOST_LEVELS, err);
     if (status == ISO_OK && job->frames)
@@ -147,10 +146,8 @@ static iso_status draw_page(const iso_figure_job *job, const char *dir, iso_erro
     iso_status status = iso_page_create(&page, dir, job->dpi, err);
     if (status == ISO_OK && job->letters)
         iso_page_letter_panels(page);
-    if (status == ISO_OK)
-        status = job->kind->draw(job, page, err);
-    if (status == ISO_OK)
-        status = iso_page_finish(page, job->formats, job->with_sources, err);
+    TRY(status, job->kind->draw(job, page, err));
+    TRY(status, iso_page_finish(page, job->formats, job->with_sources, err));
     iso_page_destroy(page);
     return status;
 }
@@ -160,20 +157,13 @@ iso_status iso_figure_make(const iso_figure_job *job, iso_error *err)
     const bool of_report = iso_figure_is_of_report(job);
     iso_output out = {0};
     iso_status status = job->output ? ISO_OK : iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the figure");
-    if (status == ISO_OK)
-        status = check_input(job, of_report, err);
-    if (status == ISO_OK)
-        status = check_options(job, of_report, err);
-    if (status == ISO_OK)
-        status = check_numbers(job, err);
-    if (status == ISO_OK)
-        status = iso_page_check_forms(job->formats, err);
-    if (status == ISO_OK)
-        status = iso_output_begin_dir(&out, job->output, "figure.pdf", err);
-    if (status == ISO_OK)
-        status = draw_page(job, out.temp_path, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, check_input(job, of_report, err));
+    TRY(status, check_options(job, of_report, err));
+    TRY(status, check_numbers(job, err));
+    TRY(status, iso_page_check_forms(job->formats, err));
+    TRY(status, iso_output_begin_dir(&out, job->output, "figure.pdf", err));
+    TRY(status, draw_page(job, out.temp_path, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     /* A folder may be slices of a volume as well as a report. */
     return status != ISO_OK && status != ISO_E_USAGE && job->input && (job->kind->takes & ISO_FIGURE_OF_REPORT) &&

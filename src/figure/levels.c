@@ -60,8 +60,7 @@ static iso_status draw_volume(const iso_figure_job *job, bool of_levels, iso_pag
     shown s = {.of_levels = of_levels};
     iso_figure_columns c = {.job = job, .compared = true, .in_logs = !of_levels, .render = render, .user = &s};
     iso_status status = of_levels ? choose_levels(job, &s, &c, err) : choose_renderers(job, &s, &c, err);
-    if (status == ISO_OK)
-        status = iso_figure_subject_load(&s.subject, job, s.level[c.count - 1] + 1, NULL, err);
+    TRY(status, iso_figure_subject_load(&s.subject, job, s.level[c.count - 1] + 1, NULL, err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
         fputs(of_levels ? "Levels" : "Renderers", f);
@@ -199,10 +198,8 @@ static iso_status draw_methods(const iso_figure_job *job, iso_page *page, iso_er
     methods_shown s = {.level = job->level ? (size_t)job->level : USUAL_LEVEL};
     iso_figure_columns c = {.job = job, .compared = true, .render = render_method, .user = &s};
     iso_status status = iso_figure_renderer(job, &s.with, err);
-    if (status == ISO_OK)
-        status = choose_methods(job->methods ? job->methods : "naive,moments,moments+adapted", &s, &c, err);
-    if (status == ISO_OK)
-        status = load_methods(job, &s, c.count, err);
+    TRY(status, choose_methods(job->methods ? job->methods : "naive,moments,moments+adapted", &s, &c, err));
+    TRY(status, load_methods(job, &s, c.count, err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
         fprintf(f, "Ways to make directions, level %zu", s.level);

@@ -202,8 +202,7 @@ static iso_status add_levels(figure *f, const json_t *rows, const char *method, 
             status = add_panel(f, p, err);
         }
         const size_t leftmost = at == 0 ? 0 : f->count;
-        if (status == ISO_OK)
-            status = add_level(f, row, at, err);
+        TRY(status, add_level(f, row, at, err));
         if (status == ISO_OK && first)
             snprintf(f->panels[leftmost].side, sizeof f->panels->side, "%.60s%s",
                      iso_figure_method_words(string_of(row, "method")), is_adapted(row) ? " (adapted TF)" : "");
@@ -221,8 +220,7 @@ static iso_status plan_levels(figure *f, iso_error *err)
     iso_status status = ISO_OK;
     if (json_object_size(f->job->methods ? methods : chosen) == 0)
         status = iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of levels", f->report_dir);
-    if (status == ISO_OK)
-        status = check_methods(methods, f->job->methods, err);
+    TRY(status, check_methods(methods, f->job->methods, err));
     fprintf(f->caption,
             "Levels of %s (%s), one view: pictures, and below them their largest difference from level 0 over the "
             "channels, on a linear scale. Figures below a map are of this view; means over all views:",
@@ -265,10 +263,8 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
         snprintf(bottom.side, sizeof bottom.side, "difference");
     }
     iso_status status = add_panel(f, top, err);
-    if (status == ISO_OK)
-        status = add_panel(f, middle, err);
-    if (status == ISO_OK)
-        status = add_panel(f, bottom, err);
+    TRY(status, add_panel(f, middle, err));
+    TRY(status, add_panel(f, bottom, err));
     if (status != ISO_OK)
         return status;
     panel *added = &f->panels[f->count - 1];
@@ -344,8 +340,7 @@ static iso_status plan_renderers(figure *f, iso_error *err)
                                        "%s: the report has no pictures of comparisons at level %zu%s%s", f->report_dir,
                                        (size_t)f->job->level, f->job->variant ? " with a name like " : "",
                                        f->job->variant ? f->job->variant : "");
-    if (status == ISO_OK)
-        status = check_one_scene(shown, count, err);
+    TRY(status, check_one_scene(shown, count, err));
     for (i = 0; i < count && status == ISO_OK; ++i)
         status = add_comparison(f, shown[i], i, err);
     free(shown);
@@ -430,10 +425,8 @@ static iso_status make(figure *f, iso_page *page, iso_error *err)
     f->caption = iso_page_caption(page);
     f->panels = calloc(max_panels, sizeof *f->panels);
     iso_status status = f->panels ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (status == ISO_OK)
-        status = f->of_levels ? plan_levels(f, err) : plan_renderers(f, err);
-    if (status == ISO_OK)
-        status = draw_sheet(f, page, err);
+    TRY(status, f->of_levels ? plan_levels(f, err) : plan_renderers(f, err));
+    TRY(status, draw_sheet(f, page, err));
     if (status == ISO_OK)
         notice(f);
     for (size_t i = 0; i < f->count; ++i) {
@@ -448,8 +441,7 @@ static iso_status draw(const iso_figure_job *job, bool of_levels, iso_page *page
 {
     figure f = {.job = job, .of_levels = of_levels, .report_dir = job->input};
     iso_status status = iso_report_load(job->input, &f.report, err);
-    if (status == ISO_OK)
-        status = make(&f, page, err);
+    TRY(status, make(&f, page, err));
     json_decref(f.report);
     return status;
 }

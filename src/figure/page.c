@@ -155,8 +155,7 @@ void iso_page_put_text(iso_page *p, const iso_page_text *at, const char *text)
 
 static void fail(iso_page *p, iso_status status)
 {
-    if (p->status == ISO_OK)
-        p->status = status;
+    TRY(p->status, status);
 }
 
 static size_t nearest_dot(const iso_page *p, double mm)
@@ -414,8 +413,7 @@ static iso_status write_caption(const iso_page *p, iso_error *err)
     iso_status status = ISO_OK;
     if (!path || asprintf(&text, "%.*s\n", (int)p->sizes[CAPTION], p->texts[CAPTION]) < 0)
         status = iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (status == ISO_OK)
-        status = iso_file_write(path, text, strlen(text), err);
+    TRY(status, iso_file_write(path, text, strlen(text), err));
     free(path);
     free(text);
     return status;
@@ -459,16 +457,14 @@ iso_status iso_page_finish(iso_page *p, const char *forms, int with_sources, iso
             return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     char *script = write_script(p);
     iso_status status = script ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (status == ISO_OK)
-        status = iso_gnuplot_draw_script(p->dir, "figure", script, "pdf", err);
+    TRY(status, iso_gnuplot_draw_script(p->dir, "figure", script, "pdf", err));
     for (size_t i = 0; i < FORMS && status == ISO_OK; ++i)
         if (is_named(forms, forms_beside[i].name))
             status = iso_gnuplot_draw_script(p->dir, "figure", script, forms_beside[i].format, err);
     free(script);
     if (status == ISO_OK && is_named(forms, "png"))
         status = draw_png(p, err);
-    if (status == ISO_OK)
-        status = write_caption(p, err);
+    TRY(status, write_caption(p, err));
     if (!with_sources)
         remove_sources(p);
     return status;

@@ -137,13 +137,11 @@ iso_status iso_paper_load(const iso_figure_job *job, const iso_paper_own *own, c
     options.threads = job->cli->threads;
     if (job->input) {
         iso_status status = iso_subject_load_pyramid(job->input, &job->volume, &options, &progress, p, err);
-        if (status == ISO_OK)
-            status = iso_subject_refuse_labels(p, job->input, "this kind of figure", err);
+        TRY(status, iso_subject_refuse_labels(p, job->input, "this kind of figure", err));
         return status;
     }
     iso_status status = own->make(&v, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_build(&v, own->name, &options, p, &progress, err);
+    TRY(status, iso_pyramid_build(&v, own->name, &options, p, &progress, err));
     iso_volume_destroy(&v);
     return status;
 }
@@ -158,8 +156,7 @@ static iso_status own_scene(const iso_figure_job *job, const iso_paper_look *own
     iso_status status = look->size ? iso_subject_parse_image_size(look->size, &width, &height, err) : ISO_OK;
     if (status == ISO_OK && look->zoom)
         status = iso_cli_zoom_parse(look->zoom, &zoom, err);
-    if (status == ISO_OK)
-        status = iso_viewpoint_parse(look->view ? look->view : own->view, &from, err);
+    TRY(status, iso_viewpoint_parse(look->view ? look->view : own->view, &from, err));
     iso_tf_point *points = status == ISO_OK ? malloc(own->point_count * sizeof *points) : NULL;
     if (status == ISO_OK && !points)
         status = iso_fail(err, ISO_E_MEMORY, "figure: out of memory");

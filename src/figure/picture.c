@@ -12,8 +12,7 @@ iso_status iso_figure_scene_tf(const iso_scene *scene, const iso_pyramid *p, iso
     iso_view view = {0};
     iso_status status = iso_scene_resolve(scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &view,
                                           err);
-    if (status == ISO_OK)
-        status = iso_tf_table_copy(&view.tf, tf, err);
+    TRY(status, iso_tf_table_copy(&view.tf, tf, err));
     iso_view_destroy(&view);
     return status;
 }
@@ -28,13 +27,11 @@ iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *
     options.threads = job->cli->threads;
     options.level_count = level_count;
     iso_status status = iso_cli_look_check(&job->look, job->cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(job->input, &job->volume, &options, &progress, &s->pyramid, err);
+    TRY(status, iso_subject_load_pyramid(job->input, &job->volume, &options, &progress, &s->pyramid, err));
     if (status == ISO_OK && level_count > s->pyramid.level_count)
         status = iso_fail(err, ISO_E_RANGE, "%s has levels 0 to %zu, the figure would show level %zu", job->input,
                           s->pyramid.level_count - 1, level_count - 1);
-    if (status == ISO_OK)
-        status = iso_subject_make_scene(&look, &s->pyramid, &s->scene, err);
+    TRY(status, iso_subject_make_scene(&look, &s->pyramid, &s->scene, err));
     if (job->has_background)
         memcpy(s->scene.background, job->background, sizeof s->scene.background);
     return status == ISO_OK ? iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err) : status;
@@ -126,8 +123,7 @@ static iso_status make_view(iso_figure_subject *s, const iso_figure_picture *wha
                                   &(iso_cli_roi_place){&adapted, s->job->input, &s->pyramid, what->level,
                                                        s->job->cli->threads},
                                   view, err);
-    if (status == ISO_OK)
-        status = iso_cli_adapt_view(&adapted, s->job->input, &s->pyramid, what->level, view, s->job->cli->threads, err);
+    TRY(status, iso_cli_adapt_view(&adapted, s->job->input, &s->pyramid, what->level, view, s->job->cli->threads, err));
     return status;
 }
 
@@ -146,10 +142,8 @@ iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *wh
     if (status == ISO_OK && !s->job->with && !what->named)
         iso_renderers_choose(&s->pyramid, &view, &opt);
     s->drawn_by = opt.renderer;
-    if (status == ISO_OK)
-        status = iso_render_with(&request, image, NULL, err);
-    if (status == ISO_OK)
-        status = iso_render_check_finite(opt.renderer, image, err);
+    TRY(status, iso_render_with(&request, image, NULL, err));
+    TRY(status, iso_render_check_finite(opt.renderer, image, err));
     if (status == ISO_OK && mm_per_pixel)
         *mm_per_pixel = iso_view_mm_per_pixel(&view, &s->pyramid.levels[0].geometry);
     iso_view_destroy(&view);

@@ -150,15 +150,12 @@ static iso_status make_plan(shown *s, double error, iso_error *err)
     const iso_figure_job *job = s->job;
     const iso_progress progress = iso_cli_progress(job->cli);
     iso_status status = iso_figure_subject_load(&s->subject, job, 1, NULL, err);
-    if (status == ISO_OK)
-        status = iso_subject_refuse_labels(&s->subject.pyramid, job->input, "--kind plan", err);
-    if (status == ISO_OK)
-        status = iso_scene_resolve(&s->subject.scene, &s->subject.pyramid.levels[0].geometry,
-                                   iso_pyramid_lo(&s->subject.pyramid), iso_pyramid_hi(&s->subject.pyramid), &s->view,
-                                   err);
-    if (status == ISO_OK)
-        status = iso_node_levels_create(&s->nodes, &s->subject.pyramid.levels[0], BRICK_VOXELS, s->level_count, true,
-                                        job->cli->threads, err);
+    TRY(status, iso_subject_refuse_labels(&s->subject.pyramid, job->input, "--kind plan", err));
+    TRY(status,
+        iso_scene_resolve(&s->subject.scene, &s->subject.pyramid.levels[0].geometry,
+                          iso_pyramid_lo(&s->subject.pyramid), iso_pyramid_hi(&s->subject.pyramid), &s->view, err));
+    TRY(status, iso_node_levels_create(&s->nodes, &s->subject.pyramid.levels[0], BRICK_VOXELS, s->level_count, true,
+                                       job->cli->threads, err));
     if (status != ISO_OK)
         return status;
     iso_node_levels_round(&s->nodes);

@@ -226,8 +226,7 @@ static iso_status draw_tf(const iso_figure_job *job, iso_page *page, iso_error *
 {
     curves c = {.first = 0};
     iso_status status = choose(&c, job, err);
-    if (status == ISO_OK)
-        status = put_all(&c, job, page, err);
+    TRY(status, put_all(&c, job, page, err));
     if (status == ISO_OK)
         write_caption(&c, job, iso_page_caption(page));
     for (size_t i = 0; i < c.count; ++i)

@@ -43,8 +43,7 @@ static iso_status render_frame(turned *t, size_t frame, size_t width, size_t hei
                                      .turn_deg = 360.0 * (double)frame / (double)t->frames,
                                      .turns = t->frames};
     iso_status status = iso_figure_render(&t->subject, &what, image, mm_per_pixel, err);
-    if (status == ISO_OK)
-        status = iso_animation_add(t->animation, image, err);
+    TRY(status, iso_animation_add(t->animation, image, err));
     return status == ISO_OK ? save_frame(t, frame, image, err) : status;
 }
 
@@ -122,14 +121,10 @@ static iso_status draw_turntable(const iso_figure_job *job, iso_page *page, iso_
     t.shown = t.frames > ISO_FIGURE_MOST_COLUMNS ? (size_t)SHOWN_OF_MANY : t.frames;
     iso_status status = path && dir ? iso_figure_renderer(job, &t.with, err)
                                     : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (status == ISO_OK)
-        status = make_folder(dir, err);
-    if (status == ISO_OK)
-        status = iso_animation_create(&t.animation, path, t.frames, 0.1, err);
-    if (status == ISO_OK)
-        status = draw_frames(&t, job, page, err);
-    if (status == ISO_OK)
-        status = iso_animation_finish(t.animation, err);
+    TRY(status, make_folder(dir, err));
+    TRY(status, iso_animation_create(&t.animation, path, t.frames, 0.1, err));
+    TRY(status, draw_frames(&t, job, page, err));
+    TRY(status, iso_animation_finish(t.animation, err));
     iso_animation_destroy(t.animation);
     iso_figure_subject_end(&t.subject);
     free(path);

@@ -129,8 +129,7 @@ iso_status iso_extinction_scaler_create(const iso_level *fine, const iso_level *
         return iso_fail(err, ISO_E_MEMORY, "extinction scale: out of memory");
     s->fine = fine, s->coarse = coarse, s->level = level, s->threads = threads;
     iso_status status = iso_interpolation_create(&s->map, fine->geometry.size, level, err);
-    if (status == ISO_OK)
-        status = check_levels(fine, coarse, &s->map, err);
+    TRY(status, check_levels(fine, coarse, &s->map, err));
     if (status == ISO_OK) {
         const size_t runs = iso_interpolation_run_count(&s->map), voxels = s->map.coarse_count;
         s->ranges = malloc(runs * sizeof *s->ranges);
@@ -342,8 +341,7 @@ static iso_status run_rounds(iso_extinction_scaler *s, const round_context *c, u
             status = pass(c, 3, 1, later_round, err);
     }
     quantize(s, bytes);
-    if (status == ISO_OK)
-        status = pass(c, 3, 0, last_look, err);
+    TRY(status, pass(c, 3, 0, last_look, err));
     squares[1] = take_sum(c->sums, threads);
     if (!(squares[1] < squares[0])) {
         memset(bytes, ISO_EXTINCTION_SCALE_ONE, s->map.coarse_count);
@@ -365,10 +363,8 @@ iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_ta
     iso_status status = sums && rows ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "extinction scale: out of memory");
     for (int t = 0; t < threads && status == ISO_OK; ++t)
         sums[t].scratch = rows + (size_t)t * SCRATCH_ROWS * row;
-    if (status == ISO_OK)
-        status = shown_tf_create(&tfs[0], original, length_mm, err);
-    if (status == ISO_OK)
-        status = shown_tf_create(&tfs[1], own, length_mm, err);
+    TRY(status, shown_tf_create(&tfs[0], original, length_mm, err));
+    TRY(status, shown_tf_create(&tfs[1], own, length_mm, err));
     if (status == ISO_OK) {
         const size_t seen = ISO_FIT_RUN * find_seen(s, &tfs[0], &tfs[1]);
         const round_context c = {s, &tfs[0], &tfs[1], sums};
@@ -394,8 +390,7 @@ iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const 
     iso_status status = iso_extinction_scaler_create(&p->levels[0], &p->levels[level], level, threads, &s, err);
     if (status == ISO_OK && !(*bytes = malloc(iso_geometry_voxel_count(&p->levels[level].geometry))))
         status = iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for a byte a voxel");
-    if (status == ISO_OK)
-        status = iso_extinction_scaler_apply(s, original, own, *bytes, NULL, err);
+    TRY(status, iso_extinction_scaler_apply(s, original, own, *bytes, NULL, err));
     if (status != ISO_OK) {
         free(*bytes);
         *bytes = NULL;

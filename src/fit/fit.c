@@ -181,8 +181,7 @@ static iso_status improve(fit *f, const float limits[2], size_t solver_rounds, f
 {
     iso_status status = go(f, linearize_row, coarse, f->gradient, err);
     const double start = total(f, 0);
-    if (status == ISO_OK)
-        status = solve(f, solver_rounds, err);
+    TRY(status, solve(f, solver_rounds, err));
     for (double t = 1; t > 0.1 && status == ISO_OK; t /= 2) {
         for (size_t i = 0; i < f->coarse_count; ++i)
             f->trial[i] = fminf(fmaxf(coarse[i] + (float)t * f->step[i], limits[0]), limits[1]);
@@ -240,8 +239,7 @@ iso_status iso_fit_scalar(const iso_fit_problem *problem, const iso_fit_options 
     fit f;
     *report = (iso_fit_report){0};
     iso_status status = begin(&f, problem, opt, err);
-    if (status == ISO_OK)
-        status = run(&f, opt, coarse, report, err);
+    TRY(status, run(&f, opt, coarse, report, err));
     end(&f);
     report->seconds = iso_clock_seconds() - began;
     return status;

@@ -105,10 +105,9 @@ static void read_level(iso_json_reader *r, const json_t *entry, const iso_pyrami
     const char *name = NULL;
     iso_json_get_size(r, entry, "level", true, 1, p->level_count - 1, &level);
     iso_json_get_string(r, entry, "scalar", true, &name);
-    if (r->status == ISO_OK)
-        r->status = iso_names_find(&iso_level_scalar_names, name, &kind, r->err) == ISO_OK
-                        ? ISO_OK
-                        : iso_fail_in(r->err, ISO_E_FORMAT, "%s", r->path);
+    TRY(r->status, iso_names_find(&iso_level_scalar_names, name, &kind, r->err) == ISO_OK
+                       ? ISO_OK
+                       : iso_fail_in(r->err, ISO_E_FORMAT, "%s", r->path));
     if (r->status == ISO_OK)
         kinds[level] = (iso_level_scalar)kind;
 }
@@ -126,10 +125,8 @@ iso_status iso_level_scalars_read(const iso_pyramid *p, iso_tf_table *tf, iso_le
     for (size_t i = 0; i < json_array_size(levels) && r.status == ISO_OK; ++i)
         read_level(&r, json_array_get(levels, i), p, kinds);
     iso_status status = r.status;
-    if (status == ISO_OK)
-        status = iso_tf_from_json(points, r.path, &own, err);
-    if (status == ISO_OK)
-        status = iso_tf_tabulate(&own, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, tf, err);
+    TRY(status, iso_tf_from_json(points, r.path, &own, err));
+    TRY(status, iso_tf_tabulate(&own, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, tf, err));
     iso_tf_destroy(&own);
     return status;
 }

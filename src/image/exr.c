@@ -40,10 +40,8 @@ iso_status iso_image_save_exr(const iso_image *image, const char *path, const is
     if (status != ISO_OK)
         return status;
     status = iso_exr_encode(path, image, notes, &data, &size, err);
-    if (status == ISO_OK)
-        status = write_bytes(out.temp_path, data, size, err);
-    if (status == ISO_OK)
-        status = iso_exr_verify(out.temp_path, image, err);
+    TRY(status, write_bytes(out.temp_path, data, size, err));
+    TRY(status, iso_exr_verify(out.temp_path, image, err));
     free(data);
     if (status == ISO_OK)
         return iso_output_commit(&out, err);

@@ -120,10 +120,8 @@ static iso_status run_level(bound_bench *b, bound_case *c, size_t level, bool ad
     bound_figures f = {NAN, NAN, NAN};
     opt.threads = b->cli->threads;
     iso_status status = iso_adapt_level(c->pyramid, adapted ? level : 0, &c->view.tf, &opt, &table, NULL, err);
-    if (status == ISO_OK)
-        status = draw(b, c, level, &table, &image, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&c->finest, &image, &m, err);
+    TRY(status, draw(b, c, level, &table, &image, err));
+    TRY(status, iso_metrics_measure(&c->finest, &image, &m, err));
     const iso_image_bound_input in = {.fine = &c->pyramid->levels[0],
                                       .coarse = &c->pyramid->levels[level],
                                       .level = level,
@@ -133,8 +131,7 @@ static iso_status run_level(bound_bench *b, bound_case *c, size_t level, bool ad
                                       .coarse_tf = &table,
                                       .points = b->points,
                                       .threads = b->cli->threads};
-    if (status == ISO_OK)
-        status = iso_image_bound_rmse(&in, &f.bound, err);
+    TRY(status, iso_image_bound_rmse(&in, &f.bound, err));
     if (status == ISO_OK && b->causes)
         status = iso_image_bound_without_signs(&in, &f.unsigned_rays, err);
     f.measured = m.rmse;
@@ -148,8 +145,7 @@ static iso_status run_level(bound_bench *b, bound_case *c, size_t level, bool ad
 static iso_status run_case(bound_bench *b, bound_case *c, iso_error *err)
 {
     iso_status status = make_view(b, c, err);
-    if (status == ISO_OK)
-        status = draw(b, c, 0, &c->view.tf, &c->finest, err);
+    TRY(status, draw(b, c, 0, &c->view.tf, &c->finest, err));
     for (size_t level = 1; level < c->pyramid->level_count && status == ISO_OK; ++level)
         for (int adapted = 0; adapted < 2 && status == ISO_OK; ++adapted)
             status = run_level(b, c, level, adapted, err);

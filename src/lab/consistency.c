@@ -246,8 +246,7 @@ static iso_status run_volume(bench_run *run, int block, const char *path, iso_er
     iso_pyramid_options build = pyramid_options(run);
     iso_pyramid p = {0};
     iso_status status = iso_subject_load_pyramid(path, &run->input, &build, &progress, &p, err);
-    if (status == ISO_OK)
-        status = run_pyramid(run, block, iso_path_base(path), &p, err);
+    TRY(status, run_pyramid(run, block, iso_path_base(path), &p, err));
     iso_pyramid_destroy(&p);
     return status;
 }
@@ -285,8 +284,7 @@ static iso_status run_analytic(bench_run *run, iso_error *err)
             add_noise(&v, i + 1);
             status = iso_pyramid_build(&v, name, &build, &p, NULL, err);
         }
-        if (status == ISO_OK)
-            status = run_pyramid(run, HELD, name, &p, err);
+        TRY(status, run_pyramid(run, HELD, name, &p, err));
         iso_pyramid_destroy(&p);
         iso_volume_destroy(&v);
     }
@@ -344,16 +342,12 @@ static iso_status check_options(bench_run *run, const char *methods, iso_error *
     iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, MAX_VIEWS, run->size, run->levels,
                                                                        MAX_LEVELS},
                                                  err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--level", run->level, 0, MAX_LEVELS - 1, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--step", run->step_voxels, 0.01, 4, err);
+    TRY(status, iso_words_check_range("--level", run->level, 0, MAX_LEVELS - 1, err));
+    TRY(status, iso_words_check_range("--step", run->step_voxels, 0.01, 4, err));
     if (status == ISO_OK && run->analytic_size != 0)
         status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
-    if (status == ISO_OK)
-        status = iso_lab_choose_methods(methods, run->wanted, err);
-    if (status == ISO_OK)
-        status = choose_tfs(run, err);
+    TRY(status, iso_lab_choose_methods(methods, run->wanted, err));
+    TRY(status, choose_tfs(run, err));
     return status == ISO_OK ? choose_renderers(run, err) : status;
 }
 
@@ -382,8 +376,7 @@ static iso_status run_all(bench_run *run, const char *methods, iso_error *err)
         status = run_volume(run, HELD, at, err);
         at = next;
     }
-    if (status == ISO_OK)
-        status = run_analytic(run, err);
+    TRY(status, run_analytic(run, err));
     if (status == ISO_OK)
         report(run);
     if (status == ISO_OK && run->figures)

@@ -78,17 +78,14 @@ static iso_status descend(const iso_render_request *q, const convergence_options
         d->seconds[i] = seconds;
         d->intervals[i] = frames[i].intervals;
         d->pieces[i] = frames[i].planes + 1;
-        if (status == ISO_OK)
-            status = iso_metrics_measure(&image, reference, &m, err);
+        TRY(status, iso_metrics_measure(&image, reference, &m, err));
         d->rmse[i] = m.rmse;
         d->max_abs[i] = m.max_abs;
         d->order[i] = i > 0 ? log2(d->rmse[i - 1] / d->rmse[i]) / log2(d->step[i - 1] / d->step[i]) : NAN;
     }
-    if (status == ISO_OK)
-        status = iso_richardson(&coarser, &image, d->step[o->steps - 2] / d->step[o->steps - 1], expected_order, &limit,
-                                &extrapolation, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&limit, reference, &m, err);
+    TRY(status, iso_richardson(&coarser, &image, d->step[o->steps - 2] / d->step[o->steps - 1], expected_order, &limit,
+                               &extrapolation, err));
+    TRY(status, iso_metrics_measure(&limit, reference, &m, err));
     d->limit_rmse = m.rmse;
     d->error_bar = extrapolation.error_bar;
     d->agrees = status == ISO_OK && iso_extrapolated_agree(m.rmse, d->error_bar, 0, bars_allowed, rounding);
@@ -149,10 +146,8 @@ static iso_status draw(const convergence_options *o, const descent *d, size_t co
     fclose(f);
     iso_output out = {0};
     iso_status status = iso_output_begin_dir(&out, o->output, "convergence.csv", err);
-    if (status == ISO_OK)
-        status = iso_gnuplot_draw(out.temp_path, "convergence", csv, iso_convergence_gp, o->format, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, iso_gnuplot_draw(out.temp_path, "convergence", csv, iso_convergence_gp, o->format, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     free(csv);
     return status;
@@ -181,10 +176,8 @@ static iso_status parse_renderers(const char *text, descent d[ISO_MAX_RENDERERS]
 static iso_status check(const convergence_options *o, iso_error *err)
 {
     iso_status status = iso_words_check_range("--steps", o->steps, 2, 6, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--finest", o->finest, 1e-3, 10, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--level", o->level, 0, 63, err);
+    TRY(status, iso_words_check_range("--finest", o->finest, 1e-3, 10, err));
+    TRY(status, iso_words_check_range("--level", o->level, 0, 63, err));
     if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", o->format);
     return status;
@@ -203,18 +196,13 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     descent d[ISO_MAX_RENDERERS];
     size_t count = 0;
     iso_status status = check(o, err);
-    if (status == ISO_OK)
-        status = iso_renderers_load(o->renderers, err);
-    if (status == ISO_OK)
-        status = parse_renderers(o->with, d, &count, err);
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&o->look, cli->threads, &look, err);
+    TRY(status, iso_renderers_load(o->renderers, err));
+    TRY(status, parse_renderers(o->with, d, &count, err));
+    TRY(status, iso_cli_look_check(&o->look, cli->threads, &look, err));
     build.threads = exact.threads = cli->threads;
     build.level_count = (size_t)o->level + 1;
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(cli->arguments[0], &o->input, &build, &progress, &p, err);
-    if (status == ISO_OK)
-        status = iso_subject_make_view(&look, &p, &view, err);
+    TRY(status, iso_subject_load_pyramid(cli->arguments[0], &o->input, &build, &progress, &p, err));
+    TRY(status, iso_subject_make_view(&look, &p, &view, err));
     if (status == ISO_OK)
         status = iso_render_with(&(iso_render_request){&renderers, &p, (size_t)o->level, &view, &exact, &progress},
                                  &reference, NULL, err);

@@ -91,8 +91,7 @@ static iso_status measure_scheme(const iso_scheme *scheme, size_t count, timing_
     r->encode_rate = encode_rate(scheme, b);
     r->decode_rate = decode_rate(scheme->code, b);
     iso_status status = iso_code_hole(scheme->code, 1e-5, &r->hole, &r->hole_how, err);
-    if (status == ISO_OK)
-        status = iso_code_error_measure(scheme, &opt, &r->at_voxels, err);
+    TRY(status, iso_code_error_measure(scheme, &opt, &r->at_voxels, err));
     for (int i = 0; i < APART_COUNT && status == ISO_OK; ++i) {
         opt.apart_deg = apart_deg[i];
         status = iso_code_error_measure(scheme, &opt, &r->between[i], err);
@@ -214,16 +213,11 @@ static iso_status bench(const iso_cli *cli, size_t count, const char *chart_dir,
     const bool text = !cli->json;
     iso_paper_table tables[TABLE_COUNT] = {{0}};
     iso_status status = bench_tables(text, tables, root, err);
-    if (status == ISO_OK)
-        status = iso_lab_encode_holes(text, chart_dir, root, err);
-    if (status == ISO_OK)
-        status = iso_lab_encode_convexity(text, root, err);
-    if (status == ISO_OK)
-        status = iso_lab_encode_stiffness(text, count / 4, root, err);
-    if (status == ISO_OK)
-        status = iso_lab_encode_coherence(text, count, root, err);
-    if (status == ISO_OK)
-        status = bench_schemes(count, text, tables, root, err);
+    TRY(status, iso_lab_encode_holes(text, chart_dir, root, err));
+    TRY(status, iso_lab_encode_convexity(text, root, err));
+    TRY(status, iso_lab_encode_stiffness(text, count / 4, root, err));
+    TRY(status, iso_lab_encode_coherence(text, count, root, err));
+    TRY(status, bench_schemes(count, text, tables, root, err));
     for (int i = 0; i < TABLE_COUNT; ++i)
         iso_paper_table_destroy(&tables[i]);
     return status;

@@ -111,16 +111,14 @@ static iso_status measure_level(const images_run *run, const iso_level *level, c
     iso_status status = bytes && vectors
                             ? ISO_OK
                             : iso_fail(err, ISO_E_MEMORY, "isoshade-lab encode: no memory for %zu directions", count);
-    if (status == ISO_OK)
-        status = render(run, level, ISO_CODE_SNORM, ISO_FROM_FLOAT, view, &truth, err);
+    TRY(status, render(run, level, ISO_CODE_SNORM, ISO_FROM_FLOAT, view, &truth, err));
     for (size_t c = 0; c < CODING_COUNT && status == ISO_OK; ++c) {
         iso_level coded;
         iso_image image;
         iso_metrics m = {0};
         const iso_direction_source source = apply(&codings[c], level, &coded, bytes, vectors);
         status = render(run, &coded, codings[c].code, source, view, &image, err);
-        if (status == ISO_OK)
-            status = iso_metrics_measure(&truth, &image, &m, err);
+        TRY(status, iso_metrics_measure(&truth, &image, &m, err));
         errors[c] = (image_error){m.rmse, 0.5 * (1 - m.ssim)};
         iso_image_destroy(&image);
     }
@@ -162,8 +160,7 @@ static iso_status run_volume(images_run *run, const char *path, iso_error *err)
     iso_status status = iso_subject_load_pyramid(path, b->input, &build, &progress, &p, err);
     if (status == ISO_OK && !p.levels[0].directions)
         status = iso_fail(err, ISO_E_USAGE, "%s holds no float directions; build it with --keep-float", path);
-    if (status == ISO_OK)
-        status = iso_subject_make_view(b->look, &p, &view, err);
+    TRY(status, iso_subject_make_view(b->look, &p, &view, err));
     for (size_t k = 0; k < p.level_count && k < b->level_count && status == ISO_OK; ++k) {
         status = measure_level(run, &p.levels[k], &view, errors, err);
         if (status == ISO_OK)

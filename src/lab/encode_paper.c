@@ -57,8 +57,7 @@ iso_status iso_lab_encode_holes(bool text, const char *chart_dir, json_t *root, 
     const double least = 1.756 * sqrt(2 * 3.141592653589793) / 4096 / degree;
     iso_hole none, scheme, hole;
     iso_status status = iso_region48_hole(0, tolerance_deg, &none, err);
-    if (status == ISO_OK)
-        status = iso_region48_hole(ISO_REGION48_LAMBDA, tolerance_deg, &scheme, err);
+    TRY(status, iso_region48_hole(ISO_REGION48_LAMBDA, tolerance_deg, &scheme, err));
     json_t *sweep = json_array();
     json_object_set_new(root, "figure10", sweep);
     double best = 0, best_hole = INFINITY;

@@ -45,8 +45,7 @@ static iso_status time_scale(const scale_bench *b, const scale_case *c, const is
         const double start = iso_cpu_seconds();
         status = iso_extinction_scaler_create(&levels[0], &levels[c->level], c->level, b->cli->threads, &s, err);
         const double made = iso_cpu_seconds();
-        if (status == ISO_OK)
-            status = iso_extinction_scaler_apply(s, &c->view->tf, own, bytes, &cost->errors, err);
+        TRY(status, iso_extinction_scaler_apply(s, &c->view->tf, own, bytes, &cost->errors, err));
         cost->create_seconds = fmin(cost->create_seconds, made - start);
         cost->apply_seconds = fmin(cost->apply_seconds, iso_cpu_seconds() - made);
         iso_extinction_scaler_destroy(s);
@@ -108,8 +107,7 @@ static iso_status run_case(scale_bench *b, const scale_case *c, iso_error *err)
         return status;
     }
     status = time_scale(b, c, &own, bytes, &cost, err);
-    if (status == ISO_OK)
-        status = time_frame(b, c, &own, bytes, &cost.frame_seconds, err);
+    TRY(status, time_frame(b, c, &own, bytes, &cost.frame_seconds, err));
     if (status == ISO_OK)
         note(b, c, &cost);
     iso_tf_table_destroy(&own);
@@ -152,8 +150,7 @@ static iso_status run_all(scale_bench *b, iso_error *err)
 {
     iso_status status =
         iso_lab_check_pictures(&(iso_lab_pictures){.size = b->size, .levels = b->levels, .most_levels = 8}, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--runs", b->runs, 1, 15, err);
+    TRY(status, iso_words_check_range("--runs", b->runs, 1, 15, err));
     if (status != ISO_OK)
         return status;
     b->rows = json_array();

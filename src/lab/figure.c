@@ -57,10 +57,8 @@ static iso_status make(iso_figure_job *job, const char *kind, iso_error *err)
 {
     iso_status status = kind ? iso_figure_kind_from_name(&kind_names, kind, &job->kind, err)
                              : iso_fail(err, ISO_E_USAGE, "--kind is missing; isoshade-lab figure --help lists the kinds");
-    if (status == ISO_OK)
-        status = iso_colormap_from_name("magma", &job->map, err);
-    if (status == ISO_OK)
-        status = check_options(job, err);
+    TRY(status, iso_colormap_from_name("magma", &job->map, err));
+    TRY(status, check_options(job, err));
     return status == ISO_OK ? iso_figure_make(job, err) : status;
 }
 

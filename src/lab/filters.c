@@ -81,10 +81,8 @@ static iso_status begin_scene(const filters_run *run, const scene *s, int size, 
     iso_volume v = {0};
     iso_pyramid p = {0};
     iso_status status = iso_shading_sample(s->kind, scene_voxels(run, s), 0, &field, &v, err);
-    if (status == ISO_OK)
-        status = iso_shading_build(&methods[0], &v, s->name, 1, run->cli->threads, &p, err);
-    if (status == ISO_OK)
-        status = iso_shading_begin(subject, run->gl, &p.levels[0], p.options.code, &field, &look, err);
+    TRY(status, iso_shading_build(&methods[0], &v, s->name, 1, run->cli->threads, &p, err));
+    TRY(status, iso_shading_begin(subject, run->gl, &p.levels[0], p.options.code, &field, &look, err));
     iso_pyramid_destroy(&p);
     iso_volume_destroy(&v);
     return status;
@@ -101,8 +99,7 @@ static iso_status run_scene(filters_run *run, size_t at, iso_error *err)
     iso_shading_subject subject = {0};
     iso_progress progress = iso_cli_progress(run->cli);
     iso_status status = begin_scene(run, s, run->size, &subject, err);
-    if (status == ISO_OK)
-        status = iso_shading_sample(s->kind, scene_voxels(run, s), s->noise, &field, &v, err);
+    TRY(status, iso_shading_sample(s->kind, scene_voxels(run, s), s->noise, &field, &v, err));
     for (size_t m = 0; m < METHOD_COUNT && status == ISO_OK; ++m) {
         iso_pyramid p = {0};
         iso_progress_report(&progress, s->name, (double)m / METHOD_COUNT);
@@ -284,8 +281,7 @@ static iso_status draw_holes(const filters_run *run, const iso_shading_subject *
                 h[i].fraction, h[i].dssim, s->finest[0].width);
     fclose(memory);
     iso_status status = write_panel(&s->finest[0], dir, "finest", err);
-    if (status == ISO_OK)
-        status = iso_gnuplot_draw(dir, "holes", text, iso_holes_gp, run->format, err);
+    TRY(status, iso_gnuplot_draw(dir, "holes", text, iso_holes_gp, run->format, err));
     free(text);
     return status;
 }
@@ -298,8 +294,7 @@ static iso_status run_holes(const filters_run *run, const char *dir, json_t *roo
     holes h[HOLES_METHODS] = {{0}};
     json_t *rows = json_array();
     iso_status status = begin_scene(run, &holes_scene, 2 * run->size, &s, err);
-    if (status == ISO_OK)
-        status = iso_shading_sample(holes_scene.kind, (size_t)run->voxels, holes_scene.noise, &field, &v, err);
+    TRY(status, iso_shading_sample(holes_scene.kind, (size_t)run->voxels, holes_scene.noise, &field, &v, err));
     if (status == ISO_OK && !run->cli->json)
         printf("\nholes: pixels darker than %g of level 0, of those that both show; %s, level %d\n", hole_depth,
                holes_scene.name, HOLES_LEVEL);
@@ -325,14 +320,12 @@ static iso_status run_all(filters_run *run, iso_error *err)
 {
     iso_output out = {0};
     iso_status status = iso_words_check_range("--size", run->size, 16, 2048, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--voxels", run->voxels, MIN_VOXELS, 512, err);
+    TRY(status, iso_words_check_range("--voxels", run->voxels, MIN_VOXELS, 512, err));
     if (status == ISO_OK && strcmp(run->format, "svg") != 0 && strcmp(run->format, "pdf") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", run->format);
     if (status == ISO_OK && run->output)
         status = iso_output_begin_dir(&out, run->output, "style.gp", err);
-    if (status == ISO_OK)
-        status = iso_gl_create(&run->gl, NULL, err);
+    TRY(status, iso_gl_create(&run->gl, NULL, err));
     json_t *root = iso_cli_json(run->cli);
     json_object_set_new(root, "options", json_pack("{s:i, s:i}", "size", run->size, "voxels", run->voxels));
     if (status == ISO_OK && run->filters)

@@ -35,12 +35,10 @@ static iso_status measure(fit_bench *b, fit_case *c, iso_error *err)
     double times[4] = {iso_cpu_seconds()};
     iso_status status = iso_level_scalars_make(&in, c->scalars[1], NULL, NULL, err);
     times[1] = iso_cpu_seconds();
-    if (status == ISO_OK)
-        status = iso_level_scalars_make(&in, c->scalars[1], c->scalars[2], &c->fit, err);
+    TRY(status, iso_level_scalars_make(&in, c->scalars[1], c->scalars[2], &c->fit, err));
     times[2] = iso_cpu_seconds();
-    if (status == ISO_OK)
-        status = iso_scene_level_judge(c->pyramid, c->level, &c->scene, c->scalars, b->cli->threads, c->candidates,
-                                       err);
+    TRY(status,
+        iso_scene_level_judge(c->pyramid, c->level, &c->scene, c->scalars, b->cli->threads, c->candidates, err));
     times[3] = iso_cpu_seconds();
     c->seconds[0] = times[1] - times[0];
     c->seconds[1] = times[2] - times[1] - c->seconds[0];

@@ -50,13 +50,10 @@ static iso_status look_at_tables(ghost_case *c, iso_small_views_input in, const 
     in.tfs[0] = c->tf;
     iso_status status = look(c, ORIGINAL, in, err);
     in.tfs[0] = adapted;
-    if (status == ISO_OK)
-        status = look(c, ADAPTED, in, err);
-    if (status == ISO_OK)
-        status = iso_adapt_level(c->pyramid, c->level, c->tf, &opt, &table, &c->judgment, err);
+    TRY(status, look(c, ADAPTED, in, err));
+    TRY(status, iso_adapt_level(c->pyramid, c->level, c->tf, &opt, &table, &c->judgment, err));
     in.tfs[0] = &table;
-    if (status == ISO_OK)
-        status = look(c, GUARDED, in, err);
+    TRY(status, look(c, GUARDED, in, err));
     iso_tf_table_destroy(&table);
     return status;
 }
@@ -68,8 +65,7 @@ static iso_status look_at_2d(ghost_case *c, iso_small_views_input in, iso_error 
     opt.threads = c->threads;
     iso_status status = iso_adapt_tf_2d(c->pyramid, c->level, ISO_SECOND_VALUE_DEVIATION, c->tf, &opt, &tf, err);
     in.tfs_2d[0] = &tf;
-    if (status == ISO_OK)
-        status = look(c, TF_2D, in, err);
+    TRY(status, look(c, TF_2D, in, err));
     iso_tf_2d_destroy(&tf);
     return status;
 }
@@ -86,8 +82,7 @@ static iso_status look_at_scale(ghost_case *c, iso_small_views_input in, const i
         octaves[i] = (float)iso_extinction_scale_log2(bytes[i]);
     in.tfs[0] = adapted;
     in.octaves[0] = octaves;
-    if (status == ISO_OK)
-        status = look(c, SCALED, in, err);
+    TRY(status, look(c, SCALED, in, err));
     free(bytes);
     free(octaves);
     return status;
@@ -120,20 +115,16 @@ static iso_status run_case(ghost_bench *b, ghost_case *c, iso_error *err)
     always.fall_back = false;
     always.threads = c->threads;
     iso_status status = iso_ghost_mask(fine, coarse, c->level, c->tf, c->threads, &empty, err);
-    if (status == ISO_OK)
-        status = iso_adapt_level(c->pyramid, c->level, c->tf, &always, &adapted, NULL, err);
+    TRY(status, iso_adapt_level(c->pyramid, c->level, c->tf, &always, &adapted, NULL, err));
     const iso_small_views_input in = {.fine = fine,
                                       .coarse = coarse,
                                       .level = c->level,
                                       .original = c->tf,
                                       .empty = empty,
                                       .threads = c->threads};
-    if (status == ISO_OK)
-        status = look_at_tables(c, in, &adapted, err);
-    if (status == ISO_OK)
-        status = look_at_2d(c, in, err);
-    if (status == ISO_OK)
-        status = look_at_scale(c, in, &adapted, err);
+    TRY(status, look_at_tables(c, in, &adapted, err));
+    TRY(status, look_at_2d(c, in, err));
+    TRY(status, look_at_scale(c, in, &adapted, err));
     if (status == ISO_OK)
         note(b, c);
     iso_tf_table_destroy(&adapted);
@@ -151,8 +142,7 @@ static iso_status run_tf(void *user, const iso_lab_visited *v, iso_error *err)
     if (b->tf_path && v->number % ISO_LEVEL_TF_COUNT > 0)
         return ISO_OK;
     iso_status status = b->tf_path ? iso_tf_load(b->tf_path, &loaded, err) : ISO_OK;
-    if (status == ISO_OK)
-        status = iso_tf_tabulate(b->tf_path ? &loaded : &tf, level0->min, level0->max, &level0->geometry, &table, err);
+    TRY(status, iso_tf_tabulate(b->tf_path ? &loaded : &tf, level0->min, level0->max, &level0->geometry, &table, err));
     for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK; ++level) {
         ghost_case c = {.pyramid = v->pyramid,
                         .level = level,

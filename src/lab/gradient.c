@@ -174,10 +174,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_next next;
     gradient_result results[ISO_GRADIENT_COUNT];
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--size", size, 32, 512, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--noise", noise, 0, 1, err);
+    TRY(status, iso_words_check_range("--size", size, 32, 512, err));
+    TRY(status, iso_words_check_range("--noise", noise, 0, 1, err));
     for (int i = 0; i < ISO_GRADIENT_COUNT && status == ISO_OK && next == ISO_CLI_RUN; ++i)
         status = measure_method((iso_gradient_method)i, (size_t)size, noise, cli.threads, &results[i], err);
     if (status == ISO_OK && next == ISO_CLI_RUN)

@@ -96,18 +96,13 @@ static iso_status check_options(iso_levels_run *run, iso_error *err)
     iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, ISO_LEVELS_MAX_VIEWS, run->size,
                                                                        run->levels, ISO_LEVELS_MAX_LEVELS},
                                                  err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--level", run->level, 0, run->levels - 1, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--step", run->step_voxels, 0.01, 4, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--budget", run->budget_seconds, 0, 1e6, err);
-    if (status == ISO_OK)
-        status = choose(run, err);
+    TRY(status, iso_words_check_range("--level", run->level, 0, run->levels - 1, err));
+    TRY(status, iso_words_check_range("--step", run->step_voxels, 0.01, 4, err));
+    TRY(status, iso_words_check_range("--budget", run->budget_seconds, 0, 1e6, err));
+    TRY(status, choose(run, err));
     if (status == ISO_OK && run->crop)
         status = iso_words_check_range("--crop", run->crop, 16, 4096, err);
-    if (status == ISO_OK)
-        status = list_volumes(run, err);
+    TRY(status, list_volumes(run, err));
     return status == ISO_OK ? read_tables(run, err) : status;
 }
 
@@ -153,8 +148,7 @@ static iso_status run_all(iso_levels_run *run, iso_error *err)
             status = iso_levels_run_volume(run, &progress, err);
     if (status == ISO_OK && run->csv)
         status = iso_level_cases_write_csv(&run->cases, run->csv, err);
-    if (status == ISO_OK)
-        status = keep_methods_of_all(run, err);
+    TRY(status, keep_methods_of_all(run, err));
     if (status == ISO_OK)
         report(run);
     iso_level_cases_destroy(&run->cases);

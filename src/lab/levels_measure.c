@@ -199,10 +199,8 @@ static iso_status measure_minified(const iso_image *finest, const iso_image *ima
 {
     iso_image small_finest = {0}, small = {0};
     iso_status status = iso_image_minify(finest, box, &small_finest, err);
-    if (status == ISO_OK)
-        status = iso_image_minify(image, box, &small, err);
-    if (status == ISO_OK)
-        status = iso_level_error_measure(&small_finest, &small, e, err);
+    TRY(status, iso_image_minify(image, box, &small, err));
+    TRY(status, iso_level_error_measure(&small_finest, &small, e, err));
     iso_image_destroy(&small_finest);
     iso_image_destroy(&small);
     return status;
@@ -241,8 +239,7 @@ static iso_status run_method(iso_levels_run *run, bench_subject *b, size_t level
         iso_image image = {0};
         status = render_shown(run, m, &s, &shown, &b->views[i], &image, err);
         r->seconds = i == 0 || run->frame_seconds < r->seconds ? run->frame_seconds : r->seconds;
-        if (status == ISO_OK)
-            status = measure_view(&b->finest[i], &image, c->box, 1.0 / run->views, r, err);
+        TRY(status, measure_view(&b->finest[i], &image, c->box, 1.0 / run->views, r, err));
         iso_image_destroy(&image);
     }
     iso_level_shown_destroy(&shown);
@@ -293,8 +290,7 @@ static iso_status render_finest(iso_levels_run *run, const iso_tf *tf, bench_sub
     iso_status status = ISO_OK;
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
         status = iso_lab_view(&look, &p->levels[0], tf, iso_view_of_faces(i, run->views), &b->views[i], err);
-        if (status == ISO_OK)
-            status = render(run, p, 0, &b->views[i], ISO_FROM_CODES, &b->finest[i], err);
+        TRY(status, render(run, p, 0, &b->views[i], ISO_FROM_CODES, &b->finest[i], err));
         if (status == ISO_OK)
             b->finest_alpha = fmax(b->finest_alpha, iso_lab_largest_alpha(&b->finest[i]));
     }
@@ -358,8 +354,7 @@ iso_status iso_levels_run_volume(iso_levels_run *run, const iso_progress *progre
     iso_status status = iso_volume_input_load(run->volumes[run->at], &run->input, &v, err);
     if (status == ISO_OK && run->crop)
         status = iso_lab_crop_to_middle(&v, (size_t)run->crop, err);
-    if (status == ISO_OK)
-        status = check_size(run, &v, err);
+    TRY(status, check_size(run, &v, err));
     if (status == ISO_OK && run->own_tf)
         status = build_pyramids(run, &v, &set, err);
     if (status == ISO_OK && run->own_tf)
@@ -368,8 +363,7 @@ iso_status iso_levels_run_volume(iso_levels_run *run, const iso_progress *progre
         if (run->wanted_tf[t] && !has_tf(run, t) && iso_levels_has_time(run)) {
             if (!set.first)
                 status = build_pyramids(run, &v, &set, err);
-            if (status == ISO_OK)
-                status = run_usual_tf(run, &set, t, err);
+            TRY(status, run_usual_tf(run, &set, t, err));
             if (status == ISO_OK && run->csv)
                 status = iso_level_cases_write_csv(&run->cases, run->csv, err);
         }

@@ -91,18 +91,14 @@ static iso_status measure_row(noise_run *run, const noise_subject *s, int row, c
     iso_image own = {0};
     iso_level level = mixed(p, directions, 0);
     iso_status status = render(run, s, &level, view, &own, err);
-    if (status == ISO_OK)
-        status = add_error(&references[1], &own, weight, &out->finest_to_truth, err);
+    TRY(status, add_error(&references[1], &own, weight, &out->finest_to_truth, err));
     for (size_t k = 1; k < p->level_count && status == ISO_OK; ++k) {
         iso_image image = {0}, clean = {0};
         level = mixed(p, directions, k);
         status = render(run, s, &level, view, &image, err);
-        if (status == ISO_OK)
-            status = add_error(&own, &image, weight, &out->to_own[k], err);
-        if (status == ISO_OK)
-            status = add_error(&references[0], &image, weight, &out->to_true_directions[k], err);
-        if (status == ISO_OK)
-            status = add_error(&references[1], &image, weight, &out->to_truth[k], err);
+        TRY(status, add_error(&own, &image, weight, &out->to_own[k], err));
+        TRY(status, add_error(&references[0], &image, weight, &out->to_true_directions[k], err));
+        TRY(status, add_error(&references[1], &image, weight, &out->to_truth[k], err));
         if (status == ISO_OK && row == TRUTH)
             status = render(run, s, &s->truth.levels[k], view, &clean, err);
         if (status == ISO_OK && row == TRUTH)
@@ -126,8 +122,7 @@ static iso_status measure_view(noise_run *run, const noise_subject *s, int numbe
         return status;
     const iso_level level = mixed(&s->of[0], &s->truth, 0);
     status = render(run, s, &level, &view, &references[0], err);
-    if (status == ISO_OK)
-        status = render(run, s, &s->truth.levels[0], &view, &references[1], err);
+    TRY(status, render(run, s, &s->truth.levels[0], &view, &references[1], err));
     for (int r = 0; r < ROWS && status == ISO_OK; ++r)
         status = measure_row(run, s, r, &view, references, &rows[r], err);
     iso_image_destroy(&references[0]);
@@ -250,8 +245,7 @@ static iso_status run_analytic(noise_run *run, iso_field_kind kind, double noise
     noise_subject s = {.name = iso_field_name(kind), .deviation = noise, .analytic = true};
     const size_t n = (size_t)run->analytic_size;
     iso_status status = iso_shading_sample(kind, n, 0, &s.field, &s.clean, err);
-    if (status == ISO_OK)
-        status = iso_shading_sample(kind, n, noise, &s.field, &s.noisy, err);
+    TRY(status, iso_shading_sample(kind, n, noise, &s.field, &s.noisy, err));
     if (status == ISO_OK)
         return run_subject(run, &s, err);
     iso_volume_destroy(&s.clean);
@@ -265,20 +259,17 @@ static iso_status denoise_volume(const noise_run *run, noise_subject *s, iso_err
     float *values = malloc(count * sizeof *values);
     double deviation = 0, low = INFINITY, high = -INFINITY;
     iso_status status = values ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", count);
-    if (status == ISO_OK)
-        status = iso_volume_create(&s->clean, &s->noisy.geometry, ISO_F32, s->name, err);
+    TRY(status, iso_volume_create(&s->clean, &s->noisy.geometry, ISO_F32, s->name, err));
     if (status == ISO_OK)
         iso_volume_floats(&s->noisy, values);
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         low = fmin(low, (double)values[i]);
         high = fmax(high, (double)values[i]);
     }
-    if (status == ISO_OK)
-        status = iso_noise_estimate(values, n, &deviation, err);
+    TRY(status, iso_noise_estimate(values, n, &deviation, err));
     if (run->deviation >= 0)
         deviation = run->deviation * (high - low);
-    if (status == ISO_OK)
-        status = iso_denoise(values, n, deviation, s->clean.data, err);
+    TRY(status, iso_denoise(values, n, deviation, s->clean.data, err));
     s->deviation = high > low ? deviation / (high - low) : 0;
     free(values);
     return status;
@@ -288,8 +279,7 @@ static iso_status run_file(noise_run *run, const char *path, iso_error *err)
 {
     noise_subject s = {.name = iso_path_base(path)};
     iso_status status = iso_volume_input_load(path, &run->input, &s.noisy, err);
-    if (status == ISO_OK)
-        status = denoise_volume(run, &s, err);
+    TRY(status, denoise_volume(run, &s, err));
     if (status == ISO_OK)
         return run_subject(run, &s, err);
     iso_volume_destroy(&s.noisy);
@@ -334,8 +324,7 @@ static iso_status check_options(noise_run *run, iso_error *err)
                                                  err);
     if (status == ISO_OK && run->analytic_size != 0)
         status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--noise", run->noise, 0, 1, err);
+    TRY(status, iso_words_check_range("--noise", run->noise, 0, 1, err));
     if (status == ISO_OK && run->deviation != -1)
         status = iso_words_check_range("--deviation", run->deviation, 0, 1, err);
     if (status == ISO_OK && iso_scalar_filter_from_name(run->scalar_filter, &run->filter, err) != ISO_OK)

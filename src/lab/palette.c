@@ -270,10 +270,8 @@ iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, is
     if (status != ISO_OK)
         return status;
     status = iso_volume_input_open(path, &b->input, &source, err);
-    if (status == ISO_OK)
-        status = iso_palette_sample_source(pool, source, &gradient, NULL, NULL, err);
-    if (status == ISO_OK)
-        status = iso_direction_pool_finish(pool, set, err);
+    TRY(status, iso_palette_sample_source(pool, source, &gradient, NULL, NULL, err));
+    TRY(status, iso_direction_pool_finish(pool, set, err));
     iso_source_close(source);
     iso_direction_pool_destroy(pool);
     *seconds = iso_clock_seconds() - start;
@@ -373,8 +371,7 @@ iso_status iso_palette_bench_sensitivity(const palette_bench *b, const char *vol
     iso_status status;
     if (volume) {
         status = iso_palette_bench_sample(b, volume, &all, &seconds, err);
-        if (status == ISO_OK)
-            status = iso_direction_set_coarsen(&all, ANNEAL_CELLS, &set, err);
+        TRY(status, iso_direction_set_coarsen(&all, ANNEAL_CELLS, &set, err));
     } else {
         palette_bench one = *b;
         one.seeds = 1;
@@ -441,17 +438,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         status = iso_words_check_range("--seeds", b.seeds, 1, 1000, err);
-        if (status == ISO_OK)
-            status = iso_words_check_range("--cycles", b.cycles, 0, 1e6, err);
-        if (status == ISO_OK)
-            status = iso_words_check_range("--steps", b.steps, 0, 1e8, err);
-        if (status == ISO_OK)
-            status = iso_cli_look_check(&b.look, cli.threads, &b.shown, err);
+        TRY(status, iso_words_check_range("--cycles", b.cycles, 0, 1e6, err));
+        TRY(status, iso_words_check_range("--steps", b.steps, 0, 1e8, err));
+        TRY(status, iso_cli_look_check(&b.look, cli.threads, &b.shown, err));
         json_t *root = iso_cli_json(&cli);
         json_object_update_new(json_object_get(root, "options"),
                                json_pack("{s:i, s:i, s:i}", "seeds", b.seeds, "cycles", b.cycles, "steps", b.steps));
-        if (status == ISO_OK)
-            status = run_parts(&b, root, err);
+        TRY(status, run_parts(&b, root, err));
         if (status == ISO_OK && cli.json)
             iso_cli_print_json(root);
         else

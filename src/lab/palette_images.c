@@ -178,11 +178,9 @@ static iso_status sample_level(stage *s, bool weighted, iso_direction_set *set, 
                                      .by_value_hi = tf->hi};
     iso_direction_pool *pool;
     iso_status status = iso_direction_pool_create(&pool, s->bench->cli->threads, err);
-    if (status == ISO_OK)
-        status = iso_palette_sample_field(pool, l->directions, l->scalar, l->magnitude,
-                                          iso_geometry_voxel_count(&l->geometry), weighted ? &w : NULL, err);
-    if (status == ISO_OK)
-        status = iso_direction_pool_finish(pool, set, err);
+    TRY(status, iso_palette_sample_field(pool, l->directions, l->scalar, l->magnitude,
+                                         iso_geometry_voxel_count(&l->geometry), weighted ? &w : NULL, err));
+    TRY(status, iso_direction_pool_finish(pool, set, err));
     iso_direction_pool_destroy(pool);
     free(opacity);
     return status;
@@ -201,13 +199,10 @@ static iso_status palette_rows(stage *s, iso_palette_method how, size_t directio
     opt.directions = directions;
     double start = iso_clock_seconds();
     iso_status status = sample_level(s, weighted, &set, err);
-    if (status == ISO_OK)
-        status = iso_palette_fit(&set, &opt, &palette, NULL, err);
-    if (status == ISO_OK)
-        status = iso_level_attach_palette(&level, s->pyramid.options.code, &palette, err);
+    TRY(status, iso_palette_fit(&set, &opt, &palette, NULL, err));
+    TRY(status, iso_level_attach_palette(&level, s->pyramid.options.code, &palette, err));
     double seconds = iso_clock_seconds() - start;
-    if (status == ISO_OK)
-        status = iso_palette_measure(&set, &palette, &e, err);
+    TRY(status, iso_palette_measure(&set, &palette, &e, err));
     snprintf(name, sizeof name, "%s-%zu%s", how == ISO_PALETTE_KMEANS ? "palette" : iso_palette_method_name(how),
              directions, weighted ? " for the scene" : "");
     method m = {name, iso_palette_bits(&palette) > 8 ? 2 : 1, seconds, e.rms_deg};
@@ -245,14 +240,10 @@ static iso_status all_rows(stage *s, iso_error *err)
     for (int code = 0; code < ISO_CODE_COUNT && status == ISO_OK; ++code)
         if (iso_code_describe((iso_code)code)->is_textured)
             status = code_row(s, (iso_code)code, err);
-    if (status == ISO_OK)
-        status = palette_rows(s, ISO_PALETTE_KMEANS, 254, false, true, err);
-    if (status == ISO_OK)
-        status = palette_rows(s, ISO_PALETTE_KMEANS, 254, true, false, err);
-    if (status == ISO_OK)
-        status = palette_rows(s, ISO_PALETTE_FACES, 240, false, false, err);
-    if (status == ISO_OK)
-        status = palette_rows(s, ISO_PALETTE_KMEANS, 1022, false, false, err);
+    TRY(status, palette_rows(s, ISO_PALETTE_KMEANS, 254, false, true, err));
+    TRY(status, palette_rows(s, ISO_PALETTE_KMEANS, 254, true, false, err));
+    TRY(status, palette_rows(s, ISO_PALETTE_FACES, 240, false, false, err));
+    TRY(status, palette_rows(s, ISO_PALETTE_KMEANS, 1022, false, false, err));
     return status == ISO_OK ? palette_rows(s, ISO_PALETTE_KMEANS, 1022, true, false, err) : status;
 }
 
@@ -273,15 +264,11 @@ iso_status iso_palette_bench_images(const palette_bench *b, const char *path, js
     build.keep_float = build.keep_magnitude = true;
     build.threads = b->cli->threads;
     iso_status status = iso_volume_input_load(path, &b->input, &v, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_build(&v, path, &build, &s.pyramid, NULL, err);
+    TRY(status, iso_pyramid_build(&v, path, &build, &s.pyramid, NULL, err));
     iso_volume_destroy(&v);
-    if (status == ISO_OK)
-        status = has_own_look(b) ? iso_subject_make_view(&b->shown, &s.pyramid, &s.view, err) : default_view(&s, err);
-    if (status == ISO_OK)
-        status = iso_gl_create(&s.gl, NULL, err);
-    if (status == ISO_OK)
-        status = all_rows(&s, err);
+    TRY(status, has_own_look(b) ? iso_subject_make_view(&b->shown, &s.pyramid, &s.view, err) : default_view(&s, err));
+    TRY(status, iso_gl_create(&s.gl, NULL, err));
+    TRY(status, all_rows(&s, err));
     iso_gl_destroy(s.gl);
     iso_image_destroy(&s.wanted);
     iso_view_destroy(&s.view);

@@ -60,8 +60,7 @@ static iso_status measure_vdbs(bench_state *s, iso_error *err)
                                                  err);
         if (m != FULL && status == ISO_OK)
             status = iso_vdb_save_lattices(lattices.items, lattices.count, NULL, path, &options, NULL, err);
-        if (status == ISO_OK)
-            status = iso_vdb_measure(path, &s->entries[m].vdb, err);
+        TRY(status, iso_vdb_measure(path, &s->entries[m].vdb, err));
         iso_planned_lattices_destroy(&lattices);
         free(path);
     }
@@ -76,13 +75,11 @@ static iso_status measure_df3s(bench_state *s, iso_error *err)
     o.df3_bits = 16;
     o.planes = 0;
     iso_status status = iso_povray_export(s->pyramid, 0, s->views, full, &o, NULL, err);
-    if (status == ISO_OK)
-        status = iso_planned_crop_create(&s->planned, &s->pyramid->levels[0], s->bench->cli->threads, &crop, err);
+    TRY(status, iso_planned_crop_create(&s->planned, &s->pyramid->levels[0], s->bench->cli->threads, &crop, err));
     const iso_pyramid cropped = {.options = s->pyramid->options, .level_count = 1, .levels = &crop.level};
     o.box = (const double(*)[3])crop.box;
     o.lattice = &crop.lattice;
-    if (status == ISO_OK)
-        status = iso_povray_export(&cropped, 0, s->views, planned, &o, NULL, err);
+    TRY(status, iso_povray_export(&cropped, 0, s->views, planned, &o, NULL, err));
     s->entries[FULL].df3_bytes = iso_povray_df3_bytes(full);
     s->entries[MERGED].df3_bytes = iso_povray_df3_bytes(planned);
     iso_planned_crop_destroy(&crop);
@@ -105,16 +102,12 @@ static iso_status measure_cycles(bench_state *s, const iso_progress *progress, i
     o.step_voxels = s->bench->step;
     o.stats = &s->entries[FULL].cycles;
     iso_status status = iso_subject_parse_image_size(s->bench->cycles, &view.width, &view.height, err);
-    if (status == ISO_OK)
-        status = iso_cycles_render(s->pyramid, 0, &view, &o, &s->entries[FULL].image, progress, err);
-    if (status == ISO_OK)
-        status = iso_planned_lattices_create(&s->planned, true, true, o.threads, &lattices, err);
+    TRY(status, iso_cycles_render(s->pyramid, 0, &view, &o, &s->entries[FULL].image, progress, err));
+    TRY(status, iso_planned_lattices_create(&s->planned, true, true, o.threads, &lattices, err));
     const iso_blender_plan plan = {.geometry = &n->geometry, .lattice = lattices.items};
     o.stats = &s->entries[LEVELS].cycles;
-    if (status == ISO_OK)
-        status = iso_cycles_render_plan(&plan, &view, &o, &s->entries[LEVELS].image, progress, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&s->entries[LEVELS].image, &s->entries[FULL].image, &measured, err);
+    TRY(status, iso_cycles_render_plan(&plan, &view, &o, &s->entries[LEVELS].image, progress, err));
+    TRY(status, iso_metrics_measure(&s->entries[LEVELS].image, &s->entries[FULL].image, &measured, err));
     s->cycles_rmse = measured.rmse;
     s->cycles_max = measured.max_abs;
     iso_planned_lattices_destroy(&lattices);
@@ -148,8 +141,7 @@ static iso_status make_plan(bench_state *s, const iso_node_levels *nodes, const 
 {
     const iso_planner_options opt = {s->views, 1, ISO_FACES_BAKED, s->bench->cli->threads};
     iso_status status = iso_planner_create(&s->planner, nodes, &opt, progress, err);
-    if (status == ISO_OK)
-        status = iso_planner_search(&s->planner, s->bench->error, 0, progress, err);
+    TRY(status, iso_planner_search(&s->planner, s->bench->error, 0, progress, err));
     if (status != ISO_OK)
         return status;
     const iso_plan_trial *t = &s->planner.best;
@@ -259,16 +251,11 @@ static iso_status run_all(bench_state *s, const iso_node_levels *nodes, iso_erro
     iso_progress progress = iso_cli_progress(s->bench->cli);
     s->folder = iso_make_temp_dir();
     iso_status status = s->folder ? ISO_OK : iso_temp_dir_fail(err);
-    if (status == ISO_OK)
-        status = make_plan(s, nodes, &progress, err);
-    if (status == ISO_OK)
-        status = measure_bake(s, err);
-    if (status == ISO_OK)
-        status = measure_vdbs(s, err);
-    if (status == ISO_OK)
-        status = measure_df3s(s, err);
-    if (status == ISO_OK)
-        status = measure_cycles(s, &progress, err);
+    TRY(status, make_plan(s, nodes, &progress, err));
+    TRY(status, measure_bake(s, err));
+    TRY(status, measure_vdbs(s, err));
+    TRY(status, measure_df3s(s, err));
+    TRY(status, measure_cycles(s, &progress, err));
     if (status == ISO_OK)
         report(s);
     for (int m = 0; m < MODEL_COUNT; ++m)
@@ -293,21 +280,15 @@ static iso_status bench(const plan_bench *b, iso_error *err)
     build.level_count = 1;
     build.threads = b->cli->threads;
     iso_status status = iso_words_check_range("--error", b->error, 1e-6, 1, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--levels", b->levels, 1, ISO_BRICK_MAX_LEVELS, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--step", b->step, 1e-3, 16, err);
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&b->look, b->cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, &pyramid, err);
-    if (status == ISO_OK)
-        status = iso_planner_load_views(&look, 1, &pyramid, &s.views, &view_count, err);
+    TRY(status, iso_words_check_range("--levels", b->levels, 1, ISO_BRICK_MAX_LEVELS, err));
+    TRY(status, iso_words_check_range("--step", b->step, 1e-3, 16, err));
+    TRY(status, iso_cli_look_check(&b->look, b->cli->threads, &look, err));
+    TRY(status, iso_subject_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, &pyramid, err));
+    TRY(status, iso_planner_load_views(&look, 1, &pyramid, &s.views, &view_count, err));
     if (status == ISO_OK && view_count != 1)
         status = iso_fail(err, ISO_E_USAGE, "isoshade-lab plan: one scene is wanted");
-    if (status == ISO_OK)
-        status = iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)b->brick, (size_t)b->levels, true,
-                                        b->cli->threads, err);
+    TRY(status, iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)b->brick, (size_t)b->levels, true,
+                                       b->cli->threads, err));
     if (status == ISO_OK) {
         iso_node_levels_round(&nodes);
         status = run_all(&s, &nodes, err);

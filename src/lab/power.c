@@ -106,8 +106,7 @@ static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const
         if (!(change > iso_validate_error_bar(&c->asked)))
             continue;
         out->changed[f] += !slow;
-        if (status == ISO_OK)
-            status = ask_gates(r, o, c, planted.fault, slow, out, err);
+        TRY(status, ask_gates(r, o, c, planted.fault, slow, out, err));
     }
     return status;
 }
@@ -165,8 +164,7 @@ static iso_status run_scene(iso_renderers *r, const power_options *o, int i, pow
     iso_status status = iso_power_open(r, &c, err);
     for (int slow = 0; slow < 2 && status == ISO_OK; ++slow)
         status = ask_gates(r, o, &c, ISO_FAULT_NONE, slow, out, err);
-    if (status == ISO_OK)
-        status = plant_in_scene(r, o, &c, false, out, err);
+    TRY(status, plant_in_scene(r, o, &c, false, out, err));
     const double plain = iso_clock_seconds();
     if (status == ISO_OK && i < o->planted && wants_some(o, ISO_IS_PROGRAM | ISO_HAS_LIMIT))
         status = plant_in_scene(r, o, &c, true, out, err);
@@ -369,10 +367,8 @@ static iso_status check(power_options *o, iso_error *err)
     o->planted = o->planted >= 0 ? o->planted : o->quick ? 1 : 4;
     o->size = o->size >= 0 ? o->size : o->quick ? 12 : 16; /* an RMSE hardly depends on it */
     iso_status status = iso_words_check_range("--repetitions", o->repetitions, o->sensitivity ? 1 : 0, 1000, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--planted", o->planted, 0, 1000, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--size", o->size, 8, 1024, err);
+    TRY(status, iso_words_check_range("--planted", o->planted, 0, 1000, err));
+    TRY(status, iso_words_check_range("--size", o->size, 8, 1024, err));
     if (status == ISO_OK && o->random)
         status = iso_words_check_range("--random", o->random, 1, 100000, err);
     if (status == ISO_OK && o->random && o->sensitivity)
@@ -381,14 +377,12 @@ static iso_status check(power_options *o, iso_error *err)
         status = iso_words_check_range("--limit-size", o->limit_size, 8, o->size - 1, err);
     if (status == ISO_OK && o->limit_size && !o->sensitivity)
         status = iso_fail(err, ISO_E_USAGE, "--limit-size is for --sensitivity");
-    if (status == ISO_OK)
-        status = iso_words_check_range("--seed", o->seed, 0, 1e6, err);
+    TRY(status, iso_words_check_range("--seed", o->seed, 0, 1e6, err));
     if (status == ISO_OK && o->output && !o->sensitivity)
         status = iso_fail(err, ISO_E_USAGE, "-o is for the chart of --sensitivity");
     if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", o->format);
-    if (status == ISO_OK)
-        status = iso_renderers_load(o->renderers, err);
+    TRY(status, iso_renderers_load(o->renderers, err));
     return status == ISO_OK ? iso_renderers_from_list(o->with, o->wanted, err) : status;
 }
 
@@ -408,8 +402,7 @@ static iso_status bench(const iso_cli *cli, const power_options *o, iso_renderer
         print_calibrations(o, &result);
         print_scenes(o, &result);
     }
-    if (status == ISO_OK)
-        status = verdict(&result, err);
+    TRY(status, verdict(&result, err));
     json_decref(result.wrong);
     return status;
 }

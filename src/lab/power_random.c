@@ -256,8 +256,7 @@ static iso_status run_scene(const iso_power_random_options *o, const char *base,
                                                         : iso_fail(err, ISO_E_MEMORY, "isoshade-lab power: out of memory");
     if (status == ISO_OK && mkdir(folder, 0777) != 0)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be created", folder);
-    if (status == ISO_OK)
-        status = iso_json_save(path, scene, err);
+    TRY(status, iso_json_save(path, scene, err));
     if (status == ISO_OK) {
         make_words(&r, make);
         validate_words(&r, o->with, validate);
@@ -266,8 +265,7 @@ static iso_status run_scene(const iso_power_random_options *o, const char *base,
     }
     if (status == ISO_OK && code != 0)
         status = iso_fail(err, ISO_E_PROGRAM, "isoshade-lab power: scene %zu: make ended with %d", number, code);
-    if (status == ISO_OK)
-        status = run_words(validate, folder, &code, err);
+    TRY(status, run_words(validate, folder, &code, err));
     if (status == ISO_OK && code != ISO_OK && code != ISO_E_DIFFERS && code != ISO_E_RANGE)
         status = iso_fail(err, ISO_E_PROGRAM, "isoshade-lab power: scene %zu: validate ended with %d", number, code);
     if (status == ISO_OK && code != ISO_E_RANGE && (status = iso_json_load(result, &report, err)) == ISO_OK) {

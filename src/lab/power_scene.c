@@ -238,8 +238,7 @@ iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso
     iso_metrics m = {0};
     const iso_render_options opt = reference_options(c, ISO_QUADRATURE_MIDPOINT);
     iso_status status = render_faulty(r, c, planted, &opt, &image, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&c->midpoint, &image, &m, err);
+    TRY(status, iso_metrics_measure(&c->midpoint, &image, &m, err));
     *rmse = m.rmse;
     iso_image_destroy(&image);
     return status;
@@ -270,8 +269,7 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const
                                     1, &image, err);
     r->after = (iso_image_hook){0};
     clear_scene(&s);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&c->same_samples[index], &image, &row.metrics, err);
+    TRY(status, iso_metrics_measure(&c->same_samples[index], &image, &row.metrics, err));
     *rejected = status == ISO_OK && is_rejected(&row);
     iso_image_destroy(&image);
     return status;
@@ -294,8 +292,7 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
                                                       NULL},
                                 &c->converged, renderer, &opt, &limit, err);
     r->after = (iso_image_hook){0};
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&c->converged, &limit.image, &row.metrics, err);
+    TRY(status, iso_metrics_measure(&c->converged, &limit.image, &row.metrics, err));
     if (status == ISO_OK)
         iso_validate_limit_row(&c->asked, &limit, &row);
     *rejected = status == ISO_OK && is_rejected(&row);
@@ -321,8 +318,7 @@ iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, is
     iso_power_case other = *c; /* borrows what it does not replace */
     iso_status status = render_faulty(r, c, &inverse, &opt, &truth, err);
     other.converged = other.same_samples[iso_renderer_index(renderer)] = truth;
-    if (status == ISO_OK)
-        status = iso_power_ask(r, &other, gate, renderer, NULL, rejected, err);
+    TRY(status, iso_power_ask(r, &other, gate, renderer, NULL, rejected, err));
     iso_image_destroy(&truth);
     return status;
 }
@@ -387,8 +383,7 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
         out->flagged += limit.noise.rejected > 0 || limit.noise.biased;
         iso_extrapolated_destroy(&limit);
         mean_of_others(limits, groups * n, g * n, n, &others);
-        if (status == ISO_OK)
-            status = test_group(limits + g * n, n, &others, out, err);
+        TRY(status, test_group(limits + g * n, n, &others, out, err));
     }
     iso_image_destroy(&others);
     return status;
@@ -467,10 +462,8 @@ iso_status iso_power_test_noise(iso_renderers *r, const iso_power_case *c, const
     }
     if (status == ISO_OK)
         status = iso_render_several(&(iso_render_request){r, &s.pyramid, 0, &s.view, frames, NULL}, count, images, err);
-    if (status == ISO_OK)
-        status = test_groups(c, groups, opt.factor, images, limits, out, err);
-    if (status == ISO_OK)
-        status = measure_blocks(c, groups, opt.factor, images, out, err);
+    TRY(status, test_groups(c, groups, opt.factor, images, limits, out, err));
+    TRY(status, measure_blocks(c, groups, opt.factor, images, out, err));
     for (size_t i = 0; images && limits && i < count; ++i) {
         iso_image_destroy(&images[i]);
         iso_image_destroy(&limits[i / 2]);

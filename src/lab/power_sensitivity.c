@@ -351,10 +351,8 @@ static iso_status draw(const study *s, iso_error *err)
     fclose(f);
     iso_output out = {0};
     iso_status status = iso_output_begin_dir(&out, s->opt->output, "sensitivity.csv", err);
-    if (status == ISO_OK)
-        status = iso_gnuplot_draw(out.temp_path, "sensitivity", csv, iso_sensitivity_gp, s->opt->format, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, iso_gnuplot_draw(out.temp_path, "sensitivity", csv, iso_sensitivity_gp, s->opt->format, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     free(csv);
     return status;

@@ -100,8 +100,7 @@ static iso_status visit(void *user, const iso_lab_visited *at, iso_error *err)
 static iso_status bench(reference_bench *b, iso_error *err)
 {
     iso_status status = iso_words_check_range("--size", b->size, 4, 1024, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--runs", b->runs, 1, 100, err);
+    TRY(status, iso_words_check_range("--runs", b->runs, 1, 100, err));
     if (status != ISO_OK)
         return status;
     json_t *root = iso_cli_json(b->cli);

@@ -87,8 +87,7 @@ iso_status iso_roi_setup_create(iso_roi_setup *s, const iso_pyramid *p, size_t l
 {
     *s = (iso_roi_setup){.length_mm = iso_geometry_mean_spacing_mm(&p->levels[0].geometry), .roi = roi};
     iso_status status = iso_sampler_create(&s->around, &p->levels[level], p->options.code, ISO_FROM_CODES, err);
-    if (status == ISO_OK)
-        status = iso_sampler_create(&s->inside, &roi->level, p->options.code, ISO_FROM_CODES, err);
+    TRY(status, iso_sampler_create(&s->inside, &roi->level, p->options.code, ISO_FROM_CODES, err));
     return status;
 }
 
@@ -250,12 +249,9 @@ static iso_status run_variant(bench_run *run, const struct variant *v, const iso
     iso_roi_options box = run->box;
     box.band = v->blended ? box.band : 0;
     iso_status status = iso_roi_create(&run->pyramid, (size_t)run->level, &run->view.tf, &box, &roi, err);
-    if (status == ISO_OK)
-        status = iso_roi_setup_create(&setup, &run->pyramid, (size_t)run->level, &roi, err);
-    if (status == ISO_OK)
-        status = render(run, (size_t)run->level, around, &roi, &image, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(finest, &image, &m, err);
+    TRY(status, iso_roi_setup_create(&setup, &run->pyramid, (size_t)run->level, &roi, err));
+    TRY(status, render(run, (size_t)run->level, around, &roi, &image, err));
+    TRY(status, iso_metrics_measure(finest, &image, &m, err));
     if (status == ISO_OK) {
         iso_roi_step step = iso_roi_measure_step(&setup, &roi, around);
         report(run, v->name, &step, iso_roi_image_step(&image, &run->pyramid, &run->box), &m);
@@ -274,8 +270,7 @@ static iso_status run_level_alone(bench_run *run, const char *name, size_t level
     iso_image image = {0};
     iso_metrics m = {0};
     iso_status status = render(run, level, tf, NULL, &image, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(finest, &image, &m, err);
+    TRY(status, iso_metrics_measure(finest, &image, &m, err));
     if (status == ISO_OK)
         report(run, name, NULL, iso_roi_image_step(&image, &run->pyramid, &run->box), &m);
     iso_image_destroy(&image);
@@ -291,19 +286,15 @@ static iso_status measure(bench_run *run, iso_error *err)
     choose_box(run);
     iso_status status = iso_adapt_level(&run->pyramid, (size_t)run->level, &run->view.tf, &opt, &run->adapted, NULL,
                                         err);
-    if (status == ISO_OK)
-        status = render(run, 0, &run->view.tf, NULL, &finest, err);
+    TRY(status, render(run, 0, &run->view.tf, NULL, &finest, err));
     if (status == ISO_OK && !run->cli->json)
         printf("%-31s %8s %8s %8s %8s %8s   %8s %7s %7s\n", "", "step", "largest", "own", "levels", "tone", "image",
                "1-SSIM", "RMSE");
     for (int i = 0; i < VARIANT_COUNT && status == ISO_OK; ++i)
         status = run_variant(run, &variants[i], &finest, err);
-    if (status == ISO_OK)
-        status = run_level_alone(run, "level 0 alone", 0, &run->view.tf, &finest, err);
-    if (status == ISO_OK)
-        status = run_level_alone(run, "level k alone, TF_k", (size_t)run->level, &run->adapted, &finest, err);
-    if (status == ISO_OK)
-        status = run_level_alone(run, "level k alone, original TF", (size_t)run->level, &run->view.tf, &finest, err);
+    TRY(status, run_level_alone(run, "level 0 alone", 0, &run->view.tf, &finest, err));
+    TRY(status, run_level_alone(run, "level k alone, TF_k", (size_t)run->level, &run->adapted, &finest, err));
+    TRY(status, run_level_alone(run, "level k alone, original TF", (size_t)run->level, &run->view.tf, &finest, err));
     iso_image_destroy(&finest);
     iso_tf_table_destroy(&run->adapted);
     return status;
@@ -318,22 +309,16 @@ static iso_status load_and_measure(bench_run *run, iso_error *err)
     iso_status status = iso_words_check_range("--level", run->level, 1, 6, err);
     build.level_count = (size_t)run->level + 1;
     build.threads = run->cli->threads;
-    if (status == ISO_OK)
-        status = iso_cli_look_check(&run->look, run->cli->threads, &look, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(run->cli->arguments[0], &run->input, &build, &progress, &run->pyramid, err);
+    TRY(status, iso_cli_look_check(&run->look, run->cli->threads, &look, err));
+    TRY(status, iso_subject_load_pyramid(run->cli->arguments[0], &run->input, &build, &progress, &run->pyramid, err));
     if (status == ISO_OK && (size_t)run->level >= run->pyramid.level_count)
         status = iso_fail(err, ISO_E_RANGE, "--level is %d, the pyramid has levels 0 to %zu", run->level,
                           run->pyramid.level_count - 1);
-    if (status == ISO_OK)
-        status = iso_subject_make_scene(&look, &run->pyramid, &scene, err);
-    if (status == ISO_OK)
-        status = iso_roi_make_view(&scene, &run->pyramid, &run->view, err);
-    if (status == ISO_OK)
-        status = iso_gl_create(&run->gl, NULL, err);
+    TRY(status, iso_subject_make_scene(&look, &run->pyramid, &scene, err));
+    TRY(status, iso_roi_make_view(&scene, &run->pyramid, &run->view, err));
+    TRY(status, iso_gl_create(&run->gl, NULL, err));
     run->cases = json_array();
-    if (status == ISO_OK)
-        status = measure(run, err);
+    TRY(status, measure(run, err));
     if (status == ISO_OK && run->cli->json) {
         json_t *root = iso_cli_json(run->cli);
         json_object_set(root, "cases", run->cases);

@@ -147,10 +147,8 @@ static iso_status run_subject(iso_shading_run *run, size_t at, iso_error *err)
     build.level_count = (size_t)run->levels;
     build.threads = run->cli->threads;
     iso_status status = load_subject(run, u, &v, &field, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_build(&v, u->name, &build, &p, NULL, err);
-    if (status == ISO_OK)
-        status = iso_shading_begin(&s, run->gl, &p.levels[0], build.code, u->path ? NULL : &field, &look, err);
+    TRY(status, iso_pyramid_build(&v, u->name, &build, &p, NULL, err));
+    TRY(status, iso_shading_begin(&s, run->gl, &p.levels[0], build.code, u->path ? NULL : &field, &look, err));
     const bool has_surface = status == ISO_OK && !s.surface.left_out;
     for (int m = 0; m < iso_shading_method_end(run) && has_surface && status == ISO_OK; ++m) {
         status = measure_method(run, &s, &v, at, m, err);
@@ -205,16 +203,13 @@ static iso_status run_all(iso_shading_run *run, iso_error *err)
     iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, ISO_DIAGONAL_VIEWS, run->size,
                                                                        run->levels, ISO_SHADING_LEVELS},
                                                  err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--surface", run->surface, 0, 1, err);
+    TRY(status, iso_words_check_range("--analytic", run->analytic_size, 16, 512, err));
+    TRY(status, iso_words_check_range("--surface", run->surface, 0, 1, err));
     list_subjects(run);
     run->results = calloc(run->subject_count * ISO_SHADING_LEVELS, sizeof *run->results);
     if (status == ISO_OK && !run->results)
         status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu volumes' results", run->subject_count);
-    if (status == ISO_OK)
-        status = iso_gl_create(&run->gl, NULL, err);
+    TRY(status, iso_gl_create(&run->gl, NULL, err));
     if (status == ISO_OK && !run->cli->json) {
         printf(
             "DSSIM; below it angles to G0 and to the truth, degrees; how many images the default has better than on the fly\n%-26s k",

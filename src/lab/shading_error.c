@@ -102,8 +102,7 @@ iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level
                                         &(iso_shading_shown){level0, 0, code, ISO_FROM_CODES, NULL, step_of_views},
                                         &s->finest[i], err);
     }
-    if (status == ISO_OK)
-        status = find_surface(s, level0, code, field, err);
+    TRY(status, find_surface(s, level0, code, field, err));
     if (status == ISO_OK && s->point_count == 0 && !look->any_surface)
         s->surface.left_out = "nothing of its surface has a direction";
     if (status != ISO_OK)
@@ -185,8 +184,7 @@ static iso_status measure_images(const iso_shading_subject *s, const iso_shading
         iso_image image = {0};
         double ssim = 0;
         status = iso_shading_render(s, i, shown, &image, err);
-        if (status == ISO_OK)
-            status = iso_ssim_foreground(&s->finest[i], &image, &ssim, err);
+        TRY(status, iso_ssim_foreground(&s->finest[i], &image, &ssim, err));
         e->dssim[i] = (1 - ssim) / 2;
         e->dssim_mean += e->dssim[i] / s->view_count;
         e->alpha_max = fmax(e->alpha_max, iso_lab_largest_alpha(&image));

@@ -40,8 +40,7 @@ static iso_status make_pyramid(const tf_bench *b, iso_pyramid *p, iso_error *err
     iso_volume v;
     field.geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1});
     iso_status status = iso_field_sample(&field, ISO_U16, &v, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_build(&v, "noise", &build, p, &progress, err);
+    TRY(status, iso_pyramid_build(&v, "noise", &build, p, &progress, err));
     iso_volume_destroy(&v);
     return status;
 }
@@ -78,19 +77,16 @@ static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level,
         t->histogram_cpu_seconds = fmin(t->histogram_cpu_seconds, iso_cpu_seconds() - cpu);
         iso_adapter_destroy(adapter);
         start = iso_clock_seconds();
-        if (status == ISO_OK)
-            status = iso_adapter_create(&joint, &opt, &adapter, err);
+        TRY(status, iso_adapter_create(&joint, &opt, &adapter, err));
         t->plan_seconds = fmin(t->plan_seconds, iso_clock_seconds() - start);
     }
-    if (status == ISO_OK)
-        status = iso_adapter_apply(adapter, tf, level0, level, &table, err);
+    TRY(status, iso_adapter_apply(adapter, tf, level0, level, &table, err));
     for (int run = 0; run < 10 * b->runs && status == ISO_OK; ++run) {
         iso_adapt_judgment verdict;
         double start = iso_clock_seconds();
         status = iso_adapter_update(adapter, tf, level0, level, &table, err);
         t->adapt_seconds = fmin(t->adapt_seconds, iso_clock_seconds() - start);
-        if (status == ISO_OK)
-            status = iso_adapt_judge(&joint, tf, &table, level0, &verdict, err);
+        TRY(status, iso_adapt_judge(&joint, tf, &table, level0, &verdict, err));
         t->edit_seconds = fmin(t->edit_seconds, iso_clock_seconds() - start);
     }
     const iso_small_views_input views = {.fine = p->levels,
@@ -170,8 +166,7 @@ static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const i
     iso_tf_table own = view.tf;
     view.tf = *tf;
     status = iso_gl_create(&gl, NULL, err);
-    if (status == ISO_OK)
-        status = iso_gl_render(gl, &p->levels[0], p->options.code, &view, &opt, &image, err);
+    TRY(status, iso_gl_render(gl, &p->levels[0], p->options.code, &view, &opt, &image, err));
     view.tf = own;
     iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -206,12 +201,10 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
     double frame = NAN, copy = NAN, histograms = 0;
     json_t *root = iso_cli_json(b->cli), *rows = json_array();
     iso_status status = make_pyramid(b, &p, err);
-    if (status == ISO_OK)
-        status = make_table(&p, &tf, err);
+    TRY(status, make_table(&p, &tf, err));
     if (status == ISO_OK && !b->no_gl)
         status = measure_frame(b, &p, &tf, &frame, err);
-    if (status == ISO_OK)
-        status = measure_copy(b, &p, &copy, err);
+    TRY(status, measure_copy(b, &p, &copy, err));
     const double voxels = status == ISO_OK ? (double)iso_geometry_voxel_count(&p.levels[0].geometry) : 1;
     if (status == ISO_OK && !b->cli->json && isfinite(frame))
         printf("a frame of 512 x 512 takes %.4g ms\n", 1e3 * frame);

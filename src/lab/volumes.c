@@ -12,8 +12,7 @@ iso_status iso_lab_check_pictures(const iso_lab_pictures *p, iso_error *err)
     iso_status status = ISO_OK;
     if (p->most_views > 0)
         status = iso_words_check_range("--views", p->views, 1, p->most_views, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--size", p->size, 16, 4096, err);
+    TRY(status, iso_words_check_range("--size", p->size, 16, 4096, err));
     return status == ISO_OK ? iso_words_check_range("--levels", p->levels, 2, p->most_levels, err) : status;
 }
 

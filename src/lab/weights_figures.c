@@ -107,12 +107,9 @@ iso_status iso_lab_figures(const json_t *cases, const char *dir, iso_error *err)
 {
     iso_output out = {0};
     iso_status status = iso_output_begin_dir(&out, dir, "figure9.csv", err);
-    if (status == ISO_OK)
-        status = draw(cases, true, out.temp_path, err);
-    if (status == ISO_OK)
-        status = draw(cases, false, out.temp_path, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, draw(cases, true, out.temp_path, err));
+    TRY(status, draw(cases, false, out.temp_path, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     return status;
 }

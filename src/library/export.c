@@ -71,12 +71,10 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
                                 .progress = &progress,
                                 .view_of_level = view_of_level};
     status = check_options(t, scene, &given, err);
-    if (status == ISO_OK)
-        status = check_levels(pyramid, &given, err);
+    TRY(status, check_levels(pyramid, &given, err));
     if (status == ISO_OK && iso_export_takes(t, ISO_EXPORT_SCENE))
         status = iso_scene_view(scene, pyramid, given.tf, given.width, given.height, &view, err);
-    if (status == ISO_OK)
-        status = t->write(&job, err);
+    TRY(status, t->write(&job, err));
     iso_view_destroy(&view);
     return status;
 }

@@ -45,8 +45,7 @@ iso_status iso_scene_from_text(const char *json, iso_scene **scene, iso_error *e
     if (!*scene)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_status status = parse(json, &root, err);
-    if (status == ISO_OK)
-        status = iso_scene_from_json(root, no_file, *scene, err);
+    TRY(status, iso_scene_from_json(root, no_file, *scene, err));
     json_decref(root);
     return scene_or_nothing(status, scene);
 }
@@ -74,8 +73,7 @@ iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const is
     if (tf)
         changed.tf = *tf;
     iso_status status = check_size("width", width, &changed.width, err);
-    if (status == ISO_OK)
-        status = check_size("height", height, &changed.height, err);
+    TRY(status, check_size("height", height, &changed.height, err));
     return status == ISO_OK
                ? iso_scene_resolve(&changed, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err)
                : status;

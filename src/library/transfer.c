@@ -96,12 +96,9 @@ iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t lev
     iso_status status = iso_pyramid_check_level(pyramid, level, err);
     if (status == ISO_OK && level == 0)
         return keep(iso_tf_copy(tf, &made, err), &made, adapted, err);
-    if (status == ISO_OK)
-        status = tabulate(tf, pyramid, &original, err);
-    if (status == ISO_OK)
-        status = iso_adapt_level(pyramid, level, &original, &o, &table, NULL, err);
-    if (status == ISO_OK)
-        status = keep(iso_tf_from_table(&table, &made, err), &made, adapted, err);
+    TRY(status, tabulate(tf, pyramid, &original, err));
+    TRY(status, iso_adapt_level(pyramid, level, &original, &o, &table, NULL, err));
+    TRY(status, keep(iso_tf_from_table(&table, &made, err), &made, adapted, err));
     iso_tf_table_destroy(&original);
     iso_tf_table_destroy(&table);
     return status;

@@ -83,8 +83,7 @@ static iso_status adapt(const iso_cli_adapted *a, const iso_pyramid *p, size_t l
         status = tf_2d ? iso_adapt_tf_2d(p, level, second, &view->tf, opt, tf_2d, err)
                        : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
     }
-    if (status == ISO_OK)
-        status = iso_adapt_level(p, level, &view->tf, opt, &table, &judgment, err);
+    TRY(status, iso_adapt_level(p, level, &view->tf, opt, &table, &judgment, err));
     if (status == ISO_OK && judgment.given_back > 0)
         tell_of_ghost(a, level, judgment.ghost, true);
     if (status == ISO_OK && a->cli && level > 0 && !opt->fall_back && !a->extinction_scale)
@@ -109,8 +108,7 @@ static iso_status adapt_view(const iso_cli_adapted *a, const char *path, const i
     iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
     if (a->extinction_scale)
         opt.fall_back = false;
-    if (status == ISO_OK)
-        status = iso_cli_adapt_second_value(a, &second, err);
+    TRY(status, iso_cli_adapt_second_value(a, &second, err));
     if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE)
         status = iso_words_check_range("--bits with --tf-2d", a->bits, 8, 12, err);
     opt.folder = iso_pyramid_is_one(path) ? path : NULL;

@@ -429,8 +429,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
         return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: %s %s %s", cli->argument_count, program,
                         command->name, command->usage);
     status = iso_words_check_range("--threads", cli->threads, 0, 1024, err);
-    if (status == ISO_OK)
-        status = keep_given(cli, table, err);
+    TRY(status, keep_given(cli, table, err));
     /* What tf writes has names of its own beside -o; it looks for itself. */
     return status == ISO_OK && strcmp(command->name, "tf") != 0
                ? iso_cli_refuse_overwriting(options, cli->arguments, err)

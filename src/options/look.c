@@ -42,8 +42,7 @@ iso_status iso_cli_look_take(const iso_cli_look *a, int threads, iso_subject_loo
 {
     *look = (iso_subject_look){.scene = a->scene, .tf = a->tf, .view = a->view, .size = a->size, .threads = threads};
     iso_status status = a->zoom ? iso_cli_zoom_parse(a->zoom, &look->zoom, err) : ISO_OK;
-    if (status == ISO_OK)
-        status = check_transfer(a, err);
+    TRY(status, check_transfer(a, err));
     return status == ISO_OK ? iso_cli_transfer_request(&a->transfer, &look->request, err) : status;
 }
 

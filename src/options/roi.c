@@ -46,20 +46,16 @@ iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_roi_place *at, i
     if (!r->box)
         return ISO_OK;
     iso_status status = parse_box(r->box, opt.lo, opt.hi, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--roi-band", r->band, 0, 64, err);
+    TRY(status, iso_words_check_range("--roi-band", r->band, 0, 64, err));
     if (status == ISO_OK && level < 1)
         status = iso_fail(err, ISO_E_USAGE, "--roi needs a coarser level around it: --level 1 or more");
-    if (status == ISO_OK)
-        status = iso_words_check_range("--roi-level", r->level, 0, (double)level - 1, err);
+    TRY(status, iso_words_check_range("--roi-level", r->level, 0, (double)level - 1, err));
     opt.level = (size_t)r->level;
     opt.band = r->band;
-    if (status == ISO_OK)
-        status = roi_tf(at, opt.level, &view->tf, &table, err);
+    TRY(status, roi_tf(at, opt.level, &view->tf, &table, err));
     if (status == ISO_OK && !(view->roi = calloc(1, sizeof *view->roi)))
         status = iso_fail(err, ISO_E_MEMORY, "region of interest: out of memory");
-    if (status == ISO_OK)
-        status = iso_roi_create(at->pyramid, level, &table, &opt, view->roi, err);
+    TRY(status, iso_roi_create(at->pyramid, level, &table, &opt, view->roi, err));
     iso_tf_table_destroy(&table);
     return status;
 }

@@ -67,8 +67,7 @@ iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_erro
     size_t size, lines = 0;
     *palette = (iso_palette){0};
     iso_status status = iso_inputs_note(path, err);
-    if (status == ISO_OK)
-        status = iso_file_read(path, &text, &size, err);
+    TRY(status, iso_file_read(path, &text, &size, err));
     if (status != ISO_OK)
         return status;
     for (size_t i = 0; i < size; ++i)

@@ -95,10 +95,8 @@ static iso_status fit_large(clusters *c, const iso_direction_set *set, const iso
         iso_direction_set_destroy(&coarse);
         return fit_search(c, opt, random, progress, err);
     }
-    if (status == ISO_OK)
-        status = iso_clusters_create(&few, &coarse, c->count, err);
-    if (status == ISO_OK)
-        status = fit_search(&few, opt, random, progress, err);
+    TRY(status, iso_clusters_create(&few, &coarse, c->count, err));
+    TRY(status, fit_search(&few, opt, random, progress, err));
     for (uint32_t k = 0; status == ISO_OK && k < c->count; ++k)
         for (int a = 0; a < 3; ++a)
             c->axis[a][k] = few.axis[a][k];
@@ -136,10 +134,8 @@ iso_status iso_palette_fit_kmeans(const iso_direction_set *set, const iso_palett
         return one_entry_each(set, palette, err);
     clusters c;
     iso_status status = iso_clusters_create(&c, set, opt->directions, err);
-    if (status == ISO_OK)
-        status = fit_clusters(&c, set, opt, progress, err);
-    if (status == ISO_OK)
-        status = iso_palette_create(palette, opt->directions, err);
+    TRY(status, fit_clusters(&c, set, opt, progress, err));
+    TRY(status, iso_palette_create(palette, opt->directions, err));
     for (size_t k = 0; status == ISO_OK && k < opt->directions; ++k)
         for (size_t a = 0; a < 3; ++a)
             palette->xyz[3 * (k + 1) + a] = c.axis[a][k];

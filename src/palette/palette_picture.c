@@ -106,8 +106,7 @@ iso_status iso_palette_picture_png(const iso_palette *palette, const iso_directi
     uint16_t *index = malloc((size_t)SIDE * SIDE * sizeof *index);
     iso_status status = index ? iso_palette_lookup_create(palette, &lookup, err)
                               : iso_fail(err, ISO_E_MEMORY, "%s: no memory for its pixels", path);
-    if (status == ISO_OK)
-        status = iso_image_create(&image, 2 * SIDE, SIDE, err);
+    TRY(status, iso_image_create(&image, 2 * SIDE, SIDE, err));
     if (status == ISO_OK) {
         for (size_t i = 0; i < image.width * image.height; ++i)
             set_pixel(&image, i % image.width, i / image.width, white);

@@ -111,8 +111,7 @@ iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume 
     const size_t nz = v->geometry.size[2], planes = slab_planes(&v->geometry);
     slab_buffers b = {.gradient = gradient, .weighting = w};
     iso_status status = check_weighting(w, err);
-    if (status == ISO_OK)
-        status = buffers_create(&b, &v->geometry, planes, gradient->threads, err);
+    TRY(status, buffers_create(&b, &v->geometry, planes, gradient->threads, err));
     for (size_t z = 0; z < nz && status == ISO_OK; z += planes) {
         status = pool_planes(pool, v, z, z + planes < nz ? z + planes : nz, &b, err);
         iso_progress_report(progress, "directions", (double)(z + planes) / (double)nz);
@@ -139,8 +138,7 @@ iso_status iso_palette_sample_source(iso_direction_pool *pool, iso_volume_source
     iso_status status = check_weighting(w, err);
     if (status == ISO_OK && !window.data)
         status = iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu planes", planes + 2);
-    if (status == ISO_OK)
-        status = buffers_create(&b, &header->geometry, planes, gradient->threads, err);
+    TRY(status, buffers_create(&b, &header->geometry, planes, gradient->threads, err));
     size_t first = 0, have = 0; /* the window holds the planes [first, have) */
     for (size_t z = 0; z < nz && status == ISO_OK; z += planes) {
         size_t end = z + planes < nz ? z + planes : nz, need = end < nz ? end + 1 : nz;

@@ -111,8 +111,7 @@ static iso_status draw_by_cpu(cache *c, const iso_brick_field *field, iso_image 
     o.step_voxels = opt->step_voxels;
     o.threads = opt->threads;
     iso_status status = iso_cpu_prepare_bricks(&scene, field, c->view, &o, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, c->view->width, c->view->height, err);
+    TRY(status, iso_image_create(image, c->view->width, c->view->height, err));
     if (status == ISO_OK) {
         iso_gl_stats *s = &r->draws;
         s->upload_seconds = iso_clock_seconds() - start;
@@ -156,8 +155,7 @@ iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso
     *image = (iso_image){0};
     iso_status status = c.visible ? fit(&c, &report.predicted_rmse, err)
                                   : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bricks", plan->brick_count);
-    if (status == ISO_OK)
-        status = draw(&c, image, &report, err);
+    TRY(status, draw(&c, image, &report, err));
     if (opt->report)
         *opt->report = report;
     free(c.visible);
@@ -178,8 +176,7 @@ iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view
         return status;
     iso_node_levels_round(&nodes);
     status = iso_plan_create(&plan, &nodes, view, 1, opt->threads, progress, err);
-    if (status == ISO_OK)
-        status = iso_cached_render_nodes(gl, &nodes, &plan, view, opt, image, err);
+    TRY(status, iso_cached_render_nodes(gl, &nodes, &plan, view, opt, image, err));
     iso_plan_destroy(&plan);
     iso_node_levels_destroy(&nodes);
     return status;

@@ -59,8 +59,7 @@ iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *
     double count[3] = {0};
     *plan = (iso_plan_file){0};
     iso_status status = iso_inputs_note(path, err);
-    if (status == ISO_OK)
-        status = iso_json_load(path, &root, err);
+    TRY(status, iso_json_load(path, &root, err));
     if (status != ISO_OK)
         return status;
     iso_json_reader r = {.path = path, .err = err};
@@ -209,14 +208,12 @@ iso_status iso_planned_create(const char *path, const iso_planned_subject *subje
     double start = iso_clock_seconds();
     *p = (iso_planned){.tfs = subject->tfs, .tf_count = subject->tf_count};
     iso_status status = iso_plan_file_load(path, &p->plan, err);
-    if (status == ISO_OK)
-        status = check_bricks(path, &p->plan, &subject->level0->geometry, err);
+    TRY(status, check_bricks(path, &p->plan, &subject->level0->geometry, err));
     if (status == ISO_OK) {
         const iso_node_options opt = {p->plan.brick_voxels, p->plan.level_count, ISO_NODES_SHARP, true, threads};
         status = iso_node_levels_create_for(&p->nodes, subject->level0, p->plan.levels, &subject->code, &opt, err);
     }
-    if (status == ISO_OK)
-        status = check_match(path, p, threads, err);
+    TRY(status, check_match(path, p, threads, err));
     p->build_seconds = iso_clock_seconds() - start;
     if (status != ISO_OK)
         iso_planned_destroy(p);

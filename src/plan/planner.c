@@ -154,14 +154,12 @@ iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, cons
                                              : iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
     if (status == ISO_OK && !iso_gl_is_software())
         status = iso_gl_create(&p->gl, NULL, err);
-    if (status == ISO_OK)
-        status = iso_plan_create(&p->plan, nodes, views, view_count, opt->threads, progress, err);
+    TRY(status, iso_plan_create(&p->plan, nodes, views, view_count, opt->threads, progress, err));
     for (size_t i = 0; status == ISO_OK && i < count; ++i)
         p->wanted[i] = p->plan.footprints[i] > 0;
     for (size_t v = 0; status == ISO_OK && v < view_count; ++v) { /* levels are still all 0 */
         status = render_levels(p, p->plan.levels, true, v, &p->full[v], err);
-        if (status == ISO_OK)
-            status = measure_blank(&p->full[v], &views[v], &p->blank_rmse, err);
+        TRY(status, measure_blank(&p->full[v], &views[v], &p->blank_rmse, err));
     }
     if (status != ISO_OK)
         iso_planner_destroy(p);
@@ -232,8 +230,7 @@ static iso_status try_levels(iso_planner *p, double predicted_rmse, double limit
         iso_image image = {0};
         iso_metrics measured;
         status = render_levels(p, t->levels, false, v, &image, err);
-        if (status == ISO_OK)
-            status = iso_metrics_measure(&image, &p->full[v], &measured, err);
+        TRY(status, iso_metrics_measure(&image, &p->full[v], &measured, err));
         if (status == ISO_OK && (v == 0 || measured.rmse > t->measured.rmse))
             t->measured = measured;
         if (v == 0)

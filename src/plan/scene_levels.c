@@ -72,8 +72,7 @@ static iso_status look(const iso_pyramid *p, const iso_scene *scene, int threads
         s.camera_up = iso_view_up(s.camera_direction);
         s.margin = 1;
         status = iso_scene_resolve(&s, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &l->views[i], err);
-        if (status == ISO_OK)
-            status = draw(p, level0, &l->views[i], &l->views[i].tf, threads, &l->finest[i], err);
+        TRY(status, draw(p, level0, &l->views[i], &l->views[i].tf, threads, &l->finest[i], err));
     }
     return status;
 }
@@ -99,10 +98,8 @@ static iso_status judge(const iso_pyramid *p, size_t level, looks *l, float *sca
         iso_metrics m;
         double ssim = 1;
         status = draw(p, &levels[level], &l->views[i], &tf, threads, &image, err);
-        if (status == ISO_OK)
-            status = iso_ssim_foreground(&l->finest[i], &image, &ssim, err);
-        if (status == ISO_OK)
-            status = iso_metrics_measure(&l->finest[i], &image, &m, err);
+        TRY(status, iso_ssim_foreground(&l->finest[i], &image, &ssim, err));
+        TRY(status, iso_metrics_measure(&l->finest[i], &image, &m, err));
         c->of_view[i] = 1 - ssim;
         c->ssim_dissimilarity += (1 - ssim) / VIEWS;
         c->rmse += status == ISO_OK ? m.rmse / VIEWS : 0;
@@ -129,8 +126,7 @@ iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_s
     looks l;
     memset(candidates, 0, ISO_LEVEL_SCALAR_COUNT * sizeof *candidates);
     iso_status status = look(p, scene, threads, &l, err);
-    if (status == ISO_OK)
-        status = judge_all(p, level, &l, scalars, threads, candidates, err);
+    TRY(status, judge_all(p, level, &l, scalars, threads, candidates, err));
     forget(&l);
     return status;
 }

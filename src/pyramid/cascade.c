@@ -343,12 +343,9 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
             status = iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the state of %zu x %zu x %zu voxels", top[0],
                               top[1], top[2]);
     }
-    if (status == ISO_OK)
-        status = iso_cascade_gauss_create(c, err);
-    if (status == ISO_OK)
-        status = iso_cascade_spline_create(c, err);
-    if (status == ISO_OK)
-        status = iso_cascade_weighted_create(c, err);
+    TRY(status, iso_cascade_gauss_create(c, err));
+    TRY(status, iso_cascade_spline_create(c, err));
+    TRY(status, iso_cascade_weighted_create(c, err));
     if (c->weighted) /* what tiles make of their levels, and of those above */
         c->opt.direction_filter = ISO_DIRECTION_MOMENTS;
     if (status != ISO_OK) {
@@ -477,10 +474,8 @@ iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, siz
     if (status == ISO_OK && c->carry && z1 == last)
         status = run_tiles(c, in, out, (tile_range){c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2]},
                            err);
-    if (status == ISO_OK)
-        status = iso_cascade_gauss_feed(c, in, z0, z1, out, err);
-    if (status == ISO_OK)
-        status = iso_cascade_spline_feed(c, in, z0, z1, out, err);
+    TRY(status, iso_cascade_gauss_feed(c, in, z0, z1, out, err));
+    TRY(status, iso_cascade_spline_feed(c, in, z0, z1, out, err));
     return status == ISO_OK ? iso_cascade_weighted_feed(c, in, z0, z1, out, err) : status;
 }
 

@@ -87,8 +87,7 @@ static iso_status make_codes(iso_narrow_codes *c, const void *samples, iso_error
     iso_cascade *cascade;
     memcpy(g.size, size, sizeof g.size);
     iso_status status = iso_cascade_create(&g, c->volume->type, &c->options, c->scale, &cascade, err);
-    if (status == ISO_OK)
-        status = iso_cascade_feed(cascade, &planes, 0, size[2], &out, err);
+    TRY(status, iso_cascade_feed(cascade, &planes, 0, size[2], &out, err));
     iso_cascade_destroy(cascade);
     return status;
 }

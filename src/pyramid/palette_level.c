@@ -27,8 +27,7 @@ iso_status iso_level_attach_palette(iso_level *level, iso_code code, const iso_p
     float *owned = NULL;
     iso_status status = index ? iso_palette_lookup_create(palette, &lookup, err)
                               : iso_fail(err, ISO_E_MEMORY, "no memory for %zu palette indices", count);
-    if (status == ISO_OK)
-        status = iso_level_directions(level, code, &directions, &owned, err);
+    TRY(status, iso_level_directions(level, code, &directions, &owned, err));
     if (status == ISO_OK) {
         iso_palette_assign(lookup, directions, index, count);
         level->palette = palette;
@@ -67,8 +66,7 @@ iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t d
         iso_direction_pool_add(pool, vectors, NULL, iso_geometry_voxel_count(&level->geometry));
         status = iso_direction_pool_finish(pool, &set, err);
     }
-    if (status == ISO_OK)
-        status = iso_palette_fit(&set, &opt, palette, NULL, err);
+    TRY(status, iso_palette_fit(&set, &opt, palette, NULL, err));
     iso_direction_set_destroy(&set);
     iso_direction_pool_destroy(pool);
     free(owned);

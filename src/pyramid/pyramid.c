@@ -196,8 +196,7 @@ static iso_status build_levels(const iso_volume *v, double scale, bool narrow, i
     const size_t nz = v->geometry.size[2];
     const iso_planes planes = {v->data, v->type, {v->geometry.size[0], v->geometry.size[1], nz}, 0, nz};
     iso_status status = iso_agreement_choose_for(&planes, &g, scale, &p->options, progress, err);
-    if (status == ISO_OK)
-        status = iso_cascade_create(&g, v->type, opt, scale, &cascade, err);
+    TRY(status, iso_cascade_create(&g, v->type, opt, scale, &cascade, err));
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k) {
         iso_level *l = &p->levels[k];
         const iso_type type = k == 0 ? iso_layout_type(v->type) : ISO_F32;
@@ -232,8 +231,7 @@ static iso_status build(const iso_volume *v, bool narrow, const char *source, co
     double range = 0;
     *out = (iso_pyramid){.options = *opt};
     iso_status status = iso_pyramid_check_options(opt, err);
-    if (status == ISO_OK)
-        status = iso_pyramid_sample_range(v, source, &range, err);
+    TRY(status, iso_pyramid_sample_range(v, source, &range, err));
     if (status != ISO_OK)
         return status;
     out->source = strdup(source);

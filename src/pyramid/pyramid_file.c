@@ -169,8 +169,7 @@ static void geometry_from_json(iso_json_reader *r, const json_t *object, iso_geo
             r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"size\" holds %g, must be whole numbers", r->path,
                                  size[a]);
     }
-    if (r->status == ISO_OK)
-        r->status = iso_geometry_check(g, r->path, r->err);
+    TRY(r->status, iso_geometry_check(g, r->path, r->err));
     /* The box ends in the last voxel, or at its far face. */
     for (int a = 0; a < 3 && r->status == ISO_OK; ++a)
         if (!(g->box_index[a] > size[a] - 1 && g->box_index[a] <= size[a]))
@@ -216,8 +215,7 @@ static iso_status load_choice(iso_json_reader *r, const json_t *entry, size_t le
     iso_json_get_string(r, entry, "direction_filter", true, &name);
     iso_json_get_number(r, entry, "mean_agreement", true, 0, 2, &c->mean_agreement[level]);
     iso_json_get_number(r, entry, "axis_agreement", true, 0, 2, &c->axis_agreement[level]);
-    if (r->status == ISO_OK)
-        r->status = iso_direction_filter_from_name(name, &c->filter[level], r->err);
+    TRY(r->status, iso_direction_filter_from_name(name, &c->filter[level], r->err));
     if (r->status == ISO_OK && c->filter[level] != ISO_DIRECTION_MOMENTS && c->filter[level] != ISO_DIRECTION_TENSOR)
         r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: level %zu: auto chooses moments or tensor, not %s", r->path,
                              level, name);
@@ -246,8 +244,7 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     if (r->status == ISO_OK && !(l->min <= l->max))
         r->status = iso_fail(err, ISO_E_FORMAT, "%s: \"min\" is %g, more than \"max\", %g", r->path, l->min, l->max);
     json_t *list = iso_json_get_object(r, entry, "files", true);
-    if (r->status == ISO_OK)
-        r->status = iso_type_from_name(type, &l->stored_type, err);
+    TRY(r->status, iso_type_from_name(type, &l->stored_type, err));
     if (r->status == ISO_OK && iso_type_bytes(l->stored_type) > 2 && l->stored_type != ISO_F32)
         r->status = iso_fail(err, ISO_E_FORMAT, "%s: \"stored_type\" is \"%s\", must be of 8 or 16 bits, or float",
                              r->path, type);
@@ -314,8 +311,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     mark_levels(out);
     for (size_t k = 0; k < count; ++k) {
         iso_status status = load_level(r, dir, what, json_array_get(levels, k), &out->options, &out->levels[k]);
-        if (status == ISO_OK)
-            status = load_choice(r, json_array_get(levels, k), k, &out->options);
+        TRY(status, load_choice(r, json_array_get(levels, k), k, &out->options));
         if (status != ISO_OK)
             return status;
         if (k == 0)

@@ -159,10 +159,8 @@ iso_status iso_layout_load(const char *path, json_t **root, iso_error *err)
     size_t size;
     *root = NULL;
     iso_status status = iso_inputs_note(path, err);
-    if (status == ISO_OK)
-        status = iso_file_read(path, &text, &size, err);
-    if (status == ISO_OK)
-        status = iso_json_parse(path, text, size, root, err);
+    TRY(status, iso_file_read(path, &text, &size, err));
+    TRY(status, iso_json_parse(path, text, size, root, err));
     if (status != ISO_OK) {
         free(text);
         return status;

@@ -84,8 +84,7 @@ static iso_status check(const reading *r, const char *digest, iso_error *err)
 static iso_status read_all(reading *r, const char *digest, size_t count, void *samples, iso_error *err)
 {
     iso_status status = read_header(r, err);
-    if (status == ISO_OK)
-        status = read_samples(r, count, samples, err);
+    TRY(status, read_samples(r, count, samples, err));
     return status == ISO_OK ? check(r, digest, err) : status;
 }
 
@@ -104,10 +103,8 @@ iso_status iso_layout_read(const char *path, const char *header, const level_fil
     reading r = {.path = path, .header = header, .file = f, .fd = -1};
     *data = NULL;
     iso_status status = iso_inputs_note(path, err);
-    if (status == ISO_OK)
-        status = iso_file_open(path, &r.fd, &bytes, err);
-    if (status == ISO_OK)
-        status = check_size(&r, count, bytes, err);
+    TRY(status, iso_file_open(path, &r.fd, &bytes, err));
+    TRY(status, check_size(&r, count, bytes, err));
     if (status == ISO_OK) {
         r.hash = XXH3_createState();
         r.piece = malloc(PIECE_BYTES);

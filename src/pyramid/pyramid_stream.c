@@ -25,8 +25,7 @@ static iso_status create_buffers(pyramid_build *s, iso_error *err)
 static iso_status open_input(pyramid_build *s, iso_error *err)
 {
     iso_status status = iso_pyramid_check_options(s->opt, err);
-    if (status == ISO_OK)
-        status = s->in->open(s->in->user, &s->source, err);
+    TRY(status, s->in->open(s->in->user, &s->source, err));
     if (status == ISO_OK)
         s->header = *iso_source_volume(s->source);
     return iso_ranks_agree(s->how->ranks, status, err);
@@ -37,10 +36,8 @@ static iso_status set_up(pyramid_build *s, double *scale, const iso_progress *pr
     double range = 0;
     iso_status status = iso_stream_input_range(s, &range, err);
     *scale = iso_cascade_scale(&s->header.geometry, range);
-    if (status == ISO_OK)
-        status = iso_stream_choose(s, *scale, progress, err);
-    if (status == ISO_OK)
-        status = iso_cascade_create(&s->header.geometry, s->header.type, s->opt, *scale, &s->cascade, err);
+    TRY(status, iso_stream_choose(s, *scale, progress, err));
+    TRY(status, iso_cascade_create(&s->header.geometry, s->header.type, s->opt, *scale, &s->cascade, err));
     if (status != ISO_OK)
         return status;
     iso_stream_output_describe(&s->out, &s->header.geometry, s->header.type, s->opt);
@@ -66,8 +63,7 @@ static iso_status begin(pyramid_build *s, size_t *done, iso_error *err)
     s->report->resumed_at_plane = *done;
     s->plan.start = stream_is_alone(s) ? iso_cascade_warm_up(s->cascade, *done) : *done;
     iso_status status = iso_stream_output_open(&s->out, s->output.temp_path, err);
-    if (status == ISO_OK)
-        status = iso_stream_take_up_carry(s, s->output.temp_path, *done, err);
+    TRY(status, iso_stream_take_up_carry(s, s->output.temp_path, *done, err));
     size_t plane_floats;
     if (status == ISO_OK && iso_cascade_carry(s->cascade, &plane_floats)) {
         char *path = iso_path_join(s->output.temp_path, STREAM_CARRY_NAME);
@@ -89,15 +85,13 @@ static iso_status begin_all(pyramid_build *s, const char *dir, double scale, jso
     iso_status status = ISO_OK;
     if (stream_is_first(s)) {
         status = iso_output_resume_dir(&s->output, dir, own_names, s->how->resume, &s->resumed, err);
-        if (status == ISO_OK)
-            status = iso_stream_make_key(s, scale, err);
+        TRY(status, iso_stream_make_key(s, scale, err));
         if (status == ISO_OK && !(*job = iso_stream_describe_job(s)))
             status = iso_fail(err, ISO_E_MEMORY, "out of memory");
         if (status == ISO_OK &&
             snprintf(s->plan.folder, sizeof s->plan.folder, "%s", s->output.temp_path) >= (int)sizeof s->plan.folder)
             status = iso_fail(err, ISO_E_IO, "%s: the path is too long", dir);
-        if (status == ISO_OK)
-            status = begin(s, done, err);
+        TRY(status, begin(s, done, err));
     }
     status = iso_ranks_agree(s->how->ranks, status, err);
     if (status != ISO_OK)
@@ -177,17 +171,14 @@ iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_opti
     size_t done = 0;
     json_t *job = NULL;
     iso_status status = open_input(s, err);
-    if (status == ISO_OK)
-        status = iso_ranks_agree(how->ranks, set_up(s, &scale, progress, err), err);
-    if (status == ISO_OK)
-        status = begin_all(s, dir, scale, &job, &done, err);
+    TRY(status, iso_ranks_agree(how->ranks, set_up(s, &scale, progress, err), err));
+    TRY(status, begin_all(s, dir, scale, &job, &done, err));
     if (status == ISO_OK) {
         status = stream_is_alone(s) ? iso_stream_run_alone(s, job, done, progress, err)
                                     : iso_stream_run_in_turns(s, job, progress, err);
         status = iso_ranks_agree(how->ranks, status, err);
     }
-    if (status == ISO_OK)
-        status = finish(s, err);
+    TRY(status, finish(s, err));
     if (status != ISO_OK)
         iso_output_rename_in(s->plan.folder, dir, err);
     json_decref(job);

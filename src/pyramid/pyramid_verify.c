@@ -177,16 +177,12 @@ iso_status iso_pyramid_verify(const iso_pyramid *p, int threads, iso_level_check
                         p->level_count, r.level_count);
     iso_status status = find_scale(&p->levels[0], &scale, err);
     const iso_planes planes = planes_of(&p->levels[0]);
-    if (status == ISO_OK)
-        status = iso_agreement_choose_for(&planes, &p->levels[0].geometry, scale, &opt, progress, err);
+    TRY(status, iso_agreement_choose_for(&planes, &p->levels[0].geometry, scale, &opt, progress, err));
     r.choice = opt.direction_filter == ISO_DIRECTION_AUTO ? opt.choice : (iso_direction_choice){0};
-    if (status == ISO_OK)
-        status = iso_cascade_create(&p->levels[0].geometry, p->levels[0].stored_type, &opt, scale, &r.cascade, err);
+    TRY(status, iso_cascade_create(&p->levels[0].geometry, p->levels[0].stored_type, &opt, scale, &r.cascade, err));
     const size_t slab = status == ISO_OK ? iso_cascade_step(r.cascade) * 4 : 1;
-    if (status == ISO_OK)
-        status = begin_rebuild(&r, slab, err);
-    if (status == ISO_OK)
-        status = run(&r, slab, progress, err);
+    TRY(status, begin_rebuild(&r, slab, err));
+    TRY(status, run(&r, slab, progress, err));
     if (status == ISO_OK)
         compare_levels(&r);
     end_rebuild(&r);

@@ -45,15 +45,13 @@ static iso_status sum_up(pyramid_build *s, iso_cascade *c, size_t z0, size_t z1,
     w.data = malloc((slab + 2 * reach) * w.plane_bytes);
     iso_status status = w.data ? s->in->open(s->in->user, &source, err)
                                : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu planes", s->in->path, slab);
-    if (status == ISO_OK)
-        status = iso_source_skip(source, w.first, err);
+    TRY(status, iso_source_skip(source, w.first, err));
     for (size_t z = z0; z < z1 && status == ISO_OK; z += slab) {
         const size_t end = z + slab < z1 ? z + slab : z1;
         iso_progress_report(progress, "directions", (double)(z - z0) / (double)(z1 - z0));
         status = move_to(&w, source, z > reach ? z - reach : 0, end + reach < n[2] ? end + reach : n[2], err);
         const iso_planes in = {w.data, s->header.type, {n[0], n[1], n[2]}, w.first, w.count};
-        if (status == ISO_OK)
-            status = iso_cascade_feed(c, &in, z, end, nothing, err);
+        TRY(status, iso_cascade_feed(c, &in, z, end, nothing, err));
     }
     iso_source_close(source);
     free(w.data);

@@ -41,8 +41,7 @@ static void *read_set(void *user)
         memcpy(p->data, old->data + (old->count - keep) * in->plane_bytes, keep * in->plane_bytes);
     if (p->first + keep > in->read)
         in->status = iso_source_skip(in->source, p->first + keep - in->read, &in->error);
-    if (in->status == ISO_OK)
-        in->status = iso_source_read(in->source, p->count - keep, p->data + keep * in->plane_bytes, &in->error);
+    TRY(in->status, iso_source_read(in->source, p->count - keep, p->data + keep * in->plane_bytes, &in->error));
     in->read = p->first + p->count;
     in->seconds_busy += iso_clock_seconds() - start;
     return NULL;

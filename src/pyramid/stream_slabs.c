@@ -38,12 +38,10 @@ iso_status iso_stream_input_range(pyramid_build *s, double *range, iso_error *er
     plane.data = malloc(stream_plane_bytes(s));
     iso_status status = plane.data ? s->in->open(s->in->user, &source, err)
                                    : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->in->path);
-    if (status == ISO_OK)
-        status = iso_source_skip(source, first, err);
+    TRY(status, iso_source_skip(source, first, err));
     for (size_t z = first; z < end && status == ISO_OK; ++z) {
         status = iso_source_read(source, 1, plane.data, err);
-        if (status == ISO_OK)
-            status = measure_planes(&plane, s->in->path, &lo, &hi, err);
+        TRY(status, measure_planes(&plane, s->in->path, &lo, &hi, err));
         if (status != ISO_OK && status == ISO_E_RANGE)
             status = iso_fail_in(err, status, "plane %zu", z);
     }
@@ -199,10 +197,8 @@ static iso_status do_slab(pyramid_build *s, size_t i, json_t *job, size_t done, 
         return status;
     iso_stream_request_slab(s, i + 1);
     status = iso_stream_feed_slab(s, &b, planes, err);
-    if (status == ISO_OK)
-        status = iso_stream_wait_for_writers(s, err);
-    if (status == ISO_OK)
-        status = note_if_due(s, job, b.z0, done, err);
+    TRY(status, iso_stream_wait_for_writers(s, err));
+    TRY(status, note_if_due(s, job, b.z0, done, err));
     if (status != ISO_OK)
         return status;
     iso_stream_list_slab(s, &b, planes);
@@ -226,8 +222,7 @@ iso_status iso_stream_run_alone(pyramid_build *s, json_t *job, size_t done, cons
         status = status == ISO_OK ? note_if_due(s, job, b.z1, done, err) : status;
         return status == ISO_OK ? iso_fail(err, ISO_E_PROGRAM, "stopped after %zu planes", b.z1) : status;
     }
-    if (status == ISO_OK)
-        status = iso_stream_wait_for_writers(s, err);
+    TRY(status, iso_stream_wait_for_writers(s, err));
     iso_progress_report(progress, "build", 1);
     return status;
 }

@@ -108,14 +108,12 @@ static iso_status do_slab_in_turn(pyramid_build *s, size_t i, iso_status status,
     const stream_slab b = iso_stream_slab_at(s, i);
     const stream_planes *planes = NULL;
     const bool turn_first = needs_turn_first(s, &b);
-    if (status == ISO_OK)
-        status = iso_stream_wait_for_planes(s, &planes, err);
+    TRY(status, iso_stream_wait_for_planes(s, &planes, err));
     if (status == ISO_OK)
         iso_stream_request_slab(s, i + (size_t)iso_ranks_count(s->how->ranks));
     if (turn_first)
         status = take_turn(s, i, status, err);
-    if (status == ISO_OK)
-        status = iso_stream_feed_slab(s, &b, planes, err);
+    TRY(status, iso_stream_feed_slab(s, &b, planes, err));
     if (!turn_first)
         status = take_turn(s, i, status, err);
     if (status == ISO_OK) {

@@ -348,8 +348,7 @@ static iso_status sum_squares(bound *b, double (*ranges)[2][2][CHANNELS], double
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         for (int which = 0; which < 2; ++which)
             follow_back_to_front(b, b->regions + i * b->slabs, which, ranges[i][which][0], ranges[i][which][1]);
-    if (status == ISO_OK)
-        status = for_points(b, add_integrand, err);
+    TRY(status, for_points(b, add_integrand, err));
     *squares = 0;
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         *squares += bound_block(b, b->regions + i * b->slabs, (const double(*)[2][CHANNELS])ranges[i],
@@ -372,12 +371,10 @@ iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, i
     bound b = {.in = in};
     double(*ranges)[2][2][CHANNELS] = NULL, squares = 0;
     iso_status status = iso_bound_field_create(&b.field, in, err);
-    if (status == ISO_OK)
-        status = cut_image(&b, err);
+    TRY(status, cut_image(&b, err));
     if (status == ISO_OK && !(ranges = calloc(b.blocks[0] * b.blocks[1], sizeof *ranges)))
         status = iso_fail(err, ISO_E_MEMORY, "bound: out of memory");
-    if (status == ISO_OK)
-        status = sum_squares(&b, ranges, &squares, err);
+    TRY(status, sum_squares(&b, ranges, &squares, err));
     *rmse = b.late ? INFINITY : sqrt(squares / (double)(CHANNELS * in->view->width * in->view->height));
     free(ranges);
     free(b.regions);

@@ -198,8 +198,7 @@ static iso_status render_all(const iso_sampler *sampler, const iso_sampler *roi,
         status = iso_fail(err, ISO_E_MEMORY, "reference: out of memory");
     if (status == ISO_OK && opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
         status = iso_tf_integral_create(&p.integral, &view->tf, err);
-    if (status == ISO_OK)
-        status = find_empty_space(&p, err);
+    TRY(status, find_empty_space(&p, err));
     if (status == ISO_OK)
         render_tiles(&p, progress);
     iso_cell_scene_destroy(&p.cells);
@@ -220,12 +219,10 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
     iso_sampler sampler = {0}, roi = {0};
     *image = (iso_image){0};
     iso_status status = check_options(view, opt, err);
-    if (status == ISO_OK)
-        status = iso_sampler_create(&sampler, level, code, opt->source, err);
+    TRY(status, iso_sampler_create(&sampler, level, code, opt->source, err));
     if (status == ISO_OK && view->roi)
         status = iso_sampler_create(&roi, &view->roi->level, code, opt->source, err);
-    if (status == ISO_OK)
-        status = render_all(&sampler, &roi, view, opt, image, progress, err);
+    TRY(status, render_all(&sampler, &roi, view, opt, image, progress, err));
     iso_sampler_destroy(&roi);
     iso_sampler_destroy(&sampler);
     return status;

@@ -36,8 +36,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     o.threads = opt->threads;
     iso_status status = iso_cpu_prepare(&scene, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o,
                                         err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, q->view->width, q->view->height, err);
+    TRY(status, iso_image_create(image, q->view->width, q->view->height, err));
     if (status == ISO_OK) {
         stats->setup_seconds = iso_clock_seconds() - start;
         stats->bytes = iso_cpu_bytes(scene);

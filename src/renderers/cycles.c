@@ -218,8 +218,7 @@ iso_status iso_renderers_take_blenders(const char *list, iso_error *err)
         char found[32];
         status = *program ? iso_blender_version(program, found, sizeof found, err)
                           : iso_fail(err, ISO_E_USAGE, "--blender is \"%s\": a name is empty", list);
-        if (status == ISO_OK)
-            status = first_command ? add_blender(program, found, err) : take_first(program, err);
+        TRY(status, first_command ? add_blender(program, found, err) : take_first(program, err));
     }
     free(copy);
     return status;

@@ -195,8 +195,7 @@ iso_status iso_external_version(const iso_renderer_info *self, iso_renderers *r,
     }
     iso_error why = {""};
     iso_status status = begin(&s, self, &why);
-    if (status == ISO_OK)
-        status = run(&s, e->version, NULL, &why);
+    TRY(status, run(&s, e->version, NULL, &why));
     if (status == ISO_OK)
         snprintf(text, size, "%.*s", (int)size - 1, s.said.count ? s.said.first : self->title);
     else if (s.outcome.exit_code > 0) /* it looked for what it needs */
@@ -235,8 +234,7 @@ static iso_status take_picture(const start *s, const char *file, const iso_view 
     char *path = iso_path_join(s->dir, file), *request = iso_path_join(s->dir, "request.json");
     iso_status status = path && request ? check_file(path, file, request, err)
                                         : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_picture_load(path, file, view, image, err);
+    TRY(status, iso_picture_load(path, file, view, image, err));
     free(path);
     free(request);
     return status;

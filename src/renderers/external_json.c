@@ -44,8 +44,7 @@ static const double most_limit = 0.05;
 
 static void fail(iso_json_reader *r, iso_status status, const char *key, const char *what)
 {
-    if (r->status == ISO_OK)
-        r->status = iso_fail(r->err, status, "%s: \"%s\" %s", r->path, key, what);
+    TRY(r->status, iso_fail(r->err, status, "%s: \"%s\" %s", r->path, key, what));
 }
 
 /* ---- words ---- */
@@ -328,8 +327,7 @@ static iso_status load_file(const char *path, iso_error *err)
     char *absolute = realpath(path, NULL), *folder = absolute ? iso_path_dir(absolute) : NULL;
     iso_status status = folder ? iso_json_load(path, &root, err)
                                : iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", path, strerror(errno));
-    if (status == ISO_OK)
-        status = add_rows(path, folder, root, err);
+    TRY(status, add_rows(path, folder, root, err));
     json_decref(root);
     free(folder);
     free(absolute);

@@ -62,8 +62,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     iso_status status = iso_renderers_need_gl(q->renderers, &gl, err);
     if (status == ISO_OK && opt->processor_time)
         iso_gl_time_processor(gl, true);
-    if (status == ISO_OK)
-        status = iso_gl_render(gl, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, image, err);
+    TRY(status, iso_gl_render(gl, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, image, err));
     if (status == ISO_OK)
         iso_render_stats_of_gl(&inside, stats);
     return status;

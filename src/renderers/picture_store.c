@@ -162,8 +162,7 @@ iso_status iso_picture_store_open(const char *folder, iso_picture_store **store,
     if (lock.made)
         iso_unfinished_add(folder, false);
     iso_status status = check_content(folder, err);
-    if (status == ISO_OK)
-        status = write_marker(folder, err);
+    TRY(status, write_marker(folder, err));
     iso_picture_store *s = status == ISO_OK ? calloc(1, sizeof *s) : NULL;
     if (status == ISO_OK && (!s || !(s->folder = strdup(folder))))
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);

@@ -88,8 +88,7 @@ static iso_status compare_requests(const char *name, const char *asked, const ch
     json_t *now = NULL, *then = NULL;
     bool same = true;
     iso_status status = load_subject(asked, &now, err);
-    if (status == ISO_OK)
-        status = load_subject(there, &then, err);
+    TRY(status, load_subject(there, &then, err));
     const char *key = status == ISO_OK ? differing_key(now, then) : NULL;
     if (key)
         status = iso_fail(err, ISO_E_PROGRAM,
@@ -121,8 +120,7 @@ static iso_status check_request(const pictures *p, const iso_render_request *q, 
     if (status == ISO_OK && iso_path_exists(json)) {
         dir = iso_make_temp_dir();
         status = dir ? iso_request_write(&request, dir, err) : iso_temp_dir_fail(err);
-        if (status == ISO_OK)
-            status = compare_requests(q->options->renderer->name, dir, there, there + p->hidden, err);
+        TRY(status, compare_requests(q->options->renderer->name, dir, there, there + p->hidden, err));
     }
     if (dir)
         iso_remove_tree(dir);
@@ -240,8 +238,7 @@ iso_status iso_pictures_register(const char *name_and_dir, const iso_renderer_in
     iso_status status = p && name && index ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK && !iso_path_is_dir(equals + 1))
         status = iso_fail(err, ISO_E_IO, "--images %s: there is no folder %s", name_and_dir, equals + 1);
-    if (status == ISO_OK)
-        status = make_row(name, index, &row, &steps, err);
+    TRY(status, make_row(name, index, &row, &steps, err));
     if (status == ISO_OK) {
         *p = (pictures){.dir = strdup(equals + 1),
                         .hidden = strlen(equals + 1) - strlen(iso_provenance_name(equals + 1)),

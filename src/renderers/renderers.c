@@ -188,8 +188,7 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
         iso_render_stats_sum_up(&stats, &all, 1);
     if (is_program)
         stats.setup_seconds = fmax(all - stats.seconds, 0);
-    if (status == ISO_OK)
-        status = apply_hook(frame, image, err);
+    TRY(status, apply_hook(frame, image, err));
     if (status == ISO_OK)
         iso_picture_store_put(frame->renderers->store, frame, opt, image);
     if (seconds) /* where a frame is told apart from its textures, the frame: it is what is drawn again and again */
@@ -209,8 +208,7 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
     memset(images, 0, count * sizeof *images);
     if (count > 0 && frames[0].renderer->render_several && !getenv(ISO_RENDERERS_APART)) {
         status = check(q, err);
-        if (status == ISO_OK)
-            status = frames[0].renderer->render_several(q, count, images, err);
+        TRY(status, frames[0].renderer->render_several(q, count, images, err));
         for (size_t i = 0; i < count && status == ISO_OK; ++i) {
             one.options = &frames[i];
             count_picture(q, &frames[i]);

@@ -224,8 +224,7 @@ iso_status iso_request_write(const iso_request *q, const char *dir, iso_error *e
     char *volume = iso_path_join(dir, "volume.nrrd"), *directions = iso_path_join(dir, "directions.nrrd"),
          *json = iso_path_join(dir, "request.json");
     iso_status status = volume && directions && json ? check(q, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = write_volume(level, volume, err);
+    TRY(status, write_volume(level, volume, err));
     if (status == ISO_OK && lit)
         status = write_directions(level, q->pyramid->options.code, directions, err);
     if (status == ISO_OK) {

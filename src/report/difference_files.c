@@ -83,8 +83,7 @@ static iso_status inline_pair(const picture_pair *p, const iso_difference_source
         free(png);
         free(place);
     }
-    if (status == ISO_OK)
-        status = iso_page_difference_uri(&p->images[0], &p->images[1], &uri, err);
+    TRY(status, iso_page_difference_uri(&p->images[0], &p->images[1], &uri, err));
     snprintf(key, sizeof key, "%zu", number);
     if (status == ISO_OK)
         json_object_set_new(json_object_get(inlined, "differences"), key, json_string(uri));
@@ -296,10 +295,8 @@ iso_status iso_difference_write(const char *dir, const json_t *difference, const
     char *data = iso_path_join(out.temp_path, "difference.json"), *page = iso_path_join(out.temp_path, "index.html");
     status = data && page ? iso_json_save(data, difference, err)
                           : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
-    if (status == ISO_OK)
-        status = iso_page_write(page, &iso_page_of_difference, difference, inlined, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, iso_page_write(page, &iso_page_of_difference, difference, inlined, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     free(data);
     free(page);

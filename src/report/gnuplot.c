@@ -58,8 +58,7 @@ static iso_status check_picture(const char *picture, const char *format, iso_err
     if (!iso_path_is_file(picture))
         return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left no picture", picture);
     iso_status status = iso_file_read(picture, &data, &size, err);
-    if (status == ISO_OK)
-        status = check_content(picture, format, data, size, err);
+    TRY(status, check_content(picture, format, data, size, err));
     free(data);
     return status;
 }
@@ -85,8 +84,7 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
         const iso_process_options process = {
             .directory = dir, .sandbox = {.without = foreign_setting}, .timeout_seconds = 600};
         status = iso_process_run(argv, &process, err);
-        if (status == ISO_OK)
-            status = check_picture(picture, format, err);
+        TRY(status, check_picture(picture, format, err));
     } else {
         status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     }
@@ -103,8 +101,7 @@ iso_status iso_gnuplot_use_style(const char *from, const char *dir, iso_error *e
     size_t size = 0;
     iso_status status = path ? iso_file_read(from, &content, &size, err)
                              : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    if (status == ISO_OK)
-        status = iso_file_write(path, content, size, err);
+    TRY(status, iso_file_write(path, content, size, err));
     free(content);
     free(path);
     return status;
@@ -120,10 +117,8 @@ iso_status iso_gnuplot_draw_script(const char *dir, const char *name, const char
     if (!iso_path_exists(style))
         status = write_beside(dir, "style", ".gp", iso_gnuplot_style_gp, err);
     free(style);
-    if (status == ISO_OK)
-        status = write_beside(dir, name, ".gp", script, err);
-    if (status == ISO_OK)
-        status = run_gnuplot(dir, name, format, err);
+    TRY(status, write_beside(dir, name, ".gp", script, err));
+    TRY(status, run_gnuplot(dir, name, format, err));
     return status;
 }
 
@@ -203,19 +198,15 @@ iso_status iso_gnuplot_picture(const char *output, double width, double height, 
         status = iso_temp_dir_fail(err);
     if (status == ISO_OK && !(script = iso_path_join(dir, "picture.gp")))
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_output_begin(&out, output, err);
-    if (status == ISO_OK)
-        status = write_script(script, format, out.temp_path, width, height, write, user, err);
+    TRY(status, iso_output_begin(&out, output, err));
+    TRY(status, write_script(script, format, out.temp_path, width, height, write, user, err));
     if (status == ISO_OK) {
         const iso_process_options process = {.sandbox = {.output = out.temp_path, .without = foreign_setting},
                                              .timeout_seconds = 600};
         status = iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &process, err);
     }
-    if (status == ISO_OK)
-        status = check_picture(out.temp_path, format, err);
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, check_picture(out.temp_path, format, err));
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     if (dir)
         iso_remove_tree(dir);

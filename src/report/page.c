@@ -148,8 +148,7 @@ iso_status iso_page_write(const char *path, const iso_page *page, const json_t *
         if (fclose(f) != 0)
             status = iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
     }
-    if (status == ISO_OK)
-        status = iso_file_write(path, html, size, err);
+    TRY(status, iso_file_write(path, html, size, err));
     free(html);
     return status;
 }

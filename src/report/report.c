@@ -53,8 +53,7 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     pthread_mutex_init(&r->lock, NULL);
     r->standing = -1;
     iso_status status = iso_output_begin_dir(&r->out, dir, "report.json", err);
-    if (status == ISO_OK)
-        status = iso_report_files_begin(r->out.temp_path, err);
+    TRY(status, iso_report_files_begin(r->out.temp_path, err));
     if (status != ISO_OK) {
         iso_report_destroy(r);
         return status;
@@ -259,8 +258,7 @@ static const char *reason_of(const iso_report_agreement *row, iso_verdict verdic
 iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *row, iso_error *err)
 {
     iso_status status = check_image_name(r, row->image_a, err);
-    if (status == ISO_OK)
-        status = check_image_name(r, row->image_b, err);
+    TRY(status, check_image_name(r, row->image_b, err));
     if (status != ISO_OK)
         return status;
     const iso_verdict verdict = iso_report_verdict(row);
@@ -307,8 +305,7 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
 iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistency *row, iso_error *err)
 {
     iso_status status = check_image_name(r, row->image, err);
-    if (status == ISO_OK)
-        status = check_image_name(r, row->reference_image, err);
+    TRY(status, check_image_name(r, row->reference_image, err));
     if (status != ISO_OK)
         return status;
     json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "level",
@@ -420,8 +417,7 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
     else if (status != ISO_OK)
         return iso_fail(err, status, "%s", missing.text);
     status = iso_report_files_page(r->out.temp_path, r->root, r->inlined, err);
-    if (status == ISO_OK)
-        status = iso_output_commit_locked(&r->out, &r->standing, err);
+    TRY(status, iso_output_commit_locked(&r->out, &r->standing, err));
     r->finished = status == ISO_OK;
     return status;
 }

@@ -38,12 +38,9 @@ iso_status iso_report_files_image(const char *dir, const char *name, const iso_i
     if (asprintf(&png, "%s/images/%s.png", dir, name) < 0)
         png = NULL;
     iso_status status = exr && png ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    if (status == ISO_OK)
-        status = iso_image_save_exr(image, exr, notes, err);
-    if (status == ISO_OK)
-        status = iso_image_save_png(image, png, 1, err);
-    if (status == ISO_OK)
-        status = iso_page_file_uri(png, "image/png", uri, err);
+    TRY(status, iso_image_save_exr(image, exr, notes, err));
+    TRY(status, iso_image_save_png(image, png, 1, err));
+    TRY(status, iso_page_file_uri(png, "image/png", uri, err));
     free(exr);
     free(png);
     return status;
@@ -65,8 +62,7 @@ iso_status iso_report_files_difference(const char *dir, const char *a, const cha
     if (status == ISO_OK && (images[0].width != images[1].width || images[0].height != images[1].height))
         status = iso_fail(err, ISO_E_RANGE, "report: the images %s and %s have %zux%zu and %zux%zu pixels", a, b,
                           images[0].width, images[0].height, images[1].width, images[1].height);
-    if (status == ISO_OK)
-        status = iso_page_difference_uri(&images[0], &images[1], uri, err);
+    TRY(status, iso_page_difference_uri(&images[0], &images[1], uri, err));
     iso_image_destroy(&images[0]);
     iso_image_destroy(&images[1]);
     return status;
@@ -190,10 +186,8 @@ iso_status iso_report_files_page(const char *dir, const json_t *root, const json
 {
     char *data = iso_path_join(dir, "report.json"), *page = iso_path_join(dir, "index.html");
     iso_status status = data && page ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    if (status == ISO_OK)
-        status = iso_json_save(data, root, err);
-    if (status == ISO_OK)
-        status = iso_page_write(page, &iso_page_of_report, root, inlined, err);
+    TRY(status, iso_json_save(data, root, err));
+    TRY(status, iso_page_write(page, &iso_page_of_report, root, inlined, err));
     free(data);
     free(page);
     return status;

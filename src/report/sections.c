@@ -90,8 +90,7 @@ iso_status iso_report_load(const char *path, json_t **report, iso_error *err)
 {
     char *file = iso_path_is_dir(path) ? iso_path_join(path, "report.json") : strdup(path);
     iso_status status = file ? iso_json_load(file, report, err) : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
-    if (status == ISO_OK)
-        status = iso_report_check(*report, file, err);
+    TRY(status, iso_report_check(*report, file, err));
     free(file);
     return status;
 }

@@ -94,8 +94,7 @@ iso_status iso_roi_create(const iso_pyramid *p, size_t around, const iso_tf_tabl
         status = iso_fail(err, ISO_E_MEMORY, "region of interest: no memory for %zu entries", tf->count);
     else
         memcpy(f->tf.entries, tf->entries, 4 * tf->count * sizeof *tf->entries);
-    if (status == ISO_OK)
-        status = crop_level(finer, first, count, &f->level, err);
+    TRY(status, crop_level(finer, first, count, &f->level, err));
     if (status != ISO_OK)
         iso_roi_destroy(f);
     return status;

@@ -72,8 +72,7 @@ iso_status iso_scene_save_json(const json_t *root, const char *path, iso_error *
     iso_scene read = {0};
     iso_status status = root ? iso_scene_from_json(root, path, &read, err)
                              : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a scene", path);
-    if (status == ISO_OK)
-        status = iso_json_save(path, root, err);
+    TRY(status, iso_json_save(path, root, err));
     iso_scene_destroy(&read);
     return status;
 }

@@ -57,8 +57,7 @@ iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err)
     if (look->scene)
         status = iso_scene_load(look->scene, &scene, err);
     iso_scene_destroy(&scene);
-    if (status == ISO_OK)
-        status = iso_tf_check_name(look->tf, &look->request, err);
+    TRY(status, iso_tf_check_name(look->tf, &look->request, err));
     if (status == ISO_OK && look->view)
         status = iso_viewpoint_parse(look->view, &viewpoint, err);
     if (status == ISO_OK && !(look->zoom == 0 || (look->zoom >= 0.01 && look->zoom <= 1000)))
@@ -104,8 +103,7 @@ static iso_status frame_visible(const iso_subject_look *look, const iso_pyramid 
     iso_tf_table table = {0};
     iso_status status = iso_tf_tabulate(&scene->tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, &table,
                                         err);
-    if (status == ISO_OK)
-        status = iso_scene_frame_visible(scene, level0, &table, look->threads, err);
+    TRY(status, iso_scene_frame_visible(scene, level0, &table, look->threads, err));
     iso_tf_table_destroy(&table);
     return status;
 }
@@ -137,8 +135,7 @@ iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid
     iso_scene scene;
     *view = (iso_view){0};
     iso_status status = iso_subject_make_scene(look, p, &scene, err);
-    if (status == ISO_OK)
-        status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
+    TRY(status, iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err));
     iso_scene_destroy(&scene);
     return status;
 }

@@ -74,8 +74,7 @@ iso_status iso_subject_frames_create(const char *path, const iso_volume_input *i
     if (input->frame)
         return iso_fail(err, ISO_E_USAGE, "--frames all and --frame: one or the other");
     iso_status status = iso_frames_measure(path, input, &facts, err);
-    if (status == ISO_OK)
-        status = iso_frames_labels(path, input, &labels, err);
+    TRY(status, iso_frames_labels(path, input, &labels, err));
     if (status != ISO_OK)
         return status;
     f->count = facts.count;
@@ -84,8 +83,7 @@ iso_status iso_subject_frames_create(const char *path, const iso_volume_input *i
     f->build.value_range[0] = facts.range[0];
     f->build.value_range[1] = facts.range[1];
     status = check_grids(f, err);
-    if (status == ISO_OK)
-        status = load(f, f->widest, &p, err);
+    TRY(status, load(f, f->widest, &p, err));
     if (status == ISO_OK)
         f->geometry = p.levels[0].geometry;
     if (status == ISO_OK && look) {

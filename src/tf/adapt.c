@@ -349,17 +349,14 @@ iso_status iso_adapt_tf_2d(const iso_pyramid *p, size_t level, iso_second_value 
     if (status == ISO_OK)
         status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, second}, opt->threads, &joint_2d,
                                   err);
-    if (status == ISO_OK)
-        status = iso_adapter_create(&joint, &opt_2d, &all, err);
-    if (status == ISO_OK)
-        status = iso_adapter_create(&joint_2d, &opt_2d, &by_second, err);
+    TRY(status, iso_adapter_create(&joint, &opt_2d, &all, err));
+    TRY(status, iso_adapter_create(&joint_2d, &opt_2d, &by_second, err));
     for (size_t c = 0; c < ISO_TF_2D_ROWS && status == ISO_OK; ++c)
         status = iso_adapter_apply(all, tf, &p->levels[0].geometry, level, &out->rows[c], err);
     if (status == ISO_OK && joint.entry_count > 0)
         status = fill_tf_2d(all, by_second, tf, averaging_length_mm(all, &p->levels[0].geometry, level), out->rows,
                             err);
-    if (status == ISO_OK)
-        status = second_value_bytes(p, level, second, opt->threads, &out->bytes, err);
+    TRY(status, second_value_bytes(p, level, second, opt->threads, &out->bytes, err));
     if (status != ISO_OK)
         iso_tf_2d_destroy(out);
     iso_adapter_destroy(all);

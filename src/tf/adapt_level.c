@@ -112,8 +112,7 @@ static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *t
     iso_status status = iso_ghost_mask(&p->levels[0], &p->levels[level], level, tf, opt->threads, &empty, err);
     const iso_small_views_input in = views_of(p, level, tf, adapted, empty, opt->level_0 ? opt->level_0 : &own,
                                               opt->threads);
-    if (status == ISO_OK)
-        status = iso_small_views_compare(&in, errors, err);
+    TRY(status, iso_small_views_compare(&in, errors, err));
     judgment->ghost = status == ISO_OK ? errors[1].ghost : 0;
     if (judgment->ghost > ISO_GHOST_LIMIT)
         status = iso_ghost_remove(&in, adapted, &judgment->given_back, err);
@@ -145,12 +144,9 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
     }
     iso_status status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
                                          opt->threads, &joint, err);
-    if (status == ISO_OK)
-        status = iso_adapter_create(&joint, opt, &adapter, err);
-    if (status == ISO_OK)
-        status = iso_adapter_apply(adapter, tf, level0, level, table, err);
-    if (status == ISO_OK)
-        status = iso_adapt_judge(&joint, tf, table, level0, &verdict, err);
+    TRY(status, iso_adapter_create(&joint, opt, &adapter, err));
+    TRY(status, iso_adapter_apply(adapter, tf, level0, level, table, err));
+    TRY(status, iso_adapt_judge(&joint, tf, table, level0, &verdict, err));
     if (status == ISO_OK && opt->fall_back)
         status = look(p, level, tf, table, opt, &verdict, err);
     verdict.use_original = verdict.use_original && opt->fall_back;

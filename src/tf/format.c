@@ -118,8 +118,7 @@ iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_t
     const iso_tf_format *other;
     *tf = (iso_tf){0};
     iso_status status = iso_inputs_note(path, err);
-    if (status == ISO_OK)
-        status = iso_file_read(path, &text, &file.size, err);
+    TRY(status, iso_file_read(path, &text, &file.size, err));
     if (status != ISO_OK)
         return status;
     if (file.size > MOST_BYTES) {
@@ -240,10 +239,8 @@ iso_status iso_tf_take_curves(const iso_tf_file *file, iso_tf_curves *curves, is
         iso_tf_curve_sort(&curves->opacity);
         status = set_opacity(file, curves, err);
     }
-    if (status == ISO_OK)
-        status = set_unit(file, curves, err);
-    if (status == ISO_OK)
-        status = iso_tf_resample(curves, file->path, tf, err);
+    TRY(status, set_unit(file, curves, err));
+    TRY(status, iso_tf_resample(curves, file->path, tf, err));
     if (status == ISO_OK && file->request->measure && (status = iso_tf_measure_loss(curves, tf, err)) != ISO_OK)
         iso_tf_destroy(tf);
     iso_tf_curves_destroy(curves);

@@ -189,8 +189,7 @@ static iso_status take_own(const csv *c, iso_tf *tf, iso_error *err)
             t.entries[4 * i + (size_t)k] = (float)fmin(fmax(v[RED + k], 0), 1);
         t.entries[4 * i + 3] = (float)v[EXTINCTION];
     }
-    if (status == ISO_OK)
-        status = iso_tf_from_table(&t, tf, err);
+    TRY(status, iso_tf_from_table(&t, tf, err));
     iso_tf_table_destroy(&t);
     return status;
 }
@@ -233,8 +232,7 @@ static iso_status load_csv(const iso_tf_file *file, iso_tf *tf, iso_error *err)
     if (!c.row)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
     iso_status status = read_lines(&c, err);
-    if (status == ISO_OK)
-        status = c.own ? take_own(&c, tf, err) : take_display_colors(&c, tf, err);
+    TRY(status, c.own ? take_own(&c, tf, err) : take_display_colors(&c, tf, err));
     free(c.row);
     return status;
 }

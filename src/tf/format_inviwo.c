@@ -20,8 +20,7 @@ static iso_status read_point(const iso_tf_file *file, const xmlNode *point, iso_
     iso_status status = iso_xml_number(file, pos, newer ? "content" : "x", iso_xml_fraction, &x, err);
     for (int k = 0; k < 4 && status == ISO_OK; ++k)
         status = iso_xml_number(file, rgba, attributes[k], iso_xml_fraction, &color[k], err);
-    if (status == ISO_OK)
-        status = iso_tf_curve_add_color(&c->color, x, color, file->path, err);
+    TRY(status, iso_tf_curve_add_color(&c->color, x, color, file->path, err));
     return status == ISO_OK ? iso_tf_curve_add_opacity(&c->opacity, x, color[3], file->path, err) : status;
 }
 
@@ -31,8 +30,7 @@ static iso_status check_mask(const iso_tf_file *file, const xmlNode *root, iso_e
     double lo = 0, hi = 1;
     iso_status status = iso_xml_optional_number(file, iso_xml_next(root, root, "maskMin"), "content", iso_xml_any, &lo,
                                                 err);
-    if (status == ISO_OK)
-        status = iso_xml_optional_number(file, iso_xml_next(root, root, "maskMax"), "content", iso_xml_any, &hi, err);
+    TRY(status, iso_xml_optional_number(file, iso_xml_next(root, root, "maskMax"), "content", iso_xml_any, &hi, err));
     if (status == ISO_OK && (lo > 0 || hi < 1))
         status = iso_fail(err, ISO_E_FORMAT,
                           "%s: is masked to %g to %g (\"maskMin\", \"maskMax\"), only 0 to 1 is supported", file->path,
@@ -62,8 +60,7 @@ static iso_status load_inviwo(const iso_tf_file *file, iso_tf *tf, iso_error *er
     if (!iso_xml_is(root, "InviwoTreeData") && !iso_xml_is(root, "InviwoWorkspace"))
         status = iso_fail(err, ISO_E_FORMAT, "%s: is <%.40s>, wanted <InviwoTreeData> or <InviwoWorkspace>", file->path,
                           (const char *)root->name);
-    if (status == ISO_OK)
-        status = read_points(file, root, &curves, err);
+    TRY(status, read_points(file, root, &curves, err));
     xmlFreeDoc(doc);
     if (status == ISO_OK)
         return iso_tf_take_curves(file, &curves, tf, err);

@@ -20,10 +20,8 @@ static iso_status load_json(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
     json_t *root;
     iso_status status = iso_json_parse(file->path, file->text, file->size, &root, err);
-    if (status == ISO_OK)
-        status = check_request(file, err);
-    if (status == ISO_OK)
-        status = iso_tf_from_json(root, file->path, tf, err);
+    TRY(status, check_request(file, err));
+    TRY(status, iso_tf_from_json(root, file->path, tf, err));
     json_decref(root);
     return status;
 }

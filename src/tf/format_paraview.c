@@ -98,8 +98,7 @@ static iso_status read_nodes(const iso_tf_file *file, const json_t *map, const c
         }
         const iso_tf_node node = components == 3 ? (iso_tf_node){v[0], {v[1], v[2], v[3]}, 0.5, 0}
                                                  : (iso_tf_node){v[0], {v[1]}, v[2], v[3]};
-        if (status == ISO_OK)
-            status = iso_tf_curve_add(curve, node, components, file->path, err);
+        TRY(status, iso_tf_curve_add(curve, node, components, file->path, err));
     }
     return status;
 }
@@ -126,12 +125,10 @@ static iso_status read_map(const iso_tf_file *file, const json_t *map, iso_tf_cu
                                            err);
     if (status == ISO_OK && c->space == ISO_SPACE_HSV && is_on(map, "HSVWrap"))
         c->space = ISO_SPACE_WRAPPED;
-    if (status == ISO_OK)
-        status = read_nodes(file, map, "RGBPoints", &c->color, err);
+    TRY(status, read_nodes(file, map, "RGBPoints", &c->color, err));
     if (status == ISO_OK && json_is_string(space) && iso_paraview_is_ciede2000(json_string_value(space)))
         status = iso_ciede2000_expand(&c->color, file->path, err);
-    if (status == ISO_OK)
-        status = read_nodes(file, map, "Points", &c->opacity, err);
+    TRY(status, read_nodes(file, map, "Points", &c->opacity, err));
     iso_paraview_fit(c);
     return status;
 }
@@ -167,8 +164,7 @@ static iso_status load_paraview(const iso_tf_file *file, iso_tf *tf, iso_error *
     if (!root)
         return iso_fail(err, ISO_E_FORMAT, "%s:%d:%d: not JSON: %s", file->path, where.line, where.column, where.text);
     iso_status status = choose_map(file, root, &map, err);
-    if (status == ISO_OK)
-        status = read_map(file, map, &curves, err);
+    TRY(status, read_map(file, map, &curves, err));
     json_decref(root);
     if (status == ISO_OK)
         return iso_tf_take_curves(file, &curves, tf, err);

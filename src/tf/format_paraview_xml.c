@@ -20,8 +20,7 @@ static iso_status read_point(const iso_tf_file *file, const xmlNode *node, iso_t
     iso_status status = iso_xml_number(file, node, "x", iso_xml_any, &x, err);
     for (int k = 0; k < 3 && status == ISO_OK; ++k)
         status = iso_xml_number(file, node, attributes[k], iso_xml_fraction, &rgb[k], err);
-    if (status == ISO_OK)
-        status = iso_tf_curve_add_color(&c->color, x, rgb, file->path, err);
+    TRY(status, iso_tf_curve_add_color(&c->color, x, rgb, file->path, err));
     if (status == ISO_OK && has_opacity)
         status = iso_xml_number(file, node, "o", iso_xml_fraction, &o, err);
     if (status == ISO_OK && has_opacity)
@@ -97,8 +96,7 @@ static iso_status load_color_map(const iso_tf_file *file, iso_tf *tf, iso_error 
     if (status != ISO_OK)
         return status;
     status = choose_map(file, xmlDocGetRootElement(doc), &map, err);
-    if (status == ISO_OK)
-        status = read_map(file, map, &curves, err);
+    TRY(status, read_map(file, map, &curves, err));
     xmlFreeDoc(doc);
     if (status == ISO_OK)
         return iso_tf_take_curves(file, &curves, tf, err);

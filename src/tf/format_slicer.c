@@ -23,8 +23,7 @@ static void read_node(iso_json_reader *r, const json_t *item, int components, is
         iso_json_get_number(r, item, "y", true, 0, 1, &node.y[0]);
     iso_json_get_number(r, item, "midpoint", false, 0, 1, &node.midpoint);
     iso_json_get_number(r, item, "sharpness", false, 0, 1, &node.sharpness);
-    if (r->status == ISO_OK)
-        r->status = iso_tf_curve_add(curve, node, components, r->path, r->err);
+    TRY(r->status, iso_tf_curve_add(curve, node, components, r->path, r->err));
 }
 
 static void read_curve(iso_json_reader *r, const json_t *component, const char *key, int components,
@@ -43,9 +42,8 @@ static void refuse_gradient_opacity(iso_json_reader *r, const json_t *component)
     iso_json_get_bool(r, component, "disableGradientOpacity", false, &disabled);
     if (!disabled)
         read_curve(r, component, "gradientOpacity", 1, &curve);
-    if (r->status == ISO_OK)
-        r->status = iso_slicer_check_gradient(&curve, ": set it to 1, or \"disableGradientOpacity\" to true", r->path,
-                                              r->err);
+    TRY(r->status,
+        iso_slicer_check_gradient(&curve, ": set it to 1, or \"disableGradientOpacity\" to true", r->path, r->err));
     free(curve.nodes);
 }
 
@@ -111,8 +109,7 @@ static iso_status load_slicer(const iso_tf_file *file, iso_tf *tf, iso_error *er
     const size_t count = list_components(&r, properties, components, names);
     for (size_t i = 0; i < count; ++i)
         list[i] = names[i];
-    if (r.status == ISO_OK)
-        r.status = iso_tf_choose(file, "component", list, count, &chosen, err);
+    TRY(r.status, iso_tf_choose(file, "component", list, count, &chosen, err));
     if (r.status == ISO_OK)
         read_component(&r, components[chosen], &curves);
     json_decref(root);

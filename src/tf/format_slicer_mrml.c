@@ -58,8 +58,7 @@ static iso_status load_mrml(const iso_tf_file *file, iso_tf *tf, iso_error *err)
     if (status != ISO_OK)
         return status;
     status = choose_property(file, xmlDocGetRootElement(doc), &property, err);
-    if (status == ISO_OK)
-        status = read_property(file, property, &curves, err);
+    TRY(status, read_property(file, property, &curves, err));
     xmlFreeDoc(doc);
     if (status == ISO_OK)
         return iso_tf_take_curves(file, &curves, tf, err);

@@ -27,8 +27,7 @@ static iso_status read_side(const iso_tf_file *file, const xmlNode *key, const c
         status = iso_xml_number(file, color, attributes[k], iso_xml_byte, &v[k], err);
     for (int k = 0; k < 4; ++k)
         v[k] /= 255;
-    if (status == ISO_OK)
-        status = iso_tf_curve_add_color(&c->color, x, v, file->path, err);
+    TRY(status, iso_tf_curve_add_color(&c->color, x, v, file->path, err));
     return status == ISO_OK ? iso_tf_curve_add_opacity(&c->opacity, x, v[3], file->path, err) : status;
 }
 
@@ -48,8 +47,7 @@ static iso_status read_key(const iso_tf_file *file, const xmlNode *key, range do
                                   : iso_fail(err, ISO_E_FORMAT, "%s:%ld: a key has no <intensity>", file->path,
                                              xmlGetLineNo((xmlNode *)key));
     const double x = domain.lo + t * (domain.hi - domain.lo);
-    if (status == ISO_OK)
-        status = read_side(file, key, "colorL", x, c, err);
+    TRY(status, read_side(file, key, "colorL", x, c, err));
     return status == ISO_OK && is_split(key) ? read_side(file, key, "colorR", x, c, err) : status;
 }
 
@@ -59,10 +57,8 @@ static iso_status check_rest(const iso_tf_file *file, const xmlNode *tf, iso_err
     double lo = 0, hi = 1, gamma = 1;
     const xmlNode *threshold = iso_xml_child(tf, "threshold");
     iso_status status = iso_xml_optional_number(file, threshold, "x", iso_xml_any, &lo, err);
-    if (status == ISO_OK)
-        status = iso_xml_optional_number(file, threshold, "y", iso_xml_any, &hi, err);
-    if (status == ISO_OK)
-        status = iso_xml_optional_number(file, iso_xml_child(tf, "gammaValue"), "value", iso_xml_any, &gamma, err);
+    TRY(status, iso_xml_optional_number(file, threshold, "y", iso_xml_any, &hi, err));
+    TRY(status, iso_xml_optional_number(file, iso_xml_child(tf, "gammaValue"), "value", iso_xml_any, &gamma, err));
     if (status == ISO_OK && (lo > 0 || hi < 1))
         status = iso_fail(err, ISO_E_FORMAT, "%s: has a <threshold> of %g to %g, only 0 to 1 is supported", file->path,
                           lo, hi);
@@ -76,10 +72,8 @@ static iso_status read_tf(const iso_tf_file *file, const xmlNode *tf, iso_tf_cur
     const xmlNode *domain = iso_xml_child(tf, "domain"), *keys = iso_xml_child(tf, "Keys");
     range r = {0, 1};
     iso_status status = check_rest(file, tf, err);
-    if (status == ISO_OK)
-        status = iso_xml_optional_number(file, domain, "x", iso_xml_any, &r.lo, err);
-    if (status == ISO_OK)
-        status = iso_xml_optional_number(file, domain, "y", iso_xml_any, &r.hi, err);
+    TRY(status, iso_xml_optional_number(file, domain, "x", iso_xml_any, &r.lo, err));
+    TRY(status, iso_xml_optional_number(file, domain, "y", iso_xml_any, &r.hi, err));
     c->are_fractions = !domain || (r.lo == 0 && r.hi == 1);
     if (status == ISO_OK && !(r.hi > r.lo))
         status = iso_fail(err, ISO_E_RANGE, "%s: its <domain> is %g to %g, its end must exceed its start", file->path,

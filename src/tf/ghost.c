@@ -129,8 +129,7 @@ iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_ta
         return ISO_OK;
     iso_status status = iso_ghost_mask(in.fine, in.coarse, level, original, threads, &empty, err);
     in.empty = empty;
-    if (status == ISO_OK)
-        status = iso_small_views_compare(&in, seen, err);
+    TRY(status, iso_small_views_compare(&in, seen, err));
     *ghost = status == ISO_OK ? seen[0].ghost : 0;
     free(empty);
     return status;

@@ -445,8 +445,7 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_s
         else
             status = iso_joint_second_coordinates(p, level, second, threads, planes, err);
     }
-    if (status == ISO_OK)
-        status = count_all(p, level, planes, b, err);
+    TRY(status, count_all(p, level, planes, b, err));
     free(planes);
     if (status != ISO_OK) {
         iso_joint_abandon(b);

@@ -92,8 +92,7 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
             }
             put_number(&v, sparse ? 3 * i + 2 : s * j->z.count + j->entry_z[i], j->entry_count_of[i]);
         }
-    if (status == ISO_OK)
-        status = iso_volume_save(&v, path, true, err);
+    TRY(status, iso_volume_save(&v, path, true, err));
     if (status == ISO_OK && !iso_manifest_add(dir, iso_path_base(path))) {
         iso_remove_tree(path);
         status = iso_fail(err, ISO_E_IO, "%s: cannot be listed", path);
@@ -160,8 +159,7 @@ iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_b
             status = iso_fail(err, ISO_E_FORMAT, "%s: bins of width %g from %g, %g from %g are wanted", path,
                               v.geometry.index_to_world.m[0][0], first.x, z->step, z->lo);
     }
-    if (status == ISO_OK)
-        status = read_rows(&v, path, z, s, key->second, j, err);
+    TRY(status, read_rows(&v, path, z, s, key->second, j, err));
     if (status == ISO_OK && j->voxel_count != voxel_count)
         status = iso_fail(err, ISO_E_FORMAT, "%s: counts %llu voxels, level 0 has %llu", path,
                           (unsigned long long)j->voxel_count, (unsigned long long)voxel_count);
@@ -200,8 +198,7 @@ iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joi
         return iso_fail(err, ISO_E_RANGE, "joint histogram: no samples and no folder to read them from");
     if (!fine->scalar)
         status = iso_pyramid_load(dir, &whole, err);
-    if (status == ISO_OK)
-        status = iso_joint_compute(fine->scalar ? p : &whole, level, bits, second, threads, j, err);
+    TRY(status, iso_joint_compute(fine->scalar ? p : &whole, level, bits, second, threads, j, err));
     iso_pyramid_destroy(&whole);
     if (status == ISO_OK && dir) {
         remove_stored(dir, key);

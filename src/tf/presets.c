@@ -188,8 +188,7 @@ iso_status iso_tf_of_level(const char *name, const iso_tf_request *request, cons
         return iso_tf_preset_apply(row, survey, &level0->geometry, tf, err);
     iso_survey *own;
     iso_status status = iso_survey_make(level0, threads, &own, err);
-    if (status == ISO_OK)
-        status = iso_tf_preset_apply(row, own, &level0->geometry, tf, err);
+    TRY(status, iso_tf_preset_apply(row, own, &level0->geometry, tf, err));
     free(own);
     return status;
 }

@@ -77,12 +77,10 @@ iso_status iso_tf_reduce(const iso_tf_table *table, double unit_mm, size_t grid,
     }
     if (status == ISO_OK)
         choose(&s, 0, grid ? 3 : 2, most); /* on a grid the nodes are common */
-    if (status == ISO_OK)
-        status = take(&s, true, &curves->color, err);
+    TRY(status, take(&s, true, &curves->color, err));
     if (status == ISO_OK && !grid)
         choose(&s, 3, 3, most / 16); /* small opacities count over long ways */
-    if (status == ISO_OK)
-        status = take(&s, false, &curves->opacity, err);
+    TRY(status, take(&s, false, &curves->opacity, err));
     free(s.rgba);
     free(s.kept);
     if (status != ISO_OK)

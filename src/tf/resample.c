@@ -84,8 +84,7 @@ static iso_status fill(resampling *r, const iso_tf_point *a, const iso_tf_point 
         return ISO_OK;
     const iso_tf_point middle = point_at(r->curves, x, x);
     iso_status status = fill(r, a, &middle, depth + 1);
-    if (status == ISO_OK)
-        status = append(r, &middle);
+    TRY(status, append(r, &middle));
     return status == ISO_OK ? fill(r, &middle, b, depth + 1) : status;
 }
 
@@ -158,10 +157,8 @@ static iso_status between_corners(resampling *r, const double *corners, size_t c
         const double inside = 0.5 * (corners[i] + corners[i + 1]);
         const iso_tf_point a = point_at(r->curves, corners[i], inside), b = point_at(r->curves, corners[i + 1], inside);
         status = append(r, &a);
-        if (status == ISO_OK)
-            status = fill(r, &a, &b, 0);
-        if (status == ISO_OK)
-            status = append(r, &b);
+        TRY(status, fill(r, &a, &b, 0));
+        TRY(status, append(r, &b));
     }
     return status == ISO_OK ? append(r, &behind) : status;
 }

@@ -42,10 +42,8 @@ iso_status iso_slicer_curves(const iso_slicer_texts *texts, const char *path, is
     iso_tf_curve gradient = {0};
     curves->unit_mm = 1, curves->unit_is_default = true;
     iso_status status = iso_slicer_curve(texts->scalar_opacity, "scalarOpacity", 1, path, &curves->opacity, err);
-    if (status == ISO_OK)
-        status = iso_slicer_curve(texts->gradient_opacity, "gradientOpacity", 1, path, &gradient, err);
-    if (status == ISO_OK)
-        status = iso_slicer_check_gradient(&gradient, "", path, err);
+    TRY(status, iso_slicer_curve(texts->gradient_opacity, "gradientOpacity", 1, path, &gradient, err));
+    TRY(status, iso_slicer_check_gradient(&gradient, "", path, err));
     free(gradient.nodes);
     return status == ISO_OK ? iso_slicer_curve(texts->color, "colorTransfer", 3, path, &curves->color, err) : status;
 }

@@ -420,8 +420,7 @@ iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **su
         summarize(sample + padding, count - padding, s);
         status = level0->labels ? take_labels(level0, s, err) : ISO_OK;
     }
-    if (status == ISO_OK)
-        status = count_all(level0, threads, s, err);
+    TRY(status, count_all(level0, threads, s, err));
     if (status == ISO_OK) {
         profile(s);
         find_background(s);

@@ -11,8 +11,7 @@ static void read_point(iso_json_reader *r, const json_t *item, bool srgb, iso_tf
 {
     static const char *const keys[] = {"value", "r", "g", "b", "opacity", NULL};
     if (!json_is_object(item)) {
-        if (r->status == ISO_OK)
-            r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: an entry of \"points\" is not an object", r->path);
+        TRY(r->status, iso_fail(r->err, ISO_E_FORMAT, "%s: an entry of \"points\" is not an object", r->path));
         return;
     }
     iso_json_only_keys(r, item, "a point", keys);
@@ -110,8 +109,7 @@ iso_status iso_tf_save_json(const json_t *root, const char *path, iso_error *err
     iso_tf read = {0};
     iso_status status = root ? iso_tf_from_json(root, path, &read, err)
                              : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a transfer function", path);
-    if (status == ISO_OK)
-        status = iso_json_save(path, root, err);
+    TRY(status, iso_json_save(path, root, err));
     iso_tf_destroy(&read);
     return status;
 }

@@ -75,8 +75,7 @@ static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agre
     v->row_start = start;
     if (status == ISO_OK && holds)
         status = allow_rounding(v, level, opt, row, err);
-    if (status == ISO_OK)
-        status = iso_validate_add_row(v, level, row, same, with, err);
+    TRY(status, iso_validate_add_row(v, level, row, same, with, err));
     if (status == ISO_OK && has_exact && !first && v->scene->agreement.sharp)
         status = exact_lock_step(v, level, same, *opt, &holds, err);
     return status;
@@ -117,8 +116,7 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
                                                       &same.image, err);
     if (status == ISO_OK && renderer->output.most > 0 && iso_image_clip(&same.image, (float)renderer->output.most))
         same.name = stated ? "reference, clipped" : "reference, same samples, clipped";
-    if (status == ISO_OK)
-        status = iso_validate_add_image(v, same.image_name, &same.image, same.name, err);
+    TRY(status, iso_validate_add_image(v, same.image_name, &same.image, same.name, err));
     const bool begun = status == ISO_OK;
     if (begun)
         status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
@@ -152,8 +150,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     iso_status status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt,
                                                               v->progress},
                                         &a.image, NULL, err);
-    if (status == ISO_OK)
-        status = iso_validate_add_image(v, a.image_name, &a.image, a.name, err);
+    TRY(status, iso_validate_add_image(v, a.image_name, &a.image, a.name, err));
     snprintf(options, sizeof options, " --isosurface %.9g", opt.iso);
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         iso_image image = {0};
@@ -233,8 +230,7 @@ iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
         t.main.name = t.exported.name = "reference";
         if (!t.main.image.rgba && !iso_validate_is_out_of_time(v))
             status = iso_validate_find_truths(v, level, &t, err);
-        if (status == ISO_OK)
-            status = iso_validate_compare_limit(v, level, renderer, &t, NULL, err);
+        TRY(status, iso_validate_compare_limit(v, level, renderer, &t, NULL, err));
     }
     iso_image_destroy(&t.main.image);
     iso_image_destroy(&t.exported.image);

@@ -125,8 +125,7 @@ iso_status iso_validate_limits_at(iso_validation *v, size_t level, iso_error *er
     v->view = &small;
     t.main.name = t.exported.name = "reference";
     iso_status status = iso_validate_is_out_of_time(v) ? ISO_OK : iso_validate_find_truths(v, level, &t, err);
-    if (status == ISO_OK)
-        status = compare_limits(v, level, &t, err);
+    TRY(status, compare_limits(v, level, &t, err));
     v->view = whole;
     iso_image_destroy(&t.main.image);
     iso_image_destroy(&t.exported.image);

@@ -93,15 +93,12 @@ iso_status iso_validate_add_row(iso_validation *v, size_t level, iso_report_agre
     row->image_a = a->image_name;
     row->image_b = name;
     iso_status status = iso_validate_add_image(v, name, b, caption, err);
-    if (status == ISO_OK)
-        status = iso_metrics_measure(&a->image, b, &row->metrics, err);
-    if (status == ISO_OK)
-        status = ask_for_a_signal(v, a, with, row, faint, err);
+    TRY(status, iso_metrics_measure(&a->image, b, &row->metrics, err));
+    TRY(status, ask_for_a_signal(v, a, with, row, faint, err));
     char *command = iso_validate_reproduce(v, level, with->renderer, with->options, a->image_name, &row->tolerances);
     row->command = command;
     row->seconds = iso_clock_seconds() - v->row_start;
-    if (status == ISO_OK)
-        status = iso_report_add_agreement(v->report, row, err);
+    TRY(status, iso_report_add_agreement(v->report, row, err));
     free(command);
     return status;
 }
@@ -239,8 +236,7 @@ iso_status iso_validate_find_truths(iso_validation *v, size_t level, iso_level_t
     else
         status = iso_validate_render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &t->main.image,
                                                err);
-    if (status == ISO_OK)
-        status = iso_validate_add_image(v, t->main.image_name, &t->main.image, t->main.name, err);
+    TRY(status, iso_validate_add_image(v, t->main.image_name, &t->main.image, t->main.name, err));
     if (status == ISO_OK && t->differ)
         status = iso_validate_render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_DECODED,
                                                &t->exported.image, err);

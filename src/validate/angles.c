@@ -68,10 +68,8 @@ static iso_status measure(const iso_validation *v, size_t level, iso_angles_of o
     *out = (angles){0};
     iso_status status = iso_sampler_create(&fine, &v->pyramid->levels[0], v->pyramid->options.code, ISO_FROM_CODES,
                                            err);
-    if (status == ISO_OK)
-        status = iso_sampler_create(&coarse, &of.pyramid->levels[level], of.pyramid->options.code, of.source, err);
-    if (status == ISO_OK)
-        status = create_angles(out, g, level, total / stride + 1, err);
+    TRY(status, iso_sampler_create(&coarse, &of.pyramid->levels[level], of.pyramid->options.code, of.source, err));
+    TRY(status, create_angles(out, g, level, total / stride + 1, err));
     if (status == ISO_OK)
         collect_angles(v, level, &fine, &coarse, stride, out);
     iso_sampler_destroy(&fine);
@@ -102,12 +100,10 @@ iso_status iso_validate_compare_angles(const iso_validation *v, size_t level, is
 {
     angles of_a, of_b = {0};
     iso_status status = measure(v, level, a, &of_a, err);
-    if (status == ISO_OK)
-        status = measure(v, level, b, &of_b, err);
+    TRY(status, measure(v, level, b, &of_b, err));
     for (size_t i = 0; i < of_a.count && status == ISO_OK; ++i)
         of_a.deg[i] -= of_b.deg[i];
-    if (status == ISO_OK)
-        status = iso_paired_of_groups(of_a.deg, of_a.block, of_a.count, of_a.block_count, confidence, difference, err);
+    TRY(status, iso_paired_of_groups(of_a.deg, of_a.block, of_a.count, of_a.block_count, confidence, difference, err));
     destroy_angles(&of_a);
     destroy_angles(&of_b);
     return status;

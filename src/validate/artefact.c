@@ -53,14 +53,12 @@ static iso_status export_and_open(const iso_artefact *a, const char *here, const
                                 .user = &view};
     if (status == ISO_OK && !(first && moved))
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = a->target->write(&job, err);
+    TRY(status, a->target->write(&job, err));
     if (status == ISO_OK && a->tamper)
         a->tamper(first);
     if (status == ISO_OK && rename(here, there) != 0)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be moved to %s", here, there);
-    if (status == ISO_OK)
-        status = a->target->open(moved, picture, err);
+    TRY(status, a->target->open(moved, picture, err));
     free(first);
     free(moved);
     iso_view_destroy(&view);
@@ -101,8 +99,7 @@ iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a,
     iso_status status = here && there
                             ? (mkdir(here, 0777) == 0 ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be made", here))
                             : iso_fail(err, ISO_E_IO, "no folder for an export");
-    if (status == ISO_OK)
-        status = render_expected(renderers, a, &out->expected, progress, err);
+    TRY(status, render_expected(renderers, a, &out->expected, progress, err));
     if (status == ISO_OK) {
         status = out->failure = export_and_open(a, here, there, &out->picture, progress, &failed);
         if (status == ISO_OK &&
@@ -161,8 +158,7 @@ static iso_status add_result(iso_validation *v, const iso_artefact *a, const iso
                                         .unit = r->unit,
                                         .detail = r->why};
     iso_status status = add_image(v, a, "expected", &r->expected, err);
-    if (status == ISO_OK)
-        status = add_image(v, a, "picture", &r->picture, err);
+    TRY(status, add_image(v, a, "picture", &r->picture, err));
     return status == ISO_OK ? iso_report_add_calibration(v->report, &row, err) : status;
 }
 

@@ -409,8 +409,7 @@ iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which,
     snprintf(scene, sizeof scene, "calibration-%s", out->check);
     iso_status status = checks[check].prepare(&s, err);
     r->scene = scene;
-    if (status == ISO_OK)
-        status = iso_calibration_render(&s, 1, r, which, planted, err);
+    TRY(status, iso_calibration_render(&s, 1, r, which, planted, err));
     r->scene = NULL;
     if (status == ISO_OK)
         judge(&s, which, check, out);
@@ -436,8 +435,7 @@ static iso_status calibrate_together(iso_renderers *r, const iso_renderer_info *
             asked[count++] = i;
         }
     }
-    if (status == ISO_OK)
-        status = iso_calibration_render(stages, (size_t)count, r, which, planted, err);
+    TRY(status, iso_calibration_render(stages, (size_t)count, r, which, planted, err));
     for (int k = 0; k < count; ++k) {
         if (status == ISO_OK)
             judge(&stages[k], which, asked[k], &out[asked[k]]);

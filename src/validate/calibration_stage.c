@@ -59,8 +59,7 @@ iso_status iso_calibration_stage_set(iso_calibration_stage *s, const iso_geometr
     s->view.tf.entries = calloc(ISO_CALIBRATION_TF_ENTRIES * 4, sizeof(float));
     if (status == ISO_OK && !s->view.tf.entries)
         status = iso_fail(err, ISO_E_MEMORY, "no memory for a calibration");
-    if (status == ISO_OK)
-        status = iso_image_create(&s->expected, ISO_CALIBRATION_PIXELS, ISO_CALIBRATION_PIXELS, err);
+    TRY(status, iso_image_create(&s->expected, ISO_CALIBRATION_PIXELS, ISO_CALIBRATION_PIXELS, err));
     return status;
 }
 

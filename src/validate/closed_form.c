@@ -145,10 +145,8 @@ iso_status iso_closed_form_render(const iso_level *level, iso_code code, const i
     double color[3];
     *image = (iso_image){0};
     iso_status status = fit_linear(level, &f, err);
-    if (status == ISO_OK)
-        status = single_color(&view->tf, color, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, view->width, view->height, err);
+    TRY(status, single_color(&view->tf, color, err));
+    TRY(status, iso_image_create(image, view->width, view->height, err));
     if (status != ISO_OK)
         return status;
     iso_vec3 n = coded_normal(level, &f, code);

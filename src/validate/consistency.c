@@ -64,8 +64,7 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
 {
     iso_view view;
     iso_status status = iso_report_add_image(v->report, name, image, caption, NULL, err);
-    if (status == ISO_OK)
-        status = iso_validate_level_view(v, 0, &view, err);
+    TRY(status, iso_validate_level_view(v, 0, &view, err));
     if (status != ISO_OK)
         return status;
     iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(&view, &v->pyramid->levels[0].geometry));
@@ -99,8 +98,7 @@ static iso_status measure_images(iso_validation *v, levels_run *run, const iso_p
         iso_image image = {0};
         iso_metrics metrics;
         status = iso_validate_render_level(v, p, views, i, &image, err);
-        if (status == ISO_OK)
-            status = iso_metrics_measure(&run->finest[i], &image, &metrics, err);
+        TRY(status, iso_metrics_measure(&run->finest[i], &image, &metrics, err));
         if (status == ISO_OK && i == 0 && row->image)
             status = add_picture(v, row->image, &image,
                                  row->scaled    ? "extinction scale"
@@ -215,10 +213,8 @@ static iso_status measure_level(iso_validation *v, levels_run *run, const iso_py
         status = iso_validate_angles(v, p, level, m->source, &angles, err);
     row.gradient_angle_mean_deg = views.angle_deg = angles.mean;
     row.gradient_angle_p95_deg = angles.p95;
-    if (status == ISO_OK)
-        status = keep(v, run, &row, &views, err);
-    if (status == ISO_OK)
-        status = measure_adapted(v, run, p, row, views, err);
+    TRY(status, keep(v, run, &row, &views, err));
+    TRY(status, measure_adapted(v, run, p, row, views, err));
     return status == ISO_OK ? measure_scaled(v, run, p, row, views, err) : status;
 }
 
@@ -391,8 +387,7 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err)
     run.rebuilt = v->is_as_made ? v->pyramid : &run.made;
     if (status == ISO_OK && !run.late && !v->is_as_made)
         status = iso_validate_build_with(v, filter, &run.made, err);
-    if (status == ISO_OK)
-        status = measure_methods(v, &run, &own, err);
+    TRY(status, measure_methods(v, &run, &own, err));
     if (status == ISO_OK && !run.late && v->may_add_views && v->consistency_views < ISO_FACE_VIEWS)
         status = measure_open_levels(v, &run, err);
     if (status == ISO_OK && run.late)

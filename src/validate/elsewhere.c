@@ -57,8 +57,7 @@ static iso_status write_request(const iso_elsewhere *e, const iso_pyramid *p, si
                             ? ISO_OK
                             : iso_fail(err, iso_errno_status(), "%s/%s: cannot be created: %s", e->dir, folder,
                                        strerror(errno));
-    if (status == ISO_OK)
-        status = iso_request_write(&request, path, err);
+    TRY(status, iso_request_write(&request, path, err));
     if (status == ISO_OK)
         json_array_append_new(e->pictures,
                               json_pack("{s:s, s:s, s:I, s:[I,I], s:o}", "folder", folder, "scene", scene, "level",
@@ -205,8 +204,7 @@ iso_status iso_elsewhere_finish(const iso_elsewhere *e, const char *command, con
         if (fclose(f) != 0 && status == ISO_OK)
             status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     }
-    if (status == ISO_OK)
-        status = iso_file_write(path, text, size, err);
+    TRY(status, iso_file_write(path, text, size, err));
     free(text);
     free(path);
     return status;

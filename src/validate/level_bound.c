@@ -37,8 +37,7 @@ static iso_status bound_view(const iso_validation *v, size_t level, bool adapted
                                       .coarse_tf = adapted ? &v->level_tfs[level].table : &view.tf,
                                       .threads = v->threads,
                                       .deadline = v->deadline};
-    if (status == ISO_OK)
-        status = iso_image_bound_rmse(&in, rmse, err);
+    TRY(status, iso_image_bound_rmse(&in, rmse, err));
     iso_view_destroy(&view);
     return status;
 }

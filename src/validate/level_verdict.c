@@ -219,10 +219,8 @@ static iso_status judge(iso_validation *v, const iso_measured *all, const iso_py
     }
     compare_with_rebuilt(v, rebuilt, &row);
     iso_status status = compare_directions(v, all, rebuilt, &row, err);
-    if (status == ISO_OK)
-        status = iso_validate_bound_level(v, own, &row, late, err);
-    if (status == ISO_OK)
-        status = iso_validate_judge_scale(v, rebuilt, &row, err);
+    TRY(status, iso_validate_bound_level(v, own, &row, late, err));
+    TRY(status, iso_validate_judge_scale(v, rebuilt, &row, err));
     return status == ISO_OK ? iso_report_add_level(v->report, &row, err) : status;
 }
 

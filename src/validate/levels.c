@@ -70,8 +70,7 @@ iso_status iso_validate_levels(iso_validation *v, iso_error *err)
     for (size_t k = 0; k < v->pyramid->level_count && status == ISO_OK; ++k)
         status = add_to_report(v, &checks[k], k, err);
     v->is_as_made = status == ISO_OK && !v->foreign[0];
-    if (status == ISO_OK)
-        status = verify_joints(v, err);
+    TRY(status, verify_joints(v, err));
     iso_report_put(v->report, "options", "levels_verified", json_string("yes: built again from level 0"));
     iso_report_put(v->report, "versions", "pyramid", json_string(v->pyramid->built_by));
     return status;

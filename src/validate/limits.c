@@ -102,8 +102,7 @@ iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_i
     first_pair(&pair, &q.pyramid->levels[q.level], which, opt);
     q.options = pair.frames;
     status = iso_render_several(&q, 2 * pair.seeds, pair.images, err);
-    if (status == ISO_OK)
-        status = iso_extrapolate_image(pair.images, pair.seeds, image, err);
+    TRY(status, iso_extrapolate_image(pair.images, pair.seeds, image, err));
     destroy_pair(&pair);
     return status;
 }
@@ -136,8 +135,7 @@ static iso_status measure_unsteadiness(const iso_render_request *what, const iso
     const double step = eye_step_mm(&what->pyramid->levels[what->level].geometry, c);
     const size_t count = 4 * view.width * view.height;
     iso_status status = iso_image_create(&least, view.width, view.height, err);
-    if (status == ISO_OK)
-        status = iso_image_create(unsteady, view.width, view.height, err);
+    TRY(status, iso_image_create(unsteady, view.width, view.height, err));
     for (int k = 0; k < 6 && status == ISO_OK; ++k) {
         c->position = iso_add(eye, iso_scale(axes[k / 2], k % 2 ? -step : step));
         status = iso_render_with(&(iso_render_request){what->renderers, what->pyramid, what->level, &view, truth,
@@ -228,8 +226,7 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
         q.options = pair.frames + first;
         const double began = iso_clock_seconds();
         status = iso_render_several(&q, 2 * pair.seeds - first, pair.images + first, err);
-        if (status == ISO_OK)
-            status = extrapolate_pair(&q, &pair, reference, opt, &unsteady, out, err);
+        TRY(status, extrapolate_pair(&q, &pair, reference, opt, &unsteady, out, err));
         step /= 2;
         if (status == ISO_OK && step < finest && finest == opt->finest_voxels && is_to_be_confirmed(out, opt))
             finest = step;

@@ -106,8 +106,7 @@ static iso_status compare_scaled(iso_validation *v, const iso_pyramid *p, const 
     if (status != ISO_OK)
         return status;
     status = iso_extinction_scale_level(p, level, &v->view->tf, &view.tf, v->threads, &view.extinction_scale, err);
-    if (status == ISO_OK)
-        status = compare(v, p, m, level, &view, &scaled_tf, err);
+    TRY(status, compare(v, p, m, level, &view, &scaled_tf, err));
     free(view.extinction_scale);
     iso_tf_table_destroy(&view.tf);
     return status;

@@ -182,10 +182,8 @@ iso_status iso_validate_renderers(iso_validation *v, iso_error *err)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_status status = iso_validate_each(v, count, ask_version, all, err);
     const size_t n = status == ISO_OK ? list_examinations(v, all, count, list) : 0;
-    if (status == ISO_OK)
-        status = iso_validate_each(v, n, examine, list, err);
-    if (status == ISO_OK)
-        status = sum_up(list, n, err);
+    TRY(status, iso_validate_each(v, n, examine, list, err));
+    TRY(status, sum_up(list, n, err));
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = add_to_report(v, &all[i], err);
     free(list);

@@ -24,9 +24,8 @@ iso_status iso_validate_scale(iso_validation *v, iso_error *err)
         iso_level_tf *own = &v->level_tfs[level];
         iso_progress_report(v->progress, "extinction scales", (double)level / (double)v->pyramid->level_count);
         status = make_table(v, level, &own->scaled_table, err);
-        if (status == ISO_OK)
-            status = iso_extinction_scale_level(v->pyramid, level, &v->view->tf, &own->scaled_table, v->threads,
-                                                &own->extinction_scale, err);
+        TRY(status, iso_extinction_scale_level(v->pyramid, level, &v->view->tf, &own->scaled_table, v->threads,
+                                               &own->extinction_scale, err));
     }
     return status;
 }
@@ -57,8 +56,7 @@ static iso_status has_effect(iso_validation *v, size_t level, size_t i, bool *ef
     iso_image with = {0}, without = {0};
     iso_status status = iso_validate_render_level(v, v->pyramid, &shown, i, &with, err);
     v->level_tfs[level].extinction_scale = NULL;
-    if (status == ISO_OK)
-        status = iso_validate_render_level(v, v->pyramid, &shown, i, &without, err);
+    TRY(status, iso_validate_render_level(v, v->pyramid, &shown, i, &without, err));
     v->level_tfs[level].extinction_scale = bytes;
     if (status == ISO_OK)
         *effect = memcmp(with.rgba, without.rgba, 4 * with.width * with.height * sizeof *with.rgba) != 0;

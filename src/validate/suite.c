@@ -47,11 +47,9 @@ static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt
     if (opt->width)
         scene->width = opt->width, scene->height = opt->height;
     iso_status status = opt->make_volume(scene->suite_make, volume, err);
-    if (status == ISO_OK)
-        status = iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err);
-    if (status == ISO_OK)
-        status = iso_scene_resolve(scene, &pyramid.levels[0].geometry, iso_pyramid_lo(&pyramid),
-                                   iso_pyramid_hi(&pyramid), &view, err);
+    TRY(status, iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err));
+    TRY(status, iso_scene_resolve(scene, &pyramid.levels[0].geometry, iso_pyramid_lo(&pyramid),
+                                  iso_pyramid_hi(&pyramid), &view, err));
     if (status == ISO_OK && asprintf(&file, "%s.nrrd", v->scene_name) < 0)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK) {
@@ -79,8 +77,7 @@ static iso_status load_and_validate(iso_validation *v, const suite_run *run, siz
     if (asprintf(&volume, "%s/volume-%zu.nrrd", run->scratch, i) < 0)
         volume = NULL;
     iso_status status = name && path && volume ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK)
-        status = iso_scene_load(path, &scene, err);
+    TRY(status, iso_scene_load(path, &scene, err));
     if (status == ISO_OK && !scene.suite_make)
         status = iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", so nothing says what volume it is of", path);
     v->scene_name = name, v->scene_path = path;
@@ -131,8 +128,7 @@ iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, i
         status = iso_temp_dir_fail(err);
     run.count = (size_t)count;
     iso_progress_report(v->progress, "scenes", 0);
-    if (status == ISO_OK)
-        status = iso_validate_each(v, (size_t)count, one_scene, &run, err);
+    TRY(status, iso_validate_each(v, (size_t)count, one_scene, &run, err));
     for (int i = 0; i < count; ++i)
         free(run.entries[i]);
     free(run.entries);

@@ -51,12 +51,10 @@ iso_status iso_validate_versions(iso_validation *v, size_t level, const iso_vers
                                 .why = why};
     row.tolerances = (iso_tolerances){.rmse = row.error_bar + ISO_EXTRAPOLATION_ROUNDING};
     iso_status status = iso_metrics_measure(&a->image, &b->image, &row.metrics, err);
-    if (status == ISO_OK)
-        status = iso_signal_of(&a->image, v->view->background,
-                               hypot(iso_extrapolated_held_to(a), iso_extrapolated_held_to(b)), ISO_SIGNAL_RMS,
-                               &row.signal, err);
-    if (status == ISO_OK)
-        status = iso_extrapolated_compare(a, b, &change, err);
+    TRY(status, iso_signal_of(&a->image, v->view->background, hypot(iso_extrapolated_held_to(a),
+                                                                    iso_extrapolated_held_to(b)), ISO_SIGNAL_RMS,
+                              &row.signal, err));
+    TRY(status, iso_extrapolated_compare(a, b, &change, err));
     if (status != ISO_OK)
         return status;
     if (change.largest > 0 && !iso_signal_suffices(&row.signal)) { /* equal images leave no doubt */

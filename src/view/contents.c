@@ -209,8 +209,7 @@ static iso_status add_errors(const iso_viewer *v, size_t k, iso_small_views_fine
     opt.level_0 = kept;
     iso_status status = iso_tf_tabulate(&v->scene->tf, iso_pyramid_lo(v->pyramid), iso_pyramid_hi(v->pyramid),
                                         &level0->geometry, &table, err);
-    if (status == ISO_OK)
-        status = iso_adapt_level(v->pyramid, k, &table, &opt, &adapted, &judgment, err);
+    TRY(status, iso_adapt_level(v->pyramid, k, &table, &opt, &adapted, &judgment, err));
     if (status == ISO_OK && judgment.seen)
         json_object_set_new(json, "seen",
                             json_pack("{s:f, s:f, s:f, s:f, s:b}", "rmse", judgment.seen_original.rmse,
@@ -245,12 +244,9 @@ static iso_status add_level(const iso_viewer *v, size_t k, iso_small_views_fine 
                                            level->max, "labels", level->labels));
     json_array_append_new(list, json);
     iso_status status = add_scalar(v, k, contents, json, err);
-    if (status == ISO_OK)
-        status = add_codes(v, k, contents, json, err);
-    if (status == ISO_OK)
-        status = add_joint(v, k, contents, json, err);
-    if (status == ISO_OK)
-        status = add_errors(v, k, kept, json, err);
+    TRY(status, add_codes(v, k, contents, json, err));
+    TRY(status, add_joint(v, k, contents, json, err));
+    TRY(status, add_errors(v, k, kept, json, err));
     return status;
 }
 

@@ -186,8 +186,7 @@ iso_status iso_viewer_save(const iso_viewer *v, const char *path, const iso_prog
     }
     for (size_t i = 0; i < contents.count; ++i)
         contents.size.data_bytes += (contents.arrays[i].packed.size + 2) / 3 * 4;
-    if (status == ISO_OK)
-        status = iso_output_commit(&out, err);
+    TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     *size = contents.size;
     iso_contents_destroy(&contents);

@@ -100,8 +100,7 @@ static iso_status read_planes(iso_volume_source *source, size_t plane_count, voi
     iso_status status = ISO_OK;
     for (size_t i = 0; i < plane_count && status == ISO_OK; ++i) {
         status = get_answer(source, err);
-        if (status == ISO_OK)
-            status = get(source, (char *)out + i * plane, plane, err);
+        TRY(status, get(source, (char *)out + i * plane, plane, err));
     }
     return status;
 }
@@ -176,8 +175,7 @@ static iso_status read_header(iso_volume_source *source, const iso_child_program
                               iso_child_header *h, iso_error *err)
 {
     iso_status status = start_reader(source, p, part, err);
-    if (status == ISO_OK)
-        status = get(source, h, sizeof *h, err);
+    TRY(status, get(source, h, sizeof *h, err));
     if (status != ISO_OK)
         return status;
     iso_child_end_texts(h);
@@ -219,12 +217,10 @@ iso_status iso_child_open(iso_volume_source *source, const iso_child_program *pr
     iso_child_header h;
     double mm[3];
     iso_status status = read_header(source, program, part, &h, err);
-    if (status == ISO_OK)
-        status = choose(source, program, part, &h, err);
+    TRY(status, choose(source, program, part, &h, err));
     if (status == ISO_OK && h.unspaced[0])
         status = iso_source_need_spacing(source, h.unspaced, err);
-    if (status == ISO_OK)
-        status = take_units(source, &h, mm, err);
+    TRY(status, take_units(source, &h, mm, err));
     if (status != ISO_OK)
         return status;
     take_geometry(&h, mm, &source->header);

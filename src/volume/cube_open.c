@@ -100,8 +100,7 @@ static iso_status open_cube(iso_volume_source *source, iso_error *err)
     else if (c.values != 1)
         status = iso_fail(err, ISO_E_FORMAT, "%s: %ld values a voxel (orbitals), a scalar volume has 1", source->path,
                           c.values);
-    if (status == ISO_OK)
-        status = take_geometry(&c, source, err);
+    TRY(status, take_geometry(&c, source, err));
     if (status == ISO_OK)
         status = iso_source_take_text(source, f, (iso_text_layout){.z_fastest = true}, err);
     status = iso_source_check_read(f, source->path, status, err);

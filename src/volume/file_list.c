@@ -124,8 +124,7 @@ static iso_status read_series(const char *path, const char *text, size_t size, i
         double time = (double)i;
         iso_json_get_string(&r, entry, "name", true, &name);
         iso_json_get_number(&r, entry, "time", false, -1e300, 1e300, &time);
-        if (r.status == ISO_OK)
-            r.status = add(list, path, name, time, err);
+        TRY(r.status, add(list, path, name, time, err));
     }
     json_decref(root);
     return r.status;
@@ -165,15 +164,12 @@ iso_status iso_file_list_read(const char *path, iso_file_list *list, iso_error *
     size_t size = 0;
     *list = (iso_file_list){0};
     iso_status status = iso_inputs_note(path, err);
-    if (status == ISO_OK)
-        status = iso_file_read(path, &text, &size, err);
+    TRY(status, iso_file_read(path, &text, &size, err));
     if (status == ISO_OK && size > MOST_BYTES)
         status = iso_fail(err, ISO_E_FORMAT, "%s: %zu bytes, too many for a list of files", path, size);
-    if (status == ISO_OK)
-        status = iso_path_ends_with(path, ".pvd") ? read_pvd(path, text, list, err)
-                                                  : read_series(path, text, size, list, err);
-    if (status == ISO_OK)
-        status = put_in_order(path, list, err);
+    TRY(status,
+        iso_path_ends_with(path, ".pvd") ? read_pvd(path, text, list, err) : read_series(path, text, size, list, err));
+    TRY(status, put_in_order(path, list, err));
     free(text);
     return status;
 }

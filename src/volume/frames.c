@@ -159,8 +159,7 @@ iso_status iso_source_choose(iso_volume_source *source, const iso_extra_axes *gi
     axes.frame.count += axes.frame.count == 0;
     axes.channel.count += axes.channel.count == 0;
     iso_status status = iso_frames_choose(source->path, &source->hints, &axes, &choice.frame, err);
-    if (status == ISO_OK)
-        status = choose_channel(source->path, &source->hints, &axes, &choice, err);
+    TRY(status, choose_channel(source->path, &source->hints, &axes, &choice, err));
     if (status != ISO_OK)
         return status;
     place(&axes.frame, choice.frame, &choice);

@@ -75,8 +75,7 @@ iso_status iso_frames_labels(const char *path, const iso_volume_input *input, si
             frames = iso_source_volume(source)->notes.frame_count;
             iso_source_close(source);
         }
-        if (status == ISO_OK)
-            status = iso_volume_input_labels(path, &one, &labels, err);
+        TRY(status, iso_volume_input_labels(path, &one, &labels, err));
         if (status != ISO_OK)
             return status;
         *(labels ? &with : &without) = k + 1;

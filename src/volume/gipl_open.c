@@ -111,8 +111,7 @@ static iso_status open_gipl(iso_volume_source *source, iso_error *err)
                                                  source->path, HEADER_BYTES),
                                         err);
     iso_status status = take_type((unsigned)big_endian(head + TYPE, 2), source, err);
-    if (status == ISO_OK)
-        status = take_geometry(head, source, err);
+    TRY(status, take_geometry(head, source, err));
     source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
     if (status != ISO_OK)
         return status;

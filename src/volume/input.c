@@ -84,8 +84,7 @@ static iso_status parse_layout(const iso_volume_input *in, const iso_volume_hint
         status = iso_fail_in(err, ISO_E_USAGE, "--raw-type");
     if (status == ISO_OK && in->raw_spacing)
         status = parse_spacing("--raw-spacing", in->raw_spacing, unit_mm, layout->spacing_mm, err);
-    if (status == ISO_OK)
-        status = iso_words_check_range("--raw-skip", (double)in->raw_skip_bytes, 0, 1e15, err);
+    TRY(status, iso_words_check_range("--raw-skip", (double)in->raw_skip_bytes, 0, 1e15, err));
     layout->skip_bytes = (size_t)in->raw_skip_bytes;
     return status;
 }
@@ -177,8 +176,7 @@ iso_status iso_volume_input_load_source(iso_volume_source *source, const char *p
 {
     *v = (iso_volume){0};
     iso_status status = iso_volume_load_source(source, path, v, err);
-    if (status == ISO_OK)
-        status = note_labels(path, in, v, err);
+    TRY(status, note_labels(path, in, v, err));
     if (status != ISO_OK)
         iso_volume_destroy(v);
     return status;

@@ -184,8 +184,7 @@ static iso_status take_geometry(const metaimage *m, iso_volume_source *source, i
     double spacing[3]; /* three or four numbers, or none */
     for (int a = 0; a < 3; ++a)
         spacing[a] = m->has_spacing ? m->spacing[a] : (double)NAN;
-    if (status == ISO_OK)
-        status = iso_source_take_spacing(source, spacing, err);
+    TRY(status, iso_source_take_spacing(source, spacing, err));
     if (status != ISO_OK)
         return status;
     *g = iso_geometry_axis_aligned(m->size, (double[]){1, 1, 1});
@@ -225,9 +224,8 @@ static iso_status open_samples(const metaimage *m, iso_volume_source *source, is
         offset = (size_t)st.st_size - iso_source_bytes(source);
     source->swap_bytes = iso_type_bytes(source->header.type) > 1 &&
                          m->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-    if (status == ISO_OK)
-        status = m->compressed ? iso_source_take_zlib(source, path, offset, err)
-                               : iso_source_take_file(source, path, offset, err);
+    TRY(status, m->compressed ? iso_source_take_zlib(source, path, offset, err)
+                              : iso_source_take_file(source, path, offset, err));
     free(path);
     return status;
 }
@@ -236,15 +234,12 @@ static iso_status open_metaimage(iso_volume_source *source, iso_error *err)
 {
     metaimage m;
     iso_status status = read_header(source->path, &m, err);
-    if (status == ISO_OK)
-        status = check_header(&m, source->path, err);
+    TRY(status, check_header(&m, source->path, err));
     if (status == ISO_OK && !take_type(m.type, source))
         status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
                           m.type);
-    if (status == ISO_OK)
-        status = take_geometry(&m, source, err);
-    if (status == ISO_OK)
-        status = choose(&m, source, err);
+    TRY(status, take_geometry(&m, source, err));
+    TRY(status, choose(&m, source, err));
     return status == ISO_OK ? open_samples(&m, source, err) : status;
 }
 

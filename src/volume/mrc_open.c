@@ -151,10 +151,8 @@ static iso_status open_mrc(iso_volume_source *source, iso_error *err)
 {
     mrc m = {0};
     iso_status status = read_header(source->path, &m, err);
-    if (status == ISO_OK)
-        status = take_type(&m, source, err);
-    if (status == ISO_OK)
-        status = take_geometry(&m, source, err);
+    TRY(status, take_type(&m, source, err));
+    TRY(status, take_geometry(&m, source, err));
     source->swap_bytes = m.swapped && m.word[MODE] != 0;
     return status == ISO_OK ? iso_source_take_file(source, source->path, HEADER_BYTES + (size_t)m.word[EXTENDED], err)
                             : status;

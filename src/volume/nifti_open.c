@@ -382,8 +382,7 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
 {
     nifti_header h;
     iso_status status = is_image_of_pair(source->path) ? go_to_header(source, err) : ISO_OK;
-    if (status == ISO_OK)
-        status = read_header(source, &h, err);
+    TRY(status, read_header(source, &h, err));
     if (status != ISO_OK)
         return status;
     if (h.datatype == NIFTI_TYPE_INT64 || h.datatype == NIFTI_TYPE_UINT64)
@@ -392,8 +391,7 @@ static iso_status open_nifti(iso_volume_source *source, iso_error *err)
         return iso_fail(err, ISO_E_FORMAT, "%s: data type %d (%s), must be an integer, float, double or RGB",
                         source->path, h.datatype, nifti_datatype_string(h.datatype));
     status = read_geometry(&h, source, err);
-    if (status == ISO_OK)
-        status = choose(&h, source, err);
+    TRY(status, choose(&h, source, err));
     if (status != ISO_OK)
         return status;
     source->header.notes.says_labels = h.intent == NIFTI_INTENT_LABEL;

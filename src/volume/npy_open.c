@@ -139,22 +139,17 @@ static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
     iso_geometry *g = &source->header.geometry;
     double mm;
     iso_status status = read_header(source->path, n, err);
-    if (status == ISO_OK)
-        status = take_type(n, source, err);
-    if (status == ISO_OK)
-        status = take_axes(n, source->path, err);
-    if (status == ISO_OK)
-        status = iso_source_unit(source, "mm", "mm", &mm, err);
-    if (status == ISO_OK)
-        status = iso_source_need_spacing(source, "of its voxels", err);
+    TRY(status, take_type(n, source, err));
+    TRY(status, take_axes(n, source->path, err));
+    TRY(status, iso_source_unit(source, "mm", "mm", &mm, err));
+    TRY(status, iso_source_need_spacing(source, "of its voxels", err));
     if (status != ISO_OK)
         return status;
     *g = iso_geometry_axis_aligned(n->axes, (double[]){1, 1, 1});
     status = iso_source_check_geometry(source, err);
     const iso_extra_axes extra = {
         .frame = {.count = n->axis_count > 3 ? n->axes[3] : 1, .stride = 1}, .channel = {.count = 1, .stride = 1}};
-    if (status == ISO_OK)
-        status = iso_source_choose(source, &extra, err);
+    TRY(status, iso_source_choose(source, &extra, err));
     return status == ISO_OK ? iso_source_take_file(source, source->path, n->samples_at, err) : status;
 }
 

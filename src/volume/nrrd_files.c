@@ -57,8 +57,7 @@ static iso_status add_name(look *l, const char *name, iso_error *err)
         l->bytes += (double)st.st_size;
     else if (!l->missing[0])
         snprintf(l->missing, sizeof l->missing, "\"%s\" cannot be read: %s", shown, strerror(cause));
-    if (status == ISO_OK)
-        status = iso_inputs_note(file, err);
+    TRY(status, iso_inputs_note(file, err));
     FILE *text = status == ISO_OK && l->is_text ? fopen(file, "rbe") : NULL;
     if (text) {
         status = check_words(l->path, text, err);

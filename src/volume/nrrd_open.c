@@ -233,8 +233,7 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
     json_t *segments = iso_nrrd_segments(nrrd, axes.extra.frame.count > 1);
     header->notes.says_labels = segments != NULL;
     axes.extra.layers = segments;
-    if (status == ISO_OK)
-        status = iso_source_choose(source, &axes.extra, err);
+    TRY(status, iso_source_choose(source, &axes.extra, err));
     header->segments = iso_segments_of_layer(segments, header->notes.frame);
     json_decref(segments);
     return status == ISO_OK ? iso_source_check_geometry(source, err) : status;

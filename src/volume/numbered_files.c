@@ -124,8 +124,7 @@ static iso_status of_list(const char *path, const iso_volume_hints *hints, iso_f
     iso_status status = iso_file_list_read(path, &list, err);
     found->count = list.count;
     found->step = list.step;
-    if (status == ISO_OK)
-        status = choose_file(path, hints, listed_at, &list, found, err);
+    TRY(status, choose_file(path, hints, listed_at, &list, found, err));
     iso_file_list_destroy(&list);
     return status;
 }
@@ -146,8 +145,7 @@ iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, 
     if (status == ISO_OK && files.count == 0)
         status = iso_fail(err, ISO_E_IO, "%s: no file has a number in this place", path);
     found->count = files.count;
-    if (status == ISO_OK)
-        status = choose_file(path, hints, numbered_at, &files, found, err);
+    TRY(status, choose_file(path, hints, numbered_at, &files, found, err));
     free_files(&files);
     return status;
 }

@@ -48,8 +48,7 @@ static iso_status read_slabs(slab_reading *s, iso_volume_source *source, double 
         s->slab.geometry.size[2] = nz - z < s->planes ? nz - z : s->planes;
         iso_progress_report(s->progress, "read", done + 0.5 * (double)z / (double)nz);
         status = iso_source_read(source, s->slab.geometry.size[2], s->slab.data, err);
-        if (status == ISO_OK)
-            status = visit(s, z, err);
+        TRY(status, visit(s, z, err));
     }
     return status;
 }
@@ -61,8 +60,7 @@ static iso_status each_slab(slab_reading *s, double done, slab_visitor *visit, i
     if (s->is_kept)
         return visit(s, 0, err);
     iso_status status = iso_volume_input_open(s->path, s->input, &source, err);
-    if (status == ISO_OK)
-        status = read_slabs(s, source, done, visit, err);
+    TRY(status, read_slabs(s, source, done, visit, err));
     iso_source_close(source);
     return status;
 }
@@ -175,8 +173,7 @@ static iso_status begin_counts(slab_reading *s, counts *c, iso_error *err)
     c->row = malloc(s->out->header.geometry.size[0] * sizeof *c->row);
     c->fine = calloc(FINE_BINS, sizeof *c->fine);
     iso_status status = c->row && c->fine ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for counts", s->path);
-    if (status == ISO_OK)
-        status = iso_value_histogram_begin(s->are_whole, stats->min, stats->max, ISO_OVERVIEW_BINS, &c->shown, err);
+    TRY(status, iso_value_histogram_begin(s->are_whole, stats->min, stats->max, ISO_OVERVIEW_BINS, &c->shown, err));
     if (status == ISO_OK && s->opt->drawn_bins)
         status = iso_value_histogram_begin(s->are_whole, stats->min, stats->max, s->opt->drawn_bins, &c->drawn, err);
     return status;
@@ -248,8 +245,7 @@ static iso_status count_all(slab_reading *s, iso_error *err)
     iso_status status = s->counts ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for counts", s->path);
     for (int t = 0; t < s->threads && status == ISO_OK; ++t)
         status = begin_counts(s, &s->counts[t], err);
-    if (status == ISO_OK)
-        status = each_slab(s, 0.5, count_slab, err);
+    TRY(status, each_slab(s, 0.5, count_slab, err));
     if (status == ISO_OK) {
         add_counts(s);
         find_percentiles(s->out, s->counts[0].fine);
@@ -274,10 +270,8 @@ iso_status iso_overview_run(const char *path, const iso_volume_input *input, con
                       .threads = iso_threads(opt->threads)};
     *out = (iso_overview){0};
     iso_status status = open_volume(&s, err);
-    if (status == ISO_OK)
-        status = measure(&s, err);
-    if (status == ISO_OK)
-        status = count_all(&s, err);
+    TRY(status, measure(&s, err));
+    TRY(status, count_all(&s, err));
     iso_volume_destroy(&s.slab);
     if (status != ISO_OK)
         iso_overview_destroy(out);

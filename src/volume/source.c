@@ -398,8 +398,7 @@ static iso_status open_packed(iso_volume_source *s, iso_error *err)
     char *const own = s->path;
     s->path = s->unpacked.path;
     status = read_head(s->path, &head, err);
-    if (status == ISO_OK)
-        status = open_plain(s, &head, err);
+    TRY(status, open_plain(s, &head, err));
     s->path = own;
     if (status != ISO_OK)
         iso_output_rename_in(s->unpacked.path, own, err);
@@ -446,12 +445,9 @@ static iso_status open_as_stored(const char *path, const iso_volume_hints *hints
                                  iso_error *err)
 {
     iso_status status = new_source(path, hints, source, err);
-    if (status == ISO_OK)
-        status = iso_inputs_note((*source)->path, err);
-    if (status == ISO_OK)
-        status = open_by_content(*source, err);
-    if (status == ISO_OK)
-        status = finish_choice(*source, err);
+    TRY(status, iso_inputs_note((*source)->path, err));
+    TRY(status, open_by_content(*source, err));
+    TRY(status, finish_choice(*source, err));
     if (status == ISO_OK) {
         apply_spacing(*source);
         (*source)->header.geometry.is_patient = (*source)->header.notes.world_is_ras;
@@ -504,8 +500,7 @@ static iso_status narrow(const char *path, const iso_volume_hints *hints, iso_vo
 static iso_status open_one(const char *path, const iso_volume_hints *hints, iso_volume_source **source, iso_error *err)
 {
     iso_status status = open_as_stored(path, hints, source, err);
-    if (status == ISO_OK)
-        status = narrow(path, hints, *source, err);
+    TRY(status, narrow(path, hints, *source, err));
     if (status != ISO_OK) {
         iso_source_close(*source);
         *source = NULL;
@@ -552,10 +547,8 @@ static iso_status open_raw(iso_volume_source *s, const iso_raw_layout *layout, i
     s->header.type = layout->type;
     s->header.geometry = iso_geometry_axis_aligned(layout->size, layout->spacing_mm);
     iso_status status = iso_geometry_check(&s->header.geometry, s->path, err);
-    if (status == ISO_OK)
-        status = unpack_raw(s, layout, err);
-    if (status == ISO_OK)
-        status = iso_source_take_file(s, s->unpacked.path ? s->unpacked.path : s->path, layout->skip_bytes, err);
+    TRY(status, unpack_raw(s, layout, err));
+    TRY(status, iso_source_take_file(s, s->unpacked.path ? s->unpacked.path : s->path, layout->skip_bytes, err));
     s->swap_bytes = layout->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
     return status;
 }
@@ -566,8 +559,7 @@ iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, i
     iso_status status = new_source(path, NULL, source, err);
     if (status == ISO_OK && iso_path_is_dir(path))
         status = iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
-    if (status == ISO_OK)
-        status = open_raw(*source, layout, err);
+    TRY(status, open_raw(*source, layout, err));
     if (status != ISO_OK) {
         iso_source_close(*source);
         *source = NULL;

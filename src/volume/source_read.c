@@ -222,8 +222,7 @@ iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, 
     const size_t *n = s->header.geometry.size;
     const bool is_plain = iso_source_is_plain(s);
     iso_status status = check_count(s, plane_count, err);
-    if (status == ISO_OK)
-        status = is_plain ? read_stored(s, plane_count, out, err) : read_converted(s, plane_count, out, err);
+    TRY(status, is_plain ? read_stored(s, plane_count, out, err) : read_converted(s, plane_count, out, err));
     if (status != ISO_OK)
         return status;
     if (is_plain)
@@ -235,8 +234,7 @@ iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, 
 iso_status iso_source_skip(iso_volume_source *s, size_t plane_count, iso_error *err)
 {
     iso_status status = check_count(s, plane_count, err);
-    if (status == ISO_OK)
-        status = iso_source_skip_stored(s, plane_count, err);
+    TRY(status, iso_source_skip_stored(s, plane_count, err));
     s->planes_done += status == ISO_OK ? plane_count : 0;
     return status;
 }

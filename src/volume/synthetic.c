@@ -416,8 +416,7 @@ iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0,
 iso_status iso_field_sample(const iso_field *f, iso_type type, iso_volume *v, iso_error *err)
 {
     iso_status status = iso_volume_create(v, &f->geometry, type, iso_field_name(f->kind), err);
-    if (status == ISO_OK)
-        status = iso_field_sample_planes(f, type, 0, f->geometry.size[2], 0, v->data, err);
+    TRY(status, iso_field_sample_planes(f, type, 0, f->geometry.size[2], 0, v->data, err));
     if (status != ISO_OK)
         iso_volume_destroy(v);
     return status;

@@ -474,12 +474,9 @@ static iso_status read_header(iso_volume_source *source, iso_error *err)
                           "%s: samples of %u bits, format %u, must be an integer of 8, 16, 32 or 64 bits, "
                           "half, float or double",
                           source->path, page.bits, page.format);
-    if (status == ISO_OK)
-        status = check_order(&notes, source->path, err);
-    if (status == ISO_OK)
-        status = choose(&notes, &page, source, &slices, err);
-    if (status == ISO_OK)
-        status = take_geometry(source, &page, slices, &notes, err);
+    TRY(status, check_order(&notes, source->path, err));
+    TRY(status, choose(&notes, &page, source, &slices, err));
+    TRY(status, take_geometry(source, &page, slices, &notes, err));
     return status == ISO_OK
                ? iso_source_check_packed(source, source->path, (double)size_of(r), most_of(page.compression), err)
                : status;
@@ -488,8 +485,7 @@ static iso_status read_header(iso_volume_source *source, iso_error *err)
 static iso_status open_tiff(iso_volume_source *source, iso_error *err)
 {
     iso_status status = start_reader(source, err);
-    if (status == ISO_OK)
-        status = read_header(source, err);
+    TRY(status, read_header(source, err));
     /* A tag that could not be read would be one that is not there. */
     return source->reader ? check_read(source->reader, source->path, status, err) : status;
 }

@@ -125,8 +125,7 @@ static iso_status unpack_to(const char *path, const iso_unpacked *file, iso_erro
         status = iso_fail(err, a ? iso_errno_status() : ISO_E_MEMORY, "%s: cannot be unpacked: %s", path, strerror(errno));
     if (status == ISO_OK && !begin(a, path, packers[packer].filter))
         status = fail_damaged(a, path, err);
-    if (status == ISO_OK)
-        status = copy(a, path, out, most_bytes(file->folder, (double)st.st_size), err);
+    TRY(status, copy(a, path, out, most_bytes(file->folder, (double)st.st_size), err));
     if (out && fclose(out) != 0 && status == ISO_OK)
         status = iso_fail(err, iso_errno_status(), "%s: cannot be unpacked into the temporary folder: %s", path,
                           strerror(errno));

@@ -167,8 +167,7 @@ iso_status iso_volume_load_source(iso_volume_source *source, const char *path, i
     iso_volume_notes notes = header->notes;
     json_t *segments = json_incref(header->segments);
     iso_status status = iso_volume_create(v, &header->geometry, header->type, path, err);
-    if (status == ISO_OK)
-        status = iso_source_read(source, v->geometry.size[2], v->data, err);
+    TRY(status, iso_source_read(source, v->geometry.size[2], v->data, err));
     iso_source_close(source);
     if (status == ISO_OK && (v->type == ISO_F32 || v->type == ISO_F64)) {
         iso_volume_stats s = iso_volume_measure(v);

@@ -185,8 +185,7 @@ static iso_status take_geometry(const vti *v, iso_volume_source *source, iso_err
     double mm, first[3], spacing[3];
     iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
     memcpy(spacing, v->spacing, sizeof spacing); /* 1 if the file gives none, as VTK has it */
-    if (status == ISO_OK)
-        status = iso_source_take_spacing(source, spacing, err);
+    TRY(status, iso_source_take_spacing(source, spacing, err));
     if (status != ISO_OK)
         return status;
     for (int a = 0; a < 3; ++a) {
@@ -343,17 +342,13 @@ static iso_status open_vti(iso_volume_source *source, iso_error *err)
 {
     vti v = {0};
     iso_status status = read_text(source->path, &v, err);
-    if (status == ISO_OK)
-        status = parse(&v, source->path, err);
+    TRY(status, parse(&v, source->path, err));
     if (status == ISO_OK && !take_type(v.type, source))
         status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
                           v.type);
-    if (status == ISO_OK)
-        status = take_geometry(&v, source, err);
-    if (status == ISO_OK)
-        status = iso_source_choose(source, &v.axes, err);
-    if (status == ISO_OK)
-        status = take_samples(&v, source, err);
+    TRY(status, take_geometry(&v, source, err));
+    TRY(status, iso_source_choose(source, &v.axes, err));
+    TRY(status, take_samples(&v, source, err));
     free(v.text);
     return status;
 }

@@ -110,8 +110,7 @@ static iso_status take_geometry(const vtk_header *h, iso_volume_source *source, 
     double mm, spacing[3], corner[3];
     iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
     memcpy(spacing, h->spacing, sizeof spacing); /* 1 if the file gives none, as VTK has it */
-    if (status == ISO_OK)
-        status = iso_source_take_spacing(source, spacing, err);
+    TRY(status, iso_source_take_spacing(source, spacing, err));
     if (status != ISO_OK)
         return status;
     for (int a = 0; a < 3; ++a) {
@@ -134,13 +133,11 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
     if (status == ISO_OK && !take_type(h.type, source))
         status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
                           h.type);
-    if (status == ISO_OK)
-        status = take_geometry(&h, source, err);
+    TRY(status, take_geometry(&h, source, err));
     /* Bytes are always written as colors: three or four of them count as such. */
     const iso_extra_axes axes = {.channel = {.count = (size_t)h.components, .inside = true, .stride = 1},
                                  .is_color = h.is_color && h.components >= 3 && h.components <= 4};
-    if (status == ISO_OK)
-        status = iso_source_choose(source, &axes, err);
+    TRY(status, iso_source_choose(source, &axes, err));
     source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && iso_type_bytes(source->header.type) > 1;
     if (status == ISO_OK && h.is_text) {
         source->swap_bytes = false;

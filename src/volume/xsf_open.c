@@ -75,8 +75,7 @@ static iso_status open_xsf(iso_volume_source *source, iso_error *err)
     if (!find_grid(f) || !read_grid(f, size, origin, span))
         status = iso_fail(err, ISO_E_FORMAT,
                           "%s: truncated before the values of an XSF file, or of less than 2 samples", source->path);
-    if (status == ISO_OK)
-        status = take_geometry(source, size, origin, span, err);
+    TRY(status, take_geometry(source, size, origin, span, err));
     if (status == ISO_OK)
         status = iso_source_take_text(source, f, (iso_text_layout){.words_follow = true}, err);
     if (status == ISO_OK && find_grid(f))

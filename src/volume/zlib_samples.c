@@ -90,8 +90,7 @@ iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, siz
     source->read_planes = read_zlib;
     source->close_reader = close_zlib;
     iso_status status = iso_source_check_regular(path, err);
-    if (status == ISO_OK)
-        status = iso_inputs_note(path, err);
+    TRY(status, iso_inputs_note(path, err));
     if (status != ISO_OK)
         return status;
     r->file = fopen(path, "rb");

@@ -224,8 +224,7 @@ static iso_status draw_two(const iso_figure_job *job, iso_page *page, iso_code o
     iso_status status = make_dots(job, own, &dots, err);
     if (status == ISO_OK && with_hole)
         status = iso_dots_hole_deg(&dots, &hole_deg, err);
-    if (status == ISO_OK)
-        status = row_of_two(&p, job, page, err);
+    TRY(status, row_of_two(&p, job, page, err));
     if (status == ISO_OK) {
         put_fact(job, "dots", &dots, hole_deg);
         put(&p, &dots, hole_deg);
@@ -321,12 +320,10 @@ static iso_status code_spheres(const iso_figure_job *job, iso_page *page, iso_er
     double hole_deg[2] = {0, 0};
     size_t shown;
     iso_status status = iso_dots_create(ISO_CODE_CUBE, bits_of(job), &dots[0], err);
-    if (status == ISO_OK)
-        status = make_dots(job, ISO_CODE_REGION48, &dots[1], err);
+    TRY(status, make_dots(job, ISO_CODE_REGION48, &dots[1], err));
     for (int k = 0; k < 2 && status == ISO_OK; ++k)
         status = iso_dots_hole_deg(&dots[k], &hole_deg[k], err);
-    if (status == ISO_OK)
-        status = row_of_two(&p, job, page, err);
+    TRY(status, row_of_two(&p, job, page, err));
     if (status == ISO_OK) {
         fprintf(
             iso_page_caption(page),

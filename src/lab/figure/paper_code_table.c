@@ -96,8 +96,7 @@ static iso_status code_table(const iso_figure_job *job, iso_page *page, iso_erro
     const iso_paper_row row = {
         .columns = 2, .aspect = 1, .gap_mm = 3, .most_mm = 80, .has_titles = true, .has_notes = true};
     iso_status status = iso_paper_lay_out(&p, job, page, &row, 1, err);
-    if (status == ISO_OK)
-        status = iso_paper_table_create(size, &table, err);
+    TRY(status, iso_paper_table_create(size, &table, err));
     if (status != ISO_OK)
         return status;
     snprintf(note, sizeof note, "%zu entries of a cube of %zu", entries, size);

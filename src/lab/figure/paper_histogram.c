@@ -357,8 +357,7 @@ static iso_status joint_row(const iso_figure_job *job, iso_page *page, iso_error
     iso_pyramid p = {0};
     iso_joint joint = {.entry_count = 0};
     iso_status status = load(job, (size_t)level, &p, err);
-    if (status == ISO_OK)
-        status = iso_joint_compute(&p, (size_t)level, BITS, ISO_SECOND_VALUE_NONE, job->cli->threads, &joint, err);
+    TRY(status, iso_joint_compute(&p, (size_t)level, BITS, ISO_SECOND_VALUE_NONE, job->cli->threads, &joint, err));
     if (status == ISO_OK) {
         json_t *rows = json_array();
         put_fact(rows, (size_t)level, &joint);

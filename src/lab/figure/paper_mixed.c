@@ -79,12 +79,9 @@ static iso_status begin(const iso_figure_job *job, stage *s, bool of_surface, is
     const iso_level *level = &s->pyramid.levels[0];
     if (of_surface)
         status = iso_paper_surface(job, level, &s->surface, err);
-    if (status == ISO_OK)
-        status = iso_paper_scene(job, &own_look, &s->pyramid, &s->scene, err);
-    if (status == ISO_OK)
-        status = iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err);
-    if (status == ISO_OK)
-        status = iso_mixed_create(&s->mixed, level, brick, coarse, job->cli->threads, err);
+    TRY(status, iso_paper_scene(job, &own_look, &s->pyramid, &s->scene, err));
+    TRY(status, iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err));
+    TRY(status, iso_mixed_create(&s->mixed, level, brick, coarse, job->cli->threads, err));
     return status == ISO_OK ? iso_gl_create(&s->gl, NULL, err) : status;
 }
 
@@ -98,8 +95,7 @@ static iso_status aim(const iso_paper *p, stage *s, iso_error *err)
     s->scene.width = dots;
     iso_status status = iso_scene_resolve(&s->scene, &level->geometry, iso_pyramid_lo(&s->pyramid),
                                           iso_pyramid_hi(&s->pyramid), &s->view, err);
-    if (status == ISO_OK)
-        status = iso_mixed_look(&s->mixed, &s->view, s->surface, SEEN_WIDTH, p->job->cli->threads, &s->seen, err);
+    TRY(status, iso_mixed_look(&s->mixed, &s->view, s->surface, SEEN_WIDTH, p->job->cli->threads, &s->seen, err));
     if (status == ISO_OK && !iso_mixed_find_border(&s->mixed, &s->seen, &index))
         status = iso_fail(err, ISO_E_RANGE,
                           "%s: no place where levels meet is seen from here; other --bricks, --view, --tf or --surface "
@@ -203,8 +199,7 @@ static iso_status put_difference(const iso_paper *p, stage *s, const panel *one,
 {
     iso_image rough = {0}, smooth = {0};
     iso_status status = render(s, &s->near, false, true, &rough, err);
-    if (status == ISO_OK)
-        status = render(s, &s->near, true, true, &smooth, err);
+    TRY(status, render(s, &s->near, true, true, &smooth, err));
     const size_t count = rough.width * rough.height;
     float *apart = status == ISO_OK ? malloc(count * sizeof *apart) : NULL;
     if (status == ISO_OK && !apart)
@@ -305,8 +300,7 @@ static iso_status draw_mixed(const iso_figure_job *job, iso_page *page, bool sur
         rows[surface ? 0 : 1].below_mm = iso_figure_tf_foot_mm(&foot);
         status = iso_paper_lay_out(&p, job, page, rows, surface ? 1 : 2, err);
     }
-    if (status == ISO_OK)
-        status = aim(&p, &s, err);
+    TRY(status, aim(&p, &s, err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
         const char *name = iso_paper_volume_name(job, &ripples);

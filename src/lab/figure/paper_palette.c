@@ -63,11 +63,9 @@ static iso_status sample(const iso_figure_job *job, stage *s, iso_error *err)
                                      .by_value_hi = l->max};
     iso_direction_pool *pool;
     iso_status status = iso_direction_pool_create(&pool, job->cli->threads, err);
-    if (status == ISO_OK)
-        status = iso_palette_sample_field(pool, l->directions, l->scalar, l->magnitude,
-                                          iso_geometry_voxel_count(&l->geometry), &w, err);
-    if (status == ISO_OK)
-        status = iso_direction_pool_finish(pool, &s->set, err);
+    TRY(status, iso_palette_sample_field(pool, l->directions, l->scalar, l->magnitude,
+                                         iso_geometry_voxel_count(&l->geometry), &w, err));
+    TRY(status, iso_direction_pool_finish(pool, &s->set, err));
     iso_direction_pool_destroy(pool);
     return status;
 }
@@ -80,11 +78,9 @@ static iso_status fit(stage *s, size_t entries, iso_error *err)
     opt.directions = entries;
     opt.method = ISO_PALETTE_ANNEAL;
     iso_status status = iso_direction_set_coarsen(&s->set, FEW, &few, err);
-    if (status == ISO_OK)
-        status = iso_palette_fit(&few, &opt, &s->methods[1].palette, NULL, err);
+    TRY(status, iso_palette_fit(&few, &opt, &s->methods[1].palette, NULL, err));
     opt.method = ISO_PALETTE_FACES;
-    if (status == ISO_OK)
-        status = iso_palette_fit(&s->set, &opt, &s->methods[2].palette, NULL, err);
+    TRY(status, iso_palette_fit(&s->set, &opt, &s->methods[2].palette, NULL, err));
     for (int i = 1; i < METHODS && status == ISO_OK; ++i) {
         method *m = &s->methods[i];
         status = iso_palette_measure(&s->set, &m->palette, &m->error, err);
@@ -128,16 +124,13 @@ static iso_status begin(const iso_figure_job *job, stage *s, iso_error *err)
                      "%s keeps codes alone; this figure needs the volume itself, or a pyramid that keeps floats and "
                      "magnitudes",
                      job->input);
-    if (status == ISO_OK)
-        status = iso_paper_scene(job, &own_look, &s->pyramid, &s->scene, err);
-    if (status == ISO_OK)
-        status = sample(job, s, err);
+    TRY(status, iso_paper_scene(job, &own_look, &s->pyramid, &s->scene, err));
+    TRY(status, sample(job, s, err));
     if (status == ISO_OK && s->set.count == 0)
         status = iso_fail(err, ISO_E_RANGE,
                           "%s has no gradient at the value %.4g; --surface asks for another part of its range",
                           iso_paper_volume_name(job, &own_wing), s->surface);
-    if (status == ISO_OK)
-        status = fit(s, (size_t)entries, err);
+    TRY(status, fit(s, (size_t)entries, err));
     return status == ISO_OK ? iso_gl_create(&s->gl, NULL, err) : status;
 }
 
@@ -156,8 +149,7 @@ static iso_status render(stage *s, const iso_view *view, method *m, iso_image *i
         o.source = ISO_FROM_PALETTE;
         status = iso_level_attach_palette(&level, code, &m->palette, err);
     }
-    if (status == ISO_OK)
-        status = iso_gl_render(s->gl, &level, code, view, &o, image, err);
+    TRY(status, iso_gl_render(s->gl, &level, code, view, &o, image, err));
     if (m->palette.count)
         iso_level_detach_palette(&level);
     return status;
@@ -243,8 +235,7 @@ static iso_status palette_views(const iso_figure_job *job, iso_page *page, iso_e
             "The isosurface of %s at the value %.4g from two sides, shaded by all directions, by a palette fitted to "
             "them by annealing, and by one of a regular subdivision of the sphere.",
             iso_paper_volume_name(job, &own_wing), s.surface);
-    if (status == ISO_OK)
-        status = draw_rows(job, page, &s, pictures, err);
+    TRY(status, draw_rows(job, page, &s, pictures, err));
     for (int i = 1; i < METHODS && status == ISO_OK; ++i) {
         const method *m = &s.methods[i];
         fprintf(iso_page_caption(page), " %s: error norm 1 %.4g, rms angle %.3g degrees.", m->title, m->error.norm1,

@@ -65,10 +65,8 @@ static iso_status draw_region(const iso_figure_job *job, iso_page *page, iso_err
     for (size_t i = 0; i < WAYS; ++i)
         snprintf(c.titles[i], sizeof c.titles[i], "%s", ways[i].title);
     iso_status status = iso_figure_renderer(job, &s.with, err);
-    if (status == ISO_OK)
-        status = iso_figure_subject_load(&s.subject, job, s.level + 1, NULL, err);
-    if (status == ISO_OK)
-        status = iso_subject_refuse_labels(&s.subject.pyramid, job->input, "--kind roi", err);
+    TRY(status, iso_figure_subject_load(&s.subject, job, s.level + 1, NULL, err));
+    TRY(status, iso_subject_refuse_labels(&s.subject.pyramid, job->input, "--kind roi", err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
         if (!s.region.box)

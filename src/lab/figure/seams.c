@@ -28,8 +28,7 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
     scene.width = width, scene.height = height;
     iso_status status = iso_scene_resolve(&scene, geometry, iso_pyramid_lo(&b->subject.pyramid),
                                           iso_pyramid_hi(&b->subject.pyramid), &view, err);
-    if (status == ISO_OK)
-        status = iso_gl_render_bricks(b->gl, &field, &view, &opt, image, NULL, err);
+    TRY(status, iso_gl_render_bricks(b->gl, &field, &view, &opt, image, NULL, err));
     if (status == ISO_OK)
         *mm_per_pixel = iso_view_mm_per_pixel(&view, geometry);
     iso_view_destroy(&view);
@@ -61,17 +60,14 @@ static iso_status draw_seams(const iso_figure_job *job, iso_page *page, iso_erro
                             .render = render,
                             .user = &b};
     iso_status status = iso_figure_subject_load(&b.subject, job, 1, NULL, err);
-    if (status == ISO_OK)
-        status = iso_subject_refuse_labels(&b.subject.pyramid, job->input, "--kind seams", err);
-    if (status == ISO_OK)
-        status = iso_node_levels_create(&b.nodes, &b.subject.pyramid.levels[0], BRICK_VOXELS, level_count, true,
-                                        job->cli->threads, err);
+    TRY(status, iso_subject_refuse_labels(&b.subject.pyramid, job->input, "--kind seams", err));
+    TRY(status, iso_node_levels_create(&b.nodes, &b.subject.pyramid.levels[0], BRICK_VOXELS, level_count, true,
+                                       job->cli->threads, err));
     if (status == ISO_OK) {
         iso_node_levels_round(&b.nodes);
         status = alternate(&b, level_count, err);
     }
-    if (status == ISO_OK)
-        status = iso_gl_create(&b.gl, NULL, err);
+    TRY(status, iso_gl_create(&b.gl, NULL, err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
         fprintf(f, "Bricks of %d voxels a side at alternating levels 0 to %zu", BRICK_VOXELS, level_count - 1);

@@ -106,14 +106,10 @@ static iso_status adapt_brick(const iso_level_subject *s, const size_t brick[3],
     iso_adapt_options opt = iso_adapt_defaults();
     opt.threads = s->threads;
     iso_status status = crop(&p->levels[0], fine_lo, fine_hi, &levels[0], err);
-    if (status == ISO_OK)
-        status = crop(&p->levels[s->level], lo, hi, &levels[s->level], err);
-    if (status == ISO_OK)
-        status = iso_joint_compute(&own, s->level, opt.bits, ISO_SECOND_VALUE_NONE, s->threads, &joint, err);
-    if (status == ISO_OK)
-        status = iso_adapter_create(&joint, &opt, &adapter, err);
-    if (status == ISO_OK)
-        status = iso_adapter_apply(adapter, s->tf, &p->levels[0].geometry, s->level, table, err);
+    TRY(status, crop(&p->levels[s->level], lo, hi, &levels[s->level], err));
+    TRY(status, iso_joint_compute(&own, s->level, opt.bits, ISO_SECOND_VALUE_NONE, s->threads, &joint, err));
+    TRY(status, iso_adapter_create(&joint, &opt, &adapter, err));
+    TRY(status, iso_adapter_apply(adapter, s->tf, &p->levels[0].geometry, s->level, table, err));
     iso_adapter_destroy(adapter);
     iso_joint_destroy(&joint);
     free(levels[0].scalar);

@@ -316,8 +316,7 @@ static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, const iso
     iso_tf_table envelope = {0};
     iso_cast_blocks blocks = {0};
     iso_status status = view->tf_2d ? iso_tf_2d_envelope(view->tf_2d, &envelope, err) : ISO_OK;
-    if (status == ISO_OK)
-        status = iso_cast_blocks_create(&blocks, level, view->tf_2d ? &envelope : &view->tf, s->threads, err);
+    TRY(status, iso_cast_blocks_create(&blocks, level, view->tf_2d ? &envelope : &view->tf, s->threads, err));
     if (status == ISO_OK && (opt->skip == ISO_CPU_SKIP_ALWAYS || blocks.occupied <= ISO_CPU_SKIP_OCCUPIED))
         status = iso_cast_use_blocks(s, &level->geometry, view, &blocks, err);
     iso_cast_blocks_destroy(&blocks);
@@ -371,10 +370,8 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
         status = set_directions(s, &grid, level, code, opt->source, err);
     if (status == ISO_OK && view->tf_2d)
         status = set_bytes(s, &grid, view->tf_2d->bytes, &s->cast.second, err);
-    if (status == ISO_OK)
-        status = set_bytes(s, &grid, view->extinction_scale, &s->cast.scale, err);
-    if (status == ISO_OK)
-        status = iso_cast_own_tf(s, view, level->min, unit, err);
+    TRY(status, set_bytes(s, &grid, view->extinction_scale, &s->cast.scale, err));
+    TRY(status, iso_cast_own_tf(s, view, level->min, unit, err));
     if (status == ISO_OK && opt->skip != ISO_CPU_SKIP_NEVER)
         status = set_blocks(s, level, view, opt, err);
     return status;
@@ -395,8 +392,7 @@ iso_status iso_cpu_prepare(iso_cpu_scene **scene, const iso_level *level, iso_co
                            const iso_cpu_options *opt, iso_error *err)
 {
     iso_status status = iso_cast_begin(scene, opt->width, opt->threads, err);
-    if (status == ISO_OK)
-        status = fill(*scene, level, code, view, opt, err);
+    TRY(status, fill(*scene, level, code, view, opt, err));
     if (status != ISO_OK) {
         iso_cpu_release(*scene);
         *scene = NULL;
@@ -447,8 +443,7 @@ iso_status iso_cpu_render(const iso_level *level, iso_code code, const iso_view 
     iso_cpu_scene *scene;
     *image = (iso_image){0};
     iso_status status = iso_cpu_prepare(&scene, level, code, view, opt, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, view->width, view->height, err);
+    TRY(status, iso_image_create(image, view->width, view->height, err));
     if (status == ISO_OK)
         iso_cpu_draw(scene, image);
     iso_cpu_release(scene);

@@ -343,14 +343,11 @@ static iso_status fill(mixed *m, iso_error *err)
         return status;
     set_volume(m, step_voxels);
     status = place_bricks(m, err);
-    if (status == ISO_OK)
-        status = make_nodes(m, err);
-    if (status == ISO_OK)
-        status = iso_cast_own_tf(m->scene, m->view, n->min, unit, err);
+    TRY(status, make_nodes(m, err));
+    TRY(status, iso_cast_own_tf(m->scene, m->view, n->min, unit, err));
     if (status == ISO_OK && m->opt->skip != ISO_CPU_SKIP_NEVER)
         status = begin_blocks(m, err);
-    if (status == ISO_OK)
-        status = bake_bricks(m, err);
+    TRY(status, bake_bricks(m, err));
     if (status == ISO_OK && m->blocks.cells)
         status = end_blocks(m, err);
     return status;
@@ -362,8 +359,7 @@ iso_status iso_cpu_prepare_bricks(iso_cpu_scene **scene, const iso_brick_field *
     mixed m = {.field = field, .view = view, .opt = opt, .is_lit = opt->shaded && iso_view_is_lit(view)};
     iso_status status = iso_cast_begin(scene, opt->width, opt->threads, err);
     m.scene = *scene;
-    if (status == ISO_OK)
-        status = fill(&m, err);
+    TRY(status, fill(&m, err));
     iso_cast_blocks_destroy(&m.blocks);
     free(m.shown.next);
     if (status != ISO_OK) {
@@ -379,8 +375,7 @@ iso_status iso_cpu_render_bricks(const iso_brick_field *field, const iso_view *v
     iso_cpu_scene *scene;
     *image = (iso_image){0};
     iso_status status = iso_cpu_prepare_bricks(&scene, field, view, opt, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, view->width, view->height, err);
+    TRY(status, iso_image_create(image, view->width, view->height, err));
     if (status == ISO_OK)
         iso_cpu_draw(scene, image);
     iso_cpu_release(scene);

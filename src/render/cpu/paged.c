@@ -402,16 +402,11 @@ iso_status iso_cpu_render_paged(const iso_level *level, iso_code code, const iso
     if (status == ISO_OK && !p.tile)
         status = iso_fail(err, ISO_E_RANGE, "paged: this machine does not cast %d rays at a time", (int)opt->width);
     measure(&p, view);
-    if (status == ISO_OK)
-        status = allocate(&p, view, opt->memory_bytes, err);
-    if (status == ISO_OK)
-        status = set_scene(&p, code, view, step_voxels, err);
-    if (status == ISO_OK)
-        status = find_empty(&p, &view->tf, progress, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, view->width, view->height, err);
-    if (status == ISO_OK)
-        status = draw(&p, image, progress, err);
+    TRY(status, allocate(&p, view, opt->memory_bytes, err));
+    TRY(status, set_scene(&p, code, view, step_voxels, err));
+    TRY(status, find_empty(&p, &view->tf, progress, err));
+    TRY(status, iso_image_create(image, view->width, view->height, err));
+    TRY(status, draw(&p, image, progress, err));
     release(&p);
     stats->bytes_read = iso_level_pages_bytes_read(pages) - read_before;
     stats->seconds = iso_clock_seconds() - start;

@@ -227,14 +227,10 @@ static iso_status upload(brick_job *job, iso_gl_brick_stats *stats, iso_error *e
     t->scalar_with_directions = gl->is_llvmpipe && opt->shaded && view->light_count > 0 && opt->cache_bits == 16 &&
                                 !opt->surface;
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
-    if (status == ISO_OK)
-        status = iso_gl_create_texture_rgba32f(gl, view->tf.count, 1, view->tf.entries, &t->tf, err);
-    if (status == ISO_OK)
-        status = fill_cache(gl, f, pack, opt, t, err);
-    if (status == ISO_OK)
-        status = upload_layout(gl, n, pack, t, err);
-    if (status == ISO_OK)
-        status = upload_occupancy(gl, n, visible, shown, opt, t, err);
+    TRY(status, iso_gl_create_texture_rgba32f(gl, view->tf.count, 1, view->tf.entries, &t->tf, err));
+    TRY(status, fill_cache(gl, f, pack, opt, t, err));
+    TRY(status, upload_layout(gl, n, pack, t, err));
+    TRY(status, upload_occupancy(gl, n, visible, shown, opt, t, err));
     *stats = (iso_gl_brick_stats){.brick_count = count,
                                   .shown_count = pack->brick_count,
                                   .slot_count = pack->slot_count,
@@ -309,8 +305,7 @@ static iso_status draw(const brick_job *job, iso_image *image, iso_gl_brick_stat
     const iso_gl_repeats repeats = {.count = opt->repeats, .seconds = opt->repeat_seconds};
     GLuint program;
     iso_status status = get_program(job, &program, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, job->view->width, job->view->height, err);
+    TRY(status, iso_image_create(image, job->view->width, job->view->height, err));
     if (status != ISO_OK)
         return status;
     glUseProgram(program);
@@ -338,8 +333,7 @@ iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *f, const iso_
         return iso_fail(err, ISO_E_RANGE,
                         "gl: bricks have no 2D transfer function, extinction scale or region of interest");
     iso_status status = iso_gl_bind(gl, err);
-    if (status == ISO_OK)
-        status = upload(&job, stats, err);
+    TRY(status, upload(&job, stats, err));
     if (status == ISO_OK) {
         glFinish();
         stats->gl.texture_bytes = bytes_of(&job.textures);

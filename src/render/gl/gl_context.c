@@ -38,8 +38,7 @@ static iso_status probe_filter(iso_gl *gl, GLenum format, int *bits, iso_error *
     float result[4 * PROBE_COUNT];
     GLuint program, texture;
     iso_status status = iso_gl_get_program(gl, "probe.glsl", "", &program, err);
-    if (status == ISO_OK)
-        status = iso_gl_create_texture_3d(gl, format, size, "filter probe", &texture, err);
+    TRY(status, iso_gl_create_texture_3d(gl, format, size, "filter probe", &texture, err));
     if (status != ISO_OK)
         return status;
     glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, 2, 1, 1, GL_RED, GL_FLOAT, texels);
@@ -71,14 +70,11 @@ static iso_status describe(iso_gl *gl, iso_error *err)
     glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &gl->max_texture_3d_size);
     iso_status status = probe_filter(gl, GL_R8, &gl->info.filter_bits_unorm8, err);
     int snorm = 0;
-    if (status == ISO_OK)
-        status = probe_filter(gl, GL_R8_SNORM, &snorm, err);
+    TRY(status, probe_filter(gl, GL_R8_SNORM, &snorm, err));
     if (snorm < gl->info.filter_bits_unorm8)
         gl->info.filter_bits_unorm8 = snorm;
-    if (status == ISO_OK)
-        status = probe_filter(gl, GL_R16, &gl->info.filter_bits_unorm16, err);
-    if (status == ISO_OK)
-        status = probe_filter(gl, GL_R32F, &gl->info.filter_bits_float, err);
+    TRY(status, probe_filter(gl, GL_R16, &gl->info.filter_bits_unorm16, err));
+    TRY(status, probe_filter(gl, GL_R32F, &gl->info.filter_bits_float, err));
     return status;
 }
 

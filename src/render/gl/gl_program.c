@@ -134,8 +134,7 @@ static iso_status expand(const iso_gl *gl, const char *name, int depth, expansio
     const int file = ++e->files;
     if (status == ISO_OK && depth > deepest)
         status = iso_fail(err, ISO_E_PROGRAM, "gl: shader %s is included from itself", name);
-    if (status == ISO_OK)
-        status = append_line_number(e, 1, file, err);
+    TRY(status, append_line_number(e, 1, file, err));
     int line = 1;
     for (const char *at = text; status == ISO_OK && *at; ++line) {
         const char *newline = strchr(at, '\n');
@@ -143,8 +142,7 @@ static iso_status expand(const iso_gl *gl, const char *name, int depth, expansio
         char included[64];
         if (sscanf(at, "#include \"%63[^\"\n]\"", included) == 1) {
             status = expand(gl, included, depth + 1, e, err);
-            if (status == ISO_OK)
-                status = append_line_number(e, line + 1, file, err);
+            TRY(status, append_line_number(e, line + 1, file, err));
         } else {
             status = append(e, at, length, err);
         }
@@ -160,18 +158,15 @@ static iso_status build_program(iso_gl *gl, const char *fragment, const char *de
     expansion vertex = {0}, body = {0};
     GLuint shaders[2] = {0, 0};
     iso_status status = expand(gl, "fullscreen.glsl", 0, &vertex, err);
-    if (status == ISO_OK)
-        status = expand(gl, "code_decode.h", 0, &body, err);
-    if (status == ISO_OK)
-        status = expand(gl, fragment, 0, &body, err);
+    TRY(status, expand(gl, "code_decode.h", 0, &body, err));
+    TRY(status, expand(gl, fragment, 0, &body, err));
     if (status == ISO_OK)
         status = compile(GL_VERTEX_SHADER, (const char *[]){version, vertex.text}, 2, "fullscreen.glsl", &shaders[0],
                          err);
     if (status == ISO_OK)
         status = compile(GL_FRAGMENT_SHADER, (const char *[]){version, defines, body.text}, 3, fragment, &shaders[1],
                          err);
-    if (status == ISO_OK)
-        status = link_program(shaders[0], shaders[1], fragment, program, err);
+    TRY(status, link_program(shaders[0], shaders[1], fragment, program, err));
     for (int i = 0; i < 2; ++i)
         if (shaders[i] && (i == 0 || status == ISO_OK))
             glDeleteShader(shaders[i]);

@@ -140,8 +140,7 @@ static iso_status upload_sums(const iso_gl *gl, const iso_tf_table *tf, level_te
         rows[i] = (float)integral.sums[i];
         rows[count + i] = (float)(integral.sums[i] - (double)rows[i]);
     }
-    if (status == ISO_OK)
-        status = iso_gl_create_texture_rgba32f(gl, tf->count, 2, rows, &t->tf_sums, err);
+    TRY(status, iso_gl_create_texture_rgba32f(gl, tf->count, 2, rows, &t->tf_sums, err));
     free(rows);
     iso_tf_integral_destroy(&integral);
     return status;
@@ -161,8 +160,7 @@ static iso_status upload_reach(const iso_gl *gl, const iso_level *level, const i
     for (size_t i = 0; i < 2 * count && status == ISO_OK; ++i)
         texels[i / 2 * 4 + i % 2] = t->screen.mm[i];
     glActiveTexture(GL_TEXTURE0 + UNIT_REACH);
-    if (status == ISO_OK)
-        status = iso_gl_create_texture_rgba32f(gl, t->screen.columns, t->screen.rows, texels, &t->reach, err);
+    TRY(status, iso_gl_create_texture_rgba32f(gl, t->screen.columns, t->screen.rows, texels, &t->reach, err));
     free(texels);
     t->screen_seconds = iso_clock_seconds() - start;
     t->screen_processor_seconds = iso_cpu_seconds() - processor;
@@ -218,14 +216,11 @@ static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const i
     for (size_t c = 0; c < ISO_TF_2D_ROWS && status == ISO_OK; ++c)
         memcpy(rows + c * row, tables[c].entries, row * sizeof *rows);
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
-    if (status == ISO_OK)
-        status = iso_gl_create_texture_rgba32f(gl, tables[0].count, ISO_TF_2D_ROWS, rows, &t->tf, err);
+    TRY(status, iso_gl_create_texture_rgba32f(gl, tables[0].count, ISO_TF_2D_ROWS, rows, &t->tf, err));
     glActiveTexture(GL_TEXTURE0 + UNIT_SECOND_VALUE);
-    if (status == ISO_OK)
-        status = iso_gl_upload_bytes(gl, level, tf_2d->bytes, "second value", &t->tf_2d, err);
+    TRY(status, iso_gl_upload_bytes(gl, level, tf_2d->bytes, "second value", &t->tf_2d, err));
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
-    if (status == ISO_OK)
-        status = upload_occupancy(gl, level, opt, &envelope, view, t, err);
+    TRY(status, upload_occupancy(gl, level, opt, &envelope, view, t, err));
     free(rows);
     iso_tf_table_destroy(&envelope);
     return status == ISO_OK ? iso_gl_check("uploading a 2D transfer function", err) : status;
@@ -250,13 +245,10 @@ static iso_status upload_roi(const iso_gl *gl, const iso_roi *f, iso_code code, 
     glActiveTexture(GL_TEXTURE0 + UNIT_ROI_SCALAR);
     iso_status status = upload_scalar(gl, &f->level, t, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_ROI_TF);
-    if (status == ISO_OK)
-        status = iso_gl_create_texture_rgba32f(gl, f->tf.count, 1, f->tf.entries, &t->tf, err);
+    TRY(status, iso_gl_create_texture_rgba32f(gl, f->tf.count, 1, f->tf.entries, &t->tf, err));
     glActiveTexture(GL_TEXTURE0 + UNIT_ROI_DIRECTIONS);
-    if (status == ISO_OK)
-        status = source == ISO_FROM_CODES
-                     ? iso_gl_upload_codes(gl, &f->level, code, NULL, &t->directions, err)
-                     : iso_gl_upload_vectors(gl, &f->level, code, source, NULL, &t->directions, err);
+    TRY(status, source == ISO_FROM_CODES ? iso_gl_upload_codes(gl, &f->level, code, NULL, &t->directions, err)
+        : iso_gl_upload_vectors(gl, &f->level, code, source, NULL, &t->directions, err));
     if (status != ISO_OK)
         destroy_textures(t);
     return status;
@@ -464,16 +456,13 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     if (view->roi)
         with_step.skip = ISO_GL_SKIP_NEVER; /* a brick is empty in one level and not in the other */
     status = iso_gl_bind(gl, err);
-    if (status == ISO_OK)
-        status = upload(gl, level, code, opt, view, &textures, err);
+    TRY(status, upload(gl, level, code, opt, view, &textures, err));
     if (status != ISO_OK)
         return status;
     if (view->roi)
         status = upload_roi(gl, view->roi, code, opt->source, &roi_textures, err);
-    if (status == ISO_OK)
-        status = get_program(gl, code, opt, view, &textures, &program, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, view->width, view->height, err);
+    TRY(status, get_program(gl, code, opt, view, &textures, &program, err));
+    TRY(status, iso_image_create(image, view->width, view->height, err));
     if (status == ISO_OK) {
         glUseProgram(program);
         iso_gl_set_camera(program, &level->geometry, view,

@@ -113,10 +113,8 @@ static iso_status fill_cache(const iso_gl *gl, warp_cache *c, const uint8_t *hel
     if (!s.baked || !s.vectors || !s.scalars)
         status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a brick of %zu voxels", count);
     glActiveTexture(GL_TEXTURE0 + UNIT_SCALAR);
-    if (status == ISO_OK)
-        status = iso_gl_create_texture_3d(gl, bits == 16 ? GL_R16 : GL_R32F, c->size, "a brick cache", &c->scalar, err);
-    if (status == ISO_OK)
-        status = iso_gl_clear_texture_3d(c->size, err);
+    TRY(status, iso_gl_create_texture_3d(gl, bits == 16 ? GL_R16 : GL_R32F, c->size, "a brick cache", &c->scalar, err));
+    TRY(status, iso_gl_clear_texture_3d(c->size, err));
     glActiveTexture(GL_TEXTURE0 + UNIT_DIRECTIONS);
     if (status == ISO_OK && c->shaded)
         status = iso_gl_create_texture_3d(gl, bits == 16 ? GL_RGBA16_SNORM : GL_RGB32F, c->size,
@@ -226,8 +224,7 @@ static iso_status create_cache(warp_cache *c, const iso_tf_table *tf, iso_gl_bri
         place_bricks(c, held, at);
         status = fill_cache(gl, c, held, at, opt->cache_bits, err);
     }
-    if (status == ISO_OK)
-        status = upload_layout(gl, c, held, at, err);
+    TRY(status, upload_layout(gl, c, held, at, err));
     c->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || opt->surface ||
                     (opt->skip == ISO_GL_SKIP_AUTO && shown <= ISO_GL_SKIP_OCCUPIED);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
@@ -295,8 +292,7 @@ static iso_status draw(const warp_cache *c, const iso_view *view, double step_vo
     GLuint program;
     const double per_brick = 1 / (double)c->field->brick_voxels;
     iso_status status = get_program(c, view, &program, err);
-    if (status == ISO_OK)
-        status = iso_image_create(image, view->width, view->height, err);
+    TRY(status, iso_image_create(image, view->width, view->height, err));
     if (status != ISO_OK)
         return status;
     glUseProgram(program);
@@ -330,16 +326,14 @@ iso_status iso_gl_render_warp(iso_gl *gl, const iso_gl_warp *warp, const iso_vie
                         "gl: step %g voxels must be above 0, cache of %d bits 16 or 32; no isosurfaces", step_voxels,
                         opt->cache_bits);
     iso_status status = iso_gl_bind(gl, err);
-    if (status == ISO_OK)
-        status = create_cache(&cache, &view->tf, stats, err);
+    TRY(status, create_cache(&cache, &view->tf, stats, err));
     if (status != ISO_OK)
         return status;
     glActiveTexture(GL_TEXTURE0 + UNIT_TF);
     status = iso_gl_create_texture_rgba32f(gl, view->tf.count, 1, view->tf.entries, &cache.tf, err);
     glFinish();
     stats->bake_seconds = iso_clock_seconds() - start;
-    if (status == ISO_OK)
-        status = draw(&cache, view, step_voxels, image, stats, err);
+    TRY(status, draw(&cache, view, step_voxels, image, stats, err));
     destroy_cache(&cache);
     return status;
 }
@@ -355,8 +349,7 @@ iso_status iso_gl_sample_warp(iso_gl *gl, const iso_gl_warp *warp, const double 
     warp_cache cache = {.gl = gl, .field = warp->field, .level = warp->level, .opt = &opt};
     GLuint program, points = 0;
     iso_status status = iso_gl_bind(gl, err);
-    if (status == ISO_OK)
-        status = create_cache(&cache, NULL, &stats, err);
+    TRY(status, create_cache(&cache, NULL, &stats, err));
     if (status != ISO_OK)
         return status;
     float *texels = calloc(4 * width * height, sizeof *texels), *image = malloc(4 * width * height * sizeof *image);
@@ -365,10 +358,8 @@ iso_status iso_gl_sample_warp(iso_gl *gl, const iso_gl_warp *warp, const double 
     for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i)
         texels[i] = (float)(i % 4 < 3 ? places[i] / side : places[i]);
     glActiveTexture(GL_TEXTURE0 + UNIT_POINTS);
-    if (status == ISO_OK)
-        status = iso_gl_create_texture_rgba32f(gl, width, height, texels, &points, err);
-    if (status == ISO_OK)
-        status = get_program(&cache, NULL, &program, err);
+    TRY(status, iso_gl_create_texture_rgba32f(gl, width, height, texels, &points, err));
+    TRY(status, get_program(&cache, NULL, &program, err));
     if (status == ISO_OK) {
         glUseProgram(program);
         set_field(program, &cache);
