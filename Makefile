@@ -124,7 +124,7 @@ embedded := src/brick/warp_map.h src/encode/code_decode.h $(wildcard src/render/
 .PHONY: all setup demo check test help clean
 .DEFAULT_GOAL := all
 
-all: $(program) $(shared) $(beside) ## build the program for $(config)
+all: $(program) $(shared) $(beside) ## build the program (config=debug and others: see the head of the Makefile)
 	@[ "$$(readlink isoshade)" = $(program) ] || ln -sfn $(program) isoshade
 
 lab: all $(lab_program) ## build isoshade-lab, which reproduces papers and experiments

@@ -12,7 +12,7 @@ frame '\x40' >f_1.nrrd
 frame '\xc8' >f_2.nrrd
 "$ISOSHADE" build 'f_%d.nrrd' --frames all --levels 1 -q -o all.iso >out || not_ok all_frames_are_built "$(cat out)"
 check a_pyramid_a_frame test -s all_0000.iso/pyramid.json -a -s all_0001.iso/pyramid.json
-check the_range_is_that_of_all grep -q '2 frames, all 1 to 200' out
+check the_range_is_that_of_all grep -q '2 frames, values 1 to 200' out
 "$ISOSHADE" build f_1.nrrd --levels 1 -q -o f_1.iso >out
 "$ISOSHADE" build f_2.nrrd --levels 1 -q -o f_2.iso >out
 for p in all_0000 all_0001 f_1 f_2; do

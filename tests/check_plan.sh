@@ -70,7 +70,7 @@ holds df3s_are_cropped "$(cat plan-pov/*.df3 | wc -c) < $(cat full-pov/*.df3 | w
 refuse plan_without_its_scene_is_refused 2 "scene" "$ISOSHADE" export v.nrrd --to vdb --plan a.json -o refused.vdb
 sed '/"use"/s/[dh]/u/g' a.json >unseen.json
 for to in vdb povray; do
-    refuse "a_plan_of_nothing_is_refused_by_name_to_$to" 5 "unseen.json: the plan draws none of its" "$ISOSHADE" export v.nrrd --to $to --plan unseen.json --scene "$scene" -o refused --quiet
+    refuse "a_plan_of_nothing_is_refused_by_name_to_$to" 5 "unseen.json: the plan draws none of its" "$ISOSHADE" export v.nrrd --to $to --plan unseen.json --scene "$scene" -o "refused.${to/povray/pov}" --quiet
 done
 refuse a_tf_besides_a_plan_is_refused 2 "--tf has no meaning with --plan" "$ISOSHADE" export v.nrrd --to vdb --plan a.json --tf simulation -o refused.vdb
 refuse plan_for_another_scene_is_refused 5 "another one" "$ISOSHADE" export v.nrrd --to vdb --plan a.json --scene "$top/refscenes/brain.scene.json" -o refused.vdb --quiet

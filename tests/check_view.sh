@@ -119,7 +119,7 @@ check a_row_links_to_it_at_its_level python3 "$top/tests/view_page.py" link repo
 
 # ---- a volume that is too large goes in by a coarser level, with what that costs ----
 "$ISOSHADE" view v.nrrd --most-voxels 10000 -o coarse.html >coarse.out
-check the_level_that_goes_in_is_said grep -q "levels 1 to" coarse.out
+check the_level_that_goes_in_is_said grep -q ": level 1, the finest" coarse.out
 check the_page_says_what_it_costs grep -qE '"seen":\{"rmse":0\.[0-9]+,"ssim_dissimilarity":0\.[0-9]+,"rmse_adapted":' coarse.html
 
 # ---- what is refused ----

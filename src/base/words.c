@@ -150,3 +150,46 @@ iso_status iso_words_check_range(const char *option, double value, double lo, do
         return iso_fail(err, ISO_E_USAGE, "%s is %g, must be %g to %g", option, value, lo, hi);
     return ISO_OK;
 }
+
+/* Returns the number of letters to change, add, drop or swap: restricted Damerau-Levenshtein. */
+static size_t count_edits(const char *a, const char *b)
+{
+    enum { LONGEST = 40 };
+    const size_t m = strlen(a), n = strlen(b);
+    size_t rows[LONGEST + 1][LONGEST + 1];
+    if (m > LONGEST || n > LONGEST)
+        return LONGEST;
+    for (size_t i = 0; i <= m; ++i)
+        for (size_t j = 0; j <= n; ++j) {
+            if (i == 0 || j == 0) {
+                rows[i][j] = i + j;
+                continue;
+            }
+            const size_t one_side = 1 + (rows[i - 1][j] < rows[i][j - 1] ? rows[i - 1][j] : rows[i][j - 1]);
+            const size_t both = rows[i - 1][j - 1] + (a[i - 1] != b[j - 1]);
+            rows[i][j] = one_side < both ? one_side : both;
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] && rows[i - 2][j - 2] + 1 < rows[i][j])
+                rows[i][j] = rows[i - 2][j - 2] + 1;
+        }
+    return rows[m][n];
+}
+
+void iso_guess_try(iso_guess *guess, const char *word, const char *name)
+{
+    const size_t edits = count_edits(word, name);
+    if (edits <= 1 + strlen(word) / 4 && edits < strlen(name) && (!guess->name || edits < guess->edits))
+        *guess = (iso_guess){name, edits};
+}
+
+const char *iso_guess_text(const iso_guess *guess, const char *prefix, char text[80])
+{
+    text[0] = '\0';
+    if (guess->name)
+        snprintf(text, 80, " (did you mean %s%s?)", prefix, guess->name);
+    return text;
+}
+
+const char *iso_words_plural(size_t count)
+{
+    return count == 1 ? "" : "s";
+}

@@ -29,6 +29,20 @@ void iso_words_make_printable(char *text);
 /* Appends to a text in a buffer of `size` bytes; the rest is cut off. */
 void iso_words_append(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/* The name nearest to a mistyped word, of those that iso_guess_try() was given. {0}: none yet. */
+typedef struct iso_guess {
+    const char *name;
+    size_t edits;
+} iso_guess;
+/* Takes `name` if fewer letters than before, and at most one in four of the word and one more, must be changed, added,
+ * dropped or swapped. */
+void iso_guess_try(iso_guess *guess, const char *word, const char *name);
+/* Writes " (did you mean NAME?)" with the prefix before the name, or "" without a guess. Returns text. */
+const char *iso_guess_text(const iso_guess *guess, const char *prefix, char text[80]);
+
+/* "" for one, otherwise "s": the ending of a plural. */
+const char *iso_words_plural(size_t count);
+
 /* "40x56x33", "1x1x2.5", or one number for all three. ISO_E_USAGE with the text. */
 iso_status iso_words_parse_sizes(const char *text, const char *option, size_t out[3], iso_error *err);
 iso_status iso_words_parse_numbers(const char *text, const char *option, double out[3], iso_error *err);

@@ -44,9 +44,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         print_list(self);
         return ISO_OK;
     }
+    iso_guess guess = {0};
+    char text[80];
+    for (const iso_command *const *b = iso_benchmarks; *b; ++b)
+        iso_guess_try(&guess, argv[1], short_name(*b));
     const iso_command *benchmark = iso_benchmark_find(argv[1]);
     if (!benchmark)
-        return iso_fail(err, ISO_E_USAGE, "unknown benchmark \"%s\"; isoshade bench --help lists them", argv[1]);
+        return iso_fail(err, ISO_E_USAGE, "unknown benchmark \"%s\"%s; isoshade bench --help lists them", argv[1],
+                        iso_guess_text(&guess, "", text));
     return benchmark->run(benchmark, argc - 1, argv + 1, err);
 }
 

@@ -213,7 +213,8 @@ static iso_status build_frames(const build_job *job, iso_pyramid_options *opt, c
         json_object_set(root, "frames", all);
         iso_cli_print_json(root);
     } else if (status == ISO_OK) {
-        printf("%zu frames, all %.9g to %.9g\n", count, opt->value_range[0], opt->value_range[1]);
+        printf("%zu frame%s, values %.9g to %.9g\n", count, iso_words_plural(count), opt->value_range[0],
+               opt->value_range[1]);
     }
     json_decref(all);
     return status;

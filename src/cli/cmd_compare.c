@@ -136,7 +136,7 @@ static void complete_alpha(iso_image images[2], const bool has_alpha[2])
 static void print_text(const iso_metrics *m, const opacity *o, const hdr_flip *hdr, bool agree)
 {
     if (m->nonfinite_count > 0)
-        printf("%zu pixels are not finite\n", m->nonfinite_count);
+        printf("%zu pixel%s not finite\n", m->nonfinite_count, m->nonfinite_count == 1 ? " is" : "s are");
     else
         printf("rmse      %.4g\nmax_abs   %.4g at column %zu, row %zu\np99_abs   %.4g\npsnr_db   %.4g\n"
                "ssim      %.6f\nflip_mean %.6f\n",

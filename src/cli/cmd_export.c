@@ -69,9 +69,7 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
     iso_status status = narrow ? iso_subject_load_narrow(path, &a->input, &build, wants_view ? look : NULL, progress, p,
                                                          v, &sight, err)
                                : iso_subject_load_pyramid(path, &a->input, &build, progress, p, err);
-    if (status == ISO_OK && (size_t)(a->level + a->level_count) > p->level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", path,
-                          a->level + a->level_count - 1, p->level_count - 1);
+    TRY(status, iso_pyramid_check_level(p, path, (size_t)(a->level + a->level_count - 1), err));
     if (status == ISO_OK && (a->plan || a->roi.box || a->isosurface))
         status = iso_subject_refuse_labels(p, path,
                                            a->plan      ? "--plan"
@@ -193,10 +191,7 @@ static iso_status load_frame(void *user, size_t frame, iso_pyramid *p, iso_error
 
 static iso_status check_level(const iso_export_arguments *a, const iso_pyramid *p, iso_error *err)
 {
-    if ((size_t)(a->level + a->level_count) <= p->level_count)
-        return ISO_OK;
-    return iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[0],
-                    a->level + a->level_count - 1, p->level_count - 1);
+    return iso_pyramid_check_level(p, a->cli->arguments[0], (size_t)(a->level + a->level_count - 1), err);
 }
 
 /* The first frame says what a scene shows of all. */
@@ -269,8 +264,9 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
     } else {
         json_decref(root);
         if (status == ISO_OK)
-            printf("%s: %zu frames, all %.9g to %.9g: %s\n", a->output, frames.count, frames.build.value_range[0],
-                   frames.build.value_range[1], target->summary);
+            printf("%s: %zu frame%s, values %.9g to %.9g: %s\n", a->output, frames.count,
+                   iso_words_plural(frames.count), frames.build.value_range[0], frames.build.value_range[1],
+                   target->summary);
     }
     free(command);
     iso_view_destroy(&view);

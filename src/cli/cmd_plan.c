@@ -124,10 +124,10 @@ static void print_report(const iso_planner *p, const plan_arguments *a, const pl
     const double full_bytes = ISO_BYTES_A_NODE * (double)p->full_node_count;
     printf("bricks   %zu of %zu shown, of %zu voxels a side\n"
            "model    %.3g of %.3g bytes (%.1f %%)\n"
-           "error    RMSE %.3g predicted, %.3g measured, largest %.3g; %zu views, %d renders\n",
+           "error    RMSE %.3g predicted, %.3g measured, largest %.3g; %zu view%s, %d renders\n",
            t->drawn_count, p->plan.brick_count, p->nodes->brick_voxels, iso_plan_trial_bytes(t), full_bytes,
            100 * iso_plan_trial_bytes(t) / full_bytes, t->predicted_rmse, t->measured.rmse, t->measured.max_abs,
-           p->view_count, p->render_count);
+           p->view_count, iso_words_plural(p->view_count), p->render_count);
     if (a->update)
         printf(
             "update   %zu bricks changed, %zu of %zu baked again, in %.2f of the time of all; the same bytes as from nothing\n",

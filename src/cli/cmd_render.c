@@ -125,10 +125,8 @@ static iso_status render_limit(const iso_render_arguments *a, const iso_cli *cli
     o.planes = (size_t)a->planes;
     o.intervals = (size_t)a->intervals;
     o.threads = cli->threads;
-    if (q->level >= q->pyramid->level_count)
-        return iso_fail(err, ISO_E_RANGE, "level %d: the pyramid has levels 0 to %zu", a->level,
-                        q->pyramid->level_count - 1);
-    iso_status status = iso_limit_render(q, q->options->renderer, &o, image, err);
+    iso_status status = iso_pyramid_check_level(q->pyramid, NULL, q->level, err);
+    TRY(status, iso_limit_render(q, q->options->renderer, &o, image, err));
     *seconds = iso_clock_seconds() - start;
     return status;
 }

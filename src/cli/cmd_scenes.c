@@ -274,8 +274,8 @@ static iso_status report(const sheet *s, iso_error *err)
     json_array_foreach(s->left_out, i, left_out)
         printf("left out: %s: %s\n", json_string_value(json_object_get(left_out, "tf")),
                json_string_value(json_object_get(left_out, "why")));
-    printf("%s: %zu pictures; without --size and --level a command makes a larger and finer one\n", a->output,
-           s->pictures.count);
+    printf("%s: %zu picture%s; without --size and --level a command makes a larger and finer one\n", a->output,
+           s->pictures.count, iso_words_plural(s->pictures.count));
     return ISO_OK;
 }
 
@@ -322,7 +322,7 @@ static iso_status write_requests(const scenes_arguments *a, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "--write takes one --tf and one --view");
     snprintf(size, sizeof size, "%d", a->size);
     iso_status status = a->size ? iso_words_check_range("--size", a->size, 1, 16384, err) : ISO_OK;
-    TRY(status, iso_words_check_range("--levels", a->levels, 0, 16, err));
+    TRY(status, iso_words_check_range("--levels", a->levels ? a->levels : 1, 1, 16, err));
     TRY(status, iso_words_check_range("--steps", a->steps, -1, 12, err));
     const iso_scenes_write w = {.cli = a->cli,
                                 .input = &a->input,

@@ -145,6 +145,14 @@ static iso_status announce_output(const iso_tf_arguments *a, iso_error *err)
     return a->output && !is_stem ? iso_inputs_announce(a->output, err) : ISO_OK;
 }
 
+static const struct {
+    const char *name;
+    iso_status (*run)(const iso_tf_arguments *a, iso_error *err);
+} actions[] = {{"adapt", iso_cli_tf_adapt}, {"bound", bound},          {"convert", iso_cli_tf_convert},
+               {"names", iso_cli_tf_names}, {"show", iso_cli_tf_show}, {"suggest", iso_cli_tf_suggest},
+               {"triangle", triangle}};
+static const iso_names action_names = ISO_NAMES_OF_NAMES("action", actions);
+
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_tf_arguments a = {.level_count = 4};
@@ -173,20 +181,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = announce_output(&a, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
-        const char *what = cli.arguments[0];
-        status =
-            strcmp(what, "adapt") == 0     ? iso_cli_tf_adapt(&a, err)
-            : strcmp(what, "convert") == 0 ? iso_cli_tf_convert(&a, err)
-            : strcmp(what, "names") == 0   ? iso_cli_tf_names(&a, err)
-            : strcmp(what, "show") == 0    ? iso_cli_tf_show(&a, err)
-            : strcmp(what, "bound") == 0   ? bound(&a, err)
-            : strcmp(what, "suggest") == 0 ? iso_cli_tf_suggest(&a, err)
-            : strcmp(what, "triangle") == 0
-                ? triangle(&a, err)
-                : iso_fail(
-                      err, ISO_E_USAGE,
-                      "unknown action \"%s\", must be one of: adapt, bound, convert, names, show, suggest, triangle",
-                      what);
+        size_t row = 0;
+        status = iso_names_find(&action_names, cli.arguments[0], &row, err);
+        TRY(status, actions[row].run(&a, err));
     }
     iso_cli_end(&cli);
     return status;

@@ -53,8 +53,9 @@ static iso_status take_codes(const view_arguments *a, const iso_pyramid_options 
 /* The levels that go in: the finest that is small enough, unless one is asked for, down to a thumbnail. */
 static iso_status choose_levels(const view_arguments *a, const iso_pyramid *p, iso_viewer *v, iso_error *err)
 {
-    if (a->level >= 0 && (size_t)a->level >= p->level_count)
-        return iso_fail(err, ISO_E_RANGE, "--level %d: the pyramid has levels 0 to %zu", a->level, p->level_count - 1);
+    const iso_status status = a->level >= 0 ? iso_pyramid_check_level(p, NULL, (size_t)a->level, err) : ISO_OK;
+    if (status != ISO_OK)
+        return status;
     v->first = a->level >= 0 ? (size_t)a->level : iso_viewer_finest_level(p, a->most);
     if (a->plan && v->first == 0)
         v->first = 1; /* the plan stands for level 0 */
@@ -100,9 +101,10 @@ static void report(const view_arguments *a, const iso_cli *cli, const iso_viewer
     }
     if (cli->quiet)
         return;
-    printf("%s: levels %zu to %zu, the finest %zu x %zu x %zu, %.3g MB (%.3g kB of it the page itself)\n", a->output,
-           v->first, v->last, n[0], n[1], n[2], (double)size->page_bytes / 1e6,
-           (double)(size->page_bytes - size->data_bytes) / 1e3);
+    char levels[48];
+    snprintf(levels, sizeof levels, v->first == v->last ? "level %zu" : "levels %zu to %zu", v->first, v->last);
+    printf("%s: %s, the finest %zu x %zu x %zu, %.3g MB (%.3g kB of it the page itself)\n", a->output, levels, n[0],
+           n[1], n[2], (double)size->page_bytes / 1e6, (double)(size->page_bytes - size->data_bytes) / 1e3);
     if (v->plan) {
         printf("%s: %zu of %zu bricks in %.3g million texels, of %.3g million voxels\n", v->plan->name, size->plan_bricks,
                iso_brick_count(v->plan->nodes), 1e-6 * (double)size->plan_texels,

@@ -120,18 +120,38 @@ static iso_status guard_files_beside(const iso_export_arguments *a, const iso_ex
     return target->guard(a->output, (size_t)a->level, (size_t)a->level_count, a->roi.box != NULL, a->force, err);
 }
 
+/* Refuses an output whose ending belongs to another target. */
+static iso_status check_ending(const iso_export_target *target, const char *output, iso_error *err)
+{
+    const char *own = strchr(target->output, '.');
+    if (own && !iso_path_ends_with(output, own))
+        return iso_fail(err, ISO_E_USAGE, "%s: the name for --to %s must end in %s", output, target->name, own);
+    for (size_t row = 0; !own && row < iso_export_target_names.count; ++row) {
+        const iso_export_target *other = iso_export_target_at(row);
+        const char *ending = strchr(other->output, '.');
+        if (ending && iso_path_ends_with(output, ending))
+            return iso_fail(err, ISO_E_USAGE, "%s: ends in %s as for --to %s, but --to %s writes a folder", output,
+                            ending, other->name, target->name);
+    }
+    return ISO_OK;
+}
+
 iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **target, iso_error *err)
 {
     char names[256];
     size_t row = 0;
-    if (!a->to || iso_names_find(&iso_export_target_names, a->to, &row, NULL) != ISO_OK)
-        return iso_fail(err, ISO_E_USAGE, "--to is \"%s\", wanted %s", a->to ? a->to : "",
+    if (!a->to)
+        return iso_fail(err, ISO_E_USAGE, "--to is missing: %s",
                         iso_names_join(&iso_export_target_names, "or", names, sizeof names));
+    iso_status status = iso_names_find(&iso_export_target_names, a->to, &row, err);
+    if (status != ISO_OK)
+        return iso_fail_in(err, status, "--to");
     *target = iso_export_target_at(row);
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->summary);
-    iso_status status = iso_words_check_range("--level", a->level, 0, 63, err);
-    TRY(status, iso_words_check_range("--levels", a->level_count, 1, 64, err));
+    TRY(status, check_ending(*target, a->output, err));
+    TRY(status, iso_words_check_range("--level", a->level, 0, 63, err));
+    TRY(status, iso_words_check_range("--levels", a->level_count, 1, 32, err));
     if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
         status = iso_words_check_range("--step", a->step, 1e-3, 16, err);
     TRY(status, check_options(a, *target, err));

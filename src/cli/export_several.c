@@ -176,9 +176,7 @@ static iso_status load(void *user, size_t i, iso_pyramid *p, iso_view *view, cha
     else if (i > 0)
         iso_volume_input_defaults(&input); /* the options are the first volume's */
     iso_status status = iso_subject_load_pyramid(v->path, &input, &build, &job->progress, p, err);
-    if (status == ISO_OK && a->level >= p->level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s: level %zu, the pyramid has levels 0 to %zu", v->path, a->level,
-                          p->level_count - 1);
+    TRY(status, iso_pyramid_check_level(p, v->path, a->level, err));
     TRY(status, make_view(job, i, p, view, err));
     snprintf(name, NAME_BYTES, "%s", v->name);
     return status;

@@ -28,7 +28,7 @@ static void print_overview(FILE *file)
             running->name);
     for (const iso_command *const *c = running->commands; *c; ++c)
         fprintf(file, "  %-10s %s\n", (*c)->name, (*c)->summary);
-    fprintf(file, "\n%s COMMAND --help shows its options, with examples.\n%s\nexit codes:\n", running->name,
+    fprintf(file, "\n%s help COMMAND shows its options, with examples.\n%s\nexit codes:\n", running->name,
             running->more ? running->more : "");
 #define ISO_STATUS_LINE(name, code, text) fprintf(file, "  %d  %s\n", code, text);
     ISO_STATUS_LIST(ISO_STATUS_LINE)
@@ -109,6 +109,10 @@ static int run(int argc, const char **argv)
         print_overview(stderr);
         return ISO_E_USAGE;
     }
+    if (argc > 2 && strcmp(argv[1], "help") == 0 && argv[2][0] != '-') { /* "help render": render --help */
+        memmove(argv + 1, argv + 2, (size_t)(argc - 2) * sizeof *argv);
+        argv[argc - 1] = "--help";
+    }
     const int word = running->run_word ? running->run_word(argc, argv, &err) : ISO_PROGRAM_NO_WORD;
     if (word != ISO_PROGRAM_NO_WORD)
         return say(argv[1], flush_output((iso_status)word, &err), &err);
@@ -120,7 +124,10 @@ static int run(int argc, const char **argv)
         printf("%s %s\n", running->name, ISO_VERSION);
         return say("", flush_output(ISO_OK, &err), &err);
     }
+    iso_guess guess = {0};
+    char text[80];
     for (const iso_command *const *c = running->commands; *c; ++c) {
+        iso_guess_try(&guess, argv[1], (*c)->name);
         if (strcmp((*c)->name, argv[1]) != 0)
             continue;
         const char *const name = name_of(*c, argc, argv);
@@ -128,7 +135,8 @@ static int run(int argc, const char **argv)
         status = (*c)->run(*c, argc - 1, argv + 1, &err);
         return say(name, flush_output(status, &err), &err);
     }
-    fprintf(stderr, "%s: unknown command \"%s\"; %s --help lists them\n", running->name, argv[1], running->name);
+    fprintf(stderr, "%s: unknown command \"%s\"%s; %s --help lists them\n", running->name, argv[1],
+            iso_guess_text(&guess, "", text), running->name);
     return ISO_E_USAGE;
 }
 

@@ -82,9 +82,9 @@ static void report(const iso_cli *cli, const char *path, size_t level, const iso
 {
     if (!cli->json) {
         printf(
-            "%s: level %zu, %zu of %zu bricks were loaded in %zu passes, %.4g MB read with %.4g MB of memory, %.3g s\n",
-            path, level, s->bricks, s->bricks_of_level, s->passes, s->bytes_read / 1048576, s->memory_bytes / 1048576,
-            s->seconds);
+            "%s: level %zu, %zu of %zu bricks were loaded in %zu pass%s, %.4g MB read with %.4g MB of memory, %.3g s\n",
+            path, level, s->bricks, s->bricks_of_level, s->passes, s->passes == 1 ? "" : "es", s->bytes_read / 1048576,
+            s->memory_bytes / 1048576, s->seconds);
         return;
     }
     json_array_append_new(frames,
@@ -125,9 +125,7 @@ iso_status iso_cli_render_paged(const iso_render_arguments *a, const iso_cli *cl
         status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
     TRY(status, iso_words_check_range("--level", a->level, 0, 63, err));
     TRY(status, iso_pyramid_load_outline(cli->arguments[0], &pyramid, err));
-    if (status == ISO_OK && (size_t)a->level >= pyramid.level_count)
-        status = iso_fail(err, ISO_E_RANGE, "level %d: the pyramid has levels 0 to %zu", a->level,
-                          pyramid.level_count - 1);
+    TRY(status, iso_pyramid_check_level(&pyramid, cli->arguments[0], (size_t)a->level, err));
     TRY(status, make_view(a, cli, &pyramid, &view, err));
     const size_t last = (size_t)a->level, first = a->refine && pyramid.level_count ? pyramid.level_count - 1 : last;
     for (size_t k = first + 1; k-- > last && status == ISO_OK;)

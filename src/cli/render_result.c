@@ -77,8 +77,8 @@ void iso_render_report_cache(const iso_cached_report *r, const iso_cli *cli)
 {
     if (cli->json || cli->quiet)
         return;
-    printf("cache: %.4g bytes on %zu page%s; %zu bricks,", r->cache_bytes, r->page_count, r->page_count == 1 ? "" : "s",
-           r->brick_count);
+    printf("cache: %.4g bytes on %zu page%s; %zu bricks,", r->cache_bytes, r->page_count,
+           iso_words_plural(r->page_count), r->brick_count);
     for (size_t l = 0; l < ISO_BRICK_MAX_LEVELS; ++l)
         if (r->bricks_by_level[l] > 0)
             printf(" %zu at level %zu", r->bricks_by_level[l], l);

@@ -224,8 +224,9 @@ static iso_status tell(const writing *w, iso_error *err)
     json_array_foreach(w->elsewhere.left_out, i, one)
         printf("left out: %s: %s\n", json_string_value(json_object_get(one, "scene")),
                json_string_value(json_object_get(one, "why")));
-    printf("%s: %zu pictures are wanted of %zu requests; %s/README.txt lists them\n", w->asked->dir, count,
-           json_array_size(w->elsewhere.pictures), w->asked->dir);
+    const size_t requests = json_array_size(w->elsewhere.pictures);
+    printf("%s: %zu picture%s to render for %zu request%s; %s/README.txt lists them\n", w->asked->dir, count,
+           iso_words_plural(count), requests, iso_words_plural(requests), w->asked->dir);
     return ISO_OK;
 }
 

@@ -197,9 +197,7 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     TRY(status, iso_cli_look_check(&a->look, cli->threads, &look, err));
     TRY(status, iso_cli_adapt_options(&a->adapted, cli->threads, &checked, err));
     TRY(status, iso_cli_tf_load_subject(a, &look, !a->adapted.always, &build, &p, err));
-    if (status == ISO_OK && (size_t)a->level >= p.level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", cli->arguments[1],
-                          a->level, p.level_count - 1);
+    TRY(status, iso_pyramid_check_level(&p, cli->arguments[1], (size_t)a->level, err));
     for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
         if (a->level == 0)
             status = guard_level(a, k, err);

@@ -77,9 +77,7 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
     TRY(status, iso_cli_adapt_options(a->adapted, a->cli->threads, &checked, err));
     TRY(status, iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err));
     TRY(status, iso_subject_refuse_labels(&p, a->cli->arguments[1], "the bound", err));
-    if (status == ISO_OK && (size_t)a->level >= p.level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s: level %d, the pyramid has levels 0 to %zu", a->cli->arguments[1],
-                          a->level, p.level_count - 1);
+    TRY(status, iso_pyramid_check_level(&p, a->cli->arguments[1], (size_t)a->level, err));
     TRY(status, iso_subject_make_view(&look, &p, &view, err));
     if (status == ISO_OK)
         iso_cli_warn_of_view(a->cli, &p, &view, NULL, &(bool){false});

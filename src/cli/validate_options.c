@@ -45,7 +45,7 @@ static iso_status check_folder(const char *option, const char *path, const char 
 iso_status iso_validate_check_arguments(const iso_validate_arguments *a, const iso_cli *cli, iso_pyramid_options *build,
                                         iso_error *err)
 {
-    iso_status status = iso_words_check_range("--levels", a->level_count, 0, 16, err);
+    iso_status status = iso_words_check_range("--levels", a->level_count ? a->level_count : 1, 1, 16, err);
     if (status == ISO_OK && a->seeds)
         status = iso_words_check_range("--seeds", a->seeds, 2, 32, err);
     if (status == ISO_OK && a->level_views)

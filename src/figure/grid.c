@@ -34,9 +34,7 @@ static iso_status choose(grid *g, const iso_figure_job *job, iso_error *err)
             g->with[g->columns++] = iso_renderer_at(i);
     }
     g->levels = job->levels ? (size_t)job->levels : OWN_LEVELS;
-    return g->levels > MOST_LEVELS
-               ? iso_fail(err, ISO_E_RANGE, "--levels is %zu, must be 1 to %d: a row each", g->levels, (int)MOST_LEVELS)
-               : status;
+    return status == ISO_OK ? iso_words_check_range("--levels", (double)g->levels, 1, MOST_LEVELS, err) : status;
 }
 
 /* On the left of a row, upright: which level, and what part of the voxels it has. */

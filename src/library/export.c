@@ -30,7 +30,7 @@ static iso_status check_levels(const iso_pyramid *p, const iso_export_options *o
 {
     if (o->level_count < 1)
         return iso_fail(err, ISO_E_RANGE, "export of 0 levels, must be at least 1");
-    iso_status status = iso_pyramid_check_level(p, o->level, err);
+    iso_status status = iso_pyramid_check_level(p, NULL, o->level, err);
     if (status == ISO_OK && o->level_count > p->level_count - o->level)
         status = iso_fail(err, ISO_E_RANGE, "export of %zu levels from %zu on: the pyramid has levels 0 to %zu",
                           o->level_count, o->level, p->level_count - 1);

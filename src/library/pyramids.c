@@ -72,17 +72,10 @@ size_t iso_pyramid_level_count(const iso_pyramid *pyramid)
     return pyramid->level_count;
 }
 
-iso_status iso_pyramid_check_level(const iso_pyramid *p, size_t level, iso_error *err)
-{
-    if (level < p->level_count)
-        return ISO_OK;
-    return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", level, p->level_count - 1);
-}
-
 iso_status iso_pyramid_level(const iso_pyramid *pyramid, size_t level, iso_level_view *view, iso_error *err)
 {
     *view = (iso_level_view){0};
-    iso_status status = iso_pyramid_check_level(pyramid, level, err);
+    iso_status status = iso_pyramid_check_level(pyramid, NULL, level, err);
     if (status != ISO_OK)
         return status;
     const iso_level *l = &pyramid->levels[level];
@@ -113,7 +106,7 @@ static void decode_to_unit_ball(iso_code code, const uint8_t *bytes, float *dire
 
 iso_status iso_pyramid_directions(const iso_pyramid *pyramid, size_t level, float *directions, iso_error *err)
 {
-    iso_status status = iso_pyramid_check_level(pyramid, level, err);
+    iso_status status = iso_pyramid_check_level(pyramid, NULL, level, err);
     if (status == ISO_OK)
         decode_to_unit_ball(pyramid->options.code, pyramid->levels[level].codes, directions,
                             iso_geometry_voxel_count(&pyramid->levels[level].geometry));

@@ -65,7 +65,7 @@ iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const 
     iso_view view = {0};
     *image = (iso_image){0};
     iso_status status = take_options(&given, &o, err);
-    TRY(status, iso_pyramid_check_level(pyramid, given.level, err));
+    TRY(status, iso_pyramid_check_level(pyramid, NULL, given.level, err));
     TRY(status, iso_scene_view(scene, pyramid, given.tf, given.width, given.height, &view, err));
     if (status == ISO_OK)
         status = iso_render_with(&(iso_render_request){&renderers, pyramid, given.level, &view, &o, &progress}, image,

@@ -21,9 +21,6 @@ static inline iso_progress iso_progress_of(iso_progress_callback report, void *u
     return (iso_progress){.report = report, .user = user};
 }
 
-/* ISO_E_RANGE for a level that is not there. */
-iso_status iso_pyramid_check_level(const iso_pyramid *p, size_t level, iso_error *err);
-
 /* The scene, resolved for the pyramid, with the TF and the image size that options ask for (NULL, 0: its own). */
 iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const iso_tf *tf, size_t width, size_t height,
                           iso_view *view, iso_error *err);

@@ -93,7 +93,7 @@ iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t lev
     iso_tf_table original = {0}, table = {0};
     iso_tf made;
     *adapted = NULL;
-    iso_status status = iso_pyramid_check_level(pyramid, level, err);
+    iso_status status = iso_pyramid_check_level(pyramid, NULL, level, err);
     if (status == ISO_OK && level == 0)
         return keep(iso_tf_copy(tf, &made, err), &made, adapted, err);
     TRY(status, tabulate(tf, pyramid, &original, err));

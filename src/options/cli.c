@@ -364,6 +364,30 @@ static bool take_help_all(int argc, const char **argv)
     return found;
 }
 
+static void guess_option(const struct poptOption *o, const char *word, iso_guess *guess)
+{
+    for (; o->longName || o->shortName || o->arg; ++o)
+        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
+            guess_option(o->arg, word, guess);
+        else if (o->longName)
+            iso_guess_try(guess, word, o->longName);
+}
+
+static iso_status fail_option(const iso_command *command, poptContext context, const struct poptOption *table,
+                              int result, int argc, const char **argv, iso_error *err)
+{
+    const char *bad = poptBadOption(context, POPT_BADOPTION_NOALIAS);
+    char option[64], word[64], text[80];
+    iso_guess guess = {0};
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(bad, "="), bad);
+    if (result == POPT_ERROR_BADOPT && strncmp(word, "--", 2) == 0)
+        guess_option(table, word + 2, &guess);
+    return iso_fail(err, ISO_E_USAGE, "%s%s: %s%s; %s %s --help lists the options%s",
+                    option_before(bad, argc, argv, option), bad, poptStrerror(result),
+                    iso_guess_text(&guess, "--", text), program, command->name,
+                    command->is_inner ? ", of which a file may name those of this command alone" : "");
+}
+
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
                          struct poptOption *options, iso_cli_next *next, iso_error *err)
 {
@@ -405,13 +429,8 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     do
         result = poptGetNextOpt(cli->context);
     while (result > 0);
-    if (result < -1) {
-        const char *bad = poptBadOption(cli->context, POPT_BADOPTION_NOALIAS);
-        char option[64];
-        return iso_fail(err, ISO_E_USAGE, "%s%s: %s; %s %s --help lists the options%s",
-                        option_before(bad, argc, argv, option), bad, poptStrerror(result), program, command->name,
-                        command->is_inner ? ", of which a file may name those of this command alone" : "");
-    }
+    if (result < -1)
+        return fail_option(command, cli->context, table, result, argc, argv, err);
     if (help) {
         print_help(command, table, cli->context, all || !command->common);
         *next = ISO_CLI_STOP;

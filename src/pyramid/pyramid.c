@@ -69,6 +69,15 @@ double iso_pyramid_hi(const iso_pyramid *p)
     return has_value_range(p) ? p->options.value_range[1] : p->levels[0].max;
 }
 
+iso_status iso_pyramid_check_level(const iso_pyramid *p, const char *path, size_t level, iso_error *err)
+{
+    char known[48];
+    snprintf(known, sizeof known, p->level_count > 1 ? "levels 0 to %zu" : "level 0 alone", p->level_count - 1);
+    return level < p->level_count ? ISO_OK
+                                  : iso_fail(err, ISO_E_RANGE, "%s%slevel %zu: the pyramid has %s", path ? path : "",
+                                             path ? ": " : "", level, known);
+}
+
 const char *iso_scalar_filter_name(iso_scalar_filter f)
 {
     return scalar_filters[f].name;

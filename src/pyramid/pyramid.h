@@ -155,6 +155,9 @@ void iso_pyramid_destroy(iso_pyramid *p);
 double iso_pyramid_lo(const iso_pyramid *p);
 double iso_pyramid_hi(const iso_pyramid *p);
 
+/* ISO_E_RANGE unless the pyramid has the level. path: starts the message, or NULL. */
+iso_status iso_pyramid_check_level(const iso_pyramid *p, const char *path, size_t level, iso_error *err);
+
 /* iso_pyramid_save() writes a directory NAME.iso, complete or absent: in the library's header. */
 /* Checks the sizes and the checksums that pyramid.json states. */
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err);

@@ -144,9 +144,9 @@ static iso_status check(const iso_render_request *q, iso_error *err)
     char names[256];
     const iso_renderer_info *r = q->options->renderer;
     const asked_trait lacking = find_lacking(r, q->pyramid, q->view, q->options->isosurface);
-    if (q->level >= q->pyramid->level_count)
-        return iso_fail(err, ISO_E_RANGE, "level %zu: the pyramid has levels 0 to %zu", q->level,
-                        q->pyramid->level_count - 1);
+    const iso_status status = iso_pyramid_check_level(q->pyramid, NULL, q->level, err);
+    if (status != ISO_OK)
+        return status;
     if (lacking.asked)
         return iso_fail(err, ISO_E_USAGE, "%s are rendered by %s, not by %s", lacking.what,
                         iso_renderers_with(lacking.trait, ", ", " and ", names, sizeof names), r->name);
