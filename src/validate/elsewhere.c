@@ -171,7 +171,7 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
         "==================\n\n"
         "Each folder holds one request: request.json describes the picture, volume.nrrd has the values and\n"
         "directions.nrrd, if a light is visible, their directions. isoshade's doc/reference/files-request.md\n"
-        "has the keys, doc/extending.md a short renderer that reads them.\n\n"
+        "has the keys, doc/guide/numpy_renderer.py is a short renderer that reads them.\n\n"
         "Draw these, and leave each where its request lies: OpenEXR, 32-bit float, channels R G B A, linear light,\n"
         "color multiplied by alpha, background included, of exactly that size:\n\n",
         f);
