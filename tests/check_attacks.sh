@@ -91,7 +91,7 @@ echo thesis >measured/isoshade-bench.nrrd
 cp -r measured measured.before
 check a_measurement_of_files isoshade bench build --size 16 --levels 2 --runs 1 --files measured -q
 check leaves_what_a_person_has_there diff -r measured measured.before
-refuse where_nothing_can_be_made_it_says_so 3 'nowhere: no folder can be made in it' isoshade bench build --size 16 --levels 2 --runs 1 --files nowhere -q
+refuse where_nothing_can_be_made_it_says_so 3 'nowhere: cannot create a folder in it' isoshade bench build --size 16 --levels 2 --runs 1 --files nowhere -q
 
 # ---- closed streams, limits and ends ----
 isoshade make sphere --size 20 --gzip -o closed.nrrd <&- >&- 2>&-

@@ -77,7 +77,7 @@ write('has.json', 1, [('same', 'c', usual, ''), ('fails', 'c', [None, None], 'ex
                       ('wide', 'c', [1, 9], ''), ('never', 'c', [None, None], 'no Blender here'), ('new', 'c', usual, '')])
 E
 expect figures_that_are_gone_are_exit_1 1 "$ISOSHADE" bench compare had.json has.json
-check the_error_counts_them grep -q 'of the figures 2 that had a value have none any more' err
+check the_error_counts_them grep -q 'figures without a value in AFTER: 2' err
 check other_threads_are_said grep -q 'measured apart, with other threads$' out
 check an_interval_without_end_has_a_dash grep -Eq '^wide +1.000 +0.[0-9]+ to - *$' out
 check each_is_listed_with_its_cause "$python" - <<'E'
@@ -85,7 +85,7 @@ import re
 found = dict(re.findall(r'^(\w+) .* (gone|another command|not compared)\n', open('out').read(), re.M))
 causes = dict(re.findall(r'^(\w+) .*\n +(.*)$', open('out').read(), re.M))
 assert found == {'gone': 'gone', 'fails': 'gone', 'other': 'another command', 'never': 'not compared'}, found
-assert causes == {'gone': 'AFTER does not have it', 'fails': 'exit code 6', 'other': 'c --more', 'never': 'no Blender here'}, causes
+assert causes == {'gone': 'missing in AFTER', 'fails': 'exit code 6', 'other': 'c --more', 'never': 'no Blender here'}, causes
 E
 expect in_the_answer_too 1 "$ISOSHADE" bench compare had.json has.json --json
 check with_its_cause grep -q '"cause": "exit code 6"' out

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* faults.c - failures that no option of ours makes: they are planted. */
+/* faults.c - failures that no option produces, planted in the level's data. */
 #include <math.h>
 #include <string.h>
 
@@ -31,7 +31,7 @@ iso_status iso_atlas_true_normals(const iso_atlas_scene *scene, iso_pyramid *p, 
     return ISO_OK;
 }
 
-/* Gradients are covariant: this forgets the inverse transpose. */
+/* Stores index gradients without the inverse transpose that covariant gradients need. */
 iso_status iso_atlas_index_gradients(const iso_atlas_scene *scene, iso_pyramid *p, size_t level, iso_error *err)
 {
     (void)scene;
@@ -58,15 +58,15 @@ iso_status iso_atlas_folded_codes(const iso_atlas_scene *scene, iso_pyramid *p, 
 
 /* ---- two angles ---- */
 
-/* Azimuth and cosine of the polar angle. */
+/* Converts azimuth and cosine of the polar angle to a unit vector. */
 static iso_vec3 from_angles(double azimuth, double z)
 {
     double r = sqrt(fmax(1 - z * z, 0));
     return iso_v3(r * cos(azimuth), r * sin(azimuth), z);
 }
 
-/* The direction at a voxel from the eight stored ones round it: vectors, or angles. The stored grid is four times as
- * coarse. */
+/* Interpolates the direction at a voxel from the eight stored directions around it, as vectors or as angles. The stored
+ * grid is four times coarser. */
 static iso_vec3 filtered_direction(const iso_atlas_scene *scene, const iso_geometry *g, size_t voxel, bool angles)
 {
     enum { coarse = 4 };
@@ -112,7 +112,7 @@ iso_status iso_atlas_coarse_vectors(const iso_atlas_scene *scene, iso_pyramid *p
 
 /* ---- lambda of Eq. 2 ---- */
 
-/* [diaz-garcia-2017] Eq. 2, for sorted lattice points e.x >= e.y >= e.z >= 0; not normalized, which is only a scale. */
+/* [diaz-garcia-2017] Eq. 2, for sorted lattice points e.x >= e.y >= e.z >= 0; not normalized. */
 static iso_vec3 equation2(double lambda, iso_vec3 e)
 {
     double t[3] = {1 - e.y / e.x, (e.y - e.z) / e.x, e.z / e.x};
@@ -127,7 +127,7 @@ static double inverse_of_equation2(double lambda, double y)
     return y > 0 ? 2 * y / (k + sqrt(k * k + 4 * lambda * y)) : 0;
 }
 
-/* The lattice direction (1, b, c) that Eq. 2 moves to sorted d: of one unknown, the scale of Eq. 2's result. */
+/* Inverts Eq. 2: the lattice direction (1, b, c) moved to sorted d. The unknown is its scale. */
 static iso_vec3 before_equation2(double lambda, iso_vec3 d)
 {
     const double u = (d.x - d.y) / d.x, v = (d.y - d.z) / d.x, w = d.z / d.x;
@@ -142,7 +142,7 @@ static iso_vec3 before_equation2(double lambda, iso_vec3 d)
     return iso_v3(1, c + inverse_of_equation2(lambda, hi * v), c);
 }
 
-/* The stored direction nearest to sorted d: odd components up to 255, all lengths, all neighbors of the rounding. */
+/* Finds the stored direction nearest to sorted d: odd components up to 255, all lengths, all roundings. */
 static iso_vec3 nearest_of_48_regions(double lambda, iso_vec3 d)
 {
     const iso_vec3 t = before_equation2(lambda, d);
@@ -173,7 +173,7 @@ iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_
     for (size_t i = 0; status == ISO_OK && i < ISO_ATLAS_PIXELS * ISO_ATLAS_PIXELS; ++i) {
         double y = fabs(((double)(i % ISO_ATLAS_PIXELS) + 0.5) / ISO_ATLAS_PIXELS * 2 - 1) * reach;
         double z = fabs(((double)(i / ISO_ATLAS_PIXELS) + 0.5) / ISO_ATLAS_PIXELS * 2 - 1) * reach;
-        /* By symmetry in the chamber x >= y >= z >= 0. */
+        /* The code is symmetric: the chamber x >= y >= z >= 0 is enough. */
         const iso_vec3 d = iso_normalize(iso_v3(1, fmax(y, z), fmin(y, z)));
         const iso_vec3 off = iso_sub(which == ISO_ATLAS_RIGHT ? d : nearest_of_48_regions(lambda, d), d);
         const double angle = 2 * asin(0.5 * iso_norm(off)) / degree;
@@ -187,7 +187,7 @@ iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_
 
 /* ---- bricks ---- */
 
-/* A cut as gray values. Its left half lies in a fine brick, its right half in a coarse one. */
+/* Draws a cut as gray values. The left half lies in a fine brick, the right half in a coarse one. */
 static iso_status show_cut(const iso_brick_field *f, iso_image *image, double *jump, iso_error *err)
 {
     const double face = (double)f->nodes->brick_voxels, tiny = 1e-7, n = ISO_ATLAS_PIXELS;

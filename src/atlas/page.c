@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* page.c - the atlas as a page: a section a case, its pictures, its volume and scene, its commands. */
+/* page.c - the atlas as a page: one section per case with its pictures, volume, scene and commands. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdlib.h>
@@ -13,12 +13,12 @@
 
 ISO_EMBED(iso_atlas_head, "src/atlas/atlas.html");
 
-/* What is drawn of one case. */
+/* A case, its result, and the layout of its section. */
 typedef struct drawing {
     const iso_atlas_page *page;
     const iso_atlas_case *c;
     const iso_atlas_result *r;
-    double largest; /* the top of the difference maps' colors */
+    double largest; /* upper end of the difference maps' colors */
     size_t zoom[2]; /* column and row of the zoomed square's corner */
 } drawing;
 
@@ -38,7 +38,7 @@ static double difference_at(const iso_image *a, const iso_image *b, size_t pixel
     return d;
 }
 
-/* How much there is to see in a square of the right picture: what its pixels differ from their mean. */
+/* Returns the detail in a square of the right picture: the deviation of its pixels from their mean. */
 static double structure(const iso_image *image, size_t x, size_t y)
 {
     double mean = 0, sum = 0;
@@ -53,7 +53,7 @@ static double structure(const iso_image *image, size_t x, size_t y)
     return sum;
 }
 
-/* Where the failure is farthest from what is right and the fallback is not; among equals, where there is an edge. */
+/* Finds the square with a large error in the failure and a small one in the fallback; ties go to edges. */
 static void find_zoom(drawing *d)
 {
     const iso_image *right = &d->r->images[ISO_ATLAS_RIGHT];
@@ -74,7 +74,7 @@ static void find_zoom(drawing *d)
         }
 }
 
-/* Colors from dark to bright, made linear as images are. */
+/* Maps t in [0, 1] to a color from dark to bright, in linear light as images are. */
 static void paint(double t, float rgba[4])
 {
     static const double stops[5][3] = {{8, 8, 24}, {72, 20, 110}, {176, 44, 104}, {244, 126, 60}, {252, 246, 190}};
@@ -147,7 +147,7 @@ static iso_status save_scene(const drawing *d, iso_error *err)
 
 /* ---- commands ---- */
 
-/* A word of a command for the shell. */
+/* Writes a word of a command, quoted for the shell. */
 static void put_word(FILE *f, const char *folder, const char *rest)
 {
     bool plain = strspn(folder, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._/+-") ==
@@ -161,7 +161,7 @@ static void put_word(FILE *f, const char *folder, const char *rest)
         fputc('\'', f);
 }
 
-/* The folder and the case's file of it as one word. */
+/* Writes the path of one of the case's files as one word. */
 static void put_file(FILE *f, const drawing *d, const char *suffix)
 {
     char *rest = NULL;
@@ -170,8 +170,7 @@ static void put_file(FILE *f, const drawing *d, const char *suffix)
     free(rest);
 }
 
-/* Lines to type, from the case's volume and scene to the figure under its picture. None of a way that no option
- * makes. */
+/* Returns the commands from volume and scene to the figure under the picture; none if no option produces it. */
 static char *commands_of(const drawing *d, iso_atlas_which which)
 {
     const iso_atlas_way *way = &d->c->ways[which];
@@ -210,7 +209,7 @@ static char *case_command(const drawing *d)
 
 /* ---- the section ---- */
 
-/* Commands, whose words are not broken at their hyphens. */
+/* Writes commands as HTML; their words do not break at hyphens. */
 static void put_advice(FILE *html, const char *text)
 {
     for (const char *s = text; *s;) {
@@ -225,7 +224,7 @@ static void put_advice(FILE *html, const char *text)
     fputs("</code>", html);
 }
 
-/* A picture with the frame of its zoomed square, or that square. */
+/* Writes a picture with the frame of its enlarged square, or that square. */
 static void put_picture(FILE *html, const drawing *d, const char *suffix, bool zoomed)
 {
     const double unit = 100.0 / ISO_ATLAS_PIXELS, scale = (double)ISO_ATLAS_PIXELS / ISO_ATLAS_ZOOM;
@@ -244,10 +243,9 @@ static void put_pictures(FILE *html, const drawing *d)
     static const char *const suffixes[] = {"-right", "-failure", "-fallback", "-failure-difference",
                                            "-fallback-difference"};
     const iso_atlas_way *ways = d->c->ways;
-    fputs(
-        "<div class=\"grid\">\n<h3>as it should be</h3><h3 class=\"bad\">the failure</h3><h3 class=\"good\">the fallback</h3>"
-        "<h3>difference, failure</h3><h3>difference, fallback</h3>\n",
-        html);
+    fputs("<div class=\"grid\">\n<h3>right</h3><h3 class=\"bad\">the failure</h3><h3 class=\"good\">the fallback</h3>"
+          "<h3>difference, failure</h3><h3>difference, fallback</h3>\n",
+          html);
     for (size_t zoomed = 0; zoomed < 2; ++zoomed)
         for (size_t i = 0; i < sizeof suffixes / sizeof *suffixes; ++i)
             put_picture(html, d, suffixes[i], zoomed);
@@ -264,14 +262,14 @@ static void put_section(FILE *html, const drawing *d, const char *command)
     fprintf(html, "<section id=\"%s\"%s><h2>%s</h2>\n<p>%s <em>What to see:</em> %s</p>\n", c->id,
             iso_atlas_is_valid(c, d->r) ? "" : " class=\"fallen\"", c->title, c->cause, c->look);
     put_pictures(html, d);
-    fprintf(html, "<p class=\"figure\"><b>%.3g</b> and <b>%.3g</b>: %s. A failure from %g on; corrected up to %g.",
+    fprintf(html, "<p class=\"figure\"><b>%.3g</b> and <b>%.3g</b>: %s. Failure: %g or more; corrected: %g or less.",
             d->r->values[ISO_ATLAS_FAILURE], d->r->values[ISO_ATLAS_FALLBACK], iso_atlas_measure(c),
             c->failure_at_least, c->fallback_at_most);
     if (c->scene.field)
         fprintf(html, " Volume of %zu x %zu x %zu voxels.", c->scene.size[0], c->scene.size[1], c->scene.size[2]);
-    fputs("</p>\n<p class=\"advice\"><b>What helps</b> ", html);
+    fputs("</p>\n<p class=\"advice\"><b>Fallback</b> ", html);
     put_advice(html, c->advice);
-    fputs("</p>\n<details><summary>See it again</summary><pre>", html);
+    fputs("</p>\n<details><summary>Commands</summary><pre>", html);
     iso_markup_put(html, command);
     fputc('\n', html);
     for (int w = ISO_ATLAS_FAILURE; w < ISO_ATLAS_WAYS; ++w) {
@@ -280,7 +278,7 @@ static void put_section(FILE *html, const drawing *d, const char *command)
             fprintf(html, "\n# the %s\n", iso_atlas_names[w]);
             iso_markup_put(html, lines);
         } else if (c->ways[w].fault) {
-            fprintf(html, "\n# the %s is planted: no option makes it\n", iso_atlas_names[w]);
+            fprintf(html, "\n# the %s is planted: no option produces it\n", iso_atlas_names[w]);
         }
         free(lines);
     }
@@ -330,9 +328,8 @@ void iso_atlas_page_begin(FILE *html, const json_t *cases)
     json_t *c;
     size_t i;
     fputs(iso_atlas_head, html);
-    fputs(
-        "<table><thead><tr><th>what fails</th><th>failure</th><th>corrected</th><th>what helps</th></tr></thead><tbody>\n",
-        html);
+    fputs("<table><thead><tr><th>case</th><th>failure</th><th>corrected</th><th>fallback</th></tr></thead><tbody>\n",
+          html);
     json_array_foreach(cases, i, c)
     {
         fprintf(html, "<tr><td><a href=\"#%s\">%s</a></td><td>%.3g</td><td>%.3g</td><td>",

@@ -54,7 +54,7 @@ static double height_of(const iso_atlas_scene *s)
     return s->height_mm > 0 ? s->height_mm : 1.7;
 }
 
-/* Points are lent: at most 5. */
+/* Converts the scene's TF; it refers to `points`, of which at most 5 are used. */
 static iso_tf tf_of(const iso_atlas_scene *s, iso_tf_point points[5])
 {
     const double opacity = 1 - exp(-s->extinction_per_mm * unit_distance_mm);
@@ -118,7 +118,7 @@ json_t *iso_atlas_scene_to_json(const iso_atlas_scene *s, const char *comment)
 
 /* ---- a way ---- */
 
-/* The options of a way, as the two commands would take them. */
+/* Options of a way, parsed as by the two commands. */
 typedef struct taken_options {
     iso_pyramid_options build;
     iso_reference_options render;
@@ -139,13 +139,13 @@ static iso_status parse(const char *text, const struct poptOption *options, iso_
     if (!text)
         return ISO_OK;
     if (poptParseArgvString(text, &count, &words) != 0)
-        return iso_fail(err, ISO_E_USAGE, "atlas: \"%s\" is no list of options", text);
+        return iso_fail(err, ISO_E_USAGE, "atlas: \"%s\" is not a list of options", text);
     poptContext context = poptGetContext("atlas", count, words, options, POPT_CONTEXT_KEEP_FIRST);
     int rc = poptGetNextOpt(context);
     bool left = poptPeekArg(context) != NULL;
     poptFreeContext(context);
     free(words);
-    return rc == -1 && !left ? ISO_OK : iso_fail(err, ISO_E_USAGE, "atlas: an option of \"%s\" is not known", text);
+    return rc == -1 && !left ? ISO_OK : iso_fail(err, ISO_E_USAGE, "atlas: unknown option in \"%s\"", text);
 }
 
 static iso_status take_words(const option_words *w, taken_options *o, iso_error *err)
@@ -168,7 +168,7 @@ static iso_status take_words(const option_words *w, taken_options *o, iso_error 
     return status;
 }
 
-/* o->adapted.tf_2d is to be freed. */
+/* Parses the options of a way. Free o->adapted.tf_2d. */
 static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_error *err)
 {
     *o = (taken_options){.build = iso_pyramid_defaults(), .render = iso_reference_defaults()};

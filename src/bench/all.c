@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* all.c - every figure that the project stands for, in one run: repeated, beside its peer, and beside another program. */
+/* all.c - measures all headline figures in one run, repeated, against their peers and against another program. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -21,12 +21,12 @@ enum { MOST_REPEATS = 99, MOST_WORDS = 64, OURS = 0, OTHER = 1 };
 
 typedef struct all_bench {
     const iso_cli *cli;
-    const char *programs[2]; /* OTHER: NULL, or what --beside names */
-    const char *folder;      /* where commands work */
-    char **only;             /* names; ends with NULL; or NULL for all */
+    const char *programs[2]; /* OTHER: the program of --beside, or NULL */
+    const char *folder;      /* working folder of the commands */
+    char **only;             /* names, ends with NULL; NULL for all */
     int quick, repeats;
     double *values[2]; /* [headline * repeats + repeat]; NaN: not measured */
-    char **causes[2];  /* why a headline has no figure; or NULL */
+    char **causes[2];  /* why a headline has no figure, or NULL */
 } all_bench;
 
 /* ---- one command ---- */
@@ -42,7 +42,7 @@ static void take_line(void *user, const char *line)
     fprintf(((text *)user)->to, "%s\n", line);
 }
 
-/* argv points into words, which is cut up, and to threads; "": as many as the command takes by itself. */
+/* Splits words into argv (cuts words up) and appends threads; threads "": the command's own default. */
 static void split(char *words, const char *program, const char *threads, const char *argv[MOST_WORDS])
 {
     size_t count = 0;
@@ -56,8 +56,9 @@ static void split(char *words, const char *program, const char *threads, const c
     argv[count] = NULL;
 }
 
-/* The answer of "isoshade COMMAND --json", with what the process took. */
-static iso_status ask(const all_bench *b, const char *program, const char *command, json_t **answer, iso_error *err)
+/* Runs "isoshade COMMAND --json" and returns its answer, with time and memory of the process. */
+static iso_status run_json_command(const all_bench *b, const char *program, const char *command, json_t **answer,
+                                   iso_error *err)
 {
     const char *argv[MOST_WORDS];
     char *words = strdup(command), threads[32] = "";
@@ -95,7 +96,7 @@ static const char *command_of(const all_bench *b, size_t headline)
     return iso_headlines[headline].command[b->quick ? 1 : 0];
 }
 
-static bool is_asked(const all_bench *b, size_t headline)
+static bool is_requested(const all_bench *b, size_t headline)
 {
     for (char **name = b->only; name && *name; ++name)
         if (strcmp(*name, iso_headlines[headline].name) == 0)
@@ -103,13 +104,13 @@ static bool is_asked(const all_bench *b, size_t headline)
     return !b->only;
 }
 
-/* A command is run once for all headlines that it answers: from the first of them that is asked for. */
+/* True if this is the first requested headline of its command: one run answers all headlines of a command. */
 static bool is_first(const all_bench *b, size_t headline)
 {
-    if (!is_asked(b, headline))
+    if (!is_requested(b, headline))
         return false;
     for (size_t i = 0; i < headline; ++i)
-        if (is_asked(b, i) && strcmp(command_of(b, i), command_of(b, headline)) == 0)
+        if (is_requested(b, i) && strcmp(command_of(b, i), command_of(b, headline)) == 0)
             return false;
     return true;
 }
@@ -120,17 +121,17 @@ static void note_cause(char **causes, size_t headline, const iso_error *why)
         causes[headline] = strdup(why->text);
 }
 
-/* What fails has no figure, and says why; the others go on. */
+/* Measures a headline. On failure it has no figure but a cause, and the others go on. */
 static void measure(all_bench *b, size_t headline, int repeat, int which)
 {
     json_t *answer = NULL;
     iso_error why = {0};
-    const iso_status asked = ask(b, b->programs[which], command_of(b, headline), &answer, &why);
+    const iso_status status = run_json_command(b, b->programs[which], command_of(b, headline), &answer, &why);
     for (size_t i = headline; i < iso_headline_count; ++i) {
         double *value = &b->values[which][i * (size_t)b->repeats + (size_t)repeat];
-        if (!is_asked(b, i) || strcmp(command_of(b, i), command_of(b, headline)) != 0)
+        if (!is_requested(b, i) || strcmp(command_of(b, i), command_of(b, headline)) != 0)
             continue;
-        if (asked != ISO_OK || iso_headline_value(&iso_headlines[i], answer, value, &why) != ISO_OK) {
+        if (status != ISO_OK || iso_headline_value(&iso_headlines[i], answer, value, &why) != ISO_OK) {
             *value = NAN;
             note_cause(b->causes[which], i, &why);
         }
@@ -138,7 +139,7 @@ static void measure(all_bench *b, size_t headline, int repeat, int which)
     json_decref(answer);
 }
 
-/* Another program is measured in turn with ours, first in every other round: what else the machine does meets both. */
+/* Alternates which program runs first in each round, so that other load affects both. */
 static iso_status measure_all(all_bench *b, iso_error *err)
 {
     const iso_progress progress = iso_cli_progress(b->cli);
@@ -192,7 +193,7 @@ static json_t *headline_to_json(const all_bench *b, size_t i, int which)
     json_object_set_new(row, "values", list);
     json_object_set_new(row, "median", iso_json_number(median));
     json_object_set_new(row, "bar", iso_json_number(h->bar));
-    /* Bars are set for full sizes alone. */
+    /* Bars hold for full sizes only. */
     json_object_set_new(row, "met",
                         isnan(h->bar) || isnan(median) || b->quick ? json_null() : json_boolean(meets(h, median)));
     if (isnan(median) && b->causes[which][i])
@@ -210,13 +211,13 @@ static json_t *to_json(const all_bench *b, int which, const char *session)
     json_object_set_new(root, "machine", iso_machine_describe());
     json_object_set_new(root, "threads", json_integer(iso_threads(b->cli->threads)));
     for (size_t i = 0; i < iso_headline_count; ++i)
-        if (is_asked(b, i))
+        if (is_requested(b, i))
             json_array_append_new(rows, headline_to_json(b, i, which));
     json_object_set_new(root, "headlines", rows);
     return root;
 }
 
-/* other_cause: of the program beside, which has no figure either; or NULL. Bars do not hold for what is quick. */
+/* Prints a row. other_cause: why the other program has no figure, or NULL. Bars do not apply with --quick. */
 static void print_row(const json_t *row, const char *other_cause, bool quick)
 {
     char value[32] = "-", bar[32] = "";
@@ -243,7 +244,7 @@ static void print_all(const all_bench *b, const json_t *ours)
     size_t i, shown = 0;
     printf("%-14s %9s %-16s %-10s\n", "figure", "median", "", b->quick ? "" : "bar");
     for (i = 0; i < iso_headline_count; ++i) {
-        if (!is_asked(b, i))
+        if (!is_requested(b, i))
             continue;
         row = json_array_get(json_object_get(ours, "headlines"), shown++);
         print_row(row, b->causes[OTHER][i], b->quick);
@@ -281,7 +282,7 @@ static iso_status make_volume(const all_bench *b, iso_error *err)
     static const char *const commands[2] = {"make shells --size 512 --type uint8 -o volume.nrrd",
                                             "make shells --size 48 --type uint8 -o volume.nrrd"};
     json_t *answer = NULL;
-    const iso_status status = ask(b, b->programs[OURS], commands[b->quick ? 1 : 0], &answer, err);
+    const iso_status status = run_json_command(b, b->programs[OURS], commands[b->quick ? 1 : 0], &answer, err);
     json_decref(answer);
     return status;
 }
@@ -323,7 +324,7 @@ static iso_status check_names(char *const *names, iso_error *err)
     return ISO_OK;
 }
 
-/* "PROGRAM,FILE.json": cut at its last comma. */
+/* Splits "PROGRAM,FILE.json" at its last comma. */
 static iso_status split_beside(char *beside, char **program, const char **file, iso_error *err)
 {
     char *comma = strrchr(beside, ',');
@@ -349,13 +350,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     const char *beside_output = NULL;
     all_bench b = {.repeats = 5};
     struct poptOption options[] = {
-        {"only", 0, POPT_ARG_STRING, &only, 0, "these figures", "NAME,..."},
-        {"repeat", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.repeats, 0, "runs of each command", "N"},
-        {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "small volumes and pictures, for a try; no bar holds for them", NULL},
-        {"beside", 0, POPT_ARG_STRING, &beside, 0, "another isoshade, run in turn with this one; its figures go to FILE.json",
+        {"only", 0, POPT_ARG_STRING, &only, 0, "measure only these figures (all)", "NAME,..."},
+        {"repeat", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.repeats, 0, "run each command N times", "N"},
+        {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "use small volumes and pictures, to try it out; no bars", NULL},
+        {"beside", 0, POPT_ARG_STRING, &beside, 0, "run another isoshade in turn, write its figures to FILE.json",
          "PROGRAM,FILE.json"},
-        {"output", 'o', POPT_ARG_STRING, &output, 0, "the figures, for bench compare", "FILE.json"},
-        {"page", 0, POPT_ARG_STRING, &page, 0, "the figures as a page", "FILE.html"},
+        {"output", 'o', POPT_ARG_STRING, &output, 0, "write the figures, for bench compare", "FILE.json"},
+        {"page", 0, POPT_ARG_STRING, &page, 0, "write the figures as a page", "FILE.html"},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -395,11 +396,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_bench_all = {
     .name = "bench all",
-    .summary = "every figure that the project stands for, with its bar and its peer; for bench compare",
+    .summary = "all headline figures, each with its bar and its peer; for bench compare",
     .usage = "[options]",
-    .details = "Each command runs in a process of its own, as often as --repeat says; the median counts. Ratios have both parts from\n"
-               "one run. What cannot be measured says why and the others go on. Exit code 0 also where a bar is missed.\n"
-               "--threads is handed on to each command.",
+    .details = "Each command runs in a process of its own, --repeat times; the median counts. Both parts of a ratio\n"
+               "come from one run. If a figure cannot be measured, its cause is listed and the others go on. A\n"
+               "missed bar does not change the exit code. --threads is passed to each command.",
     .examples = "  isoshade bench all --quick --repeat 1 --only build-memory\n",
     .run = run,
 };

@@ -12,7 +12,7 @@ function put(parent, name, text, kind) {
     return element;
 }
 
-// Bytes as MB or GB, all else by four digits.
+// Bytes as MB or GB, other units with four digits.
 function show(value, unit) {
     if (value === null)
         return '–';
@@ -21,7 +21,7 @@ function show(value, unit) {
     return String(Number(value.toPrecision(4)));
 }
 
-// Bars are set for full sizes alone.
+// Bars hold for full sizes only.
 const hasBar = row => row.bar !== null && !data.options.quick;
 
 const WIDTH = 180, FACTOR = 4;

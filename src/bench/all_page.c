@@ -21,7 +21,7 @@ static json_t *sentence_of(const json_t *answer)
         missing += json_is_null(json_object_get(row, "median"));
     }
     if (judged == 0)
-        return json_string("Measured on small data, for which no bar holds");
+        return json_string("Measured on small data, so no bars apply");
     return json_sprintf("%zu of %zu bars are met%s", met, judged,
                         missing ? "; some figures could not be measured" : "");
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* all_page.h - the answer of `bench all` as a page. */
+/* all_page.h - writes the answer of `bench all` as a page. */
 #ifndef ISO_BENCH_ALL_PAGE_H
 #define ISO_BENCH_ALL_PAGE_H
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* bench.h - the one list of benchmarks; `isoshade bench NAME` and its help
- * expand from it. src/bench/NAME.c defines iso_bench_NAME, an iso_command
- * whose name is "bench NAME"; it is called and parses as a command does. */
+/* bench.h - the list of benchmarks, from which `isoshade bench NAME` and its help expand. src/bench/NAME.c defines
+ * iso_bench_NAME, an iso_command named "bench NAME". */
 #ifndef ISO_BENCH_H
 #define ISO_BENCH_H
 

@@ -18,25 +18,25 @@ typedef struct build_bench {
     iso_type type;
     iso_pyramid_options opt;
     int threads;
-    const char *files;  /* a folder to build to files in, too; or NULL */
-    const char *volume; /* the file to build there from; NULL: the volume that is built in memory */
+    const char *files;  /* folder for a build to files as well, or NULL */
+    const char *volume; /* input of that build; NULL: the volume in memory */
     double memory_mb;
 } build_bench;
 
-/* Seconds are the least of the runs; memory has been touched before. */
+/* Fastest times in seconds; memory has been touched before. */
 typedef struct build_times {
     double gradient, encode, pyramid,
-        total;                      /* of the build: with one level and nothing stored, with codes, with all levels */
-    double means;                   /* of the build with scalars by means */
-    double processor, processor_means; /* of both: processor time over all cores, which other work changes less */
-    double memcpy_build;            /* of half of what the build reads and writes, as memcpy does both */
-    double central, memcpy_central; /* central differences to float triples */
+        total;    /* of the build: with one level and nothing stored, with codes, with all levels */
+    double means; /* of the build with mean scalars */
+    double processor, processor_means; /* of both: over all cores, less affected by other work */
+    double memcpy_build;               /* of half of the build's traffic, as memcpy both reads and writes */
+    double central, memcpy_central;    /* central differences to float triples */
     size_t bytes_read, bytes_written, central_bytes;
     size_t level_count;
-    bench_files_times files; /* of the build from a file to files, when asked for */
+    bench_files_times files; /* of the build from a file to files, if requested */
 } build_times;
 
-/* A small synthetic block, repeated: any size in no time. The speed does not depend on the values. */
+/* Fills the volume with a small repeated block, which is fast at any size. Speed does not depend on the values. */
 static iso_status fill(const build_bench *b, iso_volume *v, iso_error *err)
 {
     const size_t edge = 32, block_size[3] = {edge, edge, edge};
@@ -71,7 +71,7 @@ static double copy_seconds(char *to, const char *from, size_t bytes, int threads
     return iso_clock_seconds() - start;
 }
 
-/* memcpy of `bytes`, buffers touched before. */
+/* Measures a memcpy of `bytes` between buffers touched before. */
 static iso_status time_memcpy(size_t bytes, size_t runs, int threads, double *seconds, iso_error *err)
 {
     char *from = malloc(bytes), *to = malloc(bytes);
@@ -125,7 +125,7 @@ static iso_status make_buffers(const iso_volume *v, size_t level_count, build_bu
     return ISO_OK;
 }
 
-/* One build: *seconds and *processor become smaller where it was faster. */
+/* Runs one build and lowers *seconds and *processor to its times if it was faster. */
 static iso_status run_cascade(const iso_volume *v, const iso_pyramid_options *opt, const iso_cascade_out *out,
                               double *seconds, double *processor, iso_error *err)
 {
@@ -152,7 +152,7 @@ static iso_status time_cascade(const iso_volume *v, const iso_pyramid_options *o
     return status;
 }
 
-/* The build and the one by means, in turn, so that what else the machine does meets both alike. */
+/* Measures both builds in turn (default and mean scalars), so that other load affects both. */
 static iso_status time_with_means(const iso_volume *v, const iso_pyramid_options *opt, const iso_cascade_out *out,
                                   size_t runs, build_times *t, iso_error *err)
 {
@@ -225,7 +225,7 @@ static double files_voxels(const build_times *t)
     return (double)iso_geometry_voxel_count(&t->files.stream.levels[0].geometry);
 }
 
-/* Voxels a second from file to files, as a part of those in memory. */
+/* Returns voxels per second from file to files, divided by those in memory. */
 static double rate_ratio(const build_times *t, double voxels)
 {
     return t->total / voxels * files_voxels(t) / t->files.stream.seconds_total;
@@ -235,13 +235,13 @@ static void report_files(const build_bench *b, const build_times *t, double voxe
 {
     const iso_stream_report *r = &t->files.stream;
     (void)b;
-    printf("to files   %8.4f s  %6.2f ns a voxel  %5.2f of the rate in memory; slabs of %zu planes\n", r->seconds_total,
-           1e9 * r->seconds_total / files_voxels(t), rate_ratio(t, voxels), r->slab_planes);
+    printf("to files   %8.4f s  %6.2f ns per voxel  %5.2f of the rate in memory; slabs of %zu planes\n",
+           r->seconds_total, 1e9 * r->seconds_total / files_voxels(t), rate_ratio(t, voxels), r->slab_planes);
     printf("  of it    waiting for planes %.4f, building %.4f, waiting for writers %.4f s\n", r->seconds_read,
            r->seconds_build, r->seconds_write);
     printf(
         "  disk     %8.4f s to read and write the same %.0f MB and compute nothing; the build takes %.2f times that\n"
-        "           %8.4f s of it until they are handed to the disk, the rest until it has them\n",
+        "           %8.4f s of it until the system has accepted them, the rest until they are on the disk\n",
         t->files.floor, 1e-6 * (double)t->files.bytes, r->seconds_total / t->files.floor, t->files.floor_unflushed);
 }
 
@@ -265,7 +265,7 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
                iso_type_name(b->type), t->level_count, iso_scalar_filter_name(b->opt.scalar_filter),
                iso_direction_filter_name(b->opt.direction_filter), iso_code_describe(b->opt.code)->name,
                iso_threads(b->threads));
-        printf("build      %8.4f s  %6.2f ns a voxel  %5.2f x memcpy (%.4f s for the same traffic, %.0f MB)\n",
+        printf("build      %8.4f s  %6.2f ns per voxel  %5.2f x memcpy (%.4f s for the same traffic, %.0f MB)\n",
                t->total, 1e9 * t->total / voxels, t->total / t->memcpy_build, t->memcpy_build,
                1e-6 * (double)(t->bytes_read + t->bytes_written));
         printf("  of it    gradient %.4f, codes of level 0 %.4f, coarse levels %.4f s\n", t->gradient, t->encode,
@@ -275,7 +275,7 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
                 "  means    %8.4f s  with mean scalars, built in turn; %s takes %.2f times that, %.2f in processor time\n",
                 t->means, iso_scalar_filter_name(b->opt.scalar_filter), t->total / t->means,
                 t->processor / t->processor_means);
-        printf("gradients  %8.4f s  %6.2f ns a voxel  %5.2f x memcpy (%.4f s, %.0f MB)\n", t->central,
+        printf("gradients  %8.4f s  %6.2f ns per voxel  %5.2f x memcpy (%.4f s, %.0f MB)\n", t->central,
                1e9 * t->central / voxels, t->central / t->memcpy_central, t->memcpy_central,
                1e-6 * (double)t->central_bytes);
         if (b->files)
@@ -341,19 +341,19 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     build_bench b = {.size = {256, 256, 256}, .type = ISO_U16, .opt = iso_pyramid_defaults(), .memory_mb = 900};
     int levels = (int)b.opt.level_count, runs = 5, radius = (int)b.opt.gauss_radius;
     struct poptOption options[] = {
-        {"size", 0, POPT_ARG_STRING, &size, 0, "voxels (256)", "N or NXxNYxNZ"},
-        {"type", 0, POPT_ARG_STRING, &type, 0, "of the voxels (uint16)", "TYPE"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &levels, 0, "levels, with the finest", "N"},
+        {"size", 0, POPT_ARG_STRING, &size, 0, "use a volume of this many voxels (256)", "N or NXxNYxNZ"},
+        {"type", 0, POPT_ARG_STRING, &type, 0, "set the voxels' type (uint16)", "TYPE"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &levels, 0, "build N levels, counting the finest", "N"},
         {"scalar-filter", 0, POPT_ARG_STRING, &scalar, 0, "as in build", "NAME"},
         {"direction-filter", 0, POPT_ARG_STRING, &direction, 0, "as in build", "NAME"},
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &radius, 0, "as in build", "N"},
         {"code", 0, POPT_ARG_STRING, &code, 0, "as in build", "NAME"},
-        {"files", 0, POPT_ARG_STRING, &files, 0, "build from a file to files in this folder, too", "FOLDER"},
+        {"files", 0, POPT_ARG_STRING, &files, 0, "also build from a file to files in this folder", "FOLDER"},
         {"volume", 0, POPT_ARG_STRING, &volume, 0,
-         "with --files: from this file, of any size, instead of the volume in memory", "FILE"},
-        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.memory_mb, 0, "with --files: of buffers, at most",
+         "with --files: read this file of any size (default: the volume in memory)", "FILE"},
+        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.memory_mb, 0, "with --files: limit the buffers",
          "MB"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &runs, 0, "of which the fastest counts", "N"},
+        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &runs, 0, "run N times; the fastest counts", "N"},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -379,7 +379,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     b.volume = volume;
     TRY(status, iso_words_check_range("--memory", b.memory_mb, 1, 1e9, err));
     if (status == ISO_OK && volume && !files)
-        status = iso_fail(err, ISO_E_USAGE, "--volume needs --files");
+        status = iso_fail(err, ISO_E_USAGE, "--volume needs --files FOLDER");
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = bench(&cli, &b, err);
     iso_cli_end(&cli);
@@ -395,14 +395,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_bench_build = {
     .name = "bench build",
-    .summary = "gradients, pyramid and codes in memory against memcpy",
+    .summary = "gradients, pyramid and codes in memory, compared with memcpy",
     .usage = "[options]",
     .details =
-        "The build reads the samples and writes the codes of all levels and the scalars of the coarse ones.\n"
-        "memcpy copies half of the sum of those bytes, with as many threads: it reads and writes each.\n"
-        "The seconds of gradient, encode and pyramid are differences between builds that do less; read and\n"
-        "write are 0 in memory, and those of --files where that is given: there the build waits for them. Beside each\n"
-        "build to files the disk reads and writes the same bytes with nothing computed; both end when the disk has them.",
+        "The build reads the samples, and writes the codes of all levels and the scalars of the coarse ones. memcpy\n"
+        "copies half of these bytes with as many threads: it reads and writes each of them. The seconds of gradient,\n"
+        "encode and pyramid are differences between builds that do less. With --files, read and write are the\n"
+        "seconds that the build waits for files; in memory they are 0. Each build to files runs next to a plain\n"
+        "copy: the same bytes read and written with nothing computed. Both end when the bytes are on the disk.",
     .examples = "  isoshade bench build --size 96 --runs 2\n",
     .run = run,
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cast.c - the CPU ray caster against the OpenGL one, both in one run: time, and how far each is from the reference. */
+/* cast.c - compares the CPU ray caster with the OpenGL one in one run: time, and distance from the reference. */
 #define _GNU_SOURCE /* setenv */
 #include <math.h>
 #include <stdio.h>
@@ -23,7 +23,7 @@ typedef struct cast_options {
     iso_cpu_width wide;
 } cast_options;
 
-/* The least processor time and the least wall-clock time of a round's draws. */
+/* Least processor time and least wall-clock time of a round's draws. */
 typedef struct cast_time {
     double processor, wall;
 } cast_time;
@@ -89,7 +89,7 @@ static iso_status draw_cpu(const cast_options *opt, int threads, const iso_pyram
     return status;
 }
 
-/* Both by turns, the first to draw being the other one in each round. */
+/* Draws with both; the first one alternates between rounds. */
 static iso_status run_round(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const cast_options *opt, cast_case *c,
                             int round, iso_error *err)
 {
@@ -105,7 +105,7 @@ static iso_status run_round(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
     return status;
 }
 
-/* Each one's distance from the reference with the same samples, in a smaller picture. */
+/* Measures the RMSE of both to the reference with the same samples, in a smaller picture. */
 static iso_status measure_errors(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const cast_options *opt,
                                  cast_case *c, iso_error *err)
 {
@@ -133,7 +133,7 @@ static iso_status measure_errors(const iso_cli *cli, iso_gl *gl, const iso_pyram
     return status;
 }
 
-/* Of the rounds' ratios, OpenGL's time over the CPU ray caster's. */
+/* Returns the median over the rounds of OpenGL's time divided by the CPU ray caster's. */
 static double median_ratio(const cast_case *c, int rounds, bool processor)
 {
     double ratio[MOST_ROUNDS];
@@ -193,7 +193,7 @@ static iso_status run_case(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p,
     return status;
 }
 
-/* The least processor times of all cases, in seconds. */
+/* Least processor times of all cases, in seconds. */
 typedef double cast_times[TF_COUNT][GRADIENTS_COUNT][LOOP_COUNT][WHO_COUNT];
 
 static iso_status count_samples(const iso_cli *cli, const iso_pyramid *p, const cast_options *opt,
@@ -211,18 +211,17 @@ static iso_status count_samples(const iso_cli *cli, const iso_pyramid *p, const 
     return status;
 }
 
-/* How much faster the sparse pictures became by leaving out empty space, and how much faster they can become. */
+/* Reports how much faster empty-space skipping makes the sparse pictures, and the upper bound of that factor. */
 static json_t *report_skipping(const iso_cli *cli, const bench_samples samples[TF_COUNT], cast_times times)
 {
     static const char *const names[WHO_COUNT] = {"gl", "cpu"};
     json_t *rows = json_array();
     const double share = (double)samples[TF_SPARSE].shown / (double)samples[TF_SPARSE].looked_up;
     if (!cli->json)
-        printf(
-            "\nsparse: %zu of %zu samples show something (%.2f %%), dense: %zu of %zu; leaving out the others, if it "
-            "cost nothing,\nwould make the sparse picture faster by `bound`\n%-12s %-4s %8s %8s\n",
-            samples[TF_SPARSE].shown, samples[TF_SPARSE].looked_up, 100 * share, samples[TF_DENSE].shown,
-            samples[TF_DENSE].looked_up, "gradients", "by", "factor", "bound");
+        printf("\nsparse: %zu of %zu samples are visible (%.2f %%), dense: %zu of %zu; `bound`: factor for the\n"
+               "sparse picture if skipping the other samples cost nothing\n%-12s %-4s %8s %8s\n",
+               samples[TF_SPARSE].shown, samples[TF_SPARSE].looked_up, 100 * share, samples[TF_DENSE].shown,
+               samples[TF_DENSE].looked_up, "gradients", "by", "factor", "bound");
     for (int g = 0; g < GRADIENTS_COUNT; ++g)
         for (int who = 0; who < WHO_COUNT; ++who) {
             const double plain = times[TF_SPARSE][g][LOOP_PLAIN][who];
@@ -313,7 +312,7 @@ static iso_status bench(const iso_cli *cli, cast_options *opt, iso_error *err)
     if (status != ISO_OK)
         return status;
     snprintf(threads, sizeof threads, "%d", iso_threads(cli->threads));
-    setenv("LP_NUM_THREADS", threads, 0); /* llvmpipe's own */
+    setenv("LP_NUM_THREADS", threads, 0); /* read by llvmpipe */
     status = iso_gl_create(&gl, NULL, err);
     if (status != ISO_OK)
         return status;
@@ -332,13 +331,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&opt.render.input);
     struct poptOption options[] = {
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.size, 0,
-         "voxels a side of the synthetic volume", "N"},
-        {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.image, 0, "pixels a side", "N"},
+         "voxels per side of the synthetic volume", "N"},
+        {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.image, 0, "pixels per side", "N"},
         {"truth", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.truth, 0,
-         "pixels a side of the picture that the reference draws too", "N"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.step_voxels, 0, "ray step", "VOXELS"},
-        {"rounds", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.rounds, 0, "both by turns, so often", "N"},
-        {"width", 0, POPT_ARG_STRING, &opt.width, 0, "avx512, avx2, baseline or one (the widest there is)", "NAME"},
+         "pixels per side of the picture compared with the reference", "N"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.step_voxels, 0, "set the ray step",
+         "VOXELS"},
+        {"rounds", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.rounds, 0, "draw with both in turn, N times", "N"},
+        {"width", 0, POPT_ARG_STRING, &opt.width, 0, "use avx512, avx2, baseline or one (the widest available)",
+         "NAME"},
         ISO_CLI_INPUT_OPTIONS(&opt.render.input),
         POPT_TABLEEND,
     };
@@ -353,15 +354,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_bench_cast = {
     .name = "bench cast",
-    .summary = "the CPU ray caster against the OpenGL one: time by both clocks, and distance from the reference",
+    .summary = "the CPU ray caster against the OpenGL one: times, and distance from the reference",
     .max_arguments = 1,
     .usage = "[VOLUME] [options]",
     .details =
-        "Volumes, transfer functions and loops are those of bench render. Both draw the same samples by turns in one run "
-        "with the\nsame number of threads (--threads, which software OpenGL is given as well where LP_NUM_THREADS "
-        "is not set). Times are\nof the drawing alone. The last lines say how many samples of the pictures show "
-        "something, how many times faster the\nsparse ones became by leaving out empty space, and the bound that is "
-        "left if the others cost nothing (processor time).",
+        "Volumes, transfer functions and loops are those of bench render. Both programs draw the same samples in\n"
+        "turn with the same number of threads: --threads, which software OpenGL gets as well unless LP_NUM_THREADS\n"
+        "is set. Times are of the drawing alone. The last lines give the number of visible samples, the factor by\n"
+        "which skipping makes the sparse pictures faster, and its bound if invisible samples cost nothing (processor\n"
+        "time).",
     .common = "size image truth step rounds width threads spacing",
     .examples = "  isoshade bench cast --size 32 --image 48 --rounds 1 --truth 16\n",
     .run = run,

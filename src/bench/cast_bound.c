@@ -6,7 +6,7 @@
 #include "base/parallel.h"
 #include "render/sampler.h"
 
-/* As in the ray casters: what is left of the light below this changes no pixel. */
+/* As in the ray casters: less remaining light than this changes no pixel. */
 static const double opaque = 1e-7;
 
 static void count_ray(const iso_sampler *s, const iso_view *view, const iso_ray *ray, double step_mm,
@@ -59,7 +59,7 @@ double iso_bench_skipping_bound(const bench_samples *dense, double dense_seconds
     const double determinant = dense_n * sparse_v - sparse_n * dense_v;
     if (determinant == 0 || sparse_v == 0)
         return NAN;
-    /* What shows costs no less than what does not: 0 where noise says so. */
+    /* Visible samples cannot be cheaper: clamp noise to 0. */
     const double shading = fmax((dense_n * sparse_seconds - sparse_n * dense_seconds) / determinant, 0);
     const double lookup = (sparse_seconds - shading * sparse_v) / sparse_n;
     return lookup > 0 ? sparse_seconds / ((lookup + shading) * sparse_v) : NAN;

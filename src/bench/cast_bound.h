@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* cast_bound.h - what leaving out empty space can give at most (Amdahl's law).
+/* cast_bound.h - upper bound of the speedup by empty-space skipping (Amdahl's law).
  *
- * A picture without it takes a n + b v: n samples are looked up, and the v of them that show something are shaded as well. To
- * leave out all others, for nothing, leaves (a + b) v. The bench counts n and v, and a and b follow from two pictures of the
- * plain loop whose shares of shown samples differ, a dense and a sparse one. */
+ * The plain loop takes a n + b v: it looks up n samples and also shades the v visible ones. Skipping all others at no
+ * cost leaves (a + b) v. The bench counts n and v. It computes a and b from two pictures of the plain loop, dense and
+ * sparse, whose shares of visible samples differ. */
 #ifndef ISO_BENCH_CAST_BOUND_H
 #define ISO_BENCH_CAST_BOUND_H
 
@@ -12,16 +12,16 @@
 #include "scene/scene.h"
 
 typedef struct bench_samples {
-    size_t looked_up; /* until next to no light is left */
-    size_t shown;     /* of these: with an extinction */
+    size_t looked_up; /* until almost no light remains */
+    size_t shown;     /* those with an extinction */
 } bench_samples;
 
-/* The samples of a view at the middles of its steps. ISO_E_MEMORY. */
+/* Counts the samples of a view at the middles of its steps. Errors: ISO_E_MEMORY. */
 iso_status iso_bench_count_samples(const iso_level *level, iso_code code, const iso_view *view, int threads,
                                    bench_samples *out, iso_error *err);
 
-/* How many times faster the sparse picture can be; seconds: of the plain loop. NaN where the times do not tell, as where
- * both transfer functions show the same share. */
+/* Returns how many times faster the sparse picture can be; seconds: of the plain loop. NaN if the times do not
+ * determine it, for example if both transfer functions show the same share. */
 double iso_bench_skipping_bound(const bench_samples *dense, double dense_seconds, const bench_samples *sparse,
                                 double sparse_seconds);
 

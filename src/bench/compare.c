@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* compare.c - two answers of `bench all`: what became slower, beyond the scatter of the runs, and what is not there any
- * more. */
+/* compare.c - compares two answers of `bench all`: which figures became worse beyond scatter, which are gone. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,23 +16,23 @@ typedef enum change {
     CHANGE_NONE,
     CHANGE_WORSE,
     CHANGE_BETTER,
-    CHANGE_UNKNOWN, /* too few runs, or no value before either */
-    CHANGE_COMMAND, /* measured by another command, so that it is another figure */
-    CHANGE_GONE,    /* it had a value, and has none now */
+    CHANGE_UNKNOWN, /* too few runs, or no value before */
+    CHANGE_COMMAND, /* another command measured it, so the figures differ in meaning */
+    CHANGE_GONE,    /* it had a value before and has none after */
     CHANGE_COUNT
 } change;
 static const char *const change_words[CHANGE_COUNT] = {"", "worse", "better", "not compared", "another command",
                                                        "gone"};
 
-/* How many times worse b is than a: above 1 where it is slower or larger. lower, upper: the interval that holds the mean
- * of its logarithm with CONFIDENCE. */
+/* How many times worse b is than a: above 1 if it is slower or larger. lower, upper: confidence interval of the mean of
+ * its logarithm. */
 typedef struct row_change {
     double factor, lower, upper;
     change is;
-    const char *cause; /* why there is no factor; NULL: there is one */
+    const char *cause; /* why there is no factor, or NULL */
 } row_change;
 
-/* Logarithms of the values, so that differences are ratios; turned where more is better. false: one cannot be taken. */
+/* Takes logarithms, so that differences are ratios; negated if higher is better. Returns false if a value has none. */
 static bool take_logs(const json_t *row, double logs[MOST_RUNS], size_t *count)
 {
     const json_t *values = json_object_get(row, "values");
@@ -61,7 +60,7 @@ static double mean_of(const double *x, size_t count, double *variance)
     return mean;
 }
 
-/* Of runs that were not taken in turn: Welch's interval, which lets both scatter by themselves. */
+/* Compares runs that were not taken in turn: Welch's interval, with a variance for each. */
 static iso_paired compare_apart(const double *b, size_t b_count, const double *a, size_t a_count)
 {
     double b_variance, a_variance;
@@ -80,7 +79,7 @@ static row_change compare_values(const json_t *a, const json_t *b, bool in_turn,
     double before[MOST_RUNS], after[MOST_RUNS];
     size_t before_count, after_count;
     if (!take_logs(a, before, &before_count) || !take_logs(b, after, &after_count))
-        return (row_change){NAN, NAN, NAN, CHANGE_UNKNOWN, "a value is not above 0, or there are too many"};
+        return (row_change){NAN, NAN, NAN, CHANGE_UNKNOWN, "a value is 0 or less, or there are too many runs"};
     iso_paired p = in_turn && before_count == after_count ? iso_paired_compare(after, before, after_count, CONFIDENCE)
                                                           : compare_apart(after, after_count, before, before_count);
     row_change c = {exp(p.difference), exp(p.difference - p.half_width), exp(p.difference + p.half_width), CHANGE_NONE,
@@ -109,16 +108,16 @@ static bool has_value(const json_t *row)
     return json_array_size(values) > 0;
 }
 
-/* b: NULL where AFTER does not have the figure. */
+/* Compares two rows. b: NULL if AFTER lacks the figure. */
 static row_change compare_rows(const json_t *a, const json_t *b, bool in_turn, double slack)
 {
     const bool had = has_value(a), has = has_value(b);
     if (had && has && have_equal(a, b, "command"))
         return compare_values(a, b, in_turn, slack);
     const char *cause = json_string_value(json_object_get(has ? a : b, "cause"));
-    row_change c = {NAN, NAN, NAN, had ? CHANGE_GONE : CHANGE_UNKNOWN, cause ? cause : "it has no value"};
+    row_change c = {NAN, NAN, NAN, had ? CHANGE_GONE : CHANGE_UNKNOWN, cause ? cause : "no value"};
     if (!b)
-        c.cause = "AFTER does not have it";
+        c.cause = "missing in AFTER";
     if (had && has) {
         c.is = CHANGE_COMMAND;
         c.cause = json_string_value(json_object_get(b, "command"));
@@ -153,7 +152,7 @@ static const json_t *find_row(const json_t *root, const char *name)
     return NULL;
 }
 
-/* A hundred times worse is as good as any number above: of few runs an interval has such ends. */
+/* Writes a factor, at most "100": intervals of few runs have such ends, and larger values tell nothing more. */
 static void write_times(char text[16], double times)
 {
     snprintf(text, 16, times <= 100 ? "%.3f" : "-", times);
@@ -183,19 +182,19 @@ static void report_row(const iso_cli *cli, const char *name, const row_change *c
     json_array_append_new(rows, row);
 }
 
-/* What two answers have in common besides their figures. */
-typedef struct alike {
+/* Settings that are equal in both answers. */
+typedef struct shared_settings {
     bool in_turn, machine, threads;
-} alike;
+} shared_settings;
 
-static void print_head(const alike *are)
+static void print_head(const shared_settings *are)
 {
     printf("%-14s %8s  %s; %s%s%s\n", "figure", "factor", "95 % interval",
            are->in_turn ? "measured in turn" : "measured apart", are->machine ? "" : ", on different machines",
            are->threads ? "" : ", with other threads");
 }
 
-static void print_json(const iso_cli *cli, const alike *are, json_t *rows)
+static void print_json(const iso_cli *cli, const shared_settings *are, json_t *rows)
 {
     json_t *root = iso_cli_json(cli);
     json_object_set_new(root, "measured_in_turn", json_boolean(are->in_turn));
@@ -205,27 +204,26 @@ static void print_json(const iso_cli *cli, const alike *are, json_t *rows)
     iso_cli_print_json(root);
 }
 
-/* count: of rows, by what became of them. */
+/* Turns the number of rows per change into a status. */
 static iso_status judge(const size_t count[CHANGE_COUNT], iso_error *err)
 {
     const size_t compared = count[CHANGE_NONE] + count[CHANGE_WORSE] + count[CHANGE_BETTER];
     char gone[96] = "";
     if (count[CHANGE_GONE] > 0)
-        snprintf(gone, sizeof gone, "%zu that had a value %s none any more", count[CHANGE_GONE],
-                 count[CHANGE_GONE] == 1 ? "has" : "have");
+        snprintf(gone, sizeof gone, "figures without a value in AFTER: %zu", count[CHANGE_GONE]);
     if (compared == 0)
         return iso_fail(err, ISO_E_DIFFERS,
-                        "nothing could be compared: no figure of one command, measured twice or more, in both%s%s",
+                        "nothing to compare: no figure has two runs of one command in both files; use --repeat%s%s",
                         gone[0] ? "; " : "", gone);
     if (count[CHANGE_WORSE] > 0)
         return iso_fail(err, ISO_E_DIFFERS, "%zu of %zu figures became worse%s%s", count[CHANGE_WORSE], compared,
                         gone[0] ? "; " : "", gone);
-    return gone[0] ? iso_fail(err, ISO_E_DIFFERS, "of the figures %s", gone) : ISO_OK;
+    return gone[0] ? iso_fail(err, ISO_E_DIFFERS, "%s", gone) : ISO_OK;
 }
 
 static iso_status compare_answers(const iso_cli *cli, const json_t *a, const json_t *b, double slack, iso_error *err)
 {
-    const alike are = {have_equal(a, b, "session"), have_equal(a, b, "machine"), have_equal(a, b, "threads")};
+    const shared_settings are = {have_equal(a, b, "session"), have_equal(a, b, "machine"), have_equal(a, b, "threads")};
     size_t i, count[CHANGE_COUNT] = {0};
     const json_t *row;
     json_t *rows = json_array();
@@ -251,7 +249,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     double slack = 0.03;
     struct poptOption options[] = {
-        {"slack", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &slack, 0, "a change of this part is no matter", "PART"},
+        {"slack", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &slack, 0, "ignore smaller changes, as a fraction",
+         "PART"},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -275,15 +274,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_bench_compare = {
     .name = "bench compare",
-    .summary = "two answers of bench all: what became slower, beyond the scatter of the runs; exit 1 then",
+    .summary = "two answers of bench all: exit 1 if a figure became worse, beyond the scatter of the runs",
     .min_arguments = 2,
     .max_arguments = 2,
     .usage = "BEFORE.json AFTER.json [options]",
     .details =
-        "A figure became worse where the interval that holds its mean change at 95 % lies on that side, and the change is more\n"
-        "than --slack. Files of one run with --beside are compared run by run, others by Welch's interval. One of forty figures\n"
-        "that did not change is flagged so by chance. A figure of BEFORE that AFTER does not have, or could not\n"
-        "measure, is listed with the cause, and exit code 1; one that another command measures is another figure.",
+        "A figure became worse if the 95 % interval of its mean change is above 1, and the change exceeds --slack.\n"
+        "Files of one run with --beside are compared run by run, others by Welch's interval. By chance one of forty\n"
+        "unchanged figures is reported as worse. A figure of BEFORE that AFTER lacks, or could not measure, is\n"
+        "listed with the cause; exit code 1 then, too. Results of different commands are not compared.",
     .examples = "  isoshade bench all --quick --only build-memory --repeat 2 -o a.json\n"
                 "  isoshade bench compare a.json a.json\n",
     .run = run,

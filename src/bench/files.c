@@ -58,7 +58,7 @@ static iso_status write_bytes(const char *path, bool direct, size_t bytes, iso_e
     return status == ISO_OK ? closed : status;
 }
 
-/* What a build writes is on the disk when it ends. */
+/* Flushes a file: a build's output is on the disk when the build ends. */
 static iso_status flush_to_disk(const char *path, iso_error *err)
 {
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
@@ -68,7 +68,7 @@ static iso_status flush_to_disk(const char *path, iso_error *err)
     return good ? ISO_OK : iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
 }
 
-/* The sizes of the files in a folder. */
+/* Lists the sizes of the files in a folder; returns their number. */
 static size_t list_sizes(const char *dir, size_t sizes[MAX_FILES])
 {
     size_t count = 0;
@@ -85,7 +85,7 @@ static size_t list_sizes(const char *dir, size_t sizes[MAX_FILES])
     return count;
 }
 
-/* One thread reads, two write, as the build's own do. */
+/* Copies with one reading and two writing threads, as the build does. */
 static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t count, const char *folder,
                              bench_files_times *t, iso_error *err)
 {
@@ -133,7 +133,7 @@ static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t cou
     return status;
 }
 
-/* In a folder that holds nothing else. */
+/* Measures in a folder that is otherwise empty. */
 static iso_status measure(const char *volume, const iso_pyramid_options *opt, const char *work, size_t memory_bytes,
                           size_t runs, bench_files_times *t, iso_error *err)
 {
@@ -150,14 +150,14 @@ static iso_status measure(const char *volume, const iso_pyramid_options *opt, co
             t->stream = r;
         size_t sizes[MAX_FILES];
         const size_t count = list_sizes(pyramid, sizes);
-        iso_remove_tree(pyramid); /* before as much is written again */
+        iso_remove_tree(pyramid); /* frees the space before as much is written again */
         TRY(status, copy_bytes(volume, sizes, count, work, t, err));
     }
     free(pyramid);
     return status;
 }
 
-/* A fresh folder in `folder`, so that nothing that a person has there is replaced or removed. To be removed and freed. */
+/* Creates a fresh folder in `folder`, so that no user file is replaced or removed. Remove it and free *work. */
 static iso_status make_work(const char *folder, char **work, iso_error *err)
 {
     iso_temporary_sweep(folder);
@@ -165,9 +165,9 @@ static iso_status make_work(const char *folder, char **work, iso_error *err)
     if (!*work)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_unfinished_add(*work, false);
-    return mkdir(*work, 0777) == 0 ? ISO_OK
-                                   : iso_fail(err, iso_errno_status(), "%s: no folder can be made in it: %s", folder,
-                                              strerror(errno));
+    return mkdir(*work, 0777) == 0
+               ? ISO_OK
+               : iso_fail(err, iso_errno_status(), "%s: cannot create a folder in it: %s", folder, strerror(errno));
 }
 
 static void remove_work(char *work)

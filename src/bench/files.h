@@ -5,20 +5,20 @@
 
 #include "pyramid/pyramid_stream.h"
 
-/* Of the fastest run of each. */
+/* Times of the fastest build and of the fastest copy. */
 typedef struct bench_files_times {
     iso_stream_report stream;
-    /* Reading the volume's file and writing files as long as the pyramid's, at once, nothing computed: until the disk
-     * has them, as it has the pyramid's, and until they are handed to it. */
+    /* Seconds to read the volume's file and write files as long as the pyramid's, in parallel, nothing computed: until
+     * they are on the disk (as the pyramid is), and until the system has accepted them. */
     double floor, floor_unflushed;
     size_t bytes; /* read and written */
 } bench_files_times;
 
-/* Builds `runs` times in a folder of its own within `folder`, each build beside one copy of the same bytes.
- * memory_bytes: of buffers; 0: as build does. */
+/* Builds `runs` times in a new folder within `folder`, each build next to one copy of the same bytes. memory_bytes:
+ * limit of the buffers; 0: the build's default. */
 iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, const char *folder, size_t memory_bytes,
                            size_t runs, bench_files_times *times, iso_error *err);
-/* The same for a volume that is in a file already. */
+/* Does the same for a volume in a file. */
 iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder,
                               size_t memory_bytes, size_t runs, bench_files_times *times, iso_error *err);
 

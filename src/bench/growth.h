@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* growth.h - by which power of the number of voxels a command's time grows. */
+/* growth.h - exponent of a command's time as a power of the number of voxels. */
 #ifndef ISO_BENCH_GROWTH_H
 #define ISO_BENCH_GROWTH_H
 
 #include <stddef.h>
 
-/* Points whose time is to more than this part what any process costs are left out: that cost varies from run to run by a
- * third, which would change such a time by more than a thirtieth, and the slope of two sizes, a factor of 8 apart, by more
- * than .016. */
+/* Largest start-up share of a point's time; points above it are left out. Start-up time varies between runs by a third,
+ * so at this share it changes a time by at most a thirtieth, and the slope of two sizes, a factor of 8 apart, by at
+ * most .016. */
 #define ISO_GROWTH_MOST_START 0.1
 
-/* Least squares: the slope of log(seconds - start) by log(voxels), of the points where start is a small part of the time.
- * seconds: of processor time; 0 or less where it was not measured. NAN with fewer than two points. *used (may be NULL):
- * how many points the slope is of. */
+/* Fits the slope of log(seconds - start) over log(voxels) by least squares, over the points with a small share of
+ * start. seconds: processor time; 0 or less if not measured. Returns NAN with fewer than two points. *used (may be
+ * NULL): number of points in the fit. */
 double iso_growth_slope(const double *voxels, const double *seconds, size_t count, double start, size_t *used);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Commands work in a folder of their own, with volume.nrrd: thin shells in the dark, 512^3 bytes or 48^3 of them. */
+/* Commands run in a new folder with volume.nrrd: thin shells in empty space, 512^3 bytes or (quick) 48^3. */
 #define BUILD {"bench build --size 512 --runs 3 --files .", "bench build --size 48 --levels 2 --runs 1 --files ."}
 #define RENDER \
     {"bench render --size 256 --image 512 --runs 3 --processor-time", "bench render --size 32 --image 32 --runs 1"}
@@ -36,7 +36,7 @@ const iso_headline iso_headlines[] = {
     {"empty-space", "empty space left out, sparse TF, shaded", RENDER,
      "cases[tf=sparse,gradients=codes,loop=plain].milliseconds", "cases[tf=sparse,gradients=codes,loop=skipping].milliseconds",
      "times faster", "the loop that takes every sample, same run", false, 10},
-    {"loop-dense", "the loop that is chosen for a dense TF", RENDER, "cases[tf=dense,gradients=codes,loop=auto].milliseconds",
+    {"loop-dense", "the loop chosen for a dense TF", RENDER, "cases[tf=dense,gradients=codes,loop=auto].milliseconds",
      "cases[tf=dense,gradients=codes,loop=plain].milliseconds", "times", "the loop that takes every sample, same run", true,
      1.05},
     {"cpu-dense", "the CPU ray caster, dense TF, shaded, processor time", CAST,
@@ -63,9 +63,9 @@ const iso_headline iso_headlines[] = {
 };
 const size_t iso_headline_count = sizeof iso_headlines / sizeof *iso_headlines;
 
-/* ---- the way to a number ---- */
+/* ---- paths to numbers ---- */
 
-/* Does the object have key=value, value being a string or a whole number? */
+/* True if the object has key=value; value is a string or an integer. */
 static bool has_value(const json_t *object, const char *key, const char *value)
 {
     const json_t *found = json_object_get(object, key);
@@ -77,7 +77,7 @@ static bool has_value(const json_t *object, const char *key, const char *value)
     return json_is_string(found) && strcmp(json_string_value(found), value) == 0;
 }
 
-/* The first object of the list for which all of "key=value,key=value" is true. The text is cut up. */
+/* Finds the first object of the list with all of "key=value,key=value". Cuts the text up. */
 static const json_t *choose(const json_t *list, char *conditions)
 {
     size_t i;
@@ -121,7 +121,7 @@ static iso_status read_number(const iso_headline *h, const json_t *answer, const
 {
     const json_t *found = follow(answer, way);
     if (!json_is_number(found))
-        return iso_fail(err, ISO_E_FORMAT, "%s: the answer has no number %s", h->name, way);
+        return iso_fail(err, ISO_E_FORMAT, "%s: no number at %s in the command's answer", h->name, way);
     *value = json_number_value(found);
     return ISO_OK;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* render.c - the ray caster's time by transfer function, gradients and loop. */
+/* render.c - time of the OpenGL ray caster by transfer function, gradients and loop. */
 #include "bench/render.h"
 #include "options/input.h"
 
@@ -15,7 +15,7 @@ const char *const iso_bench_gradients_names[GRADIENTS_COUNT] = {"none", "codes",
 const char *const iso_bench_loop_names[LOOP_COUNT] = {"plain", "skipping", "auto"};
 static const iso_gl_skip loop_skips[LOOP_COUNT] = {ISO_GL_SKIP_NEVER, ISO_GL_SKIP_ALWAYS, ISO_GL_SKIP_AUTO};
 
-/* Dense: every value shows, so thinly that no ray ends early. Sparse: the upper 40 % of the range alone, and denser. */
+/* Dense: shows every value, too thin to end rays early. Sparse: shows the upper 40 % of the range, denser. */
 static iso_tf make_tf(bench_tf kind)
 {
     static iso_tf_point dense[] = {{0, {0.2, 0.3, 0.9}, 0.002}, {1, {1, 0.9, 0.7}, 0.02}};
@@ -70,7 +70,7 @@ iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_rende
     return status;
 }
 
-/* All loops in turn, run after run, so that what else the machine does meets all alike. */
+/* Measures all loops in turn, run after run, so that other load affects all of them. */
 static iso_status measure_loops(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_tf tf,
                                 bench_gradients gradients, double seconds[LOOP_COUNT], iso_error *err)
 {
@@ -175,18 +175,19 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     bench_render_options opt = {.size = 256, .image = 512, .runs = 3, .step_voxels = 1};
     iso_volume_input_defaults(&opt.input);
     struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.size, 0, "voxels a side of the synthetic volume",
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.size, 0, "voxels per side of the synthetic volume",
          "N"},
-        {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.image, 0, "pixels a side", "N"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.step_voxels, 0, "ray step", "VOXELS"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.runs, 0, "draws a case; the least time counts", "N"},
-        {"tf", 0, POPT_ARG_STRING, &opt.tf, 0, "dense or sparse alone", "NAME"},
+        {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.image, 0, "pixels per side", "N"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.step_voxels, 0, "set the ray step", "VOXELS"},
+        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.runs, 0,
+         "draw each case N times; the least time counts", "N"},
+        {"tf", 0, POPT_ARG_STRING, &opt.tf, 0, "measure only dense or only sparse", "NAME"},
         {"processor-time", 0, POPT_ARG_NONE, &opt.processor_time, 0,
-         "of all cores instead of the clock's: software GL on a busy machine", NULL},
+         "measure processor time of all cores, for software GL on a busy machine", NULL},
         {"transition", 0, POPT_ARG_STRING, &opt.transition, 0,
-         "with --bricks, one alone: discontinuous, baked, centers-discontinuous, paper or paper-corrected", "NAME"},
-        {"output", 'o', POPT_ARG_STRING, &opt.picture, 0, "with --transition: the shaded image", "FILE.png"},
-        {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "instead: bricks of two levels against one texture", "VOXELS"},
+         "with --bricks: only discontinuous, baked, centers-discontinuous, paper or paper-corrected", "NAME"},
+        {"output", 'o', POPT_ARG_STRING, &opt.picture, 0, "with --transition: write the shaded image", "FILE.png"},
+        {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "compare bricks of two levels with one texture instead", "VOXELS"},
         ISO_CLI_INPUT_OPTIONS(&opt.input),
         POPT_TABLEEND,
     };
@@ -205,13 +206,13 @@ const iso_command iso_bench_render = {
     .max_arguments = 1,
     .usage = "[VOLUME] [options]",
     .details =
-        "Without a volume: two thin shells of --size voxels a side. The dense TF shows every value thinly, the "
-        "sparse one\nthe upper 40 % of the range. Loops: plain takes every sample, skipping leaves out bricks "
-        "that the TF does not\nshow, auto chooses by the part of the bricks that it shows.\n"
-        "With --bricks: one texture, bricks on their own (discontinuous) and with baked faces (smooth), and, with "
-        "samples\ninside bricks, on their own, with the paper's transitions as written and as corrected; a quarter of the "
-        "bricks in\ntransition. Then whole levels against level 0: of cells (2x2x2 means), of nodes by [1 2 1] "
-        "(smooth) and by\n[-1 2 6 2 -1] (sharp, what bricks use), and of nodes interpolated among the cells.",
+        "Without a volume: two thin shells of --size voxels per side. The dense TF shows every value thinly, the\n"
+        "sparse one the upper 40 % of the range. Loops: plain takes every sample, skipping leaves out bricks that\n"
+        "the TF does not show, auto selects one of them by the share of visible bricks.\n"
+        "With --bricks: one texture; separate bricks (discontinuous); bricks with baked faces (smooth). With samples\n"
+        "inside bricks: separate ones, and the paper's transitions as written and as corrected. A quarter of the\n"
+        "bricks are in transition. Then whole levels against level 0: of cells (2x2x2 means), of nodes filtered by\n"
+        "[1 2 1] (smooth) and by [-1 2 6 2 -1] (sharp, as bricks use), and of nodes interpolated between the cells.",
     .common = "size image step runs tf processor-time bricks transition output threads",
     .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
                 "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* render.h - what the parts of `bench render` share: its cases and how one is measured. */
+/* render.h - shared by the parts of `bench render`: its cases and the measurement of one. */
 #ifndef ISO_BENCH_RENDER_H
 #define ISO_BENCH_RENDER_H
 
@@ -15,8 +15,8 @@ typedef struct bench_render_options {
     iso_volume_input input;
     int size, image, runs, bricks, processor_time;
     double step_voxels;
-    char *tf; /* one alone; or NULL */
-    char *transition, *picture; /* --bricks: one transition alone, and its image; or NULL */
+    char *tf;                   /* only this one, or NULL */
+    char *transition, *picture; /* --bricks: only this transition, and its image file; or NULL */
 } bench_render_options;
 
 typedef enum bench_tf { TF_DENSE, TF_SPARSE, TF_COUNT } bench_tf;
@@ -28,12 +28,12 @@ extern const char *const iso_bench_gradients_names[GRADIENTS_COUNT];
 typedef enum bench_loop { LOOP_PLAIN, LOOP_SKIPPING, LOOP_AUTO, LOOP_COUNT } bench_loop;
 extern const char *const iso_bench_loop_names[LOOP_COUNT];
 
-/* The volume that is named, or two thin shells. */
+/* Loads the given volume, or creates two thin shells. */
 iso_status iso_bench_load(const iso_cli *cli, const bench_render_options *opt, iso_pyramid *p, iso_error *err);
 
 iso_scene iso_bench_scene(const bench_render_options *opt, bench_tf tf, bench_gradients gradients);
 
-/* Level 0 as one texture: the fastest of opt->runs draws. */
+/* Fastest time of opt->runs draws of level 0 as one texture. */
 typedef struct bench_render_case {
     bench_tf tf;
     bench_gradients gradients;
@@ -42,11 +42,11 @@ typedef struct bench_render_case {
 iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_render_case what,
                              double *seconds, iso_error *err);
 
-/* --bricks (render_bricks.c). */
+/* Measures bricks (--bricks). */
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,
                             iso_error *err);
 
-/* Its part by the CPU ray caster (render_bricks_cpu.c): the whole volume and bricks, appended to cases. */
+/* Measures bricks and the whole volume by the CPU ray caster; appends to cases. */
 iso_status iso_bench_bricks_on_cpu(const iso_cli *cli, const iso_pyramid *p, const iso_brick_field *field,
                                    const bench_render_options *opt, json_t *cases, iso_error *err);
 

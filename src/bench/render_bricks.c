@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* render_bricks.c - bench render --bricks: what transitions cost, and nodes against cells. */
+/* render_bricks.c - bench render --bricks: the cost of transitions, and nodes against cells. */
 #include "bench/render.h"
 
 #include <math.h>
@@ -24,14 +24,14 @@ typedef enum bench_texture {
 } bench_texture;
 static const char *const texture_names[TEXTURE_COUNT] = {"uniform",     "bricks-own", "bricks-baked",
                                                          "centers-own", "paper",      "paper-corrected"};
-/* What --transition calls them. */
+/* Names in --transition. */
 static const char *const transition_names[TEXTURE_COUNT] = {NULL,    "discontinuous",  "baked", "centers-discontinuous",
                                                             "paper", "paper-corrected"};
 static const iso_warp_mode warp_modes[TEXTURE_COUNT] = {
     [TEXTURE_PAPER] = ISO_WARP_WRITTEN, [TEXTURE_PAPER_CORRECTED] = ISO_WARP_CORRECTED};
 
-/* Fine in a box of bricks in the middle, coarse around it; returns the part of all bricks that are fine and touch a
- * coarse one. */
+/* Sets fine levels in a box of bricks in the middle and coarse ones around it. Returns the share of bricks that are
+ * fine and touch a coarse one. */
 static double fill_box(const size_t count[3], const size_t box[3], uint8_t *levels)
 {
     size_t inner = 1, fine = 1, all = count[0] * count[1] * count[2];
@@ -51,7 +51,7 @@ static double fill_box(const size_t count[3], const size_t box[3], uint8_t *leve
     return (double)(fine - inner) / (double)all;
 }
 
-/* The box whose part of transition bricks is nearest to a quarter. */
+/* Sets the box whose share of transition bricks is nearest to a quarter. */
 static double fill_quarter(const size_t count[3], uint8_t *levels)
 {
     size_t best[3] = {0, 0, 0};
@@ -75,7 +75,7 @@ typedef struct bench_fields {
     iso_warp_field centers;
 } bench_fields;
 
-/* One draw, after one that compiles. */
+/* Measures one draw, after one that compiles. */
 static iso_status draw_texture(iso_gl *gl, const bench_fields *fields, const bench_render_options *opt,
                                bench_gradients gradients, bench_texture texture, double *seconds, iso_error *err)
 {
@@ -113,7 +113,7 @@ static iso_status draw_texture(iso_gl *gl, const bench_fields *fields, const ben
     return status;
 }
 
-/* All textures in turn, run after run, so that what else the machine does meets all alike. */
+/* Measures all textures in turn, run after run, so that other load affects all of them. */
 static iso_status measure_textures(iso_gl *gl, const bench_fields *fields, const bench_render_options *opt,
                                    bench_gradients gradients, double seconds[TEXTURE_COUNT], iso_error *err)
 {
@@ -160,7 +160,7 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fi
         status = measure_textures(gl, fields, opt, (bench_gradients)g, seconds, err);
         for (int t = 0; t < TEXTURE_COUNT && status == ISO_OK; ++t) {
             if (isinf(seconds[t]))
-                continue; /* not asked for */
+                continue; /* not requested */
             json_array_append_new(cases,
                                   json_pack("{s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "texture",
                                             texture_names[t], "tf", "dense", "gradients", iso_bench_gradients_names[g],
@@ -183,11 +183,11 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fi
 
 /* ---- nodes against cells ------------------------------------------------------ */
 
-/* How a whole level is made. The last: from the cells of a pyramid, which is all that is on disk. */
+/* How a whole level is made. LEVEL_FROM_CELLS: from a pyramid's cells, the only values that are stored. */
 typedef enum level_kind { LEVEL_CELLS, LEVEL_SMOOTH, LEVEL_SHARP, LEVEL_FROM_CELLS, LEVEL_KINDS } level_kind;
 static const char *const level_kind_names[LEVEL_KINDS] = {"cells", "nodes-smooth", "nodes-sharp", "nodes-from-cells"};
 
-/* What is compared, and a byte a brick for its level. */
+/* The pyramid and views to compare, and one level per brick. */
 typedef struct level_comparison {
     const iso_cli *cli;
     iso_gl *gl;
@@ -196,7 +196,7 @@ typedef struct level_comparison {
     uint8_t *levels;
 } level_comparison;
 
-/* An image of a whole level, at the same step in mm. */
+/* Draws a whole level, at the same step in mm. */
 static iso_status draw_level(const level_comparison *c, const iso_node_levels *n, const iso_view *view, size_t k,
                              iso_image *image, iso_error *err)
 {
@@ -230,7 +230,7 @@ static void report_level(const iso_cli *cli, bench_tf tf, size_t k, const iso_me
     printf("\n");
 }
 
-/* RMSE and SSIM of all kinds to level 0, for one TF; nodes[LEVEL_CELLS] is NULL. */
+/* Computes RMSE and SSIM of all kinds to level 0, for one TF; nodes[LEVEL_CELLS] is NULL. */
 static iso_status compare_levels(const level_comparison *c, const iso_node_levels *const nodes[LEVEL_KINDS],
                                  bench_tf tf, json_t *cases, iso_error *err)
 {
@@ -294,7 +294,7 @@ static iso_status check_transition(const char *name, iso_error *err)
         known = known || strcmp(name, transition_names[t]) == 0;
     return known ? ISO_OK
                  : iso_fail(err, ISO_E_USAGE,
-                            "--transition is \"%s\", wanted discontinuous, baked, centers-discontinuous, "
+                            "--transition is \"%s\", must be discontinuous, baked, centers-discontinuous, "
                             "paper or paper-corrected",
                             name);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* render_bricks_cpu.c - bench render --bricks: bricks of mixed resolution by the CPU ray caster, beside the whole volume. */
+/* render_bricks_cpu.c - bench render --bricks: bricks of two levels by the CPU ray caster, and the whole volume. */
 #include <math.h>
 #include <stdio.h>
 
@@ -33,7 +33,7 @@ static iso_status prepare(cpu_cases *c, const iso_pyramid *p, iso_brick_field fi
     return status;
 }
 
-/* All in turn, run after run, so that what else the machine does meets all alike. */
+/* Draws all cases in turn, run after run, so that other load affects all of them. */
 static iso_status draw(cpu_cases *c, const bench_render_options *opt, iso_error *err)
 {
     double (*clock)(void) = opt->processor_time ? iso_cpu_seconds : iso_clock_seconds;
@@ -45,7 +45,7 @@ static iso_status draw(cpu_cases *c, const bench_render_options *opt, iso_error 
         for (int kind = 0; kind < KINDS; ++kind) {
             const double start = clock();
             iso_cpu_draw(c->scene[kind], &image);
-            if (run > 0) /* the first one brings all into the cache */
+            if (run > 0) /* the first run warms the cache */
                 c->seconds[kind] = fmin(c->seconds[kind], clock() - start);
         }
     if (status == ISO_OK)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* scale.c - time and memory of the commands against the number of voxels, each run in a process of its own. */
+/* scale.c - time and memory of the commands against the number of voxels, each run in a separate process. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -23,24 +23,24 @@ ISO_EMBED(iso_scale_gp, "src/bench/scale.gp");
 
 enum { MOST_SIZES = 6, MOST_WORDS = 32, SHORT_SECONDS = 5 };
 
-/* By a factor of 8 in voxels; the last one of 4. */
+/* Sizes grow by a factor of 8 in voxels, the last one by 4. */
 static const size_t sizes[MOST_SIZES][3] = {{64, 64, 64},    {128, 128, 128},    {256, 256, 256},
                                             {512, 512, 512}, {1024, 1024, 1024}, {2048, 2048, 1024}};
 
-/* What the volumes hold. Shells are as thick in parts of the box at each size, so that a larger volume has more voxels that
- * equal their neighbors; grain has the same statistics around each voxel whatever the size. */
+/* Contents of the volumes. Shells keep their thickness relative to the box, so that larger volumes have more voxels
+ * equal to their neighbors. Grain has the same statistics around each voxel at every size. */
 static const struct content {
     const char *name, *summary, *make;
 } contents[] = {
-    {"shells", "two thin shells: the larger, the more voxels are like their neighbors", "make shells"},
-    {"grain", "noise in each voxel: around a voxel all sizes are alike", "make constant --grain 0.1"},
+    {"shells", "two thin shells: the larger, the more voxels equal their neighbors", "make shells"},
+    {"grain", "noise in each voxel: the same statistics around a voxel at every size", "make constant --grain 0.1"},
 };
 static const iso_names content_names = ISO_NAMES_OF_ROWS("content", contents);
 
-/* Commands in a folder with volume.nrrd, in an order in which each finds what it reads. */
+/* Commands in a folder with volume.nrrd, in an order in which each finds its input. */
 static const struct stage {
     const char *name, *command;
-    bool is_streamed; /* its memory is to stay, whatever the volume is */
+    bool is_streamed; /* its memory must not grow with the volume */
     bool reads_pyramid;
 } stages[] = {
     {"build", "build volume.nrrd -o volume.iso --levels 4 --memory 512", true, false},
@@ -55,20 +55,20 @@ enum { STAGES = sizeof stages / sizeof *stages, BUILD_STAGE = 0 };
 typedef struct point {
     bool is_measured;
     double seconds, processor_seconds, peak_bytes;
-    char why[160]; /* it was not measured */
+    char why[160]; /* why it was not measured */
 } point;
 
 typedef struct scale_bench {
     char program[4096];
     char *folder;
     const struct content *content;
-    const char *only;    /* names, between commas; or NULL for all */
-    size_t count;        /* of sizes */
-    int repeat;          /* of runs that take less than SHORT_SECONDS; the least counts */
-    point start[STAGES]; /* of 16^3 voxels: what a process costs */
+    const char *only;    /* names separated by commas; NULL: all */
+    size_t count;        /* number of sizes */
+    int repeat;          /* runs of a command shorter than SHORT_SECONDS; the least counts */
+    point start[STAGES]; /* with 16^3 voxels: the cost of a process */
     point points[STAGES][MOST_SIZES];
     double slope[STAGES];
-    size_t fitted[STAGES]; /* how many sizes a slope is of */
+    size_t fitted[STAGES]; /* number of sizes in a slope */
 } scale_bench;
 
 static double voxels_of(size_t i)
@@ -96,7 +96,7 @@ static iso_status run_command(const scale_bench *b, const char *command, point *
     return status;
 }
 
-/* What else the machine does only adds to a time: of short runs, which it disturbs most, the least counts. */
+/* Measures a command. Other load only adds to a time, mostly to short ones: of these, the least counts. */
 static iso_status measure_command(const scale_bench *b, const char *command, point *p, iso_error *err)
 {
     iso_status status = run_command(b, command, p, err);
@@ -109,7 +109,7 @@ static iso_status measure_command(const scale_bench *b, const char *command, poi
     return status;
 }
 
-static bool is_asked(const scale_bench *b, size_t stage)
+static bool is_requested(const scale_bench *b, size_t stage)
 {
     char list[256], name[64];
     snprintf(list, sizeof list, ",%s,", b->only ? b->only : "");
@@ -117,16 +117,16 @@ static bool is_asked(const scale_bench *b, size_t stage)
     return !b->only || strstr(list, name);
 }
 
-/* Of a build that is not measured: the stages that are asked for read what it writes. */
+/* True if the build is not measured but must run, because requested stages read its pyramid. */
 static bool lacks_pyramid(const scale_bench *b)
 {
     bool reads = false;
     for (size_t s = 0; s < STAGES; ++s)
-        reads = reads || (is_asked(b, s) && stages[s].reads_pyramid);
-    return reads && !is_asked(b, BUILD_STAGE);
+        reads = reads || (is_requested(b, s) && stages[s].reads_pyramid);
+    return reads && !is_requested(b, BUILD_STAGE);
 }
 
-/* Without the pyramid of the size before, which would be taken for this one's where the build fails. */
+/* Writes the volume and removes the previous size's pyramid, so that no stage reads it if the build fails. */
 static iso_status make_volume(const scale_bench *b, const size_t size[3], iso_error *err)
 {
     char command[160];
@@ -144,7 +144,7 @@ static iso_status make_volume(const scale_bench *b, const size_t size[3], iso_er
 
 /* ---- all of them ---- */
 
-/* What the last size took says what this one would. */
+/* Estimates from the previous size whether this one fits; if not, writes why. */
 static bool fits_memory(const scale_bench *b, size_t stage, size_t i, char why[160])
 {
     if (i == 0 || stages[stage].is_streamed)
@@ -153,8 +153,7 @@ static bool fits_memory(const scale_bench *b, size_t stage, size_t i, char why[1
     const double have = 0.6 * (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE),
                  need = last->peak_bytes * voxels_of(i) / voxels_of(i - 1);
     if (!last->is_measured || need > have) {
-        snprintf(why, 160,
-                 last->is_measured ? "memory: %.1f GB would be needed, %.1f are allowed" : "as the size before it",
+        snprintf(why, 160, last->is_measured ? "memory: needs %.1f GB, limit %.1f GB" : "like the smaller size",
                  need / 1e9, have / 1e9);
         return false;
     }
@@ -167,17 +166,17 @@ static void measure_size(scale_bench *b, size_t i, const iso_cli *cli)
     for (size_t s = 0; s < STAGES; ++s) {
         point *p = &b->points[s][i];
         iso_error why = {""};
-        if (!is_asked(b, s))
-            snprintf(p->why, sizeof p->why, "not asked for");
+        if (!is_requested(b, s))
+            snprintf(p->why, sizeof p->why, "not requested");
         else if (fits_memory(b, s, i, p->why) && measure_command(b, stages[s].command, p, &why) != ISO_OK) {
-            *p = (point){.is_measured = false}; /* how long it took to fail is no time of the command */
+            *p = (point){.is_measured = false}; /* the time until a failure is not the command's time */
             snprintf(p->why, sizeof p->why, "%.150s", why.text);
         }
         iso_progress_report(&progress, "measure", (double)(i * STAGES + s + 1) / (double)(b->count * STAGES));
     }
 }
 
-/* A volume of a byte a voxel, its pyramid with codes, and what is exported. */
+/* Estimates the disk space: a volume of one byte per voxel, its pyramid with codes, and the exported file. */
 static bool fits_disk(const scale_bench *b, size_t i, char why[160])
 {
     struct statvfs disk;
@@ -185,7 +184,7 @@ static bool fits_disk(const scale_bench *b, size_t i, char why[160])
     if (statvfs(b->folder, &disk) != 0)
         return true;
     const double have = (double)disk.f_bavail * (double)disk.f_frsize;
-    snprintf(why, 160, "disk: %.1f GB would be needed, %.1f are free", need / 1e9, have / 1e9);
+    snprintf(why, 160, "disk: needs %.1f GB, %.1f GB free", need / 1e9, have / 1e9);
     return need < have;
 }
 
@@ -224,7 +223,7 @@ static iso_status measure_all(scale_bench *b, const iso_cli *cli, iso_error *err
     free(tf_path);
     TRY(status, make_volume(b, least, err));
     for (size_t s = 0; s < STAGES && status == ISO_OK; ++s)
-        if (is_asked(b, s))
+        if (is_requested(b, s))
             status = measure_command(b, stages[s].command, &b->start[s], err);
     for (size_t i = 0; i < b->count && status == ISO_OK; ++i) {
         char why[160];
@@ -282,17 +281,17 @@ static void print_stage(const scale_bench *b, size_t s)
             printf("  %4zux%4zux%4zu left out: %s\n", sizes[i][0], sizes[i][1], sizes[i][2], p->why);
     }
     if (isnan(b->slope[s]))
-        printf("  no slope: a process costs %.2f s, and %zu sizes take ten times that\n", b->start[s].processor_seconds,
-               b->fitted[s]);
+        printf("  no slope: a process costs %.2f s, and only %zu sizes take ten times as long\n",
+               b->start[s].processor_seconds, b->fitted[s]);
     else
-        printf("  slope of processor time, less %.2f s of a process, of %zu sizes: %.3f\n",
+        printf("  slope of processor time without the %.2f s of a process, of %zu sizes: %.3f\n",
                b->start[s].processor_seconds, b->fitted[s], b->slope[s]);
 }
 
 static void print(const scale_bench *b)
 {
     for (size_t s = 0; s < STAGES; ++s)
-        if (is_asked(b, s))
+        if (is_requested(b, s))
             print_stage(b, s);
 }
 
@@ -346,7 +345,7 @@ static iso_status count_sizes(const char *largest, size_t *count, iso_error *err
         if (strcmp(name, largest) == 0)
             return ISO_OK;
     }
-    return iso_fail(err, ISO_E_USAGE, "--largest is \"%s\", wanted 64, 128, 256, 512, 1024 or 2048 (2048x2048x1024)",
+    return iso_fail(err, ISO_E_USAGE, "--largest is \"%s\", must be 64, 128, 256, 512, 1024 or 2048 (2048x2048x1024)",
                     largest);
 }
 
@@ -360,7 +359,8 @@ static iso_status check_only(const char *only, iso_error *err)
             ++s;
         if (s == STAGES)
             status = iso_fail(err, ISO_E_USAGE,
-                              "--only has \"%s\", wanted build, histogram, render, render-whole, export or plan", name);
+                              "--only has \"%s\", must be build, histogram, render, render-whole, export or plan",
+                              name);
     }
     free(names);
     return status;
@@ -388,22 +388,22 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     scale_bench b = {.repeat = 3};
     struct poptOption options[] = {
         {"largest", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &largest, 0,
-         "sizes from 64^3 to this one, by a factor of 8: 128, 256, 512, 1024, and 2048 for 2048x2048x1024", "N"},
-        {"of", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &of, 0, "what the volumes hold, see below", "NAME"},
+         "measure 64^3 up to 128, 256, 512, 1024 or 2048 (2048x2048x1024)", "N"},
+        {"of", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &of, 0, "set the volumes' content, see below", "NAME"},
         {"only", 0, POPT_ARG_STRING, &only, 0,
-         "these: build, histogram, render, render-whole, export, plan; what they read is made, too, and not measured",
-         "NAME,..."},
+         "measure only build, histogram, render, render-whole, export or plan (all)", "NAME,..."},
         {"repeat", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.repeat, 0,
-         "runs of what takes less than 5 seconds, of which the least processor time counts", "N"},
-        {"output", 'o', POPT_ARG_STRING, &output, 0, "a folder for the chart and its data", "FOLDER"},
-        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &format, 0, "of the chart: svg or pdf", "FORMAT"},
+         "run commands under 5 seconds N times; the least counts", "N"},
+        {"output", 'o', POPT_ARG_STRING, &output, 0, "write the chart and its data", "FOLDER"},
+        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &format, 0, "write the chart as svg or pdf",
+         "FORMAT"},
         POPT_TABLEEND,
     };
     iso_cli cli;
     iso_cli_next next;
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN && strcmp(format, "svg") != 0 && strcmp(format, "pdf") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", format);
+        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", format);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = count_sizes(largest, &b.count, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
@@ -433,11 +433,12 @@ const iso_command iso_bench_scale = {
     .summary = "time and memory of build, histogram, render, export and plan against the number of voxels",
     .usage = "[options]",
     .details =
-        "Each command runs in a process of its own, on volumes of 8 bits. Shells are as thick in parts of the box at each\n"
-        "size, so that a larger volume has more voxels that equal their neighbors; grain is alike around each voxel.\n"
-        "The slope is that of the logarithm of processor time, less what a process costs with 16^3 voxels, by that of the\n"
-        "number of voxels: 1 where time grows as the volume does. Sizes of whose time a process costs more than a tenth are\n"
-        "not in it. What does not fit into memory or on the disk is left out, and says so.",
+        "Each command runs in a separate process, on volumes of 8 bits. Shells keep their thickness relative to the\n"
+        "box, so that larger volumes have more voxels equal to their neighbors; grain has the same statistics at\n"
+        "every size. With --only, other commands still run if their output is read, but are not measured. The slope\n"
+        "is the exponent of time over voxels, without the cost of a process (16^3 voxels): 1 if time grows as the\n"
+        "volume does. Sizes at which a process costs over a tenth of the time are not used. Sizes that exceed memory\n"
+        "or disk are listed as left out.",
     .examples = "  isoshade bench scale --largest 64\n"
                 "  isoshade bench scale --of grain --largest 128 --only build\n",
     .lists = (const iso_names *const[]){&content_names, NULL},

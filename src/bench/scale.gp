@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Processor time and peak memory against voxels, both in logs: a line a command; gray lines grow as the volume does.
+# Processor time and peak memory over voxels, both logarithmic: one line per command; gray lines have slope 1.
 name = 'scale'
 data = name . '.csv'
 set datafile separator comma

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* bound.c - the bound of a level's image (render/image_bound.h) beside the RMSE that is measured: over volumes, transfer
- * functions, levels and views, with the original transfer function and the one that --adapt takes. It asserts nothing,
- * and counts what is above its bound. */
+/* bound.c - the bound of a level's image (render/image_bound.h) against the measured RMSE, over volumes, transfer
+ * functions, levels and views, with the original and the adapted transfer function (--adapt). It counts cases above
+ * their bound and does not fail on them. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "scene/views.h"
 #include "tf/adapt.h"
 
-/* Below this an image shows no error that a factor could be made of. */
+/* Images below this RMSE have no error worth a factor. */
 #define LEAST_RMSE 1e-4
 
 typedef struct bound_bench {
@@ -24,17 +24,17 @@ typedef struct bound_bench {
     iso_volume_input input;
     int views, size, levels, shaded, perspective, points, causes;
     iso_renderers renderers;
-    double *factors, *signs, *regions; /* bound / RMSE, and the two parts that it is the product of */
+    double *factors, *signs, *regions; /* bound / RMSE, and the two parts of that product */
     size_t factor_count, case_count, above_count;
     json_t *cases;
 } bound_bench;
 
-/* A volume under one transfer function, seen from one side. */
+/* A volume under one transfer function and in one view. */
 typedef struct bound_case {
     const char *volume;
     const iso_pyramid *pyramid;
     const iso_level_tf *tf;
-    int number; /* of the view */
+    int number; /* the view's number */
     iso_view view;
     iso_image finest;
 } bound_case;
@@ -79,7 +79,7 @@ static iso_status draw(bound_bench *b, bound_case *c, size_t level, const iso_tf
     return status;
 }
 
-/* Of one case: the RMSE, its bound, and where causes are asked for the integral of absolute values along the rays. */
+/* RMSE and bound of a case, and with --causes the integral of absolute values along the rays. */
 typedef struct bound_figures {
     double measured, bound, unsigned_rays;
 } bound_figures;
@@ -168,7 +168,7 @@ static iso_status run_tf(void *user, const iso_lab_visited *v, iso_error *err)
     return status;
 }
 
-/* The median of the causes, whose product is the factor; NaN where they were not asked for. */
+/* Returns the median of one cause's factor (their product is the bound's factor); NaN without --causes. */
 static double median_of(const bound_bench *b, double *values)
 {
     return b->causes ? iso_ratios_summarize(values, b->factor_count).median : NAN;
@@ -190,14 +190,13 @@ static void report(bound_bench *b)
                                                "regions_median", iso_json_number(regions)));
         iso_cli_print_json(root);
     } else {
-        printf("%zu cases, %zu above their bound; bound / RMSE, of the %zu with an RMSE above %g: median %.2f, "
+        printf("%zu cases, %zu above their bound; bound / RMSE of the %zu cases with an RMSE above %g: median %.2f, "
                "quartiles %.2f and %.2f\n",
                b->case_count, b->above_count, b->factor_count, LEAST_RMSE, factors.median, factors.lower,
                factors.upper);
         if (b->causes)
-            printf(
-                "of which by absolute values along rays: median %.2f; by regions that stand for their rays: median %.2f\n",
-                signs, regions);
+            printf("parts of it: absolute values along rays: median %.2f; regions in place of rays: median %.2f\n",
+                   signs, regions);
     }
 }
 
@@ -230,14 +229,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     bound_bench b = {.views = 3, .size = 96, .levels = 4};
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "of an icosahedron's faces", "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels along an edge of the image", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
-        {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "with a light", NULL},
-        {"points", 0, POPT_ARG_INT, &b.points, 0, "of the bound, along each axis of a voxel (2; 1 in large volumes)",
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "use N views from an icosahedron's faces",
          "N"},
-        {"causes", 0, POPT_ARG_NONE, &b.causes, 0, "what of each factor is signs, what regions", NULL},
-        {"perspective", 0, POPT_ARG_NONE, &b.perspective, 0, "instead of an orthographic camera", NULL},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "render N x N pixels", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
+        {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "shade with a light", NULL},
+        {"points", 0, POPT_ARG_INT, &b.points, 0, "set the bound's points per voxel axis (2; 1 in large volumes)", "N"},
+        {"causes", 0, POPT_ARG_NONE, &b.causes, 0, "split each factor into signs and regions", NULL},
+        {"perspective", 0, POPT_ARG_NONE, &b.perspective, 0, "use a perspective camera instead of an orthographic one",
+         NULL},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -257,14 +257,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_lab_bound = {
     .name = "bound",
-    .summary = "the bound of a level's RMSE that `tf bound` prints, beside the RMSE that is measured",
+    .summary = "the bound of a level's RMSE by `tf bound`, compared with the measured RMSE",
     .min_arguments = 1,
     .max_arguments = 64,
     .usage = "VOLUME... [options]",
     .details =
-        "Four transfer functions (surface, soft, two-material, shell), the original and the adapted one, all coarse levels.\n"
-        "A factor is bound / RMSE; what is above its bound is counted. --causes: how many times the RMSE the same integral of\n"
-        "absolute values is along the rays themselves, and how many times that the bound is.",
+        "Four transfer functions (surface, soft, two-material, shell), original and adapted, at all coarse levels. A\n"
+        "factor is bound / RMSE; cases above their bound are counted. --causes splits it in two: the integral of\n"
+        "absolute values along the rays / RMSE, and the bound / that integral.",
     .examples = "  isoshade make shells --size 40 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab bound shells.nrrd --views 1 --size 48 --levels 2\n",
     .run = run,

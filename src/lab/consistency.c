@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* consistency.c - does a coarse level look like level 0? The original TF
- * against adapted ones, over views from an icosahedron's faces.
+/* consistency.c - compares coarse levels with level 0, with the original and with adapted TFs, over views from an
+ * icosahedron's faces.
  *
- * Paper: [diaz-garcia-2016] sec. 5, Figures 8 and 9 (SSIM dissimilarity over 20
- * views); FLIP stands beside it. Four TFs, fixed as fractions of a volume's
- * range, the same for every volume: nothing is fitted to one. Volumes stand in
- * two blocks, those that a choice was made with and those held back from it;
- * every renderer has its own. */
+ * Paper: [diaz-garcia-2016] sec. 5, Figures 8 and 9 (SSIM dissimilarity over 20 views); FLIP is measured as well. The
+ * four TFs are fixed as fractions of a volume's range, the same for all volumes, so that none is fitted to a volume.
+ * Each renderer has two blocks: the volumes by which methods were chosen, and those held back from all choices. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,7 +34,7 @@ enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8, HELD = 1 };
 
 typedef struct case_result {
     double ssim_dissimilarity, flip, rmse;
-    double alpha_max; /* of the level's images: how much is shown at all */
+    double alpha_max; /* largest alpha of the level's images, 0 if they are empty */
     iso_adapt_judgment judgment;
 } case_result;
 
@@ -50,7 +48,7 @@ typedef struct bench_run {
     char *renderers_path;
     bool wanted[ISO_LAB_METHOD_COUNT], wanted_tf[ISO_LEVEL_TF_COUNT];
     bool wanted_renderer[ISO_MAX_RENDERERS];
-    const iso_renderer_info *renderer; /* the one at work */
+    const iso_renderer_info *renderer; /* the current one */
     iso_renderers renderers;
     json_t *cases;
 } bench_run;
@@ -62,11 +60,11 @@ static iso_status make_view(const bench_run *run, const iso_pyramid *p, const is
     return iso_lab_view(&look, &p->levels[0], tf, iso_view_of_faces(i, run->views), view, err);
 }
 
-/* A table, or the rows of a 2D one, that a level is shown by. */
+/* The table, or the 2D table, that shows a level. */
 typedef struct shown_by {
     const iso_tf_table *table;
-    iso_tf_2d *tf_2d;          /* lent; or NULL */
-    uint8_t *extinction_scale; /* the same */
+    iso_tf_2d *tf_2d;          /* borrowed; or NULL */
+    uint8_t *extinction_scale; /* borrowed; or NULL */
 } shown_by;
 
 /* A volume under one transfer function. */
@@ -76,7 +74,7 @@ typedef struct bench_case {
     const iso_pyramid *pyramid;
     const iso_level_tf *tf;
     iso_view *views;
-    const iso_image *finest; /* a view each, of level 0 */
+    const iso_image *finest; /* level 0, one image per view */
 } bench_case;
 
 static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, shown_by by,
@@ -100,7 +98,7 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
     return status;
 }
 
-/* All views of one level with one table. */
+/* Renders all views of one level with one table and measures them. */
 static iso_status measure(bench_run *run, const bench_case *c, size_t level, shown_by by, case_result *r,
                           iso_error *err)
 {
@@ -121,7 +119,7 @@ static iso_status measure(bench_run *run, const bench_case *c, size_t level, sho
     return status;
 }
 
-/* Nothing can be told from pictures that are alike whatever is done, or that are empty. */
+/* Returns why a case does not count: its images are empty, or no method has an error; NULL if it counts. */
 static const char *why_left_out(const bench_run *run, const bench_case *c,
                                 const case_result results[ISO_LAB_METHOD_COUNT])
 {
@@ -137,7 +135,7 @@ static const char *why_left_out(const bench_run *run, const bench_case *c,
         return "level 0 shows nothing";
     if (!(shown >= nothing))
         return "the level shows nothing under any method";
-    return error < no_error ? "no method errs" : NULL;
+    return error < no_error ? "no method has an error" : NULL;
 }
 
 static void note_case(bench_run *run, const bench_case *c, size_t level,
@@ -251,7 +249,7 @@ static iso_status run_volume(bench_run *run, int block, const char *path, iso_er
     return status;
 }
 
-/* A twentieth of the range, normally distributed (the sum of twelve numbers in [0, 1) less 6; deviation 1). */
+/* Adds normal noise of a twentieth of the range: the sum of twelve numbers in [0, 1) less 6 has a deviation of 1. */
 static void add_noise(iso_volume *v, uint64_t seed)
 {
     iso_random random = {seed};
@@ -264,7 +262,7 @@ static void add_noise(iso_volume *v, uint64_t seed)
     }
 }
 
-/* Analytic volumes under noise: held back. */
+/* Measures analytic volumes with noise, in the block of volumes held back. */
 static iso_status run_analytic(bench_run *run, iso_error *err)
 {
     static const iso_field_kind kinds[] = {ISO_FIELD_SHELLS, ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_NOISE};
@@ -396,31 +394,31 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
                    .tf_names = "surface,soft,two-material,shell"};
     const char *methods = "paper,default";
     char names[256], with[300];
-    snprintf(with, sizeof with, "of %s: each against its own level 0",
+    snprintf(with, sizeof with, "render with some of %s, each against its own level 0",
              iso_renderers_with(0, ", ", ", ", names, sizeof names));
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "of an icosahedron's faces, at most 20",
-         "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels along an edge", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step_voxels, 0, "ray step in voxels of the level",
-         "VOXELS"},
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0,
+         "use N views from an icosahedron's faces, at most 20", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "render N x N pixels", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step_voxels, 0,
+         "set the ray step in voxels of the level", "VOXELS"},
         {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &methods, 0,
-         "beside the original: names with commas, or all", "NAMES"},
-        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.tf_names, 0, "transfer functions, names with commas",
+         "compare the original with these methods, or all", "NAMES"},
+        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.tf_names, 0, "use only these transfer functions",
          "NAMES"},
-        {"level", 0, POPT_ARG_INT, &b.level, 0, "this level alone", "K"},
+        {"level", 0, POPT_ARG_INT, &b.level, 0, "measure only this level", "K"},
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.with, 0, with, "LIST"},
         ISO_CLI_RENDERERS_OPTION(&b.renderers_path),
-        {"held", 0, POPT_ARG_STRING, &b.held, 0, "volumes that stand in a block of their own", "FILE,FILE"},
+        {"held", 0, POPT_ARG_STRING, &b.held, 0, "report these volumes in a separate block", "FILE,FILE"},
         {"analytic", 0, POPT_ARG_INT, &b.analytic_size, 0,
-         "held back too: shells, marschner-lobb and noise of this size, under noise of a twentieth", "N"},
-        {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "with a headlight; else emission alone", NULL},
+         "hold back shells, marschner-lobb and noise of this size, with 5 % noise", "N"},
+        {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "shade with a headlight (emission only)", NULL},
         {"paper-setup", 0, POPT_ARG_NONE, &b.paper_setup, 0,
-         "Gaussian pyramid, 20 views, pre-integration, gradients on the fly, steps of a voxel", NULL},
-        {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "two views of 96 pixels, analytic volumes of 48^3", NULL},
-        {"figures", 0, POPT_ARG_STRING, &b.figures, 0, "Figures 8 and 9 of the paper into this folder", "DIR"},
+         "Gaussian pyramid, 20 views, pre-integration, on-the-fly gradients, one-voxel steps", NULL},
+        {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "use two views of 96 pixels, analytic volumes of 48^3", NULL},
+        {"figures", 0, POPT_ARG_STRING, &b.figures, 0, "draw Figures 8 and 9 of the paper into this folder", "DIR"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -452,13 +450,13 @@ const iso_command iso_lab_consistency = {
     .max_arguments = 64,
     .usage = "VOLUME... [options], or --shading, --filters, --holes [options]",
     .details =
-        "With --shading, or without a volume, directions are judged; with --filters and --holes, where they fail. Each has\n"
-        "its own options: isoshade-lab consistency --shading --help.\n"
+        "With --shading, or without a volume, it measures directions; with --filters and --holes, where directions\n"
+        "fail. See the options of each with isoshade-lab consistency --shading --help.\n"
         "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
-        "1-SSIM, FLIP and RMSE are means over the views; the summary holds geometric means, medians and quartiles over all\n"
-        "cases. Left out of them, and counted: cases whose level 0 shows nothing, whose level shows nothing under any method\n"
-        "(no pixel of any view has an alpha of 1/255), or in which no method errs.\n"
-        "Volumes of --held and --analytic stand in a block of their own: nothing was chosen by them.",
+        "1-SSIM, FLIP and RMSE are means over the views. The summary has geometric means, medians and quartiles over\n"
+        "all cases. Some cases are left out and counted: level 0 shows nothing, no method shows anything (no pixel\n"
+        "has an alpha of 1/255), or no method has an error. Volumes of --held and --analytic form a separate block:\n"
+        "no choice was made by them.",
     .examples =
         "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
         "  isoshade-lab consistency shells.nrrd --views 3 --size 64 --levels 3\n"

@@ -24,7 +24,7 @@ static double number_of(const json_t *c, const char *key)
     return json_number_value(json_object_get(c, key));
 }
 
-/* The cases of a renderer, held back or not. */
+/* Cases of a renderer: those held back, or all others. */
 typedef struct block {
     const json_t *cases;
     const char *renderer;
@@ -48,10 +48,10 @@ typedef struct summary {
     double worst; /* the largest 1 - SSIM above the original's */
 } summary;
 
-/* Of a method at a level (0: at all). */
+/* Summarizes a method at a level (0: all levels). */
 static summary summarize(const block *b, const char *method, json_int_t level)
 {
-    const double floor_error = 1e-6; /* both perfect: a ratio of 1 */
+    const double floor_error = 1e-6; /* two perfect methods have a ratio of 1 */
     const size_t most = json_array_size(b->cases);
     double *ratios[METRICS] = {NULL};
     const json_t *original = NULL;
@@ -112,7 +112,7 @@ static void print_summary(const summary *s, const char *method, json_int_t level
     printf("\n");
 }
 
-/* The methods in their order, each once. */
+/* Lists the methods in order, each once. */
 static json_t *methods_of(const block *b)
 {
     json_t *names = json_object(), *c;
@@ -121,7 +121,7 @@ static json_t *methods_of(const block *b)
     return names;
 }
 
-/* Reasons, and how many cases each takes. */
+/* Counts the cases left out, by reason. */
 static json_t *left_out_of(const block *b, size_t *count)
 {
     json_t *reasons = json_object(), *c;
@@ -141,13 +141,13 @@ static json_t *left_out_of(const block *b, size_t *count)
 static json_t *report_block(const block *b, bool print)
 {
     size_t left_out;
-    const char *name = b->held ? "held back" : "volumes named", *method, *why;
+    const char *name = b->held ? "held back" : "given volumes", *method, *why;
     json_t *methods = methods_of(b), *reasons = left_out_of(b, &left_out), *means = json_array(),
            *behind = json_array();
     json_t *unused, *times;
     const size_t counted = summarize(b, "original", 0).case_count;
     if (print) {
-        printf("\n%s, %s: %zu cases; error / error of the original TF: geometric means, then medians (quartiles)\n"
+        printf("\n%s, %s: %zu cases; error / error of the original TF: geometric means, medians (quartiles)\n"
                "%-26s %8s %8s %8s   %-20s %-20s %-20s worse by .005, worst\n",
                b->renderer, name, counted, "method", "SSIM", "FLIP", "RMSE", "SSIM", "FLIP", "RMSE");
         json_object_foreach(reasons, why, times)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* convergence.c - does the error of a renderer fall as its quadrature promises, and to where?
+/* convergence.c - tests that each renderer's error falls as its quadrature promises, and that its limit is the
+ * reference.
  *
- * Each renderer draws the scene at steps that halve. Midpoint rules err with the
- * square of the step: the error against the converged reference falls by 4, and
- * the limit extrapolated from the two finest (Richardson) lies within two of its
- * error bars of the reference. */
+ * Each renderer draws the scene at steps that halve. The error of midpoint rules is quadratic in the step: against the
+ * converged reference it falls by a factor of 4. The limit extrapolated from the two finest steps (Richardson) must lie
+ * within two error bars of the reference. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -35,23 +35,23 @@ typedef struct convergence_options {
     double finest;
 } convergence_options;
 
-/* One renderer's way down. */
+/* Results of one renderer over all steps. */
 typedef struct descent {
     const iso_renderer_info *renderer;
     double step[most_steps], rmse[most_steps], max_abs[most_steps], order[most_steps], seconds[most_steps];
-    size_t intervals[most_steps], pieces[most_steps]; /* of a ray; 0 intervals: it has steps */
+    size_t intervals[most_steps], pieces[most_steps]; /* per ray; 0 intervals: it has steps */
     double limit_rmse, error_bar;                     /* of the extrapolated limit */
     bool agrees;
 } descent;
 
-/* Images of 16 bits have steps of 1.5e-5, which extrapolation widens; floats have less. */
+/* Images of 16 bits have steps of 1.5e-5, which extrapolation amplifies; floats have smaller ones. */
 static const double rounding = 1e-5;
-static const double expected_order = 2; /* of all renderers that have a limit */
-/* The TF's bends and the cells' borders fall anywhere between the samples, so that part of the error has a random
- * phase: independent errors e and 4 e of the two finest leave 1.9 e in the limit, at a bar of 1.4 e. */
+static const double expected_order = 2; /* of all renderers with a limit */
+/* The TF's bends and the cells' borders lie at random positions between the samples, so part of the error has a random
+ * phase. Independent errors e and 4 e of the two finest steps leave 1.9 e in the limit, at a bar of 1.4 e. */
 static const double bars_allowed = 2;
 
-/* q: without options, which are chosen here. */
+/* Renders at all steps. q: without renderer options; this function sets them. */
 static iso_status descend(const iso_render_request *q, const convergence_options *o, const iso_image *reference,
                           int threads, descent *d, iso_error *err)
 {
@@ -128,7 +128,7 @@ static void print_table(const descent *d, int steps)
            d->agrees ? "agrees" : "differs");
 }
 
-/* Columns: renderer, kind, step, rmse, error bar. The limit is drawn at half the finest step. */
+/* Writes columns renderer, kind, step, rmse, error bar. The limit is at half the finest step. */
 static iso_status draw(const convergence_options *o, const descent *d, size_t count, iso_error *err)
 {
     char *csv = NULL;
@@ -153,7 +153,7 @@ static iso_status draw(const convergence_options *o, const descent *d, size_t co
     return status;
 }
 
-/* "gl,povray": those whose images have limits. */
+/* Parses "gl,povray": only renderers with a limit. */
 static iso_status parse_renderers(const char *text, descent d[ISO_MAX_RENDERERS], size_t *count, iso_error *err)
 {
     char *copy = strdup(text), *rest = copy;
@@ -164,7 +164,7 @@ static iso_status parse_renderers(const char *text, descent d[ISO_MAX_RENDERERS]
         char names[256];
         status = iso_renderer_from_name(word, &r, err);
         if (status == ISO_OK && (!iso_renderer_has(r, ISO_HAS_LIMIT) || *count == ISO_MAX_RENDERERS))
-            status = iso_fail(err, ISO_E_USAGE, "--with is \"%s\", wanted a list of %s", text,
+            status = iso_fail(err, ISO_E_USAGE, "--with is \"%s\", must be a list of %s", text,
                               iso_renderers_with(ISO_HAS_LIMIT, ", ", " and ", names, sizeof names));
         if (status == ISO_OK)
             d[(*count)++] = (descent){.renderer = r};
@@ -179,7 +179,7 @@ static iso_status check(const convergence_options *o, iso_error *err)
     TRY(status, iso_words_check_range("--finest", o->finest, 1e-3, 10, err));
     TRY(status, iso_words_check_range("--level", o->level, 0, 63, err));
     if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", o->format);
+        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", o->format);
     return status;
 }
 
@@ -228,7 +228,7 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     return status;
 }
 
-/* Those with a limit and without noise, which would hide the order. */
+/* Lists the renderers with a limit and without noise, which would hide the order. */
 static char *default_renderers(char *text, size_t size)
 {
     size_t length = 0;
@@ -255,13 +255,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.with, 0, with, "LIST"},
         ISO_CLI_RENDERERS_OPTION(&o.renderers),
         {"steps", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.steps, 0,
-         "how many steps, each half of the one before", "N"},
+         "render with N steps, each half of the previous one", "N"},
         {"finest", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &o.finest, 0,
-         "the last step, in voxels of the level", "VOXELS"},
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.level, 0, "level of the pyramid, 0 is the finest",
-         "K"},
-        {"output", 'o', POPT_ARG_STRING, &o.output, 0, "a folder for the chart and its data", "DIR"},
-        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "of the chart: svg or pdf", "FORMAT"},
+         "set the last step, in voxels of the level", "VOXELS"},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.level, 0,
+         "use this level of the pyramid, 0 is the finest", "K"},
+        {"output", 'o', POPT_ARG_STRING, &o.output, 0, "write the chart and its data", "DIR"},
+        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "write the chart as svg or pdf",
+         "FORMAT"},
         ISO_CLI_INPUT_OPTIONS(&o.input),
         POPT_TABLEEND,
     };
@@ -276,14 +277,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_lab_convergence = {
     .name = "convergence",
-    .summary = "the error of each renderer by its ray step, its order and its limit",
+    .summary = "error of each renderer by ray step, its order and its limit",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso [--scene SCENE.scene.json] [options]",
     .details =
-        "The error is the RMSE against the converged reference. order: 2 when halving the step quarters it. limit: extrapolated\n"
-        "from the two finest steps; it agrees when it lies within two error bars of the reference. seconds: of the\n"
-        "frame alone.",
+        "The error is the RMSE against the converged reference. order: 2 if halving the step quarters the error.\n"
+        "limit: extrapolated from the two finest steps; it agrees if it lies within two error bars of the reference.\n"
+        "seconds: of the frame only.",
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
         "  isoshade-lab convergence ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 -o convergence\n",

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# The RMSE against the converged reference by ray step: what falls with the square of the step follows the gray lines.
-# A circle is the error of the limit extrapolated from the two finest steps, a cross its error bar.
+# RMSE against the converged reference over the ray step. Gray lines show quadratic convergence. A circle is the error
+# of the limit extrapolated from the two finest steps, a cross its error bar.
 name = 'convergence'
 data = name . '.csv'
 set datafile separator comma

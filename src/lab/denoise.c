@@ -23,7 +23,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* 1 -2 1 along x, y and z at once. */
+/* Returns the second difference (1 -2 1) along x, y and z at once. */
 static double second_differences(const float *v, const size_t n[3], size_t x, size_t y, size_t z)
 {
     static const double weights[3] = {1, -2, 1};
@@ -57,7 +57,7 @@ iso_status iso_noise_estimate(const float *values, const size_t size[3], double 
 
 /* ---- non-local means ---- */
 
-/* Means over three neighbors along an axis of the given stride, in place; the border's voxel is repeated. */
+/* Averages three neighbors along an axis of the given stride, in place; the border voxel is repeated. */
 static void mean_of_three(float *v, const size_t n[3], int axis)
 {
     const size_t stride = axis == 0 ? 1 : axis == 1 ? n[0] : n[0] * n[1], count = count_of(n);
@@ -74,7 +74,7 @@ static void mean_of_three(float *v, const size_t n[3], int axis)
     }
 }
 
-/* Squared differences to the volume moved by (dx, dy, dz), and their means round each voxel. */
+/* Computes squared differences to the volume moved by (dx, dy, dz), averaged around each voxel. */
 static void patch_distances(const float *v, const size_t n[3], const ptrdiff_t move[3], float *out)
 {
 #pragma omp parallel for schedule(static)

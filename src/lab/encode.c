@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* encode.c - direction codes: speed, holes, errors at voxels and between
- * them; the tables and the figure of [diaz-garcia-2017] sections 4 and 5. */
+/* encode.c - direction codes: speed, holes, errors at voxels and between them; the tables and the figure of
+ * [diaz-garcia-2017] sections 4 and 5. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +17,7 @@
 #include "encode/code_hole.h"
 #include "encode/encode_kernel.h"
 
-/* Time of this thread alone: other programs do not count. */
+/* Returns this thread's time, which other programs do not affect. */
 static double thread_seconds(void)
 {
     struct timespec t;
@@ -25,7 +25,7 @@ static double thread_seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-enum { TIMED = 16384 }; /* directions: they and their codes stay in the second-level cache */
+enum { TIMED = 16384 }; /* directions: they and their codes fit into the second-level cache */
 
 typedef struct timing_buffers {
     float directions[3 * TIMED], decoded[3 * TIMED];
@@ -44,7 +44,7 @@ static void random_directions(float *directions, size_t count)
     }
 }
 
-/* Millions a second: the best of at least five runs and 50 ms, over fewer directions where the code is slow. */
+/* Returns millions per second: the best of at least five runs and 50 ms. Slow codes encode fewer directions. */
 static double encode_rate(const iso_scheme *scheme, timing_buffers *b)
 {
     double best = 0, start = thread_seconds();
@@ -130,22 +130,23 @@ static void print_scheme(const iso_scheme *scheme, const scheme_result *r)
 
 static void print_scheme_head(void)
 {
-    printf("Millions of directions a second of one thread; errors in degrees. hole: the largest angle to the nearest\n"
-           "code. At voxels, and filtered between two voxels whose directions are 5, 15, 30 and 60 degrees apart.\n\n"
-           "%-16s %2s %7s %7s  %7s %-7s %7s %7s ",
-           "scheme", "B", "encode", "decode", "hole", "", "mean", "max");
+    printf(
+        "Millions of directions per second of one thread; errors in degrees. hole: the largest angle to the nearest\n"
+        "code. At voxels, and filtered between two voxels whose directions are 5, 15, 30 and 60 degrees apart.\n\n"
+        "%-16s %2s %7s %7s  %7s %-7s %7s %7s ",
+        "scheme", "B", "encode", "decode", "hole", "", "mean", "max");
     for (int i = 0; i < APART_COUNT; ++i)
         printf("  %2g mean     max", apart_deg[i]);
     putchar('\n');
 }
 
-/* Every code by its own encoder, then the other ways to the same codes. */
+/* Every code with its own encoder, then other encoders of the same codes. */
 static const iso_scheme more_schemes[] = {
     {"fit exact", ISO_CODE_FIT, iso_encode_fit_exact, NULL},
     {"region48 exact", ISO_CODE_REGION48, iso_encode_region48_exact, NULL},
 };
 
-static const size_t table_sizes[] = {32, 64, 128}; /* of the paper */
+static const size_t table_sizes[] = {32, 64, 128}; /* the paper's */
 enum {
     MORE_COUNT = sizeof more_schemes / sizeof more_schemes[0],
     TABLE_COUNT = sizeof table_sizes / sizeof table_sizes[0],
@@ -193,7 +194,7 @@ static iso_status bench_tables(bool text, iso_paper_table tables[], json_t *root
     json_t *list = json_array();
     json_object_set_new(root, "table3", list);
     if (text)
-        printf("Table 3: seconds to make the table of T (paper)\n");
+        printf("Table 3: seconds to compute the table of T (paper)\n");
     for (int i = 0; i < TABLE_COUNT; ++i) {
         double start = thread_seconds();
         iso_status status = iso_paper_table_create(table_sizes[i], &tables[i], err);
@@ -232,10 +233,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input input;
     iso_volume_input_defaults(&input);
     struct poptOption options[] = {
-        {"count", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &count, 0, "random probes for each mean", "N"},
-        {"chart", 0, POPT_ARG_STRING, &chart_dir, 0, "draw Figure 10 into this folder, which exists", "DIR"},
+        {"count", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &count, 0, "average N random probes", "N"},
+        {"chart", 0, POPT_ARG_STRING, &chart_dir, 0, "draw Figure 10 into this existing folder", "DIR"},
         ISO_CLI_LOOK_OPTIONS(&asked),
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &levels, 0, "of the volumes, with the finest", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &levels, 0,
+         "use N levels of the volumes, counting the finest", "N"},
         ISO_CLI_INPUT_OPTIONS(&input),
         POPT_TABLEEND,
     };
@@ -248,8 +250,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--levels", levels, 1, 8, err);
     if (status == ISO_OK && next == ISO_CLI_RUN)
         status = iso_cli_look_check(&asked, cli.threads, &look, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && chart_dir && !iso_path_exists(chart_dir)) /* not after the work */
-        status = iso_fail(err, ISO_E_IO, "%s: the folder does not exist", chart_dir);
+    if (status == ISO_OK && next == ISO_CLI_RUN && chart_dir && !iso_path_exists(chart_dir)) /* fails before the work */
+        status = iso_fail(err, ISO_E_IO, "%s: folder does not exist; create it first", chart_dir);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         json_t *root = iso_cli_json(&cli);
         json_object_set_new(json_object_get(root, "options"), "count", json_integer(count));
@@ -272,9 +274,9 @@ const iso_command iso_lab_encode = {
     .max_arguments = 64,
     .usage = "[options] [VOLUME... [--scene SCENE.scene.json]]",
     .details =
-        "Holes are exact to 1e-5 degrees where it says so. Largest errors are climbed to from random probes, and\n"
-        "attained. Rates count the time of one thread, whatever else runs.\n"
-        "With volumes, what each code costs in their images instead.",
+        "Holes marked as such are exact to 1e-5 degrees. Largest errors are found by climbing from random probes,\n"
+        "and are attained. Rates count the time of one thread only. With volumes, it measures each code's error in\n"
+        "their images instead.",
     .examples = "  isoshade-lab encode --count 20000\n"
                 "  isoshade-lab encode --json\n"
                 "  isoshade make marschner-lobb --size 32 -o small.nrrd\n"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* encode.h - the parts of `isoshade-lab encode` that reproduce or refute the
- * paper. Each prints a table (text) and adds its results to root. */
+/* encode.h - parts of `isoshade-lab encode` that check the paper. Each prints a table (text) and adds to root. */
 #ifndef ISO_LAB_ENCODE_H
 #define ISO_LAB_ENCODE_H
 
@@ -16,16 +15,16 @@
 /* "table1": holes and their bound; "figure10": the hole over lambda. chart_dir may be NULL. */
 iso_status iso_lab_encode_holes(bool text, const char *chart_dir, json_t *root, iso_error *err);
 
-/* "convexity": how far between voxels the paper's warp leaves the directions it lies between. */
+/* "convexity": angle by which interpolation in the paper's warp leaves the cone of the interpolated directions. */
 iso_status iso_lab_encode_convexity(bool text, json_t *root, iso_error *err);
 
-/* "stiffness": the best fit's error between neighbors by its mu. */
+/* "stiffness": error of the best fit between neighbors, by its mu. */
 iso_status iso_lab_encode_stiffness(bool text, size_t count, json_t *root, iso_error *err);
 
-/* "coherence": directions whose length is a weight, by code. */
+/* "coherence": directions with a weight as their length, by code. */
 iso_status iso_lab_encode_coherence(bool text, size_t count, json_t *root, iso_error *err);
 
-/* "images", "image_ratios": what codes cost in the images of the command's volumes. */
+/* "images", "image_ratios": errors of codes in images of the command's volumes. */
 typedef struct iso_image_bench {
     const iso_volume_input *input;
     const iso_subject_look *look;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_coherence.c - what filtering makes of a best fit, by how much
- * weight it gives the length; and of directions whose length is how far they can be trusted,
- * by the way it is stored. */
+/* encode_coherence.c - filtering errors of the best fit, by the weight of the length; and of directions whose length is
+ * their reliability, by storage format. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,7 +30,7 @@ static void put(const char *name, int bytes, const iso_code_error e[], bool text
     putchar('\n');
 }
 
-/* The direction by `fit` at full length, and the length in a byte of its own. */
+/* Encodes the direction by `fit` at full length, and the length in a separate byte. */
 static iso_vec3 fitted(iso_vec3 d)
 {
     float in[3] = {(float)d.x, (float)d.y, (float)d.z};
@@ -42,8 +41,8 @@ static iso_vec3 fitted(iso_vec3 d)
     return iso_v3(e[0], e[1], e[2]);
 }
 
-/* at_voxels: direction times length at each voxel, then the filter (a fetch a
- * voxel); else the two are filtered apart, as one hardware fetch does. */
+/* Measures directions with a separate length. at_voxels: multiplies them at each voxel before filtering (one fetch per
+ * voxel). Otherwise both are filtered separately, as one hardware fetch does. */
 static iso_code_error separate_length(double apart, size_t count, bool at_voxels)
 {
     uint64_t state = 20170613;
@@ -96,8 +95,8 @@ iso_status iso_lab_encode_coherence(bool text, size_t count, json_t *root, iso_e
     for (int at_voxels = 0; at_voxels < 2; ++at_voxels) {
         for (int i = 0; i < APART_COUNT; ++i)
             e[i] = separate_length(apart_deg[i] * 0.017453292519943295, count, at_voxels);
-        put(at_voxels ? "fit of d, L^2 a byte, mixed by 8 fetches" : "fit of d, L^2 a byte, filtered apart", 4, e, text,
-            list);
+        put(at_voxels ? "fit of d, byte of L^2, mixed by 8 fetches" : "fit of d, byte of L^2, filtered apart", 4, e,
+            text, list);
     }
     return ISO_OK;
 }
@@ -124,7 +123,7 @@ iso_status iso_lab_encode_stiffness(bool text, size_t count, json_t *root, iso_e
     json_t *list = json_array();
     json_object_set_new(root, "stiffness", list);
     if (text)
-        printf("Best fit by mu, a length's error counted so many times: mean error, degrees\n"
+        printf("Best fit by mu, the weight of the length's error: mean error, degrees\n"
                "     mu  at voxels  15 apart  60 apart\n");
     for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
         static const double apart[] = {0, 15, 60};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_images.c - what a code of directions costs in the image, beside the same directions as floats. */
+/* encode_images.c - image errors of direction codes, against the same directions as floats. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,11 +14,11 @@
 
 enum { MAX_LEVELS = 8 };
 
-/* How the directions d of a level, |d| = L^2 their coherence, are stored. */
+/* Storage of a level's directions d, where |d| = L^2 is their coherence. */
 typedef enum way {
     WAY_CODE,      /* d itself in the code */
-    WAY_APART,     /* d / |d| in the code, L^2 in a fourth byte, each filtered by itself */
-    WAY_AT_VOXELS, /* the same, eight fetches, multiplied before they are filtered */
+    WAY_APART,     /* d / |d| in the code, L^2 in a fourth byte; filtered separately */
+    WAY_AT_VOXELS, /* the same with eight fetches, multiplied before filtering */
 } way;
 
 static const struct coding {
@@ -29,8 +29,8 @@ static const struct coding {
 } codings[] = {
     {"snorm", WAY_CODE, ISO_CODE_SNORM, 3},
     {"fit", WAY_CODE, ISO_CODE_FIT, 3},
-    {"fit, L a byte, filtered apart", WAY_APART, ISO_CODE_FIT, 4},
-    {"fit, L a byte, 8 fetches", WAY_AT_VOXELS, ISO_CODE_FIT, 4},
+    {"fit, byte of L, filtered apart", WAY_APART, ISO_CODE_FIT, 4},
+    {"fit, byte of L, 8 fetches", WAY_AT_VOXELS, ISO_CODE_FIT, 4},
     {"half", WAY_CODE, ISO_CODE_HALF, 6},
     {"shell", WAY_CODE, ISO_CODE_SHELL, 3},
     {"cube", WAY_CODE, ISO_CODE_CUBE, 3},
@@ -46,11 +46,11 @@ typedef struct images_run {
     const iso_cli *cli;
     const iso_image_bench *bench;
     json_t *cases;
-    double log_ratio[CODING_COUNT][MAX_LEVELS][2]; /* sums of logarithms of error / that of snorm */
+    double log_ratio[CODING_COUNT][MAX_LEVELS][2]; /* sums of logarithms of error / snorm's error */
     size_t counts[MAX_LEVELS];
 } images_run;
 
-/* d / |d|; zero stays zero. */
+/* Normalizes directions; zero stays zero. */
 static void to_units(const float *directions, size_t count, float *units)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -65,8 +65,8 @@ static float length_byte(const float *d)
     return rintf(255 * sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])) / 255;
 }
 
-/* What the coding makes of the level: bytes in level->codes or vectors in level->directions, both the caller's.
- * Filtered apart, the length scales the sum of unit vectors and drops out of its direction. */
+/* Applies the coding to the level: to bytes in level->codes or vectors in level->directions, both owned by the caller.
+ * If the length is filtered apart, it only scales the sum of unit vectors and does not change its direction. */
 static iso_direction_source apply(const struct coding *c, const iso_level *from, iso_level *level, uint8_t *bytes,
                                   float *vectors)
 {
@@ -159,7 +159,7 @@ static iso_status run_volume(images_run *run, const char *path, iso_error *err)
     build.keep_float = true;
     iso_status status = iso_subject_load_pyramid(path, b->input, &build, &progress, &p, err);
     if (status == ISO_OK && !p.levels[0].directions)
-        status = iso_fail(err, ISO_E_USAGE, "%s holds no float directions; build it with --keep-float", path);
+        status = iso_fail(err, ISO_E_USAGE, "%s has no float directions; build it with --keep-float", path);
     TRY(status, iso_subject_make_view(b->look, &p, &view, err));
     for (size_t k = 0; k < p.level_count && k < b->level_count && status == ISO_OK; ++k) {
         status = measure_level(run, &p.levels[k], &view, errors, err);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_paper.c - [diaz-garcia-2017]: Table 1, Figure 10, and the claim of
- * convex interpolation. */
+/* encode_paper.c - [diaz-garcia-2017]: Table 1, Figure 10, and the claim of convex interpolation. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -52,8 +51,7 @@ static iso_status draw_figure10(const char *dir, const json_t *sweep, iso_error 
 iso_status iso_lab_encode_holes(bool text, const char *chart_dir, json_t *root, iso_error *err)
 {
     const double tolerance_deg = 1e-5;
-    /* Section 4.1 takes the circle round a triangle of 4 pi / (2 N) and gives its diameter; the radius is what
-     * the other two rows are. */
+    /* Section 4.1 takes the circle around a triangle of 4 pi / (2 N) and gives its diameter; other rows are radii. */
     const double least = 1.756 * sqrt(2 * 3.141592653589793) / 4096 / degree;
     iso_hole none, scheme, hole;
     iso_status status = iso_region48_hole(0, tolerance_deg, &none, err);
@@ -61,12 +59,12 @@ iso_status iso_lab_encode_holes(bool text, const char *chart_dir, json_t *root, 
     json_t *sweep = json_array();
     json_object_set_new(root, "figure10", sweep);
     double best = 0, best_hole = INFINITY;
-    for (int i = 0; i <= 98 && status == ISO_OK; ++i) { /* at 1 the decoder folds up at the edges */
+    for (int i = 0; i <= 98 && status == ISO_OK; ++i) { /* at 1 the decoder's edges fold */
         status = iso_region48_hole(0.01 * i, 1e-4, &hole, err);
         if (status == ISO_OK)
             json_array_append_new(sweep, json_pack("{s:f, s:f}", "lambda", 0.01 * i, "hole_deg", hole.radius_deg));
     }
-    for (int i = 550; i <= 670 && status == ISO_OK; i += 5) { /* where the least is */
+    for (int i = 550; i <= 670 && status == ISO_OK; i += 5) { /* finer near the minimum */
         status = iso_region48_hole(0.001 * i, 1e-4, &hole, err);
         if (status == ISO_OK && hole.radius_deg < best_hole) {
             best_hole = hole.radius_deg;
@@ -86,7 +84,7 @@ iso_status iso_lab_encode_holes(bool text, const char *chart_dir, json_t *root, 
                "  no treatment       %.4f  (0.3177)\n"
                "  48 regions         %.4f  (0.1730)\n"
                "  least possible     %.4f  (0.0615, its diameter: %.4f)\n"
-               "Figure 10: least hole %.4f at lambda %.3f (0.1730 at 0.61)\n",
+               "Figure 10: smallest hole %.4f at lambda %.3f (0.1730 at 0.61)\n",
                none.radius_deg, scheme.radius_deg, least / 2, least, best_hole, best);
         printf("  lambda, hole:");
         for (size_t i = 0; i < json_array_size(sweep); i += 10)
@@ -99,7 +97,7 @@ iso_status iso_lab_encode_holes(bool text, const char *chart_dir, json_t *root, 
 
 /* ---- convexity ---- */
 
-/* Within `radius` of center, uniform. */
+/* Draws a direction uniformly within `radius` of center. */
 static iso_vec3 random_in_cap(iso_vec3 center, double radius, uint64_t *state)
 {
     for (;;) {
@@ -111,7 +109,7 @@ static iso_vec3 random_in_cap(iso_vec3 center, double radius, uint64_t *state)
     }
 }
 
-/* The lattice vector that decodes to d exactly, on the cube's surface: no quantization. */
+/* Returns the vector on the cube's surface that decodes to d exactly, without quantization. */
 static iso_vec3 warp(iso_vec3 d)
 {
     double v[3] = {d.x, d.y, d.z}, e[3];
@@ -125,7 +123,7 @@ static iso_vec3 warp(iso_vec3 d)
     return iso_v3(e[0], e[1], e[2]);
 }
 
-/* How far x lies outside the cone of three directions, in degrees; 0 inside. */
+/* Returns the angle in degrees by which x lies outside the cone of three directions; 0 inside. */
 static double outside_deg(iso_vec3 x, const iso_vec3 corners[3])
 {
     double worst = 0, turn = iso_dot(iso_cross(corners[0], corners[1]), corners[2]) < 0 ? -1 : 1;
@@ -139,7 +137,7 @@ static double outside_deg(iso_vec3 x, const iso_vec3 corners[3])
 iso_status iso_lab_encode_convexity(bool text, json_t *root, iso_error *err)
 {
     (void)err;
-    /* The directions (1, .25, +-.1), mixed at equal weights: the arc between them crosses z = 0 at (1, .25, 0). */
+    /* The directions (1, .25, +-.1) with equal weights: the arc between them crosses z = 0 at (1, .25, 0). */
     iso_vec3 above = warp(iso_v3(1, 0.25, 0.1)), mean = iso_decode_region48(iso_v3(above.x, above.y, 0));
     double off = iso_angle_deg(mean, iso_v3(1, 0.25, 0));
     enum { TRIPLES = 100000 };
@@ -156,9 +154,9 @@ iso_status iso_lab_encode_convexity(bool text, json_t *root, iso_error *err)
             e = iso_madd(e, warp(corners[c]), weights[c] / sum);
         }
         double by = outside_deg(iso_decode_region48(e), corners);
-        outside += by > 1e-9; /* rounding of the warp and its inverse */
+        outside += by > 1e-9; /* above rounding of the warp and its inverse */
         worst = fmax(worst, by);
-        /* and pairs 15 degrees apart */
+        /* Pairs 15 degrees apart. */
         iso_vec3 a = corners[0], across = iso_random_unit_vector(&state);
         across = iso_normalize(iso_madd(across, a, -iso_dot(across, a)));
         iso_vec3 b = iso_madd(iso_scale(a, cos(15 * degree)), across, sin(15 * degree));
@@ -177,7 +175,7 @@ iso_status iso_lab_encode_convexity(bool text, json_t *root, iso_error *err)
                                   "max_error_deg", pair_max));
     if (text)
         printf(
-            "Convexity: (1, .25, .1) and (1, .25, -.1) mixed alike decode to (1, %.4f, 0): %.2f degrees off their arc.\n"
+            "Convexity: (1, .25, .1) and (1, .25, -.1) mixed equally decode to (1, %.4f, 0): %.2f degrees off their arc.\n"
             "  Of %d random triples in caps of 15 degrees %.1f %% decode outside the cone of their corners, by up to\n"
             "  %.2f degrees. The warp alone, without bytes, 15 degrees apart: mean error %.3f, largest seen %.2f.\n",
             mean.y / mean.x, off, TRIPLES, 100 * fraction, worst, pair_mean, pair_max);

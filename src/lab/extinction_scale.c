@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* extinction_scale.c - what making an extinction scale costs a fine voxel, and how near its opacities come to level 0's. */
+/* extinction_scale.c - cost of an extinction scale per fine voxel, and its opacity error against level 0. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,12 +20,12 @@ typedef struct scale_bench {
     json_t *rows;
 } scale_bench;
 
-/* One level under one transfer function. */
+/* A level under one transfer function. */
 typedef struct scale_case {
     const iso_pyramid *pyramid;
     size_t level;
     const char *volume, *tf;
-    iso_view *view; /* the original transfer function; lent */
+    iso_view *view; /* with the original transfer function; borrowed */
 } scale_case;
 
 typedef struct scale_cost {
@@ -33,8 +33,8 @@ typedef struct scale_cost {
     iso_extinction_scale_cost errors;
 } scale_cost;
 
-/* The fastest of some runs, once a level, and once an edit: processor time over all cores, which other work on the machine
- * changes less than the clock's. */
+/* Measures the fastest of several runs, for the work per level and per edit. Processor time over all cores is less
+ * affected by other work than the clock. */
 static iso_status time_scale(const scale_bench *b, const scale_case *c, const iso_tf_table *own, uint8_t *bytes,
                              scale_cost *cost, iso_error *err)
 {
@@ -60,7 +60,7 @@ static iso_status time_frame(scale_bench *b, const scale_case *c, const iso_tf_t
     const iso_progress silent = {0};
     iso_render_stats stats = {0};
     iso_image image = {0};
-    iso_view shown = *c->view; /* lent */
+    iso_view shown = *c->view; /* borrowed */
     shown.tf = *own;
     shown.extinction_scale = bytes;
     opt.processor_time = true;
@@ -101,7 +101,7 @@ static iso_status run_case(scale_bench *b, const scale_case *c, iso_error *err)
     opt.fall_back = false;
     uint8_t *bytes = malloc(iso_geometry_voxel_count(&c->pyramid->levels[c->level].geometry));
     iso_status status = bytes ? iso_adapt_level(c->pyramid, c->level, &c->view->tf, &opt, &own, NULL, err)
-                              : iso_fail(err, ISO_E_MEMORY, "no memory for a byte a voxel");
+                              : iso_fail(err, ISO_E_MEMORY, "no memory for one byte per voxel");
     if (status != ISO_OK) {
         free(bytes);
         return status;
@@ -157,7 +157,7 @@ static iso_status run_all(scale_bench *b, iso_error *err)
     if (!b->cli->json)
         printf("%-20s %-13s %c %9s %9s %9s %10s %10s %8s   %s\n%-20s %-13s %c %9s %9s %9s %10s %10s %8s\n", "volume",
                "tf", 'k', "seen", "once, ns", "edit, ns", "edit", "frame", "frames", "opacity off by", "", "", ' ', "",
-               "a voxel", "a seen one", "ms", "ms", "a 10^6");
+               "per voxel", "per seen", "ms", "ms", "per 10^6");
     const iso_progress progress = iso_cli_progress(b->cli);
     status = iso_lab_visit_volumes(&(iso_lab_volumes){b->cli, &b->input, b->levels, &progress}, run_tf, b, err);
     if (status == ISO_OK && b->cli->json) {
@@ -175,9 +175,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     scale_bench b = {.levels = 4, .size = 256, .runs = 3};
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels along an edge of the frame", "N"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "of which the fastest counts", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "render a frame of N x N pixels", "N"},
+        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "run N times; the fastest counts", "N"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -193,15 +193,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_lab_extinction_scale = {
     .name = "extinction-scale",
-    .summary = "what an extinction scale costs to make, against a frame, and what it leaves of the error",
+    .summary = "time to compute an extinction scale, against a frame, and the remaining error",
     .min_arguments = 1,
     .max_arguments = 64,
     .usage = "VOLUME... [options]",
     .details =
-        "Four transfer functions, adapted to each level. Once a level: the ranges of runs of fine voxels. An edit of the\n"
-        "transfer function: three rounds over the fine voxels of runs that show anything, and a look at the result; by such\n"
-        "a voxel, and a million of them in frames of the ray caster. All times are processor time over all cores. Opacity\n"
-        "off by: RMS over them, without a scale and with.",
+        "Four transfer functions, adapted to each level. Once per level: the ranges of runs of fine voxels. Per edit\n"
+        "of the transfer function: three passes over the fine voxels of visible runs, and a check of the result; per\n"
+        "such voxel, and per million of them in frames of the ray caster. All times are processor time over all\n"
+        "cores. \"opacity off by\": RMS over these voxels, without and with a scale.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab extinction-scale shells.nrrd --levels 3 --size 64 --runs 1\n",
     .run = run,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* figure.c - isoshade-lab figure: the figures of the papers, and of seams. */
+/* figure.c - isoshade-lab figure: figures of the papers, and of seams. */
 #include <math.h>
 #include <stdio.h>
 
@@ -25,13 +25,13 @@ iso_status iso_paper_surface(const iso_figure_job *job, const iso_level *level0,
 {
     const double part = isnan(iso_lab_figure_of(job)->surface) ? 0.5 : iso_lab_figure_of(job)->surface;
     if (!(part > 0 && part < 1))
-        return iso_fail(err, ISO_E_RANGE, "--surface is %g, must be between 0 and 1: a part of the volume's range",
+        return iso_fail(err, ISO_E_RANGE, "--surface is %g, must be between 0 and 1, a fraction of the volume's range",
                         part);
     *value = level0->min + part * (level0->max - level0->min);
     return ISO_OK;
 }
 
-/* An option that the kind would ignore is an error. */
+/* Reports options that the kind would ignore. */
 static iso_status check_options(const iso_figure_job *job, iso_error *err)
 {
     const iso_lab_figure_options *o = iso_lab_figure_of(job);
@@ -56,7 +56,7 @@ static iso_status check_options(const iso_figure_job *job, iso_error *err)
 static iso_status make(iso_figure_job *job, const char *kind, iso_error *err)
 {
     iso_status status = kind ? iso_figure_kind_from_name(&kind_names, kind, &job->kind, err)
-                             : iso_fail(err, ISO_E_USAGE, "--kind is missing; isoshade-lab figure --help lists the kinds");
+                             : iso_fail(err, ISO_E_USAGE, "--kind is missing; for a list: isoshade-lab figure --help");
     TRY(status, iso_colormap_from_name("magma", &job->map, err));
     TRY(status, check_options(job, err));
     return status == ISO_OK ? iso_figure_make(job, err) : status;
@@ -87,24 +87,26 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&job.volume);
     iso_cli_adapted_defaults(&job.adapted);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &output, 0, "the folder for the figure", "DIR"},
-        {"kind", 0, POPT_ARG_STRING, &kind, 0, "the figure", "KIND"},
-        {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.width_mm, 0, "of the figure, at most", "MM"},
-        {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.height_mm, 0, "of the figure, at most", "MM"},
-        {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.dpi, 0, "of its pictures", "DPI"},
-        {"formats", 0, POPT_ARG_STRING, &job.formats, 0, "besides the PDF: of svg, png and latex (all)", "LIST"},
+        {"output", 'o', POPT_ARG_STRING, &output, 0, "write the figure into this folder", "DIR"},
+        {"kind", 0, POPT_ARG_STRING, &kind, 0, "draw this figure, see below", "KIND"},
+        {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.width_mm, 0, "limit the figure's width", "MM"},
+        {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.height_mm, 0, "limit the figure's height",
+         "MM"},
+        {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.dpi, 0, "set the resolution of its pictures",
+         "DPI"},
+        {"formats", 0, POPT_ARG_STRING, &job.formats, 0, "write svg, png and latex next to the PDF (all)", "LIST"},
         {"sources", 0, POPT_ARG_NONE, &job.with_sources, 0, "keep the gnuplot script and its pixels", NULL},
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &job.level, 0, "the level that is shown", "K"},
-        {"levels", 0, POPT_ARG_INT, &job.levels, ISO_CLI_NOT_ZERO, "number of levels, level 0 included (4)", "N"},
-        {"code", 0, POPT_ARG_STRING, &more.code, 0, "a code of directions (the kind's own)", "CODE"},
-        {"bits", 0, POPT_ARG_INT, &more.bits, ISO_CLI_NOT_ZERO, "per component of a direction (5)", "N"},
-        {"bricks", 0, POPT_ARG_INT, &more.bricks, ISO_CLI_NOT_ZERO, "mixed levels: voxels along a brick's side (16)",
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &job.level, 0, "show this level", "K"},
+        {"levels", 0, POPT_ARG_INT, &job.levels, ISO_CLI_NOT_ZERO, "use N levels, counting level 0 (4)", "N"},
+        {"code", 0, POPT_ARG_STRING, &more.code, 0, "use this direction code (the kind's own)", "CODE"},
+        {"bits", 0, POPT_ARG_INT, &more.bits, ISO_CLI_NOT_ZERO, "use N bits per direction component (5)", "N"},
+        {"bricks", 0, POPT_ARG_INT, &more.bricks, ISO_CLI_NOT_ZERO, "mixed levels: use N voxels per brick side (16)",
          "N"},
-        {"entries", 0, POPT_ARG_INT, &more.entries, ISO_CLI_NOT_ZERO, "directions of a palette (254)", "N"},
-        {"surface", 0, POPT_ARG_DOUBLE, &more.surface, 0,
-         "the isosurface's value, as a part of the volume's range (0.5)", "PART"},
-        {"roi", 0, POPT_ARG_STRING, &more.region, 0,
-         "box of level-0 voxels with full resolution (the middle half along each axis)", "X0,Y0,Z0,X1,Y1,Z1"},
+        {"entries", 0, POPT_ARG_INT, &more.entries, ISO_CLI_NOT_ZERO, "use a palette of N directions (254)", "N"},
+        {"surface", 0, POPT_ARG_DOUBLE, &more.surface, 0, "set the isosurface's value, a fraction of the range (0.5)",
+         "PART"},
+        {"roi", 0, POPT_ARG_STRING, &more.region, 0, "set the full-resolution box in level-0 voxels (middle half)",
+         "X0,Y0,Z0,X1,Y1,Z1"},
         ISO_CLI_LOOK_OPTIONS(&job.look),
         ISO_CLI_INPUT_OPTIONS(&job.volume),
         POPT_TABLEEND,

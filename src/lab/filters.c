@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* filters.c - isoshade-lab consistency --filters: where each way to make directions holds and where it fails; and
- * --holes: the artefact of directions that are not defined where the coarse surface is.
+/* filters.c - isoshade-lab consistency --filters: cases in which each direction filter holds or fails. --holes: the
+ * artifact of undefined directions on the coarse surface.
  *
- * Paper: [diaz-garcia-2017] sec. 3, Figure 3 and Eq. 1. Scenes are analytic fields, some with noise; errors are against
+ * Paper: [diaz-garcia-2017] sec. 3, Figure 3 and Eq. 1. Scenes are analytic fields, some with noise. Errors are against
  * the field itself: angles to its gradients, images of its level 0 without noise. */
 #define _GNU_SOURCE
 #include "lab/shading.h"
@@ -40,14 +40,14 @@ static const iso_shading_method methods[] = {
 };
 enum { METHOD_COUNT = sizeof methods / sizeof *methods };
 
-/* Of fewer, a third of which the thin plate has, no voxel of its surface lies off the border. */
+/* The thin plate gets a third of these. With fewer voxels, its surface would lie entirely at the border. */
 enum { MIN_VOXELS = 18 };
 
 typedef struct scene {
     const char *name;
     iso_field_kind kind;
     double noise;
-    int coarser; /* times fewer voxels along an edge: what is thin in them */
+    int coarser; /* factor of fewer voxels along an edge, which makes structures thin */
 } scene;
 
 static const scene scenes[] = {
@@ -72,7 +72,7 @@ static size_t scene_voxels(const filters_run *run, const scene *s)
     return (size_t)run->voxels / (size_t)s->coarser;
 }
 
-/* Level 0 of the field without noise, to which all else is compared. */
+/* Renders level 0 of the field without noise, the reference of all comparisons. */
 static iso_status begin_scene(const filters_run *run, const scene *s, int size, iso_shading_subject *subject,
                               iso_error *err)
 {
@@ -92,7 +92,7 @@ static iso_status run_scene(filters_run *run, size_t at, iso_error *err)
 {
     const scene *s = &scenes[at];
     for (size_t m = 0; m < METHOD_COUNT; ++m)
-        for (size_t k = 0; k < LEVELS; ++k) /* of levels that so few voxels do not have */
+        for (size_t k = 0; k < LEVELS; ++k) /* levels missing in small volumes */
             run->error[at][m][k] = (iso_shading_error){.dssim_mean = NAN, .truth_mean_deg = NAN};
     iso_field field;
     iso_volume v = {0};
@@ -201,15 +201,14 @@ static iso_status run_filters(filters_run *run, const char *dir, json_t *root, i
 
 /* ---- holes ---- */
 
-/* Thin shells with a little grain: a coarse voxel holds both faces of a shell, or nothing but grain, where the coarse
- * surface is seen. */
+/* Thin shells with a little noise: on the coarse surface, voxels hold both faces of a shell, or only noise. */
 static const scene holes_scene = {"grainy shells", ISO_FIELD_SHELLS, 0.02, 1};
 static const size_t holes_methods[] = {0, 1, 2, 8, 9}; /* on the fly, naive, Eq. 1, default, flipped */
 enum { HOLES_METHODS = sizeof holes_methods / sizeof *holes_methods, HOLES_LEVEL = 2 };
 static const double hole_depth = 0.8;
 
 typedef struct holes {
-    double fraction; /* of the pixels that both images show: darker than hole_depth times level 0 */
+    double fraction; /* of the pixels visible in both images, those darker than hole_depth times level 0 */
     double dssim;
 } holes;
 
@@ -224,7 +223,7 @@ static double hole_fraction(const iso_image *finest, const iso_image *image)
     size_t shown = 0, dark = 0;
     for (size_t i = 0; i < image->width * image->height; ++i) {
         if (finest->rgba[4 * i + 3] < 0.95f || image->rgba[4 * i + 3] < 0.95f)
-            continue; /* silhouettes move: not what is counted */
+            continue; /* silhouettes move and do not count */
         ++shown;
         dark += brightness(image, i) < hole_depth * brightness(finest, i);
     }
@@ -296,7 +295,7 @@ static iso_status run_holes(const filters_run *run, const char *dir, json_t *roo
     iso_status status = begin_scene(run, &holes_scene, 2 * run->size, &s, err);
     TRY(status, iso_shading_sample(holes_scene.kind, (size_t)run->voxels, holes_scene.noise, &field, &v, err));
     if (status == ISO_OK && !run->cli->json)
-        printf("\nholes: pixels darker than %g of level 0, of those that both show; %s, level %d\n", hole_depth,
+        printf("\nholes: pixels darker than %g of level 0, of those visible in both; %s, level %d\n", hole_depth,
                holes_scene.name, HOLES_LEVEL);
     for (size_t i = 0; i < HOLES_METHODS && status == ISO_OK; ++i) {
         status = measure_holes(run, &s, &v, i, dir, &h[i], err);
@@ -345,11 +344,12 @@ static iso_status run_all(filters_run *run, iso_error *err)
 
 static const iso_command command = {
     .name = "consistency",
-    .summary = "where each direction filter holds and fails, and the holes of undefined directions",
+    .summary = "cases in which each direction filter holds or fails, and holes of undefined directions",
     .usage = "--filters and/or --holes [-o DIR] [options]",
     .details =
-        "Analytic scenes, some with normal noise (of their range): smooth, noisy spheres, plates, shells, two balls that\n"
-        "nearly touch, vessels. Errors are against the field without noise. DIR gets a chart of each, with its data and script.",
+        "Analytic scenes, some with normal noise (relative to their range): smooth, noisy spheres, plates, shells,\n"
+        "two balls that nearly touch, vessels. Errors are against the field without noise. DIR gets a chart of each,\n"
+        "with its data and script.",
     .examples = "  isoshade-lab consistency --holes --size 48 --voxels 32\n",
 };
 
@@ -357,13 +357,13 @@ iso_status iso_lab_filters(int argc, const char **argv, iso_error *err)
 {
     filters_run run = {.size = 96, .voxels = 96};
     struct poptOption options[] = {
-        {"filters", 0, POPT_ARG_NONE, &run.filters, 0, "all filters on all scenes", NULL},
-        {"holes", 0, POPT_ARG_NONE, &run.holes, 0, "the hole artefact, as figures and as a figure", NULL},
-        {"output", 'o', POPT_ARG_STRING, &run.output, 0, "the folder for charts", "DIR"},
-        {"format", 0, POPT_ARG_STRING, &run.format, 0, "of the charts: svg (default) or pdf", "FORMAT"},
+        {"filters", 0, POPT_ARG_NONE, &run.filters, 0, "measure all filters on all scenes", NULL},
+        {"holes", 0, POPT_ARG_NONE, &run.holes, 0, "measure and draw the artifact of holes", NULL},
+        {"output", 'o', POPT_ARG_STRING, &run.output, 0, "write the charts", "DIR"},
+        {"format", 0, POPT_ARG_STRING, &run.format, 0, "write the charts as svg or pdf (svg)", "FORMAT"},
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.size, 0,
-         "pixels along an edge; --holes takes twice as many", "N"},
-        {"voxels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.voxels, 0, "along an edge", "N"},
+         "render N x N pixels; --holes renders 2N x 2N", "N"},
+        {"voxels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.voxels, 0, "use N voxels along an edge", "N"},
         POPT_TABLEEND,
     };
     iso_cli cli;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Each direction filter on each scene: the angle to the field's own gradients, one panel a scene.
+# Each direction filter on each scene: angle to the field's own gradients, one panel per scene.
 name = 'filters'
 data = name . '.csv'
 set datafile separator comma
@@ -31,7 +31,7 @@ do for [p = 1:panels] {
     set tmargin at screen top(row)
     set bmargin at screen top(row) - 140.0 / height
     set title word(scenes, p) offset 0,-0.5 noenhanced
-    set ylabel (column == 0 ? 'angle to the truth, °' : '') offset 0.5,0
+    set ylabel (column == 0 ? 'angle to exact gradients, °' : '') offset 0.5,0
     set xlabel (p + 3 > panels ? 'level' : '') offset 0,0.7
     if (p == 1) {
         do for [i = 1:count] {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* fit.c - what levels for a scene cost: least squares, the fit and the small pictures, in processor time. */
+/* fit.c - processor time of levels for a scene: least squares, the fit and the small pictures. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -24,7 +24,7 @@ typedef struct fit_case {
     iso_tf_table table;
     size_t level;
     float *scalars[ISO_LEVEL_SCALAR_COUNT];
-    double seconds[3]; /* least squares, fit, pictures; of the processor */
+    double seconds[3]; /* processor time: least squares, fit, pictures */
     iso_fit_report fit;
     iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT];
 } fit_case;
@@ -117,7 +117,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     fit_bench b = {.levels = 4};
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -135,14 +135,14 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_lab_fit = {
     .name = "fit",
-    .summary = "what levels for a scene (build --for) cost: least squares, the fit, the small pictures",
+    .summary = "cost of levels for a scene (build --for): least squares, the fit, the small pictures",
     .min_arguments = 1,
     .max_arguments = 64,
     .usage = "VOLUME... [options]",
     .details =
-        "squares and fit: processor time, ns a voxel of level 0; pictures: seconds, level 0's among them; bytes: of memory, a\n"
-        "voxel of level 0, while a volume of bytes is built for a scene; error: what the fit leaves of the squared error of\n"
-        "opacity. Four transfer functions: surface, soft, two-material, shell.",
+        "squares and fit: processor time in ns per voxel of level 0; pictures: seconds, with level 0's; bytes:\n"
+        "memory per voxel of level 0 to build a volume of bytes for a scene; error: fraction of the squared opacity\n"
+        "error that remains after the fit. Four transfer functions: surface, soft, two-material, shell.",
     .examples = "  isoshade make shells --size 40 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab fit shells.nrrd --levels 3\n",
     .run = run,

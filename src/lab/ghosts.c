@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ghosts.c - what levels show where level 0 shows nothing, and what takes it away. */
+/* ghosts.c - ghosts: structures that levels show and level 0 does not, and the effect of each remedy. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -10,7 +10,7 @@
 #include "tf/adapt.h"
 #include "tf/ghost.h"
 
-/* The ways to show a level, in the order of the columns. */
+/* Methods to show a level, in the order of the columns. */
 enum { ORIGINAL, ADAPTED, GUARDED, TF_2D, SCALED, WAYS };
 static const char *const way_names[WAYS] = {"original", "adapted", "default", "tf_2d", "scaled"};
 
@@ -22,7 +22,7 @@ typedef struct ghost_bench {
     json_t *rows;
 } ghost_bench;
 
-/* One level under one transfer function, and how each way shows it. */
+/* A level under one transfer function, and the result of each method. */
 typedef struct ghost_case {
     const iso_pyramid *pyramid;
     size_t level;
@@ -116,12 +116,8 @@ static iso_status run_case(ghost_bench *b, ghost_case *c, iso_error *err)
     always.threads = c->threads;
     iso_status status = iso_ghost_mask(fine, coarse, c->level, c->tf, c->threads, &empty, err);
     TRY(status, iso_adapt_level(c->pyramid, c->level, c->tf, &always, &adapted, NULL, err));
-    const iso_small_views_input in = {.fine = fine,
-                                      .coarse = coarse,
-                                      .level = c->level,
-                                      .original = c->tf,
-                                      .empty = empty,
-                                      .threads = c->threads};
+    const iso_small_views_input in = {
+        .fine = fine, .coarse = coarse, .level = c->level, .original = c->tf, .empty = empty, .threads = c->threads};
     TRY(status, look_at_tables(c, in, &adapted, err));
     TRY(status, look_at_2d(c, in, err));
     TRY(status, look_at_scale(c, in, &adapted, err));
@@ -132,7 +128,7 @@ static iso_status run_case(ghost_bench *b, ghost_case *c, iso_error *err)
     return status;
 }
 
-/* The transfer function of --tf, once a volume, or those that all benchmarks of levels have. */
+/* Runs the transfer function of --tf once per volume, or the four that all benchmarks of levels use. */
 static iso_status run_tf(void *user, const iso_lab_visited *v, iso_error *err)
 {
     ghost_bench *b = user;
@@ -185,8 +181,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     ghost_bench b = {.levels = 4};
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
-        {"tf", 0, POPT_ARG_STRING, &b.tf_path, 0, "this transfer function instead of the four", "FILE"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
+        {"tf", 0, POPT_ARG_STRING, &b.tf_path, 0, "use this transfer function instead of the four", "FILE"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -202,15 +198,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_lab_ghosts = {
     .name = "ghosts",
-    .summary = "what levels show where level 0 shows nothing, by how they are shown",
+    .summary = "ghosts: structures in coarse levels that level 0 does not show, by method",
     .min_arguments = 1,
     .max_arguments = 64,
     .usage = "VOLUME|PYRAMID.iso... [options]",
     .details =
-        "Four transfer functions, or that of --tf, at each level in twelve small pictures: through the original, the adapted\n"
-        "one as it is, what --adapt takes, the 2D one with the deviation, and the adapted one with an extinction scale. For\n"
-        "each the ghost, in percent of what level 0 shows: opacity that is seen in voxels in and round which level 0 shows\n"
-        "nothing. And 1 - SSIM against level 0.",
+        "Four transfer functions, or that of --tf, at each level in twelve small pictures. Methods: the original\n"
+        "transfer function, the adapted one, the choice of --adapt, the 2D one with the deviation, and the adapted\n"
+        "one with an extinction scale. The ghost is the visible opacity in voxels in and around which level 0 shows\n"
+        "nothing, in percent of level 0's. It is printed with 1 - SSIM against level 0.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab ghosts shells.nrrd --levels 3\n",
     .run = run,

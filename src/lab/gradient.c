@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* gradient.c - estimators on fields whose gradients are known. */
+/* gradient.c - estimators on fields with known gradients. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@ typedef struct gradient_result {
 } gradient_result;
 
 typedef struct field_errors {
-    double mean_deg, max_deg, rms; /* rms: of the vector, relative to the rms gradient */
+    double mean_deg, max_deg, rms; /* rms: of the vector difference, relative to the rms gradient */
 } field_errors;
 
 static double normal_deviate(uint64_t *state) /* the sum of 12 uniforms */
@@ -44,8 +44,8 @@ static iso_status sample(iso_field_kind kind, size_t n, double noise, iso_field 
     return status;
 }
 
-/* Over voxels at least MARGIN off the border; of the sphere, as many off its kinks at the center and at the distance of
- * the faces, so that estimators of a longer reach see what they are made for. */
+/* Averages over voxels at least MARGIN off the border. For the sphere, also that far off its kinks (the center, and the
+ * distance of the faces), so that estimators with a longer reach see only smooth parts. */
 static field_errors measure(const iso_field *field, const float *g, size_t n)
 {
     field_errors e = {0, 0, 0};
@@ -139,7 +139,7 @@ static void report(const iso_cli *cli, size_t n, double noise, const gradient_re
     if (!cli->json)
         printf("%-13s %6s %21s %19s %11s %9s\n%-13s %6s %10s %10s %10s %8s %11s %9s\n", "", "", "Marschner-Lobb",
                "sphere", "and noise", "ns", "estimator", "order", "mean deg", "max deg", "mean deg", "max deg",
-               "mean deg", "a voxel");
+               "mean deg", "per voxel");
     for (int i = 0; i < ISO_GRADIENT_COUNT; ++i) {
         const gradient_result *r = &results[i];
         const char *name = iso_gradient_name((iso_gradient_method)i);
@@ -165,9 +165,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     int size = 40;
     double noise = 0.01;
     struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &size, 0, "voxels along each axis", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &size, 0, "use N voxels along each axis", "N"},
         {"noise", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &noise, 0,
-         "standard deviation, of the sphere's range of 1 from center to face", "S"},
+         "set the noise's standard deviation (range 1 from center to face)", "S"},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -188,7 +188,7 @@ const iso_command iso_lab_gradient = {
     .name = "gradient",
     .summary = "gradient estimators: order of convergence, angles on known fields, speed",
     .usage = "[options]",
-    .details = "The order is that of the error on smooth noise between a grid of --size and one twice as fine.",
+    .details = "The order is that of the error on smooth noise, from a grid of --size to one twice as fine.",
     .examples = "  isoshade-lab gradient --size 32\n",
     .run = run,
 };

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Pictures of one level by several directions, beside level 0, with how much of each is a hole.
+# Pictures of one level by several directions, next to level 0, with the share of holes in each.
 name = 'holes'
 data = name . '.csv'
 set datafile separator comma
@@ -12,7 +12,7 @@ height = 250
 load 'style.gp'
 unset border; unset tics; unset key; unset grid
 set size ratio -1
-# the camera frames the corners of the box: what is in it fills half of the picture
+# The camera frames the corners of the box; its content fills half of the picture.
 set xrange [0.24 * pixels : 0.76 * pixels]
 set yrange [0.24 * pixels : 0.76 * pixels]
 set multiplot

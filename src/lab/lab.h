@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* lab.h - the one list of isoshade-lab's commands: what reproduces the four papers, rival methods, and the experiments
- * whose tables stand in doc/results. src/lab/NAME.c defines iso_lab_NAME, which is called and parses as a command of
- * isoshade does. Nothing outside src/lab includes a file of it. */
+/* lab.h - the list of isoshade-lab's commands: they reproduce the four papers, rival methods and the experiments of
+ * doc/results. src/lab/NAME.c defines iso_lab_NAME, an iso_command. No file outside src/lab includes one of these
+ * headers. */
 #ifndef ISO_LAB_H
 #define ISO_LAB_H
 

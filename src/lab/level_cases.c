@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* level_cases.c - the cases of `isoshade-lab levels` and the table that keeps them, so that a run can go on where another ended. */
+/* level_cases.c - the cases of `isoshade-lab levels` and the table that stores them, so that a run can be continued. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -75,7 +75,7 @@ iso_level_case *iso_level_cases_find(const iso_level_cases *c, const iso_level_c
 
 /* ---- the table ---- */
 
-/* After these: the figures, then LAST. */
+/* These columns first, then the figures, then LAST. */
 static const char first_columns[] = "held,volume,tf,level,method,left_out",
                   last_columns[] = "finest_alpha,alpha,box_pixels,kept_original,voxels,settings";
 enum { FIRST = 6, LAST = 6, COLUMNS = FIRST + ISO_LEVEL_CASE_FIGURES + LAST };
@@ -88,7 +88,7 @@ static void write_heading(FILE *out)
     fprintf(out, ",%s\n", last_columns);
 }
 
-/* 17 digits: a number that is read again is the same one. */
+/* Writes one row; 17 digits keep numbers exact when read again. */
 static void write_row(const iso_level_cases *c, const iso_level_case *one, size_t method, FILE *out)
 {
     const struct iso_level_result *r = &one->results[method];
@@ -119,7 +119,7 @@ iso_status iso_level_cases_write_csv(const iso_level_cases *c, const char *path,
     return status;
 }
 
-/* ---- reading it again ---- */
+/* ---- reading ---- */
 
 static bool read_number(const char *text, double *number)
 {
@@ -128,7 +128,7 @@ static bool read_number(const char *text, double *number)
     return *text && !*end && isfinite(*number);
 }
 
-/* The case that a row is of; a new one where there is none. NULL: no memory. */
+/* Finds the row's case or adds one. NULL: out of memory. */
 static iso_level_case *case_of_row(iso_level_cases *c, const iso_level_case *like)
 {
     iso_level_case *one = iso_level_cases_find(c, like);
@@ -143,7 +143,7 @@ static iso_level_case *case_of_row(iso_level_cases *c, const iso_level_case *lik
     return one->volume && one->tf ? one : NULL;
 }
 
-/* What a row says of its case, and its result; texts are borrowed. False: a number is missing. */
+/* Parses a row's case and result; texts are borrowed. Returns false if a number is missing. */
 static bool read_columns(char *const at[COLUMNS], iso_level_case *one, struct iso_level_result *r)
 {
     char *const *last = at + FIRST + ISO_LEVEL_CASE_FIGURES;
@@ -165,7 +165,7 @@ static bool read_columns(char *const at[COLUMNS], iso_level_case *one, struct is
     return good;
 }
 
-/* A line without its end. */
+/* Parses a line (without line end). */
 static iso_status read_row(iso_level_cases *c, char *line, iso_error *err)
 {
     char *at[COLUMNS + 1] = {NULL}, *rest = line;
@@ -175,7 +175,7 @@ static iso_status read_row(iso_level_cases *c, char *line, iso_error *err)
     while (count <= COLUMNS && (at[count] = strsep(&rest, ",")))
         ++count;
     if (count != COLUMNS)
-        return iso_fail(err, ISO_E_FORMAT, "not as many columns as the heading");
+        return iso_fail(err, ISO_E_FORMAT, "wrong number of columns, must be as in the heading");
     if (!read_columns(at, &like, &result))
         return iso_fail(err, ISO_E_FORMAT, "a number is missing");
     if (iso_names_find(&iso_level_method_names, at[4], &method, err) != ISO_OK)
@@ -189,9 +189,9 @@ static iso_status read_row(iso_level_cases *c, char *line, iso_error *err)
     if (!one)
         return iso_fail(err, ISO_E_MEMORY, "no memory for a case");
     if (memcmp(one->size, like.size, sizeof like.size) != 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s has another size than in an earlier line", like.volume);
+        return iso_fail(err, ISO_E_FORMAT, "%s: size differs from an earlier line", like.volume);
     if (one->results[method].measured)
-        return iso_fail(err, ISO_E_FORMAT, "an earlier line has this case of this method");
+        return iso_fail(err, ISO_E_FORMAT, "repeats an earlier line's case and method");
     one->results[method] = result;
     return ISO_OK;
 }
@@ -219,7 +219,7 @@ iso_status iso_level_cases_read_csv(iso_level_cases *c, const char *path, iso_er
         return status;
     char *rest = text, *line = strsep(&rest, "\n");
     if (!is_heading(line))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: not a table that this version's `isoshade-lab levels --csv` wrote", path);
+        status = iso_fail(err, ISO_E_FORMAT, "%s: not a table of this version's `isoshade-lab levels --csv`", path);
     while (status == ISO_OK && (line = strsep(&rest, "\n"))) {
         ++number;
         status = *line ? read_row(c, line, err) : ISO_OK;

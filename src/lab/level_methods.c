@@ -8,32 +8,32 @@
 #include "lab/level_scene.h"
 #include "fit/extinction_scale.h"
 
-/* Made for the transfer function that the level is shown by. */
+/* Creates the extinction scale for the level's transfer function. */
 static iso_status scale_extinction(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
 {
     return iso_extinction_scale_level(s->pyramid, s->level, s->tf, &shown->tf, s->threads, &shown->extinction_scale,
                                       err);
 }
 
-/* The first is the default of `build`, and of what shows it with an adapted transfer function. */
+/* The first is the default of `build` with an adapted transfer function. */
 static const iso_level_method methods[] = {
     {.name = "default",
-     .summary = "means, directions by moments, adapted TF where small views say so",
+     .summary = "means, directions by moments, adapted TF if small views favor it",
      .treatment = ISO_LEVEL_TF_ADAPTED,
      .bytes = 3,
      .fetches = 2},
-    {.name = "original", .summary = "the same with the original TF", .bytes = 3, .fetches = 2},
+    {.name = "original", .summary = "as default, with the original TF", .bytes = 3, .fetches = 2},
     {.name = "on-the-fly",
      .summary = "means and the original TF, gradients from them",
      .source = ISO_FROM_ON_THE_FLY,
      .fetches = 7},
     {.name = "always",
-     .summary = "as default, adapted whatever small views say",
+     .summary = "as default, always adapted",
      .treatment = ISO_LEVEL_TF_ALWAYS,
      .bytes = 3,
      .fetches = 2},
     {.name = "tf-2d",
-     .summary = "2D TF over value and deviation",
+     .summary = "2D TF of value and deviation",
      .treatment = ISO_LEVEL_TF_2D,
      .bytes = 4,
      .fetches = 3},
@@ -44,29 +44,29 @@ static const iso_level_method methods[] = {
      .bytes = 3,
      .fetches = 2},
     {.name = "lsq-adapted",
-     .summary = "the same, adapted TF where small views say so",
+     .summary = "the same, adapted TF if small views favor it",
      .scalar = ISO_SCALAR_LEAST_SQUARES,
      .treatment = ISO_LEVEL_TF_ADAPTED,
      .bytes = 3,
      .fetches = 2},
     {.name = "damped",
-     .summary = "original, from the means .6 of the way to least squares",
+     .summary = "original, scalar .6 of the way from means to least squares",
      .scalar = ISO_SCALAR_DAMPED,
      .bytes = 3,
      .fetches = 2},
     {.name = "damped-adapted",
-     .summary = "the same, adapted TF where small views say so",
+     .summary = "the same, adapted TF if small views favor it",
      .scalar = ISO_SCALAR_DAMPED,
      .treatment = ISO_LEVEL_TF_ADAPTED,
      .bytes = 3,
      .fetches = 2},
     {.name = "fitted",
-     .summary = "a scalar fitted to the TF, adapted TF where small views say so",
+     .summary = "a scalar fitted to the TF, adapted TF if small views favor it",
      .make = iso_level_make_fitted,
      .bytes = 3,
      .fetches = 2},
     {.name = "for-scene",
-     .summary = "as build --for: means, least squares or fitted, by small pictures",
+     .summary = "as build --for: means, least squares or fitted, selected by small pictures",
      .make = iso_level_make_for_scene,
      .bytes = 3,
      .fetches = 2},
@@ -97,7 +97,7 @@ static const iso_level_method methods[] = {
      .source = ISO_FROM_FLIPPED,
      .bytes = 3,
      .fetches = 9},
-    /* Rivals store 16 bits of what replaces the scalar, whose 2 bytes are not counted, and a byte of a deviation. */
+    /* Rivals replace the scalar (2 bytes, not counted) by 16-bit values; a deviation takes one byte. */
     {.name = "rgba-opacity",
      .summary = "classified first: means of color and opacity; the limit of [sicat-2014]",
      .rival = iso_rival_opacity,
@@ -114,7 +114,7 @@ static const iso_level_method methods[] = {
      .bytes = 9,
      .fetches = 2},
     {.name = "two-gaussians",
-     .summary = "two Gaussians a voxel under the TF: a sparse pdf [sicat-2014]",
+     .summary = "two Gaussians per voxel under the TF: a sparse pdf [sicat-2014]",
      .rival = iso_rival_two_gaussians,
      .bytes = 8,
      .fetches = 16},
@@ -134,7 +134,7 @@ static const iso_level_method methods[] = {
      .bytes = 6,
      .fetches = 3},
     {.name = "scaled",
-     .summary = "always, and an extinction scale: --adapt --extinction-scale",
+     .summary = "always adapted, and an extinction scale: --adapt --extinction-scale",
      .treatment = ISO_LEVEL_TF_ALWAYS,
      .make = scale_extinction,
      .bytes = 4,
@@ -165,7 +165,7 @@ static const iso_level_method methods[] = {
      .bytes = 4,
      .fetches = 2},
 };
-_Static_assert(sizeof methods / sizeof *methods <= ISO_LEVEL_MAX_METHODS, "arrays by method are as long");
+_Static_assert(sizeof methods / sizeof *methods <= ISO_LEVEL_MAX_METHODS, "arrays by method have this length");
 
 const iso_names iso_level_method_names = ISO_NAMES_OF_ROWS("method", methods);
 

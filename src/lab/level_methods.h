@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* level_methods.h - the methods that `isoshade-lab levels` compares: what a coarse level stores, and how it is shown.
+/* level_methods.h - the methods that `isoshade-lab levels` compares: contents of a coarse level, and its display.
  *
- * A method is a row of the table in level_methods.c. What rows have in common (filters of the build, where directions
- * come from, what becomes of the transfer function) are its fields. What else a method needs it does in `make`, which is
- * given the level as it was built and changes a copy of it. To add a method, add a row. */
+ * A method is a row of the table in level_methods.c. Common properties are its fields: filters of the build, source of
+ * directions, treatment of the transfer function. Anything else is done by `make`, which modifies a copy of the built
+ * level. To add a method, add a row. */
 #ifndef ISO_LAB_LEVEL_METHODS_H
 #define ISO_LAB_LEVEL_METHODS_H
 
@@ -12,25 +12,25 @@
 #include "scene/field.h"
 #include "tf/adapt.h"
 
-/* What becomes of the transfer function at a level. */
+/* Treatment of the transfer function at a level. */
 typedef enum iso_level_treatment {
-    ISO_LEVEL_TF_ORIGINAL, /* it stays */
-    ISO_LEVEL_TF_ADAPTED,  /* adapted where small views say that it helps (tf/adapt.h) */
-    ISO_LEVEL_TF_ALWAYS,   /* adapted */
-    ISO_LEVEL_TF_2D        /* a 2D one, over the deviation */
+    ISO_LEVEL_TF_ORIGINAL, /* unchanged */
+    ISO_LEVEL_TF_ADAPTED,  /* adapted if small views favor it (tf/adapt.h) */
+    ISO_LEVEL_TF_ALWAYS,   /* always adapted */
+    ISO_LEVEL_TF_2D        /* 2D, of value and deviation */
 } iso_level_treatment;
 
-/* What is shown instead of level 0. */
+/* A coarse level prepared for display. */
 typedef struct iso_level_shown {
     iso_level level; /* a copy of the pyramid's that shares its arrays */
     iso_tf_table tf;
     iso_tf_2d tf_2d;
     bool has_tf_2d;
     iso_adapt_judgment judgment;
-    float *scalar;   /* an array that `make` puts into the level; freed with this */
-    uint8_t *bytes;  /* likewise */
-    iso_rival rival; /* rendered by the reference instead of the level's scalar and the TF, where it has an emitter */
-    uint8_t *extinction_scale; /* a byte a voxel (fit/extinction_scale.h), or NULL; freed with this */
+    float *scalar;   /* array that `make` puts into the level; freed with this struct */
+    uint8_t *bytes;  /* the same */
+    iso_rival rival; /* if it has an emitter, the reference renders it instead of the level's scalar and the TF */
+    uint8_t *extinction_scale; /* one byte per voxel (fit/extinction_scale.h), or NULL; freed with this struct */
 } iso_level_shown;
 
 typedef struct iso_level_method {
@@ -39,11 +39,11 @@ typedef struct iso_level_method {
     iso_direction_filter directions;
     iso_direction_source source;
     iso_level_treatment treatment;
-    /* Changes *shown, which has been filled by the fields above; NULL: it stays as it is. */
+    /* Modifies *shown after the fields above have been applied; or NULL. */
     iso_status (*make)(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
-    iso_status (*rival)(const iso_level_subject *s, iso_rival *r, iso_error *err); /* NULL: it is no rival */
-    double bytes;                                                                  /* a voxel beside the scalar */
-    double fetches; /* a sample, all textures of the level together */
+    iso_status (*rival)(const iso_level_subject *s, iso_rival *r, iso_error *err); /* NULL: not a rival */
+    double bytes;                                                                  /* per voxel, without the scalar */
+    double fetches; /* per sample, of all textures of the level */
 } iso_level_method;
 
 enum { ISO_LEVEL_MAX_METHODS = 64 };
@@ -51,10 +51,10 @@ size_t iso_level_method_count(void);
 const iso_level_method *iso_level_method_at(size_t index);
 extern const iso_names iso_level_method_names;
 
-/* "all", "own" (all but rivals), "rivals", or names, with commas between them, into wanted[]. ISO_E_USAGE with option and word. */
+/* Parses a list of names, "all", "own" (all but rivals) or "rivals" into wanted[]. ISO_E_USAGE. */
 iso_status iso_level_methods_choose(const char *text, bool wanted[ISO_LEVEL_MAX_METHODS], iso_error *err);
 
-/* What m shows of the level. ISO_E_MEMORY, ISO_E_RANGE. */
+/* Prepares the level for display by method m. ISO_E_MEMORY, ISO_E_RANGE. */
 iso_status iso_level_show(const iso_level_method *m, const iso_level_subject *s, iso_level_shown *shown,
                           iso_error *err);
 void iso_level_shown_destroy(iso_level_shown *shown);

@@ -6,7 +6,7 @@
 
 #include "plan/scene_levels.h"
 
-/* The level shows `scalar`, which it takes, under the transfer function that --adapt makes of it. */
+/* Shows `scalar` under the transfer function that --adapt selects for it; takes ownership of `scalar`. */
 static iso_status show(const iso_level_subject *s, float *scalar, iso_level_shown *shown, iso_error *err)
 {
     iso_pyramid with = *s->pyramid;
@@ -54,7 +54,7 @@ iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown 
         with.level_count = s->level + 1;
         with.made_for = NULL;
         status = iso_scene_levels_make(&with, s->level, &scene, s->threads, NULL, NULL, err);
-        scalar = levels[s->level].scalar; /* another one, where the first was not the best */
+        scalar = levels[s->level].scalar; /* replaced if the first one was not the best */
         json_decref(with.made_for);
     }
     iso_tf_destroy(&tf);

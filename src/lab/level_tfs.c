@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "lab/level_tfs.h"
 
-/* Opacities are for one level-0 voxel. */
+/* Opacities are per level-0 voxel. */
 const iso_level_tf iso_level_tfs[ISO_LEVEL_TF_COUNT] = {
     {"surface",
      4,

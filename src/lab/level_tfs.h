@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* level_tfs.h - the four transfer functions that levels are judged by: fixed as fractions of a volume's range, the same for
- * every volume. */
+/* level_tfs.h - the four transfer functions of level benchmarks: fixed as fractions of a volume's range, the same for
+ * all volumes. */
 #ifndef ISO_LEVEL_TFS_H
 #define ISO_LEVEL_TFS_H
 
@@ -15,11 +15,10 @@ typedef struct iso_level_tf {
 enum { ISO_LEVEL_TF_COUNT = 4 };
 extern const iso_level_tf iso_level_tfs[ISO_LEVEL_TF_COUNT];
 
-/* Five colors in a row that is no ramp of brightness, and two humps of opacity: what a mean of values takes for another
- * material has another color. */
+/* Five unordered colors and two humps of opacity: averages that hit another material's value get another color. */
 extern const iso_level_tf iso_level_tf_colored;
 
-/* Its points are borrowed: it is not to be destroyed. */
+/* Returns it as a TF. Its points are borrowed: do not destroy it. */
 iso_tf iso_level_tf_of(const iso_level_tf *tf);
 
 #endif

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* levels.c - does a coarse level look like level 0? Each method to make and show levels, over volumes, transfer functions
- * and views, one against another.
+/* levels.c - compares all methods to make and show coarse levels, over volumes, transfer functions and views.
  *
- * Level 0 with its own gradients is rendered once from each view, and so is every level by every method. Two blocks: the
- * volumes that methods were chosen by, and those that were held back from all choices. */
+ * Level 0 with its own gradients is rendered once per view, and so is every level by every method. Results form two
+ * blocks: the volumes by which methods were chosen, and those held back from all choices. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,7 +37,7 @@ static iso_status choose(iso_levels_run *run, iso_error *err)
     return ISO_OK;
 }
 
-/* Volumes named, then those held back: commas between them, cut here. */
+/* Lists the given volumes, then those held back (separated by commas, cut here). */
 static iso_status list_volumes(iso_levels_run *run, iso_error *err)
 {
     for (size_t i = 0; i < run->cli->argument_count && run->volume_count < ISO_LEVELS_MAX_VOLUMES; ++i)
@@ -52,12 +51,12 @@ static iso_status list_volumes(iso_levels_run *run, iso_error *err)
             run->volumes[run->volume_count++] = at;
         at = comma ? comma + 1 : NULL;
     }
-    return run->volume_count > 0 || run->have ? ISO_OK : iso_fail(err, ISO_E_USAGE, "no volume named");
+    return run->volume_count > 0 || run->have ? ISO_OK : iso_fail(err, ISO_E_USAGE, "no volume given");
 }
 
 /* ---- cases of earlier runs ---- */
 
-/* Tables with commas between them. Where no volume is named they say themselves what they were measured with. */
+/* Reads comma-separated tables. Without a volume the tables define the settings. */
 static iso_status read_tables(iso_levels_run *run, iso_error *err)
 {
     iso_level_cases *c = &run->cases;
@@ -76,7 +75,7 @@ static iso_status read_tables(iso_levels_run *run, iso_error *err)
     return status == ISO_OK || status == ISO_E_IO ? status : iso_fail_in(err, status, "--have");
 }
 
-/* Only methods that all cases were measured by can be held against each other. */
+/* Keeps the methods that all cases have: only these can be compared. */
 static iso_status keep_methods_of_all(iso_levels_run *run, iso_error *err)
 {
     iso_level_cases *c = &run->cases;
@@ -85,7 +84,7 @@ static iso_status keep_methods_of_all(iso_levels_run *run, iso_error *err)
         for (size_t i = 0; i < c->count; ++i)
             c->wanted[m] = c->wanted[m] && c->cases[i].results[m].measured;
         if (asked && !c->wanted[m] && run->volume_count > 0 && !run->cli->json)
-            printf("%s: not in the tables, since not all cases were measured by it\n", iso_level_method_at(m)->name);
+            printf("%s: left out of the tables, not measured in all cases\n", iso_level_method_at(m)->name);
     }
     return c->wanted[c->against] ? ISO_OK
                                  : iso_fail(err, ISO_E_USAGE, "--against %s: not measured in all cases", run->against);
@@ -110,7 +109,7 @@ static void report(const iso_levels_run *run)
 {
     json_t *root = iso_cli_json(run->cli);
     if (!run->cli->json && run->out_of_time)
-        printf("\nout of time: not all volumes and transfer functions were measured\n");
+        printf("\ntime limit reached: some volumes and transfer functions were not measured\n");
     json_object_update_new(json_object_get(root, "options"),
                            json_pack("{s:i, s:i, s:i, s:b, s:f, s:s}", "views", run->views, "size", run->size, "levels",
                                      run->levels, "shaded", !run->unshaded, "step_voxels", run->step_voxels, "with",
@@ -170,31 +169,28 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_renderers_with(ISO_READS_SOURCE | ISO_HAS_2D_TFS, ", ", " or ", renderers, sizeof renderers);
     iso_volume_input_defaults(&r.input);
     struct poptOption options[] = {
-        {"held", 0, POPT_ARG_STRING, &r.held, 0, "volumes that no choice was made by: a block of their own",
-         "FILE,FILE"},
-        {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.methods, 0, "names with commas, or all",
+        {"held", 0, POPT_ARG_STRING, &r.held, 0, "report these volumes in a separate block", "FILE,FILE"},
+        {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.methods, 0, "compare these methods, or all",
          "NAMES"},
-        {"against", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.against, 0,
-         "the method that the others' errors are divided by", "NAME"},
-        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.tfs, 0, "transfer functions, names with commas",
+        {"against", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.against, 0, "divide all errors by this method's",
+         "NAME"},
+        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.tfs, 0, "use only these transfer functions",
          "NAMES"},
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.views, 0, "of an icosahedron's faces, at most 20",
-         "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.size, 0, "pixels along an edge", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.levels, 0, "with level 0", "N"},
-        {"level", 0, POPT_ARG_INT, &r.level, 0, "this level alone", "K"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &r.step_voxels, 0, "ray step in voxels of the level",
-         "VOXELS"},
-        {"unshaded", 0, POPT_ARG_NONE, &r.unshaded, 0, "emission alone, without a light", NULL},
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.views, 0,
+         "use N views from an icosahedron's faces, at most 20", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.size, 0, "render N x N pixels", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.levels, 0, "use N levels, counting level 0", "N"},
+        {"level", 0, POPT_ARG_INT, &r.level, 0, "measure only this level", "K"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &r.step_voxels, 0,
+         "set the ray step in voxels of the level", "VOXELS"},
+        {"unshaded", 0, POPT_ARG_NONE, &r.unshaded, 0, "show only emission, without a light", NULL},
         {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.with, 0, renderers, "RENDERER"},
-        {"quick", 0, POPT_ARG_NONE, &r.quick, 0, "two views of 96 pixels", NULL},
-        {"budget", 0, POPT_ARG_DOUBLE, &r.budget_seconds, 0, "begins no transfer function after so many seconds",
+        {"quick", 0, POPT_ARG_NONE, &r.quick, 0, "use two views of 96 pixels", NULL},
+        {"budget", 0, POPT_ARG_DOUBLE, &r.budget_seconds, 0, "start no new transfer function after this time",
          "SECONDS"},
-        {"crop", 0, POPT_ARG_INT, &r.crop, 0, "of larger volumes the middle N voxels along each axis", "N"},
-        {"csv", 0, POPT_ARG_STRING, &r.csv, 0, "all cases as a table, written anew after each transfer function",
-         "FILE"},
-        {"have", 0, POPT_ARG_STRING, &r.have, 0, "tables of earlier runs: what they have is not measured again",
-         "FILE,FILE"},
+        {"crop", 0, POPT_ARG_INT, &r.crop, 0, "crop larger volumes to the middle N voxels along each axis", "N"},
+        {"csv", 0, POPT_ARG_STRING, &r.csv, 0, "write all cases, updated after each transfer function", "FILE"},
+        {"have", 0, POPT_ARG_STRING, &r.have, 0, "skip cases that are in these tables", "FILE,FILE"},
         ISO_CLI_INPUT_OPTIONS(&r.input),
         POPT_TABLEEND,
     };
@@ -215,17 +211,20 @@ static const iso_names *const lists[] = {&iso_level_method_names, NULL};
 
 const iso_command iso_lab_levels = {
     .name = "levels",
-    .summary = "methods to make and show coarse levels against level 0, one against another",
+    .summary = "methods to make and show coarse levels, compared with level 0 and each other",
     .max_arguments = 64,
     .usage = "VOLUME... [--held VOLUME,...] [options]",
     .details =
-        "Each method's image of a level against that of level 0 with its own gradients, under five transfer functions: an\n"
-        "opaque ramp at the surface between the volume's two classes [otsu-1979], and four that are fractions of its range.\n"
-        "Rivals, methods of the literature, are rendered by the reference, all others as --with says.\n"
-        "Errors, means over the views: DSSIM = (1 - SSIM) / 2, RMSE and FLIP over what either image shows; and minified, where\n"
-        "both images are averaged so that a pixel is about one voxel of the level. The tables hold their ratios to one method's,\n"
-        "in two blocks: the volumes named, and those of --held. Left out and counted: what shows nothing, what no method errs in.\n"
-        "A run that was ended goes on with --have TABLE --csv TABLE; without a volume --have prints what the tables come to.",
+        "Compares each method's image of a level with that of level 0 with its own gradients, under five transfer\n"
+        "functions: an opaque ramp at the surface between the volume's two classes [otsu-1979], and four that are\n"
+        "fractions of its range. The reference renders rivals (methods of the literature), --with renders all\n"
+        "others.\n"
+        "Errors are means over the views of DSSIM = (1 - SSIM) / 2, RMSE and FLIP over visible pixels, and the same\n"
+        "of minified images, averaged so that a pixel is about one voxel of the level. The tables contain their\n"
+        "ratios to one method's, in two blocks: the given volumes, and those of --held. Cases that show nothing, and\n"
+        "those without an error, are left out and counted.\n"
+        "Continue an interrupted run with --have TABLE --csv TABLE; without a volume --have prints the tables'\n"
+        "summary.",
     .lists = lists,
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab levels shells.nrrd --quick --levels 3 --methods default,original,on-the-fly --csv shells.csv\n"

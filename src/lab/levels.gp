@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Figure 9 of [diaz-garcia-2016]: SSIM dissimilarity of each level against level 0, a panel a level, a pair of bars a volume.
+# Figure 9 of [diaz-garcia-2016]: SSIM dissimilarity to level 0; one panel per level, one pair of bars per volume.
 name = 'figure9'
 width = 1100
 height = 420

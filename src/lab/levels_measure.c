@@ -17,14 +17,14 @@
 enum { OPAQUE = 0 };
 const char *const iso_levels_tf_names[ISO_LEVELS_TF_COUNT] = {"opaque", "shell", "soft", "two-material", "colored"};
 
-/* ---- pyramids: one for each pair of filters that the methods ask for ---- */
+/* ---- pyramids: one per pair of filters of the methods ---- */
 
 typedef struct pyramid_set {
-    iso_pyramid of[ISO_SCALAR_COUNT][ISO_DIRECTION_COUNT]; /* level_count 0: not asked for */
+    iso_pyramid of[ISO_SCALAR_COUNT][ISO_DIRECTION_COUNT]; /* level_count 0: not needed */
     const iso_pyramid *first;
 } pyramid_set;
 
-/* Level 0 does not depend on the filters, so it is kept once. */
+/* Stores level 0 only once, since it does not depend on the filters. */
 static void share_finest(const iso_pyramid *owner, iso_pyramid *p)
 {
     iso_level *level = &p->levels[0];
@@ -79,7 +79,7 @@ static void destroy_pyramids(pyramid_set *set)
 
 /* ---- cases ---- */
 
-/* What a case of the volume at work is told from others by. */
+/* Returns the key of a case of the current volume. */
 static iso_level_case case_like(const iso_levels_run *run, const char *tf, size_t level)
 {
     return (iso_level_case){.volume = iso_path_base(run->volumes[run->at]),
@@ -88,7 +88,7 @@ static iso_level_case case_like(const iso_levels_run *run, const char *tf, size_
                             .held = run->at >= run->named_count};
 }
 
-/* As earlier runs measured it; NULL: they did not. */
+/* Finds a case of earlier runs; NULL: not measured. */
 static iso_level_case *find_had(const iso_levels_run *run, const iso_level_case *like)
 {
     iso_level_case *one = iso_level_cases_find(&run->cases, like);
@@ -100,7 +100,7 @@ static bool is_wanted_level(const iso_levels_run *run, size_t level)
     return run->level == 0 || (size_t)run->level == level;
 }
 
-/* Nothing is left to be measured of the volume at work under a transfer function. */
+/* True if earlier runs measured everything of the current volume under a transfer function. */
 static bool has_tf(const iso_levels_run *run, int t)
 {
     for (size_t level = 1; level < (size_t)run->levels; ++level) {
@@ -112,14 +112,14 @@ static bool has_tf(const iso_levels_run *run, int t)
     return true;
 }
 
-/* A table of another volume by the same name would be taken for this one's. */
+/* Checks that a table's volume of this name has the same size: otherwise it is another volume. */
 static iso_status check_size(const iso_levels_run *run, const iso_volume *v, iso_error *err)
 {
     for (size_t i = 0; i < run->had_count; ++i) {
         const iso_level_case *one = &run->cases.cases[i];
         const size_t *had = one->size, *size = v->geometry.size;
         if (strcmp(one->volume, iso_path_base(run->volumes[run->at])) == 0 && memcmp(had, size, sizeof one->size) != 0)
-            return iso_fail(err, ISO_E_USAGE, "--have: %s was %zux%zux%zu voxels there, and is %zux%zux%zu now",
+            return iso_fail(err, ISO_E_USAGE, "--have: %s has %zux%zux%zu voxels in the table, but %zux%zux%zu now",
                             one->volume, had[0], had[1], had[2], size[0], size[1], size[2]);
     }
     return ISO_OK;
@@ -149,7 +149,7 @@ static iso_status render(iso_levels_run *run, const iso_pyramid *p, size_t level
                            &run->frame_seconds, err);
 }
 
-/* By the samples that the ray caster takes. */
+/* Renders a rival with the samples of the ray caster. */
 static iso_status render_rival(const iso_levels_run *run, const iso_level_subject *s, const iso_level_shown *shown,
                                const iso_view *view, iso_image *image, iso_error *err)
 {
@@ -161,11 +161,11 @@ static iso_status render_rival(const iso_levels_run *run, const iso_level_subjec
     return iso_reference_render(&shown->level, s->pyramid->options.code, view, &opt, image, NULL, err);
 }
 
-/* One view of what a method shows. */
+/* Renders one view of a method's level. */
 static iso_status render_shown(iso_levels_run *run, const iso_level_method *m, const iso_level_subject *s,
                                iso_level_shown *shown, const iso_view *view, iso_image *image, iso_error *err)
 {
-    iso_view own = *view; /* another table, the same view */
+    iso_view own = *view; /* the same view with another table */
     iso_level levels[ISO_LEVELS_MAX_LEVELS];
     iso_pyramid shows = *s->pyramid;
     memcpy(levels, shows.levels, shows.level_count * sizeof *levels);
@@ -179,7 +179,7 @@ static iso_status render_shown(iso_levels_run *run, const iso_level_method *m, c
     return render(run, &shows, s->level, &own, m->source, image, err);
 }
 
-/* About one voxel of the level a pixel. */
+/* Returns the pixels per voxel of the level, along an edge. */
 static size_t box_of(const iso_pyramid *p, size_t level, const iso_view *view)
 {
     const double pixel_mm = iso_view_mm_per_pixel(view, &p->levels[0].geometry);
@@ -297,7 +297,7 @@ static iso_status render_finest(iso_levels_run *run, const iso_tf *tf, bench_sub
     return status;
 }
 
-/* The opaque ramp stands where the volume has its surface; the others are fractions of its range. */
+/* Makes a transfer function: the opaque ramp at the volume's surface, or one of those at fractions of its range. */
 static const char *make_tf(const iso_level *level0, int t, iso_surface_tf *points, iso_tf *tf)
 {
     if (t == OPAQUE) {
@@ -327,7 +327,7 @@ static iso_status run_tf(iso_levels_run *run, const pyramid_set *set, const char
     return status;
 }
 
-/* One of the transfer functions of the benchmark. */
+/* Measures under one of the benchmark's transfer functions. */
 static iso_status run_usual_tf(iso_levels_run *run, const pyramid_set *set, int t, iso_error *err)
 {
     iso_surface_tf points;

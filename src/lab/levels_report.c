@@ -24,7 +24,7 @@ const char *iso_level_case_left_out(const iso_level_cases *c, const iso_level_ca
         return "level 0 shows nothing";
     if (!(shown >= ISO_SSIM_FOREGROUND))
         return "the level shows nothing under any method";
-    return error < ISO_LEVELS_NO_ERROR ? "no method errs" : NULL;
+    return error < ISO_LEVELS_NO_ERROR ? "no method has an error" : NULL;
 }
 
 double iso_level_ratio(double error, double base)
@@ -33,7 +33,7 @@ double iso_level_ratio(double error, double base)
     return (error + none) / (base + none);
 }
 
-/* ---- of a method at a level ---- */
+/* ---- a method at a level ---- */
 
 typedef struct worst_case {
     const iso_level_case *of;
@@ -43,7 +43,7 @@ typedef struct worst_case {
 typedef struct summary {
     size_t count, worse, much_worse, near_best;
     iso_ratios ratios[FIGURES];
-    worst_case worst[WORST]; /* by DSSIM, falling */
+    worst_case worst[WORST]; /* sorted by falling DSSIM */
 } summary;
 
 static void note_worst(summary *s, worst_case one)
@@ -58,7 +58,7 @@ static void note_worst(summary *s, worst_case one)
         }
 }
 
-/* The least DSSIM of all methods that are wanted. */
+/* Returns the smallest DSSIM of all wanted methods. */
 static double best_of(const iso_level_cases *c, const iso_level_case *one)
 {
     double best = INFINITY;
@@ -129,14 +129,16 @@ static void print_summary(const summary *s, const iso_level_method *m)
 
 static void print_heading(const iso_level_cases *c, bool held, size_t level, size_t count)
 {
-    printf("\n%s, level %zu: %zu cases; errors / those of \"%s\": geometric means, of DSSIM median and quartiles as "
-           "well\n%-20s %5s  %-20s %3s %3s %4s  %5s %5s  %17s  %4s %3s  worst by DSSIM\n%-20s %5s  %-20s %3s %3s %4s  %5s %5s  "
-           "%5s %5s %5s\n",
-           held ? "held back" : "named", level, count, iso_level_method_at(c->against)->name, "", "", "", ">2%", ">5%",
-           "near", "", "", "minified", "B", "", "method", "DSSIM", "median", "", "", "best", "RMSE", "FLIP", "DSSIM", "RMSE", "FLIP");
+    printf(
+        "\n%s, level %zu: %zu cases; errors / those of \"%s\": geometric means; for DSSIM also median and quartiles"
+        "\n%-20s %5s  %-20s %3s %3s %4s  %5s %5s  %17s  %4s %3s  worst by DSSIM\n%-20s %5s  %-20s %3s %3s %4s  %5s %5s  "
+        "%5s %5s %5s\n",
+        held ? "held back" : "named", level, count, iso_level_method_at(c->against)->name, "", "", "", ">2%", ">5%",
+        "near", "", "", "minified", "B", "", "method", "DSSIM", "median", "", "", "best", "RMSE", "FLIP", "DSSIM",
+        "RMSE", "FLIP");
 }
 
-/* ---- of a block ---- */
+/* ---- a block ---- */
 
 static json_t *report_level(const iso_level_cases *c, bool held, size_t level, bool print)
 {
@@ -155,14 +157,14 @@ static json_t *report_level(const iso_level_cases *c, bool held, size_t level, b
     return json_pack("{s:i, s:i, s:o}", "level", (int)level, "case_count", (int)count, "methods", rows);
 }
 
-/* ---- all levels together ---- */
+/* ---- all levels ---- */
 
 static bool is_same_pair(const iso_level_case *a, const iso_level_case *b)
 {
     return a->held == b->held && strcmp(a->volume, b->volume) == 0 && strcmp(a->tf, b->tf) == 0;
 }
 
-/* Of a volume under a transfer function, over its levels: the mean logarithm of a method's DSSIM over the base's. */
+/* Returns the mean logarithm of a method's DSSIM over the base's, over the levels of a volume and transfer function. */
 static double mean_of_levels(const iso_level_cases *c, size_t first, size_t method, size_t *levels)
 {
     const iso_level_case *own = &c->cases[first];
@@ -209,15 +211,14 @@ iso_level_nearness iso_level_cases_nearness(const iso_level_cases *c, bool held,
     return n;
 }
 
-/* Which method one would have been right to take. */
+/* Reports how often each method is the best or near it. */
 static json_t *report_nearness(const iso_level_cases *c, bool held, bool print)
 {
     json_t *rows = json_array();
     if (print)
-        printf(
-            "\n%s, all levels of a volume and TF together: best or within 2 %% of the best of these methods, and DSSIM "
-            "over the best's\n",
-            held ? "held back" : "named");
+        printf("\n%s, all levels of a volume and TF together: methods within 2 %% of the best one, and DSSIM over the "
+               "best one's\n",
+               held ? "held back" : "named");
     for (size_t m = 0; m < iso_level_method_count(); ++m) {
         if (!c->wanted[m])
             continue;
@@ -231,7 +232,7 @@ static json_t *report_nearness(const iso_level_cases *c, bool held, bool print)
     return rows;
 }
 
-/* How many cases each reason leaves out. */
+/* Counts the cases that each reason leaves out. */
 static json_t *count_left_out(const iso_level_cases *c, bool held)
 {
     json_t *reasons = json_object();

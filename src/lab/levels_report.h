@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* levels_report.h - what the cases of `isoshade-lab levels` come to. */
+/* levels_report.h - summary of the cases of `isoshade-lab levels`. */
 #ifndef ISO_LAB_LEVELS_REPORT_H
 #define ISO_LAB_LEVELS_REPORT_H
 
@@ -10,25 +10,25 @@
 /* Ratios above these count as worse. */
 #define ISO_LEVELS_WORSE 1.02
 #define ISO_LEVELS_MUCH_WORSE 1.05
-/* Below it in each metric and under every method, a case tells nothing: nobody sees an error. */
+/* A case with smaller errors in all metrics and methods is left out: these errors are invisible. */
 #define ISO_LEVELS_NO_ERROR 1e-4
 
 enum { ISO_LEVEL_CASE_FIGURES = 6, ISO_LEVEL_SETTINGS_BYTES = 128 };
 
 /* A volume under a transfer function at a level; means over the views. */
 typedef struct iso_level_case {
-    const char *volume, *tf; /* borrowed, or of iso_level_cases_keep_text() */
+    const char *volume, *tf; /* borrowed, or by iso_level_cases_keep_text() */
     size_t size[3];          /* voxels of level 0 */
     size_t level;
     bool held;
-    double finest_alpha; /* the largest of level 0's images */
-    size_t box;          /* pixels along an edge of what minifying averages */
+    double finest_alpha; /* largest alpha of level 0's images */
+    size_t box;          /* pixels along an edge of a minified pixel */
     struct iso_level_result {
         iso_level_error full, minified;
-        double alpha;       /* the largest of its images */
-        bool measured;      /* false: these are zeros */
-        double seconds;     /* of the fastest frame of the views */
-        bool kept_original; /* it adapts, and kept the original TF here */
+        double alpha;       /* largest alpha of its images */
+        bool measured;      /* false: all values are 0 */
+        double seconds;     /* of the fastest frame of all views */
+        bool kept_original; /* the method adapts, but kept the original TF here */
     } results[ISO_LEVEL_MAX_METHODS];
 } iso_level_case;
 
@@ -36,47 +36,47 @@ typedef struct iso_level_cases {
     size_t count, room;
     iso_level_case *cases;
     bool wanted[ISO_LEVEL_MAX_METHODS];
-    size_t against; /* the method that the others are compared with */
-    char settings[ISO_LEVEL_SETTINGS_BYTES]; /* that all cases were measured with: views, pixels, step, renderer */
+    size_t against;                          /* the base method */
+    char settings[ISO_LEVEL_SETTINGS_BYTES]; /* common settings of all cases: views, pixels, step, renderer */
     size_t text_count;
     char **texts; /* owned */
 } iso_level_cases;
 
-/* A new case, zeroed; NULL: no memory. */
+/* Adds a zeroed case. NULL: out of memory. */
 iso_level_case *iso_level_cases_add(iso_level_cases *c);
 void iso_level_cases_destroy(iso_level_cases *c);
-/* A copy of the text that lives as long as the cases; NULL: no memory. */
+/* Copies the text for the lifetime of the cases. NULL: out of memory. */
 const char *iso_level_cases_keep_text(iso_level_cases *c, const char *text);
-/* The case of the same block, volume, transfer function and level; NULL: there is none. */
+/* Finds the case of the same block, volume, transfer function and level, or NULL. */
 iso_level_case *iso_level_cases_find(const iso_level_cases *c, const iso_level_case *like);
 
-/* Why no mean counts a case: level 0 shows nothing, or the level under no method (no pixel of any view has an alpha of
- * 1/255), or no method errs. NULL: it counts. */
+/* Returns why a case does not count, or NULL if it does: level 0 shows nothing, the level shows nothing by any method
+ * (no pixel has an alpha of 1/255), or no method has an error. */
 const char *iso_level_case_left_out(const iso_level_cases *c, const iso_level_case *one);
 
-/* The error of a method over that of the base; 1 where both are 0. */
+/* Returns the error of a method over that of the base; 1 if both are 0. */
 double iso_level_ratio(double error, double base);
 
-/* Of the pairs of a volume and a transfer function, their levels taken together (geometric mean): how many have a DSSIM by
- * the method that is at most ISO_LEVELS_WORSE of the best one of all wanted methods, and how far it is above the best's. */
+/* Counts pairs of a volume and a transfer function, with the geometric mean over their levels. Near best: DSSIM at most
+ * ISO_LEVELS_WORSE times that of the best wanted method. over_best: mean factor over the best method's DSSIM. */
 typedef struct iso_level_nearness {
     size_t pairs, near_best;
     double over_best;
 } iso_level_nearness;
 iso_level_nearness iso_level_cases_nearness(const iso_level_cases *c, bool held, size_t method);
 
-/* Blocks of what was named and of what was held back, by level and method. print: as tables as well. */
+/* Reports the blocks of given and of held-back volumes, by level and method. print: also prints tables. */
 json_t *iso_levels_report(const iso_level_cases *c, bool print);
-/* "dssim", "rmse", "flip", and the same of minified images. */
+/* "dssim", "rmse", "flip", and these three of minified images. */
 extern const char *const iso_level_figure_keys[ISO_LEVEL_CASE_FIGURES];
 double iso_level_result_figure(const struct iso_level_result *r, int figure);
 
-/* One object a case and method. */
+/* Returns one object per case and method. */
 json_t *iso_level_cases_to_json(const iso_level_cases *c);
-/* A line a case and method that was measured. */
+/* Writes one line per case and measured method. */
 iso_status iso_level_cases_write_csv(const iso_level_cases *c, const char *path, iso_error *err);
-/* Adds what such a table has to the cases. The first one sets c->settings where that is "". ISO_E_FORMAT: no such table,
- * measured with other settings, a volume of two sizes, or a case twice. */
+/* Adds the cases of a table. Sets c->settings from the table if it is "". ISO_E_FORMAT: not such a table, other
+ * settings, a volume with two sizes, or a repeated case. */
 iso_status iso_level_cases_read_csv(iso_level_cases *c, const char *path, iso_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* levels_run.h - a run of `isoshade-lab levels`: levels.c is the command, levels_measure.c renders and measures. */
+/* levels_run.h - a run of `isoshade-lab levels`. levels.c is the command, levels_measure.c renders and measures. */
 #ifndef ISO_LAB_LEVELS_RUN_H
 #define ISO_LAB_LEVELS_RUN_H
 
@@ -16,7 +16,7 @@ enum {
     ISO_LEVELS_TF_COUNT = 5
 };
 
-/* Transfer functions: the opaque ramp is the first, and those of level_tfs.h. */
+/* Names of transfer functions: first the opaque ramp, then those of level_tfs.h. */
 extern const char *const iso_levels_tf_names[ISO_LEVELS_TF_COUNT];
 
 typedef struct iso_levels_run {
@@ -27,23 +27,23 @@ typedef struct iso_levels_run {
     const char *with, *tfs, *methods, *against;
     char *held, *csv, *have;
     bool wanted_tf[ISO_LEVELS_TF_COUNT];
-    const iso_tf *own_tf; /* instead of these, or NULL */
-    bool silent;          /* cases are not printed */
+    const iso_tf *own_tf; /* used instead of these, or NULL */
+    bool silent;          /* does not print cases */
     const iso_renderer_info *renderer;
     iso_renderers renderers;
-    size_t volume_count, named_count; /* those after named_count are held back */
+    size_t volume_count, named_count; /* volumes after the first named_count are held back */
     const char *volumes[ISO_LEVELS_MAX_VOLUMES];
-    size_t at; /* the volume at work */
+    size_t at; /* index of the current volume */
     bool out_of_time;
-    double frame_seconds; /* of the last one rendered */
+    double frame_seconds; /* of the last frame */
     iso_level_cases cases;
-    size_t had_count; /* of them: those of earlier runs, which stand first */
+    size_t had_count; /* of these, the first had_count are from earlier runs */
 } iso_levels_run;
 
-/* Whether the budget is not yet spent. */
+/* True if the budget is not used up. */
 bool iso_levels_has_time(iso_levels_run *run);
 
-/* All cases of the volume number run->at, but for what earlier runs measured. */
+/* Measures all cases of volume number run->at that earlier runs did not measure. */
 iso_status iso_levels_run_volume(iso_levels_run *run, const iso_progress *progress, iso_error *err);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* look.h - how benchmarks look at a volume: an orthographic camera that frames the box, one light beside the viewer or
- * none. */
+/* look.h - the benchmarks' view of a volume: an orthographic camera around the box, and one light or none. */
 #ifndef ISO_LAB_LOOK_H
 #define ISO_LAB_LOOK_H
 
@@ -10,15 +9,15 @@
 
 typedef struct iso_lab_look {
     size_t image_size;  /* pixels along an edge */
-    bool shaded;        /* ambient .3, diffuse .7; else emission alone */
-    double step_voxels; /* of the level */
+    bool shaded;        /* true: ambient .3, diffuse .7; false: emission only */
+    double step_voxels; /* in voxels of the level */
 } iso_lab_look;
 
-/* ISO_E_MEMORY. */
+/* Creates the view. Errors: ISO_E_MEMORY. */
 iso_status iso_lab_view(const iso_lab_look *look, const iso_level *level0, const iso_tf *tf, iso_vec3 direction,
                           iso_view *view, iso_error *err);
 
-/* The largest alpha of an image: how much it shows at all. */
+/* Returns the largest alpha of an image; 0 if it is empty. */
 double iso_lab_largest_alpha(const iso_image *image);
 
 #endif

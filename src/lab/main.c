@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* main.c - isoshade-lab: its commands. */
+/* main.c - the program isoshade-lab. */
 #include <stddef.h>
 
 #include "cli/program.h"

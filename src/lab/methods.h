@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* methods.h - the transfer functions of a coarse level that `isoshade-lab consistency` compares: the original, and ways to adapt it. */
+/* methods.h - methods of `isoshade-lab consistency` to show a coarse level: the original TF, and ways to adapt it. */
 #ifndef ISO_LAB_METHODS_H
 #define ISO_LAB_METHODS_H
 
@@ -9,15 +9,15 @@ typedef struct iso_lab_method {
     const char *name;
     bool adapt;
     iso_adapt_options options;
-    iso_second_value tf_2d; /* of a 2D transfer function, or 0 */
-    bool extinction_scale;  /* made for the transfer function (fit/extinction_scale.h) */
+    iso_second_value tf_2d; /* second value of a 2D transfer function, or 0 */
+    bool extinction_scale;  /* uses a scale made for the transfer function (fit/extinction_scale.h) */
 } iso_lab_method;
 
-/* The first is the original. */
+/* Method 0 is the original. */
 enum { ISO_LAB_METHOD_COUNT = 13 };
 extern const iso_lab_method iso_lab_methods[ISO_LAB_METHOD_COUNT];
 
-/* Which are named in `text`: "all", or names separated by commas; the original always. ISO_E_USAGE: another word. */
+/* Parses "all" or names separated by commas; the original is always included. ISO_E_USAGE: unknown name. */
 iso_status iso_lab_choose_methods(const char *text, bool wanted[ISO_LAB_METHOD_COUNT], iso_error *err);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* noise.c - how much of a coarse level's error was noise of level 0 that no level could show?
+/* noise.c - measures how much of a coarse level's error is noise of level 0 that no level can show.
  *
- * Analytic volumes with normal noise: the truth is the volume without it. Of real volumes a denoised one stands for it.
- * Each level is compared with three pictures of level 0: its own; its own values with the truth's directions; the truth. */
+ * Analytic volumes get normal noise; their ground truth is the volume without it. For measured volumes a denoised one
+ * stands in. Levels are compared with pictures of level 0: its own, its values with true directions, ground truth. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,26 +28,26 @@ typedef struct noise_run {
     const iso_cli *cli;
     iso_volume_input input;
     int views, size, levels, analytic_size, quick;
-    double noise, deviation; /* deviation: of named volumes; below 0: estimated */
+    double noise, deviation; /* deviation: of given volumes; below 0: estimated */
     const char *scalar_filter;
     iso_scalar_filter filter;
     iso_renderers renderers;
     json_t *cases;
 } noise_run;
 
-/* A volume, the truth, and both as pyramids; those of the volume by each estimator. */
+/* A volume and its ground truth, both as pyramids; the volume has a pyramid per estimator. */
 typedef struct noise_subject {
     const char *name;
-    double deviation; /* of the noise, as a part of the range */
+    double deviation; /* of the noise, as a fraction of the range */
     iso_volume noisy, clean;
-    iso_field field; /* of analytic volumes */
+    iso_field field; /* only for analytic volumes */
     bool analytic;
     iso_pyramid truth, of[ESTIMATORS];
 } noise_subject;
 
 /* ---- pictures ---- */
 
-/* A level's scalar with the directions of another pyramid's same level. */
+/* Combines a level's scalar with the directions of another pyramid's same level. */
 static iso_level mixed(const iso_pyramid *scalar, const iso_pyramid *directions, size_t level)
 {
     iso_level l = scalar->levels[level];
@@ -66,7 +66,7 @@ static iso_status render(noise_run *run, const noise_subject *s, const iso_level
     return iso_render_with(&(iso_render_request){&run->renderers, &p, 0, view, &opt, &silent}, image, NULL, err);
 }
 
-/* DSSIM of b against a, added to *sum. */
+/* Adds the weighted DSSIM of b against a to *sum. */
 static iso_status add_error(const iso_image *a, const iso_image *b, double weight, double *sum, iso_error *err)
 {
     iso_level_error e;
@@ -75,12 +75,12 @@ static iso_status add_error(const iso_image *a, const iso_image *b, double weigh
     return status;
 }
 
-/* What a row holds: directions by an estimator, or the truth's. */
+/* Results for the directions of one estimator, or for true directions. */
 typedef struct noise_row {
-    double angle_deg;       /* of level 0 to the truth, at the surface */
-    double finest_to_truth; /* level 0 against the truth */
+    double angle_deg;       /* level 0's directions to true ones, at the surface */
+    double finest_to_truth; /* level 0's image against ground truth */
     double to_own[MAX_LEVELS], to_true_directions[MAX_LEVELS], to_truth[MAX_LEVELS];
-    double clean_to_truth[MAX_LEVELS]; /* the truth's own levels: what coarse voxels lose without noise */
+    double clean_to_truth[MAX_LEVELS]; /* levels of the noise-free volume: the error of coarse voxels without noise */
 } noise_row;
 
 static iso_status measure_row(noise_run *run, const noise_subject *s, int row, const iso_view *view,
@@ -114,10 +114,9 @@ static iso_status measure_view(noise_run *run, const noise_subject *s, int numbe
                                const iso_tf *tf, iso_error *err)
 {
     const iso_lab_look look = {(size_t)run->size, true, 0.5};
-    iso_image references[2] = {{0}}; /* true directions on the noisy values; the truth */
+    iso_image references[2] = {{0}}; /* true directions on noisy values; ground truth */
     iso_view view;
-    iso_status status = iso_lab_view(&look, &s->truth.levels[0], tf, iso_view_of_faces(number, run->views), &view,
-                                       err);
+    iso_status status = iso_lab_view(&look, &s->truth.levels[0], tf, iso_view_of_faces(number, run->views), &view, err);
     if (status != ISO_OK)
         return status;
     const iso_level level = mixed(&s->of[0], &s->truth, 0);
@@ -141,7 +140,7 @@ static iso_vec3 direction_at(const iso_pyramid *p, size_t voxel)
     return iso_normalize(iso_v3(d[0], d[1], d[2]));
 }
 
-/* Mean over voxels whose true value lies on the TF's ramp; as light is two-sided, so are angles. */
+/* Averages angles over voxels whose true value lies on the TF's ramp; light is two-sided, and so are angles. */
 static double mean_angle_deg(const noise_subject *s, const iso_pyramid *p, const iso_otsu_surface *surface)
 {
     const iso_level *l = &s->truth.levels[0];
@@ -212,7 +211,7 @@ static void note_row(noise_run *run, const noise_subject *s, int row, const nois
     fflush(stdout);
 }
 
-/* Measures and empties a subject whose volumes are there. */
+/* Measures a subject whose volumes exist, then clears it. */
 static iso_status run_subject(noise_run *run, noise_subject *s, iso_error *err)
 {
     noise_row rows[ROWS] = {{0}};
@@ -252,7 +251,7 @@ static iso_status run_analytic(noise_run *run, iso_field_kind kind, double noise
     return status;
 }
 
-/* The volume as floats, and denoised. */
+/* Converts the volume to floats and denoises it. */
 static iso_status denoise_volume(const noise_run *run, noise_subject *s, iso_error *err)
 {
     const size_t *n = s->noisy.geometry.size, count = iso_geometry_voxel_count(&s->noisy.geometry);
@@ -301,9 +300,10 @@ static iso_status run_all(noise_run *run, iso_error *err)
     double done = 0;
     iso_cli_expect(run->cli, &(iso_cli_stage){"noise", 1}, 1);
     if (!run->cli->json)
-        printf("DSSIM; of each level to: its own level 0, the true directions on its values, the truth\n%-22s %6s %-8s "
-               "%6s %8s   levels 1, 2 ...\n",
-               "volume", "noise", "by", "angle", "level 0");
+        printf(
+            "DSSIM of each level against: its own level 0, true directions on its values, ground truth\n%-22s %6s %-8s "
+            "%6s %8s   levels 1, 2 ...\n",
+            "volume", "noise", "by", "angle", "level 0");
     iso_status status = ISO_OK;
     for (int noisy = 0; noisy < 2; ++noisy)
         for (int i = 0; i < KINDS && status == ISO_OK && run->analytic_size > 0; ++i) {
@@ -344,17 +344,18 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&r.input);
     struct poptOption options[] = {
         {"noise", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &r.noise, 0,
-         "standard deviation, of the values' range of 1", "PART"},
+         "set the noise's standard deviation (range of values is 1)", "PART"},
         {"analytic", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.analytic_size, 0,
-         "voxels along an edge of the analytic volumes; 0: none", "N"},
+         "use analytic volumes of N^3 voxels; 0: none", "N"},
         {"deviation", 0, POPT_ARG_DOUBLE, &r.deviation, 0,
-         "of the noise of volumes that are named, as a part of their range; else it is estimated", "PART"},
-        {"scalar-filter", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.scalar_filter, 0, "of all levels", "NAME"},
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.views, 0, "of an icosahedron's faces, at most 20",
-         "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.size, 0, "pixels along an edge", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.levels, 0, "with level 0", "N"},
-        {"quick", 0, POPT_ARG_NONE, &r.quick, 0, "one view of 64 pixels, analytic volumes of 32^3", NULL},
+         "set the noise of given volumes, a fraction of their range (estimated)", "PART"},
+        {"scalar-filter", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.scalar_filter, 0,
+         "set the scalar filter of all levels", "NAME"},
+        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.views, 0,
+         "use N views from an icosahedron's faces, at most 20", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.size, 0, "render N x N pixels", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.levels, 0, "use N levels, counting level 0", "N"},
+        {"quick", 0, POPT_ARG_NONE, &r.quick, 0, "use one view of 64 pixels, analytic volumes of 32^3", NULL},
         ISO_CLI_INPUT_OPTIONS(&r.input),
         POPT_TABLEEND,
     };
@@ -384,9 +385,10 @@ const iso_command iso_lab_noise = {
     .max_arguments = 64,
     .usage = "[VOLUME...] [options]",
     .details =
-        "Sphere, shells, Marschner-Lobb and tubes, without noise and with it; the truth is the volume without. Of volumes that\n"
-        "are named the truth is the volume denoised by non-local means [buades-2005]. An opaque ramp at the true surface. Rows\n"
-        "are estimators of level 0's gradients, and the truth's directions at all levels; angles are of level 0 at the surface.",
+        "Sphere, shells, Marschner-Lobb and tubes, without and with noise; the ground truth is the volume without\n"
+        "noise. Given volumes are compared with themselves, denoised by non-local means [buades-2005]. The transfer\n"
+        "function is an opaque ramp at the true surface. Rows are estimators of level 0's gradients, and the true\n"
+        "directions at all levels; angles are of level 0 at the surface.",
     .examples = "  isoshade-lab noise --quick --levels 2\n",
     .run = run,
 };

@@ -25,13 +25,13 @@ static iso_palette_options method_options(const palette_bench *b, iso_palette_me
     return opt;
 }
 
-/* A fit has one thread: its processor time is what it takes on a machine of its own. */
+/* Returns processor time: a fit has one thread, so this is its time on an idle machine. */
 static double processor_seconds(void)
 {
     return (double)clock() / CLOCKS_PER_SEC;
 }
 
-/* Fits to `fitted_to`, measures on `set`, which may be the same. */
+/* Fits to `fitted_to` and measures on `set`, which may be the same. */
 static iso_status fit_and_measure(const iso_direction_set *fitted_to, const iso_direction_set *set,
                                   const iso_palette_options *opt, size_t *entries, iso_palette_error *e,
                                   double *seconds, iso_error *err)
@@ -55,7 +55,7 @@ static json_t *error_row(const char *method, size_t entries, const iso_palette_e
                      "max_deg", e->max_deg, "fit_processor_seconds", seconds);
 }
 
-/* The sizes of Table 1: 8, 9 and 10 bits; regular subdivision has its own. */
+/* Sizes of Table 1: 8, 9 and 10 bits; regular subdivision has its own sizes. */
 static const size_t table_sizes[3] = {254, 510, 1022};
 static const size_t regular_sizes[3] = {240, 960, 3840};
 static const size_t vertex_sizes[3] = {122, 482, 1922};
@@ -71,7 +71,7 @@ typedef struct fitted_sets {
     const char *name;
 } fitted_sets;
 
-/* One line of the table: a method at its three sizes, on the mean of the sets. */
+/* Measures one line of the table: a method at its three sizes, with means over the sets. */
 static iso_status table_line(const palette_bench *b, const fitted_sets *s, iso_palette_method method, json_t *rows,
                              iso_error *err)
 {
@@ -159,7 +159,7 @@ iso_status iso_palette_bench_ellipsoid(const palette_bench *b, json_t *root, iso
 #define ASSIGN_COUNT 400000
 #define ASSIGN_BLOCK 20000
 
-/* Of every 50th direction: farther than the nearest by more than the rounding of a dot product of floats. */
+/* Counts wrong entries, in every 50th direction: farther than the nearest by more than float rounding. */
 static size_t count_wrong(const iso_palette *p, const float *v, const uint16_t *index)
 {
     size_t wrong = 0;
@@ -177,7 +177,7 @@ static size_t count_wrong(const iso_palette *p, const float *v, const uint16_t *
     return wrong;
 }
 
-/* The least time of a block: other programs on the machine only add to it. */
+/* Returns the shortest time of a block, since other load only adds to it. */
 static double block_seconds(const iso_palette_lookup *lookup, const float *v, uint16_t *index)
 {
     double least = INFINITY;
@@ -190,7 +190,7 @@ static double block_seconds(const iso_palette_lookup *lookup, const float *v, ui
     return least;
 }
 
-/* Vectors to be assigned, and room for their entries. */
+/* Vectors to assign, and memory for their entries. */
 typedef struct assigned {
     const char *name;
     const float *vectors;
@@ -218,7 +218,7 @@ static iso_status assign_case(const palette_bench *b, const iso_direction_set *s
                                               build, "lookup_bytes", (json_int_t)iso_palette_lookup_bytes(lookup),
                                               "wrong_count", (json_int_t)wrong));
         if (!b->cli->json)
-            printf("  %-10s %5zu %8.1f million a second; lookup made in %.4f s, %.2f MB; wrong: %zu of %d\n", what,
+            printf("  %-10s %5zu %8.1f million per second; lookup built in %.4f s, %.2f MB; wrong: %zu of %d\n", what,
                    directions, rate, build, 1e-6 * (double)iso_palette_lookup_bytes(lookup), wrong, ASSIGN_COUNT / 50);
     }
     iso_palette_lookup_destroy(lookup);
@@ -278,8 +278,8 @@ iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, is
     return status;
 }
 
-/* Annealing assigns again at each move: it gets the bundles of a coarser grid, as the paper pre-quantized its foot;
- * 6 * 48^2 cells of 1.9 degrees. All are measured on the finer bundles. */
+/* Annealing assigns again at each move, so it gets the bundles of a coarser grid, as the paper pre-quantized its foot:
+ * 6 * 48^2 cells of 1.9 degrees. All methods are measured on the finer bundles. */
 #define ANNEAL_CELLS 48
 
 iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, json_t *rows, iso_error *err)
@@ -425,12 +425,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {
         {"seeds", 0, POPT_ARG_INT | shown, &b.seeds, 0,
-         "samples of the ellipsoid; with --sensitivity runs of each setting", "N"},
-        {"cycles", 0, POPT_ARG_INT | shown, &b.cycles, 0, "annealing: CYCLE_NR", "N"},
-        {"steps", 0, POPT_ARG_INT | shown, &b.steps, 0, "annealing: STEP_NR", "N"},
-        {"sensitivity", 0, POPT_ARG_NONE, &b.sensitivity, 0, "the annealing's parameters instead", NULL},
+         "use N samples of the ellipsoid; with --sensitivity: N runs per setting", "N"},
+        {"cycles", 0, POPT_ARG_INT | shown, &b.cycles, 0, "set CYCLE_NR of annealing", "N"},
+        {"steps", 0, POPT_ARG_INT | shown, &b.steps, 0, "set STEP_NR of annealing", "N"},
+        {"sensitivity", 0, POPT_ARG_NONE, &b.sensitivity, 0, "vary the annealing's parameters instead", NULL},
         ISO_CLI_LOOK_OPTIONS(&b.look),
-        {"no-images", 0, POPT_ARG_NONE, &b.no_images, 0, "volumes: the table alone", NULL},
+        {"no-images", 0, POPT_ARG_NONE, &b.no_images, 0, "volumes: print only the table", NULL},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -460,8 +460,9 @@ const iso_command iso_lab_palette = {
     .max_arguments = 1000,
     .usage = "[VOLUME ...] [options]",
     .details =
-        "Without a volume: the ellipsoid of [bremer-2001] and the speed of assigning. With volumes: their table and\n"
-        "images from palettes and from codes, against those from float directions. A fit is timed in processor seconds.",
+        "Without a volume: the ellipsoid of [bremer-2001], and the speed of assigning. With volumes: their table,\n"
+        "and images from palettes and from codes, compared with those from float directions. A fit is timed in\n"
+        "processor seconds.",
     .examples = "  isoshade-lab palette --seeds 1 --steps 500\n"
                 "  isoshade-lab palette --sensitivity --seeds 1 --cycles 20 --steps 100\n"
                 "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"

@@ -14,28 +14,28 @@
 #include "compare/metrics.h"
 #include "render/gl/raycaster.h"
 
-/* One volume on the GPU's side of things. */
+/* A volume with the data for its pictures. */
 typedef struct stage {
     const palette_bench *bench;
     const char *name;
     iso_gl *gl;
     iso_pyramid pyramid; /* one level, with floats and magnitudes */
     iso_view view;
-    iso_image wanted; /* from the floats */
+    iso_image wanted; /* rendered from floats */
     json_t *rows;
 } stage;
 
-/* What a row says besides the image. */
+/* A method's figures besides the image. */
 typedef struct method {
     const char *name;
-    double bytes;          /* a voxel, as uploaded; 3-byte codes of a texture of 3 components */
+    double bytes;          /* per voxel, as uploaded; 3-byte codes of a texture of 3 components */
     double encode_seconds; /* fit and assign, or encode */
     double rms_deg;
 } method;
 
 static const double degrees = 57.29577951308232;
 
-/* Opaque above the middle of the range, with a soft flank: the surface that most volumes have. */
+/* Default: opaque above the middle of the range, with a soft ramp, where most volumes have a surface. */
 static iso_status default_view(stage *s, iso_error *err)
 {
     static iso_tf_point points[] = {{0, {0.9, 0.6, 0.4}, 0},
@@ -70,7 +70,7 @@ static iso_status default_view(stage *s, iso_error *err)
     return iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &s->view, err);
 }
 
-/* How directions come to the shader. */
+/* The shader's source of directions. */
 typedef struct directions_by {
     iso_code code;
     iso_direction_source source;
@@ -115,7 +115,7 @@ static iso_status add_row(stage *s, const iso_level *level, directions_by by, co
 
 /* ---- codes ---------------------------------------------------------------------------------- */
 
-/* Over voxels that have a direction; the voxels' own, not those between them. */
+/* Returns the RMS angle over voxels with a direction, at voxel centers. */
 static double rms_angle_deg(const float *truth, const float *decoded, size_t count)
 {
     double sum = 0;
@@ -160,7 +160,7 @@ static iso_status code_row(stage *s, iso_code code, iso_error *err)
 
 /* ---- palettes -------------------------------------------------------------------------------- */
 
-/* Weighted by what the scene shows: opacity over a voxel times the gradient's magnitude, or every voxel alike. */
+/* Samples directions, weighted by opacity over a voxel times the gradient's magnitude, or all equally. */
 static iso_status sample_level(stage *s, bool weighted, iso_direction_set *set, iso_error *err)
 {
     const iso_level *l = &s->pyramid.levels[0];
@@ -247,7 +247,7 @@ static iso_status all_rows(stage *s, iso_error *err)
     return status == ISO_OK ? palette_rows(s, ISO_PALETTE_KMEANS, 1022, true, false, err) : status;
 }
 
-/* More than its size is given. */
+/* True if any option besides the size is given. */
 static bool has_own_look(const palette_bench *b)
 {
     iso_cli_look shown = b->look;

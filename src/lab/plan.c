@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* plan.c - what a plan saves in every program: bytes, memory, load times, and the difference that it makes. */
+/* plan.c - savings of a plan in every program: bytes, memory and load times, and the image difference it causes. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,7 +24,7 @@ typedef struct plan_bench {
     const iso_cli *cli;
 } plan_bench;
 
-/* One model in one program. */
+/* Figures of one model in all programs. */
 typedef struct entry {
     iso_vdb_stats vdb;
     double df3_bytes;
@@ -37,13 +37,13 @@ typedef enum model { FULL, MERGED, LEVELS, MODEL_COUNT } model;
 typedef struct bench_state {
     const plan_bench *bench;
     const iso_pyramid *pyramid;
-    iso_view *views; /* one */
+    iso_view *views; /* a single view */
     iso_planner planner;
     iso_planned planned;
     char *folder;
     entry entries[MODEL_COUNT];
     double cycles_rmse, cycles_max;
-    double bake_seconds[2]; /* all bricks at level 0; the plan's */
+    double bake_seconds[2]; /* all bricks at level 0, and the plan's */
 } bench_state;
 
 static iso_status measure_vdbs(bench_state *s, iso_error *err)
@@ -88,7 +88,7 @@ static iso_status measure_df3s(bench_state *s, iso_error *err)
     return status;
 }
 
-/* The picture of Cycles of the full grid and of the plan's. */
+/* Renders the full grid and the plan's with Cycles. */
 static iso_status measure_cycles(bench_state *s, const iso_progress *progress, iso_error *err)
 {
     iso_view view = s->views[0];
@@ -114,7 +114,7 @@ static iso_status measure_cycles(bench_state *s, const iso_progress *progress, i
     return status;
 }
 
-/* Ours: baking all bricks at level 0, and the plan's. */
+/* Measures baking: all bricks at level 0, and the plan's. */
 static iso_status measure_bake(bench_state *s, iso_error *err)
 {
     const iso_node_levels *n = s->planner.nodes;
@@ -136,7 +136,7 @@ static iso_status measure_bake(bench_state *s, iso_error *err)
     return status;
 }
 
-/* A plan, as a file, and what is read from it again: what a person does by two commands. */
+/* Writes a plan and reads it again, as a user does with two commands. */
 static iso_status make_plan(bench_state *s, const iso_node_levels *nodes, const iso_progress *progress, iso_error *err)
 {
     const iso_planner_options opt = {s->views, 1, ISO_FACES_BAKED, s->bench->cli->threads};
@@ -286,7 +286,7 @@ static iso_status bench(const plan_bench *b, iso_error *err)
     TRY(status, iso_subject_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, &pyramid, err));
     TRY(status, iso_planner_load_views(&look, 1, &pyramid, &s.views, &view_count, err));
     if (status == ISO_OK && view_count != 1)
-        status = iso_fail(err, ISO_E_USAGE, "isoshade-lab plan: one scene is wanted");
+        status = iso_fail(err, ISO_E_USAGE, "isoshade-lab plan: needs exactly one scene");
     TRY(status, iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)b->brick, (size_t)b->levels, true,
                                        b->cli->threads, err));
     if (status == ISO_OK) {
@@ -305,11 +305,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
         ISO_CLI_LOOK_OPTIONS(&b.look),
-        {"error", 0, POPT_ARG_STRING, &b.error_text, 0, "RMSE of the image that is allowed (1/255)", "1/255"},
-        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.brick, 0, "voxels a side", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
+        {"error", 0, POPT_ARG_STRING, &b.error_text, 0, "limit the image's RMSE (1/255)", "1/255"},
+        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.brick, 0, "use bricks of N voxels per side", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
         {"cycles", 0, POPT_ARG_STRING, &b.cycles, 0, "also render both with Cycles, at this size", "WxH"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step, 0, "of Cycles, in voxels of level 0", "STEP"},
+        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step, 0,
+         "set the step of Cycles, in voxels of level 0", "STEP"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -327,14 +328,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_lab_plan = {
     .name = "plan",
-    .summary =
-        "a plan against the full model: bytes, memory and load times in each program, and the pictures' difference",
+    .summary = "a plan against the full model: bytes, memory, load times in each program, image difference",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso [--scene SCENE.scene.json] [options]",
     .details =
-        "The same volume as a full level and as a plan leaves it: OpenVDB as one merged grid and as a grid a level, DF3 files\n"
-        "cropped; with --cycles also Blender's memory and the RMSE between its two pictures.",
+        "Compares a full level with its plan: OpenVDB as one merged grid and as one grid per level, and cropped DF3\n"
+        "files. With --cycles also Blender's memory and the RMSE between its two pictures.",
     .examples = "  isoshade make shells --size 48 -o shells.nrrd\n"
                 "  isoshade-lab plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --levels 3\n",
     .run = run,

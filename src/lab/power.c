@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* power.c - does validation catch what is wrong, and leave alone what is right?
+/* power.c - measures whether validation finds planted faults and passes correct scenes.
  *
- * Planted faults against the calibration, each by name; then random scenes, clean and with each fault, against
- * every gate of the agreement (power.h). Everything follows from --seed. */
+ * Plants each named fault against the calibration. Then it runs random scenes, clean and with each fault, through every
+ * gate of the agreement (power.h). All results follow from --seed. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 #include "lab/power.h"
 #include "renderers/external.h"
 
-enum { most_noise_pixels = 32 }; /* a side; for a single test's chance of 1e-3 more are too many together */
+enum { most_noise_pixels = 32 }; /* per side; more are too many together for a single test's chance of 1e-3 */
 
 typedef struct power_options {
     char *with, *renderers, *output, *format;
@@ -23,26 +23,25 @@ typedef struct power_options {
 } power_options;
 
 typedef struct tally {
-    size_t asked, rejected;
+    size_t tested, rejected;
 } tally;
 
 typedef struct power_result {
-    double ratio[ISO_FAULT_COUNT][ISO_MAX_RENDERERS]; /* value over limit of the check made for it; NaN: not asked */
+    double ratio[ISO_FAULT_COUNT][ISO_MAX_RENDERERS]; /* value over limit of the fault's own check; NaN: not run */
     size_t scenes, bright;                            /* all; those with a pixel above 1 */
     size_t changed[ISO_FAULT_COUNT];                  /* scenes that the fault changes by more than their error bar */
     tally seen[ISO_FAULT_COUNT][ISO_POWER_GATE_COUNT][ISO_MAX_RENDERERS]; /* in those; ISO_FAULT_NONE: clean scenes */
-    iso_power_noise noise[ISO_MAX_RENDERERS]
-                         [ISO_POWER_KIND_COUNT]; /* of random renderers, on scenes with planted faults */
-    json_t *wrong;                               /* faults that were missed and clean scenes that were flagged */
+    iso_power_noise noise[ISO_MAX_RENDERERS][ISO_POWER_KIND_COUNT];       /* of random renderers, with planted faults */
+    json_t *wrong;                                                        /* missed faults and flagged clean scenes */
 } power_result;
 
-/* Where the time goes, for the estimate: what every scene takes, and what the slow gates take where faults are planted. */
+/* Running times for the estimate: of each scene, and of the slow gates in scenes with faults. */
 typedef struct pace {
     const iso_progress *progress;
     double plain_seconds, dear_seconds;
 } pace;
 
-/* A limit of another program takes seconds. */
+/* True for limits of other programs, which take seconds. */
 static bool is_slow(iso_power_gate gate, const iso_renderer_info *renderer)
 {
     return gate == ISO_POWER_LIMIT && iso_renderer_has(renderer, ISO_IS_PROGRAM);
@@ -67,8 +66,8 @@ static iso_status plant_in_calibrations(iso_renderers *r, const power_options *o
     return status;
 }
 
-/* All wanted gates that are slow, or all that are not, on a scene with one fault, or with ISO_FAULT_NONE. */
-static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_power_case *c, iso_fault fault,
+/* Runs all wanted gates, either the slow or the fast ones, on a scene with one fault or ISO_FAULT_NONE. */
+static iso_status run_gates(iso_renderers *r, const power_options *o, const iso_power_case *c, iso_fault fault,
                             bool slow, power_result *out, iso_error *err)
 {
     const iso_planted planted = {.fault = fault};
@@ -81,8 +80,8 @@ static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_
             bool rejected;
             if (!o->wanted[w] || !iso_power_has_gate(gate, renderer) || is_slow(gate, renderer) != slow)
                 continue;
-            status = iso_power_ask(r, c, gate, renderer, &planted, &rejected, err);
-            t->asked += 1;
+            status = iso_power_run_gate(r, c, gate, renderer, &planted, &rejected, err);
+            t->tested += 1;
             t->rejected += rejected;
             if (status == ISO_OK && rejected == (fault == ISO_FAULT_NONE))
                 json_array_append_new(out->wrong,
@@ -93,8 +92,8 @@ static iso_status ask_gates(iso_renderers *r, const power_options *o, const iso_
     return status;
 }
 
-/* A fault that changes the picture by less than the bar that a limit may have cannot be asked to be seen: it is left out,
- * and counted. */
+/* Plants the faults in a scene. A fault that changes the picture by less than a limit's error bar cannot be found: it
+ * is left out and counted. */
 static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const iso_power_case *c, bool slow,
                                  power_result *out, iso_error *err)
 {
@@ -106,7 +105,7 @@ static iso_status plant_in_scene(iso_renderers *r, const power_options *o, const
         if (!(change > iso_validate_error_bar(&c->asked)))
             continue;
         out->changed[f] += !slow;
-        TRY(status, ask_gates(r, o, c, planted.fault, slow, out, err));
+        TRY(status, run_gates(r, o, c, planted.fault, slow, out, err));
     }
     return status;
 }
@@ -125,7 +124,7 @@ static iso_status test_noise(iso_renderers *r, const power_options *o, const iso
         sum->groups += n.groups;
         sum->flagged += n.flagged;
         for (size_t a = 0; a < ISO_POWER_BLOCKS; ++a)
-            for (size_t b = 0; b < ISO_POWER_BLOCKS; ++b) /* of several scenes the worst */
+            for (size_t b = 0; b < ISO_POWER_BLOCKS; ++b) /* the worst of several scenes */
                 sum->block[a][b] = fmax(sum->block[a][b], n.block[a][b]);
     }
     return status;
@@ -163,7 +162,7 @@ static iso_status run_scene(iso_renderers *r, const power_options *o, int i, pow
     tell(p, o, i);
     iso_status status = iso_power_open(r, &c, err);
     for (int slow = 0; slow < 2 && status == ISO_OK; ++slow)
-        status = ask_gates(r, o, &c, ISO_FAULT_NONE, slow, out, err);
+        status = run_gates(r, o, &c, ISO_FAULT_NONE, slow, out, err);
     TRY(status, plant_in_scene(r, o, &c, false, out, err));
     const double plain = iso_clock_seconds();
     if (status == ISO_OK && i < o->planted && wants_some(o, ISO_IS_PROGRAM | ISO_HAS_LIMIT))
@@ -193,11 +192,11 @@ static json_t *gates_to_json(const tally t[ISO_POWER_GATE_COUNT][ISO_MAX_RENDERE
     json_t *list = json_array();
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
         for (size_t w = 0; w < iso_renderer_count(); ++w)
-            if (t[g][w].asked)
+            if (t[g][w].tested)
                 json_array_append_new(list,
                                       json_pack("{s:s, s:s, s:I, s:I}", "gate", iso_power_gate_name((iso_power_gate)g),
                                                 "renderer", iso_renderer_at(w)->name, "comparisons",
-                                                (json_int_t)t[g][w].asked, rejected, (json_int_t)t[g][w].rejected));
+                                                (json_int_t)t[g][w].tested, rejected, (json_int_t)t[g][w].rejected));
     return list;
 }
 
@@ -250,7 +249,7 @@ static json_t *to_json(const power_result *r)
 
 static void print_calibrations(const power_options *o, const power_result *r)
 {
-    printf("By how many times its limit the calibration made for it is exceeded\n%-50s %-18s", "planted fault",
+    printf("Value of the fault's own calibration check, as a multiple of its limit\n%-50s %-18s", "planted fault",
            "check");
     for (size_t w = 0; w < iso_renderer_count(); ++w)
         if (o->wanted[w])
@@ -265,7 +264,7 @@ static void print_calibrations(const power_options *o, const power_result *r)
     }
 }
 
-/* One row of the scenes' table: a fault, or with ISO_FAULT_NONE the head. */
+/* Prints a row of the scenes' table: a fault, or with ISO_FAULT_NONE the heading. */
 static void print_scene_row(const power_options *o, const power_result *r, int fault)
 {
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
@@ -277,8 +276,8 @@ static void print_scene_row(const power_options *o, const power_result *r, int f
             if (fault == ISO_FAULT_NONE)
                 snprintf(cell, sizeof cell, "%s %s", iso_renderer_at(w)->name, iso_power_gate_name((iso_power_gate)g));
             else
-                snprintf(cell, sizeof cell, "%zu of %zu", t->rejected, t->asked);
-            printf(" %16s", t->asked || fault == ISO_FAULT_NONE ? cell : "-");
+                snprintf(cell, sizeof cell, "%zu of %zu", t->rejected, t->tested);
+            printf(" %16s", t->tested || fault == ISO_FAULT_NONE ? cell : "-");
         }
 }
 
@@ -286,7 +285,7 @@ static void print_blocks(const iso_power_noise *n)
 {
     for (size_t s = 0; s < ISO_POWER_BLOCKS; ++s)
         if (n->block[s][0] > 0) {
-            printf("    with %zu seeds a block that is too bright is rejected", iso_power_block_seeds[s]);
+            printf("    with %zu seeds, too bright blocks are rejected", iso_power_block_seeds[s]);
             for (size_t b = 0; b < ISO_POWER_BLOCKS; ++b)
                 printf("%s %.2g (%zu x %zu pixels)", b ? "," : " from", n->block[s][b], iso_power_block_sides[b],
                        iso_power_block_sides[b]);
@@ -300,11 +299,10 @@ static void print_noise(const power_result *r)
         for (int k = 0; k < ISO_POWER_KIND_COUNT; ++k) {
             const iso_power_noise *n = &r->noise[w][k];
             if (n->tests)
-                printf(
-                    "%s, %s scenes: %zu of %zu groups of seeds flagged by chance; without the step's tolerance %.2g of the noisy\n"
-                    "    pixels would be below a chance of 1e-3\n",
-                    iso_renderer_at(w)->name, iso_power_kind_name((iso_power_kind)k), n->flagged, n->groups,
-                    (double)n->below / (double)n->tests);
+                printf("%s, %s scenes: %zu of %zu groups of seeds flagged by chance; without the step's tolerance\n"
+                       "    %.2g of the noisy pixels would be below a chance of 1e-3\n",
+                       iso_renderer_at(w)->name, iso_power_kind_name((iso_power_kind)k), n->flagged, n->groups,
+                       (double)n->below / (double)n->tests);
             print_blocks(n);
         }
 }
@@ -312,8 +310,8 @@ static void print_noise(const power_result *r)
 static void print_scenes(const power_options *o, const power_result *r)
 {
     printf(
-        "\n%zu random scenes, %zu of them with highlights above 1: rejected of those that the fault changes by more than the bar\n"
-        "of the scene (RMSE 1/2550, sharp 1/255); in the others it is too small to be asked for\n%-50s %9s",
+        "\n%zu random scenes, %zu of them with highlights above 1: rejected, of those that the fault changes by more\n"
+        "than the scene's bar (RMSE 1/2550, sharp 1/255); smaller changes are too small to find\n%-50s %9s",
         r->scenes, r->bright, "planted fault", "too small");
     print_scene_row(o, r, ISO_FAULT_NONE);
     printf("\n");
@@ -326,11 +324,11 @@ static void print_scenes(const power_options *o, const power_result *r)
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
         for (size_t w = 0; w < iso_renderer_count(); ++w) {
             const tally *t = &r->seen[ISO_FAULT_NONE][g][w];
-            if (t->asked)
+            if (t->tested)
                 printf("clean scenes, %s %s: %zu of %zu flagged%s", iso_renderer_at(w)->name,
-                       iso_power_gate_name((iso_power_gate)g), t->rejected, t->asked, t->rejected ? "\n" : "");
-            if (t->asked && !t->rejected)
-                printf(" (a rate below %.2g %%, at 95 %% confidence)\n", 100 * iso_power_rate_bound(0, t->asked));
+                       iso_power_gate_name((iso_power_gate)g), t->rejected, t->tested, t->rejected ? "\n" : "");
+            if (t->tested && !t->rejected)
+                printf(" (a rate below %.2g %%, at 95 %% confidence)\n", 100 * iso_power_rate_bound(0, t->tested));
         }
     print_noise(r);
     size_t i;
@@ -362,7 +360,7 @@ static iso_status verdict(const power_result *r, iso_error *err)
 
 static iso_status check(power_options *o, iso_error *err)
 {
-    /* -1: not said */
+    /* -1: not given */
     o->repetitions = o->repetitions >= 0 ? o->repetitions : o->sensitivity ? 3 : o->quick ? 4 : 20;
     o->planted = o->planted >= 0 ? o->planted : o->quick ? 1 : 4;
     o->size = o->size >= 0 ? o->size : o->quick ? 12 : 16; /* an RMSE hardly depends on it */
@@ -376,12 +374,12 @@ static iso_status check(power_options *o, iso_error *err)
     if (status == ISO_OK && o->limit_size)
         status = iso_words_check_range("--limit-size", o->limit_size, 8, o->size - 1, err);
     if (status == ISO_OK && o->limit_size && !o->sensitivity)
-        status = iso_fail(err, ISO_E_USAGE, "--limit-size is for --sensitivity");
+        status = iso_fail(err, ISO_E_USAGE, "--limit-size needs --sensitivity");
     TRY(status, iso_words_check_range("--seed", o->seed, 0, 1e6, err));
     if (status == ISO_OK && o->output && !o->sensitivity)
-        status = iso_fail(err, ISO_E_USAGE, "-o is for the chart of --sensitivity");
+        status = iso_fail(err, ISO_E_USAGE, "-o needs --sensitivity: it writes its chart");
     if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", wanted svg or pdf", o->format);
+        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", o->format);
     TRY(status, iso_renderers_load(o->renderers, err));
     return status == ISO_OK ? iso_renderers_from_list(o->with, o->wanted, err) : status;
 }
@@ -411,27 +409,26 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     power_options o = {.repetitions = -1, .planted = -1, .size = -1, .seed = 1001, .format = "svg"};
     char names[256], with[300];
-    snprintf(with, sizeof with, "renderers besides the reference (%s)",
+    snprintf(with, sizeof with, "test these renderers against the reference (%s)",
              iso_renderers_by_default(ISO_HAS_LIMIT, names, sizeof names));
     struct poptOption options[] = {
-        {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0, "random scenes (20; 4 with --quick, 3 with --sensitivity)",
-         "N"},
-        {"planted", 0, POPT_ARG_INT, &o.planted, 0,
-         "in how many of them faults are planted for the limits of other programs (4; 1)", "N"},
+        {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0,
+         "run N random scenes (20; 4 with --quick, 3 with --sensitivity)", "N"},
+        {"planted", 0, POPT_ARG_INT, &o.planted, 0, "plant faults for other programs' limits in N scenes (4; 1)", "N"},
         {"with", 0, POPT_ARG_STRING, &o.with, 0, with, "LIST"},
         ISO_CLI_RENDERERS_OPTION(&o.renderers),
-        {"size", 0, POPT_ARG_INT, &o.size, 0, "pixels along the sides of the scenes' images (16; 12 with --quick)",
+        {"size", 0, POPT_ARG_INT, &o.size, 0, "render scenes of N x N pixels (16; 12 with --quick)", "N"},
+        {"limit-size", 0, POPT_ARG_INT, &o.limit_size, 0, "with --sensitivity: also measure limits with N x N pixels",
          "N"},
-        {"limit-size", 0, POPT_ARG_INT, &o.limit_size, 0,
-         "of --sensitivity: limits are asked with so many pixels as well, as validate --limit-size does", "N"},
-        {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "of the scenes", "N"},
-        {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "fewer and smaller scenes, three seeds; the same gates", NULL},
+        {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "set the seed of the scenes", "N"},
+        {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "use fewer and smaller scenes and three seeds", NULL},
         {"random", 0, POPT_ARG_INT, &o.random, ISO_CLI_NOT_ZERO,
-         "instead: so many random scenes and volumes through validate, and how many of them it flags", "N"},
+         "run N random scenes and volumes through validate instead, count false alarms", "N"},
         {"sensitivity", 0, POPT_ARG_NONE, &o.sensitivity, 0,
-         "instead: the smallest amount of each deviation that each gate rejects", NULL},
-        {"output", 'o', POPT_ARG_STRING, &o.output, 0, "of --sensitivity: a folder for the chart and its data", "DIR"},
-        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "of the chart: svg or pdf", "FORMAT"},
+         "find the smallest amount of each deviation that each gate rejects", NULL},
+        {"output", 'o', POPT_ARG_STRING, &o.output, 0, "with --sensitivity: write the chart and its data", "DIR"},
+        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "write the chart as svg or pdf",
+         "FORMAT"},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -462,16 +459,17 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_lab_power = {
     .name = "power",
     .summary =
-        "which planted faults validation finds, how often it flags clean scenes, and the smallest faults that it sees",
+        "which planted faults validation finds, how often it flags clean scenes, and the smallest faults it finds",
     .usage = "[options]",
     .details =
-        "Each fault is planted into the calibration of each renderer; the figure is how many times the limit of the check\n"
-        "made for it is exceeded. Then random scenes, smooth, bright (highlights above 1), sharp and lit in turn: how many\n"
-        "clean ones each gate of validate flags, and in how many it finds each fault, of those in which the fault changes the\n"
-        "image by more than the scene's error bar. --sensitivity: the smallest shift of a volume, turn of a light ... that each\n"
-        "gate rejects. --random: volumes of make of 9 to 40 voxels along an edge, with random transfer functions and presets,\n"
-        "views, lights and levels, each through validate --quick; --with is gl,cpu. Exit code 1: a fault was not found, or a\n"
-        "clean scene was flagged.",
+        "Plants each fault into the calibration of each renderer, and prints the value of the fault's own check as a\n"
+        "multiple of its limit. Then it runs random scenes, smooth, bright (highlights above 1), sharp and lit in\n"
+        "turn. It counts the clean ones that each gate of validate flags, and those in which the gate finds each\n"
+        "fault, among the scenes that the fault changes by more than their error bar.\n"
+        "--sensitivity finds the smallest deviation that each gate rejects, such as a shifted volume or a turned\n"
+        "light. --random runs volumes of make, 9 to 40 voxels along an edge, with random transfer functions and\n"
+        "presets, views, lights and levels, through validate --quick; there --with is gl,cpu. Exit code 1: a fault\n"
+        "was not found, or a clean scene was flagged.",
     .examples = "  isoshade-lab power --with gl --repetitions 2 --size 16\n"
                 "  isoshade-lab power --random 2\n"
                 "  isoshade-lab power --with gl --sensitivity --repetitions 1 --size 12 -o sensitivity\n",

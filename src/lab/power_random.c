@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* power_random.c - how often does the main job say of a right scene that something differs?
+/* power_random.c - measures how often validate reports a difference in a correct scene.
  *
- * Random volumes of `make`, each with a random scene or preset, go through `validate` as a person would run it. All renderers
- * are right, so a row that differs is a false alarm. What validate refuses is drawn again: a scene that shows nothing is none
- * that it is asked about. */
+ * Random volumes of `make`, each with a random scene or preset, go through `validate` as a user would run it. All
+ * renderers are correct, so a reported difference is a false alarm. Scenes that validate refuses, because they show
+ * nothing, are drawn again. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdarg.h>
@@ -38,7 +38,7 @@ static void add_word(words *w, const char *word)
         snprintf(w->text[w->count++], WORD_BYTES, "%s", word);
 }
 
-/* An option and its value. */
+/* Adds an option and its value. */
 static __attribute__((format(printf, 3, 4))) void add_option(words *w, const char *name, const char *format, ...)
 {
     char value[WORD_BYTES];
@@ -51,8 +51,8 @@ static __attribute__((format(printf, 3, 4))) void add_option(words *w, const cha
 }
 
 typedef struct sums {
-    size_t valid, alarms, open, drawn; /* open: something was not compared; drawn: with those that validate refuses */
-    json_t *list;                      /* of the alarms */
+    size_t valid, alarms, open, drawn; /* open: something was not compared; drawn: with refused scenes */
+    json_t *list;                      /* the alarms */
 } sums;
 
 /* ---- random scenes ---- */
@@ -62,7 +62,7 @@ static double between(iso_random *r, double lo, double hi)
     return lo + (hi - lo) * iso_random_unit(r);
 }
 
-/* In an order that no compiler changes. */
+/* Draws values in a fixed order that no compiler changes. */
 static void draw(iso_random *r, double *values, size_t count)
 {
     for (size_t i = 0; i < count; ++i)
@@ -103,7 +103,7 @@ static void make_words(iso_random *r, words *w)
     add_option(w, "--seed", "%zu", iso_random_below(r, 100000));
 }
 
-/* Points of any slopes, steep ones among them, the ends transparent or not. */
+/* Makes points with any slopes, also steep ones; the ends may be opaque. */
 static json_t *random_tf(iso_random *r)
 {
     const size_t tables[] = {64, 256, 1024}, count = 2 + iso_random_below(r, 5);
@@ -176,9 +176,9 @@ static void validate_words(iso_random *r, const char *with, words *w)
     add_option(w, "-o", "report");
 }
 
-/* ---- what validate says ---- */
+/* ---- validate's answer ---- */
 
-/* Whether any row says that something is wrong; the first such row in text. */
+/* True if any row reports a problem; the first such row goes to text. */
 bool iso_power_is_alarm(const json_t *report, char *text, size_t size)
 {
     const char *section;
@@ -202,12 +202,12 @@ static iso_status run_words(const words *w, const char *folder, int *exit_code, 
     const char *argv[MOST_WORDS + 5];
     char *program = iso_beside_find("isoshade");
     if (!program)
-        return iso_fail(err, ISO_E_PROGRAM, "isoshade-lab power: isoshade is missing; it has to lie next to isoshade-lab");
+        return iso_fail(err, ISO_E_PROGRAM, "isoshade-lab power: isoshade is missing; install it next to isoshade-lab");
     size_t count = 0;
     argv[count++] = program;
     for (size_t i = 0; i < w->count; ++i)
         argv[count++] = w->text[i];
-    argv[count++] = "--threads", argv[count++] = "1", argv[count++] = "-q"; /* scenes run side by side */
+    argv[count++] = "--threads", argv[count++] = "1", argv[count++] = "-q"; /* scenes run in parallel */
     argv[count] = NULL;
     iso_process_outcome outcome = {.exit_code = -1};
     iso_error why = {""};
@@ -218,7 +218,7 @@ static iso_status run_words(const words *w, const char *folder, int *exit_code, 
     return status == ISO_OK || outcome.exit_code > 0 ? ISO_OK : iso_fail(err, status, "isoshade-lab power: %s", why.text);
 }
 
-/* "make noise --size ..." */
+/* Returns the command line as text, "make noise --size ...". */
 static json_t *line_of(const words *w)
 {
     char line[MOST_WORDS * WORD_BYTES] = "";
@@ -227,9 +227,9 @@ static json_t *line_of(const words *w)
     return json_string(line);
 }
 
-/* What became of one scene. */
+/* Result of one scene. */
 typedef struct outcome {
-    bool is_valid, is_open; /* validate took it; it ended with something that was not compared */
+    bool is_valid, is_open; /* validate accepted it; something was not compared */
     json_t *alarm;          /* or NULL */
 } outcome;
 
@@ -285,7 +285,7 @@ static iso_status run_scene(const iso_power_random_options *o, const char *base,
     return status;
 }
 
-/* As many scenes as are still wanted, side by side. */
+/* Runs the remaining scenes in parallel. */
 static iso_status run_round(const iso_power_random_options *o, const char *folder, const iso_progress *progress,
                             sums *s, iso_error *err)
 {
@@ -318,14 +318,14 @@ static iso_status run_round(const iso_power_random_options *o, const char *folde
 
 /* ---- results ---- */
 
-double iso_power_rate_bound(size_t alarms, size_t asked)
+double iso_power_rate_bound(size_t alarms, size_t tested)
 {
     double lo = 0, hi = 1;
-    for (int i = 0; i < 60 && alarms < asked; ++i) {
+    for (int i = 0; i < 60 && alarms < tested; ++i) {
         const double p = 0.5 * (lo + hi);
-        double term = pow(1 - p, (double)asked), sum = term; /* of 0, 1 ... alarms */
+        double term = pow(1 - p, (double)tested), sum = term; /* for 0, 1 ... alarms */
         for (size_t k = 1; k <= alarms; ++k) {
-            term *= (double)(asked - k + 1) / (double)k * p / (1 - p);
+            term *= (double)(tested - k + 1) / (double)k * p / (1 - p);
             sum += term;
         }
         *(sum > 0.05 ? &lo : &hi) = p;
@@ -369,7 +369,7 @@ iso_status iso_power_random(const iso_power_random_options *o, const iso_cli *cl
     sums s = {.list = json_array()};
     char *folder = iso_make_temp_dir();
     iso_status status = folder && s.list ? ISO_OK : iso_temp_dir_fail(err);
-    /* One thread a scene: threads that wait for each other in small pictures take several times the processor time. */
+    /* One thread per scene: threads that wait for each other in small pictures cost more processor time. */
     setenv("OMP_WAIT_POLICY", "passive", 0);
     setenv("LP_NUM_THREADS", "0", 0);
     while (s.valid < (size_t)o->scenes && status == ISO_OK)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* power_scene.c - random scenes for the power of validation, and what its gates say of them. */
+/* power_scene.c - random scenes for the power of validation, and the decisions of its gates. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,8 +71,8 @@ static void random_camera(iso_random *r, const iso_geometry *g, iso_camera *c)
     c->position = iso_madd(iso_geometry_box_center_mm(g), c->forward, -(c->orthographic ? 3 * radius : 4.2 * radius));
 }
 
-/* Five colors and extinctions, linear between them. Bright: thrice as dense, so that highlights are not diluted. Sharp:
- * nothing below a random entry, half an opacity or more a millimeter from it on. */
+/* Makes five colors and extinctions, linear between them. Bright: three times as dense, so that highlights are not
+ * diluted. Sharp: transparent below a random entry, half an opacity or more per millimeter from it on. */
 static iso_status random_tf(iso_random *r, const iso_level *level, iso_power_kind kind, iso_tf_table *tf,
                             iso_error *err)
 {
@@ -104,7 +104,7 @@ static void random_light(iso_random *r, iso_power_kind kind, iso_view *v)
     v->light_count = 1 + iso_random_below(r, 3);
     v->shading =
         (iso_shading){.ambient = 0.2, .diffuse = 0.8, .specular = between(r, 0.3, 1), .power = between(r, 2, 20)};
-    if (kind == ISO_POWER_BRIGHT) /* wide highlights of twice to four times the diffuse light */
+    if (kind == ISO_POWER_BRIGHT) /* wide highlights, two to four times as bright as diffuse light */
         v->shading.specular = between(r, 1.6, 3.2), v->shading.power = between(r, 2, 6);
     for (size_t i = 0; i < v->light_count; ++i)
         v->lights[i] = (iso_light){.direction = direction(r), .intensity = 1.0 / (double)v->light_count};
@@ -119,7 +119,7 @@ static iso_status make_scene(const iso_power_case *c, power_scene *s, iso_error 
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_volume volume;
     *s = (power_scene){.view = {.width = c->pixels, .height = c->pixels, .step_voxels = 0.5}};
-    build.level_count = 2; /* the second is for a planted fault */
+    build.level_count = 2; /* level 1 is for a planted fault */
     build.threads = c->threads;
     iso_status status = iso_field_sample(&field, ISO_U16, &volume, err);
     if (status != ISO_OK)
@@ -149,8 +149,9 @@ static iso_render_options reference_options(const iso_power_case *c, iso_quadrat
     return opt;
 }
 
-/* What a gate compares a renderer with. */
-static iso_render_options truth_options(const iso_power_case *c, iso_power_gate gate, const iso_renderer_info *renderer)
+/* Options of the reference image that a gate compares a renderer with. */
+static iso_render_options gate_reference_options(const iso_power_case *c, iso_power_gate gate,
+                                                 const iso_renderer_info *renderer)
 {
     if (gate == ISO_POWER_LIMIT)
         return reference_options(c, ISO_QUADRATURE_CONVERGED);
@@ -188,7 +189,7 @@ iso_status iso_power_open(iso_renderers *r, iso_power_case *c, iso_error *err)
         const iso_renderer_info *renderer = iso_renderer_at(i);
         if (!renderer->lock_step)
             continue;
-        const iso_render_options opt = truth_options(c, ISO_POWER_LOCK_STEP, renderer);
+        const iso_render_options opt = gate_reference_options(c, ISO_POWER_LOCK_STEP, renderer);
         status = iso_render_with(&(iso_render_request){r, &s.pyramid, 0, &s.view, &opt, NULL}, &c->same_samples[i],
                                  NULL, err);
         c->lock_step[i] = iso_validate_lock_step(renderer, &s.view, c->asked.sharp);
@@ -206,7 +207,7 @@ void iso_power_close(iso_power_case *c)
         iso_image_destroy(&c->same_samples[i]);
 }
 
-/* The scene is made anew for each fault, which changes it. */
+/* Rebuilds the scene for each fault, since the fault changes it. */
 static iso_status make_faulty(const iso_power_case *c, const iso_planted *planted, power_scene *s, iso_error *err)
 {
     iso_status status = make_scene(c, s, err);
@@ -282,7 +283,7 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
     iso_extrapolated limit = {0};
     iso_report_agreement row = {0};
     iso_limit_options opt = iso_validate_limit_options(&c->asked, renderer, c->seeds, c->threads);
-    const iso_render_options truth = truth_options(c, ISO_POWER_LIMIT, renderer);
+    const iso_render_options truth = gate_reference_options(c, ISO_POWER_LIMIT, renderer);
     opt.first_seed = c->first_seed;
     opt.truth = &truth;
     iso_status status = make_faulty(c, planted, &s, err);
@@ -301,31 +302,32 @@ static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso
     return status;
 }
 
-iso_status iso_power_ask(iso_renderers *r, const iso_power_case *c, iso_power_gate gate,
-                         const iso_renderer_info *renderer, const iso_planted *planted, bool *rejected, iso_error *err)
+iso_status iso_power_run_gate(iso_renderers *r, const iso_power_case *c, iso_power_gate gate,
+                              const iso_renderer_info *renderer, const iso_planted *planted, bool *rejected,
+                              iso_error *err)
 {
     return gate == ISO_POWER_LOCK_STEP ? ask_lock_step(r, c, renderer, planted, rejected, err)
                                        : ask_limit(r, c, renderer, planted, rejected, err);
 }
 
-iso_status iso_power_ask_deviation(iso_renderers *r, const iso_power_case *c, iso_power_gate gate,
-                                   const iso_renderer_info *renderer, const iso_planted *deviation, bool *rejected,
-                                   iso_error *err)
+iso_status iso_power_run_deviation_gate(iso_renderers *r, const iso_power_case *c, iso_power_gate gate,
+                                        const iso_renderer_info *renderer, const iso_planted *deviation, bool *rejected,
+                                        iso_error *err)
 {
     const iso_planted inverse = iso_planted_inverse(deviation);
-    const iso_render_options opt = truth_options(c, gate, renderer);
+    const iso_render_options opt = gate_reference_options(c, gate, renderer);
     iso_image truth;
-    iso_power_case other = *c; /* borrows what it does not replace */
+    iso_power_case other = *c; /* borrows all members that it does not replace */
     iso_status status = render_faulty(r, c, &inverse, &opt, &truth, err);
     other.converged = other.same_samples[iso_renderer_index(renderer)] = truth;
-    TRY(status, iso_power_ask(r, &other, gate, renderer, NULL, rejected, err));
+    TRY(status, iso_power_run_gate(r, &other, gate, renderer, NULL, rejected, err));
     iso_image_destroy(&truth);
     return status;
 }
 
 /* ---- noise ------------------------------------------------------------------------------ */
 
-/* The mean of all images but [skip, skip + count). */
+/* Averages all images except [skip, skip + count). */
 static void mean_of_others(const iso_image *images, size_t all, size_t skip, size_t count, iso_image *mean)
 {
     for (size_t i = 0; i < 4 * mean->width * mean->height; ++i) {
@@ -336,7 +338,7 @@ static void mean_of_others(const iso_image *images, size_t all, size_t skip, siz
     }
 }
 
-/* Without any tolerance, at the significance of all tests that leaves a single one the chance that is asked. */
+/* Tests without tolerance, at the significance for all tests that corresponds to the wanted chance for a single one. */
 static iso_status test_group(const iso_image *limits, size_t count, const iso_image *others, iso_power_noise *out,
                              iso_error *err)
 {
@@ -363,7 +365,7 @@ static iso_status test_group(const iso_image *limits, size_t count, const iso_im
     return status;
 }
 
-/* images: of each group the seeds' at the double step, then at the step; limits: a seed each. */
+/* images: per group the seeds' at the double step, then at the step; limits: one per seed. */
 static iso_status test_groups(const iso_power_case *c, size_t groups, double factor, const iso_image *images,
                               iso_image *limits, iso_power_noise *out, iso_error *err)
 {
@@ -393,7 +395,7 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
 
 const size_t iso_power_block_seeds[ISO_POWER_BLOCKS] = {3, 4, 16}, iso_power_block_sides[ISO_POWER_BLOCKS] = {1, 4, 8};
 
-/* Whether a block that is too bright by so much has a pixel beyond chance. It is the reference that is too dark there. */
+/* Tests whether a block that is too bright by `amount` has a pixel beyond chance. It darkens the reference. */
 static iso_status see_block(const iso_extrapolation_input *of, size_t side, double amount, bool *seen, iso_error *err)
 {
     const size_t width = of->reference->width, from = (width - side) / 2;
@@ -413,7 +415,7 @@ static iso_status see_block(const iso_extrapolation_input *of, size_t side, doub
     return status;
 }
 
-/* images: as of test_groups(), whose seeds are joined. */
+/* images: as in test_groups(); their seeds are joined. */
 static iso_status measure_blocks(const iso_power_case *c, size_t groups, double factor, const iso_image *images,
                                  iso_power_noise *out, iso_error *err)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* power_sensitivity.c - by how little may a renderer be wrong before validation says so?
+/* power_sensitivity.c - finds the smallest error of a renderer that validation rejects.
  *
- * For each deviation (faults.h) and each gate the smallest amount that is rejected, between the halves of octaves: the
- * amount is rejected, and what is 1/sqrt(2) of it passes; where pictures of two sizes are compared, between eighths. Scenes are random ones whose transfer function is not sharp, for
- * which the bars are 1/2550; the amounts differ from scene to scene, which the chart shows as a span. */
+ * For each deviation (faults.h) and each gate it bisects octaves: the found amount is rejected, and 1/sqrt(2) of it
+ * passes. If pictures of two sizes are compared, it bisects down to eighths. Scenes are random, with transfer functions
+ * that are not sharp, whose bars are 1/2550. Amounts differ from scene to scene, which the chart shows as a span. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -22,7 +22,7 @@ ISO_EMBED(iso_sensitivity_gp, "src/lab/sensitivity.gp");
 
 enum { most_scenes = 64 };
 
-/* What is asked: a calibration, or a gate. cost: how long an answer takes, for the estimate. */
+/* A tested calibration or gate. cost: its running time, for the estimate. */
 typedef struct probe {
     char name[64];
     const iso_renderer_info *renderer;
@@ -34,7 +34,7 @@ typedef struct probe {
 
 enum { most_probes = 1 + (ISO_POWER_GATE_COUNT + 1) * ISO_MAX_RENDERERS };
 
-/* Smallest amounts, a scene each; a calibration has one. INFINITY: none is rejected; count 0: not asked. */
+/* Smallest rejected amounts, one per scene; a calibration has one. INFINITY: none was rejected; count 0: not run. */
 typedef struct threshold {
     size_t count;
     double amount[most_scenes];
@@ -50,8 +50,8 @@ typedef struct study {
     threshold found[ISO_DEVIATION_COUNT][most_probes];
 } study;
 
-/* The limits of the calibrations are 15 times and more what any renderer errs there by itself (test_calibrate), so that the
- * amounts are nearly the same for all: the reference is asked. */
+/* Lists the probes. A calibration's limit is at least 15 times any renderer's own error there (test_calibrate), so that
+ * the amounts are nearly equal for all of them: only the reference is tested. */
 static void list_probes(study *s)
 {
     s->probes[s->probe_count++] = (probe){.name = "calibration", .renderer = iso_renderers_truth(), .is_calibration = true, .cost = 1};
@@ -74,8 +74,8 @@ static void list_probes(study *s)
         }
 }
 
-/* A scene is quickly rendered anew with each amount by a renderer of this process. A program renders it once, and the
- * reference's scene deviates the other way. */
+/* True if the scene is rendered again for each amount, which is fast within this process. Another program renders it
+ * once, and the reference's scene deviates the other way. */
 static bool renders_each_amount(const probe *p)
 {
     return !iso_renderer_has(p->renderer, ISO_IS_PROGRAM);
@@ -87,23 +87,23 @@ static iso_status ask(study *s, const iso_power_case *c, const probe *p, iso_dev
     const iso_planted planted = {.deviation = d, .amount = amount};
     iso_calibration result;
     if (!p->is_calibration && renders_each_amount(p))
-        return iso_power_ask(s->renderers, c, p->gate, p->renderer, &planted, rejected, err);
+        return iso_power_run_gate(s->renderers, c, p->gate, p->renderer, &planted, rejected, err);
     if (!p->is_calibration)
-        return iso_power_ask_deviation(s->renderers, c, p->gate, p->renderer,
-                                       &(iso_planted){.deviation = d, .amount = amount}, rejected, err);
+        return iso_power_run_deviation_gate(s->renderers, c, p->gate, p->renderer,
+                                            &(iso_planted){.deviation = d, .amount = amount}, rejected, err);
     iso_status status = iso_calibrate_check(s->renderers, p->renderer, &planted,
                                             iso_calibration_number(iso_deviation_check(d)), &result, err);
     *rejected = status == ISO_OK && !result.passed;
     return status;
 }
 
-/* An RMSE is about a quarter of the largest difference. */
+/* Estimates from the RMSE, which is about a quarter of the largest difference. */
 static double guess_of_lock_step(const iso_lock_step *lock)
 {
     return lock->smooth.rmse > 0 ? lock->smooth.rmse : lock->smooth.max_abs / 4;
 }
 
-/* Where to begin: images change in proportion to small amounts, and the gates' limits are known. */
+/* Estimates the first amount: images change in proportion to small amounts, and the gates' limits are known. */
 static iso_status guess(study *s, const iso_power_case *c, const probe *p, iso_deviation d, double *amount,
                         iso_error *err)
 {
@@ -126,7 +126,7 @@ static iso_status guess(study *s, const iso_power_case *c, const probe *p, iso_d
     return status;
 }
 
-/* Brackets by factors of 2, then halves the octave. */
+/* Brackets by factors of 2, then bisects the octave. */
 static iso_status find_smallest(study *s, const iso_power_case *c, const probe *p, iso_deviation d, double *smallest,
                                 iso_error *err)
 {
@@ -166,7 +166,7 @@ static void tell(study *s, const probe *p, int scene)
     iso_progress_report(s->progress, stage, s->done / s->all);
 }
 
-/* One probe, all deviations. c NULL: a calibration. */
+/* Runs one probe with all deviations. c NULL: a calibration. */
 static iso_status run_probe(study *s, const iso_power_case *c, size_t index, int scene, iso_error *err)
 {
     const probe *p = &s->probes[index];
@@ -181,7 +181,7 @@ static iso_status run_probe(study *s, const iso_power_case *c, size_t index, int
     return status;
 }
 
-/* The i-th seed whose transfer function is not sharp. */
+/* Returns the i-th seed whose transfer function is not sharp. */
 static uint64_t seed_of(const study *s, int i)
 {
     uint64_t seed = (uint64_t)s->opt->seed * 1000;
@@ -190,7 +190,7 @@ static uint64_t seed_of(const study *s, int i)
             return seed;
 }
 
-/* few: the probes of small pictures alone, else all others. */
+/* Runs the probes of a scene: those of small pictures (few), or all others. */
 static iso_status run_scene(study *s, int i, bool few, iso_error *err)
 {
     iso_power_case c = {.seed = seed_of(s, i),
@@ -247,7 +247,7 @@ static void sort_all(study *s)
 static double median(const threshold *t)
 {
     return t->amount[t->count / 2];
-} /* of an even number the larger */
+} /* of an even number, the upper median */
 
 static void print_table(const study *s)
 {
@@ -273,8 +273,7 @@ static void print_table(const study *s)
     }
 }
 
-/* The largest factor by which a smallest amount, the median of the scenes, grows with smaller pictures; 0: nothing was
- * compared. */
+/* Largest factor by which the median smallest amount grows with smaller pictures; 0: nothing was compared. */
 typedef struct growth {
     double factor;
     int deviation;
@@ -300,8 +299,8 @@ static void print_growth(const study *s)
 {
     const growth g = largest_growth(s);
     if (g.factor > 0)
-        printf("With %d pixels instead of %d along an edge of the pictures of limits the smallest amount grows by a factor of %.2f at "
-               "most: %s by the %s\n",
+        printf("With %d instead of %d pixels along an edge of the limits' pictures the smallest amount grows by a "
+               "factor of at most %.2f: %s by the %s\n",
                s->opt->limit_pixels, s->opt->pixels, g.factor, iso_deviation_name((iso_deviation)g.deviation),
                g.whole->name);
 }
@@ -329,7 +328,7 @@ static void print_json(const study *s, const iso_cli *cli)
     iso_cli_print_json(root);
 }
 
-/* Columns: deviation with its unit, gate, least, median, largest, the color of the gate's renderer. */
+/* Columns: deviation with its unit, gate, least, median, largest, color of the gate's renderer. */
 static iso_status draw(const study *s, iso_error *err)
 {
     char *csv = NULL;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* reference.c - what the reference's empty space, bounded rules and instruction sets are worth: each picture with them and
- * without (iso_reference_options.plain), in turn, by processor time, and how far the two are apart. */
+/* reference.c - speedup of the reference by empty space, bounded rules and instruction sets: renders each picture with
+ * and without them (iso_reference_options.plain) in turn, and compares processor times and values. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -131,9 +131,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     reference_bench b = {.size = 24, .runs = 1};
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels a side", "N"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "of each picture; the least time counts",
-         "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels per side", "N"},
+        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0,
+         "render each picture N times; the least time counts", "N"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -154,9 +154,9 @@ const iso_command iso_lab_reference = {
     .max_arguments = 64,
     .usage = "VOLUME... [options]",
     .details =
-        "Each volume under four transfer functions, shaded. Times are of the processor, all threads together. "
-        "plain: nothing is\npassed over, every piece of a ray is halved until it stays. bound: how far a value of "
-        "the picture is from the\nequation, at most. apart: the largest difference of the two pictures.",
+        "Each volume under four transfer functions, shaded. Times are processor time of all threads. plain: no empty\n"
+        "space is skipped, and every piece of a ray is halved until the result is stable. bound: upper bound of a\n"
+        "pixel value's distance from the equation. apart: largest difference of the two pictures.",
     .examples = "  isoshade-lab reference v.nrrd --size 8\n",
     .run = run,
 };

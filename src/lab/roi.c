@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* roi.c - is there a seam round a region of interest? The step of what is emitted across the faces of the box and of
- * its band, and the step in an image that looks along them, against a hard edge, against the original TF outside, and
- * against how much the finest level varies by itself ([diaz-garcia-2016], Figure 11; scene/roi.h). */
+/* roi.c - measures the seam around a region of interest: the step of emission across the faces of the box and of its
+ * band, and the step in an image that looks along them. Compares with a hard edge, with the original TF outside, and
+ * with the variation of the finest level itself ([diaz-garcia-2016], Figure 11; scene/roi.h). */
 #include "lab/roi.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@
 #include "options/look.h"
 #include "image/image.h"
 
-/* What a point emits and absorbs over one level-0 voxel, unshaded: premultiplied color and opacity. */
+/* Computes emission and absorption of a point over one level-0 voxel, unshaded: premultiplied color and opacity. */
 static void emit(const iso_roi_setup *s, const iso_sampler *at, iso_vec3 index, const iso_tf_table *tf, double weight,
                  double e[4])
 {
@@ -35,7 +35,7 @@ static double distance(const double a[4], const double b[4])
     return sqrt(sum);
 }
 
-/* Of the region of interest at an index of the level around it; kind: with the weights of roi. */
+/* Does so for the region of interest at an index of the level around it; kind: with the weights of roi. */
 static void emit_blended(const iso_roi_setup *s, const iso_roi *roi, const iso_tf_table *around, iso_vec3 index,
                          double e[4])
 {
@@ -63,7 +63,7 @@ static double rms(const squares *q)
     return q->count ? sqrt(q->sum / (double)q->count) : 0;
 }
 
-/* A point of a face of the box grown by `grown`, by number: spread over it by an additive recurrence. */
+/* Returns the i-th point of a face of the box grown by `grown`, spread by an additive recurrence. */
 static iso_vec3 face_point(const iso_roi *f, double grown, size_t i, double normal[3])
 {
     const int axis = (int)(i % 3), b = (axis + 1) % 3, c = (axis + 2) % 3;
@@ -100,7 +100,7 @@ void iso_roi_setup_destroy(iso_roi_setup *s)
 iso_roi_step iso_roi_measure_step(const iso_roi_setup *s, const iso_roi *roi, const iso_tf_table *around)
 {
     enum { points = 3000 };
-    static const double limit = 1e-6; /* voxels of the level around, to either side */
+    static const double limit = 1e-6; /* in voxels of the level around the box, to either side */
     squares step = {0}, own = {0}, change = {0};
     double inside_mean[4] = {0}, around_mean[4] = {0};
     for (size_t i = 0; i < points; ++i) {
@@ -111,7 +111,7 @@ iso_roi_step iso_roi_measure_step(const iso_roi_setup *s, const iso_roi *roi, co
             emit_blended(s, roi, around, shifted(at, normal, limit), behind);
             note(&step, distance(before, behind));
         }
-        /* the finer level alone, a voxel of it apart; and what the two levels differ by in one place */
+        /* The finer level's own variation over a voxel, and the difference between both levels in one place. */
         iso_vec3 at = iso_roi_inside(roi, face_point(roi, 0, i, normal));
         double here[4] = {0}, beyond[4] = {0};
         before[0] = before[1] = before[2] = before[3] = behind[0] = behind[1] = behind[2] = behind[3] = 0;
@@ -137,8 +137,8 @@ iso_status iso_roi_make_view(const iso_scene *scene, const iso_pyramid *p, iso_v
     *view = (iso_view){0};
     if (!iso_geometry_is_axis_aligned(g))
         return iso_fail(err, ISO_E_RANGE,
-                        "isoshade-lab roi: the volume's grid is turned; looking along its axes is what is measured");
-    iso_scene along = *scene; /* borrowed, but for the camera */
+                        "isoshade-lab roi: the volume's grid is rotated; this needs an axis-aligned one");
+    iso_scene along = *scene; /* borrowed, except for the camera */
     const iso_vec3 center = iso_geometry_box_center_mm(g);
     along.camera_fit = false;
     along.orthographic = true;
@@ -152,7 +152,7 @@ iso_status iso_roi_make_view(const iso_scene *scene, const iso_pyramid *p, iso_v
     return iso_scene_resolve(&along, g, p->levels[0].min, p->levels[0].max, view, err);
 }
 
-/* RMS over the rows between of the difference of two neighboring columns, of color. */
+/* Returns the RMS color difference of two neighboring columns, over the rows in between. */
 static double column_step(const iso_image *image, size_t column, size_t row0, size_t row1)
 {
     squares q = {0};
@@ -168,7 +168,7 @@ double iso_roi_image_step(const iso_image *image, const iso_pyramid *p, const is
 {
     const double x_scale = (double)image->width / (double)p->levels[0].geometry.size[0];
     const double y_scale = (double)image->height / (double)p->levels[0].geometry.size[1];
-    /* row 0 is the top: the largest y */
+    /* Row 0 is the top, at the largest y. */
     size_t row0 = (size_t)((double)image->height - box->hi[1] * y_scale),
            row1 = (size_t)((double)image->height - box->lo[1] * y_scale);
     double left = column_step(image, (size_t)lrint(box->lo[0] * x_scale), row0, row1);
@@ -201,7 +201,7 @@ typedef struct bench_run {
     json_t *cases;
 } bench_run;
 
-/* The middle third in x and y, all of z: a ray sees one side alone, which shows a seam best. */
+/* Chooses the middle third in x and y and all of z: each ray sees one side only, which shows a seam best. */
 static void choose_box(bench_run *run)
 {
     const size_t *n = run->pyramid.levels[0].geometry.size;
@@ -216,13 +216,13 @@ static iso_status render(const bench_run *run, size_t level, const iso_tf_table 
                          iso_error *err)
 {
     iso_gl_options opt = iso_gl_defaults();
-    iso_view view = run->view; /* lent */
+    iso_view view = run->view; /* borrowed */
     view.tf = *tf;
     view.roi = roi;
     return iso_gl_render(run->gl, &run->pyramid.levels[level], run->pyramid.options.code, &view, &opt, image, err);
 }
 
-/* step: NULL for a level alone. */
+/* Reports one case. step: NULL for a single level. */
 static void report(bench_run *run, const char *name, const iso_roi_step *step, double image_step, const iso_metrics *m)
 {
     json_t *row = json_pack("{s:s, s:f, s:f, s:f}", "case", name, "image_step_rms", image_step, "ssim_dissimilarity",
@@ -339,8 +339,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         ISO_CLI_SCENE_OPTION(&b.look),
         ISO_CLI_TF_OPTIONS(&b.look),
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.level, 0, "around the box", "K"},
-        {"output", 'o', POPT_ARG_STRING, &b.picture, 0, "a picture of the blended case", "FILE.png"},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.level, 0, "use level K around the box", "K"},
+        {"output", 'o', POPT_ARG_STRING, &b.picture, 0, "write a picture of the blended case", "FILE.png"},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -361,10 +361,11 @@ const iso_command iso_lab_roi = {
     .max_arguments = 1,
     .usage = "VOLUME [--scene SCENE.scene.json] [options]",
     .details =
-        "Differences of what a point emits and absorbs over one voxel of level 0 (color and opacity). step: across the faces\n"
-        "of the box and of its band (rms and largest). own: of the finest level over one voxel there, for comparison.\n"
-        "levels: between the two levels at the same place (rms). tone: between the means of the two levels. image: between the\n"
-        "pixels on both sides of the box's faces, seen along them. 1-SSIM and RMSE compare the whole image with level 0.",
+        "Differences of emission and absorption of a point over one voxel of level 0 (color and opacity). step:\n"
+        "across the faces of the box and of its band (rms and largest). own: of the finest level over one voxel\n"
+        "there, for comparison. levels: between the two levels at the same place (rms). tone: between the means of\n"
+        "the two levels. image: between the pixels on both sides of the box's faces, seen along them. 1-SSIM and\n"
+        "RMSE compare the whole image with level 0.",
     .examples = "  isoshade make noise --size 48 --type uint8 -o noise.nrrd\n"
                 "  isoshade-lab roi noise.nrrd --scene refscenes/marschner-lobb.scene.json --level 1\n",
     .run = run,

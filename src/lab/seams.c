@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* seams.c - how far neighboring bricks of mixed resolution disagree on their faces, by scheme. */
+/* seams.c - jumps between neighboring bricks of mixed resolution on their faces, by scheme. */
 #include "base/random.h"
 #include "lab/lab.h"
 
@@ -18,7 +18,7 @@ typedef enum scheme { OWN_NODES, BAKED, OWN_CENTERS, PAPER_WRITTEN, PAPER_CORREC
 static const char *const scheme_names[SCHEME_COUNT] = {"nodes-own", "nodes-baked", "centers-own", "paper-written",
                                                        "paper-corrected"};
 
-/* White noise, in bricks whose nodes are the samples and in bricks whose centers are. */
+/* White noise, as bricks with nodes at the samples and as bricks with centers there. */
 typedef struct seams {
     float *noise;
     iso_node_levels nodes;
@@ -48,7 +48,7 @@ static void destroy(seams *s)
     free(s->noise);
 }
 
-/* One brick's function at p, bricks being [8 b, 8 (b + 1)]. */
+/* Returns a brick's function at p; bricks are [8 b, 8 (b + 1)]. */
 static double sample_in(seams *s, scheme which, const size_t brick[3], const double p[3])
 {
     if (which == OWN_NODES || which == BAKED) {
@@ -64,7 +64,7 @@ static double sample_in(seams *s, scheme which, const size_t brick[3], const dou
     return iso_warp_sample_in(&s->warp, brick, p);
 }
 
-/* The difference across the face between a brick and the next along an axis, at a point of it. */
+/* Returns the difference at p across the face between a brick and the next along an axis. */
 static double jump(seams *s, scheme which, const size_t brick[3], int axis, const double p[3])
 {
     size_t next[3] = {brick[0], brick[1], brick[2]};
@@ -73,7 +73,7 @@ static double jump(seams *s, scheme which, const size_t brick[3], int axis, cons
 }
 
 typedef struct result {
-    double largest, part; /* of the samples that jump by more than a thousandth of the range */
+    double largest, part; /* part: samples with a jump of more than a thousandth of the range */
 } result;
 
 static void measure(seams *s, int layouts, iso_random *state, result results[SCHEME_COUNT])
@@ -100,8 +100,8 @@ static void measure(seams *s, int layouts, iso_random *state, result results[SCH
     }
 }
 
-/* The counter-example: two fine bricks beside each other, a coarse one that touches the first by an edge alone and the
- * second by a face. A plane across that edge, 2.4 voxels wide; stripes of equal values break where it jumps. */
+/* Draws the counterexample: two neighboring fine bricks, and a coarse one that touches the first only by an edge and
+ * the second by a face. The plane cuts that edge and is 2.4 voxels wide; stripes of equal values break at jumps. */
 static iso_status draw(seams *s, const char *path, iso_error *err)
 {
     static const scheme panels[] = {OWN_CENTERS, PAPER_WRITTEN, PAPER_CORRECTED, BAKED};
@@ -181,8 +181,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     int layouts = 100;
     char *picture = NULL;
     struct poptOption options[] = {
-        {"layouts", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &layouts, 0, "random ones", "N"},
-        {"output", 'o', POPT_ARG_STRING, &picture, 0, "a picture of the counter-example", "FILE.png"},
+        {"layouts", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &layouts, 0, "use N random layouts", "N"},
+        {"output", 'o', POPT_ARG_STRING, &picture, 0, "write a picture of the counterexample", "FILE.png"},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -197,7 +197,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_lab_seams = {
     .name = "seams",
-    .summary = "bricks of mixed resolution: how far they disagree on their faces, by scheme",
+    .summary = "bricks of mixed resolution: jumps on their faces, by scheme",
     .usage = "[options]",
     .details =
         "White noise in 3 x 3 x 3 bricks of 8, random layouts of two levels. Jumps are parts of the range. The picture\n"

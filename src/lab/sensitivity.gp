@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# The smallest amount of each deviation that each gate rejects: a point is the median over the scenes, its line reaches from
+# Smallest amount of each deviation that each gate rejects: a point is the median over the scenes, its line reaches from
 # the least to the largest.
 name = 'sensitivity'
 data = name . '.csv'
@@ -21,12 +21,12 @@ set lmargin 0.8 * longest
 set tmargin 3.8
 place(r) = (sum [i = 1:count] (word(rows, i) eq r ? i : 0))
 offset(k) = 0.8 * ((k - 0.5) / series - 0.5)
-# A color a renderer, a shape a gate.
+# One color per renderer, one shape per gate.
 shape(g) = strstrt(g, 'lock-step') > 0 ? 5 : strstrt(g, 'limit') > 0 ? 7 : 13
 set errorbars 0.5
 set logscale x
 set format x '10^{%T}'
-set xlabel 'smallest amount that is rejected, in the unit of the row'
+set xlabel 'smallest rejected amount, in the unit of the row'
 set yrange [count + 0.6 : 0.4]
 set ytics ('' 0)
 do for [i = 1:count] { set ytics add (word(rows, i) i) }

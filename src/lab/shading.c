@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* shading.c - is a coarse level shaded as the finest one is? Each way to make directions, over volumes and views.
+/* shading.c - compares the shading of coarse levels with the finest one's, by each method for directions, over volumes
+ * and views.
  *
- * Paper: [diaz-garcia-2017] sec. 3 and 5, Figures 3 and 15. Every figure stands beside that of gradients taken on the
- * fly from the level's own scalar. */
+ * Paper: [diaz-garcia-2017] sec. 3 and 5, Figures 3 and 15. Every figure is printed with that of on-the-fly gradients
+ * of the level's own scalar. */
 #define _GNU_SOURCE
 #include "lab/shading.h"
 
@@ -18,7 +19,7 @@
 #include "scene/subject.h"
 #include "tf/adapt.h"
 
-/* ---- ways to make directions ---- */
+/* ---- methods for directions ---- */
 
 const iso_shading_method iso_shading_methods[ISO_SHADING_METHODS] = {
     {.name = "on-the-fly", .filter = ISO_DIRECTION_MOMENTS, .source = ISO_FROM_ON_THE_FLY},
@@ -89,7 +90,7 @@ static iso_status measure_method(const iso_shading_run *run, const iso_shading_s
     return status;
 }
 
-/* What level 0's own directions would give: everywhere with --floor, else where the default lost. */
+/* Measures level 0's own directions on the level: everywhere with --floor, otherwise where the default lost. */
 static iso_status measure_floors(const iso_shading_run *run, const iso_shading_subject *s, const iso_pyramid *p,
                                  size_t at, iso_error *err)
 {
@@ -109,7 +110,7 @@ static void print_subject(const iso_shading_run *run, size_t at)
 {
     const iso_otsu_surface *surface = &run->surfaces[at];
     if (surface->left_out && !run->cli->json)
-        printf("%-26s   left out: %s (threshold %.2f, which shows %.2f of the border)\n", run->subjects[at].name,
+        printf("%-26s   left out: %s (threshold %.2f, shows %.2f of the border)\n", run->subjects[at].name,
                surface->left_out, surface->fraction, surface->border);
     for (size_t k = 1; k < ISO_SHADING_LEVELS && !run->cli->json; ++k) {
         const iso_shading_result *r = iso_shading_result_of(run, at, k);
@@ -176,7 +177,7 @@ static void add_file(iso_shading_run *run, iso_shading_block b, const char *path
                                                                    .path = path};
 }
 
-/* Files named, files held back (commas between them, cut here), analytic fields. */
+/* Lists given files, files held back (separated by commas, cut here), and analytic fields. */
 static void list_subjects(iso_shading_run *run)
 {
     for (size_t i = 0; i < run->cli->argument_count; ++i)
@@ -212,7 +213,7 @@ static iso_status run_all(iso_shading_run *run, iso_error *err)
     TRY(status, iso_gl_create(&run->gl, NULL, err));
     if (status == ISO_OK && !run->cli->json) {
         printf(
-            "DSSIM; below it angles to G0 and to the truth, degrees; how many images the default has better than on the fly\n%-26s k",
+            "DSSIM; below it angles to G0 and to exact gradients, degrees; images in which the default beats on the fly\n%-26s k",
             "volume");
         for (int m = 0; m < iso_shading_method_end(run); ++m)
             printf(" %11s", iso_shading_methods[m].name);
@@ -231,15 +232,15 @@ static iso_status run_all(iso_shading_run *run, iso_error *err)
 
 static const iso_command command = {
     .name = "consistency",
-    .summary = "shading at coarse levels against level 0, with each kind of directions",
+    .summary = "shading at coarse levels compared with level 0, by each kind of directions",
     .max_arguments = 64,
     .usage = "--shading [VOLUME...] [options]",
     .details =
-        "One surface-like transfer function, the same at all levels and for all volumes. Errors are DSSIM over what either image\n"
-        "shows, against level 0 with its own directions. Beside the volumes named, six analytic ones stand; three more, and\n"
-        "those of --held, are held back: nothing was chosen by them. Left out of means and medians, and counted: volumes\n"
-        "whose surface would show the background, or whose values do not part into two classes; levels that show nothing,\n"
-        "or in which no method errs.",
+        "One surface-like transfer function, the same at all levels and for all volumes. Errors are DSSIM over\n"
+        "visible pixels, against level 0 with its own directions. Six analytic volumes are measured with the given\n"
+        "ones. Three more, and those of --held, are held back: no choice was made by them. Left out of means and\n"
+        "medians, and counted: volumes whose surface would show the background, or whose values do not split into\n"
+        "two classes; levels that show nothing, or without an error.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab consistency --shading shells.nrrd --quick --levels 3\n",
 };
@@ -250,21 +251,21 @@ iso_status iso_lab_shading(int argc, const char **argv, iso_error *err)
     int shading = 1;
     iso_volume_input_defaults(&run.input);
     struct poptOption options[] = {
-        {"shading", 0, POPT_ARG_NONE, &shading, 0, "directions (this); implied where no volume is named", NULL},
-        {"held", 0, POPT_ARG_STRING, &run.held, 0, "volumes that stand in a block of their own", "FILE,FILE"},
+        {"shading", 0, POPT_ARG_NONE, &shading, 0, "measure directions (default without a volume)", NULL},
+        {"held", 0, POPT_ARG_STRING, &run.held, 0, "report these volumes in a separate block", "FILE,FILE"},
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.views, 0,
-         "along an icosahedron's diagonals, at most 6", "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.size, 0, "pixels along an edge", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.levels, 0, "with level 0", "N"},
-        {"surface", 0, POPT_ARG_DOUBLE, &run.surface, 0,
-         "a fraction of the range; else between each volume's two classes [otsu-1979]", "FRACTION"},
+         "use N views along an icosahedron's diagonals, at most 6", "N"},
+        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.size, 0, "render N x N pixels", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.levels, 0, "use N levels, counting level 0", "N"},
+        {"surface", 0, POPT_ARG_DOUBLE, &run.surface, 0, "set the surface, a fraction of the range (by [otsu-1979])",
+         "FRACTION"},
         {"analytic", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.analytic_size, 0,
-         "voxels along an edge of the analytic volumes", "N"},
-        {"adapted", 0, POPT_ARG_NONE, &run.adapted, 0, "also with each level's own transfer function", NULL},
-        {"floor", 0, POPT_ARG_NONE, &run.floor, 0,
-         "also with level 0's directions at every level; else only where the default lost", NULL},
-        {"quick", 0, POPT_ARG_NONE, &run.quick, 0, "two views of 96 pixels, analytic volumes of 48^3", NULL},
-        {"csv", 0, POPT_ARG_STRING, &run.csv, 0, "all figures as a table", "FILE"},
+         "use analytic volumes of N^3 voxels", "N"},
+        {"adapted", 0, POPT_ARG_NONE, &run.adapted, 0, "also use each level's own transfer function", NULL},
+        {"floor", 0, POPT_ARG_NONE, &run.floor, 0, "use level 0's directions at every level (only if the default lost)",
+         NULL},
+        {"quick", 0, POPT_ARG_NONE, &run.quick, 0, "use two views of 96 pixels, analytic volumes of 48^3", NULL},
+        {"csv", 0, POPT_ARG_STRING, &run.csv, 0, "write all figures as a table", "FILE"},
         ISO_CLI_INPUT_OPTIONS(&run.input),
         POPT_TABLEEND,
     };

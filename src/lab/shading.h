@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* shading.h - isoshade-lab consistency --shading: directions across levels; --filters, --holes: where they fail. */
+/* shading.h - isoshade-lab consistency --shading: directions across levels; --filters, --holes: their failures. */
 #ifndef ISO_LAB_SHADING_H
 #define ISO_LAB_SHADING_H
 

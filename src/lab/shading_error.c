@@ -20,7 +20,7 @@ iso_status iso_shading_render(const iso_shading_subject *s, int view, const iso_
     iso_gl_options opt = iso_gl_defaults();
     opt.source = shown->source;
     opt.step_voxels = shown->step_voxels;
-    iso_view own = s->views[view]; /* the same view, with the other table */
+    iso_view own = s->views[view]; /* same view, other table */
     if (shown->tf)
         own.tf = *shown->tf;
     return iso_gl_render(s->gl, shown->level, shown->code, &own, &opt, image, err);
@@ -35,7 +35,7 @@ static bool shows(const iso_tf_table *tf, const iso_level *level, size_t voxel)
     return rgbs[3] > 0;
 }
 
-/* Shown, beside a voxel that is not, and not at the border, where the surface is the box. */
+/* True if the voxel is visible and a neighbor is not; excludes the border, where the surface is the box. */
 static bool is_surface(const iso_tf_table *tf, const iso_level *level, size_t x, size_t y, size_t z)
 {
     const size_t *n = level->geometry.size, row = n[0], plane = n[0] * n[1], i = x + y * row + z * plane;
@@ -45,7 +45,7 @@ static bool is_surface(const iso_tf_table *tf, const iso_level *level, size_t x,
            !shows(tf, level, i + row) || !shows(tf, level, i - plane) || !shows(tf, level, i + plane);
 }
 
-/* At most MOST_POINTS of the surface's voxels that have a direction, each as likely as any other. */
+/* Selects at most MOST_POINTS of the surface's voxels with a direction, all with the same probability. */
 static iso_status find_surface(iso_shading_subject *s, const iso_level *level0, iso_code code, const iso_field *field,
                                iso_error *err)
 {
@@ -65,7 +65,7 @@ static iso_status find_surface(iso_shading_subject *s, const iso_level *level0, 
         const iso_vec3 finest = iso_normalize(iso_v3(d[0], d[1], d[2]));
         if (iso_norm(finest) < 0.5)
             continue;
-        /* a reservoir: point number `seen` replaces any with the probability MOST_POINTS / seen */
+        /* Reservoir sampling: point number `seen` replaces any with the probability MOST_POINTS / seen. */
         const size_t place = seen < MOST_POINTS ? seen : iso_random_below(&random, seen + 1);
         ++seen;
         if (place >= MOST_POINTS)
@@ -104,7 +104,7 @@ iso_status iso_shading_begin(iso_shading_subject *s, iso_gl *gl, const iso_level
     }
     TRY(status, find_surface(s, level0, code, field, err));
     if (status == ISO_OK && s->point_count == 0 && !look->any_surface)
-        s->surface.left_out = "nothing of its surface has a direction";
+        s->surface.left_out = "its surface has no directions";
     if (status != ISO_OK)
         iso_shading_end(s);
     return status;
@@ -122,7 +122,7 @@ void iso_shading_end(iso_shading_subject *s)
 
 /* ---- errors ---- */
 
-/* Of axes; no direction at all counts as a right angle. */
+/* Returns the angle between axes; a missing direction counts as a right angle. */
 static double angle_deg(iso_vec3 a, iso_vec3 b)
 {
     return acos(fmin(fabs(iso_dot(iso_normalize(a), iso_normalize(b))), 1)) * (180 / 3.14159265358979323846);
@@ -134,7 +134,7 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The stored direction's length in the voxel that holds a point. */
+/* Returns the length of the stored direction in the voxel of a point. */
 static double length_at(const iso_level *level, iso_code code, iso_vec3 at)
 {
     const size_t *n = level->geometry.size;
@@ -202,8 +202,8 @@ iso_status iso_shading_measure(const iso_shading_subject *s, const iso_shading_s
     return status == ISO_OK ? measure_angles(s, shown->level, shown->k, shown->code, shown->source, e, err) : status;
 }
 
-/* The level's scalar on the grid of level 0, so that one texture coordinate serves both: at fine centers it is exact, and
- * linear between them. */
+/* Resamples the level's scalar on the grid of level 0, so that one texture coordinate serves both. This is exact at
+ * fine centers and linear between them. */
 iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *level0, const iso_level *level, size_t k,
                              iso_code code, iso_shading_error *e, iso_error *err)
 {

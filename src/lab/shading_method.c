@@ -5,7 +5,7 @@
 
 #include "base/random.h"
 
-/* Directions of length 1, or none. */
+/* Normalizes directions; zero stays zero. */
 static void drop_lengths(iso_pyramid *p)
 {
     for (size_t k = 1; k < p->level_count; ++k) {
@@ -38,7 +38,7 @@ iso_status iso_shading_build(const iso_shading_method *m, const iso_volume *v, c
     return status;
 }
 
-/* Normal by [box-1958]. */
+/* Adds normal noise [box-1958]. */
 static void add_noise(iso_volume *v, double deviation)
 {
     iso_random random = {1};

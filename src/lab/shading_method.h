@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* shading_method.h - ways to make a level's directions, and fields to try them on; shared by the shading benchmarks. */
+/* shading_method.h - methods for a level's directions, and test fields; shared by the shading benchmarks. */
 #ifndef ISO_LAB_SHADING_METHOD_H
 #define ISO_LAB_SHADING_METHOD_H
 
@@ -10,18 +10,18 @@
 typedef struct iso_shading_method {
     const char *name;
     iso_direction_filter filter;
-    iso_direction_source source; /* by which a renderer takes them */
-    size_t radius, exponent;     /* of Eq. 1, and its sigma; 0: the pyramid's defaults */
+    iso_direction_source source; /* the renderer's source of directions */
+    size_t radius, exponent;     /* of Eq. 1; 0: the pyramid's defaults (sigma, too) */
     double sigma;
     bool plain;   /* Eq. 1 with exponent 0: the Gaussian alone */
-    bool unit;    /* stored without the length that is its coherence */
+    bool unit;    /* stored with unit length, without coherence */
     bool adapted; /* rendered with the level's own transfer function */
 } iso_shading_method;
 
 iso_status iso_shading_build(const iso_shading_method *m, const iso_volume *v, const char *name, size_t level_count,
                              int threads, iso_pyramid *p, iso_error *err);
 
-/* A cube of n^3 floats of the field, and normal noise of the given standard deviation on its values of 0 to 1. */
+/* Samples a field in a cube of n^3 floats, values 0 to 1, with normal noise of the given standard deviation. */
 iso_status iso_shading_sample(iso_field_kind kind, size_t n, double noise, iso_field *field, iso_volume *v,
                               iso_error *err);
 

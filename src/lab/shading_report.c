@@ -30,12 +30,12 @@ const char *iso_shading_why_left_out(const iso_shading_run *run, const iso_shadi
         errs = errs || r->error[m].dssim_mean > 0;
     if (!(r->error[ISO_SHADING_ON_THE_FLY].alpha_max >= ISO_SSIM_FOREGROUND))
         return "this level shows nothing";
-    return errs ? NULL : "no method errs";
+    return errs ? NULL : "no method has an error";
 }
 
 typedef struct summary {
     size_t images, better, levels_better, cases;
-    iso_ratios ratios;   /* of DSSIM to that on the fly */
+    iso_ratios ratios;   /* of DSSIM to on-the-fly's */
     double angle, truth; /* means */
     size_t truth_cases;
 } summary;
@@ -48,7 +48,7 @@ static summary summarize(const iso_shading_run *run, iso_shading_block b, size_t
         const iso_shading_result *r = iso_shading_result_of(run, at, k);
         if (run->subjects[at].block != b || !r->done || r->left_out)
             continue;
-        const double floor_error = 1e-7; /* both perfect: a ratio of 1 */
+        const double floor_error = 1e-7; /* two perfect methods have a ratio of 1 */
         ratios[s.cases] = (r->error[m].dssim_mean + floor_error) /
                           (r->error[ISO_SHADING_ON_THE_FLY].dssim_mean + floor_error);
         s.images += (size_t)run->views;
@@ -80,7 +80,7 @@ static json_t *summary_to_json(const summary *s, iso_shading_block b, int m, siz
     return o;
 }
 
-/* Text of all levels, one figure behind the other. */
+/* Texts with one figure per level. */
 typedef struct columns {
     char means[64], medians[160], angles[64], truths[64];
 } columns;
@@ -127,14 +127,14 @@ static void report_block(const iso_shading_run *run, iso_shading_block b, json_t
         return;
     if (!run->cli->json)
         printf(
-            "\n%s, levels 1 to %d: DSSIM / that on the fly: geometric mean, then median (quartiles); mean angle to G0;\n"
-            "to the truth; better than on the fly of all volumes at all levels (means of the views), of all views\n",
+            "\n%s, levels 1 to %d: DSSIM / on-the-fly's: geometric mean, median (quartiles); mean angle to G0;\n"
+            "to exact gradients; better than on the fly: of all volumes and levels (mean of the views), of all views\n",
             block_names[b], run->levels - 1);
     for (int m = 0; m < iso_shading_method_end(run); ++m)
         report_method(run, b, m, rows);
 }
 
-/* Volumes, and levels of the others. */
+/* Reports volumes left out, and levels of the others. */
 static void report_left_out(const iso_shading_run *run, json_t *rows)
 {
     for (size_t at = 0; at < run->subject_count; ++at) {
@@ -167,12 +167,12 @@ static void report_left_out(const iso_shading_run *run, json_t *rows)
     }
 }
 
-/* Why the default lost. Below half of its full length a direction stands for children that disagree by 45 degrees. */
+/* Returns why the default lost. A direction shorter than half stands for children that disagree by 45 degrees. */
 static const char *cause_of(const iso_shading_result *r, int view)
 {
     const double fly = r->error[ISO_SHADING_ON_THE_FLY].dssim[view];
     if (fly >= 0.49)
-        return "nothing is left of the surface at this level";
+        return "the surface has vanished at this level";
     if (r->floor.dssim[view] >= fly)
         return "the scalar: level 0's own directions are no better";
     return r->error[ISO_SHADING_DEFAULT].length_mean < 0.5 ? "directions that cancel within a voxel" : "the directions";

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* shading_run.h - a run of `isoshade-lab consistency --shading`: shading.c measures, shading_report.c tells. */
+/* shading_run.h - a run of `isoshade-lab consistency --shading`: shading.c measures, shading_report.c reports. */
 #ifndef ISO_LAB_SHADING_RUN_H
 #define ISO_LAB_SHADING_RUN_H
 
@@ -10,7 +10,7 @@
 
 enum { ISO_SHADING_LEVELS = 8, ISO_SHADING_SUBJECTS = 96 };
 
-/* Ways to make directions; those from FIRST_ADAPTED on with --adapted alone. */
+/* Methods for directions; those from FIRST_ADAPTED on need --adapted. */
 enum { ISO_SHADING_METHODS = 12, ISO_SHADING_ON_THE_FLY = 0, ISO_SHADING_DEFAULT = 5, ISO_SHADING_FIRST_ADAPTED = 10 };
 extern const iso_shading_method iso_shading_methods[ISO_SHADING_METHODS];
 
@@ -21,19 +21,19 @@ typedef enum iso_shading_block {
     ISO_SHADING_BLOCKS
 } iso_shading_block;
 
-/* A volume: a file's, or one that is made. */
+/* A volume of a file, or an analytic one. */
 typedef struct iso_shading_volume {
     iso_shading_block block;
     const char *name;
-    const char *path; /* of a file; else made from */
+    const char *path; /* file, or NULL: made from the field */
     iso_field_kind kind;
-    double noise; /* standard deviation, of normal noise added to values in [0, 1] */
+    double noise; /* standard deviation of normal noise, added to values in [0, 1] */
 } iso_shading_volume;
 
-/* Of a volume's level. */
+/* Results of a volume's level. */
 typedef struct iso_shading_result {
     bool done;
-    const char *left_out; /* why no mean counts it, else NULL */
+    const char *left_out; /* why no mean counts it, or NULL */
     iso_shading_error error[ISO_SHADING_METHODS], floor;
     bool has_floor;
 } iso_shading_result;
@@ -61,13 +61,13 @@ static inline int iso_shading_method_end(const iso_shading_run *run)
     return run->adapted ? ISO_SHADING_METHODS : ISO_SHADING_FIRST_ADAPTED;
 }
 
-/* In how many views method m is better than gradients on the fly. */
+/* Counts the views in which method m is better than gradients on the fly. */
 int iso_shading_wins(const iso_shading_run *run, const iso_shading_result *r, int m);
-/* Why a level counts in no mean: it shows nothing under its original TF (no pixel of any view has an alpha of 1/255), or no
- * method errs at all. NULL: it counts. */
+/* Returns why a level counts in no mean, or NULL if it counts: it shows nothing under its original TF (no pixel of any
+ * view has an alpha of 1/255), or no method has an error. */
 const char *iso_shading_why_left_out(const iso_shading_run *run, const iso_shading_result *r);
 
-/* Table, exceptions, what was left out, and all of it as JSON. */
+/* Prints the table, exceptions and cases left out, or all of it as JSON. */
 void iso_shading_report(const iso_shading_run *run);
 iso_status iso_shading_write_csv(const iso_shading_run *run, iso_error *err);
 

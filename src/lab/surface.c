@@ -27,8 +27,8 @@ static histogram count_values(const iso_level *level)
     return h;
 }
 
-/* The middle of the thresholds that part the bins best. Counts and sums of bins are exact in double precision, so that
- * thresholds between the same voxels have the same variance, to the last bit. */
+/* Returns the middle of the thresholds that split the bins best. Counts and sums of bins are exact in double precision,
+ * so that thresholds between the same voxels have the same variance, to the last bit. */
 static double otsu_fraction(const histogram *h)
 {
     double total_sum = 0, below = 0, below_sum = 0, best = -1;
@@ -61,7 +61,7 @@ static ramp ramp_at(double fraction)
     return (ramp){fmax(fraction - ISO_SURFACE_HALF_RAMP, 0.001), fmin(fraction + ISO_SURFACE_HALF_RAMP, 0.999)};
 }
 
-/* Part of the voxels whose bin has its middle between two fractions of the range. */
+/* Returns the share of voxels whose bin's middle lies between two fractions of the range. */
 static double part_between(const double *bins, double total, double low, double high)
 {
     double sum = 0;
@@ -85,11 +85,11 @@ static iso_otsu_surface judge(const histogram *h, double fraction, bool below)
                           .border = border_shown(h, fraction, below),
                           .ramp = part_between(h->all, h->total, r.low, r.high)};
     if (h->total == 0)
-        s.left_out = "it has one value everywhere";
+        s.left_out = "it is constant";
     else if (s.border > ISO_SURFACE_MOST_BORDER)
         s.left_out = "its surface would show the background";
     else if (s.ramp > ISO_SURFACE_MOST_RAMP)
-        s.left_out = "its values do not part into two classes";
+        s.left_out = "its values do not split into two classes";
     return s;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* tf.c - what adapted transfer functions cost: counting joint histograms
- * once a volume, adapting after each edit, and bytes beside a level. */
+/* tf.c - cost of adapted transfer functions: counting joint histograms once per volume, adapting after each edit, and
+ * bytes per level. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +23,7 @@ typedef struct tf_bench {
 
 typedef struct tf_times {
     double histogram_seconds, histogram_cpu_seconds, plan_seconds, adapt_seconds, edit_seconds, stored_bytes;
-    double views_seconds; /* of the processor */
+    double views_seconds; /* processor time */
     size_t entry_count;
 } tf_times;
 
@@ -45,7 +45,7 @@ static iso_status make_pyramid(const tf_bench *b, iso_pyramid *p, iso_error *err
     return status;
 }
 
-/* A soft ramp: no entry is like another. */
+/* Makes a soft ramp whose entries all differ. */
 static iso_status make_table(const iso_pyramid *p, iso_tf_table *table, iso_error *err)
 {
     static iso_tf_point points[] = {{0, {0.1, 0.2, 0.6}, 0}, {0.3, {0.3, 0.4, 0.5}, 0.01}, {1, {1, 0.9, 0.6}, 0.2}};
@@ -58,7 +58,7 @@ static iso_status make_table(const iso_pyramid *p, iso_tf_table *table, iso_erro
     return iso_tf_tabulate(&tf, p->levels[0].min, p->levels[0].max, &p->levels[0].geometry, table, err);
 }
 
-/* The least time of several runs, each step by itself. */
+/* Measures the shortest time of several runs, for each step separately. */
 static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level, int bits, const iso_tf_table *tf,
                           tf_times *t, iso_error *err)
 {
@@ -110,17 +110,17 @@ static iso_status measure(const tf_bench *b, const iso_pyramid *p, size_t level,
     return status;
 }
 
-/* Copying level 0, for scale: what a pass over it costs at least. */
+/* Copies level 0: the least time of a pass over it. */
 static iso_status measure_copy(const tf_bench *b, const iso_pyramid *p, double *seconds, iso_error *err)
 {
     const size_t bytes = iso_geometry_voxel_count(&p->levels[0].geometry) * sizeof(float);
     float *copy = malloc(bytes);
     void *(*volatile copy_bytes)(void *, const void *,
-                                 size_t) = memcpy; /* nobody reads the copy: it must not be left out */
+                                 size_t) = memcpy; /* keeps the compiler from removing the unused copy */
     if (!copy)
         return iso_fail(err, ISO_E_MEMORY, "bench: no memory for a copy of %zu bytes", bytes);
     *seconds = INFINITY;
-    for (int run = 0; run <= b->runs; ++run) { /* the first one pays for the pages */
+    for (int run = 0; run <= b->runs; ++run) { /* the first run touches the pages */
         double start = iso_clock_seconds();
         copy_bytes(copy, p->levels[0].scalar, bytes);
         *seconds = run > 0 ? fmin(*seconds, iso_clock_seconds() - start) : INFINITY;
@@ -129,7 +129,7 @@ static iso_status measure_copy(const tf_bench *b, const iso_pyramid *p, double *
     return ISO_OK;
 }
 
-/* One frame of level 0 at 512 x 512, for scale. */
+/* Renders one frame of level 0 at 512 x 512, for scale. */
 static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const iso_tf_table *tf, double *seconds,
                                 iso_error *err)
 {
@@ -174,8 +174,8 @@ static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const i
     return status;
 }
 
-/* Table 1 of the paper: bytes beside the levels' voxels, at a byte a voxel. histograms: of all coarse levels, 8 bits.
- * Younesy et al. keep four bytes a coarse voxel (mean, deviation, gradient), three of them beside its value. */
+/* Reports Table 1 of the paper: bytes in addition to the levels' voxels, at one byte per voxel. histograms: of all
+ * coarse levels, 8 bits. Younesy et al. store four bytes per coarse voxel (mean, deviation, gradient), three more. */
 static void report_storage(const tf_bench *b, const iso_pyramid *p, double histograms, json_t *root)
 {
     const double table = 256 * 4 * sizeof(float), levels = (double)(p->level_count - 1);
@@ -188,10 +188,9 @@ static void report_storage(const tf_bench *b, const iso_pyramid *p, double histo
                         json_pack("{s:f, s:f, s:f, s:f}", "voxel_bytes", all, "tf_1d_bytes", tf_1d, "tf_2d_bytes",
                                   tf_2d, "four_bytes_a_coarse_voxel", 3 * coarse));
     if (!b->cli->json)
-        printf(
-            "storage: voxels of all levels %.4g MB; beside them histograms and tables %.3g MB, with 2D transfer functions by deviation %.3g MB;\n"
-            "         four bytes a coarse voxel [younesy-2006] would add %.4g MB\n",
-            all / 1e6, tf_1d / 1e6, tf_2d / 1e6, 3 * coarse / 1e6);
+        printf("storage: voxels of all levels %.4g MB; in addition histograms and tables %.3g MB, with 2D transfer\n"
+               "         functions of the deviation %.3g MB; four bytes per coarse voxel [younesy-2006] add %.4g MB\n",
+               all / 1e6, tf_1d / 1e6, tf_2d / 1e6, 3 * coarse / 1e6);
 }
 
 static iso_status run_all(const tf_bench *b, iso_error *err)
@@ -210,9 +209,9 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
         printf("a frame of 512 x 512 takes %.4g ms\n", 1e3 * frame);
     if (status == ISO_OK && !b->cli->json)
         printf(
-            "%.0f fine voxels, %d threads; a copy of level 0 (memcpy, one thread) takes %.3g ns a voxel; least of %d\n"
-            "                ---- counting, once a volume: ns a voxel ----  once a level  ------ after an edit ------    - small views -\n"
-            "k bits   clock  processor  processor of a copy    weights ms   adapt ms   all ms  of a frame       ms  ns a voxel   entries     bytes\n",
+            "%.0f fine voxels, %d threads; a copy of level 0 (memcpy, one thread) takes %.3g ns per voxel; least of %d\n"
+            "                ---- counting per volume: ns per voxel ------   per level    ------ after an edit ------    - small views -\n"
+            "k bits   clock  processor  processor of a copy    weights ms   adapt ms   all ms  of a frame       ms  ns / voxel   entries     bytes\n",
             voxels, iso_threads(b->cli->threads), 1e9 * copy / voxels, b->runs);
     for (int bits = 8; bits <= 12 && status == ISO_OK; bits += 4)
         for (size_t level = 1; level < p.level_count && status == ISO_OK; ++level) {
@@ -256,10 +255,10 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&b.input);
     struct poptOption options[] = {
         {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0,
-         "of the noise that is made where no volume is given", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "with level 0", "N"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "the least time counts", "N"},
-        {"no-gl", 0, POPT_ARG_NONE, &b.no_gl, 0, "without the frame that times are compared with", NULL},
+         "use noise of N^3 voxels if no volume is given", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
+        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "run N times; the least time counts", "N"},
+        {"no-gl", 0, POPT_ARG_NONE, &b.no_gl, 0, "skip the frame that times are compared with", NULL},
         ISO_CLI_INPUT_OPTIONS(&b.input),
         POPT_TABLEEND,
     };
@@ -285,9 +284,9 @@ const iso_command iso_lab_tf = {
     .max_arguments = 1,
     .usage = "[VOLUME] [options]",
     .details =
-        "Counting is done once a volume, weights once a level, adapting after each edit of the transfer function; \"all\" is\n"
-        "adapting and its error at the voxels, which need the histogram and the transfer function alone. Small views, in\n"
-        "processor time, are what decides whether an adapted transfer function is used.",
+        "Counting runs once per volume, weights once per level, adapting after each edit of the transfer function.\n"
+        "\"all\" is adapting and computing its error at the voxels, for which the histogram and the transfer function\n"
+        "suffice. Small views decide whether an adapted transfer function is used; their time is processor time.",
     .examples = "  isoshade-lab tf --size 64 --runs 2\n",
     .run = run,
 };

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Figure 8 of [diaz-garcia-2016]: SSIM dissimilarity against level 0 with several averages, a group of bars a volume.
+# Figure 8 of [diaz-garcia-2016]: SSIM dissimilarity to level 0 with several averages, one group of bars per volume.
 name = 'figure8'
 width = 1000
 height = 420

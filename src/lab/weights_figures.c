@@ -29,7 +29,7 @@ static int level_of(const json_t *c)
     return (int)json_integer_value(json_object_get(c, "level"));
 }
 
-/* Mean dissimilarity of a volume with a method, at one level or (0) at all. */
+/* Averages a volume's dissimilarity by a method, at one level or (0) at all. */
 static double mean_of(const json_t *cases, const char *volume, const char *method, int level)
 {
     const char *renderer = text_of(json_array_get(cases, 0), "renderer");
@@ -45,7 +45,7 @@ static double mean_of(const json_t *cases, const char *volume, const char *metho
     return n > 0 ? sum / n : 0;
 }
 
-/* The different values of a key, in order of appearance; each volume, method and level has its case. */
+/* Lists the different values of a key in order of appearance. */
 static size_t list_values(const json_t *cases, const char *key, const char *values[], size_t most)
 {
     size_t count = 0, i, k;
@@ -78,7 +78,7 @@ static void write_rows(const json_t *cases, bool by_level, FILE *csv)
     fprintf(csv, by_level ? "volume,level,method,ssim_dissimilarity,at\n" : "volume,method,ssim_dissimilarity,at\n");
     for (size_t v = 0; v < volume_count; ++v)
         for (size_t m = 0; m < method_count; ++m) {
-            const int length = (int)strcspn(volumes[v], "."); /* without nrrd and nii.gz */
+            const int length = (int)strcspn(volumes[v], "."); /* without .nrrd and .nii.gz */
             if (!by_level)
                 fprintf(csv, "%.*s,%s,%.9g,%zu\n", length, volumes[v], methods[m],
                         mean_of(cases, volumes[v], methods[m], 0), v);

@@ -5,7 +5,7 @@
 
 #include "base/json.h"
 
-/* cases: objects with renderer, volume, level, method and ssim_dissimilarity, the first renderer's alone are drawn.
+/* Draws the figures of the first renderer. cases: objects with renderer, volume, level, method and ssim_dissimilarity.
  * DIR/figure9.svg: each volume's levels, original and default; DIR/figure8.svg: each volume, by method. Means over the
  * transfer functions (and the levels). ISO_E_MISSING without gnuplot. */
 iso_status iso_lab_figures(const json_t *cases, const char *dir, iso_error *err);

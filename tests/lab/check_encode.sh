@@ -30,7 +30,7 @@ import json, sys
 report = json.load(open(sys.argv[1]))
 rmse = {(i['method'], i['level']): i['rmse'] for i in report['images']}
 assert 0 < rmse['half', 1] < rmse['snorm', 1] and rmse['half', 1] < rmse['fit', 1] < 1e-2
-for lossy in ['shell', 'region48', 'fit, L a byte, filtered apart']:  # the planted faults
+for lossy in ['shell', 'region48', 'fit, byte of L, filtered apart']:  # the planted faults
     assert rmse[lossy, 1] > 5 * rmse['fit', 1], lossy
 assert len(report['image_ratios']) == 2 * 8
 PY

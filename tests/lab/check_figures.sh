@@ -70,7 +70,7 @@ check fonts_are_in_the_file fonts_are_inside mixed-surface/figure.pdf
 check a_volume_has_the_bar_of_its_transfer_function grep -q 'Bar: the transfer function' mixed-volume/caption.txt
 check and_a_scale_bar grep -q 'Scale bar: ' mixed-volume/caption.txt
 notice a_surface_has_a_color_and_no_such_bar grep -q 'Bar: the transfer function' mixed-surface/caption.txt
-check the_caption_says_it grep -q 'of the range where each brick keeps its own samples' mixed-surface/caption.txt
+check the_caption_says_it grep -q 'of the range if each brick keeps its own samples' mixed-surface/caption.txt
 draw palette-views small.nrrd --entries 60 --width 60 --dpi 36 --surface 0.4
 check wings_have_a_scale_bar grep -q "Scale bar: " palette-views/caption.txt
 check fitted_is_nearer holds palette-views 'f["palettes"][0]["norm1"] < f["palettes"][1]["norm1"] and [p["entries"] for p in f["palettes"]] == [60, 60]'
@@ -89,8 +89,8 @@ refuse a_surface_beyond_the_range 5 '--surface is 2, must be between 0 and 1' "$
 refuse bricks_that_are_none 5 'power of two' "$LAB" figure --kind mixed-surface --bricks 3 -o f -q
 refuse negative_bricks 5 '--bricks is -4' "$LAB" figure --kind mixed-volume --bricks -4 -o f -q
 refuse too_few_bricks 5 '2 along each axis' "$LAB" figure constant.nrrd --kind mixed-surface --bricks 8 -o f -q
-refuse an_odd_palette 5 'even number' "$LAB" figure --kind palette-views --entries 61 -o f -q
-refuse a_level_that_is_not_there 5 'would show level 9' "$LAB" figure plate.nrrd --kind joint-row --level 9 -o f -q
+refuse an_odd_palette 5 'must be even' "$LAB" figure --kind palette-views --entries 61 -o f -q
+refuse a_level_that_is_not_there 5 'needs level 9' "$LAB" figure plate.nrrd --kind joint-row --level 9 -o f -q
 refuse a_region_that_is_none 2 'wanted six numbers' "$LAB" figure plate.nrrd --kind roi --roi 1,2 -o f -q
 refuse too_narrow 5 'leave' "$LAB" figure --kind joint-histogram --levels 5 --width 40 -o f -q
 exit $failed

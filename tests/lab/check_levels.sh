@@ -18,9 +18,9 @@ expect tables_are_printed_without_volumes 0 "$LAB" levels -q --have part.csv
 check of_the_cases_that_they_have grep -q '^named, level 1: 2 cases' out
 expect of_all_cases 0 "$LAB" levels -q --have again.csv
 check they_are_those_of_the_first_run cmp <(sed -n '/^named, level 1/,$p' first.txt) <(sed -n '/^named, level 1/,$p' out)
-refuse a_table_twice 4 'part.csv: line 2: an earlier line' "$LAB" levels -q --have table.csv,part.csv
+refuse a_table_twice 4 'part.csv: line 2: repeats an earlier line' "$LAB" levels -q --have table.csv,part.csv
 refuse a_table_of_other_views 4 'not "2 views' "$LAB" levels shells.nrrd --quick --levels 3 -q --have part.csv
-refuse a_table_of_another_volume 2 '24x24x24 voxels there, and is 16x16x16 now' "$LAB" "${few[@]}" shells.nrrd --json --crop 16 --have part.csv
+refuse a_table_of_another_volume 2 '24x24x24 voxels in the table, but 16x16x16 now' "$LAB" "${few[@]}" shells.nrrd --json --crop 16 --have part.csv
 refuse a_file_that_is_no_table 4 shells.nrrd "$LAB" levels -q --have shells.nrrd
 refuse a_method_that_was_not_measured 2 '--against fitted' "$LAB" levels -q --have part.csv --against fitted
 expect json_runs 0 "$LAB" "${few[@]}" shells.nrrd constant.nrrd --held shells.nrrd --methods original,gauss --against original --json

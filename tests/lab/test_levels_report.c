@@ -115,7 +115,7 @@ static void cases_that_tell_nothing_are_left_out_with_their_reason(void **state)
     assert_null(iso_level_case_left_out(&c, &c.cases[0]));
     assert_string_equal(iso_level_case_left_out(&c, &c.cases[1]), "level 0 shows nothing");
     assert_string_equal(iso_level_case_left_out(&c, &c.cases[2]), "the level shows nothing under any method");
-    assert_string_equal(iso_level_case_left_out(&c, &c.cases[3]), "no method errs");
+    assert_string_equal(iso_level_case_left_out(&c, &c.cases[3]), "no method has an error");
     /* an error of a single figure is enough to count */
     c.cases[3].results[OTHER].minified.flip = 0.01;
     assert_null(iso_level_case_left_out(&c, &c.cases[3]));

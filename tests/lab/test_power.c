@@ -33,7 +33,7 @@ static double change(const iso_power_case *c, iso_planted planted)
 static bool is_rejected(const iso_power_case *c, iso_power_gate gate, const iso_planted *planted)
 {
     bool rejected;
-    assert_ok(iso_power_ask(&renderers, c, gate, &iso_renderer_gl, planted, &rejected, &err));
+    assert_ok(iso_power_run_gate(&renderers, c, gate, &iso_renderer_gl, planted, &rejected, &err));
     assert_null(renderers.after.change);
     return rejected;
 }
@@ -103,10 +103,10 @@ static void a_bright_scene_of_povray_passes(void **state)
     bool rejected;
     iso_power_case c = open_case(505);
     assert_more_than(c.lock_step[iso_renderer_index(&iso_renderer_povray)].max_abs, 2.5e-5);
-    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, &iso_renderer_povray, NULL, &rejected, &err));
+    assert_ok(iso_power_run_gate(&renderers, &c, ISO_POWER_LOCK_STEP, &iso_renderer_povray, NULL, &rejected, &err));
     assert_false(rejected);
-    assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LOCK_STEP, &iso_renderer_povray,
-                            &(iso_planted){.fault = ISO_FAULT_CLIPPED}, &rejected, &err));
+    assert_ok(iso_power_run_gate(&renderers, &c, ISO_POWER_LOCK_STEP, &iso_renderer_povray,
+                                 &(iso_planted){.fault = ISO_FAULT_CLIPPED}, &rejected, &err));
     assert_true(rejected);
     iso_power_close(&c);
 }
@@ -161,9 +161,9 @@ static void a_deviation_may_be_planted_on_the_other_side(void **state)
                 bool there;
                 const bool here = is_rejected(&c, (iso_power_gate)g, &planted);
                 renderers.cache = &cache;
-                assert_ok(iso_power_ask_deviation(&renderers, &c, (iso_power_gate)g, &iso_renderer_gl,
-                                                  &(iso_planted){.deviation = asked[d], .amount = planted.amount},
-                                                  &there, &err));
+                assert_ok(iso_power_run_deviation_gate(&renderers, &c, (iso_power_gate)g, &iso_renderer_gl,
+                                                       &(iso_planted){.deviation = asked[d], .amount = planted.amount},
+                                                       &there, &err));
                 renderers.cache = NULL;
                 assert_int_equal(here, there);
                 answers[here] += 1;
@@ -234,7 +234,7 @@ static void a_pixel_that_is_no_number_is_rejected(void **state)
     iso_power_case c = open_case(500);
     for (int i = 0; i < count; ++i) {
         bool rejected;
-        assert_ok(iso_power_ask(&renderers, &c, ISO_POWER_LIMIT, renderer[i], &nan_pixel, &rejected, &err));
+        assert_ok(iso_power_run_gate(&renderers, &c, ISO_POWER_LIMIT, renderer[i], &nan_pixel, &rejected, &err));
         assert_true(rejected);
     }
     iso_power_close(&c);

@@ -15,9 +15,10 @@ iso_status iso_mixed_create(iso_mixed *m, const iso_level *level0, size_t brick_
         return status;
     const size_t *count = m->nodes.count;
     if (count[0] < 2 || count[1] < 2 || count[2] < 2) {
-        status = iso_fail(err, ISO_E_RANGE,
-                          "bricks of %zu voxels: the volume has %zu x %zu x %zu of them, 2 along each axis are needed",
-                          brick_voxels, count[0], count[1], count[2]);
+        status = iso_fail(
+            err, ISO_E_RANGE,
+            "bricks of %zu voxels: the volume has %zu x %zu x %zu, needs 2 along each axis; use smaller --bricks",
+            brick_voxels, count[0], count[1], count[2]);
         iso_mixed_destroy(m);
         return status;
     }
@@ -29,7 +30,7 @@ iso_status iso_mixed_create(iso_mixed *m, const iso_level *level0, size_t brick_
     for (size_t z = 0; z < count[2]; ++z)
         for (size_t y = 0; y < count[1]; ++y)
             for (size_t x = 0; x < count[0]; ++x) {
-                /* the upper half's border stands a brick farther, away from the viewer's side too */
+                /* The upper half's border is one brick farther from the viewer. */
                 const bool upper = z >= (count[2] + 1) / 2, far = y >= (count[1] + 1) / 2;
                 const size_t border = count[0] / 2 + (upper && count[0] > 2) - (far && count[0] / 2 > 1);
                 m->levels[iso_brick_index(&m->nodes, (const size_t[3]){x, y, z})] = x < border ? (uint8_t)coarse : 0;
@@ -53,7 +54,7 @@ iso_brick_field iso_mixed_field(const iso_mixed *m, bool smooth)
 
 /* ---- faces ---- */
 
-/* Of the face between a brick and the next along an axis. */
+/* Returns the largest jump of values across the face between a brick and the next along an axis. */
 static double jump_of_face(const iso_brick_field *f, const size_t brick[3], int axis)
 {
     enum { POINTS = 7 };
@@ -62,7 +63,7 @@ static double jump_of_face(const iso_brick_field *f, const size_t brick[3], int 
     double most = 0;
     ++next[axis];
     for (int k = 0; k < POINTS * POINTS; ++k) {
-        /* not at the nodes of the coarse level, where the sides may agree */
+        /* Avoids the nodes of the coarse level: both sides may agree there. */
         const double part[2] = {(k % POINTS + 0.37) / POINTS, (k / POINTS + 0.41) / POINTS};
         double a[ISO_NODE_CHANNELS], b[ISO_NODE_CHANNELS], q[3];
         for (int c = 0, free_axis = 0; c < 3; ++c)
@@ -91,7 +92,7 @@ double iso_mixed_jump(const iso_mixed *m, bool smooth)
     return range > 0 ? most / range : 0;
 }
 
-/* ---- what is seen ---- */
+/* ---- visible places ---- */
 
 static double extinction_of(const iso_tf_table *tf, double value)
 {
@@ -102,8 +103,8 @@ static double extinction_of(const iso_tf_table *tf, double value)
     return (1 - t) * (double)tf->entries[4 * i + 3] + t * (double)tf->entries[4 * (i + 1) + 3];
 }
 
-/* Along a ray until it is half absorbed, or reaches the surface. */
-static iso_vec3 seen_along(const iso_mixed *m, const iso_view *view, double surface, const iso_ray *ray)
+/* Follows a ray until it is half absorbed or reaches the surface; returns index coordinates. */
+static iso_vec3 visible_along(const iso_mixed *m, const iso_view *view, double surface, const iso_ray *ray)
 {
     const iso_geometry *g = &m->nodes.geometry;
     const iso_brick_field f = iso_mixed_field(m, true);
@@ -134,7 +135,7 @@ iso_status iso_mixed_look(const iso_mixed *m, const iso_view *view, double surfa
     for (size_t row = 0; row < seen->height; ++row)
         for (size_t column = 0; column < seen->width; ++column) {
             const iso_ray ray = iso_camera_ray(&view->camera, seen->width, seen->height, column, row);
-            seen->index[row * seen->width + column] = seen_along(m, view, surface, &ray);
+            seen->index[row * seen->width + column] = visible_along(m, view, surface, &ray);
         }
     return ISO_OK;
 }
@@ -152,7 +153,7 @@ bool iso_mixed_is_fine(const iso_mixed *m, iso_vec3 index)
     return m->levels[brick_of(m, (const double[3]){index.x - 0.5, index.y - 0.5, index.z - 0.5})] == 0;
 }
 
-/* By how much values jump at the face between levels that is within a voxel of a place; negative: there is none. */
+/* Returns the jump of values at a face between levels within a voxel of a place; negative if there is no such face. */
 static double jump_at(const iso_mixed *m, iso_vec3 index)
 {
     const iso_brick_field f = iso_mixed_field(m, false);
@@ -188,9 +189,9 @@ bool iso_mixed_find_border(const iso_mixed *m, const iso_mixed_seen *seen, iso_v
     return most >= 0;
 }
 
-/* ---- nearer ---- */
+/* ---- magnified view ---- */
 
-/* Where a direction of a perspective camera, or a place relative to an orthographic one, stands in its picture. */
+/* Projects v to picture coordinates: a direction (perspective), or a place relative to the camera (orthographic). */
 static void place_in(const iso_view *view, iso_vec3 v, double *x, double *y)
 {
     const iso_camera *c = &view->camera;
@@ -204,7 +205,7 @@ void iso_mixed_magnify(const iso_view *view, iso_vec3 world_mm, double height_mm
 {
     const iso_vec3 to = iso_sub(world_mm, view->camera.position);
     const double aspect = (double)view->width / (double)view->height;
-    *magnified = *view; /* the table and the rest stay the view's */
+    *magnified = *view; /* keeps the table and all other settings */
     iso_camera *c = &magnified->camera;
     if (c->orthographic) {
         c->position = iso_sub(world_mm, iso_scale(c->forward, iso_dot(to, c->forward)));
@@ -215,7 +216,7 @@ void iso_mixed_magnify(const iso_view *view, iso_vec3 world_mm, double height_mm
         c->up = iso_cross(c->right, c->forward);
         c->half_height = 0.5 * height_mm / iso_norm(to);
     }
-    for (int k = 0; k < 2; ++k) { /* the upper left corner, the lower right one */
+    for (int k = 0; k < 2; ++k) { /* upper left corner, lower right corner */
         const double side = k ? 1 : -1;
         iso_vec3 corner = c->orthographic ? iso_sub(c->position, view->camera.position) : c->forward;
         corner = iso_madd(iso_madd(corner, c->right, side * aspect * c->half_height), c->up, -side * c->half_height);

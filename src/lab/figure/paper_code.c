@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_code.c - what codes of directions look like: the figures 6, 8 and 11 of [diaz-garcia-2017], and the same dots
- * for each code. Everything is drawn, so that dots stay dots at any size. */
+/* paper_code.c - pictures of direction codes: Figures 6, 8 and 11 of [diaz-garcia-2017], and the same dots for each
+ * code. Everything is vector graphics, so that dots stay sharp at any size. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,7 +9,7 @@
 #include "lab/figure/paper_drawing.h"
 #include "lab/figure/paper_kinds.h"
 
-/* Dots leave about as much paper free as they cover. */
+/* Diameter at which dots cover about half of an area. */
 static double dot_mm(double area_mm2, size_t count)
 {
     return fmin(fmax(0.62 * sqrt(area_mm2 / (double)count), 0.1), 0.7);
@@ -38,7 +38,7 @@ static void draw_sphere(FILE *gp, double panel_mm, const iso_dots *dots, size_t 
 
 /* ---- the cube ---- */
 
-/* Where the direction meets the cube; whether on a face that is seen. */
+/* Projects the direction to the cube; returns true if it lies on a visible face. */
 static bool to_cube(const iso_drawing *d, iso_vec3 direction, iso_vec3 *dot)
 {
     const double peak = fmax(fabs(direction.x), fmax(fabs(direction.y), fabs(direction.z)));
@@ -50,7 +50,7 @@ static bool to_cube(const iso_drawing *d, iso_vec3 direction, iso_vec3 *dot)
     return seen;
 }
 
-/* The corners of one of the 48 regions of a face: its middle, that of an edge, a corner. */
+/* Corners of one of the 48 regions of a face: the face's middle, an edge's middle, a corner. */
 static void region(const iso_drawing *d, int face, int edge, double along, double beside, iso_vec3 corners[3])
 {
     const int other = 3 - face - edge;
@@ -100,7 +100,7 @@ static void draw_cube(FILE *gp, double panel_mm, const iso_dots *dots, bool regi
 {
     const iso_drawing d = iso_drawing_begin(gp, panel_mm, 1.58);
     iso_vec3 dot, corners[3];
-    region(&d, 1, 0, 1, 1, corners); /* on the face in front, at the upper right */
+    region(&d, 1, 0, 1, 1, corners); /* upper right of the front face */
     fputs("$dots << EOD\n", gp);
     *shown = 0;
     for (size_t i = 0; i < dots->count; ++i)
@@ -120,7 +120,7 @@ static void draw_cube(FILE *gp, double panel_mm, const iso_dots *dots, bool regi
             if (to_cube(&d, dots->unit[i], &dot) && inside(corners, dots->unit[i]))
                 iso_drawing_put_dot(&d, dot);
     }
-    const double thick = dot_mm(10 * d.scale * d.scale, *shown); /* three faces of 4, at a slant */
+    const double thick = dot_mm(10 * d.scale * d.scale, *shown); /* three visible faces of 4 square units, slanted */
     fprintf(
         gp,
         "EOD\nplot %s$dots with lines lc rgb '%s' lw thick(%.3f), $edges with lines lc rgb '#9aa3ab' lw thick(0.12)",
@@ -137,7 +137,7 @@ static void draw_cube(FILE *gp, double panel_mm, const iso_dots *dots, bool regi
 
 /* ---- the cloud ---- */
 
-/* All places of a texture: the farther the paler. */
+/* Draws all lattice points of a texture; farther ones are paler. */
 static void draw_cloud(FILE *gp, double panel_mm, int bits)
 {
     enum { SHADES = 6 };
@@ -158,7 +158,7 @@ static void draw_cloud(FILE *gp, double panel_mm, int bits)
     }
     fputs("plot ", gp);
     for (int shade = 0; shade < SHADES; ++shade) {
-        const double k = 1 - (shade + 0.5) / SHADES; /* towards the paper */
+        const double k = 1 - (shade + 0.5) / SHADES; /* towards white */
         fprintf(gp, "%s$cloud%d with lines lc rgb '#%02x%02x%02x' lw thick(%.3f)", shade ? ", " : "", shade,
                 (int)(11 + k * 215), (int)(60 + k * 172), (int)(111 + k * 128),
                 fmin(fmax(0.32 * 2 * d.scale / (double)n, 0.08), 0.6));
@@ -170,7 +170,7 @@ static void draw_cloud(FILE *gp, double panel_mm, int bits)
 
 static int bits_of(const iso_figure_job *job)
 {
-    return iso_lab_figure_of(job)->bits ? iso_lab_figure_of(job)->bits : 5; /* the paper's */
+    return iso_lab_figure_of(job)->bits ? iso_lab_figure_of(job)->bits : 5; /* the paper's value */
 }
 
 static iso_status make_dots(const iso_figure_job *job, iso_code own, iso_dots *dots, iso_error *err)
@@ -211,10 +211,10 @@ static void put_cube(const iso_paper *p, size_t column, const char *title, const
     iso_page_plot_end(p->page);
 }
 
-/* Two panels of one code's dots, and what the caption says of them. */
+/* Draws two panels of one code's dots and writes the caption. */
 typedef void (*two_panels)(const iso_paper *p, const iso_dots *dots, double hole_deg);
 
-/* with_hole: the biggest one is looked for. */
+/* with_hole: also finds the biggest hole. */
 static iso_status draw_two(const iso_figure_job *job, iso_page *page, iso_code own, bool with_hole, two_panels put,
                            iso_error *err)
 {
@@ -249,12 +249,11 @@ static void put_points(const iso_paper *p, const iso_dots *dots, double unused)
     iso_page_plot_end(p->page);
     count_directions(dots, note);
     put_sphere(p, 1, "(b) on the sphere", note, dots, &shown);
-    fprintf(
-        iso_page_caption(p->page),
-        "(a) The places of a texture with %d bits a component: %ld points, evenly spread over a cube. (b) The same "
-        "points projected to the unit sphere: %zu different directions, of which the %zu of the near half are drawn. "
-        "They leave bands free.",
-        dots->bits, places, dots->count, shown);
+    fprintf(iso_page_caption(p->page),
+            "(a) The points of a texture with %d bits per component: %ld, evenly spread over a cube. (b) The same "
+            "points projected to the unit sphere: %zu different directions; the %zu of the near half are drawn. "
+            "Some bands stay empty.",
+            dots->bits, places, dots->count, shown);
     json_object_set_new(p->job->facts, "points", json_integer(places));
     json_object_set_new(p->job->facts, "shown", json_integer((json_int_t)shown));
 }
@@ -267,13 +266,12 @@ static void put_regions_of_cube(const iso_paper *p, const iso_dots *dots, double
     count_directions(dots, note);
     put_cube(p, 0, "(a) on the cube", note, dots, false, &shown);
     put_cube(p, 1, "(b) one of 48 regions", "8 on each face", dots, true, &shown);
-    fprintf(
-        iso_page_caption(p->page),
-        "(a) The places of a texture with %d bits a component, projected to the surface of a cube: %zu different "
-        "directions, of which %zu lie on the three faces that are seen. (b) The same, cut into the 48 regions in which "
-        "the order and the signs of the components are the same, one of them marked: each has a margin that no dot "
-        "lies in.",
-        dots->bits, dots->count, shown);
+    fprintf(iso_page_caption(p->page),
+            "(a) The points of a texture with %d bits per component, projected to the surface of a cube: %zu different "
+            "directions, %zu of them on the three visible faces. (b) The same, cut into the 48 regions in which "
+            "the components' order and signs are equal, one of them marked: each has a margin without "
+            "dots.",
+            dots->bits, dots->count, shown);
     json_object_set_new(p->job->facts, "shown", json_integer((json_int_t)shown));
 }
 
@@ -290,8 +288,8 @@ static void put_dots_of_code(const iso_paper *p, const iso_dots *dots, double ho
     put_sphere(p, 1, title, note, dots, &on_sphere);
     fprintf(
         iso_page_caption(p->page),
-        "The directions that the code %s decodes to, with %d bits a component instead of 8: %zu, (a) on a cube (%zu "
-        "lie on the faces that are seen) and (b) on the unit sphere (%zu on the near half); %.3f degrees across the "
+        "The directions that the code %s decodes to, with %d bits per component instead of 8: %zu, (a) on a cube (%zu "
+        "on the visible faces) and (b) on the unit sphere (%zu on the near half); %.3f degrees across the "
         "biggest hole.",
         name, dots->bits, dots->count, on_cube, on_sphere, hole_deg);
 }
@@ -311,7 +309,7 @@ static iso_status code_dots(const iso_figure_job *job, iso_page *page, iso_error
     return draw_two(job, page, ISO_CODE_FIT, true, put_dots_of_code, err);
 }
 
-/* Two codes side by side, on spheres. */
+/* Draws two codes next to each other, on spheres. */
 static iso_status code_spheres(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     static const char *const names[] = {"without", "with"};
@@ -325,11 +323,10 @@ static iso_status code_spheres(const iso_figure_job *job, iso_page *page, iso_er
         status = iso_dots_hole_deg(&dots[k], &hole_deg[k], err);
     TRY(status, row_of_two(&p, job, page, err));
     if (status == ISO_OK) {
-        fprintf(
-            iso_page_caption(page),
-            "What a texture with %d bits a component can hold of directions, on the unit sphere, the near half: (a) "
-            "components as they are, (b) by the code %s.",
-            dots[0].bits, iso_code_describe(dots[1].code)->name);
+        fprintf(iso_page_caption(page),
+                "Directions of a texture with %d bits per component, on the near half of the unit sphere: (a) "
+                "untransformed components, (b) the code %s.",
+                dots[0].bits, iso_code_describe(dots[1].code)->name);
         for (int k = 0; k < 2; ++k) {
             char title[96], note[96];
             snprintf(title, sizeof title, k ? "(b) code %s" : "(a) untransformed",

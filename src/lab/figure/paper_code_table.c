@@ -14,14 +14,14 @@ static iso_vec3 entry_place(size_t size, size_t i, size_t j)
     return iso_v3((double)i / last, (double)j / last, (last - (double)i - (double)j) / last);
 }
 
-/* The unit cube of u, v and w with the plane u + v + w = 1 in it. */
+/* Draws the unit cube of u, v and w with the plane u + v + w = 1. */
 static void draw_table_in_cube(FILE *gp, double panel_mm, const iso_paper_table *t)
 {
     iso_drawing d = iso_drawing_begin(gp, panel_mm, 0.98);
     const iso_vec3 half = iso_v3(0.5, 0.5, 0.5);
     static const char *const names[] = {"u", "v", "w"}, *const aligned[] = {"right", "left",
                                                                             "center"}; /* beside lines */
-    /* Not from the side that looks along the plane. */
+    /* A view that does not look along the plane. */
     iso_drawing_look(&d, iso_v3(0.95, 0.42, 0.5));
     const iso_vec3 corners[3] = {iso_sub(iso_v3(1, 0, 0), half), iso_sub(iso_v3(0, 1, 0), half),
                                  iso_sub(iso_v3(0, 0, 1), half)};
@@ -53,7 +53,7 @@ static void draw_table_in_cube(FILE *gp, double panel_mm, const iso_paper_table 
             fmin(0.45 * 1.4 * d.scale / (double)t->size, 0.7));
 }
 
-/* The triangle from the front, an arrow from each entry to what it holds. */
+/* Draws the triangle from the front, with an arrow from each entry to its content. */
 static void draw_table_contents(FILE *gp, double panel_mm, const iso_paper_table *t, double *longest)
 {
     const double side = 0.94 * panel_mm, left = 0.03 * panel_mm, low = 0.5 * panel_mm - 0.5 * side * sqrt(0.75);
@@ -64,7 +64,7 @@ static void draw_table_contents(FILE *gp, double panel_mm, const iso_paper_table
             const iso_vec3 from = entry_place(t->size, i, j);
             const double *e = t->entries[i * t->size + j];
             const iso_vec3 to = iso_v3(e[0], e[1], e[2]);
-            /* u at the lower left, v at the lower right, w on top */
+            /* u at the lower left, v at the lower right, w at the top */
             const double x = left + side * (from.y + 0.5 * from.z), y = low + side * sqrt(0.75) * from.z;
             const double dx = side * (to.y + 0.5 * to.z) + left - x, dy = side * sqrt(0.75) * to.z + low - y;
             *longest = fmax(*longest, sqrt(0.5) * iso_norm(iso_sub(to, from)));
@@ -88,7 +88,7 @@ static iso_status code_table(const iso_figure_job *job, iso_page *page, iso_erro
     iso_paper_table table = {0};
     double longest;
     char note[96];
-    const int bits = iso_lab_figure_of(job)->bits ? iso_lab_figure_of(job)->bits : 5; /* the least of the paper's Table 3: 32 */
+    const int bits = iso_lab_figure_of(job)->bits ? iso_lab_figure_of(job)->bits : 5; /* the paper's smallest: 32 */
     if (bits < ISO_DOTS_FEWEST_BITS || bits > ISO_DOTS_MOST_BITS)
         return iso_fail(err, ISO_E_RANGE, "--bits is %d, must be %d to %d: more entries would hide each other", bits,
                         (int)ISO_DOTS_FEWEST_BITS, (int)ISO_DOTS_MOST_BITS);
@@ -102,14 +102,14 @@ static iso_status code_table(const iso_figure_job *job, iso_page *page, iso_erro
     snprintf(note, sizeof note, "%zu entries of a cube of %zu", entries, size);
     draw_table_in_cube(iso_paper_drawing(&p, 0, 0, "(a) entries of the table", note), p.panel_mm[0], &table);
     iso_page_plot_end(page);
-    FILE *gp = iso_paper_drawing(&p, 0, 1, "(b) what they hold", "an arrow from each entry");
+    FILE *gp = iso_paper_drawing(&p, 0, 1, "(b) their content", "an arrow from each entry");
     draw_table_contents(gp, p.panel_mm[0], &table, &longest);
     iso_page_plot_end(page);
     fprintf(
         iso_page_caption(page),
         "The table of the barycentric transform T: (a) its %zu entries, a point each, lie in the plane u + v + w = 1 "
-        "of a cube of %zu x %zu x %zu; (b) that plane from the front, with an arrow from each entry to the place "
-        "that it holds, at most %.3f of the triangle's side away.",
+        "of a cube of %zu x %zu x %zu; (b) that plane from the front, with an arrow from each entry to its "
+        "content, at most %.3f of the triangle's side away.",
         entries, size, size, size, longest);
     json_object_set_new(job->facts, "size", json_integer((json_int_t)size));
     json_object_set_new(job->facts, "entries", json_integer((json_int_t)entries));

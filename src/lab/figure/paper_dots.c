@@ -5,7 +5,7 @@
 
 #include "encode/hole.h"
 
-/* Components of places are the whole numbers -m to m: all of them where codes are signed, else the odd ones. */
+/* Largest component of lattice points: -m to m for signed codes, only the odd numbers among them for unsigned ones. */
 static long largest(bool is_signed, int bits)
 {
     return is_signed ? (1L << (bits - 1)) - 1 : (1L << bits) - 1;
@@ -20,7 +20,7 @@ static long divisor(long a, long b)
     return labs(a);
 }
 
-/* Moebius: 0 where a prime divides it twice, else by the parity of its primes. */
+/* Moebius function: 0 if a prime divides n twice, else -1 to the power of the number of its primes. */
 static int moebius(long n)
 {
     int sign = 1;
@@ -71,8 +71,7 @@ iso_status iso_dots_create(iso_code code, int bits, iso_dots *dots, iso_error *e
     const iso_code_info *info = iso_code_describe(code);
     *dots = (iso_dots){.code = code, .bits = bits};
     if (!info->is_textured)
-        return iso_fail(err, ISO_E_RANGE, "--code %s is no lattice of three components, whose places can be drawn",
-                        info->name);
+        return iso_fail(err, ISO_E_RANGE, "--code %s has no lattice of three components to draw", info->name);
     if (bits < ISO_DOTS_FEWEST_BITS || bits > ISO_DOTS_MOST_BITS)
         return iso_fail(err, ISO_E_RANGE, "--bits is %d, must be %d to %d: more dots would hide each other", bits,
                         (int)ISO_DOTS_FEWEST_BITS, (int)ISO_DOTS_MOST_BITS);
@@ -103,7 +102,7 @@ iso_status iso_dots_hole_deg(const iso_dots *dots, double *across_deg, iso_error
     iso_hole hole;
     if (!chamber)
         return iso_fail(err, ISO_E_MEMORY, "figure: no memory for %zu directions", dots->count);
-    /* The lattice vectors' order is exact, and decoders keep it. */
+    /* Lattice vectors are sorted exactly, and decoders keep the order. */
     for (size_t i = 0; i < dots->count; ++i) {
         const iso_vec3 e = dots->lattice[i], d = dots->unit[i];
         if (e.x >= e.y && e.y >= e.z && e.z >= 0) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_drawing.h - points, lines and triangles of space on a drawing of paper.h, by parallel projection. What is put
- * is a block of gnuplot's data, to be plotted "with lines". */
+/* paper_drawing.h - points, lines and triangles in space on a drawing of paper.h, by parallel projection. Output is a
+ * block of gnuplot data, to be plotted "with lines". */
 #ifndef ISO_LAB_FIGURE_PAPER_DRAWING_H
 #define ISO_LAB_FIGURE_PAPER_DRAWING_H
 
@@ -11,22 +11,22 @@
 typedef struct iso_drawing {
     FILE *gp;
     iso_vec3 right, up, toward; /* toward the viewer */
-    double middle, scale;       /* mm of the panel's middle, of one unit */
+    double middle, scale;       /* the panel's middle, and one unit, in mm */
 } iso_drawing;
 
-/* `units` from the middle to an edge; from the front right and above, where no two axes coincide. */
+/* Begins a drawing with `units` from the middle to an edge, seen from the front right and above. */
 iso_drawing iso_drawing_begin(FILE *gp, double panel_mm, double units);
-/* From another side. */
+/* Sets another viewing direction. */
 void iso_drawing_look(iso_drawing *d, iso_vec3 toward);
 
 double iso_drawing_x(const iso_drawing *d, iso_vec3 p);
 double iso_drawing_y(const iso_drawing *d, iso_vec3 p);
-/* A line too short to be seen, whose round ends are the dot: PDF and SVG then hold all dots as one path. */
+/* Writes an invisibly short line whose round ends form the dot: PDF and SVG then hold all dots as one path. */
 void iso_drawing_put_dot(const iso_drawing *d, iso_vec3 p);
 void iso_drawing_put_line(const iso_drawing *d, iso_vec3 a, iso_vec3 b);
 void iso_drawing_put_triangle(const iso_drawing *d, const iso_vec3 corners[3]);
 
-/* A component by its number, 0 to 2; the vector with another one. */
+/* Get and set a component by its index, 0 to 2. */
 double iso_drawing_component(iso_vec3 v, int axis);
 iso_vec3 iso_drawing_with(iso_vec3 v, int axis, double value);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_histogram.c - how values of level 0 and of a coarse level go together (tf/histogram.h): counts as darkness in
- * logs, level 0 across and the coarse level upward, the means of the rows as a line. */
+/* paper_histogram.c - joint histograms of level 0 and a coarse level (tf/histogram.h): darkness is the logarithm of the
+ * count, level 0 runs to the right and the coarse level upward. A line shows the means of the rows. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@
 
 enum { BITS = 8, MOST_LEVELS = 4, OWN_SIDE = 96 };
 
-/* Thin shells, which a level dilutes most, with noise as a scanner has it. */
+/* Makes thin shells, which coarse levels dilute most, with scanner-like noise. */
 static iso_status make_shells(iso_volume *v, iso_error *err)
 {
     const size_t size[3] = {OWN_SIDE, OWN_SIDE, OWN_SIDE};
@@ -26,7 +26,7 @@ static const iso_paper_own shells = {"two shells by a formula", make_shells};
 /* ---- a row ---- */
 
 typedef struct row {
-    double count, mean, deviation; /* of z, as a place among its bins */
+    double count, mean, deviation; /* of z, in units of bins */
 } row;
 
 static row measure_row(const iso_joint *j, size_t i)
@@ -43,7 +43,7 @@ static row measure_row(const iso_joint *j, size_t i)
     return r;
 }
 
-/* The rms of z - s over all voxels, in values: what level 0's transfer function would be wrong by. */
+/* Returns the RMS of z - s over all voxels, in values: the error of applying level 0's transfer function. */
 static double spread(const iso_joint *j)
 {
     double sum = 0;
@@ -57,12 +57,12 @@ static double spread(const iso_joint *j)
 
 /* ---- the map ---- */
 
-/* Below the panels: ticks and the label of the axis. On their left and right. */
+/* Space below the panels for ticks and axis label, and at their left and right. */
 static const double foot_mm = 8, axis_room_mm = 9.5, bar_room_mm = 13;
-/* Two panels stand beside each other in figures of this width; else one below the other. */
+/* Least width of a figure with two panels next to each other; below it they are stacked. */
 static const double beside_from_mm = 100;
 
-/* The color map the other way round, so that few voxels are pale on the paper and many dark. part: 0 to 1. */
+/* Reversed color map, so that low counts are pale and high counts dark. part: 0 to 1. */
 static void shade(const iso_figure_job *job, double part, unsigned char rgb[3])
 {
     iso_colormap_lookup(job->map, 0.94 * (1 - part), rgb);
@@ -76,7 +76,7 @@ static double most_of(const iso_joint *j)
     return (double)most;
 }
 
-/* Counts from 1 to `most`, in logs; no count is paper. A pixel a bin, s upward. */
+/* Draws counts from 1 to `most` in logarithms, one pixel per bin, s upward; zero counts stay white. */
 static iso_status put_pixels(const iso_paper *p, const iso_page_box *box, const iso_joint *j, double most,
                              iso_error *err)
 {
@@ -94,7 +94,7 @@ static iso_status put_pixels(const iso_paper *p, const iso_page_box *box, const 
     return ISO_OK;
 }
 
-/* Ticks of an axis of bins, whose places are counted in bins. */
+/* Draws the ticks of an axis in units of bins. */
 static void put_ticks(FILE *gp, char axis, const iso_bins *bins)
 {
     const double range = bins->step * (double)(bins->count - 1), step = iso_paper_tick_step(range);
@@ -106,7 +106,7 @@ static void put_ticks(FILE *gp, char axis, const iso_bins *bins)
     fprintf(gp, ") nomirror out scale 0.4 font note_font offset %s\n", axis == 'x' ? "0, 0.4" : "0.6, 0");
 }
 
-/* Level 0 across; `level` upward, named where it is not 0. Places are counted in bins. */
+/* Draws the axes, in units of bins: level 0 to the right; upward: label of the coarse level's axis, or NULL. */
 static void put_axes(FILE *gp, const iso_joint *j, const char *upward)
 {
     fprintf(gp, "thick(mm) = pen(72 / 25.4 * mm)\nset xrange [0:%zu]\nset yrange [0:%zu]\nset border 15\nunset ytics\n",
@@ -119,7 +119,7 @@ static void put_axes(FILE *gp, const iso_joint *j, const char *upward)
         fprintf(gp, "set ylabel note('%s') offset 1.6, 0\n", upward);
 }
 
-/* The means of the rows, and the diagonal. row: drawn too, unless it is negative. */
+/* Draws the means of the rows and the diagonal, and the row itself unless row_at is negative. */
 static void put_lines(FILE *gp, const iso_joint *j, const char *name, double row_at)
 {
     fprintf(gp, "$means%s << EOD\n", name);
@@ -138,7 +138,7 @@ static void put_lines(FILE *gp, const iso_joint *j, const char *name, double row
             name, name);
 }
 
-/* One map in its panel. */
+/* Draws one map in its panel. */
 static iso_status put_map(const iso_paper *p, size_t column, const char *title, const iso_joint *j, double most,
                           const char *upward, double row_at, iso_error *err)
 {
@@ -153,7 +153,7 @@ static iso_status put_map(const iso_paper *p, size_t column, const char *title, 
     return status;
 }
 
-/* On the right of the last panel, with powers of ten. */
+/* Draws the color bar at the right of the last panel, with powers of ten. */
 static void put_bar(const iso_paper *p, size_t column, double most)
 {
     enum { COLORS = 128 };
@@ -197,7 +197,7 @@ static iso_status load(const iso_figure_job *job, size_t coarsest, iso_pyramid *
     build.level_count = coarsest + 1;
     const iso_status status = iso_paper_load(job, &shells, &build, p, err);
     if (status == ISO_OK && p->level_count <= coarsest)
-        return iso_fail(err, ISO_E_RANGE, "%s has levels 0 to %zu, the figure would show level %zu",
+        return iso_fail(err, ISO_E_RANGE, "%s has levels 0 to %zu, the figure needs level %zu",
                         iso_paper_volume_name(job, &shells), p->level_count - 1, coarsest);
     return status;
 }
@@ -209,7 +209,7 @@ static void put_fact(json_t *rows, size_t level, const iso_joint *j)
                                     "pairs", (json_int_t)j->entry_count, "rms_of_z_minus_s", spread(j)));
 }
 
-/* All on one scale of counts. */
+/* Draws all histograms on one scale of counts. */
 static iso_status draw_histograms(const iso_figure_job *job, iso_page *page, const iso_joint *joints, size_t count,
                                   iso_error *err)
 {
@@ -241,23 +241,25 @@ static iso_status draw_histograms(const iso_figure_job *job, iso_page *page, con
     return status;
 }
 
-/* --levels counts level 0, as for the other kinds. */
+/* --levels includes level 0, as for the other kinds. */
 static iso_status joint_histogram(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     const int levels = job->levels ? job->levels - 1 : 2;
     iso_pyramid p = {0};
     iso_joint joints[MOST_LEVELS] = {{.entry_count = 0}};
     if (levels < 1 || levels > MOST_LEVELS)
-        return iso_fail(err, ISO_E_RANGE, "--levels is %d, must be 2 to %d here: level 0, and a panel for each other",
-                        levels + 1, (int)MOST_LEVELS + 1);
+        return iso_fail(err, ISO_E_RANGE,
+                        "--levels is %d, must be 2 to %d here: level 0, and one panel per coarse level", levels + 1,
+                        (int)MOST_LEVELS + 1);
     iso_status status = load(job, (size_t)levels, &p, err);
     for (int k = 0; k < levels && status == ISO_OK; ++k)
         status = iso_joint_compute(&p, (size_t)k + 1, BITS, ISO_SECOND_VALUE_NONE, job->cli->threads, &joints[k], err);
     if (status == ISO_OK) {
-        fprintf(iso_page_caption(page),
-                "Joint histograms of %s: how many voxels of level 0 have a value (across) where a coarse level has "
-                "another (upward), in logs. Green: the mean of each row. Dashed: equal values.",
-                iso_paper_volume_name(job, &shells));
+        fprintf(
+            iso_page_caption(page),
+            "Joint histograms of %s: the number of voxels of level 0 with a value (across) where a coarse level has "
+            "another (upward), in logs. Green: the mean of each row. Dashed: equal values.",
+            iso_paper_volume_name(job, &shells));
         status = draw_histograms(job, page, joints, (size_t)levels, err);
     }
     for (int k = 0; k < levels; ++k)
@@ -266,7 +268,7 @@ static iso_status joint_histogram(const iso_figure_job *job, iso_page *page, iso
     return status;
 }
 
-/* The row to look at: of those with a thousandth of the voxels, the one with the widest spread. */
+/* Selects the row with the widest spread, among those with at least a thousandth of the voxels. */
 static size_t widest_row(const iso_joint *j)
 {
     size_t widest = 0;
@@ -279,8 +281,7 @@ static size_t widest_row(const iso_joint *j)
     return widest;
 }
 
-/* The counts of one row as bars, under the weights that Eq. 7 gives them, the highest of which is drawn as high as the
- * highest count. */
+/* Draws the counts of one row as bars, and the weights of Eq. 7 scaled to the highest count. */
 static void draw_row(FILE *gp, const iso_joint *j, size_t i)
 {
     const row r = measure_row(j, i);
@@ -364,7 +365,7 @@ static iso_status joint_row(const iso_figure_job *job, iso_page *page, iso_error
         json_object_set_new(job->facts, "levels", rows);
         fprintf(
             iso_page_caption(page),
-            "The joint histogram of %s: how many voxels of level 0 have a value (across) where level %d has another "
+            "The joint histogram of %s: the number of voxels of level 0 with a value (across) where level %d has another "
             "(upward), in logs.",
             iso_paper_volume_name(job, &shells), level);
         status = draw_one_row(job, page, &joint, level, err);
@@ -376,13 +377,13 @@ static iso_status joint_row(const iso_figure_job *job, iso_page *page, iso_error
 
 const iso_figure_info iso_figure_joint_histogram = {
     .name = "joint-histogram",
-    .summary = "values of coarse levels against level 0's [diaz-garcia-2016], Figure 3",
+    .summary = "joint histograms of level 0 and coarse levels [diaz-garcia-2016], Figure 3",
     .takes = ISO_FIGURE_OF_NOTHING | ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LEVELS,
     .draw = joint_histogram,
 };
 const iso_figure_info iso_figure_joint_row = {
     .name = "joint-row",
-    .summary = "one of them, with one of its rows and the weights [diaz-garcia-2016], Figure 2",
+    .summary = "one joint histogram, one of its rows and the weights [diaz-garcia-2016], Figure 2",
     .takes = ISO_FIGURE_OF_NOTHING | ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LEVEL,
     .draw = joint_row,
 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_kinds.h - the figures of the four papers that isoshade follows, as kinds of figures (job.h), from its own
- * program's data. doc/results/paper-figures.md has a picture of each. */
+/* paper_kinds.h - figures of the four papers that isoshade implements, as kinds of figures (job.h), drawn from the
+ * program's own data. doc/results/paper-figures.md shows each. */
 #ifndef ISO_LAB_FIGURE_PAPER_KINDS_H
 #define ISO_LAB_FIGURE_PAPER_KINDS_H
 
@@ -30,7 +30,7 @@ enum {
     ISO_LAB_FIGURE_HAS_REGION = ISO_FIGURE_HAS_MORE << 5,
 };
 
-/* Options of these kinds beside those of all figures. Texts that are not given are NULL, numbers 0. */
+/* Options of these kinds, in addition to those of all figures. If not given, texts are NULL and numbers 0. */
 typedef struct iso_lab_figure_options {
     char *code, *region; /* region: a box, as --roi has it */
     int bits, bricks, entries;
@@ -38,7 +38,7 @@ typedef struct iso_lab_figure_options {
 } iso_lab_figure_options;
 const iso_lab_figure_options *iso_lab_figure_of(const iso_figure_job *job);
 
-/* Sets *value to the value that --surface stands for, 1/2 if it is not given. ISO_E_RANGE: not between 0 and 1. */
+/* Sets *value to the value of --surface, 1/2 of the range by default. ISO_E_RANGE: not between 0 and 1. */
 iso_status iso_paper_surface(const iso_figure_job *job, const iso_level *level0, double *value, iso_error *err);
 
 #endif

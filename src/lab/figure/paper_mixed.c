@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_mixed.c - bricks of two levels side by side: as they are, and with the faces that they share made equal
- * (brick/bricks.h). The pictures are those of the OpenGL ray caster, a pixel a dot. */
+/* paper_mixed.c - bricks of two levels next to each other: as they are, and with their shared faces made equal
+ * (brick/bricks.h). The pictures are by the OpenGL ray caster, one pixel per dot. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,7 +14,7 @@
 
 enum { OWN_SIDE = 40, OWN_BRICK = 16, OWN_COARSE = 1, SEEN_WIDTH = 160 };
 
-/* Ripples so fine that a coarser level has lost part of them. */
+/* Makes ripples so fine that a coarser level loses part of them. */
 static iso_status make_ripples(iso_volume *v, iso_error *err)
 {
     const size_t size[3] = {OWN_SIDE, OWN_SIDE, OWN_SIDE};
@@ -24,7 +24,7 @@ static iso_status make_ripples(iso_volume *v, iso_error *err)
 }
 static const iso_paper_own ripples = {"the signal of Marschner and Lobb", make_ripples};
 
-/* A flank at the middle of the range, paler where it is denser. */
+/* A ramp around the middle of the range, paler in denser parts. */
 static const iso_tf_point flank[] = {{0, {0.42, 0.24, 0.12}, 0},
                                      {0.46, {0.42, 0.24, 0.12}, 0},
                                      {0.5, {0.80, 0.45, 0.20}, 0.7},
@@ -41,9 +41,9 @@ static const iso_paper_look own_look = {.view = "35,38",
 typedef struct stage {
     iso_pyramid pyramid;
     iso_scene scene;
-    iso_view view;   /* the whole, at the size of a panel */
-    iso_view near;   /* the border; borrows from view */
-    double frame[4]; /* of it in the whole */
+    iso_view view;   /* the whole volume, at the size of a panel */
+    iso_view near;   /* the border, magnified; borrows from view */
+    double frame[4]; /* of `near` within `view` */
     iso_mixed mixed;
     iso_mixed_seen seen;
     iso_gl *gl;
@@ -62,7 +62,7 @@ static void end(stage *s)
     iso_pyramid_destroy(&s->pyramid);
 }
 
-/* Volume, scene and bricks; the pictures' size is the panels' to say. */
+/* Loads volume and scene and splits into bricks. Panels set the pictures' size. */
 static iso_status begin(const iso_figure_job *job, stage *s, bool of_surface, iso_error *err)
 {
     const size_t brick = iso_lab_figure_of(job)->bricks > 0 ? (size_t)iso_lab_figure_of(job)->bricks : OWN_BRICK;
@@ -72,7 +72,8 @@ static iso_status begin(const iso_figure_job *job, stage *s, bool of_surface, is
     build.keep_float = build.keep_magnitude = true;
     *s = (stage){.surface = NAN};
     if (iso_lab_figure_of(job)->bricks < 0)
-        return iso_fail(err, ISO_E_RANGE, "--bricks is %d, must be a power of two from 2 to 64", iso_lab_figure_of(job)->bricks);
+        return iso_fail(err, ISO_E_RANGE, "--bricks is %d, must be a power of two, 2 to 64",
+                        iso_lab_figure_of(job)->bricks);
     iso_status status = iso_paper_load(job, &ripples, &build, &s->pyramid, err);
     if (status != ISO_OK)
         return status;
@@ -85,7 +86,7 @@ static iso_status begin(const iso_figure_job *job, stage *s, bool of_surface, is
     return status == ISO_OK ? iso_gl_create(&s->gl, NULL, err) : status;
 }
 
-/* The whole view with as many pixels as a panel has dots, and the view of the border that it sees. */
+/* Sets the pixels of the whole view from the panel, and the view of the visible border. */
 static iso_status aim(const iso_paper *p, stage *s, iso_error *err)
 {
     const iso_level *level = &s->pyramid.levels[0];
@@ -98,8 +99,7 @@ static iso_status aim(const iso_paper *p, stage *s, iso_error *err)
     TRY(status, iso_mixed_look(&s->mixed, &s->view, s->surface, SEEN_WIDTH, p->job->cli->threads, &s->seen, err));
     if (status == ISO_OK && !iso_mixed_find_border(&s->mixed, &s->seen, &index))
         status = iso_fail(err, ISO_E_RANGE,
-                          "%s: no place where levels meet is seen from here; other --bricks, --view, --tf or --surface "
-                          "may show one",
+                          "%s: no border between levels is visible; try other --bricks, --view, --tf or --surface",
                           iso_paper_volume_name(p->job, &ripples));
     if (status != ISO_OK)
         return status;
@@ -124,9 +124,9 @@ static iso_status render(stage *s, const iso_view *view, bool smooth, bool lit, 
     return iso_gl_render_bricks(s->gl, &field, &shown, &o, image, &stats, err);
 }
 
-/* ---- what is put on the panels ---- */
+/* ---- contents of the panels ---- */
 
-/* How much of what is seen around a place of the picture lies in fine bricks. */
+/* Returns the share of fine bricks around a place of the picture. */
 static double fine_share(const stage *s, double x, double y)
 {
     const double at_x = fmin(fmax(x * (double)s->seen.width - 0.5, 0), (double)s->seen.width - 1.001);
@@ -143,7 +143,7 @@ static double fine_share(const stage *s, double x, double y)
     return share;
 }
 
-/* Fine bricks turn green: the color of what is there, with the brightness that it had. */
+/* Tints fine bricks green, with unchanged brightness. */
 static void tint(const stage *s, iso_image *image)
 {
     static const double green[3] = {0.03, 0.62, 0.36}; /* linear */
@@ -158,7 +158,7 @@ static void tint(const stage *s, iso_image *image)
     }
 }
 
-/* A panel: what is shown where. */
+/* The content of a panel, and its place. */
 typedef struct panel {
     enum { NEAR, OVERVIEW, DIFFERENCE } what;
     size_t row, column;
@@ -176,7 +176,7 @@ static iso_status put_overview(const iso_paper *p, stage *s, const panel *one, i
         const iso_page_box frame = {box.left + s->frame[0] * box.width, box.top + s->frame[1] * box.height,
                                     (s->frame[2] - s->frame[0]) * box.width, (s->frame[3] - s->frame[1]) * box.height};
         iso_page_put_rectangle(p->page, &frame, NULL,
-                               &(iso_page_pen){"#000000", 1.7, 0}); /* seen on dark and on light */
+                               &(iso_page_pen){"#000000", 1.7, 0}); /* visible on dark and bright ground */
         iso_page_put_rectangle(p->page, &frame, NULL, &(iso_page_pen){"#ffffff", 0.7, 0});
         iso_page_put_scale_bar(p->page, &box, &image, iso_view_mm_per_pixel(&s->view, &s->pyramid.levels[0].geometry));
     }
@@ -194,7 +194,7 @@ static iso_status put_near(const iso_paper *p, stage *s, const panel *one, iso_e
     return status;
 }
 
-/* How far the lit pictures are apart, by the map of --map, with its bar on the right. */
+/* Draws the difference of the lit pictures by the map of --map, with its bar at the right. */
 static iso_status put_difference(const iso_paper *p, stage *s, const panel *one, iso_error *err)
 {
     iso_image rough = {0}, smooth = {0};
@@ -234,7 +234,7 @@ static void describe(const iso_paper *p, const stage *s)
     fprintf(
         iso_page_caption(p->page),
         " Bricks of %zu voxels along a side, of levels 0 and %zu; magnified %.1f times. Across the faces between the "
-        "two levels values jump by at most %.3g of the range where each brick keeps its own samples, and by %.2g where "
+        "two levels values jump by at most %.3g of the range if each brick keeps its own samples, and by %.2g if "
         "shared faces are made equal.",
         s->mixed.nodes.brick_voxels, s->mixed.coarse, s->magnification, rough, smooth);
     json_object_set_new(p->job->facts, "jump_discontinuous", json_real(rough));
@@ -278,7 +278,7 @@ static iso_status put_panels(const iso_paper *p, stage *s, const panel *panels, 
     return status;
 }
 
-/* A surface is drawn in the transfer function's color at one value, which takes no bar. */
+/* Describes a surface in its single color, which needs no bar. */
 static iso_figure_tf_foot tf_foot(const stage *s)
 {
     iso_figure_tf_foot foot = {.tf = isnan(s->surface) ? &s->tf : NULL};
@@ -286,7 +286,7 @@ static iso_figure_tf_foot tf_foot(const stage *s)
     return foot;
 }
 
-/* The caption begins with words of the kind. */
+/* Draws a figure; its caption begins with the kind's own text. */
 static iso_status draw_mixed(const iso_figure_job *job, iso_page *page, bool surface, const panel *panels, size_t count,
                              iso_error *err)
 {
@@ -305,17 +305,17 @@ static iso_status draw_mixed(const iso_figure_job *job, iso_page *page, bool sur
         FILE *f = iso_page_caption(page);
         const char *name = iso_paper_volume_name(job, &ripples);
         if (surface)
-            fprintf(f,
-                    "The isosurface of %s at the value %.4g, first hit: on the left the whole, bricks of level 0 "
-                    "green, with the frame of what is magnified; discontinuous and smooth.",
-                    name, s.surface);
-        else
             fprintf(
                 f,
-                "Where bricks of two levels of %s meet: discontinuous above, smooth below; without light and lit; "
-                "on the right the whole, bricks of level 0 green, with the frame of what is magnified, and below "
-                "it the largest difference of the lit pictures over the channels, of linear light where 1 is white.",
-                name);
+                "The isosurface of %s at the value %.4g, first hit: on the left the whole volume, bricks of level 0 "
+                "green, with the magnified frame; then discontinuous and smooth.",
+                name, s.surface);
+        else
+            fprintf(f,
+                    "Where bricks of two levels of %s meet: discontinuous above, smooth below; without light and lit; "
+                    "on the right the whole volume, bricks of level 0 green, with the magnified frame, and below "
+                    "it the largest channel difference of the lit pictures, in linear light (1 is white).",
+                    name);
         describe(&p, &s);
         status = put_panels(&p, &s, panels, count, err);
         if (status == ISO_OK)
@@ -348,7 +348,7 @@ const iso_figure_info iso_figure_mixed_volume = {
 };
 const iso_figure_info iso_figure_mixed_surface = {
     .name = "mixed-surface",
-    .summary = "the same of an isosurface [beyer-2008], Figure 9",
+    .summary = "two levels that meet on an isosurface [beyer-2008], Figure 9",
     .takes = OF_MIXED | ISO_LAB_FIGURE_HAS_SURFACE,
     .draw = mixed_surface,
 };

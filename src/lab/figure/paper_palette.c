@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* paper_palette.c - an isosurface shaded by the directions as they are, by a palette that annealing fits to them, and
- * by as many directions as a regular subdivision of the sphere has at most; from two sides. The paper has an airplane's
+/* paper_palette.c - an isosurface shaded by its own directions, by a palette fitted to them by annealing, and by the
+ * largest regular subdivision of the sphere with as many directions, from two sides. The paper shows an airplane's
  * wing. */
 #include <math.h>
 #include <stdlib.h>
@@ -46,7 +46,7 @@ static void end(stage *s)
     iso_pyramid_destroy(&s->pyramid);
 }
 
-/* The directions around the surface, the nearer and the steeper the more they count. */
+/* Samples the directions around the surface, with larger weights near it and on steep slopes. */
 static iso_status sample(const iso_figure_job *job, stage *s, iso_error *err)
 {
     enum { TABLE = 257 };
@@ -72,7 +72,7 @@ static iso_status sample(const iso_figure_job *job, stage *s, iso_error *err)
 
 static iso_status fit(stage *s, size_t entries, iso_error *err)
 {
-    enum { FEW = 24 }; /* cells: enough to anneal by */
+    enum { FEW = 24 }; /* cells: enough for annealing */
     iso_palette_options opt = iso_palette_defaults();
     iso_direction_set few = {0};
     opt.directions = entries;
@@ -93,7 +93,7 @@ static iso_status fit(stage *s, size_t entries, iso_error *err)
     return status;
 }
 
-/* As the paper's: gray, one light, a highlight. The transfer function gives the surface's color alone. */
+/* As in the paper: gray, one light, a highlight. The transfer function sets only the surface's color. */
 static const iso_tf_point gray[] = {{0, {0.72, 0.74, 0.78}, 0}, {1, {0.72, 0.74, 0.78}, 0.9}};
 static const iso_paper_look own_look = {.view = "-28,30",
                                         .points = gray,
@@ -111,24 +111,21 @@ static iso_status begin(const iso_figure_job *job, stage *s, iso_error *err)
     build.keep_float = build.keep_magnitude = true;
     *s = (stage){.surface = NAN};
     if (entries < 60 || entries > 4094 || entries % 2 == 1)
-        return iso_fail(err, ISO_E_RANGE, "--entries is %d, must be an even number from 60 to 4094: a tessellation's",
-                        entries);
+        return iso_fail(err, ISO_E_RANGE, "--entries is %d, must be even, 60 to 4094, as in a tessellation", entries);
     iso_status status = iso_paper_load(job, &own_wing, &build, &s->pyramid, err);
     if (status != ISO_OK)
         return status;
     const iso_level *l = &s->pyramid.levels[0];
     status = iso_paper_surface(job, l, &s->surface, err);
     if (status == ISO_OK && (!l->directions || !l->magnitude))
-        status =
-            iso_fail(err, ISO_E_RANGE,
-                     "%s keeps codes alone; this figure needs the volume itself, or a pyramid that keeps floats and "
-                     "magnitudes",
-                     job->input);
+        status = iso_fail(err, ISO_E_RANGE,
+                          "%s stores only codes; this figure needs the volume, or a pyramid with floats and "
+                          "magnitudes",
+                          job->input);
     TRY(status, iso_paper_scene(job, &own_look, &s->pyramid, &s->scene, err));
     TRY(status, sample(job, s, err));
     if (status == ISO_OK && s->set.count == 0)
-        status = iso_fail(err, ISO_E_RANGE,
-                          "%s has no gradient at the value %.4g; --surface asks for another part of its range",
+        status = iso_fail(err, ISO_E_RANGE, "%s has no gradient at the value %.4g; set another one with --surface",
                           iso_paper_volume_name(job, &own_wing), s->surface);
     TRY(status, fit(s, (size_t)entries, err));
     return status == ISO_OK ? iso_gl_create(&s->gl, NULL, err) : status;
@@ -155,7 +152,7 @@ static iso_status render(stage *s, const iso_view *view, method *m, iso_image *i
     return status;
 }
 
-/* The second view: from the other side and from below. */
+/* Moves the second view to the other side and below. */
 static void look_from_behind(iso_scene *scene, const iso_geometry *g)
 {
     const iso_viewpoint behind = {{-scene->camera_direction.x, -scene->camera_direction.y, -scene->camera_direction.z},

@@ -3,21 +3,21 @@
 
 #include <math.h>
 
-/* Half the thickness of a four-digit profile at a part of its chord, for a thickness of 1 (NACA report 460, with a
+/* Returns half the thickness of a four-digit airfoil of thickness 1 at a fraction of its chord (NACA report 460, with a
  * closed trailing edge). */
 static double half_thickness(double x)
 {
     return 5 * (0.2969 * sqrt(x) + x * (-0.1260 + x * (-0.3516 + x * (0.2843 - x * 0.1036))));
 }
 
-/* The outline of a section of the wing: upper and lower half, denser towards the leading edge. */
+/* Outline of a section of the wing: upper and lower half, denser towards the leading edge. */
 enum { OUTLINE = 96 };
 typedef struct section {
     double upper[OUTLINE][2], lower[OUTLINE][2]; /* y, z */
 } section;
 
-/* span: 0 at the root, 1 at the tip. Tapered, swept back, cambered, the tip raised; as thick as voxels can hold
- * behind. */
+/* Returns the section at `span`, 0 at the root to 1 at the tip. The wing is tapered, swept back and cambered, with a
+ * raised tip. Its trailing edge is just thick enough for the voxels. */
 static section section_at(double span)
 {
     const double chord = 0.92 - 0.50 * span, front = -0.50 + 0.42 * span;
@@ -39,7 +39,7 @@ static double to_segment(const double a[2], const double b[2], double y, double 
     return hypot(a[0] + t * dy - y, a[1] + t * dz - z);
 }
 
-/* Negative inside. */
+/* Returns the signed distance to the section, negative inside. */
 static double outside_section(const section *s, double y, double z)
 {
     double nearest = to_segment(s->upper[OUTLINE - 1], s->lower[OUTLINE - 1], y, z);
@@ -56,7 +56,7 @@ static double outside_section(const section *s, double y, double z)
     return inside ? -nearest : nearest;
 }
 
-/* Values fall from 1 inside to 0 outside over six voxels across the surface of value 1/2. */
+/* Values fall from 1 inside to 0 outside over six voxels across the surface (value 1/2). */
 iso_status iso_paper_make_wing(iso_volume *v, iso_error *err)
 {
     const size_t size[3] = {160, 92, 36};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* region.c - full resolution in a box, a coarse level around it: with a hard edge, under the transfer function of level 0
- * and under that of the coarse level, and blended. */
+/* region.c - full resolution in a box, a coarse level around it: with a hard edge under the transfer function of level
+ * 0, with a hard edge under that of the coarse level, and blended. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -26,7 +26,7 @@ typedef struct shown {
     iso_figure_subject subject;
     const iso_renderer_info *with;
     size_t level;
-    char middle[BOX_BYTES]; /* the box, where none is given */
+    char middle[BOX_BYTES]; /* the box if none is given */
     iso_cli_roi region;
 } shown;
 
@@ -47,7 +47,7 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
     return iso_figure_render(&s->subject, &what, image, mm_per_pixel, err);
 }
 
-/* The middle half along each axis. */
+/* Chooses the middle half along each axis. */
 static void choose_middle(shown *s)
 {
     const size_t *n = s->subject.pyramid.levels[0].geometry.size;

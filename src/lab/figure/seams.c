@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Bricks of alternating levels: with their own nodes, whose faces jump, and with shared ones. */
+/* seams.c - bricks of alternating levels: with their own nodes, whose faces jump, and with shared ones. */
 #include <stdlib.h>
 
 #include "figure/columns.h"
@@ -35,7 +35,7 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
     return status;
 }
 
-/* Neighbors across every face differ by a level. */
+/* Alternates levels, so that neighbors across every face differ by one level. */
 static iso_status alternate(bricks *b, size_t level_count, iso_error *err)
 {
     const iso_node_levels *n = &b->nodes;
@@ -70,7 +70,7 @@ static iso_status draw_seams(const iso_figure_job *job, iso_page *page, iso_erro
     TRY(status, iso_gl_create(&b.gl, NULL, err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
-        fprintf(f, "Bricks of %d voxels a side at alternating levels 0 to %zu", BRICK_VOXELS, level_count - 1);
+        fprintf(f, "Bricks of %d voxels per side at alternating levels 0 to %zu", BRICK_VOXELS, level_count - 1);
         iso_figure_put_subject(&b.subject, f);
         fputs(", each with the nodes of its own level, whose faces jump, and with shared ones", f);
         c.aspect = iso_figure_aspect(&b.subject);

@@ -22,7 +22,7 @@ static void release(void *field)
     free(f);
 }
 
-/* Place among the bricks' centers along an axis: the brick below, and the weight of the one above. */
+/* Finds the brick whose center lies below, and the weight of the next one above, along an axis. */
 static size_t place(double index, size_t count, double *above)
 {
     const double q = fmin(fmax(index / ISO_RIVAL_BRICK - 0.5, 0), (double)(count - 1));
@@ -62,7 +62,7 @@ static double emit(const iso_emitter *e, const iso_emitter_place *at, double col
     return extinction;
 }
 
-/* A copy of the voxels [lo, hi) of a level, with the whole level's range, so that histograms have the same bins. */
+/* Copies the voxels [lo, hi) of a level, with the level's range, so that histograms have the same bins. */
 static iso_status crop(const iso_level *from, const size_t lo[3], const size_t hi[3], iso_level *to, iso_error *err)
 {
     const size_t *n = from->geometry.size;
@@ -82,7 +82,7 @@ static iso_status crop(const iso_level *from, const size_t lo[3], const size_t h
     return ISO_OK;
 }
 
-/* The brick with a coarse voxel around it, as a pyramid of two levels: level 0 and `level`. */
+/* Adapts a table to the brick and a border of one coarse voxel, as a pyramid of two levels: level 0 and `level`. */
 static iso_status adapt_brick(const iso_level_subject *s, const size_t brick[3], iso_tf_table *table, iso_error *err)
 {
     const iso_pyramid *p = s->pyramid;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* classified.c - levels that store colors: the fine voxels are classified first and averaged then. */
+/* classified.c - levels that store colors: fine voxels are classified first, then averaged. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,7 +8,7 @@
 #include "render/reference_ray.h"
 #include "render/sampler.h"
 
-/* Four floats a voxel: premultiplied color and amount, which is an extinction per mm, or the opacity of length_mm. */
+/* Four floats per voxel: premultiplied color and amount: an extinction per mm, or the opacity of length_mm. */
 typedef struct color_field {
     double length_mm; /* 0: amounts are extinctions */
     float rgba[];
@@ -28,7 +28,7 @@ static double emit(const iso_emitter *e, const iso_emitter_place *at, double col
     return extinction;
 }
 
-/* What a voxel becomes. */
+/* Computes the color and amount of a coarse voxel. */
 typedef void (*voxel_maker)(const iso_level_subject *s, const iso_fine_box *box, double length_mm, double rgba[4]);
 
 static iso_status make_field(const iso_level_subject *s, voxel_maker make, double length_mm, iso_rival *r,
@@ -58,7 +58,7 @@ static double value_at(const iso_level *level0, size_t x, size_t y, size_t z)
     return (double)level0->scalar[x + n[0] * (y + n[1] * z)];
 }
 
-/* Mean of amount and amount * color over the box. */
+/* Averages amount and amount * color over the box. */
 static void classify_box(const iso_level_subject *s, const iso_fine_box *b, double length_mm, double rgba[4])
 {
     double count = 0, rgbs[4];
@@ -89,7 +89,7 @@ iso_status iso_rival_extinction(const iso_level_subject *s, iso_rival *r, iso_er
 
 /* ---- transmittance ---- */
 
-/* One line of fine voxels through the box, along an axis: its transmittance, and the color seen from both ends. */
+/* Follows a line of fine voxels through the box along an axis: transmittance, and the color seen from both ends. */
 static double look_along(const iso_level_subject *s, const iso_fine_box *b, int axis, const size_t start[3],
                          double color[3])
 {
@@ -106,7 +106,7 @@ static double look_along(const iso_level_subject *s, const iso_fine_box *b, int 
     for (at[axis] = b->lo[axis]; at[axis] < b->hi[axis]; ++at[axis]) {
         iso_tf_lookup(s->tf, value_at(level0, at[0], at[1], at[2]), rgbs);
         const double t = exp(-rgbs[3] * spacing[axis]);
-        const double back = front * t > 0 ? all / (front * t) : 0; /* of what lies behind this voxel */
+        const double back = front * t > 0 ? all / (front * t) : 0; /* of the voxels after this one */
         for (int c = 0; c < 3; ++c)
             sum[c] += 0.5 * (front + back) * (1 - t) * rgbs[c];
         front *= t;
@@ -116,7 +116,7 @@ static double look_along(const iso_level_subject *s, const iso_fine_box *b, int 
     return all;
 }
 
-/* The mean over the axes of -ln(mean transmittance) / length; the color is the mean of what is seen along them. */
+/* Averages -ln(mean transmittance) / length over the axes; the color is the mean of those seen along them. */
 static void keep_transmittance(const iso_level_subject *s, const iso_fine_box *b, double length_mm, double rgba[4])
 {
     double spacing[3], color[3] = {0}, opacity = 0;
@@ -161,7 +161,7 @@ static void add_to(cluster *c, double v)
     c->squares += v * v;
 }
 
-/* Two means [linde-1980], from the ends of the box's values. */
+/* Finds two means [linde-1980], starting from the box's extreme values. */
 static void two_clusters(const iso_level *level0, const iso_fine_box *b, cluster out[2])
 {
     enum { rounds = 8 };

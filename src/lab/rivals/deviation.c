@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* deviation.c - a mean and a deviation a voxel, and the transfer function under their Gaussian. */
+/* deviation.c - a mean and a deviation per voxel; the transfer function is averaged over their Gaussian. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -26,7 +26,7 @@ static void entry_rgba(const iso_tf_table *tf, size_t i, double length_mm, doubl
         rgba[c] = rgba[3] * (double)e[c];
 }
 
-/* Between two neighbors of value x0 and x1 the integral of (p + q (x - x0)) N(x) is, with u = (x - mean) / deviation,
+/* Between two neighboring entries x0 and x1 the integral of (p + q (x - x0)) N(x) is, with u = (x - mean) / deviation,
  *     (p + q (mean - x0)) [Phi(u)] - q deviation [phi(u)]. */
 void iso_tf_under_gaussian(const iso_tf_table *tf, double length_mm, double mean, double deviation, double rgba[4])
 {
@@ -41,7 +41,7 @@ void iso_tf_under_gaussian(const iso_tf_table *tf, double length_mm, double mean
             rgba[c] += (x - (double)i) * (next[c] - rgba[c]);
         return;
     }
-    const double reach = 7; /* deviations: what lies beyond has 1e-12 */
+    const double reach = 7; /* deviations: the tails beyond have 1e-12 */
     double here[4], next[4], left = (tf->lo - mean) / deviation;
     entry_rgba(tf, 0, length_mm, here);
     for (int c = 0; c < 4; ++c)
@@ -64,7 +64,7 @@ void iso_tf_under_gaussian(const iso_tf_table *tf, double length_mm, double mean
         rgba[c] += here[c] * cumulative(-left);
 }
 
-/* Tables over the mean, one a deviation: deviation j is (j / (ROWS - 1))^2 of half the range, as small ones count most. */
+/* Tables over the mean, one per deviation: row j has (j / (ROWS - 1))^2 of half the range, denser at 0. */
 enum { MEANS = 513, ROWS = 48 };
 typedef struct deviation_field {
     double lo, hi, length_mm;

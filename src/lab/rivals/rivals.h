@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* rivals.h - other ways to show a coarse level, from the literature: doc/method/levels.md says what each is.
+/* rivals.h - methods of the literature to show a coarse level; doc/method/levels.md describes each.
  *
- * They are made from the level and the fine voxels under it, at float precision: what is measured is the best that a
- * method can do, before its own quantization. Each is an emitter of the reference (render/reference.h); shading is by
- * the level's own directions, unless the method is about directions. */
+ * They are made from the level and its fine voxels at float precision, so that the result is the best of a method
+ * before its own quantization. Each is an emitter of the reference (render/reference.h). Shading uses the level's own
+ * directions, unless the method is about directions. */
 #ifndef ISO_LAB_RIVALS_H
 #define ISO_LAB_RIVALS_H
 
 #include "pyramid/pyramid.h"
 #include "render/reference.h"
 
-/* A level under a transfer function, for which a method makes what is shown. */
+/* A level and transfer function for which a method is prepared. */
 typedef struct iso_level_subject {
-    const iso_pyramid *pyramid; /* by the method's filters */
+    const iso_pyramid *pyramid; /* built with the method's filters */
     size_t level;
-    const iso_tf_table *tf; /* of level 0 */
+    const iso_tf_table *tf; /* level 0's */
     int threads;
 } iso_level_subject;
 
@@ -23,26 +23,26 @@ typedef struct iso_rival {
     void *field;
     void (*release)(void *field);
 } iso_rival;
-void iso_rival_destroy(iso_rival *r); /* accepts a zeroed one */
+void iso_rival_destroy(iso_rival *r); /* accepts a zeroed struct */
 
-/* All return ISO_E_MEMORY where there is none. */
+/* All functions below return ISO_E_MEMORY if out of memory. */
 
-/* Pre-classified colors: means over the fine voxels of premultiplied color and ... */
-iso_status iso_rival_opacity(const iso_level_subject *s, iso_rival *r, iso_error *err);    /* opacity of a fine voxel */
+/* Pre-classified colors: means over the fine voxels of premultiplied color and of opacity or extinction. */
+iso_status iso_rival_opacity(const iso_level_subject *s, iso_rival *r, iso_error *err);    /* opacity per fine voxel */
 iso_status iso_rival_extinction(const iso_level_subject *s, iso_rival *r, iso_error *err); /* extinction */
-/* Extinction that keeps the mean transmittance through the voxel, along each axis, and the color seen. */
+/* Extinction that keeps the mean transmittance through the voxel along each axis, and the visible color. */
 iso_status iso_rival_transmittance(const iso_level_subject *s, iso_rival *r, iso_error *err);
-/* Two Gaussians a voxel, fitted to its fine values; each convolved with the TF. */
+/* Two Gaussians per voxel, fitted to its fine values; each is convolved with the TF. */
 iso_status iso_rival_two_gaussians(const iso_level_subject *s, iso_rival *r, iso_error *err);
-/* Mean and deviation a voxel, filtered, then the TF convolved with their Gaussian. */
+/* Mean and deviation per voxel, filtered; then the TF is convolved with their Gaussian. */
 iso_status iso_rival_deviation(const iso_level_subject *s, iso_rival *r, iso_error *err);
 /* Eq. 7 of [diaz-garcia-2016] for each brick of ISO_RIVAL_BRICK^3 coarse voxels, blended between their centers. */
 enum { ISO_RIVAL_BRICK = 16 };
 iso_status iso_rival_bricks(const iso_level_subject *s, iso_rival *r, iso_error *err);
-/* The original TF on the mean; directions as SGGX microflakes. */
+/* The original TF of the mean; directions are SGGX microflakes. */
 iso_status iso_rival_sggx(const iso_level_subject *s, iso_rival *r, iso_error *err);
 
-/* ---- their parts, for tests ---- */
+/* ---- parts, for tests ---- */
 
 /* The fine voxels [lo, hi) under a voxel of the level. */
 typedef struct iso_fine_box {
@@ -50,14 +50,14 @@ typedef struct iso_fine_box {
 } iso_fine_box;
 iso_fine_box iso_fine_box_of(const iso_pyramid *p, size_t level, size_t voxel);
 
-/* The means of premultiplied color and opacity over a length, of the TF under a Gaussian: rgb a, a. The table is linear
- * between entries, and so are their opacities taken; beyond its range it is constant. In closed form. */
+/* Averages premultiplied color and opacity over a length, of the TF under a Gaussian: rgb a, a. In closed form: the
+ * table and its opacities are linear between entries and constant beyond the range. */
 void iso_tf_under_gaussian(const iso_tf_table *tf, double length_mm, double mean, double deviation, double rgba[4]);
 
-/* The mean of |light . m| over the visible normals m of an SGGX distribution, seen from `view`: S is xx, yy, zz, xy, xz,
- * yz. 0 where S is 0. */
+/* Returns the mean of |light . m| over the visible normals m of an SGGX distribution, seen from `view`; 0 if S is 0. S
+ * is xx, yy, zz, xy, xz, yz. */
 double iso_sggx_diffuse(const double s[6], iso_vec3 view, iso_vec3 light);
-/* S of the projected areas of directions with weights, added one by one. */
+/* Sums of projected areas of weighted directions, from which S is computed. */
 typedef struct iso_sggx_sums {
     double weight, areas[6]; /* along x, y, z, x + y, x + z, y + z */
 } iso_sggx_sums;

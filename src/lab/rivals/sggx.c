@@ -20,8 +20,8 @@ void iso_sggx_add(iso_sggx_sums *sums, iso_vec3 n, double weight)
         sums->areas[i] += weight * fabs(iso_dot(n, along[i]));
 }
 
-/* sigma(w)^2 = w.S w, exactly at the six directions; sigma((x + y) / sqrt 2)^2 = (S_xx + S_yy) / 2 + S_xy. Where the
- * six do not belong to one ellipsoid the matrix may have a negative eigenvalue; the off-diagonals are bounded. */
+/* Fits sigma(w)^2 = w.S w exactly at the six directions; sigma((x + y) / sqrt 2)^2 = (S_xx + S_yy) / 2 + S_xy. If the
+ * six do not belong to one ellipsoid, the matrix may have a negative eigenvalue; the off-diagonals are clamped. */
 void iso_sggx_matrix(const iso_sggx_sums *sums, double s[6])
 {
     static const int first[3] = {0, 0, 1}, second[3] = {1, 2, 2};
@@ -44,8 +44,8 @@ static double quadratic(const double s[6], iso_vec3 a, iso_vec3 b)
            s[4] * (a.x * b.z + a.z * b.x) + s[5] * (a.y * b.z + a.z * b.y);
 }
 
-/* The paper's sampling of visible normals (its appendix: m = u M_k + v M_j + w M_i of a point (u, v, w) of the hemisphere
- * over the unit disk, M M^T = S), at fixed points of the disk of equal area. */
+/* The paper's sampling of visible normals at fixed points of the unit disk, of equal area. Appendix: m = u M_k + v M_j
+ * + w M_i of a point (u, v, w) of the hemisphere over the disk, M M^T = S. */
 double iso_sggx_diffuse(const double s[6], iso_vec3 view, iso_vec3 light)
 {
     enum { rings = 3, spokes = 6 };
@@ -89,7 +89,7 @@ static double emit(const iso_emitter *e, const iso_emitter_place *at, double col
     return rgbs[3];
 }
 
-/* Squared length of the central differences, in value per mm. */
+/* Returns the squared length of the central differences, in value per mm. */
 static double magnitude_squared(const iso_level *l, iso_mat3 to_world, size_t x, size_t y, size_t z)
 {
     const size_t *n = l->geometry.size, at[3] = {x, y, z}, stride[3] = {1, n[0], n[0] * n[1]};
