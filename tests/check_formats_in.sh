@@ -1,28 +1,49 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# doc/reference/formats-read.md: each row of its table is tested by files of another program, and each format has a row.
+# Each format is tested by files of another program, and has a row in the table of doc/reference/formats-read.md.
 . "$(dirname "$0")/lib.sh"
 page=$top/doc/reference/formats-read.md
 python_with numpy,vtk
 "$python" "$top/tests/formats_in.py" "$ISOSHADE" || failed=1
 
-tests_of() { grep -E '^\|.*\| `[a-z_0-9]+`' "$1" | awk -F'|' '{print $6}' | grep -oE '[a-z_0-9]+' | sort -u; }
-each_test_is_named() { diff <(tests_of "$1") <("$python" "$top/tests/formats_in.py" --list | sort -u); }
-check the_page_names_all_tests each_test_is_named "$page"
+# The tests of each format; a test has files of another program.
+tests_of_formats="nrrd: nrrd matrix_nrrd
+nifti: nifti matrix_nifti
+itk: dicom dicom_rescaled dicom_tilted_gantry dicom_mixed_series dicom_damaged dicom_of_a_length dicom_of_another_vr
+itk: dicom_left_out dicom_forms dicom_values dicom_faults dicom_multiframe dicom_spacings
+itk: png_stack missing_number tiff_and_jpeg_stacks
+metaimage: metaimage
+vtk: vtk_legacy
+vti: vti matrix_vti
+tiff: tiff tiff_imagej tiff_ome matrix_tiff
+mrc: mrc matrix_mrc matrix_packed
+cube: cube
+xsf: xsf
+npy: matrix_npy
+gipl: gipl
+hdf5: hdf5 hdf5_without_end damaged_bytes imaris minc
+netcdf: netcdf netcdf_headers numbers
+zarr: ome_zarr matrix_zarr
+vdb: openvdb openvdb_of_isoshade
+raw: raw"
 "$ISOSHADE" list --json >list.json
-formats_of() { grep -E '^\|.*\| `[a-z_0-9]+`' "$1" | awk -F'|' '{print $3}' | grep -oE '[a-z_0-9]+' | sort -u; }
 formats() { python3 -c '
 import json
 for table in json.load(open("list.json"))["lists"]:
     if table["what"] == "volume format":
         for row in table["rows"]: print(row["name"])' | sort -u; }
+each_format_has_tests() { diff <(cut -d: -f1 <<<"$1" | sort -u) <(formats); }
+each_test_has_a_format() { diff <(sed 's/.*: //' <<<"$1" | tr ' ' '\n' | sort) <("$python" "$top/tests/formats_in.py" --list | sort); }
+check all_formats_have_tests each_format_has_tests "$tests_of_formats"
+check and_all_tests_a_format each_test_has_a_format "$tests_of_formats"
+formats_of() { grep -E '^\|.*\| `[a-z_0-9]+`' "$1" | awk -F'|' '{print $3}' | grep -oE '[a-z_0-9]+' | sort -u; }
 each_format_is_there() { diff <(formats_of "$1") <(formats); }
-check and_all_formats each_format_is_there "$page"
-# Planted: a page without a row, and one with a test that is not there.
+check the_page_has_all_formats each_format_is_there "$page"
+# Planted: a page without a row, a format without tests, and a test that is not there.
 grep -v '`nifti`' "$page" >less.md
-sed 's/`dicom`/`dicon`/' "$page" >other.md
 notice a_missing_row_is_found each_format_is_there less.md
-notice a_wrong_test_is_found each_test_is_named other.md
+notice a_format_without_tests_is_found each_format_has_tests "$(grep -v '^gipl:' <<<"$tests_of_formats")"
+notice a_wrong_test_is_found each_test_has_a_format "${tests_of_formats/xsf: xsf/xsf: xfs}"
 
 # Without ITK such files are refused by name.
 cp "$ISOSHADE" alone
