@@ -122,15 +122,15 @@ hang stopped after 0.4 s, the time limit
 deaf stopped after 0.4 s, the time limit
 crash ended by signal 11
 code exit code 3: no such luck
-nothing frame0.exr was not written; it printed last: nothing to do
+nothing frame0.exr was not written; last output: nothing to do
 garbage frame0.exr: is no picture of a known kind, must be OpenEXR
 empty frame0.exr: is empty, must be OpenEXR
-pipe frame0.exr is no file
-link frame0.exr is no file
+pipe frame0.exr is not a regular file
+link frame0.exr is not a regular file
 stale frame0.exr is older than the request for it
-wide frame0.exr has 33 x 32 pixels, wanted 32 x 32
-nan frame0.exr has 1 values that are no numbers, the first in column 5 of row 3
-three frame0.exr has no channel A
+wide frame0.exr has 33 x 32 pixels, needs 32 x 32
+nan frame0.exr has 1 values that are not finite, the first in column 5 of row 3
+three frame0.exr has no full-resolution channel A
 black half a voxel would be
 flood stopped after 0.4 s, the time limit
 closed stopped after 0.4 s, the time limit
@@ -148,7 +148,7 @@ check the_report_has_the_signal test "$(row bad programs crash signal)" = 11
 check the_report_has_the_time_limit test "$(row bad programs flood exit_code) $(row bad programs flood timed_out)" = "None True"
 check the_report_has_the_command test "$(row bad programs code command)" = "['bad.sh', 'code']"
 check the_report_has_the_last_lines_alone test "$(row bad programs flood output | grep -o "'y'" | wc -l)" = 8
-for pair in "hang:time limit" "stale:older than the request" "nan:no numbers"; do
+for pair in "hang:time limit" "stale:older than the request" "nan:not finite"; do
     refuse "render_refuses_${pair%%:*}" 8 "${pair#*:}" "$ISOSHADE" render v.nrrd --scene "$scene" --size 32 --with "${pair%%:*}" --renderers bad.json -q -o x.exr
 done
 refuse timeout_of_the_command_line_is_less 8 "after 0.2 s" "$ISOSHADE" render v.nrrd --scene "$scene" --size 8 --with hang --renderers bad.json --timeout 0.2 -q -o x.exr

@@ -122,7 +122,7 @@ check the_bar_has_its_length awk -F, 'NR == 2 {exit !($13 == "5 mm" && ($12 - 5 
 
 check renderers_stand_in_order test "$(awk -F, 'NR > 1 && $9 != "-" {print $9}' four_renderers_178/figure.csv | paste -sd' ')" = "Blender Cycles OpenGL ray caster POV-Ray"
 check the_caption_names_the_file grep -q 'level 0 of v.nrrd (s.scene.json)' four_renderers_178/caption.txt
-check the_caption_says_how_dense_a_reports_pictures_are grep -qE 'Pictures have [0-9]+ x [0-9]+ pixels, [0-9]+ an inch, each drawn as ([0-9]+) x \1 dots' four_renderers_178/caption.txt
+check the_caption_says_how_dense_a_reports_pictures_are grep -qE 'Pictures have [0-9]+ x [0-9]+ pixels, [0-9]+ per inch, each drawn as ([0-9]+) x \1 dots' four_renderers_178/caption.txt
 check the_caption_has_the_bar grep -q 'Scale bar: 5 mm' four_renderers_178/caption.txt
 expect renderers_alone 0 "$ISOSHADE" figure methods --formats pdf --dpi 72 --kind renderers --sources -o renderers
 check methods_stay_away test "$(cut -d, -f9 renderers/figure.csv | tr "|" " " | grep GL | paste -sd+)" = "OpenGL ray caster+OpenGL ray caster; limit of halved steps"
@@ -197,8 +197,8 @@ check its_pictures_are_those_of_render in_the_figure print0.png print1.png print
 notice another_picture_is_noticed in_the_figure other.png
 expect renderers_of_a_volume 0 "$ISOSHADE" figure v.nrrd --formats pdf --scene "$top/refscenes/shells.scene.json" --size 24x15 --kind renderers --with gl --dpi 72 --width 85 -o two -q
 check the_caption_names_what_differs grep -q 'OpenGL ray caster: RMSE 0' two/caption.txt
-refuse methods_are_of_reports 2 'for a figure of a report' "$ISOSHADE" figure v.nrrd --methods naive -o f
-refuse pictures_of_a_report_are_there 2 'which has its pictures' "$ISOSHADE" figure four --size 20 -o f
+refuse methods_are_of_reports 2 'for figures of a report' "$ISOSHADE" figure v.nrrd --methods naive -o f
+refuse pictures_of_a_report_are_there 2 'with its own pictures' "$ISOSHADE" figure four --size 20 -o f
 refuse levels_that_are_not_there 5 'would show level 9' "$ISOSHADE" figure v.nrrd --levels 10 -o f -q
 refuse a_folder_that_is_not_there 3 nowhere "$ISOSHADE" figure four -o nowhere/figure
 exit $failed

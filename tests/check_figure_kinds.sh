@@ -126,7 +126,7 @@ numbers_of() { awk '/^\$rows1/ {on = 1} $0 == "EOD" {on = 0} on && NF == 5 && $5
 check numbers_that_would_meet_are_one test "$(numbers_of crowd)" = 1
 check a_chart_has_letters test "$(letters chart/figure.pdf)" = ab
 check none_where_none_is_asked_for test -z "$(letters methods/figure.pdf)"
-check the_bar_is_told_of grep -q 'Bar: the transfer function, colors over value, as opaque as' lettered/caption.txt
+check the_bar_is_told_of grep -q 'Bar: the transfer function, colors over value with the opacity of' lettered/caption.txt
 check the_bar_is_there test "$(pdfimages -list lettered/figure.pdf | awk 'NR > 2 && $4 > 6 * $5' | wc -l)" = 1
 for name in levels renderers methods failure plan turntable; do
     check "the_bar_is_under_$name" grep -q 'Bar: the transfer function' $name/caption.txt
@@ -169,7 +169,7 @@ notice few_pixels_are_noticed dense_enough methods/figure.pdf 144
 refuse frames_are_of_turntables 2 'kind tf does not take --frames' "$ISOSHADE" figure v.nrrd --kind tf --frames 3 -o f
 refuse a_kind_that_is_none 2 'kind of figure' "$ISOSHADE" figure v.nrrd --kind photo -o f
 refuse several_transfer_functions_are_of_a_sheet 2 'kind tf does not take several of --tf or --view' "$ISOSHADE" figure v.nrrd --kind tf --tf auto --tf simulation -o f
-refuse more_sides_than_there_is_room 5 'more than 8 times' "$ISOSHADE" figure v.nrrd --kind sheet --view={1,2,3,4,5,6,7,8,9},0 -o f
+refuse more_sides_than_there_is_room 5 'at most 8 times' "$ISOSHADE" figure v.nrrd --kind sheet --view={1,2,3,4,5,6,7,8,9},0 -o f
 refuse levels_of_one_transfer_function 2 'goes with --adapt' "$ISOSHADE" figure v.nrrd --kind tf --levels 3 -o f -q
 refuse a_map_that_is_none 2 'color map' "$ISOSHADE" figure v.nrrd --map jet -o f
 refuse an_inset_beyond_the_picture 5 'parts of the picture' "$ISOSHADE" figure v.nrrd --zoom 0.9,0,0.5,0.5 -o f

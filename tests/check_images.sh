@@ -56,7 +56,7 @@ expect faults_are_found 9 "${validate[@]}" --images outside=bad -o report
 rows
 check a_wrong_pixel_is_a_difference_of_its_picture grep -q '^differ/0/lock-step/' rows
 check and_of_no_other grep -q '^agree/0/limit/' rows
-check a_value_that_is_no_number_is_named grep -q '^refused/1/lock-step/.*bad/marschner-lobb-level-1/picture.exr has 1 values that are no numbers' rows
+check a_value_that_is_no_number_is_named grep -q '^refused/1/lock-step/.*bad/marschner-lobb-level-1/picture.exr has 1 values that are not finite' rows
 check a_missing_picture_is_named grep -q '^refused/1/limit/.*there is no picture bad/marschner-lobb-level-1/step-0.5.exr' rows
 
 rm -rf bad && cp -r els bad && cd bad || exit 1
@@ -69,15 +69,15 @@ check refuses_the_pictures grep -q 'failed its calibration: light' err
 cp els/calibration-light-level-0/picture.exr bad/calibration-light-level-0
 expect pictures_of_something_else 9 "${validate[@]}" --images outside=bad -o report
 rows
-check another_camera_is_named grep -q '^refused/0/lock-step/.*level-0 are of another request: its "camera" is another one' rows
-check another_volume_is_named grep -q '^refused/1/lock-step/.*level-1 are of another request: its volume.nrrd is another one' rows
+check another_camera_is_named grep -q '^refused/0/lock-step/.*level-0 are for another request: its "camera" differs' rows
+check another_volume_is_named grep -q '^refused/1/lock-step/.*level-1 are for another request: its volume.nrrd differs' rows
 
 # A volume that was left out to save room is known by its checksum.
 rm bad/*/volume.nrrd && cp els/marschner-lobb-level-0/request.json bad/marschner-lobb-level-0 &&
     sed -i 's/"xxh3_64": "[0-9a-f]*"/"xxh3_64": "0123456789abcdef"/' bad/marschner-lobb-level-1/request.json
 expect pictures_of_a_volume_that_was_left_out 9 "${validate[@]}" --images outside=bad -o report
 rows
-check the_other_volume_is_named grep -q '^refused/1/lock-step/.*level-1 are of another request: its "volume" is another one' rows
+check the_other_volume_is_named grep -q '^refused/1/lock-step/.*level-1 are for another request: its "volume" differs' rows
 notice the_same_volume_is_not_refused grep -q '^refused/0/' rows
 
 # Pictures alone, by their names, without requests and calibrations; their index says what they are held to.
@@ -88,11 +88,11 @@ echo '{"schema": "isoshade.pictures/1", "tier": "8 bits"}' >alone/pictures.json
 expect pictures_alone_are_compared 9 "${validate[@]}" --images outside=alone -o report
 rows
 check within_what_integers_leave grep -q '^agree/0/stated limits/' rows
-check another_size_is_named grep -q '^refused/1/stated limits/.*alone/marschner-lobb-level-1.exr has 32 x 32 pixels, wanted 10 x 10' rows
+check another_size_is_named grep -q '^refused/1/stated limits/.*alone/marschner-lobb-level-1.exr has 32 x 32 pixels, needs 10 x 10' rows
 check that_nothing_was_calibrated_is_said test "$(grep -c '^not calibrated: outside: .* stays open: ' out)" = 7
 echo '{"schema": "isoshade.pictures/1", "tier": "limit"}' >alone/pictures.json
-refuse a_limit_without_steps_is_refused 4 'pictures at two steps or more' "${validate[@]}" --images outside=alone -o no
-refuse a_name_that_is_taken 2 'is there already' "${validate[@]}" --images gl=els -o no
+refuse a_limit_without_steps_is_refused 4 'pictures at two or more steps' "${validate[@]}" --images outside=alone -o no
+refuse a_name_that_is_taken 2 'is taken' "${validate[@]}" --images gl=els -o no
 refuse a_folder_that_is_not_there 3 'there is no folder nowhere' "${validate[@]}" --images outside=nowhere -o no
 refuse words_without_a_folder 2 'wanted NAME=DIR' "${validate[@]}" --images outside -o no
 

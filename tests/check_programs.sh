@@ -57,9 +57,9 @@ plots() { # program, code, words
     refuse "$1_of_a_histogram" "$2" "$3" "${by[@]}" info s.nrrd --histogram h.png -q
     refuse "$1_of_scenes" "$2" "$3" "${by[@]}" scenes s.nrrd --size 32 -o scenes.png -q
 }
-plots plots_nothing 8 'gnuplot left no picture'
-plots plots_words 8 'gnuplot left what is no png'
-plots plots_half 3 'gnuplot left it incomplete'
+plots plots_nothing 8 'gnuplot wrote no picture'
+plots plots_words 8 'gnuplot wrote a file that is not png'
+plots plots_half 3 'gnuplot wrote an incomplete picture'
 
 # nan_exr: the smallest OpenEXR file of 8 x 8 pixels of four floats without compression, all NaN
 nan_exr() {
@@ -90,7 +90,7 @@ blender() {
 }
 blender silent "exit 0" a_blender_that_writes_nothing "left no picture"
 blender broken "echo no picture >picture-0.exr" a_broken_picture "picture-0.exr"
-blender nan "cp '$dir/nan.exr' picture-0.exr" a_picture_of_nans "no numbers"
+blender nan "cp '$dir/nan.exr' picture-0.exr" a_picture_of_nans "not finite"
 # It looks for Python beside itself, whatever PATH names first; and why its script failed stands before that it did.
 blender looking 'echo "Error: first is ${PATH%%:*}"; exit 9' a_blender_looks_beside_itself_first "first is $dir"
 # So it does without a sandbox, and in neither case with the modules of another Python.

@@ -20,8 +20,8 @@ check and_none_is_written test ! -e "$dir/base.json"
 expect an_update_accepts 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json" --update
 expect the_same_report_is_good 0 "$ISOSHADE" baseline "$dir/one" "$dir/base.json"
 scene=$top/refscenes/shells.scene.json
-refuse a_scene_is_no_baseline 4 'shells.scene.json: its schema is "isoshade.scene/1", wanted a report' "$ISOSHADE" baseline "$dir/one" "$scene"
-refuse nor_a_report 4 'shells.scene.json: its schema is "isoshade.scene/1", wanted a report' "$ISOSHADE" baseline "$scene" "$dir/base.json"
+refuse a_scene_is_no_baseline 4 'shells.scene.json: its schema is "isoshade.scene/1", must be isoshade.validate/1' "$ISOSHADE" baseline "$dir/one" "$scene"
+refuse nor_a_report 4 'shells.scene.json: its schema is "isoshade.scene/1", must be isoshade.validate/1' "$ISOSHADE" baseline "$scene" "$dir/base.json"
 cp "$dir/base.json" "$dir/kept.json"
 expect a_worse_figure_is_exit_1 1 "$ISOSHADE" baseline "$dir/worse" "$dir/base.json"
 check the_figure_is_named grep -q 'worse: rmse: 0.001 -> 0.002' "$dir/out"
@@ -45,7 +45,7 @@ expect a_folder_without_report_is_refused 3 "$ISOSHADE" baseline "$dir" "$dir/ba
 expect a_report_without_pictures_gives_no_figure 5 "$ISOSHADE" figure "$dir/one" -o "$dir/f"
 check no_figure_is_left test ! -e "$dir/f"
 expect a_figure_needs_a_report 4 "$ISOSHADE" figure "$dir" -o "$dir/f"
-check and_says_so grep -q 'is no report, it has no report.json' err
+check and_says_so grep -q 'is not a report, it has no report.json' err
 expect an_unknown_figure_is_refused 2 "$ISOSHADE" figure "$dir/one" --kind photo -o "$dir/f"
 expect a_figure_needs_an_output 2 "$ISOSHADE" figure "$dir/one"
 check nothing_temporary_is_left test -z "$(find "$dir" -name '.*-*' ! -name .isoshade-files)"

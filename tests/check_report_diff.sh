@@ -24,7 +24,7 @@ refuse one_that_was_edited_stays 3 'one.md in it was changed' within
 cp -r one two
 refuse two_reports_are_wanted 2 'wants two reports' "$ISOSHADE" report diff one
 refuse other_words_are_refused 2 '"draw" is nothing' "$ISOSHADE" report draw one two
-refuse another_file_is_no_report 4 'wanted a report, as validate writes it to report.json (isoshade.validate/1)' "$ISOSHADE" report diff one shells.tf.json
+refuse another_file_is_no_report 4 'must be isoshade.validate/1: not a report.json of isoshade validate' "$ISOSHADE" report diff one shells.tf.json
 expect the_same_report_twice 0 "$ISOSHADE" report diff one two -o same
 check is_said_to_be_no_difference grep -qE '^No difference in [0-9]+ rows and [1-9][0-9]* pictures\.$' "$dir/out"
 check the_empty_page_is_written test -s same/index.html
@@ -62,7 +62,7 @@ plant "d['versions']['OpenGL ray caster'] = 'another'"
 expect another_version_is_a_difference 1 "$ISOSHADE" report diff one two
 check that_is_named grep -q '^versions: OpenGL ray caster: llvmpipe.* -> another$' "$dir/out"
 expect but_not_of_the_results 0 "$ISOSHADE" report diff one two --results-only
-check where_it_is_told grep -q '1 version or option differs, which was not to count' "$dir/out"
+check where_it_is_told grep -q '1 version or option differs (not counted, by request)' "$dir/out"
 plant ''
 rm -r two/images
 expect a_report_without_its_pictures 0 "$ISOSHADE" report diff one two

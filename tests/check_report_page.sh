@@ -82,7 +82,7 @@ check versions_stand_beside_each_other_with_the_pixel found 'versions true'
 check consistency_has_a_row_of_each_method_and_tf found 'consistency_rows 8'
 check half_of_them_are_under_the_adapted_tf found 'rows_under_the_adapted_tf 4'
 check the_level_is_told_with_its_figures found 'levels_told true'
-check the_levels_have_a_verdict_of_their_own found 'levels_verdict ✗ The levels do not hold: of 1 1 fails\. Level 1: 1-SSIM is 0\.[0-9]+, asked for is at most 0\.01\..*'
+check the_levels_have_a_verdict_of_their_own found 'levels_verdict ✗ The levels do not hold: 1 of 1 fails\. Level 1: 1-SSIM is 0\.[0-9]+, the limit is 0\.01\..*'
 # What a budget left out.
 expect nothing_is_compared_in_no_time 1 "$ISOSHADE" validate "$dir/v.nrrd" --scene refscenes/shells.scene.json --quick --with gl \
     --levels 3 --size 16 --budget 0.001 --quiet -o "$dir/hurried"

@@ -58,5 +58,5 @@ refuse validate_refuses_another_view 5 "the camera looks past the volume" valida
 check anyway_it_is_validated test -s report/report.json
 check and_warned_of grep -q "isoshade validate: warning: the camera looks past" err
 # As of an older version's report, of which nobody was warned.
-warns a_figure_of_nothing "pictures show something of the volume on less than .1 %" "$ISOSHADE" figure report --kind renderers -q -o figure
+warns a_figure_of_nothing "pictures show the volume on less than .1 %" "$ISOSHADE" figure report --kind renderers -q -o figure
 exit $failed

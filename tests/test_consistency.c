@@ -253,7 +253,7 @@ static void the_scale_of_another_level_is_rejected(void **state)
     assert_string_equal(verdict, "differ");
     assert_true(json_integer_value(json_object_get(scale, "differing_voxels")) > 0);
     assert_true(json_is_false(json_object_get(scale, "held")));
-    assert_non_null(strstr(all.sentence, "Level 1: its extinction scale is not what level 0 makes"));
+    assert_non_null(strstr(all.sentence, "Level 1: its extinction scale differs from one made of level 0"));
     assert_true(json_is_true(json_object_get(verdict_of(&s, 2, &verdict, &all), "held")));
     close_subject(&s);
 }

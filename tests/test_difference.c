@@ -356,13 +356,13 @@ static void what_is_not_known_of_a_report_is_refused(void **state)
     for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
         json_object_set_new(row_of(root, "levels", 0), "verdict", json_string(words[i]));
         assert_int_equal(iso_report_check(root, "r", &why), ISO_E_FORMAT);
-        assert_non_null(strstr(why.text, "levels, row 1: verdict"));
+        assert_non_null(strstr(why.text, "levels, row 1: unknown verdict"));
     }
     json_decref(root);
     root = report();
     json_object_set_new(root, "made_up", json_pack("[{s:s}]", "verdict", "agree"));
     assert_int_equal(iso_report_check(root, "r", &why), ISO_E_FORMAT);
-    assert_non_null(strstr(why.text, "\"made_up\" has verdicts and is no section that is known"));
+    assert_non_null(strstr(why.text, "unknown section \"made_up\" with verdicts"));
     json_decref(root);
     root = report();
     json_object_set_new(root, "verdict", json_string("good"));

@@ -185,7 +185,7 @@ static void a_level_with_turned_directions_fails(void **state)
     /* by 30 degrees at right angles to the axis, by less near it */
     assert_more_than(stored(&s, 1, "direction_deg"), 15);
     assert_at_most(stored(&s, 1, "direction_deg"), 31);
-    assert_non_null(strstr(summary.sentence, "Level 1 is not what level 0 makes"));
+    assert_non_null(strstr(summary.sentence, "Level 1 differs from one made of level 0"));
     close_subject(&s);
 }
 
@@ -330,7 +330,7 @@ static iso_report_level row_with(const double own[], const double fly[], size_t 
         for (size_t i = 0; i < views; ++i) {
             row.value[k] += own[i] / (double)views;
             row.simple.value[k] += fly[i] / (double)views;
-            row.simple.behind[k] = iso_paired_compare(own, fly, views, 0.95);
+            row.simple.deficit[k] = iso_paired_compare(own, fly, views, 0.95);
         }
     return row;
 }
@@ -393,9 +393,9 @@ static void figures_that_contradict_each_other_decide_nothing(void **state)
     iso_levels_summary s = iso_levels_summarize(iso_report_json(report));
     assert_int_equal(s.differed, 1);
     assert_non_null(strstr(s.sentence, "1-SSIM 0.067 against 0.071, 0.004 +- "));
-    row.simple.behind[ISO_LEVEL_RMSE] = (iso_paired){-0.02, 0.01};
+    row.simple.deficit[ISO_LEVEL_RMSE] = (iso_paired){-0.02, 0.01};
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
-    row.simple.behind[ISO_LEVEL_RMSE] = (iso_paired){-0.02, 0.03}; /* within its interval it contradicts nothing */
+    row.simple.deficit[ISO_LEVEL_RMSE] = (iso_paired){-0.02, 0.03}; /* within its interval it contradicts nothing */
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_DIFFER);
     iso_report_destroy(report);
     free(dir);
@@ -441,15 +441,15 @@ static void angles_alone_fail_no_level(void **state)
     const iso_paired worse = {0.02, 0.01}, alike = {0, 0}, far = {30, 4}, unsure = {30, 40};
     iso_report_level row = row_with(own, own, 6, NAN);
     row.angle_margin_deg = 5;
-    row.angle_behind = far;
+    row.angle_deficit = far;
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
         row.turned[k] = alike;
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
     row.turned[ISO_LEVEL_FLIP] = worse;
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_DIFFER);
-    row.angle_behind = unsure;
+    row.angle_deficit = unsure;
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
-    row.angle_behind = (iso_paired){NAN, INFINITY}; /* nothing has a direction */
+    row.angle_deficit = (iso_paired){NAN, INFINITY}; /* nothing has a direction */
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
 }
 
@@ -466,7 +466,7 @@ static void what_a_scene_asks_is_held_in_the_run(void **state)
     assert_true(holds(&s, 1));
     assert_false(holds(&s, 2));
     assert_non_null(strstr(summary.sentence, "Level 2: RMSE is"));
-    assert_non_null(strstr(summary.sentence, "at most 0.0001"));
+    assert_non_null(strstr(summary.sentence, "the limit is 0.0001"));
     close_subject(&s);
 }
 
@@ -593,7 +593,7 @@ static void a_level_that_few_views_leave_open_is_judged_by_twenty(void **state)
         assert_int_equal(json_integer_value(json_object_get(row, "views")), may ? ISO_FACE_VIEWS : 2);
         assert_int_equal(json_integer_value(json_object_get(row, "views_before")), 2);
         assert_true(json_is_true(json_object_get(row, "simple_held")) == !may);
-        assert_true((strstr(summary.sentence, "2 views left level 1 open: it is judged by 20.") != NULL) == may);
+        assert_true((strstr(summary.sentence, "Level 1 was undecided after 2 views: 20 were used.") != NULL) == may);
         assert_int_equal(s.validation.consistency_views, 2);
         close_subject(&s);
     }

@@ -97,7 +97,7 @@ static void long_tables_end_and_say_so(void **state)
     for (int i = 0; i < 50; ++i)
         json_array_append(rows, json_array_get(rows, 0));
     char *text = summary_of(root, NULL);
-    has(text, "\nand 12 more, which the report has.\n"); /* 51 rows and a calibration, of which 40 are shown */
+    has(text, "\nand 12 more in the report.\n"); /* 51 rows and a calibration, of which 40 are shown */
     free(text);
 }
 

@@ -443,7 +443,7 @@ static void gates_decide_too(void **state)
     assert_ok(iso_report_add_agreement(r, &row, &err));
     assert_ok(iso_report_write_junit(r, path, &err));
     read_text(path, &xml);
-    assert_non_null(strstr(xml, "error bar is no number, at most 0.0004"));
+    assert_non_null(strstr(xml, "error bar is not a number, at most 0.0004"));
     json_decref(facts);
     free(xml);
     free(path);

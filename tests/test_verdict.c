@@ -314,19 +314,17 @@ static void the_sentence_counts_what_was_asked_for(void **state)
          "Nothing was compared, so nothing is shown to agree; not compared: 1 case "},
         {{{"s", "gl", agree, 0}, {"s", "gl", none, faint}, {"s", "gl", none, faint}},
          true,
-         "of 3 comparisons asked for 1 is within its limits; not compared: 2 cases that show too little"},
+         "1 of 3 requested comparisons is within its limits; not compared: 2 cases that show too little"},
         /* What shows too little leaves open whether the renderer is right, whatever others are. */
         {{{"s", "povray", agree, 0}, {"s", "gl", none, faint}}, false, open_gl},
         {{{"t", "gl", agree, 0}, {"s", "gl", none, faint}}, false, "nothing was compared in the scene s"},
         /* What a renderer does not have is no failure of it, but nothing at all is none either. */
-        {{{"s", "gl", agree, 0}, {"s", "cycles", none, trait}},
-         true,
-         "1 case that asks for what its renderer does not"},
+        {{{"s", "gl", agree, 0}, {"s", "cycles", none, trait}}, true, "1 case with a feature that its renderer lacks"},
         {{{"s", "cycles", none, trait}}, false, "Nothing was compared"},
-        {{{"t", "cycles", agree, 0}, {"s", "cycles", none, trait}}, true, "1 case that asks for what"},
+        {{{"t", "cycles", agree, 0}, {"s", "cycles", none, trait}}, true, "1 case with a feature"},
         {{{"s", "povray", agree, 0}, {"s", "", none, stage}}, true, "; not compared: 1 stage that did not run."},
         {{{"s", "", none, stage}}, false, "Nothing was compared"},
-        {{{"s", "gl", differ, 0}, {"s", "gl", none, faint}}, false, "of 1 comparison 1 differs; not compared: 1 case"},
+        {{{"s", "gl", differ, 0}, {"s", "gl", none, faint}}, false, "1 of 1 comparison differs; not compared: 1 case"},
         {{{"s", "gl", ISO_VERDICT_REFUSED, 0}, {"s", "povray", agree, 0}}, false, "1 could not be made"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {

@@ -13,7 +13,7 @@
 struct iso_animation {
     FILE *file;
     size_t frames, added, width, height;
-    uint32_t sequence; /* of fcTL and fdAT */
+    uint32_t sequence; /* counts fcTL and fdAT */
     unsigned milliseconds;
 };
 
@@ -23,7 +23,7 @@ static void put_u32(unsigned char *at, size_t value)
         at[i] = (unsigned char)(value >> (24 - 8 * i));
 }
 
-/* Whether it was written; the sum is over the type and the data. */
+/* Writes a chunk, returns true on success; the checksum covers the type and the data. */
 static int put_chunk(FILE *f, const char type[4], const unsigned char *data, size_t size)
 {
     unsigned char head[8], tail[4];
@@ -51,7 +51,7 @@ static int put_head(iso_animation *a)
 {
     static const unsigned char signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     static const unsigned char perceptual[1] = {0};
-    unsigned char size[13] = {0}, control[8] = {0}; /* the second number of acTL: 0 plays, for ever */
+    unsigned char size[13] = {0}, control[8] = {0}; /* the second number of acTL: 0 repeats endlessly */
     put_u32(size, a->width);
     put_u32(size + 4, a->height);
     size[8] = 8;
@@ -72,7 +72,7 @@ static int put_frame_control(iso_animation *a)
     return put_chunk(a->file, "fcTL", c, sizeof c);
 }
 
-/* Rows as PNG has them: each after the byte of its filter, "sub", the difference from the pixel on the left. */
+/* Returns the rows in PNG's form: a byte of the filter, "sub", then differences from the pixel on the left. */
 static unsigned char *filter_rows(const iso_image *image)
 {
     const size_t row = 1 + 3 * image->width;
@@ -90,7 +90,7 @@ static unsigned char *filter_rows(const iso_image *image)
     return rows;
 }
 
-/* The first frame is the PNG's own picture; the others have their number before the data. */
+/* Writes a frame. The first one is the PNG's own picture; the others have their number before the data. */
 static int put_frame(iso_animation *a, const unsigned char *rows, size_t size)
 {
     uLongf packed = compressBound(size);
@@ -111,7 +111,7 @@ iso_status iso_animation_add(iso_animation *a, const iso_image *image, iso_error
     if (a->added == 0)
         a->width = image->width, a->height = image->height;
     if (image->width != a->width || image->height != a->height)
-        return iso_fail(err, ISO_E_RANGE, "animation: frames of several sizes");
+        return iso_fail(err, ISO_E_RANGE, "animation: frames differ in size");
     unsigned char *rows = filter_rows(image);
     const int whole = rows && (a->added > 0 || put_head(a)) && put_frame(a, rows, size);
     free(rows);
@@ -122,7 +122,7 @@ iso_status iso_animation_add(iso_animation *a, const iso_image *image, iso_error
 iso_status iso_animation_finish(iso_animation *a, iso_error *err)
 {
     if (a->added != a->frames)
-        return iso_fail(err, ISO_E_RANGE, "animation: %zu frames of %zu", a->added, a->frames);
+        return iso_fail(err, ISO_E_RANGE, "animation: %zu frames were added, not %zu", a->added, a->frames);
     const int whole = put_chunk(a->file, "IEND", (const unsigned char *)"", 0);
     const int closed = fclose(a->file) == 0;
     a->file = NULL;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* animation.h - pictures one after the other in one file: a PNG with the chunks acTL, fcTL and fdAT (PNG, third edition),
- * which browsers and viewers play and other programs show as the first frame. All colors are kept, as in the pictures. */
+/* animation.h - an animated PNG with the chunks acTL, fcTL and fdAT (PNG, third edition). Browsers and viewers play
+ * it; other programs show the first frame. Colors are exactly those of the pictures. */
 #ifndef ISO_FIGURE_ANIMATION_H
 #define ISO_FIGURE_ANIMATION_H
 
@@ -10,11 +10,11 @@
 
 typedef struct iso_animation iso_animation;
 
-/* For so many frames of so many seconds each, shown again and again. */
+/* Creates an animation of `frames` frames, each shown for the given seconds, repeated endlessly. */
 iso_status iso_animation_create(iso_animation **a, const char *path, size_t frames, double seconds, iso_error *err);
-/* Frames of one size. */
+/* Adds a frame. All frames have one size. */
 iso_status iso_animation_add(iso_animation *a, const iso_image *image, iso_error *err);
-/* ISO_E_IO; ISO_E_RANGE: other than `frames` were added. */
+/* Finishes the file. ISO_E_IO; ISO_E_RANGE: the number of added frames is not `frames`. */
 iso_status iso_animation_finish(iso_animation *a, iso_error *err);
 void iso_animation_destroy(iso_animation *a); /* accepts NULL */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A chart's result at print size: error against time, and against bytes, the fronts as stairs, what is on them by number. */
+/* The result of a chart in print: error against time and bytes, with the fronts as stairs and numbered settings. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,7 +70,7 @@ static int by_cost(const void *a, const void *b)
     return (x->cost > y->cost) - (x->cost < y->cost);
 }
 
-/* Stairs: the least error for so much or less. */
+/* Draws stairs: the least error for up to each cost. */
 static void put_front(FILE *gp, const charted *c, bool of_time)
 {
     corner *corners = calloc(json_array_size(c->cases) + 1, sizeof *corners);
@@ -94,7 +94,7 @@ static void put_front(FILE *gp, const charted *c, bool of_time)
 
 /* ---- a panel ---- */
 
-/* One axis each: of costs, of errors. */
+/* One axis each for costs and errors. */
 typedef struct axes {
     double range[2][2], mm[2];
     bool of_time;
@@ -107,7 +107,7 @@ static bool place_of(const charted *c, const axes *a, const json_t *one, double 
     return at[0] > 0 && at[1] > 0;
 }
 
-/* All settings with a margin. */
+/* Finds the ranges of all settings, with a margin. */
 static void find_ranges(const charted *c, axes *a)
 {
     static const double before[2] = {1.5, 1.6}, behind[2] = {1.3, 1.6};
@@ -124,7 +124,7 @@ static void find_ranges(const charted *c, axes *a)
         a->range[k][0] = least[k] / before[k], a->range[k][1] = most[k] * behind[k];
 }
 
-/* A number that would lie on another one is left out. placed: millimeters of those that do not. */
+/* False if a number would overlap another, and is omitted. placed: positions of the others, in millimeters. */
 static bool has_room(const axes *a, const double at[2], double (*placed)[2], size_t *count)
 {
     const double wide_mm = 3.2, high_mm = 2.4;
@@ -138,7 +138,7 @@ static bool has_room(const axes *a, const double at[2], double (*placed)[2], siz
     return true;
 }
 
-/* Cost, error, level, series, and the number where it is shown: a row a setting. */
+/* Writes a row per setting: cost, error, level, series, and its number if it is shown. */
 static void put_data(FILE *gp, const charted *c, const axes *a)
 {
     double(*placed)[2] = calloc(json_array_size(c->cases) + 1, sizeof *placed);
@@ -160,8 +160,8 @@ static void put_data(FILE *gp, const charted *c, const axes *a)
     put_front(gp, c, a->of_time);
 }
 
-/* Ticks at 1, 2 and 5 of each decade, or at decades alone where there are many; in units of so many. Below a thousandth as a
- * power of ten. */
+/* Writes ticks at 1, 2 and 5 of each decade, or only at decades if there are many, in the given unit. Below a
+ * thousandth they are powers of ten. */
 static void put_ticks(FILE *gp, char axis, const double range[2], double unit)
 {
     const bool many = log10(range[1] / range[0]) > 2.4;
@@ -222,7 +222,7 @@ static const char *title_of(const char *renderer)
     return iso_renderer_from_name(renderer, &info, NULL) == ISO_OK ? info->title : renderer;
 }
 
-/* Renderers by color and shape. */
+/* Puts renderers by color and shape. */
 static void put_legend(iso_page *page, const charted *c, double left, double y)
 {
     for (size_t i = 0; i < c->series; ++i) {
@@ -245,8 +245,8 @@ static void write_caption(const charted *c, FILE *f)
 {
     json_t *one, **numbered = calloc(json_array_size(c->cases) + 1, sizeof *numbered);
     size_t i, count = 0;
-    fprintf(f, "Error against cost of the settings that were tried for %s (%s), %zu of them: stairs join the front.",
-            string_of(c->options, "volume"), string_of(c->options, "scene"), json_array_size(c->cases));
+    fprintf(f, "Error against cost of %zu settings for %s (%s): stairs join the front.", json_array_size(c->cases),
+            string_of(c->options, "volume"), string_of(c->options, "scene"));
     json_array_foreach(c->cases, i, one) if (numbered && number_of(one, "number") > 0) numbered[count++] = one;
     if (numbered)
         qsort(numbered, count, sizeof *numbered, by_number);
@@ -264,9 +264,10 @@ static iso_status draw_loaded(const iso_figure_job *job, charted *c, iso_page *p
                              stacked ? (job->height_mm - head - 2 * foot) / 2 : job->height_mm - head - foot);
     find_series(c);
     if (json_array_size(c->cases) == 0)
-        return iso_fail(err, ISO_E_RANGE, "%s: the chart has no setting that was measured", job->input);
+        return iso_fail(err, ISO_E_RANGE, "%s: the chart has no measured setting", job->input);
     if (high < 20)
-        return iso_fail(err, ISO_E_RANGE, "figure: a chart does not fit into %g x %g mm", width, job->height_mm);
+        return iso_fail(err, ISO_E_RANGE, "figure: a chart does not fit into %g x %g mm; increase --width or --height",
+                        width, job->height_mm);
     iso_page_set_size(page, width, head + (stacked ? 2 : 1) * (high + foot));
     put_legend(page, c, left, 0.5 * head);
     put_panel(page, c, &(iso_page_box){left, head, panel, high}, true, true);
@@ -286,7 +287,7 @@ static iso_status draw_chart(const iso_figure_job *job, iso_page *page, iso_erro
     c.metric = string_of(c.options, "metric");
     c.bytes_key = !strcmp(string_of(c.options, "bytes"), "stored") ? "stored_bytes" : "device_bytes";
     if (status == ISO_OK && (!json_is_array(c.cases) || strncmp(string_of(root, "schema"), "isoshade.chart/", 15) != 0))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: no chart of settings; its schema is \"%s\"", path,
+        status = iso_fail(err, ISO_E_FORMAT, "%s: not a chart of settings; its schema is \"%s\"", path,
                           string_of(root, "schema"));
     TRY(status, draw_loaded(job, &c, page, err));
     json_decref(root);
@@ -296,7 +297,7 @@ static iso_status draw_chart(const iso_figure_job *job, iso_page *page, iso_erro
 
 const iso_figure_info iso_figure_chart = {
     .name = "chart",
-    .summary = "what `isoshade chart` found: error against time and bytes, with the fronts",
+    .summary = "result of `isoshade chart`: error against time and bytes, with the fronts",
     .takes = ISO_FIGURE_OF_CHART,
     .draw = draw_chart,
 };

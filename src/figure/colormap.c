@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Every fifth of the 256 colors that are published; between them lines are within 1 of 255 of these, and within 4 at
- * cividis' first colors. They are measurements of color, facts, not program text:
+/* Every fifth of the 256 published colors. Linear interpolation is within 1 of 255 of the others, and within 4 at
+ * cividis' first colors. They are color measurements, not program text:
  *   viridis, magma   S. van der Walt, N. Smith, matplotlib 2015, CC0
  *   cividis          J. Nunez, C. Anderton, R. Renslow, PLoS ONE 13(7) 2018, CC0
  *   batlow           F. Crameri, Scientific color maps, doi:10.5281/zenodo.1243862, MIT */
@@ -45,9 +45,9 @@ static const uint32_t magma[ISO_COLORMAP_POINTS] = {
 
 const iso_colormap iso_colormaps[ISO_COLORMAP_COUNT] = {
     {"viridis", "violet, green, yellow", viridis},
-    {"cividis", "blue, gray, yellow: alike for all kinds of color vision", cividis},
+    {"cividis", "blue, gray, yellow: the same for all kinds of color vision", cividis},
     {"batlow", "blue, green, pink", batlow},
-    {"magma", "black, purple, orange, white: where nothing is black", magma},
+    {"magma", "black, purple, orange, white: zero is black", magma},
 };
 const iso_names iso_colormap_names = ISO_NAMES_OF_ROWS("color map", iso_colormaps);
 
@@ -62,7 +62,7 @@ iso_status iso_colormap_from_name(const char *name, const iso_colormap **map, is
 
 void iso_colormap_lookup(const iso_colormap *map, double t, unsigned char rgb[3])
 {
-    const double at = (t > 0 ? fmin(t, 1) : 0) * (ISO_COLORMAP_POINTS - 1); /* not a number: the first color */
+    const double at = (t > 0 ? fmin(t, 1) : 0) * (ISO_COLORMAP_POINTS - 1); /* NaN: the first color */
     const size_t i = (size_t)fmin(floor(at), ISO_COLORMAP_POINTS - 2);
     const double part = at - (double)i;
     for (int c = 0; c < 3; ++c) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* colormap.h - color maps by name, for numbers: each rises evenly in lightness, so that it is read in print without colors
- * and by people who see fewer of them. */
+/* colormap.h - color maps by name, for numbers. Lightness rises evenly, so that maps can be read in gray prints and
+ * by people with color blindness. */
 #ifndef ISO_FIGURE_COLORMAP_H
 #define ISO_FIGURE_COLORMAP_H
 
@@ -12,15 +12,15 @@ enum { ISO_COLORMAP_POINTS = 52, ISO_COLORMAP_COUNT = 4 };
 
 typedef struct iso_colormap {
     const char *name, *summary;
-    const uint32_t *points; /* 0xRRGGBB of sRGB, at equal distances */
+    const uint32_t *points; /* 0xRRGGBB of sRGB, equally spaced */
 } iso_colormap;
 
 extern const iso_colormap iso_colormaps[ISO_COLORMAP_COUNT];
 extern const iso_names iso_colormap_names;
 
-/* ISO_E_USAGE, with the names that there are. */
+/* Finds a map. ISO_E_USAGE, with the names that there are. */
 iso_status iso_colormap_from_name(const char *name, const iso_colormap **map, iso_error *err);
-/* t from 0 to 1, clamped; sRGB. */
+/* Looks up t from 0 to 1, clamped; sRGB. */
 void iso_colormap_lookup(const iso_colormap *map, double t, unsigned char rgb[3]);
 
 #endif

@@ -23,9 +23,9 @@ static bool has_insets(const drawn *w)
     return w->c->job->inset[2] > 0;
 }
 
-static size_t a_row(const drawn *w)
+static size_t per_row(const drawn *w)
 {
-    return w->c->a_row ? w->c->a_row : w->c->count;
+    return w->c->per_row ? w->c->per_row : w->c->count;
 }
 
 static void write_note(iso_figure_panel *map, const iso_metrics *m)
@@ -35,17 +35,17 @@ static void write_note(iso_figure_panel *map, const iso_metrics *m)
 
 /* ---- layout ---- */
 
-/* All panels, without pictures: they say how wide each is in print. Notes are as long as they will be. */
+/* Lays out all panels without pictures, to find their width in print. Notes have their final length. */
 static void lay_out(drawn *w)
 {
     const iso_figure_columns *c = w->c;
-    /* Of any size in the right aspect. */
+    /* any size with the right aspect */
     const iso_image blank = {.width = 1000, .height = (size_t)fmax(1, rint(1000 / c->aspect))};
     const size_t insets_row = 1, maps_row = has_insets(w) ? 2 : 1;
     for (size_t i = 0; i < c->count; ++i) {
         iso_figure_panel *p = &w->panels[w->count++];
         *p = (iso_figure_panel){
-            .row = i / a_row(w), .column = i % a_row(w), .image = "", .scale_bar = i == 0, .a = blank};
+            .row = i / per_row(w), .column = i % per_row(w), .image = "", .scale_bar = i == 0, .a = blank};
         snprintf(p->title, sizeof p->title, "%s", c->titles[i]);
         if (has_insets(w)) {
             memcpy(p->mark, c->job->inset, sizeof p->mark);
@@ -53,7 +53,7 @@ static void lay_out(drawn *w)
                 (iso_figure_panel){.row = insets_row, .column = i, .image = "", .framed = true, .a = blank};
         }
         if (i == 0 || !c->compared)
-            continue; /* it differs from nothing; the color legend stands below it */
+            continue; /* the first has no differences; the color legend is below it */
         iso_figure_panel *map = &w->panels[w->count++];
         *map = (iso_figure_panel){.row = maps_row, .column = i, .image = "", .against = "", .a = blank};
         write_note(map, &(iso_metrics){.rmse = 0.0123, .ssim = 1 - 0.0123, .flip_mean = 0.0123});
@@ -66,13 +66,13 @@ static iso_figure_sheet sheet_of(const drawn *w)
     const double foot_mm = c->foot_mm + iso_figure_tf_foot_mm(&c->tf);
     iso_figure_sheet s = {.panels = w->panels,
                           .count = w->count,
-                          .columns = a_row(w) < c->count ? a_row(w) : c->count,
-                          .rows_a_side = 1,
+                          .columns = per_row(w) < c->count ? per_row(w) : c->count,
+                          .rows_per_side = 1,
                           .in_logs = c->in_logs,
                           .low = c->in_logs ? -8 : 0,
                           .width_mm = c->job->width_mm,
                           .height_mm = c->job->height_mm - foot_mm,
-                          .a_pixel_a_dot = true,
+                          .is_pixel_per_dot = true,
                           .map = c->job->map,
                           .foot_mm = foot_mm,
                           .legend = c->color_text};
@@ -88,7 +88,7 @@ static iso_figure_sheet sheet_of(const drawn *w)
     return s;
 }
 
-/* As many pixels as the panel has dots. */
+/* Chooses one pixel per dot of the panel. */
 static iso_status choose_pixels(drawn *w, iso_error *err)
 {
     const iso_figure_sheet sheet = sheet_of(w);
@@ -103,8 +103,8 @@ static iso_status choose_pixels(drawn *w, iso_error *err)
 
 /* ---- rendering ---- */
 
-/* The whole picture is rendered so large that its part fills a panel, and the part cut out: it is the same projection for
- * every renderer, with pixels of its own. */
+/* Renders the whole picture so large that the inset's part fills a panel, and cuts out this part: every renderer has
+ * the same projection, with pixels of its own. */
 static iso_status render_inset(drawn *w, size_t column, iso_image *image, iso_error *err)
 {
     const double *z = w->c->job->inset;
@@ -116,11 +116,10 @@ static iso_status render_inset(drawn *w, size_t column, iso_image *image, iso_er
     iso_image whole = {0};
     double unused;
     if (width * height > ISO_FIGURE_MOST_PIXELS)
-        return iso_fail(
-            err, ISO_E_RANGE,
-            "--zoom: the picture would have %zu x %zu pixels, %d million at most: a larger part, or a lower "
-            "--dpi",
-            width, height, (int)ISO_FIGURE_MOST_PIXELS >> 20);
+        return iso_fail(err, ISO_E_RANGE,
+                        "--zoom: the picture would have %zu x %zu pixels, at most %d million; choose a larger part, "
+                        "or a lower --dpi",
+                        width, height, (int)ISO_FIGURE_MOST_PIXELS >> 20);
     iso_status status = w->c->render(w->c->user, column, width, height, &whole, &unused, err);
     TRY(status, iso_image_create(image, w->width, w->height, err));
     for (size_t row = 0; row < w->height && status == ISO_OK; ++row)
@@ -130,7 +129,7 @@ static iso_status render_inset(drawn *w, size_t column, iso_image *image, iso_er
     return status;
 }
 
-/* A map borrows the pixels of its picture, and those of the first one. */
+/* Compares a picture with the first one. The map borrows the pixels of both. */
 static iso_status compare(drawn *w, iso_figure_panel *map, size_t column, iso_error *err)
 {
     map->a = w->pictures[column];
@@ -158,7 +157,7 @@ static iso_status render_all(drawn *w, iso_error *err)
     return status;
 }
 
-/* ---- words ---- */
+/* ---- caption ---- */
 
 static void write_caption(const drawn *w)
 {
@@ -186,7 +185,7 @@ static void write_caption(const drawn *w)
     iso_figure_describe(&sheet, f);
 }
 
-/* ---- the whole ---- */
+/* ---- the figure ---- */
 
 static iso_status draw(drawn *w, iso_error *err)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* contact.c - a sheet to choose from: transfer functions downward, sides to look from across, and below each row the bar of
- * its transfer function. */
+/* contact.c - a sheet for choosing: transfer functions downward, sides to look from across, and below each row the
+ * bar of its transfer function. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -22,7 +22,7 @@ typedef struct contact {
     size_t rows, columns;
     iso_viewpoint from[MOST_COLUMNS];
     const iso_renderer_info *with;
-    iso_figure_subject subject; /* its scene and transfer function are those of the row that is drawn */
+    iso_figure_subject subject; /* scene and transfer function of the row being drawn */
     iso_paper paper;
 } contact;
 
@@ -31,14 +31,14 @@ static iso_status take(const char *option, char *const *given, const char **kept
 {
     for (*count = 0; given && given[*count]; ++*count) {
         if (*count == most)
-            return iso_fail(err, ISO_E_RANGE, "%s is given more than %zu times, which have no room on a page", option,
-                            most);
+            return iso_fail(err, ISO_E_RANGE, "%s is given too often, at most %zu times fit on a page", option, most);
         kept[*count] = given[*count];
     }
     return ISO_OK;
 }
 
-/* What is not named is the scene's own; without a scene one suggested transfer function from four sides. */
+/* Chooses transfer functions and sides. The default is the scene's own; without a scene, one suggested transfer
+ * function from four sides. */
 static iso_status choose(contact *c, iso_error *err)
 {
     static const char *const usual[] = {"front", "left", "top", "iso"};
@@ -67,7 +67,7 @@ static const char *name_of_view(const contact *c, size_t column)
     return c->views[column] ? c->views[column] : "as in the scene";
 }
 
-/* The scene under the transfer function of a row. */
+/* Gives the scene the transfer function of a row. */
 static iso_status change_tf(contact *c, size_t row, iso_error *err)
 {
     iso_figure_subject *s = &c->subject;
@@ -87,7 +87,7 @@ static iso_status change_tf(contact *c, size_t row, iso_error *err)
     return status == ISO_OK ? iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err) : status;
 }
 
-/* Upright on the left of a row; one that is too long becomes smaller, with all titles. */
+/* Puts a text upright on the left of a row. If it is too long, all titles become smaller. */
 static void put_side(iso_page *page, const iso_page_box *box, const char *name)
 {
     const double wide = iso_page_text_mm(page, ISO_PAGE_TITLE, name);
@@ -97,7 +97,7 @@ static void put_side(iso_page *page, const iso_page_box *box, const char *name)
     iso_page_put_text(page, &at, name);
 }
 
-/* Below the pictures of a row, as wide as they are together. */
+/* Puts a bar below the pictures of a row, with their total width. */
 static void put_bar(const contact *c, iso_page *page, const iso_page_box *first, size_t row)
 {
     const iso_figure_subject *s = &c->subject;
@@ -168,8 +168,8 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
         iso_figure_put_subject(&c.subject, f);
         fprintf(
             f,
-            ": transfer functions downward, sides across, level %d. Scale bars are in the plane through the center of the "
-            "volume. Below each row its transfer function, colors over value, as opaque as a length of them, over gray "
+            ": transfer functions downward, sides across, level %d. Scale bars apply to the plane through the center of "
+            "the volume. Below each row its transfer function: colors over value with the opacity of a length, over gray "
             "squares:",
             job->level);
     }
@@ -181,7 +181,7 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
 
 const iso_figure_info iso_figure_contact = {
     .name = "sheet",
-    .summary = "a sheet to choose from: transfer functions downward, sides across; --tf and --view may be repeated",
+    .summary = "a sheet for choosing: transfer functions downward, sides across; --tf and --view may be repeated",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_LOOKS | ISO_FIGURE_HAS_WITH |
              ISO_FIGURE_HAS_LEVEL,
     .draw = draw,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* One entry of the failure atlas: what is right, how a method fails, and what helps. */
+/* One entry of the failure atlas: the correct picture, the failure of a method, and the remedy. */
 #include <stdio.h>
 #include <string.h>
 
@@ -10,7 +10,7 @@
 typedef struct entry {
     iso_atlas_case one; /* at the figure's size */
     iso_volume volume;
-    iso_tf_table tf; /* empty where the case is no render */
+    iso_tf_table tf; /* empty if the case is not rendered */
 } entry;
 
 static iso_status render(void *user, size_t column, size_t width, size_t height, iso_image *image, double *mm_per_pixel,
@@ -27,7 +27,7 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
         *image = drawn;
         return ISO_OK;
     }
-    /* What is no render has pictures of one size: each pixel as often as it takes. */
+    /* Cases that are not rendered have pictures of one size: enlarges their pixels. */
     TRY(status, iso_image_create(image, width, height, err));
     for (size_t i = 0; i < width * height && status == ISO_OK; ++i)
         for (size_t c = 0; c < 4; ++c)
@@ -47,7 +47,7 @@ static iso_status find(const char *id, const iso_atlas_case **found, iso_error *
     return *found ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--case: the atlas has no \"%s\"; it has %s", id, names);
 }
 
-/* Some of the pictures are under another transfer function than the scene's. */
+/* True if some pictures are under another transfer function than the scene's. */
 static bool is_adapted(const iso_atlas_case *c)
 {
     for (int i = 0; i < ISO_ATLAS_WAYS; ++i)
@@ -72,15 +72,16 @@ static iso_status draw_failure(const iso_figure_job *job, iso_page *page, iso_er
     if (status != ISO_OK)
         return status;
     e.one = *found;
-    status = iso_atlas_run(found, &r, err); /* the figures that the atlas checks are those of its own size */
+    status = iso_atlas_run(found, &r, err); /* the figures that the atlas checks are for its own size */
     if (status == ISO_OK && found->scene.field)
         status = iso_atlas_volume(&found->scene, &e.volume, err);
     if (status == ISO_OK && found->scene.field && !found->draw)
         status = iso_atlas_tf(&found->scene, &e.volume.geometry, &e.tf, err);
-    e.tf.unit_mm = iso_geometry_mean_spacing_mm(&e.volume.geometry); /* the atlas' own shows nothing: a micrometer */
+    e.tf.unit_mm = iso_geometry_mean_spacing_mm(&e.volume.geometry); /* the atlas' own unit, a micrometer, shows
+                                                                      * nothing */
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
-        fprintf(f, "%s. %s %s: %.3g, with what helps %.3g. What helps: %s. Right: %s; failure: %s; what helps: %s",
+        fprintf(f, "%s. %s %s: %.3g, with the remedy %.3g. Remedy: %s. Correct: %s; failure: %s; remedy: %s",
                 found->title, found->cause, iso_atlas_measure(found), r.values[ISO_ATLAS_FAILURE],
                 r.values[ISO_ATLAS_FALLBACK], found->advice, found->ways[ISO_ATLAS_RIGHT].what,
                 found->ways[ISO_ATLAS_FAILURE].what, found->ways[ISO_ATLAS_FALLBACK].what);
@@ -95,7 +96,7 @@ static iso_status draw_failure(const iso_figure_job *job, iso_page *page, iso_er
 
 const iso_figure_info iso_figure_failure = {
     .name = "failure",
-    .summary = "one entry of `isoshade atlas`: what is right, how a method fails, and what helps",
+    .summary = "one entry of `isoshade atlas`: correct picture, failure, remedy",
     .takes = ISO_FIGURE_OF_NOTHING | ISO_FIGURE_HAS_CASE | ISO_FIGURE_HAS_INSET,
     .draw = draw_failure,
 };

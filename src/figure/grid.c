@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* grid.c - levels downward and renderers across: each picture, and how far it is from the first renderer's at its
- * level. */
+/* grid.c - levels downward and renderers across: pictures, and differences from the first renderer at each level. */
 #include <math.h>
 #include <stdio.h>
 
@@ -27,8 +26,7 @@ static iso_status choose(grid *g, const iso_figure_job *job, iso_error *err)
     const iso_status status = iso_renderers_from_list(job->with, wanted, err);
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         if (wanted[i] && g->columns == MOST_COLUMNS)
-            return iso_fail(err, ISO_E_RANGE,
-                            "--with names more than %d renderers, which have no room beside each other",
+            return iso_fail(err, ISO_E_RANGE, "--with names too many renderers, at most %d fit side by side",
                             (int)MOST_COLUMNS);
         if (wanted[i])
             g->with[g->columns++] = iso_renderer_at(i);
@@ -37,7 +35,7 @@ static iso_status choose(grid *g, const iso_figure_job *job, iso_error *err)
     return status == ISO_OK ? iso_words_check_range("--levels", (double)g->levels, 1, MOST_LEVELS, err) : status;
 }
 
-/* On the left of a row, upright: which level, and what part of the voxels it has. */
+/* Puts a text upright on the left of a row: the level, and its part of the voxels. */
 static void put_side(const grid *g, iso_page *page, size_t level, const iso_page_box *box)
 {
     iso_page_text at = {.x = box->left - 5.2,
@@ -82,7 +80,7 @@ static iso_status draw_level(grid *g, const iso_figure_job *job, iso_page *page,
             fprintf(iso_page_caption(page), " Level %zu, %s: RMSE %.3g, 1 - SSIM %.3g.", level, g->with[i]->title,
                     m.rmse, 1 - m.ssim);
         } else if (level == 0) {
-            snprintf(note, sizeof note, "RMSE is to these");
+            snprintf(note, sizeof note, "reference of RMSE");
         }
         const iso_page_box box = iso_paper_picture(&g->paper, level, i, level == 0 ? g->with[i]->title : NULL, note,
                                                    &images[i]);
@@ -117,8 +115,8 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
     if (status == ISO_OK) {
         fprintf(iso_page_caption(page), "Levels and renderers");
         iso_figure_put_subject(&g.subject, iso_page_caption(page));
-        fprintf(iso_page_caption(page), "%s; figures are to the first renderer's picture of the same level.",
-                job->adapted.wanted ? ", coarse levels under the transfer function adapted to them" : "");
+        fprintf(iso_page_caption(page), "%s; figures compare with the first renderer's picture of the same level.",
+                job->adapted.wanted ? ", coarse levels under the transfer functions adapted to them" : "");
     }
     for (size_t i = 0; i < g.levels && status == ISO_OK; ++i)
         status = draw_level(&g, job, page, i, err);
@@ -130,7 +128,7 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
 
 const iso_figure_info iso_figure_grid = {
     .name = "grid",
-    .summary = "levels downward, renderers across, and how far each is from the first",
+    .summary = "levels downward, renderers across, and differences from the first",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_WITH | ISO_FIGURE_HAS_LEVELS |
              ISO_FIGURE_HAS_ADAPT,
     .draw = draw,

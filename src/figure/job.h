@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* job.h - what a figure is asked for, and the kinds of figures there are.
+/* job.h - the options of a figure, and the table of kinds of figures.
  *
- * A kind is one struct: its name, a sentence, which inputs and options it takes, and a function that lays a page (page.h)
- * out and puts pictures, plots and text on it. kinds.c has the table; --kind, --help, `isoshade list` and the checks of
- * options read it. The files, their forms and the caption are made from the page, alike for all kinds. */
+ * A kind is one struct: its name, a summary, its inputs and options, and a function that lays out a page (page.h)
+ * and puts pictures, plots and text on it. kinds.c has the table; --kind, --help, `isoshade list` and the checks of
+ * options read it. Files, formats and the caption are made from the page in the same way for all kinds. */
 #ifndef ISO_FIGURE_JOB_H
 #define ISO_FIGURE_JOB_H
 
@@ -16,39 +16,39 @@
 
 typedef struct iso_figure_info iso_figure_info;
 
-/* Everything that the command line says. Texts that are not given are NULL, numbers 0. */
+/* The command line. Texts that are not given are NULL, numbers 0. */
 typedef struct iso_figure_job {
     const iso_figure_info *kind;
     const iso_cli *cli;
-    const char *input, *output; /* input: NULL where the kind takes none */
-    double width_mm, height_mm; /* of the whole figure, at most: 85 fits one column of many journals, 178 both */
-    double dpi;                 /* of its pictures */
-    const iso_colormap *map;    /* of its data */
-    char *formats;              /* beside the PDF: "svg,png,latex"; NULL: all */
+    const char *input, *output; /* input: NULL for kinds without one */
+    double width_mm, height_mm; /* largest size of the whole figure: 85 fits one column of many journals, 178 both */
+    double dpi;                 /* of pictures */
+    const iso_colormap *map;    /* for data */
+    char *formats;              /* besides the PDF: "svg,png,latex"; NULL: all */
     int with_sources, letters;
     iso_volume_input volume;
-    iso_cli_look look;   /* of a report the scene is a name; tf and view: the first of those below */
-    char **tfs, **views; /* all that are given, NULL at the end; or NULL */
+    iso_cli_look look;   /* the scene of a report is a name; tf and view: the first of the lists below */
+    char **tfs, **views; /* all given ones, NULL at the end; or NULL */
     iso_cli_adapted adapted;
     char *with, *methods, *variant, *atlas_case;
     double error; /* of a plan */
     bool has_background;
-    double background[3]; /* instead of the scene's; linear */
+    double background[3]; /* in place of the scene's; linear */
     int level, levels, frames;
-    const void *more; /* options that only kinds of another table take, or NULL */
-    json_t *facts;   /* an object: what a kind counts and measures, for --json */
-    double inset[4]; /* parts of the picture: from the left, from the top, wide, high; zeroed: none */
+    const void *more; /* options of kinds of another table, or NULL */
+    json_t *facts;    /* an object: counts and measurements of a kind, for --json */
+    double inset[4];  /* as parts of the picture: left, top, width, height; zeroed: none */
 } iso_figure_job;
 
 enum { ISO_FIGURE_MOST_LEVELS = 16, ISO_FIGURE_MOST_FRAMES = 360 };
 
-/* What a kind takes. */
+/* Inputs and options of a kind. */
 enum {
     ISO_FIGURE_OF_NOTHING = 1 << 0, /* needs no input */
-    ISO_FIGURE_OF_VOLUME = 1 << 1,  /* or of a pyramid */
-    ISO_FIGURE_OF_REPORT = 1 << 2,  /* a folder that `isoshade validate` wrote */
-    ISO_FIGURE_OF_CHART = 1 << 3,   /* a folder that `isoshade chart` wrote */
-    /* Options, beside sizes and --map, which all have. */
+    ISO_FIGURE_OF_VOLUME = 1 << 1,  /* or a pyramid */
+    ISO_FIGURE_OF_REPORT = 1 << 2,  /* a folder of `isoshade validate` */
+    ISO_FIGURE_OF_CHART = 1 << 3,   /* a folder of `isoshade chart` */
+    /* Options, besides sizes and --map, which all kinds have. */
     ISO_FIGURE_HAS_LOOK = 1 << 8, /* --scene, --tf, --view, --size */
     ISO_FIGURE_HAS_WITH = 1 << 9,
     ISO_FIGURE_HAS_LEVEL = 1 << 10,
@@ -61,29 +61,29 @@ enum {
     ISO_FIGURE_HAS_CASE = 1 << 17,
     ISO_FIGURE_HAS_ERROR = 1 << 18,
     ISO_FIGURE_HAS_LOOKS = 1 << 19, /* several of --tf and --view */
-    ISO_FIGURE_HAS_MORE = 1 << 20,  /* the first of the options that only kinds of another table take */
+    ISO_FIGURE_HAS_MORE = 1 << 20,  /* the first of the options of kinds of another table */
 };
 
 struct iso_figure_info {
     const char *name;    /* --kind NAME */
-    const char *summary; /* what the figure shows, for people */
+    const char *summary; /* one line for people */
     unsigned takes;
-    /* Of a report or a chart only kinds that take one are asked. The page's caption is written here too. */
+    /* Draws the page and writes its caption. Called for a report or a chart only with that bit of `takes`. */
     iso_status (*draw)(const iso_figure_job *job, iso_page *page, iso_error *err);
 };
 
 extern const iso_figure_info *const iso_figure_kinds[]; /* ends with NULL */
 extern const iso_names iso_figure_kind_names;
 
-/* ISO_E_USAGE, with the names that there are. */
+/* Finds a kind. ISO_E_USAGE, with the names that there are. */
 iso_status iso_figure_kind_from_name(const iso_names *kinds, const char *name, const iso_figure_info **kind,
                                      iso_error *err);
 
-/* The kind of figure of an input, or of none, where nobody names one. */
+/* Returns the default kind for an input, or for none. */
 const char *iso_figure_usual_kind(const char *input);
 
-/* DIR with the figure in all its forms and its caption, whole or not at all. ISO_E_USAGE and ISO_E_RANGE as the options are;
- * what reading, rendering and drawing give. */
+/* Makes DIR with the figure in all formats and its caption, completely or not at all. ISO_E_USAGE and ISO_E_RANGE
+ * for options; errors of reading, rendering and drawing. */
 iso_status iso_figure_make(const iso_figure_job *job, iso_error *err);
 
 #endif

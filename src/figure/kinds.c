@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The table of kinds, and a figure as a whole. */
+/* The table of kinds, and making a figure. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,7 +47,7 @@ iso_status iso_figure_kind_from_name(const iso_names *kinds, const char *name, c
     return status;
 }
 
-/* A folder that `isoshade chart` wrote shows nothing else. */
+/* A folder of `isoshade chart` shows only a chart. */
 const char *iso_figure_usual_kind(const char *input)
 {
     char *path = input ? iso_path_join(input, "chart.json") : NULL;
@@ -56,7 +56,7 @@ const char *iso_figure_usual_kind(const char *input)
     return is_chart ? iso_figure_chart.name : iso_figure_levels.name;
 }
 
-/* ---- what is asked ---- */
+/* ---- options ---- */
 
 static iso_status check_numbers(const iso_figure_job *job, iso_error *err)
 {
@@ -82,7 +82,7 @@ static iso_status check_numbers(const iso_figure_job *job, iso_error *err)
     return status;
 }
 
-/* An option that the kind would pass over is an error: its user would believe it. */
+/* Refuses options that the kind does not use. */
 static iso_status check_options(const iso_figure_job *job, bool of_report, iso_error *err)
 {
     const iso_cli_look *look = &job->look;
@@ -114,11 +114,11 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
                       look->size || job->inset[2] != 0 || job->has_background))
         return iso_fail(
             err, ISO_E_USAGE,
-            "%s is a report, which has its pictures; --with, --levels, --adapt, --tf, --view, --zoom, --size "
-            "and --background are for a figure of a volume",
+            "%s is a report, with its own pictures; --with, --levels, --adapt, --tf, --view, --zoom, --size "
+            "and --background are for figures of a volume",
             job->input);
     if (!of_report && (job->kind->takes & ISO_FIGURE_OF_REPORT) && (job->methods || job->variant))
-        return iso_fail(err, ISO_E_USAGE, "--methods and --variant are for a figure of a report");
+        return iso_fail(err, ISO_E_USAGE, "--methods and --variant are for figures of a report");
     if (of_report && look->scene && !strcmp(job->kind->name, "levels"))
         return iso_fail(err, ISO_E_USAGE, "--scene is for --kind renderers of a report");
     return ISO_OK;
@@ -138,7 +138,7 @@ static iso_status check_input(const iso_figure_job *job, bool of_report, iso_err
     return ISO_OK;
 }
 
-/* ---- the whole ---- */
+/* ---- the figure ---- */
 
 static iso_status draw_page(const iso_figure_job *job, const char *dir, iso_error *err)
 {
@@ -156,7 +156,8 @@ iso_status iso_figure_make(const iso_figure_job *job, iso_error *err)
 {
     const bool of_report = iso_figure_is_of_report(job);
     iso_output out = {0};
-    iso_status status = job->output ? ISO_OK : iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the figure");
+    iso_status status = job->output ? ISO_OK
+                                    : iso_fail(err, ISO_E_USAGE, "-o is missing; give the folder for the figure");
     TRY(status, check_input(job, of_report, err));
     TRY(status, check_options(job, of_report, err));
     TRY(status, check_numbers(job, err));
@@ -165,9 +166,9 @@ iso_status iso_figure_make(const iso_figure_job *job, iso_error *err)
     TRY(status, draw_page(job, out.temp_path, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
-    /* A folder may be slices of a volume as well as a report. */
+    /* A folder may hold slices of a volume instead of a report. */
     return status != ISO_OK && status != ISO_E_USAGE && job->input && (job->kind->takes & ISO_FIGURE_OF_REPORT) &&
                    !of_report && iso_path_is_dir(job->input) && !iso_pyramid_is_one(job->input)
-               ? iso_fail_in(err, status, "%s is no report, it has no report.json; as a volume", job->input)
+               ? iso_fail_in(err, status, "%s is not a report, it has no report.json; as a volume", job->input)
                : status;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* kinds_of_volume.h - kinds of figures that are of a volume; levels.h has those that compare. */
+/* kinds_of_volume.h - kinds of figures of one volume; levels.h has those that compare. */
 #ifndef ISO_FIGURE_KINDS_OF_VOLUME_H
 #define ISO_FIGURE_KINDS_OF_VOLUME_H
 
@@ -11,7 +11,7 @@ extern const iso_figure_info iso_figure_slices;    /* slices.c */
 extern const iso_figure_info iso_figure_turntable; /* turntable.c */
 extern const iso_figure_info iso_figure_plan;      /* planned.c */
 extern const iso_figure_info iso_figure_grid;      /* grid.c */
-extern const iso_figure_info iso_figure_failure;   /* failure.c; of no volume but its own */
+extern const iso_figure_info iso_figure_failure;   /* failure.c; has its own volume */
 extern const iso_figure_info iso_figure_chart;     /* charted.c; of a chart */
 
 #endif

@@ -92,7 +92,7 @@ static iso_status draw_renderers(const iso_figure_job *job, iso_page *page, iso_
 
 const iso_figure_info iso_figure_levels = {
     .name = "levels",
-    .summary = "the levels of a volume side by side, with maps of how far each is from level 0",
+    .summary = "the levels of a volume side by side, with maps of differences from level 0",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_OF_REPORT | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_WITH |
              ISO_FIGURE_HAS_LEVELS | ISO_FIGURE_HAS_ADAPT | ISO_FIGURE_HAS_METHODS | ISO_FIGURE_HAS_INSET,
     .draw = draw_levels,
@@ -100,7 +100,7 @@ const iso_figure_info iso_figure_levels = {
 
 const iso_figure_info iso_figure_renderers = {
     .name = "renderers",
-    .summary = "one level by several renderers, with maps of how far each is from the reference",
+    .summary = "one level by several renderers, with maps of differences from the reference",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_OF_REPORT | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_WITH |
              ISO_FIGURE_HAS_LEVEL | ISO_FIGURE_HAS_VARIANT | ISO_FIGURE_HAS_INSET,
     .draw = draw_renderers,
@@ -138,7 +138,7 @@ const char *iso_figure_method_words(const char *name)
     return name;
 }
 
-/* Column 0 is level 0; each other one has a pyramid of its own. */
+/* Level 0 in the first column; each other column has a pyramid of its own. */
 typedef struct methods_shown {
     const iso_renderer_info *with;
     const method *method[1 + MOST_METHODS];
@@ -170,7 +170,7 @@ static iso_status choose_methods(const char *list, methods_shown *s, iso_figure_
         size_t row = 0;
         snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
         if (c->count > MOST_METHODS)
-            return iso_fail(err, ISO_E_USAGE, "--methods: %d methods at most", MOST_METHODS);
+            return iso_fail(err, ISO_E_USAGE, "--methods: at most %d methods", MOST_METHODS);
         status = iso_names_find(&method_names, word, &row, err);
         s->method[c->count] = &methods[row];
         snprintf(c->titles[c->count++], sizeof *c->titles, "%s", methods[row].title);
@@ -202,7 +202,7 @@ static iso_status draw_methods(const iso_figure_job *job, iso_page *page, iso_er
     TRY(status, load_methods(job, &s, c.count, err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
-        fprintf(f, "Ways to make directions, level %zu", s.level);
+        fprintf(f, "Methods for directions, level %zu", s.level);
         iso_figure_put_subject(&s.subject[0], f);
         c.drawn_by = &s.subject[0].drawn_by;
         c.tf = iso_figure_tf_foot_of(&s.subject[0]);
@@ -216,7 +216,7 @@ static iso_status draw_methods(const iso_figure_job *job, iso_page *page, iso_er
 
 const iso_figure_info iso_figure_methods = {
     .name = "methods",
-    .summary = "one coarse level by several ways to make its directions, beside level 0",
+    .summary = "one coarse level by several methods for its directions, and level 0",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_WITH | ISO_FIGURE_HAS_LEVEL |
              ISO_FIGURE_HAS_METHODS | ISO_FIGURE_HAS_INSET,
     .draw = draw_methods,

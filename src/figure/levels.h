@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* levels.h - levels, renderers or methods of a volume side by side, in the scene's own view and aspect. */
+/* levels.h - figures that compare levels, renderers or methods side by side, in the scene's view and aspect. */
 #ifndef ISO_FIGURE_LEVELS_H
 #define ISO_FIGURE_LEVELS_H
 
@@ -7,7 +7,7 @@
 
 extern const iso_figure_info iso_figure_levels, iso_figure_renderers, iso_figure_methods;
 
-/* A way to make directions in words; the name itself where it is none of --kind methods. */
+/* Returns a method of directions in words; other names unchanged. */
 const char *iso_figure_method_words(const char *name);
 
 #endif

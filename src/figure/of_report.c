@@ -28,10 +28,10 @@ typedef struct figure {
     json_t *report;
     panel *panels;
     size_t count, rows, columns;
-    size_t pictures, empty; /* pictures of the volume, and those of them that show next to nothing of it */
+    size_t pictures, empty; /* pictures of the volume, and those of them that show almost nothing of it */
     const char *first_empty;
     bool in_logs;
-    double low, high; /* of the difference maps; log10 when in_logs */
+    double low, high; /* of the difference maps; log10 if in_logs */
     FILE *caption;
 } figure;
 
@@ -47,7 +47,7 @@ static double number_of(const json_t *object, const char *key)
     return json_is_number(value) ? json_number_value(value) : NAN;
 }
 
-/* A caption names the file, not where it lies. */
+/* Returns a file's name for captions, without its folder. */
 static const char *file_name_of(const json_t *report, const char *key)
 {
     return iso_path_base(string_of(report, key));
@@ -81,7 +81,7 @@ static iso_status add_panel(figure *f, panel p, iso_error *err)
         return status;
     }
     if (!p.against) {
-        const double least = 1e-3; /* ISO_VISIBLE_LEAST of scene/visible.h, which reports know nothing of */
+        const double least = 1e-3; /* ISO_VISIBLE_LEAST of scene/visible.h, which reports do not store */
         ++f->pictures;
         if (iso_image_shown_share(&p.a) < least && f->empty++ == 0)
             f->first_empty = p.image;
@@ -108,8 +108,8 @@ static bool is_adapted(const json_t *row)
     return strcmp(string_of(row, "tf"), "adapted") == 0;
 }
 
-/* The methods of the report that have pictures, each under each TF, in its order: iso_report_consistency_name() as keys
- * of an object, and whether the TF is adapted. */
+/* Returns the report's methods that have pictures, each under each TF, in its order: an object with
+ * iso_report_consistency_name() as keys; the value is true if the TF is adapted. */
 static json_t *pictured_methods(const json_t *rows)
 {
     json_t *methods = json_object(), *row;
@@ -140,7 +140,7 @@ static iso_status check_methods(json_t *methods, const char *list, iso_error *er
     return ISO_OK;
 }
 
-/* Those of a list; without one the first and the last under the original TF. */
+/* Returns the methods of a list; without one the first and the last under the original TF. */
 static json_t *chosen_methods(json_t *methods, const char *list)
 {
     json_t *chosen = json_object(), *adapted;
@@ -184,7 +184,7 @@ static iso_status add_level(figure *f, const json_t *row, size_t at, iso_error *
     return ISO_OK;
 }
 
-/* The levels of one method under one TF. */
+/* Adds the levels of one method under one TF. */
 static iso_status add_levels(figure *f, const json_t *rows, const char *method, size_t at, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -197,7 +197,7 @@ static iso_status add_levels(figure *f, const json_t *rows, const char *method, 
         iso_report_consistency_name(row, name);
         if (strcmp(name, method) != 0 || status != ISO_OK || !string_of(row, "image")[0])
             continue;
-        if (first && at == 0) { /* level 0 once: all methods are of the same volume */
+        if (first && at == 0) { /* level 0 once: all methods have the same volume */
             panel p = {.image = string_of(row, "reference_image"), .title = "level 0", .scale_bar = true};
             status = add_panel(f, p, err);
         }
@@ -234,8 +234,8 @@ static iso_status plan_levels(figure *f, iso_error *err)
 
 /* ---- renderers -------------------------------------------------------------- */
 
-/* What a row compares, in words: the renderer, by which pictures, and in what they differ from the scene as it is. Renderers
- * of others are called what they are called. */
+/* Describes a comparison: renderer, pictures, and difference from the scene's own settings. Unknown renderers keep
+ * their names. */
 static void name_comparison(const json_t *row, char title[96])
 {
     const iso_row_identity id = iso_row_identify(row);
@@ -275,7 +275,7 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
     return ISO_OK;
 }
 
-/* The renderers themselves under the scene's own TF, or those whose variant has the wanted words. */
+/* True for renderers under the scene's own TF, or if the variant contains the given words. */
 static bool is_shown(const json_t *row, const iso_figure_job *job)
 {
     const iso_row_identity id = iso_row_identify(row);
@@ -290,7 +290,7 @@ static bool is_shown(const json_t *row, const iso_figure_job *job)
     return !id.variant[0] && id.comparison != ISO_COMPARISON_EXACT;
 }
 
-/* Renderers stand together, whatever order the report has. */
+/* Sorts comparisons by renderer. */
 static int by_renderer(const void *a, const void *b)
 {
     const json_t *x = *(json_t *const *)a, *y = *(json_t *const *)b;
@@ -301,7 +301,7 @@ static int by_renderer(const void *a, const void *b)
     return order ? order : strcmp(string_of(x, "tier"), string_of(y, "tier"));
 }
 
-/* A figure is of one scene; a suite has many. */
+/* Refuses several scenes in one figure. */
 static iso_status check_one_scene(json_t *const *shown, size_t count, iso_error *err)
 {
     json_t *scenes = json_object();
@@ -328,7 +328,7 @@ static iso_status plan_renderers(figure *f, iso_error *err)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     json_array_foreach(rows, i, row) if (is_shown(row, f->job)) shown[count++] = row;
     qsort(shown, count, sizeof *shown, by_renderer);
-    const char *volume = file_name_of(f->report, "volume"); /* a suite has one a scene */
+    const char *volume = file_name_of(f->report, "volume"); /* in the report of a suite, one per scene */
     fprintf(f->caption,
             "Renderers at level %zu of %s%s%s%s: the reference, each renderer, and the largest difference over the "
             "channels on a log scale.",
@@ -349,7 +349,7 @@ static iso_status plan_renderers(figure *f, iso_error *err)
 
 /* ---- drawing ---------------------------------------------------------------- */
 
-/* Linear up to the largest p99 of the maps; logs over the decades that the page uses. */
+/* Chooses the scale: linear up to the largest p99 of the maps, or logs over the decades that the pictures use. */
 static void choose_scale(figure *f)
 {
     f->in_logs = !f->of_levels;
@@ -369,13 +369,13 @@ static void notice(const figure *f)
     if (f->job->cli)
         iso_progress_line_hide(f->job->cli->progress);
     fprintf(stderr,
-            "isoshade figure: warning: %zu of %zu pictures show something of the volume on less than .1 %% of their "
-            "pixels, the first is %s/images/%s.exr: validate again with a scene that fits the volume\n",
+            "isoshade figure: warning: %zu of %zu pictures show the volume on less than .1 %% of their "
+            "pixels, the first is %s/images/%s.exr; validate again with a scene that fits the volume\n",
             f->empty, f->pictures, f->report_dir, f->first_empty);
 }
 
-/* A report has pictures of one size: what that is in print. */
-static void tell_density(const figure *f, const iso_figure_sheet *sheet, const iso_page *page)
+/* Describes the size of the report's pictures in print. */
+static void describe_density(const figure *f, const iso_figure_sheet *sheet, const iso_page *page)
 {
     const iso_image *first = &f->panels[0].a;
     double width_mm = 0;
@@ -383,18 +383,17 @@ static void tell_density(const figure *f, const iso_figure_sheet *sheet, const i
         return;
     const double dpi = (double)first->width / (width_mm / 25.4);
     const size_t times = iso_page_times(page, width_mm, first->width);
-    fprintf(f->caption, " Pictures have %zu x %zu pixels, %.0f an inch", first->width, first->height, dpi);
+    fprintf(f->caption, " Pictures have %zu x %zu pixels, %.0f per inch", first->width, first->height, dpi);
     if (times > 1)
         fprintf(f->caption, ", each drawn as %zu x %zu dots", times, times);
     fputc('.', f->caption);
     json_object_set_new(f->job->facts, "pixels_per_inch", json_real(dpi));
     if (times > 1 && f->job->cli && !f->job->cli->quiet) {
         iso_progress_line_hide(f->job->cli->progress);
-        fprintf(
-            stderr,
-            "isoshade figure: note: the report's pictures have %.0f pixels an inch here, not %g; a figure of the volume "
-            "renders its own at this size\n",
-            dpi, f->job->dpi);
+        fprintf(stderr,
+                "isoshade figure: note: the report's pictures have %.0f pixels per inch here, not %g; a figure of the "
+                "volume renders new ones at this size\n",
+                dpi, f->job->dpi);
     }
 }
 
@@ -405,7 +404,7 @@ static iso_status draw_sheet(figure *f, iso_page *page, iso_error *err)
                                     .count = f->count,
                                     .rows = f->rows,
                                     .columns = f->columns,
-                                    .rows_a_side = f->of_levels ? 2 : 1,
+                                    .rows_per_side = f->of_levels ? 2 : 1,
                                     .in_logs = f->in_logs,
                                     .low = f->low,
                                     .high = f->high,
@@ -415,7 +414,7 @@ static iso_status draw_sheet(figure *f, iso_page *page, iso_error *err)
     const iso_status status = iso_figure_draw(&sheet, page, err);
     if (status == ISO_OK) {
         iso_figure_describe(&sheet, f->caption);
-        tell_density(f, &sheet, page);
+        describe_density(f, &sheet, page);
     }
     return status;
 }

@@ -20,10 +20,10 @@ static const char *const role_names[ISO_PAGE_ROLES] = {"title_pt", "note_pt"};
 static const double mm_per_pt = 25.4 / 72, line_height = 1.25, least_panel_mm = 6;
 enum { MOST_PICTURES = 512 };
 
-/* Pieces of the script, in the order in which they are drawn. */
+/* Pieces of the script, in drawing order. */
 typedef enum piece { PICTURES, PLOTS, OVERLAY, CAPTION, PIECES } piece;
 
-/* What has a letter: its upper left corner. */
+/* The upper left corner of a panel that gets a letter. */
 typedef struct panel {
     double left, top;
 } panel;
@@ -35,7 +35,7 @@ struct iso_page {
     FILE *files[PIECES];
     char *texts[PIECES];
     size_t sizes[PIECES];
-    iso_page_pixels pictures[MOST_PICTURES]; /* as they lie on the page, in dots */
+    iso_page_pixels pictures[MOST_PICTURES]; /* at their positions on the page, in dots */
     size_t picture_count;
     bool lettered;
     panel panels[MOST_PICTURES];
@@ -165,11 +165,11 @@ static size_t nearest_dot(const iso_page *p, double mm)
 
 size_t iso_page_times(const iso_page *p, double width_mm, size_t pixels)
 {
-    /* Some dots too few, where the last text moved a margin, are no reason to draw each pixel twice. */
+    /* A panel that is a few dots too narrow must not draw each pixel twice. */
     return width_mm > 0 && pixels > 1 ? (size_t)fmax(1, ceil(width_mm / 25.4 * p->dpi / (double)pixels - 0.02)) : 1;
 }
 
-/* Each pixel so many times in both directions; takes the bytes. NULL: out of memory. */
+/* Enlarges pixels in both directions; takes the bytes. NULL: out of memory. */
 static unsigned char *enlarge(unsigned char *rgb, size_t width, size_t height, size_t times)
 {
     unsigned char *out = times > 1 ? malloc(3 * width * height * times * times) : rgb;
@@ -193,7 +193,7 @@ void iso_page_add_panel(iso_page *p, const iso_page_box *box)
         p->panels[p->panel_count++] = (panel){box->left, box->top};
 }
 
-/* Panels of a row may differ by some dots. */
+/* Allows a difference of some dots between panels of a row. */
 static int in_reading_order(const void *a, const void *b)
 {
     const panel *x = a, *y = b;
@@ -201,7 +201,7 @@ static int in_reading_order(const void *a, const void *b)
     return (before > 0) - (before < 0);
 }
 
-/* On a white square, so that they are read on any picture. */
+/* Puts letters on white squares, to be legible on any picture. */
 static void put_letters(iso_page *p)
 {
     const double line = iso_page_line_mm(p, ISO_PAGE_TITLE);
@@ -224,7 +224,7 @@ static void put_letters(iso_page *p)
     }
 }
 
-/* Takes the bytes. */
+/* Puts pixels; takes the bytes. */
 static void put_pixels(iso_page *p, const iso_page_box *box, unsigned char *rgb, size_t width, size_t height)
 {
     char name[32];
@@ -339,9 +339,9 @@ void iso_page_plot_end(iso_page *p)
     fputc('\n', p->files[PLOTS]);
 }
 
-/* ---- all forms ---- */
+/* ---- all formats ---- */
 
-/* The whole script. To be freed; NULL: out of memory. */
+/* Returns the whole script, to be freed; NULL: out of memory. */
 static char *write_script(const iso_page *p)
 {
     char *script = NULL;
@@ -420,7 +420,7 @@ static iso_status write_caption(const iso_page *p, iso_error *err)
 }
 
 static const struct {
-    const char *name, *format; /* as users and as gnuplot's scripts call it */
+    const char *name, *format; /* for users, and for gnuplot's scripts */
 } forms_beside[] = {{"svg", "svg"}, {"png", "png"}, {"latex", "tex"}};
 enum { FORMS = sizeof forms_beside / sizeof *forms_beside };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Color bars and scale bars, of what page.h has besides. */
+/* Color bars and scale bars of page.h. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -65,8 +65,8 @@ enum { COLORS = 128 };
 
 void iso_page_put_color_bar(iso_page *p, const iso_page_color_bar *bar)
 {
-    /* Rectangles, each over the lower part of the one above it, so that no seam shows: gnuplot draws no picture that is a
-     * pixel wide, and a wider one would be a picture to those who count them. */
+    /* Draws rectangles, each over the lower part of the one above it, so that no seam is visible. A picture one
+     * pixel wide is not drawn by gnuplot, and a wider one would count as a picture. */
     for (int i = 0; i < COLORS; ++i) {
         unsigned char rgb[3];
         char color[8];
@@ -101,11 +101,11 @@ typedef struct corner {
     bool right, top;
 } corner;
 
-/* Without the one that letters stand in; what is named first is taken where others are no emptier. */
+/* The upper left corner is for letters. The first corner wins ties. */
 static const corner corners[] = {{false, false}, {true, false}, {true, true}};
 enum { CORNERS = sizeof corners / sizeof *corners };
 
-/* What the bar and its text cover in a corner, in millimeters on the page. */
+/* Returns the area that the bar and its text cover in a corner, in millimeters on the page. */
 static iso_page_box covered(const iso_page_box *picture, corner at, double wide, double high)
 {
     const double x = 0.05 * picture->width, y = 0.05 * picture->height;
@@ -114,10 +114,10 @@ static iso_page_box covered(const iso_page_box *picture, corner at, double wide,
 }
 
 typedef struct below {
-    double opacity, brightness; /* means */
+    double opacity, brightness; /* means of the covered part */
 } below;
 
-/* Of the part of a picture that a box on the page covers. */
+/* Measures the part of a picture under a box on the page. */
 static below look_below(const iso_image *image, const iso_page_box *picture, const iso_page_box *box)
 {
     const double wide = (double)image->width, high = (double)image->height;
@@ -136,7 +136,7 @@ static below look_below(const iso_image *image, const iso_page_box *picture, con
     return (below){sum.opacity / n, sum.brightness / n};
 }
 
-/* The lower left one, unless another covers less of what is shown. */
+/* Returns the lower left corner, unless another one covers less of the volume. */
 static corner emptiest_corner(const iso_image *image, const iso_page_box *picture, double wide, double high)
 {
     const double little = 0.01;
@@ -163,9 +163,9 @@ void iso_page_draw_scale_bar(iso_page *p, const iso_page_box *box, const iso_ima
     const double wide = fmax(bar, iso_page_text_mm(p, ISO_PAGE_NOTE, text)), high = line + gap + thick;
     const corner at = emptiest_corner(image, box, wide, high);
     const iso_page_box place = covered(box, at, wide, high);
-    /* Dark on what is bright, bright on what is dark. */
+    /* Dark on bright pixels, bright on dark ones. */
     const char *color = look_below(image, box, &place).brightness > 0.5 ? "#000000" : "#ffffff";
-    /* The wider one is nearer to the edge, where what is round leaves more room. */
+    /* The wider one of bar and text is nearer to the edge, which leaves more of a round volume free. */
     const bool bar_first = at.top == (bar >= wide);
     const double x = place.left + (at.right ? place.width : 0);
     const iso_page_box drawn = {at.right ? x - bar : x, bar_first ? place.top : place.top + line + gap, bar, thick};

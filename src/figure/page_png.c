@@ -14,7 +14,7 @@ typedef struct canvas {
     unsigned char *rgb;
 } canvas;
 
-/* The mean of the pixels that a dot covers; where a pixel covers whole dots, that pixel. */
+/* Computes the mean of the pixels that a dot covers; if a pixel covers whole dots, that pixel. */
 static void sample(const iso_page_pixels *p, size_t x, size_t y, unsigned char rgb[3])
 {
     const size_t left = x * p->width / p->wide, top = y * p->height / p->high;
@@ -41,7 +41,7 @@ static void put_pictures(canvas *c, const iso_page_pixels *pictures, size_t coun
     }
 }
 
-/* Where nothing is drawn over a picture its bytes stay what they are. */
+/* Blends a row of the drawing over the canvas; bytes under transparent dots stay unchanged. */
 static void put_over(canvas *c, const unsigned char *rgba)
 {
     for (size_t i = 0; i < c->wide * c->high; ++i) {
@@ -52,7 +52,7 @@ static void put_over(canvas *c, const unsigned char *rgba)
     }
 }
 
-/* The file is read by ourselves: libpng does not tell a file that cannot be read from one that is no PNG. */
+/* Reads the file without libpng, which does not distinguish an unreadable file from one that is not a PNG. */
 static iso_status read_overlay(const char *path, const canvas *c, unsigned char **rgba, iso_error *err)
 {
     png_image png = {.version = PNG_IMAGE_VERSION};
@@ -79,7 +79,7 @@ static iso_status read_overlay(const char *path, const canvas *c, unsigned char 
     return status;
 }
 
-/* libpng prints its own messages, unless these are there: the one that counts is ours. */
+/* Replaces libpng's own messages. */
 static void stop(png_structp png, png_const_charp text)
 {
     (void)text;
@@ -91,7 +91,7 @@ static void pass_over(png_structp png, png_const_charp text)
     (void)png, (void)text;
 }
 
-/* By the library's plain calls, which jump on errors: nothing is kept in variables that change after setjmp(). */
+/* Writes the rows. libpng's calls jump on errors, so no variable changes after setjmp(). */
 static int write_rows(FILE *f, png_structp png, png_infop info, const canvas *c, double dpi)
 {
     if (setjmp(png_jmpbuf(png)))

@@ -5,7 +5,7 @@
 
 #include "report/gnuplot.h"
 
-/* The width of a letter of DejaVu Sans in em, in a few classes and rather too wide. */
+/* Returns the width of a letter of DejaVu Sans in em, in a few classes and rather too wide. */
 static double letter_em(char c)
 {
     if (strchr("ijl.,:;'|!", c))
@@ -22,14 +22,14 @@ double iso_page_text_width_mm(const char *s, size_t bytes, double pt)
     const double mm_per_pt = 25.4 / 72;
     double em = 0;
     for (size_t i = 0; i < bytes; ++i)
-        if ((unsigned char)s[i] >= 0xc0) /* the first byte of what is no ASCII: a minus sign */
+        if ((unsigned char)s[i] >= 0xc0) /* first byte of a character that is not ASCII: a minus sign */
             em += 0.84;
         else if ((unsigned char)s[i] < 0x80)
             em += letter_em(s[i]);
     return em * pt * mm_per_pt;
 }
 
-/* What LaTeX has other words for. The rest of UTF-8 is for the paper's own encoding. */
+/* Characters with other spellings in LaTeX. The paper's encoding covers the rest of UTF-8. */
 static const struct {
     const char *utf8, *latex;
 } replaced[] = {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* page_text.h - how wide texts are, and how they are written for gnuplot and for LaTeX. */
+/* page_text.h - widths of texts, and texts in gnuplot's and LaTeX's syntax. */
 #ifndef ISO_FIGURE_PAGE_TEXT_H
 #define ISO_FIGURE_PAGE_TEXT_H
 
 #include <stddef.h>
 #include <stdio.h>
 
-/* Of so many bytes of UTF-8 in DejaVu Sans, rather too wide; the fonts of most papers are narrower. */
+/* Returns the width of `bytes` bytes of UTF-8 in DejaVu Sans, rather too wide; most papers have narrower fonts. */
 double iso_page_text_width_mm(const char *text, size_t bytes, double pt);
-/* "say(note_pt, 'plain', 'for LaTeX')", an expression of page.gp. role_pt: "note_pt". */
+/* Writes "say(note_pt, 'plain', 'for LaTeX')", an expression of page.gp. role_pt: "note_pt". */
 void iso_page_text_put(FILE *gp, const char *role_pt, const char *text);
 
 #endif

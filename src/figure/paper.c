@@ -22,7 +22,7 @@ static double note_room(const iso_paper *p, const iso_paper_row *row)
     return row->has_notes ? iso_page_line_mm(p->page, ISO_PAGE_NOTE) + 0.8 : 0;
 }
 
-/* The panels of each row, `part` of the width that there is room for. Returns the height of all. */
+/* Places the panels of each row, with `part` of the available width. Returns the total height. */
 static double place_rows(iso_paper *p, double part)
 {
     double y = edge_mm;
@@ -55,13 +55,13 @@ iso_status iso_paper_lay_out(iso_paper *p, const iso_figure_job *job, iso_page *
     }
     if (!(narrowest >= least_mm && high <= job->height_mm))
         return iso_fail(err, ISO_E_RANGE,
-                        "figure: --width %g and --height %g leave %.1f mm for each of its panels, %g are needed",
+                        "figure: --width %g and --height %g leave %.1f mm for each panel, at least %g are needed",
                         job->width_mm, job->height_mm, fmax(narrowest, 0), least_mm);
     iso_page_set_size(page, wide, high);
     return ISO_OK;
 }
 
-/* Above or below a panel, in its middle. */
+/* Puts a text above or below a panel, in its middle. */
 static void put_text(const iso_paper *p, iso_page_role role, double x, double y, double room_mm, const char *text)
 {
     const iso_page_text at = {.x = x, .y = y, .role = role, .align = ISO_PAGE_CENTER};

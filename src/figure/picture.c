@@ -50,14 +50,15 @@ iso_status iso_figure_renderer(const iso_figure_job *job, const iso_renderer_inf
     return iso_renderer_from_name(job->with ? job->with : iso_renderers_usual()->name, with, err);
 }
 
-/* By Rodrigues' formula; the axis is a unit vector. */
+/* Rotates by Rodrigues' formula; the axis is a unit vector. */
 static iso_vec3 rotate(iso_vec3 v, iso_vec3 axis, double angle)
 {
     return iso_madd(iso_madd(iso_scale(v, cos(angle)), iso_cross(axis, v), sin(angle)), axis,
                     iso_dot(axis, v) * (1 - cos(angle)));
 }
 
-/* Round the scene's up axis through the center of the box, with the lights that stand before the camera. */
+/* Turns the camera around the scene's up axis through the center of the box, together with the lights that are
+ * relative to the camera. */
 static void turn_camera(iso_view *view, const iso_scene *scene, iso_vec3 center, double degrees)
 {
     iso_camera *c = &view->camera;
@@ -72,7 +73,7 @@ static void turn_camera(iso_view *view, const iso_scene *scene, iso_vec3 center,
             view->lights[i].direction = rotate(view->lights[i].direction, axis, angle);
 }
 
-/* How far the box reaches towards the picture's edges: 1 where a corner of it lies on one. */
+/* Returns the extent of the box relative to the picture: 1 if a corner lies on an edge. */
 static double reach(const iso_view *view, const iso_geometry *g)
 {
     const iso_camera *c = &view->camera;
@@ -88,14 +89,15 @@ static double reach(const iso_view *view, const iso_geometry *g)
     return most;
 }
 
-/* A camera that frames the box from one side may cut it from another. All frames are widened alike, by what the worst of
- * them needs beyond the first, with a twentieth around it; a part of the box that the scene itself leaves out stays out. */
+/* A camera that frames the box from one side may cut it from another. Widens all frames equally, by the excess of
+ * the worst frame over the first, with a margin of a twentieth. Parts of the box that the scene itself cuts off stay
+ * cut off. */
 static void widen_for_turns(iso_view *view, const iso_scene *scene, const iso_geometry *g, size_t turns)
 {
     const double first = reach(view, g);
     double most = first;
     for (size_t i = 1; i < turns; ++i) {
-        iso_view turned = *view; /* borrows what it owns */
+        iso_view turned = *view; /* borrows its contents */
         turn_camera(&turned, scene, iso_geometry_box_center_mm(g), 360.0 * (double)i / (double)turns);
         most = fmax(most, reach(&turned, g));
     }
@@ -106,7 +108,7 @@ static void widen_for_turns(iso_view *view, const iso_scene *scene, const iso_ge
 static iso_status make_view(iso_figure_subject *s, const iso_figure_picture *what, iso_view *view, iso_error *err)
 {
     const iso_geometry *geometry = &s->pyramid.levels[0].geometry;
-    iso_scene scene = s->scene; /* borrows what it owns */
+    iso_scene scene = s->scene; /* borrows its contents */
     scene.width = what->width, scene.height = what->height;
     if (what->viewpoint)
         iso_scene_look_from(&scene, geometry, what->viewpoint);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A plan: the picture, and cuts through the bricks, each in the color of its level. */
+/* A plan: its picture, and cuts through the bricks, each in the color of its level. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -23,13 +23,13 @@ typedef struct shown {
     size_t level_count;
 } shown;
 
-/* The finest level has the darkest color. */
+/* Colors a level; the finest one is the darkest. */
 static void color_of(const shown *s, size_t level, unsigned char rgb[3])
 {
     iso_colormap_lookup(s->job->map, 0.35 + 0.6 * (double)level / fmax((double)s->level_count - 1, 1), rgb);
 }
 
-/* Darker where values are high; bricks have thin edges. axis: the one that is cut across. */
+/* Computes a pixel: darker for high values; bricks have thin edges. axis: normal of the cut. */
 static void paint(const shown *s, const double index[3], size_t axis, double edge, float rgba[4])
 {
     const iso_node_levels *n = &s->nodes;
@@ -55,7 +55,7 @@ static void paint(const shown *s, const double index[3], size_t axis, double edg
         rgba[c] = c == 3 ? 1 : (float)iso_srgb_to_linear((on_edge ? 0.55 : 1 - 0.35 * value) * (double)rgb[c] / 255.0);
 }
 
-/* Across axis 2, 1 or 0 through the middle, the volume as large as fits into the picture. */
+/* Renders a cut across axis 2, 1 or 0 through the middle, with the volume as large as possible. */
 static iso_status render_cut(const shown *s, size_t axis, size_t width, size_t height, iso_image *image, iso_error *err)
 {
     const iso_geometry *g = &s->subject.pyramid.levels[0].geometry;
@@ -63,7 +63,7 @@ static iso_status render_cut(const shown *s, size_t axis, size_t width, size_t h
     double mm[3];
     for (int a = 0; a < 3; ++a)
         mm[a] = iso_norm(iso_column(g->index_to_world, a));
-    /* All cuts on one scale: the first size goes across, or upward in the cut along it. */
+    /* One scale for all cuts: the first size goes across, or upward in the cut along it. */
     const double mm_per_pixel = fmax(fmax(mm[0] * (double)g->size[0], mm[1] * (double)g->size[1]) / (double)width,
                                      fmax(mm[1] * (double)g->size[1], mm[2] * (double)g->size[2]) / (double)height);
     const iso_status status = iso_image_create(image, width, height, err);
@@ -91,13 +91,13 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
     shown *s = user;
     if (column > 0)
         return render_cut(s, 3 - column, width, height, image, err);
-    iso_view view = s->view; /* borrows what it owns */
+    iso_view view = s->view; /* borrows its contents */
     view.width = width, view.height = height;
     *mm_per_pixel = iso_view_mm_per_pixel(&view, &s->subject.pyramid.levels[0].geometry);
     return iso_planner_draw(&s->planner, s->planner.best.levels, s->planner.best.drawn, &view, image, err);
 }
 
-/* ---- words ---- */
+/* ---- caption and legend ---- */
 
 static void count_bricks(const shown *s, size_t of_level[ISO_BRICK_MAX_LEVELS + 1])
 {
@@ -106,7 +106,7 @@ static void count_bricks(const shown *s, size_t of_level[ISO_BRICK_MAX_LEVELS + 
         ++of_level[t->drawn[i] ? t->levels[i] : s->level_count];
 }
 
-/* Below the pictures: a square and a text a level, and one for what is left out. */
+/* Puts a square and a text per level below the pictures, and one for omitted bricks. */
 static void put_legend(const shown *s, iso_page *page)
 {
     size_t bricks[ISO_BRICK_MAX_LEVELS + 1] = {0};
@@ -137,13 +137,13 @@ static void write_caption(const shown *s, double error, FILE *f)
     iso_figure_put_subject(&s->subject, f);
     fprintf(
         f,
-        " for an RMSE of %.3g: %.3g of %.3g bytes, measured RMSE %.3g; %zu of %zu bricks of %d voxels a side. The picture "
-        "that it gives, and cuts through the middle in the colors of the bricks' levels, darker where values are high",
+        " for an RMSE of %.3g: %.3g of %.3g bytes, measured RMSE %.3g; %zu of %zu bricks of %d voxels per side. Its "
+        "picture, and cuts through the middle in the colors of the bricks' levels, darker for high values",
         error, iso_plan_trial_bytes(t), (double)ISO_BYTES_A_NODE * (double)s->planner.full_node_count, t->measured.rmse,
         t->drawn_count, s->planner.plan.brick_count, BRICK_VOXELS);
 }
 
-/* ---- the whole ---- */
+/* ---- the figure ---- */
 
 static iso_status make_plan(shown *s, double error, iso_error *err)
 {
@@ -171,7 +171,7 @@ static iso_status draw_plan(const iso_figure_job *job, iso_page *page, iso_error
     const double error = job->error > 0 ? job->error : usual_error;
     iso_figure_columns c = {.job = job,
                             .count = WAYS,
-                            .a_row = job->width_mm < 120 ? 2 : WAYS,
+                            .per_row = job->width_mm < 120 ? 2 : WAYS,
                             .titles = {"picture", "cut across z", "cut across y", "cut across x"},
                             .foot_mm = foot_mm,
                             .render = render,
@@ -194,7 +194,7 @@ static iso_status draw_plan(const iso_figure_job *job, iso_page *page, iso_error
 
 const iso_figure_info iso_figure_plan = {
     .name = "plan",
-    .summary = "which brick has which level: the picture that a plan gives, and cuts through its bricks",
+    .summary = "levels of bricks: the picture of a plan, and cuts through its bricks",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_LEVELS | ISO_FIGURE_HAS_ERROR,
     .draw = draw_plan,
 };

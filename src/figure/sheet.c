@@ -9,14 +9,14 @@
 
 #include "figure/page_text.h"
 
-/* Print sizes; journals ask for 6 points at least. Titles become smaller before words stand in each other's way. */
+/* Print sizes; journals require 6 points at least. Titles become smaller before words overlap. */
 static const double largest_title_pt = 8, smallest_pt = 6, note_pt = 6.2;
 static const double mm_per_pt = 25.4 / 72, line_height = 1.25;
 static const double narrowest_mm = 8, widest_mm = 60, gap_mm = 1.5;
 
 /* ---- text ---- */
 
-/* The longest of the words between blanks. */
+/* Returns the width of the longest word. */
 static double word_width_mm(const char *text, double pt)
 {
     double widest = 0;
@@ -28,7 +28,7 @@ static double word_width_mm(const char *text, double pt)
     return widest;
 }
 
-/* In one line, a '|' becoming two blanks. */
+/* Joins lines into one; a '|' becomes two blanks. */
 static void join(const char *text, char out[128])
 {
     size_t used = 0;
@@ -40,11 +40,11 @@ static void join(const char *text, char out[128])
     out[used] = 0;
 }
 
-/* Text as lines at most room_mm wide, a '|' between them: broken at each '|', and at blanks where that is still too wide.
- * Returns the count of lines. */
+/* Breaks a text into lines of at most room_mm, with a '|' between them: at each '|', and at blanks if needed.
+ * Returns the number of lines. */
 static size_t break_lines(const char *text, double room_mm, double pt, char out[128])
 {
-    size_t count = text[0] != 0, line = 0, blank = 0; /* where the line begins; the last blank in it, 0: none */
+    size_t count = text[0] != 0, line = 0, blank = 0; /* start of the line; its last blank, 0: none */
     snprintf(out, 128, "%s", text);
     for (size_t i = 0; out[i]; ++i) {
         if (out[i] == '|' || (blank > line && iso_page_text_width_mm(out + line, i + 1 - line, pt) > room_mm)) {
@@ -59,7 +59,7 @@ static size_t break_lines(const char *text, double room_mm, double pt, char out[
     return count;
 }
 
-/* ---- where things stand: millimeters from the left and the top ---- */
+/* ---- layout: millimeters from the left and the top ---- */
 
 typedef struct layout {
     double panel_width, panel_height, left, right, head, width, height;
@@ -76,7 +76,7 @@ static const char *text_of(const iso_figure_panel *p, bool title)
     return title ? p->title : p->note;
 }
 
-/* Do the titles, or the notes, of a row each fit in one line? They look alike: else all are broken. */
+/* True if the titles, or the notes, of a row each fit in one line. Otherwise all are broken, to look the same. */
 static bool fit_in_one(const iso_figure_sheet *f, size_t row, bool titles, double room_mm, double pt)
 {
     char line[128];
@@ -88,7 +88,7 @@ static bool fit_in_one(const iso_figure_sheet *f, size_t row, bool titles, doubl
     return true;
 }
 
-/* A panel's title or note as it stands. Returns the count of lines. */
+/* Sets the lines of a panel's title or note. Returns their number. */
 static size_t set_lines(const iso_figure_sheet *f, const iso_figure_panel *p, bool title, double room_mm, double pt,
                         char out[128])
 {
@@ -114,13 +114,13 @@ static double lines_mm(size_t count, double pt)
     return (double)count * line_height * pt * mm_per_pt;
 }
 
-/* Below a row: its notes, or a gap. */
+/* Returns the height below a row: its notes, or a gap. */
 static double row_foot(const iso_figure_sheet *f, const layout *l, size_t row)
 {
     return gap_mm + lines_mm(most_lines(f, row, false, l->panel_width, note_pt), note_pt);
 }
 
-/* Above a row but the first, whose titles stand in the page's head. */
+/* Returns the height above a row; 0 for the first, whose titles are in the page's head. */
 static double row_head(const iso_figure_sheet *f, const layout *l, size_t row)
 {
     const size_t lines = most_lines(f, row, true, l->panel_width, l->title_pt);
@@ -135,10 +135,10 @@ static double row_top(const iso_figure_sheet *f, const layout *l, size_t row)
     return y;
 }
 
-/* How high the text on the left may be: its rows. */
+/* Returns the largest height of a text on the left: its rows. */
 static double side_mm(const iso_figure_sheet *f, const layout *l)
 {
-    return (double)f->rows_a_side * (l->panel_height + gap_mm) - gap_mm;
+    return (double)f->rows_per_side * (l->panel_height + gap_mm) - gap_mm;
 }
 
 static size_t side_lines(const iso_figure_sheet *f, const layout *l)
@@ -181,7 +181,7 @@ static double legend_words_mm(const iso_figure_sheet *f, const layout *l, char o
            0.8;
 }
 
-/* The legend stands in the empty place before the first maps, or on the right of them. */
+/* Places the legend before the first maps, if there is an empty box, or on their right. */
 static void place_legend(const iso_figure_sheet *f, layout *l, bool inside)
 {
     const double top = row_top(f, l, first_map_row(f)), words = legend_words_mm(f, l, l->legend_text);
@@ -198,13 +198,14 @@ static size_t has_sides(const iso_figure_sheet *f)
     return any;
 }
 
-/* Panels as wide as the sheet has room for, texts around them. */
+/* Sizes the panels: as wide as possible with the texts around them. */
 static void size_panels(const iso_figure_sheet *f, layout *l, bool inside, double narrower)
 {
     const iso_image *first = &f->panels[0].a;
     const double columns = (double)f->columns, gaps = (columns - 1) * gap_mm;
     char lines[128];
-    /* The height of the panels says how many lines the upright texts have, and these leave less width: until both agree. */
+    /* The panels' height gives the number of lines of the upright texts, which reduce the width: repeats until both
+     * agree. */
     for (size_t sides = 0, wanted = has_sides(f), passes = 0; wanted > sides || passes == 0;
          wanted = side_lines(f, l)) {
         sides = wanted;
@@ -221,7 +222,7 @@ static void size_panels(const iso_figure_sheet *f, layout *l, bool inside, doubl
     l->height = row_top(f, l, f->rows);
 }
 
-/* The widest word of any text beside the room for it: 1 and less fit. */
+/* Returns the largest ratio of a word's width to its available width; at most 1 fits. */
 static double crowding(const iso_figure_sheet *f, const layout *l)
 {
     const double room = l->panel_width + gap_mm, upright = side_mm(f, l) + gap_mm;
@@ -254,8 +255,8 @@ static iso_status plan_layout(const iso_figure_sheet *f, layout *l, iso_error *e
     }
     if (!(l->panel_width > 0 && l->height <= f->height_mm && crowding(f, l) <= 1))
         return iso_fail(err, ISO_E_RANGE,
-                        "figure: %zu columns and %zu rows do not fit into %g x %g mm with texts of %g points: they "
-                        "need %.1f times that",
+                        "figure: %zu columns and %zu rows do not fit into %g x %g mm with texts of %g points; they "
+                        "need %.1f times this size",
                         f->columns, f->rows, f->width_mm, f->height_mm, smallest_pt,
                         ceil(10 * fmax(crowding(f, l), l->height / f->height_mm)) / 10);
     if (maps < f->rows)
@@ -286,7 +287,7 @@ static void put_map(const iso_figure_sheet *f, const iso_figure_panel *p, const 
 
 /* ---- panels ---- */
 
-/* Lines with a '|' between them, below each other; y is the middle of the first. */
+/* Puts lines below each other, with '|' between them; y is the middle of the first. */
 static void put_lines(iso_page *page, iso_page_text at, const char *lines)
 {
     const double line = iso_page_line_mm(page, at.role);
@@ -337,7 +338,7 @@ static void put_texts(const iso_figure_sheet *f, const layout *l, const iso_figu
               lines);
 }
 
-/* The part of a picture that its inset shows, and the inset, in one color. */
+/* Puts frames of one color around the inset, and around its part of the picture. */
 static void put_frames(const iso_figure_panel *p, const iso_page_box *box, iso_page *page)
 {
     const iso_page_pen pen = {"#e69f00", 0.8, 0};
@@ -354,7 +355,7 @@ static iso_page_box panel_box(const iso_figure_sheet *f, const layout *l, const 
 {
     iso_page_box box = {l->left + (double)p->column * (l->panel_width + gap_mm), row_top(f, l, p->row), l->panel_width,
                         l->panel_height};
-    if (f->a_pixel_a_dot)
+    if (f->is_pixel_per_dot)
         box.width = iso_page_dots_mm(page, p->a.width), box.height = iso_page_dots_mm(page, p->a.height);
     return box;
 }
@@ -373,9 +374,9 @@ static void put_panel(const iso_figure_sheet *f, const layout *l, size_t i, iso_
         iso_page_put_scale_bar(page, &box, &p->a, p->mm_per_pixel);
 }
 
-/* ---- figure.csv: what stands where, for who changes the script ---- */
+/* ---- figure.csv: positions of all contents, for editing the script ---- */
 
-/* A cell; "-" for none, ';' for a comma. */
+/* Writes a cell; "-" for none, ';' for a comma. */
 static void put_cell(FILE *csv, const char *s)
 {
     if (!*s)
@@ -430,7 +431,7 @@ static iso_page_color_bar legend_bar(const iso_figure_sheet *f, const layout *l)
     return (iso_page_color_bar){l->legend, f->map, {f->low, f->high}, f->in_logs, l->legend_text};
 }
 
-/* ---- the whole ---- */
+/* ---- the figure ---- */
 
 double iso_figure_round_up(double number)
 {
@@ -450,7 +451,7 @@ void iso_figure_describe(const iso_figure_sheet *f, FILE *caption)
         return;
     fprintf(caption, " Colors of the maps: %s%.3g to %s%.3g, of linear light where 1 is white, and of opacity%s.",
             f->in_logs ? "10^" : "", f->low, f->in_logs ? "10^" : "", f->high,
-            f->in_logs ? "" : "; at most 1 % of a map's pixels are beyond and drawn as the last color");
+            f->in_logs ? "" : "; at most 1 % of a map's pixels are beyond, in the last color");
 }
 
 iso_status iso_figure_panel_width(const iso_figure_sheet *sheet, double *width_mm, iso_error *err)

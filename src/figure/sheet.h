@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* sheet.h - rows and columns of pictures and difference maps on a page. Who calls it decides what they show: of_report.c
- * from a report, levels.c by rendering for the size of the print. */
+/* sheet.h - rows and columns of pictures and difference maps on a page. of_report.c fills them from a report,
+ * levels.c by rendering for print. */
 #ifndef ISO_FIGURE_SHEET_H
 #define ISO_FIGURE_SHEET_H
 
@@ -10,43 +10,43 @@
 #include "figure/page.h"
 #include "image/image.h"
 
-/* One picture, or one difference map (against set). A '|' in a text breaks the line where it does not fit in one. */
+/* One picture, or one difference map (against is set). A '|' in a text is a line break if the text is too wide. */
 typedef struct iso_figure_panel {
     size_t row, column;
     const char *image, *against;        /* names in the report; borrowed from it */
-    char title[96], note[96], side[96]; /* above, below, and on the left, upright */
+    char title[96], note[96], side[96]; /* above, below, and upright on the left */
     iso_image a, b;
     iso_metrics metrics; /* of a difference */
     double mm_per_pixel; /* 0: unknown */
     bool scale_bar;
-    double mark[4]; /* a part of the picture that is framed: left, top, wide, high; zeroed: none */
-    bool framed;    /* the picture itself is */
+    double mark[4]; /* framed part of the picture: left, top, width, height; zeroed: none */
+    bool framed;    /* True if the picture itself has a frame */
 } iso_figure_panel;
 
 typedef struct iso_figure_sheet {
     const iso_figure_panel *panels;
     size_t count, rows, columns;
-    size_t rows_a_side; /* rows that share the text on the left, which stands in the first of them */
+    size_t rows_per_side; /* rows that share the text on the left, which the first of them has */
     bool in_logs;
-    double low, high;           /* of the difference maps; log10 when in_logs */
+    double low, high;           /* of the difference maps; log10 if in_logs */
     double width_mm, height_mm; /* at most */
-    bool a_pixel_a_dot;         /* pictures have as many pixels as their places have dots; else they fill these */
+    bool is_pixel_per_dot;      /* True if pictures have one pixel per dot; otherwise they fill their boxes */
     const iso_colormap *map;
-    const char *legend; /* text of a color bar for pictures that show data, low to high; NULL: for maps alone */
-    double foot_mm;     /* left free below */
+    const char *legend; /* text of a color bar for pictures that show data, low to high; NULL: only maps have one */
+    double foot_mm;     /* free space at the bottom */
 } iso_figure_sheet;
 
-/* The width of a panel as it is printed; of the images only the sizes are looked at. ISO_E_RANGE as iso_figure_draw(). */
+/* Returns the printed width of a panel; only the sizes of the images are read. ISO_E_RANGE as iso_figure_draw(). */
 iso_status iso_figure_panel_width(const iso_figure_sheet *sheet, double *width_mm, iso_error *err);
 
-/* ISO_E_RANGE: the panels do not fit with texts that can be read. */
+/* Draws the sheet. ISO_E_RANGE: the panels do not fit with legible texts. */
 iso_status iso_figure_draw(const iso_figure_sheet *sheet, iso_page *page, iso_error *err);
 
-/* The end of a scale of colors for numbers up to this: 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 times a power of ten, no
- * less than the number; 1 where that is not above 0. */
+/* Returns the end of a color scale for numbers up to this: 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 times a power of
+ * ten, not below the number; 1 if the number is not positive. */
 double iso_figure_round_up(double number);
 
-/* What a caption says of the colors of maps. */
+/* Writes the colors of maps into a caption. */
 void iso_figure_describe(const iso_figure_sheet *sheet, FILE *caption);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The levels of a pyramid as slices through the middle, each voxel a square. */
+/* The levels of a pyramid as slices through the middle; each voxel is a square. */
 #include <math.h>
 
 #include "figure/columns.h"
@@ -9,7 +9,7 @@
 
 enum { USUAL_LEVELS = 4 };
 
-/* Where a pixel of the picture lies across the x and y axis, as a part of level 0's extent; all levels show the same. */
+/* Returns the value at x, y, as parts of level 0's extent: the same place in all levels. */
 static float value_at(const iso_level *l, const iso_geometry *level0, size_t level, double u, double v)
 {
     const double scale = ldexp(1, (int)level);
@@ -64,7 +64,7 @@ static iso_status draw_slices(const iso_figure_job *job, iso_page *page, iso_err
                (iso_norm(iso_column(g->index_to_world, 1)) * (double)g->size[1]);
     fputs("Slices through the middle of the levels", iso_page_caption(page));
     iso_figure_put_subject(&s, iso_page_caption(page));
-    fputs(", across the volume's third axis, each voxel as it is stored", iso_page_caption(page));
+    fputs(", across the volume's third axis, with the stored voxels", iso_page_caption(page));
     const iso_status drawn = iso_figure_draw_columns(&c, page, err);
     iso_figure_subject_end(&s);
     return drawn;

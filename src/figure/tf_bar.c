@@ -24,7 +24,7 @@ void iso_figure_tf_range(const iso_tf_table *t, const iso_level *level0, double 
     range[1] = fmax(t->hi, level0->max);
 }
 
-/* What is transparent shows the squares. */
+/* Puts the colors over squares, which are visible through transparent colors. */
 static void put_colors(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2])
 {
     const size_t wide = iso_page_dots(page, box->width), high = iso_page_dots(page, box->height);
@@ -45,7 +45,7 @@ static void put_colors(iso_page *page, const iso_page_box *box, const iso_tf_tab
     free(rgb);
 }
 
-/* 1, 2 or 5 times a power of ten, so that a range has at most so many steps of it. */
+/* Returns 1, 2 or 5 times a power of ten, so that a range has at most `most` steps of it. */
 static double tick_step(double range, int most)
 {
     const double least = range / most, decade = pow(10, floor(log10(least)));
@@ -67,13 +67,13 @@ void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf
 
 /* ---- under pictures ---- */
 
-/* About a mark a centimeter. */
+/* Returns the number of marks, about one per centimeter. */
 static int foot_ticks(double width_mm)
 {
     return (int)fmax(2, width_mm / 10);
 }
 
-/* How far the texts of the outermost marks stand out over the ends of a bar of that width. */
+/* Computes the overhang of the outermost marks' texts over the ends of a bar of this width. */
 static void overhangs_mm(const iso_page *page, const double range[2], double step, double width, double over[2])
 {
     const double outermost[2] = {ceil(range[0] / step) * step, floor(range[1] / step) * step};
@@ -85,7 +85,7 @@ static void overhangs_mm(const iso_page *page, const double range[2], double ste
     }
 }
 
-/* At the left, and as wide as there is room beside a text of that width (0: none): its marks' texts stay on the page. */
+/* Places the bar at the left, as wide as possible next to a text of this width (0: none), within the page. */
 static iso_page_box foot_bar(const iso_page *page, const double range[2], double top, double text_mm)
 {
     const double wide = iso_page_width(page) - text_mm;
@@ -126,6 +126,6 @@ void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, doub
             page, &(iso_page_text){.x = box.left + box.width + 2, .y = box.top + 0.5 * bar_mm, .role = ISO_PAGE_NOTE},
             text);
     fprintf(iso_page_caption(page),
-            " Bar: the transfer function%s, colors over value, as opaque as %.3g mm of them, over gray squares.",
+            " Bar: the transfer function%s, colors over value with the opacity of %.3g mm, over gray squares.",
             foot->of_level0 ? " of level 0" : "", unit_mm);
 }

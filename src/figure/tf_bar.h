@@ -1,33 +1,33 @@
 /* SPDX-License-Identifier: MIT */
-/* tf_bar.h - a transfer function as a bar: its colors over value, as opaque as a length of them is, over gray squares. */
+/* tf_bar.h - a transfer function as a bar: its colors over value, with the opacity of a length, over gray squares. */
 #ifndef ISO_FIGURE_TF_BAR_H
 #define ISO_FIGURE_TF_BAR_H
 
 #include "figure/picture.h"
 
-/* The length that a table's opacities are stated for; 1 mm where it has none. */
+/* Returns the length that a table's opacities are stated for; 1 mm if it has none. */
 double iso_figure_tf_unit_mm(const iso_tf_table *t);
-/* 1 - exp(-extinction * length). */
+/* Returns 1 - exp(-extinction * length). */
 double iso_figure_opacity(double extinction_per_mm, double length_mm);
-/* All values that the table or the volume has. */
+/* Computes the range of values of the table and the volume. */
 void iso_figure_tf_range(const iso_tf_table *t, const iso_level *level0, double range[2]);
 
-/* The bar with an axis of values below it. box is that of the bar alone; wanted_ticks: about so many, 0: as the plot has
- * them. */
+/* Puts the bar with an axis of values below it. box: that of the bar alone; wanted_ticks: about this number, 0:
+ * gnuplot's choice. */
 void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2],
                            int wanted_ticks);
 
-/* The bar under rendered pictures. Zeroed: there is none. */
+/* The bar under rendered pictures. Zeroed: none. */
 typedef struct iso_figure_tf_foot {
     const iso_tf_table *tf; /* borrowed */
     double range[2];        /* values at its ends */
-    bool of_level0;         /* coarser levels have other transfer functions */
+    bool of_level0;         /* True if coarser levels have other transfer functions */
 } iso_figure_tf_foot;
-/* None for label maps, which are no matter of opacity over value. */
+/* Returns the bar of a subject; none for label maps, which have no opacity over value. */
 iso_figure_tf_foot iso_figure_tf_foot_of(const iso_figure_subject *s);
-/* How high the bar with its texts is; 0: there is none. */
+/* Returns the height of the bar with its texts; 0: none. */
 double iso_figure_tf_foot_mm(const iso_figure_tf_foot *foot);
-/* It ends above_mm over the page's lower edge, and the caption says what it is. */
+/* Puts the bar above_mm over the page's lower edge, and describes it in the caption. */
 void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, double above_mm);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A transfer function: opacity over value, filled with its colors, the histogram of the volume behind it, and below a bar of
- * the colors over a checkerboard, as opaque as they are. Of several levels each has its own beside the others. */
+/* A transfer function: opacity over value, filled with its colors, over the histogram of the volume. Below it a bar
+ * of the colors over a checkerboard, with their opacity. Several levels have one each. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,8 +20,8 @@ static bool are_whole(const float *values, size_t count)
     return true;
 }
 
-/* As high as its logarithm, a single voxel above none. Of whole numbers each bin has as many as the others: else empty ones
- * between them would show a comb. */
+/* Writes bars as high as the logarithm of the count; one voxel is above zero. For whole numbers each bin has equally
+ * many, since empty bins in between would form a comb. */
 static void put_histogram(FILE *gp, const iso_level *level0)
 {
     const size_t voxels = iso_geometry_voxel_count(&level0->geometry);
@@ -53,7 +53,7 @@ static void put_data(FILE *gp, const iso_tf_table *t, double unit_mm, const doub
         iso_tf_lookup(t, from + 0.5 * width, c);
         for (int k = 0; k < 3; ++k)
             rgb[k] = (int)lrint(255 * iso_linear_to_srgb(fmin(fmax(c[k], 0), 1)));
-        /* Each column reaches a little below the next one: no seams are seen between them. */
+        /* each column extends a little below the next one, to hide seams */
         fprintf(gp, "%.9g %.9g %.6g %d\n", from, fmin(from + 1.5 * width, range[1]), iso_figure_opacity(c[3], unit_mm),
                 rgb[0] << 16 | rgb[1] << 8 | rgb[2]);
     }
@@ -65,7 +65,7 @@ static void put_data(FILE *gp, const iso_tf_table *t, double unit_mm, const doub
     fprintf(gp, "%.9g %.6g\nEOD\n", range[1], iso_figure_opacity((double)t->entries[4 * t->count - 1], unit_mm));
 }
 
-/* The curve; $bins and most are there. */
+/* Puts the curve; $bins and most are defined. */
 static void put_plot(FILE *gp, const iso_tf_table *t, double unit_mm, const double range[2])
 {
     put_data(gp, t, unit_mm, range);
@@ -86,13 +86,13 @@ static void put_plot(FILE *gp, const iso_tf_table *t, double unit_mm, const doub
 
 static const double side_mm = 11, above_mm = 2, below_mm = 13, bar_mm = 3.5, least_mm = 26, least_wide_mm = 80;
 
-/* All that is in one place of the page: a title, if any, the curve, the bar, and what the axes are. */
+/* One transfer function on the page: a title, if any, the curve, the bar, and labels of the axes. */
 typedef struct place {
     iso_page_box box;
     const char *title;
     double range[2]; /* of values */
     const iso_level *level0;
-    bool first; /* the others have its histogram */
+    bool first; /* True for the first, which has the histogram */
 } place;
 
 static void put_upright(iso_page *page, double x, double y, const char *text)
@@ -136,7 +136,7 @@ typedef struct curves {
     iso_view views[ISO_FIGURE_MOST_LEVELS];
 } curves;
 
-/* The scene as a level is shown, under the transfer function adapted to it where that is asked for. */
+/* Makes the view of a level, under its adapted transfer function if requested. */
 static iso_status make_view(curves *c, const iso_figure_job *job, size_t level, iso_view *view, iso_error *err)
 {
     const iso_pyramid *p = &c->subject.pyramid;
@@ -165,7 +165,7 @@ static void name_level(const curves *c, size_t i, char title[64])
 static iso_status choose(curves *c, const iso_figure_job *job, iso_error *err)
 {
     if (job->levels > 1 && job->level)
-        return iso_fail(err, ISO_E_USAGE, "--level and --levels: one of them");
+        return iso_fail(err, ISO_E_USAGE, "--level and --levels exclude each other; give one of them");
     if (job->levels > 1 && !job->adapted.wanted)
         return iso_fail(err, ISO_E_USAGE,
                         "--kind tf --levels goes with --adapt: without it all levels have one transfer function");
@@ -177,19 +177,19 @@ static iso_status choose(curves *c, const iso_figure_job *job, iso_error *err)
     return status;
 }
 
-/* Below each other, or two in a row where both are wide enough. */
+/* Puts all below each other, or two per row if both are wide enough. */
 static iso_status put_all(const curves *c, const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    const size_t a_row = c->count > 1 && job->width_mm >= 2 * least_wide_mm ? 2 : 1,
-                 rows = (c->count + a_row - 1) / a_row;
-    const double wide = job->width_mm / (double)a_row,
+    const size_t per_row = c->count > 1 && job->width_mm >= 2 * least_wide_mm ? 2 : 1,
+                 rows = (c->count + per_row - 1) / per_row;
+    const double wide = job->width_mm / (double)per_row,
                  high = fmin((c->count > 1 ? 0.5 : 0.55) * wide, job->height_mm / (double)rows);
     if (high < least_mm)
         return iso_fail(err, ISO_E_RANGE,
-                        "figure: --height %g leaves %.1f mm for each of %zu transfer functions, %g are needed",
+                        "figure: --height %g leaves %.1f mm for each of %zu transfer functions, at least %g are needed",
                         job->height_mm, high, c->count, least_mm);
     place at = {.level0 = &c->subject.pyramid.levels[0]};
-    /* Values of a level are means of those of level 0: one axis for all. */
+    /* One axis for all: values of a level are means of those of level 0. */
     iso_figure_tf_range(&c->views[0].tf, at.level0, at.range);
     iso_page_set_size(page, job->width_mm, high * (double)rows);
     for (size_t i = 0; i < c->count; ++i) {
@@ -197,7 +197,7 @@ static iso_status put_all(const curves *c, const iso_figure_job *job, iso_page *
         name_level(c, i, title);
         at.title = c->count > 1 ? title : NULL;
         at.first = i == 0;
-        at.box = (iso_page_box){wide * (double)(i % a_row), high * (double)(i / a_row), wide, high};
+        at.box = (iso_page_box){wide * (double)(i % per_row), high * (double)(i / per_row), wide, high};
         put_transfer(page, &at, &c->views[i].tf);
     }
     return ISO_OK;
@@ -209,17 +209,16 @@ static void write_caption(const curves *c, const iso_figure_job *job, FILE *f)
     fputs(c->count > 1 ? "Transfer functions" : "Transfer function", f);
     iso_figure_put_subject(&c->subject, f);
     if (c->count > 1)
-        fprintf(f, ", as it is and adapted to levels 1 to %zu", c->count - 1);
+        fprintf(f, ", original and adapted to levels 1 to %zu", c->count - 1);
     else if (job->adapted.wanted && c->first > 0)
         fprintf(f, ", adapted to level %zu", c->first);
     fprintf(f,
-            ": opacity of %.3g mm over value, filled with its colors, over the histogram of level 0. Below: colors as "
-            "opaque as %.3g mm of them are, over gray squares.",
+            ": opacity of %.3g mm over value, filled with its colors, over the histogram of level 0. Below: colors "
+            "with the opacity of %.3g mm, over gray squares.",
             unit_mm, unit_mm);
     for (size_t i = 1; i < c->count; ++i)
         if (are_equal(&c->views[0].tf, &c->views[i].tf))
-            fprintf(f, " At level %zu small views say that adapting does not help: the original is kept.",
-                    c->first + i);
+            fprintf(f, " At level %zu adapting does not help in small views, so the original is kept.", c->first + i);
 }
 
 static iso_status draw_tf(const iso_figure_job *job, iso_page *page, iso_error *err)
@@ -237,7 +236,7 @@ static iso_status draw_tf(const iso_figure_job *job, iso_page *page, iso_error *
 
 const iso_figure_info iso_figure_tf = {
     .name = "tf",
-    .summary = "a transfer function over the volume's histogram, and a bar of its colors; or those adapted to levels",
+    .summary = "a transfer function over the volume's histogram, with its colors; or those adapted to levels",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_LEVEL | ISO_FIGURE_HAS_LEVELS |
              ISO_FIGURE_HAS_ADAPT,
     .draw = draw_tf,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The volume from all sides: frames on a page, as an animation, and each as a file. */
+/* The volume from all sides: frames on a page, as an animation, and as files. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@ enum { USUAL_FRAMES = 8, SHOWN_OF_MANY = 32 };
 typedef struct turned {
     iso_figure_subject subject;
     const iso_renderer_info *with;
-    size_t frames, level, shown; /* so many of the frames stand on the page */
+    size_t frames, level, shown; /* total frames; number of frames on the page */
     const char *dir;             /* of the frames' files */
     iso_animation *animation;
 } turned;
@@ -52,7 +52,7 @@ static size_t frame_of(const turned *t, size_t column)
     return column * t->frames / t->shown;
 }
 
-/* The frame that stands on the page, and those that follow until the next that does. */
+/* Renders a frame of the page, and the following ones up to the next on the page. */
 static iso_status render(void *user, size_t column, size_t width, size_t height, iso_image *image, double *mm_per_pixel,
                          iso_error *err)
 {
@@ -68,8 +68,7 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
     return status;
 }
 
-/* Rows that are full, where a count between 3 and 8 allows it, and so few frames in each that a scale bar and its text have
- * room in one. */
+/* Chooses 3 to 8 frames per row, few enough for a scale bar and its text in each, with full rows if possible. */
 static size_t choose_row(size_t frames, double width_mm)
 {
     const double least_mm = 24;
@@ -89,7 +88,7 @@ static void write_caption(const turned *t, FILE *f)
 {
     fputs("Turns", f);
     iso_figure_put_subject(&t->subject, f);
-    fprintf(f, " round the camera's up axis, level %zu", t->level);
+    fprintf(f, " around the camera's up axis, level %zu", t->level);
     if (t->shown < t->frames)
         fprintf(f, ", %zu of %zu frames", t->shown, t->frames);
 }
@@ -97,7 +96,7 @@ static void write_caption(const turned *t, FILE *f)
 static iso_status draw_frames(turned *t, const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     iso_figure_columns c = {.job = job, .count = t->shown, .render = render, .user = t};
-    c.a_row = choose_row(c.count, job->width_mm);
+    c.per_row = choose_row(c.count, job->width_mm);
     for (size_t i = 0; i < c.count; ++i)
         snprintf(c.titles[i], sizeof c.titles[i], "%.4g°", 360.0 * (double)frame_of(t, i) / (double)t->frames);
     iso_status status = iso_figure_subject_load(&t->subject, job, t->level + 1, NULL, err);
@@ -109,7 +108,7 @@ static iso_status draw_frames(turned *t, const iso_figure_job *job, iso_page *pa
     c.aspect = iso_figure_aspect(&t->subject);
     status = iso_figure_draw_columns(&c, page, err);
     if (status == ISO_OK)
-        fputs(" turntable.png shows all one after the other, 10 a second; frames/ has each as a file.",
+        fputs(" turntable.png is an animation of all, 10 per second; frames/ has each as a file.",
               iso_page_caption(page));
     return status;
 }
@@ -134,7 +133,7 @@ static iso_status draw_turntable(const iso_figure_job *job, iso_page *page, iso_
 
 const iso_figure_info iso_figure_turntable = {
     .name = "turntable",
-    .summary = "the volume from all sides: frames side by side, turntable.png, which moves, and a file a frame",
+    .summary = "the volume from all sides: frames side by side, as animation turntable.png, and as files",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_WITH | ISO_FIGURE_HAS_LEVEL |
              ISO_FIGURE_HAS_ADAPT | ISO_FIGURE_HAS_FRAMES,
     .draw = draw_turntable,

@@ -188,7 +188,7 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_renderers renderers = {0};
-    iso_render_options exact = iso_render_defaults(iso_renderers_truth());
+    iso_render_options exact = iso_render_defaults(iso_renderers_reference());
     iso_pyramid p = {0};
     iso_view view = {0};
     iso_subject_look look;

@@ -143,7 +143,7 @@ static void clear_scene(power_scene *s)
 
 static iso_render_options reference_options(const iso_power_case *c, iso_quadrature quadrature)
 {
-    iso_render_options opt = iso_render_defaults(iso_renderers_truth());
+    iso_render_options opt = iso_render_defaults(iso_renderers_reference());
     opt.quadrature = quadrature;
     opt.threads = c->threads;
     return opt;

@@ -54,7 +54,8 @@ typedef struct study {
  * the amounts are nearly equal for all of them: only the reference is tested. */
 static void list_probes(study *s)
 {
-    s->probes[s->probe_count++] = (probe){.name = "calibration", .renderer = iso_renderers_truth(), .is_calibration = true, .cost = 1};
+    s->probes[s->probe_count++] =
+        (probe){.name = "calibration", .renderer = iso_renderers_reference(), .is_calibration = true, .cost = 1};
     for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g)
         for (size_t w = 0; w < iso_renderer_count(); ++w) {
             const iso_renderer_info *renderer = iso_renderer_at(w);

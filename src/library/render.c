@@ -5,7 +5,7 @@
 
 iso_frame_options iso_frame_defaults(void)
 {
-    return (iso_frame_options){.renderer = iso_renderers_truth()->name,
+    return (iso_frame_options){.renderer = iso_renderers_reference()->name,
                                .shading = iso_direction_source_name(ISO_FROM_CODES)};
 }
 
@@ -37,7 +37,7 @@ static iso_status check_for_renderer(const iso_renderer_info *r, const iso_frame
 
 static iso_status take_options(const iso_frame_options *given, iso_render_options *o, iso_error *err)
 {
-    const iso_renderer_info *renderer = iso_renderers_truth();
+    const iso_renderer_info *renderer = iso_renderers_reference();
     iso_status status = check_limits(given, err);
     if (status == ISO_OK && given->renderer)
         status = iso_renderer_from_name(given->renderer, &renderer, err);

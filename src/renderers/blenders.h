@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* blenders.h - the Blenders that Cycles is taken from.
  *
- * "cycles" is the Blender that is found, or the first of a list; each other one is a renderer of its own, "cycles-4.3.2",
- * which is calibrated and compared as "cycles" is, and beside it. */
+ * "cycles" is the installed Blender, or the first of a list. Each other one is a renderer of its own, such as
+ * "cycles-4.3.2"; it is calibrated like "cycles" and also compared with it. */
 #ifndef ISO_BLENDERS_H
 #define ISO_BLENDERS_H
 
 #include "base/status.h"
 
-/* NULL: nothing to do. Paths or names, with commas between them: "blender,/opt/blender-4.3/blender". Before any other call, by one thread.
- * ISO_E_MISSING, ISO_E_PROGRAM: one is not there, too old, or not Blender, by name. ISO_E_USAGE: too many. */
+/* Registers a list of paths or names, separated by commas: "blender,/opt/blender-4.3/blender"; NULL: nothing to do.
+ * Call it before all others, from one thread. ISO_E_MISSING, ISO_E_PROGRAM: one is not installed, too old, or not
+ * Blender; the message names it. ISO_E_USAGE: too many. */
 iso_status iso_renderers_take_blenders(const char *list, iso_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* choose.c - which of the two ray casters draws where none was named. */
+/* choose.c - the choice between the two ray casters if none was named. */
 #include "render/cpu/caster.h"
 #include "render/gl/raycaster.h"
 #include "renderers/renderers.h"

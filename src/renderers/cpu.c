@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cpu.c - the ray caster on the CPU: the OpenGL ray caster's samples where there is no GPU. */
+/* cpu.c - the ray caster on the CPU, with the samples of the OpenGL ray caster. It needs no GPU. */
 #include <stdio.h>
 
 #include "base/parallel.h"
@@ -46,16 +46,16 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     return status;
 }
 
-/* Samples stand where the reference's do, to 2^-24 of a voxel. A filtered value is a float's rounding off, 6e-8 of the largest
- * in its cell, its entry in the table as many times that as the value is from the table's start; what it shows there is off
- * by the table's slope, which is where steep ones differ. Opacities, colors, highlights (a float's power) and normals are
- * floats; a ray's sums have their rests beside them. Of the suite's scenes 5e-8 and 4e-7 were seen, of steep ones 3e-7 and
- * 5e-6 (doc/guide/renderers.md). */
+/* Samples have the reference's positions to 2^-24 of a voxel. A filtered value is off by a float's rounding, 6e-8 of
+ * the largest value in its cell. This error times the slope of the table is the error of the color, so that steep
+ * tables differ most. Opacities, colors, highlights (a float's power) and normals are floats; the sums along a ray
+ * are compensated. Observed: 5e-8 and 4e-7 for scenes of the suite, 3e-7 and 5e-6 for steep ones
+ * (doc/guide/renderers.md). */
 static const iso_lock_step lock_step = {
     .quadrature = ISO_QUADRATURE_MIDPOINT,
     .smooth = {.rmse = 5e-7, .max_abs = 1e-5},
     .sharp = {.rmse = 2e-6, .max_abs = 5e-5},
-    .why = "the same samples at the same places: values, the table's entries, colors and normals in float are left",
+    .why = "the same samples at the same positions; values, table entries, colors and normals are floats",
 };
 
 const iso_renderer_info iso_renderer_cpu = {
@@ -63,7 +63,8 @@ const iso_renderer_info iso_renderer_cpu = {
     .title = "CPU ray caster",
     .color = "#e69f00",
     .traits = ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_LIGHTS | ISO_HAS_ORTHOGRAPHIC |
-              ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_BRICKS | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE | ISO_IS_NAMED,
+              ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_BRICKS | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE |
+              ISO_IS_NAMED,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_MIDPOINT},
     .sample_seconds = 4e-9,
     .first_step_voxels = 1.0 / 16,

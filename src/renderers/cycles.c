@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* cycles.c - Blender's Cycles, as a program. It puts its steps at random phases, so that its images have noise; what it
- * needs to start is shared by several images, and Blender itself stays for the next scene. Several Blenders are several
+/* cycles.c - Blender's Cycles, another program. It places its steps at random phases, so that its images have noise.
+ * Several images share a start, and Blender keeps running for the next scene. Several Blenders are several
  * renderers, each with its program as data; "cycles" is the first. */
 #define _GNU_SOURCE
 #include <stdio.h>
@@ -12,7 +12,7 @@
 #include "renderers/blenders.h"
 #include "renderers/renderers.h"
 
-/* Its Blender, where there are several; NULL: the one that all of isoshade finds. */
+/* Returns the renderer's own Blender; NULL: the one that all of isoshade finds. */
 static const char *program_of(const iso_renderer_info *r)
 {
     return r->data;
@@ -57,7 +57,7 @@ static iso_status render_frames(const iso_render_request *q, const iso_blender_f
     return iso_cycles_render_frames(q->pyramid, q->level, q->view, frames, q->progress, err);
 }
 
-/* By the Blender that is kept. */
+/* Renders in the Blender that keeps running. */
 static iso_status render_kept(const iso_render_request *q, iso_blender_options *o, size_t count, iso_image *images,
                               iso_error *err)
 {
@@ -70,7 +70,7 @@ static iso_status render_kept(const iso_render_request *q, iso_blender_options *
     return status;
 }
 
-/* Who measures a frame has a Blender started for it. */
+/* Starts a new Blender for a frame that is measured. */
 static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
 {
     iso_blender_options o = take_options(q->options);
@@ -96,7 +96,7 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
     return status;
 }
 
-static char *first_command; /* of "cycles", where its Blender was named */
+static char *first_command; /* of "cycles", if its Blender was named */
 
 static const char *first_asked_by(const iso_renderer_info *self)
 {
@@ -128,7 +128,7 @@ const iso_renderer_info iso_renderer_cycles = {
 enum { MAX_BLENDERS = 4 };
 static const char *const colors[MAX_BLENDERS - 1] = {"#cc79a7", "#56b4e9", "#8c510a"};
 
-/* A renderer of this file that is one more Blender; what it is called lasts as long as the process. */
+/* One more Blender as a renderer of this file; its texts last as long as the process. */
 typedef struct more_blender {
     iso_renderer_info info;
     char name[48], title[64], *program, *command;
@@ -154,7 +154,7 @@ static const char *asked_by(const iso_renderer_info *self)
     return command;
 }
 
-/* Of `isoshade render`, behind --with. */
+/* Returns the argument of --with that selects this Blender; NULL: no memory. */
 static char *command_with(const char *program)
 {
     char *text = NULL;
@@ -170,7 +170,7 @@ static char *command_with(const char *program)
 static iso_status add_blender(const char *program, const char *found_version, iso_error *err)
 {
     if (more_count == MAX_BLENDERS - 1)
-        return iso_fail(err, ISO_E_USAGE, "--blender: more than %d", MAX_BLENDERS);
+        return iso_fail(err, ISO_E_USAGE, "--blender: too many Blenders, at most %d", MAX_BLENDERS);
     more_blender *b = &more[more_count];
     char which[40];
     snprintf(which, sizeof which, "%.30s", found_version);
@@ -197,7 +197,7 @@ static iso_status add_blender(const char *program, const char *found_version, is
     return iso_renderers_register(&b->info, err);
 }
 
-/* Exports and what opens them take it as well. */
+/* Also sets the Blender that exports and viewing commands use. */
 static iso_status take_first(const char *program, iso_error *err)
 {
     char *path = NULL;
@@ -217,7 +217,8 @@ iso_status iso_renderers_take_blenders(const char *list, iso_error *err)
     for (char *program; status == ISO_OK && (program = strsep(&rest, ","));) {
         char found[32];
         status = *program ? iso_blender_version(program, found, sizeof found, err)
-                          : iso_fail(err, ISO_E_USAGE, "--blender is \"%s\": a name is empty", list);
+                          : iso_fail(err, ISO_E_USAGE,
+                                     "--blender \"%s\": a name is empty; separate names by single commas", list);
         TRY(status, first_command ? add_blender(program, found, err) : take_first(program, err));
     }
     free(copy);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* external.c - starting such a program and taking its pictures. */
+/* external.c - starts an external renderer and loads its pictures. */
 #define _GNU_SOURCE
 #include "renderers/external.h"
 
@@ -17,11 +17,11 @@
 #include "renderers/picture_file.h"
 #include "renderers/request.h"
 
-/* ---- what it did, for the report ---- */
+/* ---- output of the program, for reports ---- */
 
 enum { KEPT_LINES = 8, LINE_BYTES = 240 };
 
-/* The last lines of what a program printed, in a ring, and the first one, which may be a version. */
+/* The last lines of a program's output, in a ring, and the first one, which may be a version. */
 typedef struct tail {
     char line[KEPT_LINES][LINE_BYTES], first[LINE_BYTES];
     size_t count; /* of all lines */
@@ -37,27 +37,27 @@ static void keep_line(void *user, const char *line)
         memcpy(t->first, to, sizeof t->first);
 }
 
-/* The last one, or "". */
+/* Returns the last line, or "". */
 static const char *last_line(const tail *t)
 {
     return t->count ? t->line[(t->count - 1) % KEPT_LINES] : "";
 }
 
-/* Of a renderer: how often it was started, and the first start that failed, or else the last one. */
+/* Starts of one renderer: their number, and details of the first one that failed, or else of the last one. */
 typedef struct record {
     size_t starts;
     double seconds;
     bool failed;
     iso_process_outcome outcome;
-    tail said;
+    tail output;
     char why[512];
 } record;
 
-/* Several threads may render by one renderer. */
+/* Locked, since several threads may use one renderer. */
 static record records[ISO_MAX_RENDERERS];
 static pthread_mutex_t records_lock = PTHREAD_MUTEX_INITIALIZER;
 
-static void note_start(const iso_renderer_info *r, const iso_process_outcome *outcome, const tail *said,
+static void note_start(const iso_renderer_info *r, const iso_process_outcome *outcome, const tail *output,
                        const char *failure)
 {
     record *to = &records[iso_renderer_index(r)];
@@ -66,7 +66,7 @@ static void note_start(const iso_renderer_info *r, const iso_process_outcome *ou
     to->seconds += outcome->seconds;
     if (!to->failed) {
         to->outcome = *outcome;
-        to->said = *said;
+        to->output = *output;
         to->failed = failure != NULL;
         snprintf(to->why, sizeof to->why, "%.500s", failure ? failure : "");
     }
@@ -81,7 +81,7 @@ static json_t *words_json(const char *const *words)
     return list;
 }
 
-static json_t *said_json(const tail *t)
+static json_t *output_json(const tail *t)
 {
     json_t *list = json_array();
     for (size_t i = t->count > KEPT_LINES ? t->count - KEPT_LINES : 0; i < t->count; ++i) {
@@ -92,7 +92,7 @@ static json_t *said_json(const tail *t)
     return list;
 }
 
-/* What an image that it makes is held to, and why. */
+/* Describes the limits of its images, and their reason. */
 static json_t *limits_json(const iso_lock_step *lock)
 {
     return lock ? json_pack("{s:f, s:f, s:f, s:f, s:s}", "rmse", lock->smooth.rmse, "max_abs", lock->smooth.max_abs,
@@ -113,7 +113,7 @@ json_t *iso_external_describe(const iso_renderer_info *self)
                             "tier", e->tier, "limits", limits_json(self->lock_step), "starts", (json_int_t)r->starts,
                             "seconds", r->seconds, "exit_code",
                             r->starts && o->exit_code >= 0 ? json_integer(o->exit_code) : json_null(), "signal",
-                            o->signal, "timed_out", o->timed_out, "output", said_json(&r->said), "failure",
+                            o->signal, "timed_out", o->timed_out, "output", output_json(&r->output), "failure",
                             iso_provenance_shorten(why));
     pthread_mutex_unlock(&records_lock);
     return out;
@@ -121,11 +121,11 @@ json_t *iso_external_describe(const iso_renderer_info *self)
 
 /* ---- a start ---- */
 
-/* Where it runs, and what it is given. */
+/* A start: its folder and its result. */
 typedef struct start {
     const iso_renderer_info *renderer;
     char *dir;
-    tail said;
+    tail output;
     iso_process_outcome outcome;
 } start;
 
@@ -147,10 +147,10 @@ static iso_status find_program(const iso_external *e, const char *word, char **p
     if (!strchr(word, '/'))
         return iso_process_find(word, e->package ? e->package : word, path, err);
     *path = iso_path_exists(word) && !iso_path_is_dir(word) ? strdup(word) : NULL;
-    return *path ? ISO_OK : iso_fail(err, ISO_E_MISSING, "there is no program %s", word);
+    return *path ? ISO_OK : iso_fail(err, ISO_E_MISSING, "%s: no such program", word);
 }
 
-/* Runs words, with one more where there is one. */
+/* Runs the command `words`, with `last` as the last argument if it is not NULL. */
 static iso_status run(start *s, const char *const *words, const char *last, iso_error *err)
 {
     const iso_external *e = s->renderer->data;
@@ -168,9 +168,9 @@ static iso_status run(start *s, const char *const *words, const char *last, iso_
         argv[count] = last;
         const iso_process_options options = {.directory = s->dir,
                                              .sandbox = {.kind = e->has_all_rights ? ISO_SANDBOX_NONE
-                                                                             : ISO_SANDBOX_DEVICE},
+                                                                                   : ISO_SANDBOX_DEVICE},
                                              .line = keep_line,
-                                             .user = &s->said,
+                                             .user = &s->output,
                                              .timeout_seconds = e->timeout_seconds,
                                              .outcome = &s->outcome};
         status = iso_process_run(argv, &options, err);
@@ -197,8 +197,8 @@ iso_status iso_external_version(const iso_renderer_info *self, iso_renderers *r,
     iso_status status = begin(&s, self, &why);
     TRY(status, run(&s, e->version, NULL, &why));
     if (status == ISO_OK)
-        snprintf(text, size, "%.*s", (int)size - 1, s.said.count ? s.said.first : self->title);
-    else if (s.outcome.exit_code > 0) /* it looked for what it needs */
+        snprintf(text, size, "%.*s", (int)size - 1, s.output.count ? s.output.first : self->title);
+    else if (s.outcome.exit_code > 0) /* it reports that something is missing */
         status = ISO_E_MISSING;
     end(&s);
     return status == ISO_OK ? ISO_OK : iso_fail(err, status, "%s: %s", self->name, why.text);
@@ -216,14 +216,14 @@ static bool is_older(const struct timespec *a, const struct timespec *b)
     return a->tv_sec != b->tv_sec ? a->tv_sec < b->tv_sec : a->tv_nsec < b->tv_nsec;
 }
 
-/* Is there a file that was written after the request was? A pipe would never end, and a link may lead anywhere. */
+/* Refuses a picture unless it is a regular file written after the request: a pipe never ends, a link leads anywhere. */
 static iso_status check_file(const char *path, const char *file, const char *request, iso_error *err)
 {
     struct stat picture, asked;
     if (lstat(path, &picture) != 0)
         return refuse(file, err, "was not written");
     if (!S_ISREG(picture.st_mode))
-        return refuse(file, err, "is no file");
+        return refuse(file, err, "is not a regular file");
     if (stat(request, &asked) != 0 || is_older(&picture.st_mtim, &asked.st_mtim))
         return refuse(file, err, "is older than the request for it");
     return ISO_OK;
@@ -240,12 +240,12 @@ static iso_status take_picture(const start *s, const char *file, const iso_view 
     return status;
 }
 
-/* Says who it was, and adds what it printed last where nothing else quotes it. */
-static iso_status blame(const start *s, iso_status status, const iso_error *why, iso_error *err)
+/* Prefixes the renderer's name to an error, and appends its last output line if the error does not quote it yet. */
+static iso_status add_context(const start *s, iso_status status, const iso_error *why, iso_error *err)
 {
-    const char *said = s->outcome.exit_code == 0 ? last_line(&s->said) : "";
-    return iso_fail(err, status, "%s: %.700s%s%.200s", s->renderer->name, why->text,
-                    said[0] ? "; it printed last: " : "", said);
+    const char *line = s->outcome.exit_code == 0 ? last_line(&s->output) : "";
+    return iso_fail(err, status, "%s: %.700s%s%.200s", s->renderer->name, why->text, line[0] ? "; last output: " : "",
+                    line);
 }
 
 enum { FILE_NAME_BYTES = 32 };
@@ -262,7 +262,7 @@ static void ask_frames(const iso_render_options *options, size_t count, char (*n
     }
 }
 
-/* The request, the run and the pictures, in a folder that is there. */
+/* Writes the request, runs the program and loads the pictures, all in the folder of `s`. */
 static iso_status render_in(start *s, const iso_render_request *q, const iso_request *request, iso_image *images,
                             iso_error *err)
 {
@@ -276,8 +276,8 @@ static iso_status render_in(start *s, const iso_render_request *q, const iso_req
         for (size_t i = 0; i < request->frame_count && status == ISO_OK; ++i)
             status = take_picture(s, request->frames[i].file, q->view, &images[i], &why);
         if (status != ISO_OK)
-            status = blame(s, status, &why, err);
-        note_start(s->renderer, &s->outcome, &s->said, status == ISO_OK ? NULL : why.text);
+            status = add_context(s, status, &why, err);
+        note_start(s->renderer, &s->outcome, &s->output, status == ISO_OK ? NULL : why.text);
     }
     free(path);
     return status;
@@ -311,6 +311,6 @@ iso_status iso_external_render_several(const iso_render_request *q, size_t count
 
 iso_status iso_external_render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
 {
-    (void)stats; /* the time of the call, which the start is a part of */
+    (void)stats; /* the caller measures the call, start included */
     return iso_external_render_several(q, 1, image, err);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* external_json.c - renderers.json: rows of the table of renderers that a user brings. */
+/* external_json.c - parses renderers.json, the rows of a user in the table of renderers. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
@@ -12,7 +12,7 @@
 #include "base/words.h"
 #include "renderers/external.h"
 
-/* A row, for as long as the process runs. The texts are those of `json`. */
+/* A row, until the process ends. Its texts belong to `json`. */
 typedef struct row {
     iso_renderer_info info;
     iso_external external;
@@ -25,7 +25,7 @@ typedef struct row {
 typedef enum tier { TIER_SAMPLES, TIER_LIMIT, TIER_BITS } tier;
 static const char *const tier_names[] = {"samples", "limit", "8 bits", NULL};
 
-/* What of a scene a row may say that it can. */
+/* Features of scenes that a row may claim. */
 static const struct {
     const char *word;
     unsigned trait;
@@ -34,12 +34,12 @@ static const struct {
                  {"clip planes", ISO_HAS_CLIP_PLANES},
                  {"labels", ISO_HAS_LABELS}};
 
-/* As far as the float arithmetic of the ray caster is, whose samples are the same. */
+/* The limits of the OpenGL ray caster, which computes in float at the same samples. */
 static const iso_sample_error usual_smooth = {.rmse = 1e-6, .max_abs = 2e-5},
                               usual_sharp = {.rmse = 5e-6, .max_abs = 2e-4};
 static const char usual_why[] = "the same samples, in the program's own arithmetic (its row states no limits)";
 static const char bits_why[] = "half a step of its integers (its row states no limits)";
-/* Calibrations of integers are held to them as well, and have to see a fault of 0.1. */
+/* Largest limit: calibrations of integers use it as well, and must detect a fault of 0.1. */
 static const double most_limit = 0.05;
 
 static void fail(iso_json_reader *r, iso_status status, const char *key, const char *what)
@@ -47,9 +47,9 @@ static void fail(iso_json_reader *r, iso_status status, const char *key, const c
     TRY(r->status, iso_fail(r->err, status, "%s: \"%s\" %s", r->path, key, what));
 }
 
-/* ---- words ---- */
+/* ---- command lines ---- */
 
-/* The program: a path from the file's folder where it has a slash. Another word: a path where it names a file there. */
+/* Makes a path from the file's folder: for the program if it has a slash, for another word if it names a file there. */
 static const char *resolve(const row *to, const char *word, bool is_first)
 {
     char *path = word[0] == '/' ? strdup(word) : iso_path_join(to->folder, word);
@@ -76,7 +76,7 @@ static const char *const *get_words(iso_json_reader *r, const row *to, const cha
             words[i] = resolve(to, word, i == 0);
     }
     if (count == 0)
-        fail(r, ISO_E_FORMAT, key, "is empty, wanted a program and its arguments");
+        fail(r, ISO_E_FORMAT, key, "is empty; give a program and its arguments");
     if (!words)
         fail(r, ISO_E_MEMORY, key, "does not fit into memory");
     return words;
@@ -93,14 +93,14 @@ static unsigned get_abilities(iso_json_reader *r, const row *to)
         while (k < count && (!word || strcmp(abilities[k].word, word) != 0))
             ++k;
         if (k == count)
-            fail(r, ISO_E_FORMAT, "can", "has a word that is none of lights, orthographic, clip planes, labels");
+            fail(r, ISO_E_FORMAT, "can", "has an unknown word; choose from lights, orthographic, clip planes, labels");
         else
             traits |= abilities[k].trait;
     }
     return traits;
 }
 
-/* It is a word of command lines and of file names. */
+/* Checks a name, which is part of command lines and of file names. */
 static void check_name(iso_json_reader *r, const char *name)
 {
     static const char good[] = "abcdefghijklmnopqrstuvwxyz0123456789-_.";
@@ -118,7 +118,7 @@ static bool is_color(const char *text)
 
 /* ---- limits ---- */
 
-/* "limits": {"rmse", "max_abs", "sharp_rmse", "sharp_max_abs"}; the last two are those of the first where they are not there. */
+/* "limits": {"rmse", "max_abs", "sharp_rmse", "sharp_max_abs"}; without the last two they equal the first two. */
 static void get_limits(iso_json_reader *r, row *to)
 {
     static const char *const keys[] = {"rmse", "max_abs", "sharp_rmse", "sharp_max_abs", NULL};
@@ -135,10 +135,10 @@ static void get_limits(iso_json_reader *r, row *to)
     iso_json_get_number(r, limits, "sharp_max_abs", false, 0, most_limit, &lock->sharp.max_abs);
 }
 
-/* What half a step of 1 / (2^bits - 1) adds to limits: to a value, and to the image as a whole where it is flat. */
+/* Adds half a step of 1 / (2^bits - 1) to limits: to a value, and to the image as a whole, which may be flat. */
 static iso_sample_error rounded(iso_sample_error error, size_t bits)
 {
-    const double half_step = 0.5 / (ldexp(1, (int)bits) - 1) * (1 + 1e-6); /* whoever rounds does so in float */
+    const double half_step = 0.5 / (ldexp(1, (int)bits) - 1) * (1 + 1e-6); /* for programs that round in float */
     return (iso_sample_error){.rmse = error.rmse + half_step, .max_abs = error.max_abs + half_step};
 }
 
@@ -170,7 +170,7 @@ static void take_tier(iso_json_reader *r, row *to, tier asked)
 
 /* ---- a row ---- */
 
-enum { MOST_SEEDS = 32 }; /* those that an extrapolated limit takes (compare/extrapolation.h) */
+enum { MOST_SEEDS = 32 }; /* of an extrapolated limit (compare/extrapolation.h) */
 
 static void get_numbers(iso_json_reader *r, row *to)
 {
@@ -210,7 +210,7 @@ static iso_status read_row(row *to, size_t number, iso_error *err)
                                    .data = &to->external,
                                    ISO_EXTERNAL_CALLBACKS};
     if (!json_is_object(to->json))
-        return iso_fail(err, ISO_E_FORMAT, "%s: is no object", where);
+        return iso_fail(err, ISO_E_FORMAT, "%s: must be an object", where);
     iso_json_only_keys(&r, to->json, "a renderer", keys);
     iso_json_get_string(&r, to->json, "name", true, &to->info.name);
     check_name(&r, to->info.name);
@@ -238,7 +238,7 @@ static void destroy_words(const char *const *words)
     free((void *)words);
 }
 
-/* Of one that was refused: the table has the others for as long as the process runs. */
+/* Frees a row that was refused; the table keeps the others until the process ends. */
 static void destroy_row(row *r)
 {
     destroy_words(r->external.command);
@@ -265,7 +265,7 @@ static iso_status replace_program(row *to, const iso_external_stand_in *instead,
     return info->lock_step || instead->steps >= 2
                ? ISO_OK
                : iso_fail(err, ISO_E_FORMAT,
-                          "%s: the tier \"limit\" wants pictures at two steps or more, \"steps\" is %zu", to->file,
+                          "%s: the tier \"limit\" needs pictures at two or more steps, \"steps\" is %zu", to->file,
                           instead->steps);
 }
 
@@ -276,7 +276,7 @@ static iso_status add_row(json_t *json, size_t number, const char *path, const c
     row *to = calloc(1, sizeof *to);
     if (!to || place == ISO_MAX_RENDERERS) {
         free(to);
-        return iso_fail(err, to ? ISO_E_RANGE : ISO_E_MEMORY, "%s: renderer %zu: there is room for %d in all", path,
+        return iso_fail(err, to ? ISO_E_RANGE : ISO_E_MEMORY, "%s: renderer %zu: too many renderers, at most %d", path,
                         number + 1, ISO_MAX_RENDERERS);
     }
     to->json = json_incref(json);

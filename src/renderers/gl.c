@@ -36,7 +36,7 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
         return status;
     const iso_gl_info info = iso_gl_describe(gl);
     const int written = snprintf(text, size, "%s, OpenGL %s", info.renderer, info.version);
-    /* What limits its pictures, where that is not the float's own 24 bits. */
+    /* Precision of the linear filter, if it is less than a float's 24 bits. */
     if (info.filter_bits_float < ISO_GL_FINE_FILTER_BITS && written > 0 && (size_t)written < size)
         snprintf(text + written, size - (size_t)written, ", linear filter of %d bits", info.filter_bits_float);
     return ISO_OK;
@@ -57,7 +57,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     o.repeats = opt->repeats;
     o.repeat_seconds = opt->repeat_seconds;
     o.exact_lookups = opt->exact_lookups;
-    o.fast_filter = opt->repeats > 1 || opt->repeat_seconds > 0; /* what is timed is drawn as a viewer would draw it */
+    o.fast_filter = opt->repeats > 1 || opt->repeat_seconds > 0; /* timed frames use the filter of a viewer */
     o.stats = &inside;
     iso_status status = iso_renderers_need_gl(q->renderers, &gl, err);
     if (status == ISO_OK && opt->processor_time)
@@ -68,26 +68,25 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     return status;
 }
 
-/* A texture coordinate in float is up to 3e-8 of the volume off; where a steep value meets a table whose neighboring
- * entries differ by most of an opacity, that becomes some 1e-5. With exact lookups floats of texels, colors and a ray's sums
- * are left: 2e-7 and 5e-6 at most were seen, at a step of opacity 0.9999 (doc/results/deviations.md).
+/* A texture coordinate in float is off by up to 3e-8 of the volume. A steep value at a table whose neighboring entries
+ * differ by most of an opacity turns that into about 1e-5. With exact lookups, only texels, colors and the sums of a
+ * ray are floats: at most 2e-7 and 5e-6 were observed, at a step of opacity 0.9999 (doc/results/deviations.md).
  *
- * Values can be steep where the TF is not (the padding of a CT), and where a direction is nearly zero it turns at once. A
- * gradient on the fly is a difference of two filtered values, each rounded by up to two last bits, over
- * ISO_ON_THE_FLY_EPS of the range: 2.4e-7 / 1e-4 = 2.4e-3 of the diffuse light at most. So what texture units round is told
- * from a fault by exact lookups: where those hold, half a step of 8 bits is left to single pixels, and to the image as a
- * whole what steep TFs have. 1.3e-6 and 3.4e-4 were seen. */
+ * Values can be steep where the TF is not (the padding of a CT), and a direction near zero can flip. A gradient on
+ * the fly is a difference of two filtered values, each off by up to two last bits, over ISO_ON_THE_FLY_EPS of the
+ * range: at most 2.4e-7 / 1e-4 = 2.4e-3 of the diffuse light. Exact lookups tell the rounding of texture units from
+ * a fault. If exact lookups are within their limits, single pixels may differ by half a step of 8 bits, and the
+ * whole image by the limit of steep TFs. Observed: 1.3e-6 and 3.4e-4. */
 static const iso_lock_step lock_step = {
     .quadrature = ISO_QUADRATURE_MIDPOINT,
     .smooth = {.rmse = 1e-6, .max_abs = 2e-5},
     .sharp = {.rmse = 5e-6, .max_abs = 2e-4},
-    .why = "the same samples at texture coordinates in float, 3e-8 of the volume off",
+    .why = "the same samples, at texture coordinates in float, which are off by 3e-8 of the volume",
     .exact = {.rmse = 5e-7, .max_abs = 1e-5},
-    .exact_why = "the same samples, filtered and classified in double: floats of texels, colors and sums are left",
+    .exact_why = "the same samples, filtered and classified in double; texels, colors and sums are floats",
     .rounded = {.rmse = 5e-6, .max_abs = 1.0 / 510},
-    .rounded_why =
-        "filtered and classified in double the same samples are within their limits, so that what is more is "
-        "what texture coordinates and filters in float round: half a step of 8 bits is left to single pixels",
+    .rounded_why = "the same samples are within their limits if filtered and classified in double; rounding of texture "
+                   "coordinates and filters in float adds at most half a step of 8 bits to single pixels",
 };
 
 const iso_renderer_info iso_renderer_gl = {

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* Blames the program for a wrong picture, in the message the file's short name for its path; not for a failed read. */
+/* Passes an error on. If the error names the picture, blames the program, and shows `file` instead of its path. */
 static iso_status refuse(iso_status status, const iso_error *why, const char *path, const char *file, iso_error *err)
 {
     const size_t length = strlen(path);
@@ -23,11 +23,11 @@ static iso_status check_header(const char *path, const char *file, const iso_vie
     if (status != ISO_OK)
         return refuse(status, &why, path, file, err);
     if (header.width != view->width || header.height != view->height || header.is_cropped)
-        return iso_fail(err, ISO_E_PROGRAM, "%s has %zu x %zu pixels%s, wanted %zu x %zu", file, header.width,
-                        header.height, header.is_cropped ? " of another window" : "", view->width, view->height);
+        return iso_fail(err, ISO_E_PROGRAM, "%s has %zu x %zu pixels%s, needs %zu x %zu", file, header.width,
+                        header.height, header.is_cropped ? " of a cropped window" : "", view->width, view->height);
     for (unsigned c = 0; c < 4; ++c)
         if (!(header.channels >> c & 1))
-            return iso_fail(err, ISO_E_PROGRAM, "%s has no channel %s of a value a pixel", file, names[c]);
+            return iso_fail(err, ISO_E_PROGRAM, "%s has no full-resolution channel %s", file, names[c]);
     return ISO_OK;
 }
 
@@ -40,7 +40,7 @@ static iso_status check_values(const iso_image *image, const char *file, iso_err
             first = i / 4;
         }
     return bad ? iso_fail(err, ISO_E_PROGRAM,
-                          "%s has %zu values that are no numbers, the first in column %zu of row %zu", file, bad,
+                          "%s has %zu values that are not finite, the first in column %zu of row %zu", file, bad,
                           first % image->width, first / image->width)
                : ISO_OK;
 }

@@ -20,7 +20,7 @@
 
 struct iso_picture_store {
     char *folder;
-    int lock; /* a descriptor of the folder, which nobody else works in while it is open */
+    int lock; /* descriptor of the folder; while it is open, no other process uses the folder */
     bool began;
     char key[ISO_KEY_DIGEST_BYTES];
     char renderers[ISO_MAX_RENDERERS][ISO_KEY_DIGEST_BYTES]; /* set before threads share the store */
@@ -29,9 +29,9 @@ struct iso_picture_store {
 
 /* ---- the folder ---- */
 
-/* Says whose the folder is. */
+/* Marks the folder as a store. */
 #define MARKER "isoshade-pictures"
-static const char marker_text[] = "Pictures that isoshade validate keeps until its report stands.\n";
+static const char marker_text[] = "Pictures that isoshade validate keeps until its report is complete.\n";
 static const char suffix[] = ".picture";
 
 enum { HASH_DIGITS = 32 };
@@ -41,7 +41,7 @@ static bool is_temporary(const char *name)
     return strncmp(name, ".isoshade-", 10) == 0;
 }
 
-/* The marker, a picture, or the temporary of either that a killed run has left. */
+/* True for the marker, a picture, or a temporary file of either that a killed run has left. */
 static bool is_own_name(const char *name)
 {
     if (strcmp(name, MARKER) == 0 || (is_temporary(name) && iso_path_ends_with(name, "-" MARKER)))
@@ -51,19 +51,18 @@ static bool is_own_name(const char *name)
                              strlen(name) == HASH_DIGITS + strlen(suffix)));
 }
 
-/* What an entry of the folder is, by the folder's descriptor: nobody can put another folder in its place meanwhile. */
+/* Handles an entry by the descriptor of the folder, so that nobody can put another folder in its place meanwhile. */
 typedef iso_status visitor(DIR *dir, const char *folder, const char *name, iso_error *err);
 
 static iso_status check_entry(DIR *dir, const char *folder, const char *name, iso_error *err)
 {
     struct stat st;
     const bool is_file = fstatat(dirfd(dir), name, &st, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(st.st_mode);
-    return is_file && is_own_name(name)
-               ? ISO_OK
-               : iso_fail(err, ISO_E_IO,
-                          "%s: %s in it is not isoshade's, so no pictures are kept there; move it away, or choose "
-                          "another output",
-                          folder, name);
+    return is_file && is_own_name(name) ? ISO_OK
+                                        : iso_fail(err, ISO_E_IO,
+                                                   "%s: contains %s, which is not isoshade's; move it away, or choose "
+                                                   "another output",
+                                                   folder, name);
 }
 
 static iso_status remove_picture(DIR *dir, const char *folder, const char *name, iso_error *err)
@@ -73,7 +72,7 @@ static iso_status remove_picture(DIR *dir, const char *folder, const char *name,
     return iso_fail(err, iso_errno_status(), "%s/%s: cannot be removed: %s", folder, name, strerror(errno));
 }
 
-/* Calls visit for each entry until one fails; *count is how many there are that are finished. A folder that is not there has none. */
+/* Calls visit for each entry until one fails; *count is the number of finished ones. A missing folder has none. */
 static iso_status visit_folder(const char *folder, visitor *visit, size_t *count, iso_error *err)
 {
     const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
@@ -84,13 +83,13 @@ static iso_status visit_folder(const char *folder, visitor *visit, size_t *count
         const int cause = errno;
         if (fd >= 0)
             close(fd);
-        return cause == ENOENT ? ISO_OK
-                               : iso_fail(err, ISO_E_IO, "%s: is no folder that pictures can be kept in: %s", folder,
-                                          strerror(cause));
+        return cause == ENOENT
+                   ? ISO_OK
+                   : iso_fail(err, ISO_E_IO, "%s: cannot store pictures in this folder: %s", folder, strerror(cause));
     }
     for (const struct dirent *e; status == ISO_OK && (e = readdir(dir));)
         if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0) {
-            *count += !is_temporary(e->d_name); /* a run that was killed may have left that of the marker alone */
+            *count += !is_temporary(e->d_name); /* a killed run may have left only that of the marker */
             status = visit(dir, folder, e->d_name, err);
         }
     closedir(dir);
@@ -106,21 +105,20 @@ static iso_status check_content(const char *folder, iso_error *err)
         status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
     if (status == ISO_OK && count > 0 && !iso_path_is_file(marker))
         status = iso_fail(err, ISO_E_IO,
-                          "%s: holds no " MARKER ", so no pictures are kept there; move it away, or choose another "
-                          "output",
+                          "%s: is not a store of pictures (no " MARKER "); move it away, or choose another output",
                           folder);
     free(marker);
     return status;
 }
 
-/* What is not the store's own stays. So does the marker: a run that is killed in between leaves a folder of the store's. */
+/* Removes the store's pictures only. The marker stays, so that a run killed in between leaves a valid store. */
 static void remove_pictures(const char *folder)
 {
     size_t count;
     visit_folder(folder, remove_picture, &count, NULL);
 }
 
-/* The marker goes last, after a look that meets nothing else. */
+/* Removes the store, the marker last, once no other entry is left. */
 static void remove_folder(const char *folder)
 {
     char *marker = iso_path_join(folder, MARKER);
@@ -133,17 +131,18 @@ static void remove_folder(const char *folder)
     free(marker);
 }
 
-/* ISO_E_IO while another process has it. A file system that has no locks is no reason to stop. */
+/* Explains a failed lock; ISO_E_IO if another process has it. */
 static iso_status fail_to_lock(const iso_folder_lock *lock, const char *folder, iso_error *err)
 {
     errno = lock->cause;
     if (lock->cause == EWOULDBLOCK)
         return iso_fail(err, ISO_E_IO,
-                        "%s: another process keeps its pictures there; wait for its end, or choose another output", folder);
-    return iso_fail(err, iso_errno_status(), "%s: is no folder that pictures can be kept in: %s", folder, strerror(errno));
+                        "%s: another process stores pictures there; wait for its end, or choose another output",
+                        folder);
+    return iso_fail(err, iso_errno_status(), "%s: cannot store pictures in this folder: %s", folder, strerror(errno));
 }
 
-/* In an empty folder it comes first: a run that is killed in between leaves one that the next may take. */
+/* Writes the marker before anything else: a run killed in between leaves a folder that the next may use. */
 static iso_status write_marker(const char *folder, iso_error *err)
 {
     char *marker = iso_path_join(folder, MARKER);
@@ -196,7 +195,7 @@ void iso_picture_store_close(iso_picture_store *store, bool remove)
     if (!store)
         return;
     if (!store->began)
-        remove = visit_folder(store->folder, check_entry, &count, NULL) == ISO_OK && count <= 1; /* the marker */
+        remove = visit_folder(store->folder, check_entry, &count, NULL) == ISO_OK && count <= 1; /* only the marker */
     if (remove)
         remove_folder(store->folder);
     iso_unfinished_drop(store->folder);
@@ -232,7 +231,7 @@ static bool is_kept(const iso_picture_store *s, const iso_render_request *q, con
            !q->renderers->shader_dir;
 }
 
-/* Numbers one by one: structs have gaps between them. */
+/* Adds single numbers, since structs have padding. */
 static void add_doubles(XXH3_state_t *h, const double *values, size_t count)
 {
     XXH3_128bits_update(h, values, count * sizeof *values);
@@ -270,7 +269,7 @@ static void add_view(XXH3_state_t *h, const iso_view *v)
     XXH3_128bits_update(h, v->tf.entries, v->tf.count * 4 * sizeof *v->tf.entries);
 }
 
-/* Blender's units and grids' ranges follow level 0 as well as the level that is drawn. */
+/* Adds level 0 too, since Blender's units and the ranges of its grids depend on it. */
 static void add_geometry(XXH3_state_t *h, const iso_geometry *g)
 {
     for (int a = 0; a < 3; ++a)
@@ -321,7 +320,7 @@ static char *path_of(const iso_picture_store *s, const iso_render_request *q, co
     return path;
 }
 
-/* ---- files: width, height, checksum of what follows, and the values ---- */
+/* ---- files: width, height, checksum of the values, values ---- */
 
 typedef struct header {
     uint64_t width, height, checksum;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* picture_store.h - pictures that were rendered, in a folder, so that a job that was interrupted need not draw them again.
+/* picture_store.h - a folder of rendered pictures, so that an interrupted job need not draw them again.
  *
- * A picture is found by a hash of all that it depends on: the command's key (base/key.h), the voxels and codes of its level,
- * the view, the options of its frame, and the renderer with its programs. So a picture from the folder is the one that would
- * be drawn. A file that is cut off or changed does not have its checksum, and counts as not there.
- * Threads may share a store. Not kept: views with 2D transfer functions, scales or regions, directions that are not from
- * codes or on the fly, isosurfaces; what is timed; planted faults; pictures that were made elsewhere; those of a program of
- * a renderers.json, which may be edited in between while its version stays. */
+ * The key of a picture is a hash of all its inputs: the command's key (base/key.h), the voxels and codes of its level,
+ * the view, the options of its frame, and the renderer with its programs. So a stored picture equals a new one. A
+ * truncated or changed file has another checksum, and counts as missing. Threads may share a store.
+ *
+ * Not stored: views with 2D transfer functions, scales or regions; directions that are not from codes or on the fly;
+ * isosurfaces; timed pictures; planted faults; pictures made elsewhere; pictures of a program of a renderers.json,
+ * which may change without a new version. */
 #ifndef ISO_PICTURE_STORE_H
 #define ISO_PICTURE_STORE_H
 
@@ -14,26 +15,26 @@
 
 typedef struct iso_picture_store iso_picture_store;
 
-/* Before the input is read: the folder is locked, and made if it is absent. ISO_E_IO, with the first entry that is not the
- * store's own: the folder is absent, empty, or has been made by a store and holds nothing else. Links are not followed. Nor
- * may another process have the folder open as a store. */
+/* Locks the folder before the input is read, and creates it if it is absent. It must be empty, or an earlier store
+ * and contain nothing else. Links are not followed. ISO_E_IO names the first other entry, or reports that another
+ * process uses the store. */
 iso_status iso_picture_store_open(const char *folder, iso_picture_store **store, iso_error *err);
-/* When the work begins. keep: pictures of the same key are taken; else all are removed. */
+/* Begins the work. keep: pictures of the same key are used; without it all are removed. */
 iso_status iso_picture_store_begin(iso_picture_store *store, bool keep, const iso_key *key, iso_error *err);
-/* remove: the store's own files, and the folder if it holds no others. If no work has begun, pictures of an earlier run
- * stay. NULL: nothing. */
+/* Closes the store; NULL: nothing. remove: removes the store's own files, and the folder if it is empty then. If no
+ * work has begun, pictures of an earlier run stay. */
 void iso_picture_store_close(iso_picture_store *store, bool remove);
 
-/* Nothing of a renderer is kept before its version is known. */
+/* Sets the version of a renderer. Its pictures are stored only after this call. */
 void iso_picture_store_set_version(iso_picture_store *store, const iso_renderer_info *r, const char *version);
 
-/* How many pictures were taken from the folder. */
+/* Returns the number of pictures that were found in the folder. */
 size_t iso_picture_store_taken(const iso_picture_store *store);
 
-/* true: *image is created. frame: instead of q->options. */
+/* Returns true if *image was created from the store. frame: instead of q->options. */
 bool iso_picture_store_find(iso_picture_store *store, const iso_render_request *q, const iso_render_options *frame,
                             iso_image *image);
-/* A folder that cannot be written to is no reason to stop: nothing is kept then. */
+/* Stores a picture. If the folder is not writable, nothing is stored; that is not an error. */
 void iso_picture_store_put(iso_picture_store *store, const iso_render_request *q, const iso_render_options *frame,
                            const iso_image *image);
 

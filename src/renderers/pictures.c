@@ -14,11 +14,11 @@
 #include "renderers/picture_file.h"
 #include "renderers/request.h"
 
-/* The folder of one renderer, for as long as the process runs. */
+/* The folder of one renderer, until the process ends. */
 typedef struct pictures {
     char *dir;
-    size_t hidden;   /* so many of its characters are folders that a report does not tell (base/provenance.h) */
-    json_t *checked; /* folders whose request was found to be what is asked */
+    size_t hidden;   /* length of the start of dir that reports omit (base/provenance.h) */
+    json_t *checked; /* folders whose request equals the current one */
     pthread_mutex_t lock;
 } pictures;
 
@@ -37,9 +37,9 @@ void iso_picture_file(double step_voxels, char name[ISO_PICTURE_NAME_BYTES])
         snprintf(name, ISO_PICTURE_NAME_BYTES, "picture.exr");
 }
 
-/* ---- is it a picture of what is asked? ---- */
+/* ---- comparison with the request ---- */
 
-/* Everything of a request but which frames are wanted, by how many threads, and the scene's name for people. */
+/* Loads a request without the frames, the number of threads and the scene's name. */
 static iso_status load_subject(const char *dir, json_t **root, iso_error *err)
 {
     char *path = iso_path_join(dir, "request.json");
@@ -61,7 +61,7 @@ static const char *differing_key(const json_t *asked, const json_t *there)
     return NULL;
 }
 
-/* A file that is in both folders has to be the same; one that was left out to save room says nothing. */
+/* Compares a file that is in both folders. A file that was left out to save space counts as the same. */
 static iso_status compare_file(const char *asked, const char *there, const char *file, bool *same, iso_error *err)
 {
     char *paths[2] = {iso_path_join(asked, file), iso_path_join(there, file)}, *bytes[2] = {NULL, NULL};
@@ -80,7 +80,7 @@ static iso_status compare_file(const char *asked, const char *there, const char 
     return status;
 }
 
-/* shown: what is said of the folder `there`. */
+/* Compares the requests of two folders. shown: the folder `there` in messages. */
 static iso_status compare_requests(const char *name, const char *asked, const char *there, const char *shown,
                                    iso_error *err)
 {
@@ -91,21 +91,20 @@ static iso_status compare_requests(const char *name, const char *asked, const ch
     TRY(status, load_subject(there, &then, err));
     const char *key = status == ISO_OK ? differing_key(now, then) : NULL;
     if (key)
-        status = iso_fail(err, ISO_E_PROGRAM,
-                          "%s: the pictures in %s are of another request: its \"%s\" is another one", name, shown, key);
+        status = iso_fail(err, ISO_E_PROGRAM, "%s: pictures in %s are for another request: its \"%s\" differs", name,
+                          shown, key);
     for (size_t i = 0; i < sizeof files / sizeof *files && status == ISO_OK; ++i) {
         status = compare_file(asked, there, files[i], &same, err);
         if (status == ISO_OK && !same)
-            status = iso_fail(err, ISO_E_PROGRAM,
-                              "%s: the pictures in %s are of another request: its %s is another one", name, shown,
-                              files[i]);
+            status = iso_fail(err, ISO_E_PROGRAM, "%s: pictures in %s are for another request: its %s differs", name,
+                              shown, files[i]);
     }
     json_decref(now);
     json_decref(then);
     return status;
 }
 
-/* The request that lies beside the pictures, where there is one. */
+/* Checks the request next to the pictures, if there is one. */
 static iso_status check_request(const pictures *p, const iso_render_request *q, const char *there, iso_error *err)
 {
     char *json = iso_path_join(there, "request.json"), *dir = NULL;
@@ -129,7 +128,7 @@ static iso_status check_request(const pictures *p, const iso_render_request *q, 
     return status;
 }
 
-/* Once for each scene and level. */
+/* Checks the request once for each scene and level. */
 static iso_status check_once(pictures *p, const iso_render_request *q, const char *there, iso_error *err)
 {
     pthread_mutex_lock(&p->lock);
@@ -145,21 +144,21 @@ static iso_status check_once(pictures *p, const iso_render_request *q, const cha
 
 /* ---- a picture ---- */
 
-/* In the folder of its scene and level, or beside it. NULL when memory ends. */
+/* Returns the picture's path in the folder of its scene and level, or next to that folder. NULL: no memory. */
 static char *find_picture(const char *there, double step_voxels)
 {
-    char file[ISO_PICTURE_NAME_BYTES], *path = NULL, *beside = NULL;
+    char file[ISO_PICTURE_NAME_BYTES], *path = NULL, *sibling = NULL;
     iso_picture_file(step_voxels, file);
     if (asprintf(&path, "%s/%s", there, file) < 0)
         return NULL;
     if (iso_path_exists(path))
         return path;
-    if (asprintf(&beside, "%s%s%s", there, step_voxels > 0 ? "-" : "", step_voxels > 0 ? file : ".exr") >= 0 &&
-        iso_path_exists(beside)) {
+    if (asprintf(&sibling, "%s%s%s", there, step_voxels > 0 ? "-" : "", step_voxels > 0 ? file : ".exr") >= 0 &&
+        iso_path_exists(sibling)) {
         free(path);
-        return beside;
+        return sibling;
     }
-    free(beside);
+    free(sibling);
     return path;
 }
 
@@ -171,7 +170,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     iso_error why = {""};
     (void)stats;
     if (!q->renderers->scene)
-        return iso_fail(err, ISO_E_USAGE, "%s has pictures of scenes alone", self->name);
+        return iso_fail(err, ISO_E_USAGE, "%s: has only pictures of scenes; render a scene by name", self->name);
     iso_picture_folder(q->renderers->scene, q->level, folder);
     there = iso_path_join(p->dir, folder);
     char *path = there ? find_picture(there, q->options->step_voxels) : NULL;
@@ -195,7 +194,7 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
 
 /* ---- the row ---- */
 
-/* What pictures.json says, as a row of renderers.json: the picture's folder can whatever was asked for. */
+/* Makes a row of renderers.json from pictures.json. A folder of pictures has all features. */
 static iso_status make_row(const char *name, const char *index, json_t **row, size_t *steps, iso_error *err)
 {
     static const char *const keys[] = {"schema", "command", "tier",  "title",    "bits",
@@ -246,7 +245,7 @@ iso_status iso_pictures_register(const char *name_and_dir, const iso_renderer_in
         pthread_mutex_init(&p->lock, NULL);
         const iso_external_stand_in instead = {.data = p, .version = version, .render = render, .steps = steps};
         status = iso_external_register(row, index, equals + 1, &instead, r, err);
-        p = NULL; /* a row refers to it from now on */
+        p = NULL; /* the registered row owns it from now on */
     }
     json_decref(row);
     free(p);

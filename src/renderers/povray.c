@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* povray.c - POV-Ray, as a program. Its rays have intervals instead of steps, and its images 16 bits a channel. */
+/* povray.c - POV-Ray, another program. Its rays have intervals instead of steps, and its images 16 bits per channel. */
 #include "povray/povray.h"
 
 #include <math.h>
@@ -36,7 +36,7 @@ static iso_povray_options take_options(const iso_render_request *q)
     return o;
 }
 
-/* The finer one of the two that it extrapolates from. */
+/* Returns the finer step of the two that it extrapolates from. */
 static double own_step(const iso_level *level)
 {
     const iso_povray_options o = iso_povray_defaults();
@@ -55,14 +55,14 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     return status;
 }
 
-/* Of another export than that of the first frame: other planes, a surface, directions of another source. */
+/* True if one export serves both frames: the same planes, surface and source of directions. */
 static bool shares_export(const iso_render_options *a, const iso_render_options *b)
 {
     return a->intervals > 0 && b->intervals > 0 && a->planes == b->planes && a->source == b->source &&
            a->isosurface == b->isosurface && a->iso == b->iso && !a->extrapolate && !b->extrapolate;
 }
 
-/* Frames from `first` on that one start draws. */
+/* Draws `count` frames in one start. */
 static iso_status render_together(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
     size_t intervals[ISO_RENDER_MAX_FRAMES];
@@ -99,8 +99,8 @@ static iso_status render_scenes(const iso_render_request *scenes, size_t count, 
     return iso_povray_render_scenes(wanted, count, images, scenes->progress, err);
 }
 
-/* The planes stay and the intervals double from frame to frame, so that every interval is halved. There are so many planes
- * that the intervals of a piece can be doubled `spare` times more before they are too many. */
+/* Keeps the planes and doubles the intervals from frame to frame, so that each interval is halved. The number of
+ * planes leaves room to double the intervals of a piece `spare` times more. */
 static void ask_steps(const iso_level *level, double finest_voxels, size_t count, double spare,
                       iso_render_options *frames)
 {
@@ -115,21 +115,21 @@ static void ask_steps(const iso_level *level, double finest_voxels, size_t count
     }
 }
 
-/* An image is made of two pictures, emission and transmittance. The integers of the first count parts of the brightest
- * color that there can be, those of the second let so much of the background through. */
+/* An image is made of two pictures, emission and transmittance. The integers of the first are parts of the brightest
+ * possible color; those of the second weight the background. */
 static double peak_with_background(const iso_view *view)
 {
     return iso_povray_peak(view) + fmax(view->background[0], fmax(view->background[1], view->background[2]));
 }
 
-/* Both are rounded by half a step of 16 bits, 7.6e-6 of the peak. Over an image that is 4.4e-6 (a step over the root of
- * 12) where pixels differ, and up to 7.6e-6 where they are alike: a flat image is rounded to one side everywhere. */
+/* Both are rounded by half a step of 16 bits, 7.6e-6 of the peak. Over an image this is 4.4e-6 (a step over the root
+ * of 12) if pixels differ, and up to 7.6e-6 if they are equal: a flat image is rounded to one side everywhere. */
 static const iso_lock_step lock_step = {
     .quadrature = ISO_QUADRATURE_POVRAY,
-    .intervals = 128, /* enough to look like the volume, few enough to be quick */
+    .intervals = 128, /* enough to resemble the volume, and still fast */
     .smooth = {.max_abs = 2e-5},
     .sharp = {.max_abs = 2e-4},
-    .why = "the same samples; POV-Ray writes 16 bits a channel (7.6e-6 of the brightest there can be)",
+    .why = "the same samples; POV-Ray writes 16 bits per channel (7.6e-6 of the brightest possible color)",
 };
 
 static const char *const programs[] = {"povray", "~/.povray/3.7/povray.ini", "/etc/povray/3.7/povray.ini", NULL};

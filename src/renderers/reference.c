@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* reference.c - the reference: double precision on the CPU, the truth that the other renderers are compared with. */
+/* reference.c - the reference: double precision on the CPU. The other renderers are compared with it. */
 #include <stdio.h>
 
 #include "base/parallel.h"
@@ -14,7 +14,7 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
     return ISO_OK;
 }
 
-/* What it reads of a level: floats of the scalar, and codes or floats of the directions. */
+/* Returns the bytes that it reads of a level: floats of the scalar, and codes or floats of the directions. */
 static double bytes_of(const iso_level *level, iso_direction_source source)
 {
     const double direction = source == ISO_FROM_ON_THE_FLY                                      ? 0

@@ -72,12 +72,12 @@ double iso_render_taken_step_voxels(const iso_render_request *q, const iso_rende
     const iso_level *level = &q->pyramid->levels[q->level];
     const iso_renderer_info *r = frame->renderer;
     return frame->step_voxels > 0 || frame->intervals ? iso_render_step_voxels(level, frame)
-           : frame->quadrature == ISO_QUADRATURE_CONVERGED && r == iso_renderers_truth() ? INFINITY
-           : r->own_step                                                                 ? r->own_step(level)
-                                                                                         : q->view->step_voxels;
+           : frame->quadrature == ISO_QUADRATURE_CONVERGED && r == iso_renderers_reference() ? INFINITY
+           : r->own_step                                                                     ? r->own_step(level)
+                                                                                             : q->view->step_voxels;
 }
 
-/* What was drawn, for the sums of the whole job. */
+/* Adds an image to the sums of the whole job. */
 static void count_picture(const iso_render_request *q, const iso_render_options *frame)
 {
     const double pixels = (double)(q->view->width * q->view->height), step = iso_render_taken_step_voxels(q, frame);
@@ -110,7 +110,7 @@ void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more)
 
 /* ---- one image ---- */
 
-/* What a view may ask for. */
+/* A feature that a view may need. */
 typedef struct asked_trait {
     bool asked;
     unsigned trait;
@@ -138,7 +138,7 @@ const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_pyramid *p,
     return find_lacking(r, p, view, isosurface).what;
 }
 
-/* A renderer that passed over what a scene asks for would draw another scene. */
+/* Refuses a request with a feature that the renderer lacks, since it would draw another scene. */
 static iso_status check(const iso_render_request *q, iso_error *err)
 {
     char names[256];
@@ -150,13 +150,13 @@ static iso_status check(const iso_render_request *q, iso_error *err)
     if (lacking.asked)
         return iso_fail(err, ISO_E_USAGE, "%s are rendered by %s, not by %s", lacking.what,
                         iso_renderers_with(lacking.trait, ", ", " and ", names, sizeof names), r->name);
-    /* What lies between two labels is neither a third one nor a surface. */
+    /* Values between two labels are neither a third label nor a surface. */
     if (q->pyramid->levels[0].labels && (q->options->isosurface || q->view->roi || q->view->tf_2d ||
                                          q->options->quadrature == ISO_QUADRATURE_PREINTEGRATED))
         return iso_fail(
             err, ISO_E_USAGE,
-            "label maps are rendered by samples of a one-dimensional transfer function alone: no isosurface, "
-            "pre-integration or region of interest (--no-labels interpolates)");
+            "label maps are rendered only by samples of a one-dimensional transfer function: no isosurface, "
+            "pre-integration or region of interest; --no-labels interpolates");
     return ISO_OK;
 }
 
@@ -191,7 +191,7 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
     TRY(status, apply_hook(frame, image, err));
     if (status == ISO_OK)
         iso_picture_store_put(frame->renderers->store, frame, opt, image);
-    if (seconds) /* where a frame is told apart from its textures, the frame: it is what is drawn again and again */
+    if (seconds) /* without the textures if they are measured apart: frames are drawn repeatedly */
         *seconds = !is_program && stats.setup_seconds > 0 ? stats.seconds : all;
     if (opt->stats)
         *opt->stats = stats;
@@ -227,7 +227,7 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
     return status;
 }
 
-/* Takes from the store what is there, and renders the rest by one call. */
+/* Takes stored images from the store, and renders the others by one call. */
 static iso_status render_stored(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
     struct iso_picture_store *store = q->renderers->store;
@@ -254,7 +254,7 @@ static iso_status render_stored(const iso_render_request *q, size_t count, iso_i
     return status;
 }
 
-/* ---- images that are there ---- */
+/* ---- cached images ---- */
 
 void iso_frame_cache_clear(iso_frame_cache *cache)
 {
@@ -282,7 +282,7 @@ static const iso_image *find_frame(const iso_frame_cache *cache, const iso_rende
     return NULL;
 }
 
-/* Room for so many more. */
+/* Reserves memory for `more` images. */
 static iso_status grow_cache(iso_frame_cache *cache, size_t more, iso_error *err)
 {
     iso_render_options *frames = realloc(cache->frames, (cache->count + more) * sizeof *frames);
@@ -292,7 +292,7 @@ static iso_status grow_cache(iso_frame_cache *cache, size_t more, iso_error *err
     return frames && images ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", more);
 }
 
-/* Renders what the cache lacks, and copies all. */
+/* Renders the images that the cache lacks, and copies all. */
 static iso_status render_cached(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
     const iso_render_options *frames = q->options;
@@ -323,7 +323,7 @@ iso_status iso_render_check_finite(const iso_renderer_info *r, const iso_image *
 {
     return iso_image_is_finite(image)
                ? ISO_OK
-               : iso_fail(err, ISO_E_PROGRAM, "%s: the picture has values that are no numbers", r->title);
+               : iso_fail(err, ISO_E_PROGRAM, "%s: the picture has values that are not finite", r->title);
 }
 
 iso_status iso_render_several(const iso_render_request *frames, size_t count, iso_image *images, iso_error *err)
@@ -337,7 +337,7 @@ iso_status iso_render_several(const iso_render_request *frames, size_t count, is
 
 /* ---- several scenes ---- */
 
-/* Takes from the store what is there, and draws the rest by one start. */
+/* Takes stored images from the store, and draws the others in one start. */
 static iso_status render_together(const iso_render_request *scenes, size_t count, iso_image *images, iso_error *err)
 {
     iso_render_request lacking[ISO_RENDER_MAX_SCENES];

@@ -28,7 +28,7 @@ static json_t *numbers_json(const double *values, size_t count)
 
 /* ---- the volume ---- */
 
-/* Also for a file that is left out: the checksum binds a picture to its samples. */
+/* Checksum, also of a file that is left out: it binds a picture to its samples. */
 static json_t *checksum_json(const void *values, size_t bytes, uint64_t seed)
 {
     char text[17];
@@ -61,7 +61,7 @@ static iso_status write_volume(const iso_level *level, const char *path, iso_err
     return iso_volume_save(&v, path, false, err);
 }
 
-/* NRRD of four axes, the three components first. The library's own writer has volumes of one number a voxel. */
+/* Writes an NRRD of four axes, the three components first. The library's own writer has one number per voxel. */
 static bool put_directions(FILE *f, const iso_geometry *g, const float *directions)
 {
     const size_t *n = g->size, count = 3 * iso_geometry_voxel_count(g);
@@ -101,7 +101,7 @@ static json_t *tf_json(const iso_tf_table *tf)
                      extinctions);
 }
 
-/* The depths between which the box lies, for renderers that ask for them. */
+/* Finds the depths between which the box lies, for renderers that need clip distances. */
 static void find_depths(const iso_camera *c, const iso_geometry *g, double *near, double *far)
 {
     *near = INFINITY, *far = 0;
@@ -117,7 +117,7 @@ static void find_depths(const iso_camera *c, const iso_geometry *g, double *near
     *near = c->orthographic ? fmax(*near - slack, 0) : fmax(*near - slack, 1e-3 * *far);
 }
 
-/* World to eye, which looks along -z; rows first. */
+/* World to eye, which looks along -z; row-major. */
 static json_t *view_matrix(const iso_camera *c)
 {
     const iso_vec3 axes[3] = {c->right, c->up, iso_scale(c->forward, -1)};
@@ -129,7 +129,7 @@ static json_t *view_matrix(const iso_camera *c)
     return rows;
 }
 
-/* That of OpenGL, rows first. */
+/* Projection of OpenGL, row-major. */
 static json_t *projection_matrix(const iso_camera *c, double aspect, double near, double far)
 {
     const double x = 1 / (c->half_height * aspect), y = 1 / c->half_height, depth = far - near;
@@ -198,7 +198,7 @@ static json_t *request_json(const iso_request *q, bool lit)
 
 /* ---- files ---- */
 
-/* All digits of a double: samples that are to be the same must not be moved by what is printed of the camera. */
+/* Writes all digits of a double: rounded camera numbers would move the samples. */
 static iso_status write_json(const char *path, json_t *root, iso_error *err)
 {
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
@@ -214,7 +214,7 @@ static iso_status check(const iso_request *q, iso_error *err)
                        : q->view->extinction_scale ? "extinction scales"
                        : q->view->roi              ? "region of interest"
                                                    : NULL;
-    return what ? iso_fail(err, ISO_E_USAGE, "request.json has no words for the scene's %s", what) : ISO_OK;
+    return what ? iso_fail(err, ISO_E_USAGE, "request.json cannot describe the scene's %s", what) : ISO_OK;
 }
 
 iso_status iso_request_write(const iso_request *q, const char *dir, iso_error *err)

@@ -34,7 +34,7 @@ size_t iso_renderer_index(const iso_renderer_info *r)
     return i;
 }
 
-const iso_renderer_info *iso_renderers_truth(void)
+const iso_renderer_info *iso_renderers_reference(void)
 {
     return &iso_renderer_reference;
 }
@@ -55,15 +55,14 @@ iso_status iso_renderers_register(const iso_renderer_info *r, iso_error *err)
 {
     const size_t count = iso_renderer_count();
     if (find(r->name))
-        return iso_fail(err, ISO_E_USAGE, "a renderer called \"%s\" is there already", r->name);
+        return iso_fail(err, ISO_E_USAGE, "renderer \"%s\": this name is taken; choose another", r->name);
     if (count == ISO_MAX_RENDERERS)
-        return iso_fail(err, ISO_E_RANGE, "renderer \"%s\": there are %zu already, and room for no more", r->name,
-                        count);
+        return iso_fail(err, ISO_E_RANGE, "renderer \"%s\": the table is full, at most %zu renderers", r->name, count);
     table[count] = r;
     return ISO_OK;
 }
 
-/* Those with all traits of `has` and none of `lacks`. */
+/* Joins the names of those with all traits of `has` and none of `lacks`. */
 static const char *join_names(unsigned has, unsigned lacks, const char *join, const char *last_join, char *text,
                               size_t size)
 {
@@ -99,7 +98,7 @@ iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r,
     *r = find(name);
     if (*r)
         return ISO_OK;
-    return iso_fail(err, ISO_E_USAGE, "no renderer is called \"%s\"; wanted %s", name,
+    return iso_fail(err, ISO_E_USAGE, "unknown renderer \"%s\"; choose from %s", name,
                     iso_renderers_with(0, ", ", " or ", names, sizeof names));
 }
 
@@ -108,7 +107,7 @@ iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERE
     for (size_t i = 0; i < ISO_MAX_RENDERERS; ++i)
         wanted[i] = i < iso_renderer_count() && (iso_renderer_has(table[i], ISO_IS_OF_PICTURES) ||
                                                  (!list && !iso_renderer_has(table[i], ISO_IS_NAMED)));
-    wanted[iso_renderer_index(iso_renderers_truth())] = true;
+    wanted[iso_renderer_index(iso_renderers_reference())] = true;
     if (!list)
         return ISO_OK;
     char *copy = strdup(list), *rest = copy;

@@ -17,7 +17,7 @@ color(v) = v eq 'agree' ? 0x0072b2 : v eq 'not compared' ? 0x999999 : 0xd55e00
 set logscale x
 set format x '10^{%T}'
 set xrange [least:*]
-# Where nothing could be measured the axis would have no end.
+# Without any measurement the axis would be unbounded.
 largest = 0
 stats name . '.csv' every ::1::rows using (largest = $2 > largest ? $2 : largest, $3 > largest ? (largest = $3) : 0, 0) nooutput
 if (!(largest > least)) { set xrange [least:1] }

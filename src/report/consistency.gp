@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# How far each level is from level 0, a color a method, solid under the original TF and dashed under the adapted one:
-# structure, what people see, directions.
+# Distance of each level from level 0, one color per method, solid under the original TF and dashed under the adapted one:
+# structure, visible difference, directions.
 name = 'consistency'
 data = name . '.csv'
 set datafile separator comma
@@ -11,7 +11,7 @@ stats data skip 1 using (strcol(8) eq 'adapted') nooutput
 adapted = STATS_max > 0
 stats data skip 1 using 9 nooutput
 kept = STATS_max > 0
-# Where the TF shows nothing there is no direction to measure; gnuplot draws no picture of no point.
+# A TF that shows nothing has no directions; gnuplot draws no picture without points.
 angles = 0
 stats data skip 1 using (strstrt(strcol(6), 'nan') ? 0 : (angles = 1, 0)) nooutput
 stats data skip 1 using 2 nooutput

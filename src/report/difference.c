@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* difference.c - rows and facts of two reports, side by side. */
+/* difference.c - compares rows and facts of two reports. */
 #include "report/difference.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@
 static const double noise_factor = 1.5;
 static const double part_of_limit = 0.01, part_of_gate = 0.1, part_of_noisy_gate = 0.5;
 static const double rounding = 1e-7;     /* of colors around 1 in float */
-static const double level_margin = 1e-3; /* of 1-SSIM, FLIP and RMSE: nobody sees less */
+static const double level_margin = 1e-3; /* of 1-SSIM, FLIP and RMSE: smaller ones are invisible */
 static const double angle_tolerance_deg = 0.1;
 
 static iso_tolerance at_least(iso_tolerance t, double value, const char *why)
@@ -23,13 +23,13 @@ static iso_tolerance at_least(iso_tolerance t, double value, const char *why)
     return value > t.value ? (iso_tolerance){value, why} : t;
 }
 
-/* The smaller of two limits; NaN where there is none. */
+/* Returns the smaller of two limits; NaN if there is none. */
 static double smaller(double a, double b)
 {
     return isnan(a) ? b : isnan(b) ? a : fmin(a, b);
 }
 
-/* The noise of a mean over seeds, RMSE; 0 of a renderer without. */
+/* Returns the noise of a mean over seeds, as RMSE; 0 if there is none. */
 static double noise_of(const json_t *row)
 {
     const double noise = iso_row_number(json_object_get(row, "statistics"), "noise_bar");
@@ -46,8 +46,8 @@ static double value_of(const json_t *row, const char *metric)
     return strcmp(metric, "ssim_dissimilarity") == 0 ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, metric);
 }
 
-/* What noise may do to a metric: all of it to RMSE; the largest pixel tolerance to the largest difference; to the others
- * the share that it is of the RMSE. */
+/* Returns the part of a metric that noise explains: all of the RMSE; the largest pixel tolerance for the largest
+ * difference; for the others the ratio of noise to RMSE. */
 static double noise_in(const json_t *a, const json_t *b, const char *metric)
 {
     const double noise = both_noises(a, b), rmse = fmax(iso_row_number(a, "rmse"), iso_row_number(b, "rmse"));
@@ -68,13 +68,13 @@ iso_tolerance iso_difference_tolerance(const json_t *a, const json_t *b, const c
     return at_least(t, noise_in(a, b, metric), "the noise of both");
 }
 
-/* ---- what changed of a row ---- */
+/* ---- changes of a row ---- */
 
-/* The two rows of one name, and what was found. */
+/* Two rows of one name, and their changes. */
 typedef struct pair {
     const json_t *a, *b;
     json_t *what;
-    double factor; /* of tolerances */
+    double factor; /* scales tolerances */
 } pair;
 
 static void add_change(const pair *p, const char *what, json_t *a, json_t *b, iso_tolerance t, bool worse)
@@ -84,7 +84,7 @@ static void add_change(const pair *p, const char *what, json_t *a, json_t *b, is
                                              t.why ? json_string(t.why) : json_null(), "worse", worse));
 }
 
-/* NaN, of what could not be measured, equals itself alone. Larger ones are worse, whatever their sign. */
+/* Adds a change of a number. NaN (not measured) equals only itself. The larger magnitude is worse. */
 static void compare_numbers(const pair *p, const char *what, double a, double b, iso_tolerance t)
 {
     t.value *= p->factor;
@@ -92,14 +92,14 @@ static void compare_numbers(const pair *p, const char *what, double a, double b,
         add_change(p, what, iso_json_number(a), iso_json_number(b), t, !(fabs(b) < fabs(a)) && !isnan(a));
 }
 
-/* Of words that are neither better nor worse. */
+/* Adds a change of words, which is neither better nor worse. */
 static void compare_texts(const pair *p, const char *what, const char *a, const char *b)
 {
     if (strcmp(a, b) != 0)
         add_change(p, what, json_string(a), json_string(b), (iso_tolerance){0}, false);
 }
 
-/* A verdict that is less certain is worse, even if nothing is known to be wrong. */
+/* Adds a change of verdict. A less certain verdict is worse, even if no error is known. */
 static void compare_verdicts(const pair *p)
 {
     const char *a = iso_row_text(p->a, "verdict"), *b = iso_row_text(p->b, "verdict");
@@ -108,7 +108,7 @@ static void compare_verdicts(const pair *p)
         add_change(p, "verdict", json_string(a), json_string(b), (iso_tolerance){0}, worse);
 }
 
-/* Limits are stated, so that no bit of them may be another. */
+/* Adds a change of a limit. Stated limits have tolerance 0. */
 static void compare_limit(const pair *p, const char *of, double a, double b, double tolerance)
 {
     char what[128];
@@ -116,7 +116,7 @@ static void compare_limit(const pair *p, const char *of, double a, double b, dou
     compare_numbers(p, what, a, b, (iso_tolerance){tolerance, tolerance > 0 ? "a tenth of it" : "stated"});
 }
 
-/* Of extrapolated limits the RMSE is held to the row's own error bar, which is measured. */
+/* False for the RMSE of extrapolated limits, whose limit is the row's own error bar, a measured value. */
 static bool limit_is_stated(const json_t *row, const char *metric)
 {
     const iso_comparison how = iso_row_identify(row).comparison;
@@ -153,7 +153,7 @@ static void compare_gate(const pair *p, const char *key)
 {
     const json_t *a = gate_of(p->a, key), *b = gate_of(p->b, key);
     const double limit_a = iso_row_number(a, "limit"), limit_b = iso_row_number(b, "limit"),
-                 limit = fabs(smaller(limit_a, limit_b)); /* a damaged file may say one below 0 */
+                 limit = fabs(smaller(limit_a, limit_b)); /* a damaged file may have a negative one */
     const bool noisy = both_noises(p->a, p->b) > 0;
     compare_numbers(p, iso_row_text(a ? a : b, "name"), iso_row_number(a, "value"), iso_row_number(b, "value"),
                     (iso_tolerance){(noisy ? part_of_noisy_gate : part_of_gate) * limit,
@@ -170,7 +170,7 @@ static void compare_gates(const pair *p)
         compare_gate(p, iso_row_text(gate, "gate"));
 }
 
-/* Why a renderer is refused, up to the colon: "missing", "failed its calibration". What follows names figures and paths. */
+/* Compares why rows were refused, up to the colon: "missing", "failed its calibration". Figures and paths follow it. */
 static void compare_refusals(const pair *p)
 {
     char why[2][256] = {"", ""};
@@ -202,7 +202,7 @@ static void compare_calibration(const pair *p)
     compare_limit(p, "value", limit_a, limit_b, 0);
 }
 
-/* "held" of a part of a level's row; a part that is only in one of them is a change, too. */
+/* Compares "held" of a part of a level's row. A part that only one of them has is also a change. */
 static void compare_held(const pair *p, const char *part)
 {
     static const char *const words[] = {"not judged", "held", "not held"};
@@ -232,7 +232,7 @@ static void compare_levels(const pair *p)
     {
         other = json_array_get(others, i);
         compare_numbers(p, iso_row_text(figure, "name"), iso_row_number(figure, "value"),
-                        iso_row_number(other, "value"), (iso_tolerance){level_margin, "nobody sees less"});
+                        iso_row_number(other, "value"), (iso_tolerance){level_margin, "smaller ones are invisible"});
         compare_limit(p, iso_row_text(figure, "name"), iso_row_number(figure, "asked"), iso_row_number(other, "asked"),
                       0);
     }
@@ -251,7 +251,7 @@ static void compare_consistency(const pair *p)
     for (size_t i = 0; i < sizeof figures / sizeof *figures; ++i)
         compare_numbers(p, figures[i].name, iso_row_number(p->a, figures[i].key), iso_row_number(p->b, figures[i].key),
                         figures[i].is_angle ? (iso_tolerance){angle_tolerance_deg, "a tenth of a degree"}
-                                            : (iso_tolerance){level_margin, "nobody sees less"});
+                                            : (iso_tolerance){level_margin, "smaller ones are invisible"});
     compare_texts(p, "adapting", iso_row_text(p->a, "original_kept")[0] ? "refused" : "not refused",
                   iso_row_text(p->b, "original_kept")[0] ? "refused" : "not refused");
 }
@@ -301,7 +301,7 @@ static const struct kind {
 #undef ISO_SECTION_ROW
 };
 
-/* The rows of a list by their names; the second of a name is called "NAME (2)". New. */
+/* Returns a new object: the rows of a list by their names; the second of a name is called "NAME (2)". */
 static json_t *rows_by_name(const json_t *report, const struct kind *kind)
 {
     json_t *rows = json_object(), *row;
@@ -324,7 +324,7 @@ static json_t *text_or_null(const json_t *row, const char *key)
     return text[0] ? json_string(text) : json_null();
 }
 
-/* Keeps the row where something of it changed. Takes the reference to p->what. */
+/* Keeps the row if it changed. Takes the reference to p->what. */
 static bool keep_row(json_t *rows, const struct kind *kind, const char *name, const pair *p)
 {
     const json_t *one = p->b ? p->b : p->a;
@@ -344,7 +344,7 @@ static bool keep_row(json_t *rows, const struct kind *kind, const char *name, co
     return changed;
 }
 
-/* How many rows there are in either report. */
+/* Compares the rows of one list; returns the number of names in either report. */
 static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *a, const json_t *b, double factor)
 {
     json_t *in_a = rows_by_name(a, kind), *in_b = rows_by_name(b, kind), *row;
@@ -371,7 +371,8 @@ static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *
     return count;
 }
 
-/* Other verdicts first, those that say less before those that say more; then what is gone, what came, and figures. */
+/* Sort key: changed verdicts first, the ones that became less certain before the others; then rows that disappeared,
+ * appeared, and changed figures. */
 static int rank_of(const json_t *row)
 {
     const char *change = iso_row_text(row, "change");
@@ -418,7 +419,7 @@ static void compare_section(json_t *facts, const char *section, const json_t *a,
     json_decref(both);
 }
 
-/* Of paths the last name: where a file lay is no difference. */
+/* Compares the last part of two paths: the folder of a file does not count. */
 static void compare_file(json_t *facts, const char *key, const json_t *a, const json_t *b, bool counts)
 {
     json_t *names[2] = {json_string(iso_path_base(iso_row_text(a, key))),
@@ -428,7 +429,7 @@ static void compare_file(json_t *facts, const char *key, const json_t *a, const 
     json_decref(names[1]);
 }
 
-/* What each scene asks for. */
+/* Compares the limits of each scene. */
 static void compare_asked(json_t *facts, const json_t *a, const json_t *b, bool counts)
 {
     const char *scene;
@@ -517,5 +518,5 @@ iso_status iso_difference_accept(const json_t *report, json_t **accepted, iso_er
         return ISO_OK;
     json_decref(*accepted);
     *accepted = NULL;
-    return iso_fail(err, ISO_E_FORMAT, "the report has no rows, so nothing would be compared");
+    return iso_fail(err, ISO_E_FORMAT, "the report has no rows to compare");
 }

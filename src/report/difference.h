@@ -1,59 +1,59 @@
 /* SPDX-License-Identifier: MIT */
-/* difference.h - what changed between two reports.
+/* difference.h - differences between two reports.
  *
- * Rows are matched by what they are of: scene, level, renderer and comparison; renderer and check; level; level and way.
- * A row has changed where
- *  - its verdict is another one, or the reason for which it is not compared or refused;
- *  - it appeared, or disappeared;
- *  - what is asked of it changed: a stated limit, or of a gate by more than a tenth (gates' limits are estimates);
- *  - a figure that it is held to moved by more than its tolerance.
- * Tolerances are the rows' own. Of a metric: a hundredth of its limit; where a renderer has noise, 1.5 times the noise of
- * both rows together, for two pictures with noise n differ by n sqrt(2), and no RMSE to a third picture can move by more
- * than that; and never less than 1e-7, the rounding of floats. Of gates and calibrations a tenth of their limit, as
- * reports vary by that; of gates of rows with noise half of it. Of levels the margin below which nobody sees a difference,
- * and of angles a tenth of a degree.
+ * Rows are matched by name: scene, level, renderer and comparison; renderer and check; level; level and method. A row
+ * has changed if
+ *  - its verdict changed, or the reason for which it is not compared or refused;
+ *  - it appeared or disappeared;
+ *  - a stated limit changed, or the limit of a gate by more than a tenth (limits of gates are estimates);
+ *  - a figure with a limit moved by more than its tolerance.
  *
- * Versions, options and what scenes ask for are facts; they count as a difference unless only results are asked for. The
- * machine is told and does not count. When something was made, by which command and how long it took is no difference.
+ * Tolerance of a metric: a hundredth of its limit, at least 1e-7, the rounding of floats. With noise it is at least 1.5
+ * times the noise of both rows: two pictures with noise n differ by n sqrt(2), and no RMSE to a third picture can move
+ * by more. Tolerance of gates and calibrations: a tenth of their limit, which is how much reports vary; of gates of
+ * rows with noise: half of it. Tolerance of levels: the visible margin, and a tenth of a degree.
  *
- * The later report B is worse where a verdict says less than in A (the order is: agree or pass, not compared, refused, differ or
- * fail), where a figure or a limit grew or is no number any more, and where a row is gone: isoshade baseline.
+ * Versions, options and the limits of scenes are facts. They count as a difference unless only results are compared.
+ * The machine is shown and does not count. Dates, commands and durations are not compared.
  *
- * A picture of both reports differs where a bit of it does, and counts where its RMSE to the other is above the tolerance
- * of its row's RMSE. */
+ * The later report B is worse if a verdict is less certain than in A (in this order: agree or pass, not compared,
+ * refused, differ or fail), if a figure or a limit grew or became NaN, or if a row disappeared: isoshade baseline.
+ *
+ * A picture of both reports differs if any bit does. It counts if the RMSE between the two is above the tolerance of
+ * its row's RMSE. */
 #ifndef ISO_REPORT_DIFFERENCE_H
 #define ISO_REPORT_DIFFERENCE_H
 
 #include "base/json.h"
 
 typedef struct iso_difference_source {
-    const char *dir;    /* that the pictures are in; or NULL */
+    const char *dir;    /* folder of the pictures; or NULL */
     const json_t *root; /* report.json */
 } iso_difference_source;
 
-/* The rows and the facts, new: keys as in doc/reference/files-report.md, but for the pictures. Tolerances are multiplied by factor.
- * ISO_E_FORMAT: no report. */
+/* Compares two reports. *difference is new: rows and facts with keys as in doc/reference/files-report.md, without
+ * pictures. Tolerances are multiplied by factor. ISO_E_FORMAT: a or b is not a report. */
 iso_status iso_difference_of(const json_t *a, const json_t *b, bool results_only, double factor, json_t **difference,
                              iso_error *err);
 
-/* Counts what of B is worse than A. */
+/* Counts the changes for the worse in B. */
 size_t iso_difference_count_worse(const json_t *difference);
 
-/* Makes the report that is kept to compare later ones with: its rows and facts alone. ISO_E_FORMAT: it has no rows. */
+/* Makes a baseline of a report: its rows and facts alone. ISO_E_FORMAT: it has no rows. */
 iso_status iso_difference_accept(const json_t *report, json_t **accepted, iso_error *err);
 
-/* Adds "pictures", and to inlined, where it is not NULL, what the page shows of those that differ. A picture that is there
- * and cannot be read is an error, with the reader's status. */
+/* Adds "pictures", and to inlined, if it is not NULL, the images of differing pictures for the page. An unreadable
+ * picture is an error, with the reader's status. */
 iso_status iso_difference_add_pictures(json_t *difference, const iso_difference_source *a,
                                        const iso_difference_source *b, json_t *inlined, iso_error *err);
 
-/* Adds "verdict" ("agree" where there is no difference, else "differ") and "sentence": the last step. */
+/* Adds "verdict" ("agree" if there are no differences, otherwise "differ") and "sentence". This is the last step. */
 void iso_difference_conclude(json_t *difference);
 
-/* DIR/index.html and DIR/difference.json; an existing DIR is replaced only if it holds a difference.json. */
+/* Writes DIR/index.html and DIR/difference.json; an existing DIR is replaced only if it has a difference.json. */
 iso_status iso_difference_write(const char *dir, const json_t *difference, const json_t *inlined, iso_error *err);
 
-/* The RMSE by which a picture of two rows may differ, and why. */
+/* The RMSE by which a picture of two rows may differ, and the reason. */
 typedef struct iso_tolerance {
     double value;
     const char *why;

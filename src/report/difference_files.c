@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* difference_files.c - the pictures of two reports, and the page that shows what changed. */
+/* difference_files.c - compares the pictures of two reports, and writes the page of the differences. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -18,7 +18,7 @@
 typedef struct picture_pair {
     const char *name;
     const json_t *about;
-    const json_t *rows[2]; /* whose image b it is; or NULL */
+    const json_t *rows[2]; /* rows whose image b it is; or NULL */
     iso_image images[2];
 } picture_pair;
 
@@ -28,7 +28,7 @@ static char *path_of(const char *dir, const char *name, const char *suffix)
     return asprintf(&path, "%s/images/%s.%s", dir, name, suffix) < 0 ? NULL : path;
 }
 
-/* Names of images are words without a path; those of a report that somebody else made may be anything. */
+/* True if a name is a plain word. Reports of others may contain paths here. */
 static bool is_image_name(const char *name)
 {
     return name[0] && name[0] != '.' && !strchr(name, '/') && !iso_words_has_control(name);
@@ -49,7 +49,7 @@ static bool has_the_same_pixels(const iso_image *a, const iso_image *b)
            memcmp(a->rgba, b->rgba, 4 * a->width * a->height * sizeof *a->rgba) == 0;
 }
 
-/* The figures of two pictures that differ. */
+/* Describes a difference of two pictures by its figures. */
 static json_t *describe(const picture_pair *p, const iso_metrics *m)
 {
     const iso_tolerance t = iso_difference_tolerance(p->rows[0], p->rows[1], "rmse");
@@ -65,7 +65,7 @@ static json_t *describe_problem(const char *name, const char *problem)
     return json_pack("{s:s, s:n, s:s, s:b}", "name", name, "caption", "problem", problem, "counts", true);
 }
 
-/* What the page shows of the picture numbered so. */
+/* Adds to `inlined` the images of the picture with this number. */
 static iso_status inline_pair(const picture_pair *p, const iso_difference_source *const of[2], size_t number,
                               json_t *inlined, iso_error *err)
 {
@@ -91,8 +91,8 @@ static iso_status inline_pair(const picture_pair *p, const iso_difference_source
     return status;
 }
 
-/* Both pictures. One that is gone, or two of other sizes, are a difference: the reason is left in *problem, to be freed.
- * One that is there and cannot be read is none: nobody has looked at it. */
+/* Loads both pictures. A missing one, or two of other sizes, are a difference: *problem is the reason, to be freed.
+ * An unreadable one is an error. */
 static iso_status load(picture_pair *p, const iso_difference_source *const of[2], char **problem, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -118,7 +118,7 @@ static iso_status load(picture_pair *p, const iso_difference_source *const of[2]
     return status;
 }
 
-/* Adds the picture to list where it differs. */
+/* Compares two pictures, and adds them to list if they differ. */
 static iso_status compare_pair(picture_pair *p, const iso_difference_source *const of[2], json_t *list, json_t *inlined,
                                iso_error *err)
 {
@@ -143,7 +143,7 @@ static iso_status compare_pair(picture_pair *p, const iso_difference_source *con
     return status;
 }
 
-/* How far it differs, in its tolerance; what cannot be compared is the farthest. */
+/* Returns the difference in tolerances; INFINITY if the pictures cannot be compared. */
 static double size_of_difference(const json_t *picture)
 {
     const double rmse = iso_row_number(picture, "rmse"), tolerance = iso_row_number(picture, "tolerance");
@@ -156,7 +156,7 @@ static int largest_first(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-/* Takes the reference to list. */
+/* Sorts the pictures. Takes the reference to list. */
 static iso_status keep_sorted(json_t *difference, json_t *list, iso_error *err)
 {
     const size_t count = json_array_size(list);
@@ -173,7 +173,7 @@ static iso_status keep_sorted(json_t *difference, json_t *list, iso_error *err)
     return order ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
 }
 
-/* Which of the two has no pictures at all: somebody kept report.json alone. */
+/* Returns the report without pictures (only its report.json was kept), or NULL. */
 static const iso_difference_source *without_pictures(const iso_difference_source *const of[2])
 {
     for (int i = 0; i < 2; ++i) {
@@ -204,7 +204,7 @@ iso_status iso_difference_add_pictures(json_t *difference, const iso_difference_
             continue;
         ++count;
         if (!is_image_name(name))
-            json_array_append_new(list, describe_problem(name, "no name of an image"));
+            json_array_append_new(list, describe_problem(name, "invalid image name"));
         else
             status = compare_pair(&p, of, list, inlined, err);
     }
@@ -220,7 +220,7 @@ iso_status iso_difference_add_pictures(json_t *difference, const iso_difference_
     return keep_sorted(difference, list, err);
 }
 
-/* ---- what it comes to ---- */
+/* ---- verdict and sentence ---- */
 
 static size_t count_changes(const json_t *rows, const char *change)
 {
@@ -243,16 +243,16 @@ static const char *plural(size_t count)
     return count == 1 ? "" : "s";
 }
 
-/* "Versions and options: 2 differ" and what of the rest is the same. */
-static void tell_facts(const json_t *difference, size_t counting, char *sentence, size_t size)
+/* Adds the number of facts that differ, and missing pictures. */
+static void add_fact_count(const json_t *difference, size_t counting, char *sentence, size_t size)
 {
     const json_t *facts = json_object_get(difference, "facts"), *fact;
     size_t i, machine = 0;
     json_array_foreach(facts, i, fact) machine += strncmp(iso_row_text(fact, "fact"), "machine", 7) == 0;
-    const size_t told = json_array_size(facts) - machine;
-    if (told > 0)
-        iso_words_append(sentence, size, " %zu version%s or option%s differ%s%s.", told, plural(told), plural(told),
-                         told == 1 ? "s" : "", counting ? "" : ", which was not to count");
+    const size_t count = json_array_size(facts) - machine;
+    if (count > 0)
+        iso_words_append(sentence, size, " %zu version%s or option%s differ%s%s.", count, plural(count), plural(count),
+                         count == 1 ? "s" : "", counting ? "" : " (not counted, by request)");
     if (json_object_get(difference, "pictures_missing"))
         iso_words_append(sentence, size, " %s", iso_row_text(difference, "pictures_missing"));
 }
@@ -271,11 +271,11 @@ void iso_difference_conclude(json_t *difference)
                          shown, plural(shown));
     else
         iso_words_append(sentence, sizeof sentence,
-                         "The reports differ: of %zu row%s %zu changed, %zu appeared and %zu disappeared; %zu of %zu "
+                         "The reports differ: %zu of %zu row%s changed, %zu appeared and %zu disappeared; %zu of %zu "
                          "picture%s differ%s beyond tolerance.",
-                         all, plural(all), changed, appeared, gone, differing, shown, plural(shown),
+                         changed, all, plural(all), appeared, gone, differing, shown, plural(shown),
                          differing == 1 ? "s" : "");
-    tell_facts(difference, facts, sentence, sizeof sentence);
+    add_fact_count(difference, facts, sentence, sizeof sentence);
     json_object_set_new(difference, "changed_count", json_integer((json_int_t)changed));
     json_object_set_new(difference, "appeared_count", json_integer((json_int_t)appeared));
     json_object_set_new(difference, "disappeared_count", json_integer((json_int_t)gone));

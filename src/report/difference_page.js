@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The page of two reports: what changed of rows, facts and pictures, and the closer look at pictures.
+// The page of two reports: changed rows, facts and pictures, and the inspector of pictures.
 const shown = value => value === null ? '–' : typeof value === 'number' ? number(value, 4) : typeof value === 'object' ? (Array.isArray(value) ? value.join(' × ') : JSON.stringify(value)) : typeof value === 'boolean' ? (value ? 'yes' : 'no') : value;
 const tolerance = w => w.tolerance === null ? '' : [number(w.tolerance, 2), el('small', {}, ` ${w.why}`)];
 const verdictCell = verdict => cell(verdict === null ? '–' : verdict, false, verdict === null ? '' : style(verdict));
@@ -14,7 +14,7 @@ function head() {
     if (data.command) $('again').append(command(data.command));
 }
 
-// A line a change; the row's name stands in the first.
+// One line per change; the first one has the row's name.
 function rows() {
     if (data.rows.length === 0) return;
     $('rows').hidden = false;
@@ -26,18 +26,18 @@ function rows() {
         const rest = w => w ? [cell(names[w.what] || metricName(w.what), false, 'power'), cell(shown(w.a), true), cell(shown(w.b), true), cell(tolerance(w))] : [cell(''), cell('–', true), cell('–', true), cell('')];
         (what.length ? what : [null]).forEach((w, i) => lines.push(el('tr', {'data-change': i ? null : row.change}, i ? [cell(''), cell(''), cell(''), cell('')] : first, rest(w))));
     }
-    $('rows').append(table(`${data.rows.length} of ${data.row_count} rows. A name opens its two pictures, where they differ.`,
+    $('rows').append(table(`${data.rows.length} of ${data.row_count} rows. A name opens its two pictures if they differ.`,
         [['change'], ['row'], ['A'], ['B'], ['what'], ['in A', 1], ['in B', 1], ['tolerance']], lines));
 }
 
 function facts() {
     if (data.facts.length === 0) return;
     $('facts').hidden = false;
-    $('facts').append(table('What the reports were made with. It may be why something changed.', [['what'], ['in A'], ['in B'], ['']],
-        data.facts.map(f => el('tr', {}, cell(f.fact.replaceAll('_', ' ')), cell(shown(f.a)), cell(shown(f.b)), cell(f.counts ? '' : el('small', {}, 'told, not counted'))))));
+    $('facts').append(table('Versions and options of the reports, which may explain changes.', [['what'], ['in A'], ['in B'], ['']],
+        data.facts.map(f => el('tr', {}, cell(f.fact.replaceAll('_', ' ')), cell(shown(f.a)), cell(shown(f.b)), cell(f.counts ? '' : el('small', {}, 'not counted'))))));
 }
 
-// The pictures' table, whose rows open the closer look.
+// The table of pictures, whose rows open the inspector.
 let pictureRows = [];
 function pictures() {
     const section = $('pictures');

@@ -25,7 +25,7 @@ static iso_status write_beside(const char *dir, const char *name, const char *en
     return status;
 }
 
-/* How the file of a picture begins and ends. */
+/* First and last bytes of a picture file. */
 static const struct {
     const char *format, *first, *last;
 } forms[] = {
@@ -35,7 +35,7 @@ static const struct {
     {"tex", "% GNUPLOT", "\\endgroup"},
 };
 
-/* A gnuplot that says all is well may have drawn nothing, or something else; and it does not notice a full disk. */
+/* Checks the written picture: gnuplot may report success without one, or with another file, and ignores a full disk. */
 static iso_status check_content(const char *picture, const char *format, const char *data, size_t size, iso_error *err)
 {
     enum { TAIL = 32 };
@@ -43,11 +43,11 @@ static iso_status check_content(const char *picture, const char *format, const c
     while (strcmp(forms[f].format, format) != 0)
         ++f;
     if (size == 0)
-        return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left no picture", picture);
+        return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot wrote no picture", picture);
     if (size < strlen(forms[f].first) || memcmp(data, forms[f].first, strlen(forms[f].first)) != 0)
-        return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left what is no %s", picture, format);
+        return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot wrote a file that is not %s", picture, format);
     if (size < TAIL || !memmem(data + size - TAIL, TAIL, forms[f].last, strlen(forms[f].last)))
-        return iso_fail(err, ISO_E_IO, "%s: gnuplot left it incomplete; is the disk full?", picture);
+        return iso_fail(err, ISO_E_IO, "%s: gnuplot wrote an incomplete picture; check the free disk space", picture);
     return ISO_OK;
 }
 
@@ -56,14 +56,14 @@ static iso_status check_picture(const char *picture, const char *format, iso_err
     char *data = NULL;
     size_t size = 0;
     if (!iso_path_is_file(picture))
-        return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot left no picture", picture);
+        return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot wrote no picture", picture);
     iso_status status = iso_file_read(picture, &data, &size, err);
     TRY(status, check_content(picture, format, data, size, err));
     free(data);
     return status;
 }
 
-/* GNUTERM names a terminal that gnuplot opens before it reads the script: one with windows fails in the sandbox. */
+/* A terminal that gnuplot opens before it reads the script. One with windows fails in the sandbox. */
 static const char foreign_setting[] = "GNUTERM";
 
 static iso_status run_gnuplot(const char *dir, const char *name, const char *format, iso_error *err)
@@ -74,7 +74,7 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
         return status;
     if (asprintf(&script, "%s.gp", name) < 0)
         script = NULL;
-    /* A PNG is drawn without its pictures (figure/page.h); of a chart it has none. */
+    /* Draws a PNG without its pictures (figure/page.h); charts have none. */
     if (asprintf(&setting, "format='%s'%s", format, strcmp(format, "png") == 0 ? "; overlay=1" : "") < 0)
         setting = NULL;
     if (asprintf(&picture, "%s/%s%s.%s", dir, name, strcmp(format, "tex") == 0 ? "-latex" : "", format) < 0)
@@ -137,7 +137,7 @@ void iso_gnuplot_put_quoted(FILE *gp, const char *text)
     fputc('"', gp);
     for (; *text; ++text) {
         const unsigned char c = (unsigned char)*text;
-        /* gnuplot 5.4 takes all digits that follow for those of the escape. */
+        /* gnuplot 5.4 reads all following digits as part of the escape */
         is_escaped = !(c >= 0x80 || isalpha(c) || strchr(" ./_-", c) || (isdigit(c) && !is_escaped));
         fprintf(gp, is_escaped ? "\\%03o" : "%c", c);
     }
@@ -179,7 +179,7 @@ static iso_status write_script(const char *path, const char *format, const char 
     iso_gnuplot_put_quoted(gp, picture);
     fputc('\n', gp);
     iso_status status = write(gp, user, err);
-    const bool failed = ferror(gp) != 0; /* a script with a hole would draw another picture */
+    const bool failed = ferror(gp) != 0; /* an incomplete script would draw another picture */
     if ((fclose(gp) != 0 || failed) && status == ISO_OK)
         status = iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
     return status;

@@ -33,12 +33,12 @@ static bool is_smaller(const iso_report_level *row, iso_paired p)
 }
 
 /* True if the pictures are worse in a figure and better in none: figures that contradict each other decide nothing. */
-static bool is_worse(const iso_report_level *row, const iso_paired behind[ISO_LEVEL_FIGURE_COUNT])
+static bool is_worse(const iso_report_level *row, const iso_paired deficit[ISO_LEVEL_FIGURE_COUNT])
 {
     bool larger = false, smaller = false;
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
-        larger = larger || is_larger(row, behind[k]);
-        smaller = smaller || is_smaller(row, behind[k]);
+        larger = larger || is_larger(row, deficit[k]);
+        smaller = smaller || is_smaller(row, deficit[k]);
     }
     return larger && !smaller;
 }
@@ -50,7 +50,7 @@ static bool is_as_made(const iso_report_level *row)
 
 static bool is_not_turned(const iso_report_level *row)
 {
-    return isnan(row->angle_behind.difference) || !iso_paired_is_larger(row->angle_behind, row->angle_margin_deg) ||
+    return isnan(row->angle_deficit.difference) || !iso_paired_is_larger(row->angle_deficit, row->angle_margin_deg) ||
            !is_worse(row, row->turned);
 }
 
@@ -66,8 +66,8 @@ static bool is_scaled_right(const iso_report_level *row)
 
 iso_verdict iso_report_level_verdict(const iso_report_level *row)
 {
-    bool good = is_as_made(row) && is_not_turned(row) && !is_worse(row, row->simple.behind) &&
-                is_within_bound(row) && is_scaled_right(row);
+    bool good = is_as_made(row) && is_not_turned(row) && !is_worse(row, row->simple.deficit) && is_within_bound(row) &&
+                is_scaled_right(row);
     if (!row->shown && is_as_made(row) && is_scaled_right(row))
         return ISO_VERDICT_NOT_COMPARED;
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
@@ -86,12 +86,12 @@ static json_t *rival_json(const iso_report_level *row, const iso_report_rival *r
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
         json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o, s:o, s:b, s:b}", "figure", figures[k].key, "name",
                                               figures[k].name, "value", iso_json_number(rival->value[k]), "difference",
-                                              iso_json_number(rival->behind[k].difference), "half_width",
-                                              iso_json_number(rival->behind[k].half_width), "better",
-                                              is_larger(row, rival->behind[k]), "worse",
-                                              is_smaller(row, rival->behind[k])));
-    return json_pack("{s:s, s:s, s:s, s:b, s:o}", "method", rival->method, "tf", tf_word(rival->adapted, false), "option",
-                     rival->option, "better", is_worse(row, rival->behind), "figures", list);
+                                              iso_json_number(rival->deficit[k].difference), "half_width",
+                                              iso_json_number(rival->deficit[k].half_width), "better",
+                                              is_larger(row, rival->deficit[k]), "worse",
+                                              is_smaller(row, rival->deficit[k])));
+    return json_pack("{s:s, s:s, s:s, s:b, s:o}", "method", rival->method, "tf", tf_word(rival->adapted, false),
+                     "option", rival->option, "better", is_worse(row, rival->deficit), "figures", list);
 }
 
 static json_t *figures_json(const iso_report_level *row)
@@ -127,12 +127,12 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
                                       row->scale.has_effect, "held", is_scaled_right(row)));
     if (row->chosen)
         json_object_set_new(o, "chosen_filter", json_string(row->chosen));
-    json_object_set_new(o, "simple_held", json_boolean(!is_worse(row, row->simple.behind)));
+    json_object_set_new(o, "simple_held", json_boolean(!is_worse(row, row->simple.deficit)));
     json_object_set_new(o, "directions",
                         json_pack("{s:o, s:o, s:o, s:o, s:f, s:b}", "angle_deg", iso_json_number(row->angle_deg),
                                   "simple_deg", iso_json_number(row->simple_angle_deg), "difference_deg",
-                                  iso_json_number(row->angle_behind.difference), "half_width_deg",
-                                  iso_json_number(row->angle_behind.half_width), "margin_deg", row->angle_margin_deg,
+                                  iso_json_number(row->angle_deficit.difference), "half_width_deg",
+                                  iso_json_number(row->angle_deficit.half_width), "margin_deg", row->angle_margin_deg,
                                   "held", is_not_turned(row)));
     json_object_set_new(o, "stored",
                         json_pack("{s:o, s:f, s:o, s:f, s:b}", "scalar", iso_json_number(row->scalar_off),
@@ -175,7 +175,7 @@ static void add_better_figures(iso_levels_summary *s, const json_t *rival)
     }
 }
 
-/* Other stored directions under the same TF: then it was the choice of the filter. */
+/* True if the rival has other stored directions under the same TF, so that the choice of the filter was wrong. */
 static bool is_choice_wrong(const json_t *row, const json_t *rival)
 {
     return json_object_get(row, "chosen_filter") && strcmp(iso_row_text(rival, "method"), "on-the-fly") != 0 &&
@@ -194,7 +194,7 @@ static void add_rival(iso_levels_summary *s, const json_t *row, const json_t *ri
     iso_words_append(s->sentence, sizeof s->sentence, "): %s.", iso_row_text(rival, "option"));
 }
 
-/* What fails. */
+/* Adds the reasons for which a level does not hold. */
 static void add_failures(iso_levels_summary *s, const json_t *row)
 {
     const long long level = (long long)json_integer_value(json_object_get(row, "level"));
@@ -204,7 +204,7 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
     if (!is_true(stored, "held"))
         iso_words_append(
             s->sentence, sizeof s->sentence,
-            " Level %lld is not what level 0 makes: its values are off by up to %.2g of their range, its directions by %.3g degrees on average.",
+            " Level %lld differs from one made of level 0: values by up to %.2g of their range, directions by %.3g degrees on average.",
             level, iso_row_number(stored, "scalar"), iso_row_number(stored, "direction_deg"));
     const json_t *directions = json_object_get(row, "directions");
     if (directions && !is_true(directions, "held"))
@@ -215,7 +215,7 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
             level, iso_row_number(directions, "angle_deg"), iso_row_number(directions, "simple_deg"),
             iso_row_number(directions, "difference_deg"), iso_row_number(directions, "half_width_deg"));
     json_array_foreach(json_object_get(row, "figures"), i, f) if (!is_true(f, "held"))
-        iso_words_append(s->sentence, sizeof s->sentence, " Level %lld: %s is %.3g, asked for is at most %.3g.", level,
+        iso_words_append(s->sentence, sizeof s->sentence, " Level %lld: %s is %.3g, the limit is %.3g.", level,
                          iso_row_text(f, "name"), iso_row_number(f, "value"), iso_row_number(f, "asked"));
     const json_t *bound = json_object_get(row, "bound");
     if (bound && !is_true(bound, "held"))
@@ -225,11 +225,11 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
     const json_t *scale = json_object_get(row, "extinction_scale");
     if (scale && iso_row_number(scale, "differing_voxels") > 0)
         iso_words_append(s->sentence, sizeof s->sentence,
-                         " Level %lld: its extinction scale is not what level 0 makes, at %.0f voxels.", level,
+                         " Level %lld: its extinction scale differs from one made of level 0, at %.0f voxels.", level,
                          iso_row_number(scale, "differing_voxels"));
     if (scale && !is_true(scale, "has_effect"))
         iso_words_append(s->sentence, sizeof s->sentence,
-                         " Level %lld: its extinction scale changes no picture: it is not used.", level);
+                         " Level %lld: its extinction scale changes no picture, so it is not used.", level);
     if (!is_true(row, "simple_held"))
         add_rival(s, row, json_object_get(row, "simple"));
 }
@@ -254,7 +254,7 @@ static void add_bounds(iso_levels_summary *s, const json_t *rows)
         iso_words_append(s->sentence, sizeof s->sentence, ".");
 }
 
-/* The largest of the parts by which a rival's figures are smaller; 0 where it is not better. */
+/* Returns the largest relative improvement of a rival's figures; 0 if it is not better. */
 static double advantage(const json_t *rival)
 {
     double most = 0;
@@ -271,7 +271,7 @@ static double advantage(const json_t *rival)
     return most;
 }
 
-/* choices: only what auto could have chosen. */
+/* Returns the best rival, or NULL. choices: only filters that auto could have chosen. */
 static const json_t *best_rival(const json_t *row, bool choices)
 {
     const json_t *best = NULL;
@@ -285,21 +285,21 @@ static const json_t *best_rival(const json_t *row, bool choices)
     return best;
 }
 
-/* Figures in which another method has the smaller mean, though the intervals do not tell them apart. */
+/* Counts figures in which another method has the smaller mean, but the interval does not exclude chance. */
 static void add_near_ones(iso_levels_summary *s, const json_t *rows)
 {
     size_t i, k, r, all = 0, smaller = 0;
     json_t *row, *f, *rival;
     json_array_foreach(rows, i, row) json_array_foreach(json_object_get(row, "figures"), k, f)
     {
-        bool behind = false;
+        bool is_smaller_there = false;
         json_array_foreach(json_object_get(row, "rivals"), r, rival)
         {
             const json_t *its = json_array_get(json_object_get(rival, "figures"), k);
-            behind = behind || (iso_row_number(its, "difference") > 0 && !is_true(its, "better"));
+            is_smaller_there = is_smaller_there || (iso_row_number(its, "difference") > 0 && !is_true(its, "better"));
         }
         ++all;
-        smaller += behind;
+        smaller += is_smaller_there;
     }
     if (smaller > 0)
         iso_words_append(
@@ -308,7 +308,7 @@ static void add_near_ones(iso_levels_summary *s, const json_t *rows)
             all);
 }
 
-/* "Six views left level 2 open: it is judged by 20." */
+/* "Level 2 was undecided after 6 views: 20 were used." */
 static void add_added_views(iso_levels_summary *s, const json_t *rows)
 {
     json_t *row;
@@ -317,8 +317,9 @@ static void add_added_views(iso_levels_summary *s, const json_t *rows)
     {
         const double views = iso_row_number(row, "views"), before = iso_row_number(row, "views_before");
         if (views > before)
-            iso_words_append(s->sentence, sizeof s->sentence, " %.0f views left level %lld open: it is judged by %.0f.",
-                             before, (long long)json_integer_value(json_object_get(row, "level")), views);
+            iso_words_append(s->sentence, sizeof s->sentence,
+                             " Level %lld was undecided after %.0f views: %.0f were used.",
+                             (long long)json_integer_value(json_object_get(row, "level")), before, views);
     }
 }
 
@@ -331,19 +332,19 @@ static bool is_anything_asked(const json_t *rows)
     return false;
 }
 
-static void tell(iso_levels_summary *s, const json_t *rows)
+static void write_sentence(iso_levels_summary *s, const json_t *rows)
 {
     const json_t *first = json_array_get(rows, 0);
     const size_t count = json_array_size(rows);
     const double views = iso_row_number(first, "views");
     if (s->differed == 0)
         iso_words_append(s->sentence, sizeof s->sentence,
-                         "The levels hold: %snone is behind gradients on the fly under the original TF%s.",
-                         is_anything_asked(rows) ? "all are within what the scene asks, and " : "",
-                         is_anything_asked(rows) ? "" : ", which is all that is asked where the scene says nothing");
+                         "The levels hold: %snone is worse than gradients on the fly under the original TF%s.",
+                         is_anything_asked(rows) ? "all are within the scene's limits, and " : "",
+                         is_anything_asked(rows) ? "" : " (the scene sets no limits)");
     else
-        iso_words_append(s->sentence, sizeof s->sentence, "The levels do not hold: of %zu %zu fail%s.", count,
-                         s->differed, s->differed == 1 ? "s" : "");
+        iso_words_append(s->sentence, sizeof s->sentence, "The levels do not hold: %zu of %zu fail%s.", s->differed,
+                         count, s->differed == 1 ? "s" : "");
     size_t i;
     json_t *row;
     json_array_foreach(rows, i, row) add_failures(s, row);
@@ -359,11 +360,12 @@ static void tell(iso_levels_summary *s, const json_t *rows)
     add_near_ones(s, rows);
     add_bounds(s, rows);
     if (views < 6)
-        iso_words_append(s->sentence, sizeof s->sentence, " Of %.0f views intervals are wide.", views);
+        iso_words_append(s->sentence, sizeof s->sentence, " Only %.0f views: the confidence intervals are wide.",
+                         views);
 }
 
-/* The stage that judges them did not run, or not to its end. */
-static void tell_why_none(iso_levels_summary *s, const json_t *agreement)
+/* Adds the reason for which the stage that judges the levels did not run to its end. */
+static void add_stage_reason(iso_levels_summary *s, const json_t *agreement)
 {
     const json_t *row;
     size_t i;
@@ -386,11 +388,11 @@ iso_levels_summary iso_levels_summarize(const json_t *report)
         s.differed += verdict != ISO_VERDICT_AGREE && verdict != ISO_VERDICT_NOT_COMPARED;
     }
     if (s.agreed + s.differed > 0)
-        tell(&s, rows);
+        write_sentence(&s, rows);
     else if (s.not_compared > 0)
         iso_words_append(s.sentence, sizeof s.sentence,
                          "The levels are not compared: level 0 shows nothing in any view.");
     else
-        tell_why_none(&s, json_object_get(report, "agreement"));
+        add_stage_reason(&s, json_object_get(report, "agreement"));
     return s;
 }

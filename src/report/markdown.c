@@ -18,10 +18,10 @@ const char *iso_markdown_target(const char *dir)
     return dir[0] == '/' ? iso_provenance_name(dir) : dir;
 }
 
-enum { MOST_ROWS = 40 }; /* of a table: pages of runs end at a megabyte */
+enum { MOST_ROWS = 40 }; /* of a table: CI pages are limited to a megabyte */
 
-/* Punctuation that neither Markdown nor HTML looks at in the middle of a line. A character reference is text wherever it
- * stands: it parts no cells and opens no element, no emphasis, no link and no mention. */
+/* Keeps only punctuation without a meaning in the middle of a line. A character reference is always text: it ends no
+ * cell and begins no element, emphasis, link or mention. */
 void iso_markdown_put_text(FILE *f, const char *text)
 {
     for (size_t control; *text; text += control ? control : 1) {
@@ -36,7 +36,7 @@ void iso_markdown_put_text(FILE *f, const char *text)
     }
 }
 
-/* What a link may hold between its brackets: everything else is escaped as URLs have it. */
+/* Writes the target of a link, escaped as in URLs. */
 static void put_target(FILE *f, const char *path)
 {
     for (; *path; ++path) {
@@ -67,23 +67,23 @@ static void put_number(FILE *f, double value)
         fprintf(f, "%.4g", value);
 }
 
-/* A cell and what follows it. */
+/* Writes a cell and the separator. */
 static void put_cell(FILE *f, const char *text)
 {
     iso_markdown_put_text(f, text);
     fputs(" | ", f);
 }
 
-/* How many of `all` there are beyond those shown. */
+/* Writes the number of rows that are not shown. */
 static void put_more(FILE *f, size_t all)
 {
     if (all > MOST_ROWS)
-        fprintf(f, "\nand %zu more, which the report has.\n", all - MOST_ROWS);
+        fprintf(f, "\nand %zu more in the report.\n", all - MOST_ROWS);
 }
 
 /* ---- a report ---- */
 
-/* The worst of what is asked of a row that differs. */
+/* The largest excess over a limit of a row that differs. */
 typedef struct excess {
     char name[64];
     double value, limit, ratio;
@@ -143,7 +143,7 @@ static void put_failed_calibration(FILE *f, const json_t *row)
     fputs(" |\n", f);
 }
 
-/* The sentence of the levels has the reasons. */
+/* Writes a row of a failed level; the sentence of the levels has the reasons. */
 static void put_failed_levels(FILE *f, const json_t *row)
 {
     fprintf(f, "| levels | %lld | ", (long long)json_integer_value(json_object_get(row, "level")));
@@ -151,7 +151,7 @@ static void put_failed_levels(FILE *f, const json_t *row)
     fputs("does not hold | | |\n", f);
 }
 
-#define put_failed_consistency NULL /* nothing is asked of it */
+#define put_failed_consistency NULL /* it has no limits */
 
 static const struct {
     const char *list;
@@ -180,7 +180,7 @@ static void put_failures(FILE *f, const json_t *root)
     put_more(f, count);
 }
 
-/* Each reason once, with its renderer and the number of rows that were refused for it. */
+/* Writes each reason once, with its renderer and the number of refused rows. */
 static void put_refusals(FILE *f, const json_t *agreement)
 {
     json_t *reasons = json_object(), *row, *rows;
@@ -206,7 +206,7 @@ static void put_refusals(FILE *f, const json_t *agreement)
     json_decref(reasons);
 }
 
-/* Checks that were not made, by renderer: what they would have found stays open. */
+/* Writes the checks that were not made, by renderer. */
 static void put_not_calibrated(FILE *f, const json_t *calibration)
 {
     size_t i, count = 0;
@@ -266,7 +266,7 @@ static void put_report(FILE *f, const json_t *root)
 
 /* ---- two reports ---- */
 
-/* Numbers with four digits, texts as they are. */
+/* Writes a number with four digits, or a text. */
 static void put_value(FILE *f, const json_t *value)
 {
     if (json_is_real(value)) {
@@ -281,7 +281,7 @@ static void put_value(FILE *f, const json_t *value)
     fputs(" | ", f);
 }
 
-/* A line a change: row, what, A, B. */
+/* Writes a line of a change: row, what, A, B. */
 static void put_change(FILE *f, const json_t *row, const char *what, const json_t *a, const json_t *b)
 {
     fputs("| ", f);

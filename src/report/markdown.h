@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* markdown.h - a summary of a report, and of what changed between two, for the page on which continuous integration shows
- * its runs: GitHub's flavor of Markdown. Names of scenes and renderers stand as they are, whatever is in them. */
+/* markdown.h - summary of a report, or of the difference of two, in GitHub's flavor of Markdown, for the pages of
+ * continuous integration. Names of scenes and renderers are escaped. */
 #ifndef ISO_REPORT_MARKDOWN_H
 #define ISO_REPORT_MARKDOWN_H
 
@@ -8,17 +8,18 @@
 
 #include "base/json.h"
 
-/* Of a finished report.json: sentences, rows that failed, refused renderers with the reason, versions. link: to the page,
- * or NULL. Written whole or not at all. */
+/* Writes the summary of a finished report.json: sentences, failed rows, refused renderers with the reason, versions.
+ * link: to the page, or NULL. The file is written as a whole or not at all. */
 iso_status iso_markdown_of_report(const char *path, const json_t *root, const char *link, iso_error *err);
 
-/* Of a concluded difference (difference.h). */
+/* Writes the summary of a concluded difference (difference.h). */
 iso_status iso_markdown_of_difference(const char *path, const json_t *difference, const char *link, iso_error *err);
 
-/* What a link says of a folder: a relative path as it was given, else what may be told of it (base/provenance.h). */
+/* Returns the target of a link to a folder: a relative path unchanged, of others the part that may be shown
+ * (base/provenance.h). */
 const char *iso_markdown_target(const char *dir);
 
-/* Text that Markdown and HTML leave as it is, also in a cell of a table. */
+/* Writes a text that Markdown and HTML do not interpret, not even in a table. */
 void iso_markdown_put_text(FILE *f, const char *text);
 
 #endif

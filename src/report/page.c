@@ -25,7 +25,7 @@ ISO_EMBED(iso_report_levels_js, "src/report/report_levels.js");
 ISO_EMBED(iso_report_page_js, "src/report/report_page.js");
 ISO_EMBED(iso_difference_page_js, "src/report/difference_page.js");
 
-/* One script for a page, in an order in which each part finds what it needs. */
+/* The scripts of a page form one script, and depend on the ones before. */
 const iso_page iso_page_of_report = {iso_report_html,
                                      {iso_report_js, iso_report_difference_js, iso_report_tables_js,
                                       iso_report_inspector_js, iso_report_levels_js, iso_report_page_js},
@@ -121,7 +121,7 @@ static void put_mark(FILE *f, const iso_page *page, const json_t *data, const js
         iso_markup_put(f, iso_row_text(data, "title"));
 }
 
-/* The template with its marks @NAME@ filled in; @ stands nowhere else in it. */
+/* Fills in the marks @NAME@ of the template, which has no other @. */
 static void put_page(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined)
 {
     const char *at = page->html;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* page.h - self-contained pages of a template, scripts and data, with pictures as text: those of reports, and the chart's. */
+/* page.h - self-contained pages of reports and charts, made of a template, scripts and data, with pictures as text. */
 #ifndef ISO_REPORT_PAGE_H
 #define ISO_REPORT_PAGE_H
 
@@ -8,22 +8,22 @@
 
 enum { ISO_PAGE_MOST_SCRIPTS = 8 };
 typedef struct iso_page {
-    const char *html; /* with marks @STYLE@, @SCRIPT@, @DATA@, @INLINED@, @TITLE@, @SENTENCE@ */
+    const char *html; /* template with the marks @STYLE@, @SCRIPT@, @DATA@, @INLINED@, @TITLE@, @SENTENCE@ */
     const char *scripts[ISO_PAGE_MOST_SCRIPTS + 1]; /* one after the other; ends with NULL */
-    const char *style; /* behind the report's; or NULL */
+    const char *style;                              /* after the report's; or NULL */
 } iso_page;
 extern const iso_page iso_page_of_report, iso_page_of_difference;
-extern const char iso_report_js[]; /* what the scripts of all pages build on */
+extern const char iso_report_js[]; /* base of the scripts of all pages */
 
-/* data has "title" and "sentence"; no text of it ends an element of the page. */
+/* Writes the page. data has "title" and "sentence"; its texts are escaped. */
 iso_status iso_page_write(const char *path, const iso_page *page, const json_t *data, const json_t *inlined,
                           iso_error *err);
 
-/* A file as a data URI; to be freed. type: "image/png". */
+/* Reads a file as a data URI, to be freed. type: "image/png". */
 iso_status iso_page_file_uri(const char *path, const char *type, char **uri, iso_error *err);
 
-/* The largest channel difference of each pixel of two images of one size, 16 bits on a log scale in a PNG's red and green:
- * code = 1 + 65533 log10(d / 1e-9) / 11, 0 for no difference, 65535 for non-finite. */
+/* Encodes the largest channel difference of each pixel of two images of one size: 16 bits on a log scale in a PNG's
+ * red and green. code = 1 + 65533 log10(d / 1e-9) / 11, 0 for no difference, 65535 for non-finite. */
 iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, char **uri, iso_error *err);
 
 #endif

@@ -21,16 +21,16 @@
 
 struct iso_report {
     iso_output out;
-    pthread_mutex_t lock; /* of what is below */
+    pthread_mutex_t lock; /* of the following fields */
     json_t *root;         /* report.json */
-    json_t *inlined;      /* what only the page needs: pictures as text, differences and words of agreement's rows */
-    size_t *orders;       /* of the agreement's rows */
+    json_t *inlined;      /* only for the page: pictures as text, differences and names of agreement's rows */
+    size_t *orders;       /* of agreement's rows */
     double start_seconds;
-    int standing; /* the lock of the finished folder; below 0: none */
+    int standing; /* lock of the finished folder; negative: none */
     bool finished;
 };
 
-/* Reasons may quote what another program said. */
+/* Makes a string; reasons may quote another program's output. */
 static json_t *text(const char *value)
 {
     char *copy = value ? strdup(value) : NULL;
@@ -134,18 +134,18 @@ iso_status iso_report_add_image(iso_report *r, const char *name, const iso_image
 {
     const char *good = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
     if (!name[0] || name[0] == '.' || strspn(name, good) != strlen(name))
-        return iso_fail(err, ISO_E_RANGE, "report: \"%s\" is no name of an image: letters, digits, - _ . only", name);
+        return iso_fail(err, ISO_E_RANGE, "report: invalid image name \"%s\"; use letters, digits, - _ .", name);
     json_t *images = json_object_get(r->root, "images"), *about;
     about = json_pack("{s:o, s:I, s:I}", "caption", text(caption), "width", (json_int_t)image->width, "height",
                       (json_int_t)image->height);
     pthread_mutex_lock(&r->lock);
     const bool taken = json_object_get(images, name);
-    if (!taken) /* nobody else may take the name while its files are written */
+    if (!taken) /* reserves the name while its files are written */
         json_object_set(images, name, about);
     pthread_mutex_unlock(&r->lock);
     json_decref(about);
     if (taken)
-        return iso_fail(err, ISO_E_RANGE, "report: an image \"%s\" is there already", name);
+        return iso_fail(err, ISO_E_RANGE, "report: the image name \"%s\" is taken", name);
     char *uri = NULL;
     iso_status status = iso_report_files_image(r->out.temp_path, name, image, notes, &uri, err);
     pthread_mutex_lock(&r->lock);
@@ -190,7 +190,7 @@ static json_t *gates_json(const iso_report_agreement *row)
     return list;
 }
 
-/* All that metrics are held to: without any limit or gate only equal images agree. */
+/* Lists the limits of the metrics. Without any limit or gate only equal images agree. */
 static json_t *limits_json(const iso_report_agreement *row)
 {
     const iso_tolerances *l = &row->tolerances;
@@ -227,7 +227,7 @@ static iso_status check_image_name(iso_report *r, const char *name, iso_error *e
     return ISO_OK;
 }
 
-/* Behind all rows of the same order. Takes the references to row and difference. */
+/* Inserts a row after all others of the same order. Takes the references to row and difference. */
 static iso_status insert_row(iso_report *r, size_t order, json_t *row, json_t *difference, iso_error *err)
 {
     pthread_mutex_lock(&r->lock);
@@ -247,7 +247,7 @@ static iso_status insert_row(iso_report *r, size_t order, json_t *row, json_t *d
     return good ? ISO_OK : no_memory(err);
 }
 
-/* Why it was not compared, or why it has these limits. */
+/* Returns the reason for which it was not compared, or for its limits. */
 static const char *reason_of(const iso_report_agreement *row, iso_verdict verdict)
 {
     if (row->refused)
@@ -368,7 +368,7 @@ static int worst_first(const void *a, const void *b)
     return (kx < ky) - (kx > ky);
 }
 
-/* Rows carry their number, since pictures of differences, and what the page calls a row, are kept under it. */
+/* Numbers the rows: the page keeps pictures of differences, and names of rows, under the number. */
 static iso_status sort_rows(iso_report *r, iso_error *err)
 {
     json_t *rows = json_object_get(r->root, "agreement"), *words = json_object_get(r->inlined, "words");
@@ -398,7 +398,7 @@ static iso_status sort_rows(iso_report *r, iso_error *err)
 iso_status iso_report_finish(iso_report *r, iso_error *err)
 {
     if (r->finished)
-        return iso_fail(err, ISO_E_RANGE, "report: is finished already");
+        return iso_fail(err, ISO_E_RANGE, "report: already finished");
     iso_status status = sort_rows(r, err);
     if (status != ISO_OK)
         return status;

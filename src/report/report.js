@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What pages share: their data, builders of elements, numbers.
+// Shared by all pages: data, builders of elements, numbers.
 const data = JSON.parse(document.getElementById('data').textContent);
 const inlined = JSON.parse(document.getElementById('inlined').textContent);
 const $ = id => document.getElementById(id);
@@ -24,7 +24,7 @@ function table(text, heads, rows) {
         el('thead', {}, el('tr', {}, heads.map(([name, numeric]) => el('th', {class: numeric ? 'n' : null, scope: 'col'}, name)))),
         el('tbody', {}, rows)));
 }
-// 3.2 x 10^-6, or plain where that is short. null: a dash.
+// 3.2 x 10^-6, or a plain number if that is short. null: a dash.
 function number(x, digits = 3) {
     if (x === null || x === undefined) return '–';
     if (x === 0) return '0';
@@ -33,7 +33,7 @@ function number(x, digits = 3) {
     const [mantissa, exponent] = x.toExponential(digits - 1).split('e');
     return el('span', {class: 'power'}, `${Number(mantissa)}\u2009×\u200910`, el('sup', {}, String(Number(exponent)).replace('-', '−')));
 }
-// For tables: two digits, so that exponents stand below each other.
+// For tables: two digits, so that exponents are aligned.
 function brief(x) {
     if (x === null || x === undefined) return '–';
     if (x === 0) return '0';
@@ -62,7 +62,7 @@ function command(line) {
     return el('div', {class: 'command'}, code, button);
 }
 const level = row => row.level === 0 ? 'level 0' : `level ${row.level}`;
-// What a row is called here; row.b is its name in report.json, and all that a page of two reports has.
+// Name of a row on this page; row.b is its name in report.json, the only one on a page of two reports.
 const nameOf = row => inlined.words ? inlined.words[row.number] : row.b;
 const title = row => row.comparison === 'stage' ? `${row.scene}: the stage ${row.variant}` : `${row.scene}, ${level(row)}: ${row.a} against ${nameOf(row)}`;
 const uncompared = row => row.verdict === 'not compared', style = verdict => verdict.replaceAll(' ', '-');

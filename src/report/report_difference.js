@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures of differences: 16 bits on a log scale in red and green, and how they are painted.
+// Paints pictures of differences: 16 bits on a log scale in red and green.
 const decodes = new Map();
 function loadImage(uri) {
     return new Promise((resolve, reject) => {
@@ -30,7 +30,7 @@ async function differences(key) {
     return {logs, width: p.width, height: p.height};
 }
 const linear = new Float32Array(256).map((x, i) => i / 255 <= 0.04045 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4);
-// Of two decoded pictures of one size: what their bytes still show.
+// The difference of two decoded pictures of one size, from their bytes.
 function differenceOfPixels(a, b) {
     const logs = new Float32Array(a.width * a.height);
     for (let i = 0; i < logs.length; ++i) {

@@ -68,7 +68,7 @@ iso_status iso_report_files_difference(const char *dir, const char *a, const cha
     return status;
 }
 
-/* A comma becomes a semicolon and a quote an apostrophe: gnuplot's strcol() reads no quoted commas. */
+/* Writes a CSV field: comma becomes semicolon, quote apostrophe, since gnuplot's strcol() reads no quoted commas. */
 static void put_field(FILE *f, const char *s)
 {
     for (; *s; ++s)
@@ -107,7 +107,7 @@ static void put_consistency_line(FILE *f, const json_t *row)
             iso_row_number(row, "rmse_mean"));
 }
 
-/* One block a method and TF, two blank lines apart, as gnuplot's "index" wants; levels ascend as they were added. */
+/* Writes one block per method and TF, two blank lines apart, for gnuplot's "index"; levels ascend. */
 static void put_consistency_csv(FILE *f, const json_t *rows)
 {
     json_t *seen = json_object(), *row, *other;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// The closer look: the two images of a case and their difference, side by side, in turn, or parted by a slider. A case has a
-// row (image_a and image_b, their names a and b, number) and its place `at`; what else a page says of it is in `told`.
-let cases = [], told = null;
+// The inspector: the two images of a case and their difference, side by side, in turn, or divided by a slider. A case has a
+// row (image_a and image_b, their names a and b, number) and its index `at`; the page's other functions are in `handlers`.
+let cases = [], handlers = null;
 const view = {at: -1, mode: 'side', flip: 'a', threshold: -5, part: 0.5, zoom: 1, x: 0.5, y: 0.5, timer: 0};
 let parts = null;
 
-// told: pictures(row) that may stand beside each other, as [name, label], or nothing; name(row) in the list, text(row) below the images, threshold(row), listed() places in the reader's order, mark(at), figure
-function buildInspector(itsCases, itsTold) {
+// handlers: pictures(row) that can be compared, as [name, label], or nothing; name(row) in the list, text(row) below the images, threshold(row), listed() indices in the reader's order, mark(at), figure
+function buildInspector(itsCases, pageHandlers) {
     const section = $('inspector');
     cases = itsCases;
-    told = itsTold;
+    handlers = pageHandlers;
     section.hidden = false;
     const select = el('select', {'aria-label': 'case', onchange: () => inspect(Number(select.value), false)},
-        cases.map(c => el('option', {value: c.at}, told.name(c.row))));
+        cases.map(c => el('option', {value: c.at}, handlers.name(c.row))));
     const walk = el('span', {class: 'group'}, el('button', {type: 'button', onclick: () => next(-1)}, '‹ previous'), el('button', {type: 'button', onclick: () => next(1)}, 'next ›'));
     const modes = {side: 'side by side', flip: 'flip A/B', part: 'slider', difference: 'difference'};
     const buttons = Object.entries(modes).map(([mode, name]) => el('button', {type: 'button', 'data-mode': mode, onclick: () => { view.mode = mode; show(); }}, name));
@@ -38,10 +38,10 @@ function buildInspector(itsCases, itsTold) {
         flipGroup: el('span', {class: 'group'}, flipButton, auto), thresholdGroup: el('label', {}, 'differences above', slider, value),
         panels: el('div', {class: 'panels'}), readout: el('p', {class: 'readout'}, '\u00a0'), text: el('div', {}), buttons};
     parts.panels.append(parts.a.box, parts.b.box, parts.d.box, parts.p.box);
-    section.append(el('div', {class: 'controls'}, walk, select), told.pictures ? el('div', {class: 'controls'}, el('label', {}, 'a', parts.picks.a), el('label', {}, 'b', parts.picks.b)) : '', el('div', {class: 'controls'}, el('span', {class: 'group'}, buttons), parts.flipGroup, parts.thresholdGroup, parts.partGroup,
+    section.append(el('div', {class: 'controls'}, walk, select), handlers.pictures ? el('div', {class: 'controls'}, el('label', {}, 'a', parts.picks.a), el('label', {}, 'b', parts.picks.b)) : '', el('div', {class: 'controls'}, el('span', {class: 'group'}, buttons), parts.flipGroup, parts.thresholdGroup, parts.partGroup,
         el('span', {class: 'group'}, el('button', {type: 'button', 'aria-label': 'zoom in', onclick: () => zoomTo(1.5)}, '+'),
             el('button', {type: 'button', 'aria-label': 'zoom out', onclick: () => zoomTo(1 / 1.5)}, '−'), el('button', {type: 'button', onclick: reset}, 'whole'))),
-        el('figure', {}, parts.panels, parts.readout, legend(), figcaption(told.figure + ' and the largest difference of their channels at each pixel, on one log scale for all cases; cyan marks pixels that are not finite. ' +
+        el('figure', {}, parts.panels, parts.readout, legend(), figcaption(handlers.figure + ' and the largest difference of their channels at each pixel, on one log scale for all cases; cyan marks pixels that are not finite. ' +
             'All panels zoom (wheel) and move (drag) in step; a double click shows the whole image. Keys: f flips, space swaps, s side by side, w the slider, d difference, ' +
             'n and p the next and the previous case of the table, + − 0 and arrows zoom and move. Panels are 8-bit; the .exr files in images/ are what was compared.')), parts.text);
     const move = (x, y) => { view.x += x / view.zoom; view.y += y / view.zoom; clampView(); show(); };
@@ -52,7 +52,7 @@ function buildInspector(itsCases, itsTold) {
     document.addEventListener('keydown', e => {
         const on = document.activeElement, inside = section.contains(on);
         if (e.ctrlKey || e.altKey || e.metaKey || /^(INPUT|SELECT|TEXTAREA)$/.test(on.tagName)) return;
-        // Space presses the button that has the focus; the one that chose to flip goes on flipping.
+        // Space presses the focused button; the button that started flipping keeps flipping.
         const swaps = e.key === ' ' && view.mode === 'flip' && (on === document.body || on.tagName === 'CANVAS' || on.dataset.mode === 'flip');
         const act = swaps ? swap : keys[e.key] || (inside && on.tagName === 'CANVAS' && view.zoom > 1 ? arrows[e.key] : null);
         if (act) { e.preventDefault(); act(); }
@@ -60,9 +60,9 @@ function buildInspector(itsCases, itsTold) {
     addEventListener('hashchange', followHash);
     addEventListener('resize', show);
 }
-// The case after this one in the table, as its reader has arranged it.
+// The next case in the table, in the reader's order.
 function next(step) {
-    const list = told.listed().filter(at => cases.some(c => c.at === at)), here = list.indexOf(view.at);
+    const list = handlers.listed().filter(at => cases.some(c => c.at === at)), here = list.indexOf(view.at);
     if (list.length) inspect(list[here < 0 ? 0 : (here + step + list.length) % list.length], false);
 }
 function swap() { view.flip = view.flip === 'a' ? 'b' : 'a'; show(); }
@@ -78,7 +78,7 @@ function attachPointer(canvas) {
         return {u: view.x + ((e.clientX - r.left) / r.width - 0.5) / view.zoom, v: view.y + ((e.clientY - r.top) / r.height - 0.5) / view.zoom, r};
     };
     canvas.addEventListener('wheel', e => {
-        if (e.deltaY > 0 && view.zoom === 1) return; // nothing to zoom out of: the page scrolls
+        if (e.deltaY > 0 && view.zoom === 1) return; // already at full size: the page scrolls
         e.preventDefault();
         const before = place(e), zoom = Math.min(Math.max(view.zoom * Math.exp(-e.deltaY * 0.002), 1), 64);
         view.x = before.u + (view.x - before.u) * view.zoom / zoom;
@@ -111,7 +111,7 @@ function readout(u, v) {
     const log = d.logs[i], text = log === Infinity ? 'not finite' : log === -Infinity ? '0' : (10 ** log).toExponential(2);
     parts.readout.textContent = `column ${x}, row ${y}:  a ${rgb(a)}   b ${rgb(b)} (sRGB)   difference ${text}`;
 }
-// Draws the part in view, with square pixels once they are large. over: another image, from the column `from` of 0 to 1 on.
+// Draws the part in view, with square pixels once they are large. over: another image, drawn from column `from` (0 to 1) on.
 function draw(panel, source, name, note, over, from) {
     const width = Math.max(Math.round(panel.canvas.clientWidth * (devicePixelRatio || 1)), 64);
     const height = Math.round(width * source.height / source.width);
@@ -163,32 +163,32 @@ async function inspect(at, scroll) {
     const one = cases.find(c => c.at === at);
     if (!parts || !one) return;
     const row = one.row;
-    told.mark(at);
+    handlers.mark(at);
     view.at = at;
     const [a, b, d] = await Promise.all([pixels(inlined.images[row.image_a]), pixels(inlined.images[row.image_b]), differences(row.number)]);
     if (view.at !== at) return; // another case was chosen meanwhile
     loaded = {row, a, b, d};
-    if (told.pictures) for (const side of ['a', 'b']) {
-        parts.picks[side].replaceChildren(...told.pictures(row).map(([name, label]) => el('option', {value: name}, label)));
+    if (handlers.pictures) for (const side of ['a', 'b']) {
+        parts.picks[side].replaceChildren(...handlers.pictures(row).map(([name, label]) => el('option', {value: name}, label)));
         parts.picks[side].value = row[`image_${side}`];
     }
     parts.select.value = String(at);
-    view.threshold = Math.min(Math.max(Math.round(Math.log10(told.threshold(row)) * 20) / 20, -9), 0);
-    parts.text.replaceChildren(...told.text(row));
+    view.threshold = Math.min(Math.max(Math.round(Math.log10(handlers.threshold(row)) * 20) / 20, -9), 0);
+    parts.text.replaceChildren(...handlers.text(row));
     // The address names the case, so that it can be passed on.
     if (scroll !== null && location.hash !== `#case-${row.number}`) history.replaceState(null, '', `#case-${row.number}`);
     show();
     if (scroll) $('inspector').scrollIntoView({behavior: matchMedia('(prefers-reduced-motion: reduce)').matches ? 'auto' : 'smooth'});
 }
-// Any two pictures of the case's scene and level. Two that a row compares have their difference in float; of others it is taken
-// from what the page shows, in linear light.
+// Any two pictures of the case's scene and level. Two that a row compares have their difference in float; of others it is
+// computed from the shown pictures, in linear light.
 async function compareChosen() {
     const at = view.at, one = cases.find(c => c.at === at).row, [x, y] = ['a', 'b'].map(side => parts.picks[side].value);
     const known = cases.find(({row}) => (row.image_a === x && row.image_b === y) || (row.image_a === y && row.image_b === x));
     const [a, b] = await Promise.all([pixels(inlined.images[x]), pixels(inlined.images[y])]);
     const d = known ? await differences(known.row.number) : differenceOfPixels(a, b);
     if (view.at !== at || parts.picks.a.value !== x || parts.picks.b.value !== y) return;
-    const labels = new Map(told.pictures(one));
+    const labels = new Map(handlers.pictures(one));
     loaded = {row: {...one, a: labels.get(x), b: labels.get(y)}, a, b, d, rough: !known};
     show();
 }

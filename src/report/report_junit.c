@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* report_junit.c - the rows as JUnit's XML. Its form is what the schemas of Apache Ant and of Jenkins both accept, so that the
- * root carries no sums: a reader adds those of the suites. What makes `isoshade validate` end with another exit code than 0 is
+/* report_junit.c - the rows as JUnit's XML, in a form that the schemas of both Apache Ant and Jenkins accept: the
+ * root has no totals, which a reader adds up. Everything that gives `isoshade validate` another exit code than 0 is
  * a failure or an error here. */
 #define _GNU_SOURCE
 #include <math.h>
@@ -18,7 +18,7 @@ static bool has_verdict(const json_t *row, iso_verdict verdict)
     return iso_row_verdict(row) == verdict;
 }
 
-/* name="..." and time="..."; the element is left open. */
+/* Writes name="..." and time="..."; the element stays open. */
 static void put_case(FILE *f, const char *class, const char *of, const json_t *row)
 {
     double seconds = iso_row_number(row, "seconds");
@@ -27,14 +27,14 @@ static void put_case(FILE *f, const char *class, const char *of, const json_t *r
     fprintf(f, "\" time=\"%.3f\" name=\"", seconds > 0 ? seconds : 0);
 }
 
-/* `NAME 0.02, at most 0.01; ` of what is not held; a value that is no number is never held. */
+/* Writes `NAME 0.02, at most 0.01; ` if a limit is exceeded, or the value is NaN. */
 static void put_unheld(FILE *f, const char *name, double value, double limit)
 {
     if (value <= limit)
         return;
     iso_markup_put(f, name);
     if (isnan(value))
-        fprintf(f, " is no number, at most %.4g; ", limit);
+        fprintf(f, " is not a number, at most %.4g; ", limit);
     else
         fprintf(f, " %.4g, at most %.4g; ", value, limit);
 }
@@ -90,7 +90,7 @@ static void put_case_agreement(FILE *f, const json_t *row)
     fputs("\"/>\n    </testcase>\n", f);
 }
 
-/* A renderer that is not there is an error; its rows are skipped. */
+/* Writes a calibration. A missing renderer is an error; its rows are skipped. */
 static void put_case_calibration(FILE *f, const json_t *row)
 {
     const bool measured = json_is_number(json_object_get(row, "value"));
@@ -126,7 +126,7 @@ static void put_property(FILE *f, const char *name, const char *value)
     fputs("\"/>\n", f);
 }
 
-/* Nothing is asked of how far a level is from level 0: facts, not cases that cannot fail. */
+/* Writes the distance of a level from level 0 as facts: it has no limits. */
 static void put_facts_consistency(FILE *f, const json_t *row)
 {
     static const char *const keys[] = {"ssim_dissimilarity_mean", "flip_mean", "gradient_angle_mean_deg",
@@ -178,14 +178,14 @@ static void put_case_levels(FILE *f, const json_t *row)
                iso_row_number(stored, "direction_limit_deg"));
     const json_t *turned = json_object_get(row, "directions");
     if (turned && !json_is_true(json_object_get(turned, "held")))
-        put_unheld(f, "degrees from level 0's directions, pictures being worse as well", iso_row_number(turned, "angle_deg"),
+        put_unheld(f, "degrees from level 0's directions, with worse pictures", iso_row_number(turned, "angle_deg"),
                    iso_row_number(turned, "simple_deg") + iso_row_number(turned, "margin_deg"));
     const json_t *bound = json_object_get(row, "bound");
     if (bound && !json_is_true(json_object_get(bound, "held")))
         put_unheld(f, "RMSE above its bound", iso_row_number(bound, "above"), iso_row_number(row, "margin"));
     const json_t *scale = json_object_get(row, "extinction_scale");
     if (scale)
-        put_unheld(f, "voxels whose extinction scale is not what level 0 makes",
+        put_unheld(f, "voxels whose extinction scale differs from one made of level 0",
                    iso_row_number(scale, "differing_voxels"), 0);
     if (scale && !json_is_true(json_object_get(scale, "has_effect")))
         fputs("the extinction scale changes no picture; ", f);
@@ -197,11 +197,11 @@ static void put_case_levels(FILE *f, const json_t *row)
 }
 
 typedef struct suite {
-    const char *name; /* of the rows, too */
-    void (*put_case)(FILE *f, const json_t *row), (*put_facts)(FILE *f, const json_t *row); /* either */
+    const char *name;                                                                       /* also of the rows */
+    void (*put_case)(FILE *f, const json_t *row), (*put_facts)(FILE *f, const json_t *row); /* one of the two */
 } suite;
 
-/* Rows without a case, or without facts. */
+/* Sections without cases, or without facts. */
 #define put_facts_calibration NULL
 #define put_facts_agreement NULL
 #define put_facts_levels NULL
@@ -212,7 +212,7 @@ static const suite suites[] = {
     ISO_SECTION_LIST(ISO_SECTION_ROW)
 #undef ISO_SECTION_ROW
 };
-enum { SUITES = sizeof suites / sizeof *suites, ALWAYS = 2 }; /* readers expect the first ones, also empty */
+enum { SUITES = sizeof suites / sizeof *suites, ALWAYS = 2 }; /* readers expect the first suites, even if empty */
 
 static void put_open_case(FILE *f, const char *scene, const char *renderer)
 {
@@ -226,7 +226,7 @@ static void put_open_case(FILE *f, const char *scene, const char *renderer)
           f);
 }
 
-/* What nothing was compared of: iso_rows_unanswered(). f: NULL to count them alone. */
+/* Writes the unanswered comparisons (iso_rows_unanswered()), and counts them. f: NULL to count only. */
 static size_t put_open_cases(FILE *f, json_t *unanswered)
 {
     const char *scene;
@@ -265,9 +265,9 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
         failures += failed && !nothing;
         errors += failed && nothing;
         skipped += has_verdict(row, ISO_VERDICT_REFUSED) || has_verdict(row, ISO_VERDICT_NOT_COMPARED);
-        seconds += fmax(iso_row_number(row, "seconds"), 0); /* fmax() passes NaN by */
+        seconds += fmax(iso_row_number(row, "seconds"), 0); /* fmax() ignores NaN */
     }
-    /* the schema asks for a host: a report does not tell the machine's name */
+    /* the schema requires a host; a report does not contain the machine's name */
     fprintf(f, "  <testsuite id=\"%d\" package=\"isoshade\" name=\"%s\" timestamp=\"%.19s\" hostname=\"localhost\"", id,
             s->name, iso_row_text(root, "made"));
     fprintf(f, " tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" time=\"%.3f\">\n    <properties>\n",

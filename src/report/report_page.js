@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fills the page, in the order that its reader sees.
+// Fills the page from top to bottom.
 // ---- head -------------------------------------------------------------------
 $('verdict').classList.add(data.verdict === 'agree' ? 'good' : 'bad');
 $('verdict').prepend(data.verdict === 'agree' ? '✓ ' : '✗ ');
@@ -14,7 +14,7 @@ $('verdict').prepend(data.verdict === 'agree' ? '✓ ' : '✗ ');
     if (data.command) $('again').append(command(data.command));
 }
 
-// ---- what follows ---------------------------------------------------------------
+// ---- sections -------------------------------------------------------------------
 failures();
 notCompared();
 versions();

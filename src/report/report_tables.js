@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tables of what was compared, what was not, and the panels of cases that differ.
+// Tables of compared and other cases, and panels of cases that differ.
 const withLimit = (row, key, value) => {
     const limit = row.limits[key];
     const over = !uncompared(row) && limit !== undefined && value !== null && !(value <= limit);
@@ -9,7 +9,7 @@ const withLimit = (row, key, value) => {
 function valueOf(row, key) {
     return key === 'ssim_dissimilarity' ? (row.ssim === null ? null : 1 - row.ssim) : row[key];
 }
-// All that is asked of a row, the worst first: limits of metrics, and gates.
+// All limits of a row, the worst first: metrics and gates.
 function asked(row) {
     if (row.verdict === 'refused' || !row.image_b) return [];
     const all = Object.entries(row.limits).map(([key, limit]) => ({name: names[key], value: valueOf(row, key), limit}));
@@ -30,16 +30,16 @@ const percent = x => x === Infinity ? '∞' : x < 0.01 ? '< 0.01' : plain(x);
 function askedTable(row) {
     const all = asked(row);
     if (all.length === 0) return [];
-    return [el('div', {class: 'scroll'}, el('table', {class: 'asked'}, el('thead', {}, el('tr', {}, ['what is asked', 'value', 'at most', 'of limit'].map((name, i) => el('th', {scope: 'col', class: i ? 'n' : null}, name)))),
+    return [el('div', {class: 'scroll'}, el('table', {class: 'asked'}, el('thead', {}, el('tr', {}, ['figure', 'value', 'at most', 'of limit'].map((name, i) => el('th', {scope: 'col', class: i ? 'n' : null}, name)))),
         el('tbody', {}, all.map(x => el('tr', {}, cell(x.name), cell(number(x.value), true, x.held ? '' : 'differ'), cell(number(x.limit), true), cell(percent(x.ratio), true, x.held ? '' : 'differ'))))))];
 }
-// What the reference shows, beside what its limits ask for.
+// Signal of the reference, and the least that its limits need.
 function signalText(row) {
     const s = row.signal;
     if (!s) return [];
-    return [el('p', {}, `The reference shows ${s.measure === 'p99' ? 'in the brightest 1 % of its pixels' : '(RMS)'} `, number(s.color, 2), ' above its background in color and ', number(s.alpha, 2), ' in alpha; at least ', number(s.least, 2), ' is asked for.')];
+    return [el('p', {}, `The reference shows ${s.measure === 'p99' ? 'in the brightest 1 % of its pixels' : '(RMS)'} `, number(s.color, 2), ' above its background in color and ', number(s.alpha, 2), ' in alpha; needed is at least ', number(s.least, 2), '.')];
 }
-// What the gates were taken from, in a sentence; the rest for those who ask.
+// Source of the gates, as a sentence; the other statistics are folded.
 function statisticsText(row) {
     const s = row.statistics;
     if (!s) return [];
@@ -57,11 +57,11 @@ function statisticsText(row) {
         [el('dt', {}, key.replaceAll('_', ' ')), el('dd', {}, typeof value === 'number' ? number(value) : value === null ? '–' : String(value))]).flat()))];
 }
 
-// ---- the table of agreement: sorted and filtered by its reader --------------------
+// ---- the table of agreement, which readers sort and filter --------------------
 const renderer = row => row.renderer;
 const severityOf = row => uncompared(row) ? -1 : row.severity ?? Infinity;
 const verdicts = ['agree', 'not compared', 'refused', 'differ'];
-// heading, what it sorts by (numbers: the largest first), numeric
+// heading, sort key (numbers: the largest first), numeric
 const columns = [['verdict', row => verdicts.indexOf(row.verdict) * 1e3 + Math.min(severityOf(row), 900)], ['of limit', severityOf, true],
     ['level', row => row.level, true], ['scene', row => row.scene], ['b against a', nameOf],
     ['RMSE', row => row.rmse, true], ['error bar', row => row.error_bar, true], ['max', row => row.max_abs, true], ['p99', row => row.p99_abs, true],
@@ -71,7 +71,7 @@ const filters = [['verdict', row => row.verdict], ['renderer', renderer], ['leve
 const order = {rows: data.agreement.map((row, at) => at), column: -1, down: true, filter: {}, text: ''};
 let agreement = null;
 
-// What comes nearest to its limit, in a word; gates have longer names.
+// Short names of gates.
 const words = {error_bar: 'bar', halving: 'halving', pixels: 'pixels', bias: 'bias'};
 function agreementRow(row, at) {
     const open = el('button', {type: 'button', class: 'open', onclick: e => { e.stopPropagation(); inspect(at, true); }}, row.scene);
@@ -130,10 +130,10 @@ function agreementTable() {
     return out;
 }
 
-// What the closer look says of a case of the table.
+// The inspector's texts for a case of the table.
 const looked = {
     figure: 'The two images',
-    // All pictures of the scene and level, by what they are of; those that share a caption are told apart by their names.
+    // All pictures of the scene and level, by their captions; equal captions get the names as well.
     pictures: row => {
         const same = data.agreement.filter(r => r.scene === row.scene && r.level === row.level && r.image_a && r.image_b), size = name => `${data.images[name].width} ${data.images[name].height}`;
         const found = [...new Set([row.image_a, row.image_b, ...same.flatMap(r => [r.image_a, r.image_b])])].filter(name => size(name) === size(row.image_a));
@@ -143,20 +143,20 @@ const looked = {
     name: row => `${row.verdict}: ${title(row)}`,
     listed: () => order.rows,
     mark: at => agreement.rows.forEach((tr, i) => { tr.classList.toggle('chosen', i === at); i === at ? tr.setAttribute('aria-current', 'true') : tr.removeAttribute('aria-current'); }),
-    // Where all is within the limits, all differences show; else those beyond the limit.
+    // Shows all differences if all are within the limits, otherwise those beyond the limit.
     threshold: row => row.verdict !== 'differ' ? 1e-9 : row.limits.max_abs ?? row.limits.p99_abs ?? row.limits.rmse ?? 1e-5,
     text: row => [el('p', {}, el('span', {class: style(row.verdict)}, row.verdict), row.tier ? `, tier ${row.tier}` : '', row.why ? `: ${row.why}` : '', '. ',
         `Worst pixel: column ${row.worst_pixel[0]}, row ${row.worst_pixel[1]}.`), ...askedTable(row), ...signalText(row), ...statisticsText(row), command(row.command) || '', ...viewerLink(row)],
 };
-// The volume as it is seen in this row, where the report has it as a page.
+// A link to the viewer with this row's settings, if the report has such a page.
 function viewerLink(row) {
     const page = (data.viewers || {})[row.scene], words = row.variant || '';
     if (!page) return [];
     const at = `#level=${row.level}${words.includes('adapted TF') ? '&adapted' : ''}${words.startsWith('on-the-fly') ? '&code=none' : ''}`;
-    return [el('p', {}, el('a', {href: page + at}, 'look at it in the viewer'))];
+    return [el('p', {}, el('a', {href: page + at}, 'open in the viewer'))];
 }
 
-// What changed most between two versions of a program, at which pixel; a name flips between their pictures.
+// Largest changes between two versions of a program; a name flips between their pictures.
 function versions() {
     const rows = data.agreement.map((row, at) => ({row, at})).filter(c => c.row.comparison === 'versions' && c.row.statistics);
     if (rows.length === 0) return;
@@ -185,7 +185,7 @@ async function differencePanel(row) {
 function failures() {
     const bad = data.agreement.filter(row => row.verdict === 'differ'), shown = 8, reasons = new Map();
     for (const row of data.agreement.filter(r => r.verdict === 'refused')) reasons.set(row.why, [...reasons.get(row.why) || [], row]);
-    const unfit = data.calibration.filter(r => r.verdict === 'fail' && !(r.value === null && reasons.has(r.detail))); // a missing renderer is told once
+    const unfit = data.calibration.filter(r => r.verdict === 'fail' && !(r.value === null && reasons.has(r.detail))); // a missing renderer is listed once
     if (bad.length + reasons.size + unfit.length === 0) return;
     $('failed').hidden = false;
     for (const row of bad.slice(0, shown)) {
@@ -194,9 +194,9 @@ function failures() {
         if (row.image_b) panels.append(still(inlined.images[row.image_b], nameOf(row), 'b'));
         if (inlined.differences[row.number]) differencePanel(row).then(p => panels.append(p));
         $('failed').append(el('div', {class: 'failure'}, el('h3', {}, title(row)), el('p', {}, explain(row)), panels, command(row.command) || '',
-            inlined.differences[row.number] ? el('button', {type: 'button', onclick: () => inspect(data.agreement.indexOf(row), true)}, 'look closer') : null));
+            inlined.differences[row.number] ? el('button', {type: 'button', onclick: () => inspect(data.agreement.indexOf(row), true)}, 'inspect') : null));
     }
-    if (bad.length > shown) $('failed').append(el('p', {}, `${bad.length - shown} more that differ stand in the table below.`));
+    if (bad.length > shown) $('failed').append(el('p', {}, `${bad.length - shown} more cases differ; see the table below.`));
     for (const r of unfit)
         $('failed').append(el('div', {class: 'failure'}, el('h3', {}, `Calibration of ${r.renderer}: ${r.check}`),
             el('p', {}, r.value === null ? 'Nothing could be measured. ' : [number(r.value), ` ${r.unit || ''}, at most `, number(r.limit), '. '], r.detail || '')));
@@ -205,10 +205,10 @@ function failures() {
             el('details', {}, el('summary', {}, 'which'), el('ul', {}, rows.map(row => el('li', {}, title(row)))))));
 }
 
-// What nobody compared, by the reason, whole stages first: a sentence with the row's own numbers stands beside each.
+// Cases that were not compared, by reason, stages first, each with the row's own reason.
 const reasons = {
     signal: 'show too little for their limits',
-    trait: 'ask for what the renderer does not have',
+    trait: 'need a feature that the renderer lacks',
     stage: 'did not run',
     budget: 'left out by the budget'
 };

@@ -74,8 +74,8 @@ iso_uncompared iso_row_uncompared(const json_t *row)
     return ISO_UNCOMPARED_NOT;
 }
 
-/* What is known of scenes so far, by their names: was anything compared, could it have been, and of each renderer whether
- * a row of it was (true), or all were too faint or too late (false). */
+/* The scenes so far, by their names: whether anything was compared or could have been, and of each renderer whether
+ * a row was compared (true) or all were too faint or too late (false). */
 typedef struct scenes_seen {
     json_t *compared, *asked, *renderers;
 } scenes_seen;

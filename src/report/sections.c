@@ -39,7 +39,7 @@ static unsigned verdicts_of(const char *section)
     return 0;
 }
 
-/* "agree, differ, not compared" */
+/* Writes the verdicts of a section: "agree, differ, not compared". */
 static void list_verdicts(unsigned verdicts, char *text, size_t size)
 {
     text[0] = '\0';
@@ -55,12 +55,12 @@ static iso_status check_row(const char *path, const char *section, size_t number
     if (!known && !json_object_get(row, "verdict"))
         return ISO_OK;
     if (!known)
-        return iso_fail(err, ISO_E_FORMAT, "%s: \"%.60s\" has verdicts and is no section that is known; another version wrote it",
+        return iso_fail(err, ISO_E_FORMAT, "%s: unknown section \"%.60s\" with verdicts; another version wrote it",
                         path, section);
     if (known >> iso_row_verdict(row) & 1)
         return ISO_OK;
     list_verdicts(known, list, sizeof list);
-    return iso_fail(err, ISO_E_FORMAT, "%s: %s, row %zu: verdict \"%.60s\" is not known, must be one of: %s", path, section,
+    return iso_fail(err, ISO_E_FORMAT, "%s: %s, row %zu: unknown verdict \"%.60s\", must be one of: %s", path, section,
                     number + 1, iso_row_text(row, "verdict"), list);
 }
 
@@ -71,7 +71,7 @@ iso_status iso_report_check(const json_t *report, const char *path, iso_error *e
     size_t i;
     if (strcmp(iso_row_text(report, "schema"), ISO_REPORT_SCHEMA) != 0)
         return iso_fail(err, ISO_E_FORMAT,
-                        "%s: its schema is \"%.60s\", wanted a report, as validate writes it to report.json (%s)", path,
+                        "%s: its schema is \"%.60s\", must be %s: not a report.json of isoshade validate", path,
                         iso_row_text(report, "schema"), ISO_REPORT_SCHEMA);
     json_object_foreach((json_t *)report, key, rows) json_array_foreach(rows, i, row)
     {
@@ -81,7 +81,7 @@ iso_status iso_report_check(const json_t *report, const char *path, iso_error *e
     }
     const json_t *verdict = json_object_get(report, "verdict");
     if (verdict && !((ISO_IS(AGREE) | ISO_IS(DIFFER)) >> iso_verdict_from(verdict) & 1))
-        return iso_fail(err, ISO_E_FORMAT, "%s: verdict \"%.60s\" is not known, must be agree or differ", path,
+        return iso_fail(err, ISO_E_FORMAT, "%s: unknown verdict \"%.60s\", must be agree or differ", path,
                         iso_row_text(report, "verdict"));
     return ISO_OK;
 }

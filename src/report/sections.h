@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* sections.h - the lists of rows in report.json: one table, which all that reads a report walks.
+/* sections.h - the lists of rows in report.json: one table for all code that reads reports.
  *
- * A consumer makes its own table from ISO_SECTION_LIST, with a handler per section whose name is pasted from the section's:
- * compare_levels, put_case_levels. A section that is added here does not compile in a consumer that has no handler for it
+ * A consumer makes its own table from ISO_SECTION_LIST, with a handler per section whose name is pasted from the
+ * section's: compare_levels, put_case_levels. A new section does not compile in a consumer without a handler for it
  * (tests/check_sections.sh adds one). A consumer that skips a section on purpose defines its handler as NULL. */
 #ifndef ISO_REPORT_SECTIONS_H
 #define ISO_REPORT_SECTIONS_H
@@ -13,7 +13,7 @@
 #include "report/rows.h"
 
 #ifndef ISO_SECTION_MORE
-#define ISO_SECTION_MORE(X) /* of a test */
+#define ISO_SECTION_MORE(X) /* for a test */
 #endif
 
 #define ISO_IS(verdict) (1u << ISO_VERDICT_##verdict)
@@ -32,8 +32,8 @@
 /* True if no row of any section differs, failed or was refused. */
 bool iso_sections_hold(const json_t *report);
 
-/* A report.json, or one in a folder. ISO_E_FORMAT: another schema, a list with verdicts that is no section, a verdict that its
- * section does not have. path: in messages. */
+/* Loads a report.json, or the one in a folder. ISO_E_FORMAT: another schema, an unknown list with verdicts, a
+ * verdict that its section does not have. path: in messages. */
 iso_status iso_report_load(const char *path, json_t **report, iso_error *err);
 iso_status iso_report_check(const json_t *report, const char *path, iso_error *err);
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-# What all charts share. Edit this file and run "gnuplot NAME.gp" in this folder to restyle a chart.
+# Shared by all charts. Edit this file and run "gnuplot NAME.gp" in this folder to restyle a chart.
 if (!exists("format")) format = 'svg'
 if (!exists("width")) width = 760
 if (!exists("height")) height = 400
 if (!exists("dpi")) dpi = 300
-# pdfcairo prints two thirds of the size that it is told: 13 is 8.7 points, 11 is 7.3.
+# pdfcairo prints two thirds of the given size: 13 is 8.7 points, 11 is 7.3.
 if (format eq 'pdf') {
     set terminal pdfcairo size width / 96.0, height / 96.0 font 'DejaVu Sans,13' linewidth 1.2 rounded
 }
@@ -21,7 +21,7 @@ set output name . (format eq 'tex' ? '-latex' : '') . '.' . format
 set encoding utf8
 set datafile separator comma
 set datafile missing NaN
-# Colors that differ for every kind of sight (Okabe and Ito).
+# Colors for all kinds of color vision (Okabe and Ito).
 blue = '#0072b2'; vermillion = '#d55e00'; green = '#009e73'; orange = '#e69f00'
 sky = '#56b4e9'; purple = '#cc79a7'; black = '#222222'; gray = '#999999'
 set linetype 1 lc rgb blue lw 1.6 pt 7 ps 0.55
@@ -41,7 +41,7 @@ set linetype 14 lc rgb '#4f9a68' lw 1.6 pt 3 ps 0.55
 set linetype 15 lc rgb '#7a4b00' lw 1.6 pt 13 ps 0.6
 set linetype 16 lc rgb '#3a3a9a' lw 1.6 pt 5 ps 0.5
 set linetype cycle 16
-# Charts of points: the front, what is chosen, text, small text, and how large points are.
+# Charts of points: front, chosen points, text, small text, size of points.
 pale = '#c4c4c4'; mark = vermillion; ink = black
 small = ',11'; point_scale = 1.0
 set border 3 lc rgb '#444444' lw 0.8

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* summary.c - what a report says as a whole: how much was asked for, what of it was compared, and the sentence. */
+/* summary.c - the summary of a report: numbers of requested and compared rows, and the sentence. */
 #include <stdio.h>
 #include <string.h>
 
@@ -28,7 +28,7 @@ static void add_not_compared(iso_report_summary *s)
         }
 }
 
-/* The first of what nothing was compared of, and how many there are besides. */
+/* Adds the first unanswered comparison, and the number of others. */
 static void add_unanswered(iso_report_summary *s, json_t *unanswered)
 {
     const char *scene, *first_scene = NULL, *first = NULL;
@@ -41,7 +41,7 @@ static void add_unanswered(iso_report_summary *s, json_t *unanswered)
     iso_words_append(s->sentence, sizeof s->sentence, "nothing was compared%s%s in the scene %s", first ? " of " : "",
                      first ? first : "", first_scene ? first_scene : "");
     if (s->unanswered > 1)
-        iso_words_append(s->sentence, sizeof s->sentence, " (nor in %zu case%s more)", s->unanswered - 1,
+        iso_words_append(s->sentence, sizeof s->sentence, " (and in %zu more case%s)", s->unanswered - 1,
                          s->unanswered == 2 ? "" : "s");
 }
 
@@ -50,7 +50,7 @@ static const char *plural(size_t count)
     return count == 1 ? "" : "s";
 }
 
-static void tell(iso_report_summary *s, json_t *unanswered)
+static void write_sentence(iso_report_summary *s, json_t *unanswered)
 {
     const size_t judged = s->agreed + s->differed + s->refused, asked = judged + s->not_compared;
     if (judged == 0)
@@ -61,12 +61,12 @@ static void tell(iso_report_summary *s, json_t *unanswered)
                          judged == 1 ? "its" : "their");
     else if (s->good)
         iso_words_append(s->sentence, sizeof s->sentence,
-                         "The renderers agree: of %zu comparisons asked for %zu %s within %s limits", asked, judged,
+                         "The renderers agree: %zu of %zu requested comparisons %s within %s limits", judged, asked,
                          judged == 1 ? "is" : "are", judged == 1 ? "its" : "their");
     else if (s->differed == 0 && s->refused > 0)
         iso_words_append(
             s->sentence, sizeof s->sentence,
-            "%zu comparison%s agree%s; %zu could not be made, for a renderer is missing, failed, or did not pass its calibration",
+            "%zu comparison%s agree%s; %zu could not be made: a renderer is missing, failed, or did not pass its calibration",
             s->agreed, plural(s->agreed), s->agreed == 1 ? "s" : "", s->refused);
     else if (s->differed == 0 && s->unanswered > 0) {
         iso_words_append(s->sentence, sizeof s->sentence, "%zu comparison%s agree%s, but ", s->agreed,
@@ -78,8 +78,8 @@ static void tell(iso_report_summary *s, json_t *unanswered)
                          s->calibrations_failed + s->calibrations_passed, judged);
     else {
         iso_words_append(s->sentence, sizeof s->sentence,
-                         "The renderers do not all agree: of %zu comparison%s %zu differ%s", judged, plural(judged),
-                         s->differed, s->differed == 1 ? "s" : "");
+                         "The renderers do not all agree: %zu of %zu comparison%s differ%s", s->differed, judged,
+                         plural(judged), s->differed == 1 ? "s" : "");
         if (s->refused > 0)
             iso_words_append(s->sentence, sizeof s->sentence, ", %zu %s refused", s->refused,
                              s->refused == 1 ? "was" : "were");
@@ -106,10 +106,10 @@ iso_report_summary iso_report_summarize(const iso_report *r)
                                          ISO_VERDICT_NOT_COMPARED)++ s.by_reason[iso_row_uncompared(row)];
     json_object_foreach(unanswered, scene, renderers)
         s.unanswered += json_array_size(renderers) > 0 ? json_array_size(renderers) : 1;
-    /* Where nothing agreed, something of that differs, was refused, or was not answered. */
+    /* If nothing agreed, something differs, was refused, or is unanswered. */
     s.good = s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0 && s.unanswered == 0;
     s.holds = s.good && iso_sections_hold(iso_report_json(r));
-    tell(&s, unanswered);
+    write_sentence(&s, unanswered);
     json_decref(unanswered);
     return s;
 }

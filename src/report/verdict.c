@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* verdict.c - what a row's figures say: its verdict, and how far it is from its limits. */
+/* verdict.c - verdict and severity of a row. */
 #include <math.h>
 
 #include "compare/statistics.h"
 #include "report/report.h"
 
-/* The largest metric over its limit. Infinite where nothing can be measured. */
+/* Returns the largest ratio of a metric to its limit; infinite if nothing can be measured. */
 double iso_report_severity(const iso_report_agreement *row)
 {
     const iso_metrics *m = &row->metrics;
@@ -55,7 +55,7 @@ iso_verdict iso_report_verdict(const iso_report_agreement *row)
     const bool metrics = row->gate_count > 0 && !has_tolerances(&row->tolerances)
                              ? row->metrics.nonfinite_count == 0
                              : iso_metrics_within(&row->metrics, &row->tolerances);
-    if (!metrics || !gates_hold(row)) /* also where the reference shows nothing: then something else is drawn */
+    if (!metrics || !gates_hold(row)) /* also if the reference shows nothing: b draws something then */
         return ISO_VERDICT_DIFFER;
     return row->uncompared == ISO_UNCOMPARED_NOT ? ISO_VERDICT_AGREE : ISO_VERDICT_NOT_COMPARED;
 }

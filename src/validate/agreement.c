@@ -139,7 +139,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
 {
     const iso_level *l0 = &v->pyramid->levels[0];
     iso_truth a = {.name = "reference, first hit"};
-    iso_render_options opt = iso_render_defaults(iso_renderers_truth());
+    iso_render_options opt = iso_render_defaults(iso_renderers_reference());
     char options[64], why[512];
     opt.isosurface = true;
     opt.iso = l0->min + v->scene->suite_isosurface * (l0->max - l0->min);
@@ -161,7 +161,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
                                     .error_bar = NAN,
                                     .tolerances = {.rmse = 5e-3, .p99_abs = 2e-4},
                                     .why = v->scene->agreement.why};
-        if (renderer == iso_renderers_truth() || !v->wanted[i])
+        if (renderer == iso_renderers_reference() || !v->wanted[i])
             continue;
         if (iso_validate_cannot_compare(v, renderer, &row, why)) {
             status = iso_validate_add_without_images(v, level, row, a.name, renderer, err);

@@ -47,7 +47,7 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
     snprintf(what, sizeof what, "%s-limit", renderer->name);
     iso_validate_begin_row(v, level, what);
     iso_limit_options opt = iso_validate_limit_options(asked, renderer, v->seeds, v->threads);
-    iso_render_options reference = iso_render_defaults(iso_renderers_truth());
+    iso_render_options reference = iso_render_defaults(iso_renderers_reference());
     reference.source = a == &t->exported ? ISO_FROM_DECODED : ISO_FROM_CODES;
     reference.threads = v->threads;
     opt.truth = &reference;

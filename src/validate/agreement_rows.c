@@ -174,7 +174,7 @@ iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_repor
 iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, size_t intervals,
                                          iso_direction_source source, iso_image *image, iso_error *err)
 {
-    iso_render_options opt = iso_render_defaults(iso_renderers_truth());
+    iso_render_options opt = iso_render_defaults(iso_renderers_reference());
     iso_render_stats stats = {0};
     opt.quadrature = quadrature;
     opt.source = source;
@@ -207,7 +207,7 @@ static iso_status check_reference(iso_validation *v, size_t level, const iso_tru
                                                       err);
     if (status == ISO_OK)
         status = iso_validate_add_row(v, level, &row, formula,
-                                      &(iso_compared){"reference", &image, iso_renderers_truth(), "", 0}, err);
+                                      &(iso_compared){"reference", &image, iso_renderers_reference(), "", 0}, err);
     iso_image_destroy(&image);
     return status;
 }

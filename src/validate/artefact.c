@@ -71,7 +71,7 @@ static iso_status render_expected(iso_renderers *renderers, const iso_artefact *
                                   const iso_progress *progress, iso_error *err)
 {
     const iso_lock_step *lock = a->renderer->lock_step;
-    iso_render_options opt = iso_render_defaults(lock ? iso_renderers_truth() : a->renderer);
+    iso_render_options opt = iso_render_defaults(lock ? iso_renderers_reference() : a->renderer);
     if (lock) {
         opt.quadrature = lock->quadrature;
         opt.source = iso_code_describe(a->pyramid->options.code)->is_linear ? ISO_FROM_CODES : ISO_FROM_DECODED;

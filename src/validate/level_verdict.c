@@ -110,7 +110,7 @@ static iso_report_rival rival_of(const iso_measured_level *own, const iso_measur
     name_option(m, own, option, OPTION_BYTES);
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k) {
         r.value[k] = mean(m->figures[k], views);
-        r.behind[k] = iso_paired_compare(own->figures[k], m->figures[k], views, confidence);
+        r.deficit[k] = iso_paired_compare(own->figures[k], m->figures[k], views, confidence);
     }
     return r;
 }
@@ -171,7 +171,7 @@ static iso_status compare_directions(const iso_validation *v, const iso_measured
     row->angle_margin_deg = angle_margin_deg;
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
         row->turned[k] = iso_paired_compare(own->figures[k], fly->figures[k], v->consistency_views, confidence);
-    return iso_validate_compare_angles(v, row->level, stored, simple, confidence, &row->angle_behind, err);
+    return iso_validate_compare_angles(v, row->level, stored, simple, confidence, &row->angle_deficit, err);
 }
 
 /* late: the level is judged without its bound, because time has run out. */
