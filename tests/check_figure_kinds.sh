@@ -67,7 +67,7 @@ latex_takes latex_takes_each_kind $kinds_of_volumes
 check a_grid_has_a_picture_for_each_pair test "$(pdfimages -list grid/figure.pdf | awk 'NR > 2 && $3 == "image"' | wc -l)" = 7
 check a_grid_has_its_bars grep -q 'Scale bar: .* Bar: the transfer function of level 0' grid/caption.txt
 check a_grid_compares_with_the_first test "$(grep -o RMSE grid/caption.txt | wc -l)" = 4
-refuse more_rows_than_there_is_room 5 'must be 1 to 4' "$ISOSHADE" figure v.nrrd --kind grid --with gl --levels 5 -o f -q
+refuse more_rows_than_there_is_room 2 'must be 1 to 4' "$ISOSHADE" figure v.nrrd --kind grid --with gl --levels 5 -o f -q
 refuse a_grid_of_nothing 2 'needs a volume' "$ISOSHADE" figure --kind grid -o f
 # A picture for each pair, and a bar under each row; several levels of one transfer function on one axis.
 count_of() { pdfimages -list "$1/figure.pdf" | awk -v bars="$2" 'NR > 2 && ($4 > 6 * $5) == bars' | wc -l; }
