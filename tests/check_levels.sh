@@ -65,7 +65,7 @@ for v in a b; do
     "$ISOSHADE" tf adapt joint-$v.iso --tf "$top/refscenes/marschner-lobb.tf.json" -q -o adapted-$v >/dev/null
 done
 expect histograms_that_belong_pass 0 "$ISOSHADE" info joint-a.iso --verify
-check each_histogram_is_counted_again test "$(grep -c 'counts all 12006 voxels as the levels have them' out)" = 3
+check each_histogram_is_counted_again test "$(grep -c 'counts all 12006 voxels as its levels do' out)" = 3
 name=$(basename "$(ls joint-a.iso/level_2_joint*)")
 cp "joint-b.iso/$name" joint-a.iso
 found the_histogram_of_other_levels_is_found "level 2: its joint histogram .* counts [0-9]* of 12006 voxels in other bins" \
@@ -80,7 +80,7 @@ PY
 check with_its_level python3 joints.py
 found validation_counts_again_too "level 2: its joint histogram" validate joint-a.iso
 echo cut >"joint-a.iso/$name"
-found a_cut_histogram_is_found "level 2: its joint histogram .* is none of this pyramid" "$ISOSHADE" info joint-a.iso --verify
+found a_cut_histogram_is_found "level 2: its joint histogram .* does not belong to this pyramid" "$ISOSHADE" info joint-a.iso --verify
 
 # One bit of one voxel, with its checksum; a range and a box that are not level 0's.
 swap a.iso codes:1

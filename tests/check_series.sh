@@ -66,5 +66,5 @@ refuse one_level_a_frame 2 '--frames all and --levels' "$ISOSHADE" export 'f_%d.
 refuse all_or_nothing 2 '--frames is "2", must be all' "$ISOSHADE" render 'f_%d.nrrd' --frames 2 -o x.png
 refuse a_pyramid_has_one 2 'is a pyramid, which has one frame' "$ISOSHADE" render all_0000.iso --frames all -o x.png
 sed 's/sizes: 8 8 8/sizes: 8 4 16/' f_2.nrrd >f_3.nrrd
-refuse one_grid_for_all 5 'the grid of frame 3 is not that of frame 0' "$ISOSHADE" export 'f_%d.nrrd' --frames all --to povray -o x
+refuse one_grid_for_all 5 'frame 3 has another grid than frame 0' "$ISOSHADE" export 'f_%d.nrrd' --frames all --to povray -o x
 exit $failed

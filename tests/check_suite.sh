@@ -147,7 +147,7 @@ END
 }
 faint 1e-8 >faint.scene.json
 faint 1e-3 >pale.scene.json
-refuse what_is_too_faint_is_refused 5 "shows no value at all" "$ISOSHADE" validate v.nrrd --scene faint.scene.json --quick --with gl --levels 2 --size 16 -q -o faint
+refuse what_is_too_faint_is_refused 5 "shows no values" "$ISOSHADE" validate v.nrrd --scene faint.scene.json --quick --with gl --levels 2 --size 16 -q -o faint
 expect and_not_compared_where_asked_for_anyway 1 "$ISOSHADE" validate v.nrrd --scene faint.scene.json --anyway --quick --with gl --levels 2 --size 16 -q -o faint --junit faint.xml
 check nothing_is_said_to_agree grep -q '^Nothing was compared, .*not compared: [0-9]* cases that show too little for their limits' "$dir/out"
 check with_both_numbers grep -Eq '^not compared: faint, level [01], gl.*: the reference shows only [0-9.e-]+ above its background .* asks for at least 0.0001' "$dir/out"

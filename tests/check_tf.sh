@@ -94,7 +94,7 @@ holds scales_bring_opacities_nearer "$(json_number out rms_opacity_scaled) < $(j
 check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --size 48 --scene "$scene" --adapt --tf-2d gradient --roi 8,8,8,30,30,30 -o roi.exr -q
 refuse roi_without_a_coarse_level 2 'needs a coarser level' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene "$scene" --roi 8,8,8,30,30,30 -o z.exr -q
 refuse roi_of_five_numbers 2 'wanted six numbers' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,30 -o z.exr -q
-refuse roi_outside 5 'must grow and lie in 0 to 44' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,45,30 -o z.exr -q
+refuse roi_outside 5 'must ascend within 0 to 44' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,45,30 -o z.exr -q
 refuse roi_band_without_roi 2 'go with --roi' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi-band 3 -o z.exr -q
 refuse roi_for_vdb 2 'no meaning for --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q
 check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --tf-2d deviation --roi 8,8,8,30,30,30 -o pov -q

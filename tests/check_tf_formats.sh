@@ -65,11 +65,11 @@ check palette_takes_one "$ISOSHADE" palette shells.nrrd --tf map.json -q -o x.cs
 # ---- what has to be said --------------------------------------------------------------------------------------------------
 refuse several_components 2 'choose a component by --name: "1", "2"' convert "$curves" -o z.tf.json
 refuse several_maps 2 '"lab", "lab out of the gamut", "diverging"' convert "$maps" -o z.tf.json
-refuse no_such_map 2 'has no color map "lob", only: "rgb", "hsv"' convert "$maps" --name lob -o z.tf.json
+refuse no_such_map 2 'has no color map "lob"; choose one by --name: "rgb", "hsv"' convert "$maps" --name lob -o z.tf.json
 refuse a_length_is_missing 2 'tf convert --unit-distance MM' convert "$maps" --name lab -o z.tf.json
 refuse a_length_too_many 2 'are for 2.5 mm; --unit-distance cannot' convert "$curves" --name 1 --unit-distance 1 -o z.tf.json
 printf '0 0 0\n1 1 1\n' >rgb.csv
-refuse opacity_of_colors 2 'say an opacity by tf convert --opacity' convert rgb.csv --unit-distance 1 -o z.tf.json
+refuse opacity_of_colors 2 'give them by tf convert --opacity' convert rgb.csv --unit-distance 1 -o z.tf.json
 refuse opacity_too_many 2 'has opacities of its own' convert gray.csv --unit-distance 1 --opacity 1 -o z.tf.json
 refuse a_range_for_values 2 'say --volume FILE or --range LO,HI' convert gray.csv --unit-distance 1 -o z.vp.json
 check a_range_is_said convert gray.csv --unit-distance 1 --range -100,200 -o said.vp.json -q
@@ -156,7 +156,7 @@ check the_same_picture "$ISOSHADE" compare said.exr converted.exr --max-abs 2e-3
 scene_with '{"file": "colors.csv", "unit_distance": 2, "opacity": [0, 0.5]}'
 refuse a_scene_lists_the_keys 4 'must be one of: file, name, unit_distance_mm, opacity, range' of_scene no.exr
 scene_with '{"file": "colors.csv", "opacity": [0, 0.5]}'
-refuse a_scene_that_does_not 2 'does not say what length' of_scene no.exr
+refuse a_scene_that_does_not 2 'does not state the length' of_scene no.exr
 check palette_says_it "$ISOSHADE" palette open.nrrd --tf colors.csv --unit-distance 2 --opacity 0,0.5 --range fit --entries 4 -q -o p.csv
-refuse palette_needs_it 2 'does not say what length' "$ISOSHADE" palette open.nrrd --tf colors.csv --opacity 0,0.5 --entries 4 -q -o q.csv
+refuse palette_needs_it 2 'does not state the length' "$ISOSHADE" palette open.nrrd --tf colors.csv --opacity 0,0.5 --entries 4 -q -o q.csv
 exit $failed

@@ -19,9 +19,9 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* ---- from level 0 --------------------------------------------------------------- */
+/* ---- nodes from level 0 --------------------------------------------------------- */
 
-/* A level on its way: its nodes hold moments, and these the sums. */
+/* A level in construction: `nodes` hold moments, `sums` their sums. */
 typedef struct level_maker {
     const iso_node_levels *nodes;
     const iso_node_voxels *voxels;
@@ -30,7 +30,7 @@ typedef struct level_maker {
     float *sums;
 } level_maker;
 
-/* Rows of the level below. */
+/* Reads rows of the level below. */
 static void read_fine(const void *user, size_t x, size_t y, size_t z, size_t count, float *const rows[ISO_BOX_CHANNELS])
 {
     const level_maker *m = user;
@@ -45,26 +45,27 @@ static void read_fine(const void *user, size_t x, size_t y, size_t z, size_t cou
         memcpy(rows[ISO_BOX_SUM], m->fine_sums + i, count * sizeof *m->fine_sums);
 }
 
-/* The box of a level, from the voxels or the level below. */
-static bool make_box(const level_maker *m, const size_t first[3], const iso_node_box *box, iso_node_room *room)
+/* Computes a box of a level from the voxels or from the level below. False: no memory. */
+static bool make_box(const level_maker *m, const size_t first[3], const iso_node_box *box, iso_node_buffers *buffers)
 {
     const iso_node_levels *n = m->nodes;
     iso_node_box fine;
     if (m->level == 0)
-        return iso_node_box_read(box, m->voxels, (const long[]){(long)first[0], (long)first[1], (long)first[2]}, room);
+        return iso_node_box_read(box, m->voxels, (const long[]){(long)first[0], (long)first[1], (long)first[2]},
+                                 buffers);
     const iso_node_rows rows = {read_fine,
                                 m,
                                 {iso_node_count(n, m->level - 1, 0) - 1, iso_node_count(n, m->level - 1, 1) - 1,
                                  iso_node_count(n, m->level - 1, 2) - 1}};
     const size_t *size = box->size, fine_size[3] = {2 * size[0] + 3, 2 * size[1] + 3, 2 * size[2] + 3};
-    if (!iso_node_box_place(&fine, fine_size, m->voxels->directed, room, ISO_ROOM_FINE))
+    if (!iso_node_box_place(&fine, fine_size, m->voxels->directed, buffers, ISO_BUFFER_FINE))
         return false;
     iso_node_box_fill(&fine, &rows,
                       (const long[]){2 * (long)first[0] - 2, 2 * (long)first[1] - 2, 2 * (long)first[2] - 2});
-    return iso_node_box_filter(&fine, n->filter, box, room);
+    return iso_node_box_filter(&fine, n->filter, box, buffers);
 }
 
-/* To the level's nodes, whose directions are moments as yet. */
+/* Copies a box to the level's nodes; their directions are still moments. */
 static void put_box(const level_maker *m, const size_t first[3], const iso_node_box *box)
 {
     const iso_node_levels *n = m->nodes;
@@ -83,7 +84,7 @@ static void put_box(const level_maker *m, const size_t first[3], const iso_node_
         }
 }
 
-/* Boxes that stay in the caches, with what they are made of. */
+/* Computes a level in boxes that stay in the caches with their input. False: no memory. */
 static bool make_level(const level_maker *m, int threads)
 {
     static const size_t most[3] = {32, 8, 8};
@@ -94,7 +95,7 @@ static bool make_level(const level_maker *m, int threads)
         count[a] = (iso_node_count(n, m->level, a) + most[a] - 1) / most[a];
 #pragma omp parallel num_threads(threads) reduction(|| : failed)
     {
-        iso_node_room room = {0};
+        iso_node_buffers buffers = {0};
 #pragma omp for schedule(dynamic)
         for (size_t i = 0; i < count[0] * count[1] * count[2]; ++i) {
             const size_t at[3] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
@@ -104,18 +105,18 @@ static bool make_level(const level_maker *m, int threads)
                 first[a] = at[a] * most[a];
                 size[a] = least(most[a], iso_node_count(n, m->level, a) - first[a]);
             }
-            if (iso_node_box_place(&box, size, m->voxels->directed, &room, ISO_ROOM_BOX) &&
-                make_box(m, first, &box, &room))
+            if (iso_node_box_place(&box, size, m->voxels->directed, &buffers, ISO_BUFFER_BOX) &&
+                make_box(m, first, &box, &buffers))
                 put_box(m, first, &box);
             else
                 failed = true;
         }
-        iso_node_room_destroy(&room);
+        iso_node_buffers_destroy(&buffers);
     }
     return !failed;
 }
 
-/* Moments to directions, once every level has been made from them. */
+/* Converts moments to directions, once every level has been made from them. */
 static void moments_to_directions(float *nodes, const float *sums, size_t count, int threads)
 {
 #pragma omp parallel for schedule(static) num_threads(threads)
@@ -126,15 +127,16 @@ static void moments_to_directions(float *nodes, const float *sums, size_t count,
 static iso_status check(size_t brick_voxels, size_t level_count, iso_error *err)
 {
     if (brick_voxels < 2 || brick_voxels > ISO_BRICK_MOST_VOXELS || (brick_voxels & (brick_voxels - 1)))
-        return iso_fail(err, ISO_E_RANGE, "bricks of %zu voxels, must be a power of two from 2 to %d", brick_voxels,
-                        (int)ISO_BRICK_MOST_VOXELS);
+        return iso_fail(err, ISO_E_RANGE, "bricks have %zu voxels per side, must be a power of two from 2 to %d",
+                        brick_voxels, (int)ISO_BRICK_MOST_VOXELS);
     if (level_count < 1 || level_count > ISO_BRICK_MAX_LEVELS || brick_voxels >> (level_count - 1) == 0)
-        return iso_fail(err, ISO_E_RANGE, "%zu levels in bricks of %zu voxels, at most log2 of the side and one",
+        return iso_fail(err, ISO_E_RANGE,
+                        "%zu levels in bricks of %zu voxels per side, must be at most log2 of the side plus one",
                         level_count, brick_voxels);
     return ISO_OK;
 }
 
-/* A level's moments become directions when the next coarser level has been made from them. */
+/* Fills all levels. A level's moments become directions after the next coarser level has been made from them. */
 static iso_status fill_levels(iso_node_levels *n, const iso_level *level0, bool with_directions, int threads,
                               iso_error *err)
 {
@@ -172,7 +174,7 @@ iso_status iso_node_levels_measure(iso_node_levels *n, const iso_level *level0, 
     return status;
 }
 
-/* Sizes, and room for all nodes. */
+/* Sets all sizes and allocates the nodes. */
 static iso_status lay_out(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                           iso_error *err)
 {
@@ -205,7 +207,7 @@ iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0
     return status;
 }
 
-/* Where a node of a level lies among the level's cells, along an axis: the four cells around and their weights, of the
+/* Position of a node of a level among the level's cells along an axis: the four cells around and their weights, of the
  * cubic through them [catmull-1974], or linear in the two in the middle. */
 typedef struct cell_stencil {
     size_t cell[4];
@@ -224,7 +226,7 @@ static cell_stencil among_cells(size_t node, size_t level, size_t size)
     return s;
 }
 
-/* The scalar by the cubic, held within the range of the eight cells around; the direction linear. */
+/* Interpolates a node: the scalar cubically, clamped to the range of the eight cells around; the direction linearly. */
 static void node_from_cells(const iso_level *level, const float *directions, const cell_stencil s[3],
                             float node[ISO_NODE_CHANNELS])
 {
@@ -251,7 +253,7 @@ iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyram
                                              size_t level_count, int threads, iso_error *err)
 {
     if (level_count > p->level_count)
-        return iso_fail(err, ISO_E_RANGE, "bricks: %zu levels are asked for, the pyramid has %zu", level_count,
+        return iso_fail(err, ISO_E_RANGE, "bricks: %zu levels requested, the pyramid has %zu", level_count,
                         p->level_count);
     iso_status status = lay_out(n, &p->levels[0], brick_voxels, level_count, err);
     for (size_t l = 0; l < level_count && status == ISO_OK; ++l) {

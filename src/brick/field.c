@@ -9,7 +9,7 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* All of the same level agree there, so the first one found will do. */
+/* All bricks of the coarsest level agree at p, so the first one found is enough. */
 bool iso_brick_coarsest_at(const iso_brick_field *f, const size_t p[3], size_t level, size_t brick[3])
 {
     const iso_node_levels *n = f->nodes;
@@ -39,7 +39,7 @@ iso_own_nodes iso_brick_own_nodes(const iso_brick_field *f, const size_t brick[3
     const iso_node_levels *n = f->nodes;
     const size_t index = iso_brick_index(n, brick), level = f->levels[index], cells = n->brick_voxels >> level;
     if (n->bricks) {
-        assert(n->bricks[index]); /* iso_brick_make() */
+        assert(n->bricks[index]); /* the caller has called iso_brick_make() */
         return (iso_own_nodes){n->bricks[index], ISO_NODE_CHANNELS * (cells + 1),
                                ISO_NODE_CHANNELS * (cells + 1) * (cells + 1)};
     }
@@ -63,8 +63,7 @@ bool iso_brick_has_foreign_nodes(const iso_brick_field *f, const size_t brick[3]
     return any;
 }
 
-/* A brick beside it touches the parts on its side: along an axis where it lies below the first of three, where it lies above
- * the last, else all. */
+/* A coarser neighbor touches the parts on its side: along an axis the first of three, the last, or all. */
 void iso_brick_foreign_parts(const iso_brick_field *f, const size_t brick[3], bool parts[ISO_BRICK_PARTS])
 {
     const iso_node_levels *n = f->nodes;
@@ -77,7 +76,7 @@ void iso_brick_foreign_parts(const iso_brick_field *f, const size_t brick[3], bo
         size_t at[3], first[3], last[3];
         bool there = true;
         for (int a = 0; a < 3; ++a) {
-            at[a] = brick[a] + step[a] - 1; /* before the first: beyond the last */
+            at[a] = brick[a] + step[a] - 1; /* below 0 wraps around to a large index */
             there = there && at[a] < n->count[a];
             first[a] = step[a] == 2 ? 2 : 0;
             last[a] = step[a] == 0 ? 0 : 2;
@@ -126,7 +125,7 @@ void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const 
         part[a] = u - (double)lo[a];
         inside = inside && lo[a] > 0 && lo[a] + 1 < cells;
     }
-    /* No coarser brick has a say in what lies within. */
+    /* Coarser bricks do not affect the inside. */
     own = own || inside;
     const iso_own_nodes nodes = iso_brick_own_nodes(f, brick);
     const float *corner = nodes.first + ISO_NODE_CHANNELS * lo[0] + lo[1] * nodes.row + lo[2] * nodes.plane;

@@ -25,16 +25,15 @@ double iso_lattice_step(const iso_node_levels *n)
     return ldexp(1, exponent - 16);
 }
 
-/* ---- the background ------------------------------------------------------------ */
+/* ---- background ---------------------------------------------------------------- */
 
 enum { BIN_COUNT = 1024 };
 
-/* Of thousands of rows, spread over the volume. */
+/* Counts the values of some thousand rows, spread over the volume. */
 static void count_values(const iso_node_levels *n, double width, float *row, size_t bins[BIN_COUNT])
 {
     enum { ROWS = 1 << 14 };
-    const size_t *size = n->geometry.size, rows = size[1] * size[2],
-                 step = rows / ROWS | 1; /* odd: not the same y always */
+    const size_t *size = n->geometry.size, rows = size[1] * size[2], step = rows / ROWS | 1; /* odd, so that y varies */
     for (size_t i = 0; i < rows; i += step) {
         iso_node_levels_voxels(n, 0, i % size[1], i / size[1], size[0], row);
         for (size_t x = 0; x < size[0]; ++x) {
@@ -57,7 +56,7 @@ double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs,
         while (end < BIN_COUNT &&
                !any_shows(tfs, tf_count, n->min + (double)start * width, n->min + (double)(end + 1) * width))
             inside += bins[end++];
-        if (end > start && inside >= most) { /* as far as can be from what shows, in steps of what is sampled */
+        if (end > start && inside >= most) { /* as far as possible from visible values, rounded like samples */
             const double middle = n->min + 0.5 * (double)(start + end) * width, step = iso_lattice_step(n);
             most = inside;
             value = start == 0 ? n->min : end == BIN_COUNT ? n->max : step * rint(middle / step);
@@ -67,10 +66,9 @@ double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs,
     return value;
 }
 
-/* ---- what is where --------------------------------------------------------------- */
+/* ---- blocks ---------------------------------------------------------------------- */
 
-/* Blocks are asked for many at once, in pages as large as the system has: for one at a time its small pages cost more than
- * what is written to them. */
+/* Memory for many blocks, in large pages: small ones for single blocks cost more time than the writes into them. */
 typedef struct iso_lattice_chunk {
     struct iso_lattice_chunk *next;
     size_t used, count;
@@ -82,13 +80,13 @@ static size_t block_count(const iso_lattice *l)
     return l->block_count[0] * l->block_count[1] * l->block_count[2];
 }
 
-/* Of which no node is active. NULL: no memory. */
+/* Returns a block without active nodes. NULL: no memory. */
 static iso_lattice_block *new_block(iso_lattice *l)
 {
     const size_t most = (((size_t)4 << 20) - sizeof *l->chunks) / sizeof(iso_lattice_block);
     if (!l->chunks || l->chunks->used == l->chunks->count) {
         const size_t count = block_count(l) < most ? block_count(l) : most;
-        /* rounded up to what iso_large_alloc() has large pages for */
+        /* rounded up to the size at which iso_large_alloc() uses large pages */
         const size_t bytes = count < most ? sizeof *l->chunks + count * sizeof(iso_lattice_block) : (size_t)4 << 20;
         iso_lattice_chunk *chunk = iso_large_alloc(bytes);
         if (!chunk)
@@ -116,7 +114,7 @@ iso_status iso_lattice_put(iso_lattice *l, const size_t at[3], const float *node
     return ISO_OK;
 }
 
-/* The box of the bricks and one node more on all sides. False when there are none. */
+/* Computes the box of the bricks, with one node more on all sides. False: no bricks. */
 static bool find_box(const iso_lattice_builder *b)
 {
     const iso_node_levels *n = b->field->nodes;
@@ -141,9 +139,9 @@ static bool find_box(const iso_lattice_builder *b)
     return true;
 }
 
-/* ---- what is left ------------------------------------------------------------------ */
+/* ---- box of the active nodes ------------------------------------------------------- */
 
-/* What the active nodes span, counted from the lattice's first one. */
+/* Extent of the active nodes, counted from the lattice's first node. */
 typedef struct extent {
     size_t lo[3], hi[3];
 } extent;
@@ -172,14 +170,14 @@ static void extend(iso_lattice *l, size_t index, const iso_lattice_block *block,
     l->min = lowest;
     l->max = highest;
     for (int a = 0; a < 3 && count > 0; ++a) {
-        /* May lie before the box: then it wraps, and lo brings it back. */
+        /* May lie before the box: then it wraps around, and adding lo corrects it. */
         const size_t first = b[a] * ISO_LATTICE_SIDE - (size_t)(l->first[a] - l->corner[a]);
         e->lo[a] = first + lo[a] < e->lo[a] ? first + lo[a] : e->lo[a];
         e->hi[a] = first + hi[a] > e->hi[a] ? first + hi[a] : e->hi[a];
     }
 }
 
-/* The box's corners become active, as background where they were not. */
+/* Activates the box's corners; corners that were inactive become background. */
 static iso_status put_corners(iso_lattice *l, iso_error *err)
 {
     const size_t corners[2][3] = {{0, 0, 0}, {l->size[0] - 1, l->size[1] - 1, l->size[2] - 1}};
@@ -193,7 +191,7 @@ static iso_status put_corners(iso_lattice *l, iso_error *err)
     return status;
 }
 
-/* Shrinks to the box of the active nodes. */
+/* Shrinks the lattice to the box of the active nodes. ISO_E_RANGE: none. */
 static iso_status trim(iso_lattice *l, bool whole_box, iso_error *err)
 {
     extent e = {.lo = {SIZE_MAX, SIZE_MAX, SIZE_MAX}};
@@ -202,7 +200,7 @@ static iso_status trim(iso_lattice *l, bool whole_box, iso_error *err)
         if (l->blocks[i])
             extend(l, i, l->blocks[i], &e);
     if (l->active_count == 0)
-        return iso_fail(err, ISO_E_RANGE, "lattice: the transfer function shows no cell of the bricks that are drawn");
+        return iso_fail(err, ISO_E_RANGE, "lattice: the transfer function shows no cell of the drawn bricks");
     if (whole_box)
         return put_corners(l, err);
     for (int a = 0; a < 3; ++a) {
@@ -225,7 +223,7 @@ static void place(iso_lattice *l, const iso_geometry *g)
     l->geometry.origin_mm = iso_geometry_to_world(g, iso_v3(corner[0], corner[1], corner[2]));
 }
 
-/* ---- the whole ---------------------------------------------------------------------- */
+/* ---- construction -------------------------------------------------------------------- */
 
 static void forget_shown(iso_lattice_builder *b)
 {
@@ -254,12 +252,12 @@ static iso_status add_bricks(const iso_lattice_builder *b, iso_error *err)
     bool failed = false;
 #pragma omp parallel num_threads(iso_threads(b->opt->threads)) reduction(|| : failed)
     {
-        iso_node_room room = {0};
+        iso_node_buffers buffers = {0};
 #pragma omp for schedule(dynamic)
         for (size_t i = 0; i < count; ++i)
-            if (iso_lattice_has(b, i) && iso_lattice_add_brick(b, i, &room, NULL) != ISO_OK)
+            if (iso_lattice_has(b, i) && iso_lattice_add_brick(b, i, &buffers, NULL) != ISO_OK)
                 failed = true;
-        iso_node_room_destroy(&room);
+        iso_node_buffers_destroy(&buffers);
     }
     return failed ? iso_fail(err, ISO_E_MEMORY, "lattice: no memory for its nodes") : ISO_OK;
 }
@@ -284,7 +282,7 @@ iso_status iso_lattice_create(iso_lattice *l, const iso_brick_field *f, const is
     iso_lattice_builder b = {.field = f, .opt = opt, .lattice = l};
     *l = (iso_lattice){.level = opt->merged ? ISO_BRICK_MAX_LEVELS : opt->level};
     if (f->faces != ISO_FACES_BAKED)
-        return iso_fail(err, ISO_E_RANGE, "lattice: bricks whose faces are their own have no one value at a node");
+        return iso_fail(err, ISO_E_RANGE, "lattice: needs baked faces, without them bricks differ at shared nodes");
     for (size_t i = 0; opt->merged && i < iso_brick_count(f->nodes); ++i)
         if (opt->drawn[i] && f->levels[i] < l->level)
             l->level = f->levels[i];

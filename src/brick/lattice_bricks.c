@@ -6,16 +6,16 @@
 
 #include "brick/made_bricks.h"
 
-/* The nodes of a brick's cells in the lattice, and beyond the volume's ends one cell more. Scalars say which of them
- * are shown, often few of many, and only these get directions. */
+/* The nodes of a brick's cells in the lattice, and one cell more beyond the volume's ends. The scalars decide which
+ * nodes are active, often few of many, and only these get directions. */
 typedef struct cell_box {
     size_t brick[3], index;
     long first[3]; /* node of the lattice's level */
     size_t size[3];
-    float *scalars, *directions;      /* in the room; one and three a node */
-    float *lowest, *highest;          /* of the squares of four nodes of two planes */
-    uint8_t *active, *foreign, *told; /* foreign: of a coarser brick; told: which of the brick's own row are wanted */
-    struct node_place *along[3];      /* where the nodes are in the brick's cells */
+    float *scalars, *directions;        /* in the thread's buffers; one and three per node */
+    float *lowest, *highest;            /* ranges of squares of four nodes, for two planes */
+    uint8_t *active, *foreign, *wanted; /* foreign: from a coarser brick; wanted: nodes of the brick's row */
+    struct node_place *along[3];        /* positions of the nodes in the brick's cells */
 } cell_box;
 
 typedef struct node_place {
@@ -37,13 +37,13 @@ static node_place place_of(const iso_lattice_builder *b, const cell_box *c, int 
     return (node_place){cell, ldexp((double)(from - (cell << level)), -(int)level)};
 }
 
-/* All arrays one after the other, those of the widest elements first. */
-static bool take_room(cell_box *c, size_t most_side, iso_node_room *room)
+/* Allocates all arrays in one buffer, those with the widest elements first. False: no memory. */
+static bool take_buffers(cell_box *c, size_t most_side, iso_node_buffers *buffers)
 {
     const size_t count = nodes_of(c), plane = c->size[0] * c->size[1], places = c->size[0] + c->size[1] + c->size[2];
     const size_t floats = 4 * count + 4 * plane;
-    char *at = iso_node_room_take(room, ISO_ROOM_CELLS,
-                                  places * sizeof *c->along[0] + floats * sizeof(float) + 2 * count + most_side);
+    char *at = iso_node_buffers_take(buffers, ISO_BUFFER_CELLS,
+                                     places * sizeof *c->along[0] + floats * sizeof(float) + 2 * count + most_side);
     if (!at)
         return false;
     c->along[0] = (node_place *)(void *)at;
@@ -55,12 +55,12 @@ static bool take_room(cell_box *c, size_t most_side, iso_node_room *room)
     c->highest = c->lowest + 2 * plane;
     c->active = (uint8_t *)(c->highest + 2 * plane);
     c->foreign = c->active + count;
-    c->told = c->foreign + count;
+    c->wanted = c->foreign + count;
     memset(c->active, 0, 2 * count);
     return true;
 }
 
-static bool cell_box_place(cell_box *c, const iso_lattice_builder *b, size_t index, iso_node_room *room)
+static bool cell_box_place(cell_box *c, const iso_lattice_builder *b, size_t index, iso_node_buffers *buffers)
 {
     const iso_node_levels *n = b->field->nodes;
     const size_t cells = n->brick_voxels >> b->lattice->level;
@@ -72,7 +72,7 @@ static bool cell_box_place(cell_box *c, const iso_lattice_builder *b, size_t ind
         c->first[a] = (long)(c->brick[a] * cells) - begins;
         c->size[a] = cells + 1 + begins + ends;
     }
-    if (!take_room(c, n->brick_voxels + 1, room))
+    if (!take_buffers(c, n->brick_voxels + 1, buffers))
         return false;
     for (int a = 0; a < 3; ++a)
         for (size_t i = 0; i < c->size[a]; ++i)
@@ -80,21 +80,21 @@ static bool cell_box_place(cell_box *c, const iso_lattice_builder *b, size_t ind
     return true;
 }
 
-/* ---- a brick that is coarser than the lattice --------------------------------------- */
+/* ---- bricks coarser than the lattice ------------------------------------------------ */
 
-/* The nodes of the brick's own cells as the field has them. NULL: no memory. */
-static const double *corners_of(const iso_lattice_builder *b, const cell_box *c, iso_node_room *room)
+/* Computes the field at the nodes of the brick's own cells. NULL: no memory. */
+static const double *corners_of(const iso_lattice_builder *b, const cell_box *c, iso_node_buffers *buffers)
 {
     const size_t side = iso_brick_side(b->field->nodes, b->field->levels[c->index]);
-    double *corners = iso_node_room_take(room, ISO_ROOM_CORNERS,
-                                         ISO_NODE_CHANNELS * side * side * side * sizeof *corners);
+    double *corners = iso_node_buffers_take(buffers, ISO_BUFFER_CORNERS,
+                                            ISO_NODE_CHANNELS * side * side * side * sizeof *corners);
     for (size_t i = 0; corners && i < side * side * side; ++i)
         iso_brick_node(b->field, c->brick, (const size_t[]){i % side, i / side % side, i / (side * side)},
                        corners + ISO_NODE_CHANNELS * i);
     return corners;
 }
 
-/* As iso_brick_sample_in() does, in the same order: `count` channels from the one that `corners` begins with. */
+/* Interpolates `count` channels from the first of `corners` on, in iso_brick_sample_in()'s order of operations. */
 static inline void interpolate(const double *corners, size_t side, const cell_box *c, const size_t at[3], size_t count,
                                double *out)
 {
@@ -140,7 +140,7 @@ static void directions_between(const iso_lattice_builder *b, const cell_box *c, 
             }
 }
 
-/* ---- a brick of the lattice's level -------------------------------------------------- */
+/* ---- bricks of the lattice's level --------------------------------------------------- */
 
 static size_t own_node(const cell_box *c, int axis, size_t i)
 {
@@ -148,8 +148,8 @@ static size_t own_node(const cell_box *c, int axis, size_t i)
     return place->cell + (place->part > 0);
 }
 
-/* A row's nodes that a coarser brick has a say in: rounded as that brick's are, from doubles, so that all bricks that
- * share a node give it the same bits. */
+/* Computes a row's nodes that come from a coarser brick. They are rounded from doubles as in that brick, so that all
+ * bricks that share a node have the same bits. */
 static void take_foreign(const iso_lattice_builder *b, const cell_box *c, const bool foreign[ISO_BRICK_PARTS], size_t y,
                          size_t z)
 {
@@ -167,7 +167,7 @@ static void take_foreign(const iso_lattice_builder *b, const cell_box *c, const 
     }
 }
 
-/* passing: NULL: the brick has nodes. */
+/* Sets the baked scalars. passing: a brick without nodes of its own, or NULL. */
 static void scalars_baked(const iso_lattice_builder *b, const cell_box *c, const iso_passing_brick *passing)
 {
     float row[ISO_BRICK_MOST_VOXELS + 1];
@@ -186,7 +186,7 @@ static void scalars_baked(const iso_lattice_builder *b, const cell_box *c, const
         }
 }
 
-/* Of a brick that has nodes. */
+/* Sets the directions of a brick that has nodes. */
 static void directions_own(const iso_lattice_builder *b, const cell_box *c)
 {
     size_t i = 0;
@@ -200,20 +200,20 @@ static void directions_own(const iso_lattice_builder *b, const cell_box *c)
         }
 }
 
-/* Of a row the nodes that want directions of the brick's own, a byte each. False: there are none. */
-static bool tell_row(const cell_box *c, size_t first, size_t side)
+/* Marks the nodes of a row that need directions of the brick's own, one byte per node. False: none. */
+static bool select_row(const cell_box *c, size_t first, size_t side)
 {
     bool any = false;
-    memset(c->told, 0, side);
+    memset(c->wanted, 0, side);
     for (size_t x = 0; x < c->size[0]; ++x) {
         const bool wanted = c->active[first + x] && !c->foreign[first + x];
-        c->told[own_node(c, 0, x)] |= wanted;
+        c->wanted[own_node(c, 0, x)] |= wanted;
         any = any || wanted;
     }
     return any;
 }
 
-/* A row's directions on their way through the code: those of several rows at once. */
+/* Directions of several rows, collected to be encoded at once. */
 enum { BATCH = 4 * (ISO_BRICK_MOST_VOXELS + 3) };
 typedef struct code_batch {
     float directions[3 * BATCH];
@@ -237,9 +237,9 @@ static void directions_passing(const cell_box *c, const iso_passing_brick *p)
     for (size_t z = 0; z < c->size[2]; ++z)
         for (size_t y = 0; y < c->size[1]; ++y) {
             const size_t first = c->size[0] * (y + c->size[1] * z);
-            if (!tell_row(c, first, side))
+            if (!select_row(c, first, side))
                 continue;
-            iso_passing_brick_directions(p, own_node(c, 1, y), own_node(c, 2, z), c->told, row);
+            iso_passing_brick_directions(p, own_node(c, 1, y), own_node(c, 2, z), c->wanted, row);
             for (size_t x = 0; x < c->size[0]; ++x) {
                 if (!c->active[first + x] || c->foreign[first + x])
                     continue;
@@ -254,7 +254,7 @@ static void directions_passing(const cell_box *c, const iso_passing_brick *p)
 
 /* ---- cells ---------------------------------------------------------------------- */
 
-/* The ranges of plane z's squares of four nodes. */
+/* Computes the ranges of all squares of four nodes in plane z. */
 static void take_plane(const cell_box *c, size_t z, float *lowest, float *highest)
 {
     const size_t nx = c->size[0], ny = c->size[1];
@@ -277,7 +277,7 @@ static void activate(const cell_box *c, size_t x, size_t y, size_t z)
     at[plane] = at[plane + 1] = at[plane + nx] = at[plane + nx + 1] = 1;
 }
 
-/* Marks the corners of the cells that are shown; false: there are none. */
+/* Marks the corners of visible cells. False: there are none. */
 static bool mark(const iso_lattice_builder *b, const cell_box *c)
 {
     const size_t nx = c->size[0], plane = nx * c->size[1];
@@ -300,7 +300,7 @@ static bool mark(const iso_lattice_builder *b, const cell_box *c)
     return any;
 }
 
-/* ---- the whole ---------------------------------------------------------------------- */
+/* ---- construction -------------------------------------------------------------------- */
 
 static iso_status put_active(iso_lattice *l, const cell_box *c, iso_error *err)
 {
@@ -321,15 +321,15 @@ static iso_status put_active(iso_lattice *l, const cell_box *c, iso_error *err)
     return status;
 }
 
-/* Values, and of what is shown directions. False: no memory. any: is anything shown? */
-static bool fill(const iso_lattice_builder *b, const cell_box *c, iso_node_room *room, bool *any)
+/* Computes values, and directions of active nodes. False: no memory. *any: True if any cell is visible. */
+static bool fill(const iso_lattice_builder *b, const cell_box *c, iso_node_buffers *buffers, bool *any)
 {
     const iso_node_levels *n = b->field->nodes;
     const bool between = b->field->levels[c->index] > b->lattice->level,
                passes = n->bricks && b->field->levels[c->index] == 0;
     iso_passing_brick passing;
-    const double *corners = between ? corners_of(b, c, room) : NULL;
-    if (between ? !corners : passes && !iso_passing_brick_open(&passing, n, c->index, room))
+    const double *corners = between ? corners_of(b, c, buffers) : NULL;
+    if (between ? !corners : passes && !iso_passing_brick_open(&passing, n, c->index, buffers))
         return false;
     if (between)
         scalars_between(b, c, corners);
@@ -345,12 +345,12 @@ static bool fill(const iso_lattice_builder *b, const cell_box *c, iso_node_room 
     return true;
 }
 
-iso_status iso_lattice_add_brick(const iso_lattice_builder *b, size_t brick, iso_node_room *room, iso_error *err)
+iso_status iso_lattice_add_brick(const iso_lattice_builder *b, size_t brick, iso_node_buffers *buffers, iso_error *err)
 {
     cell_box c;
     bool any = false;
     iso_status status = ISO_OK;
-    if (!cell_box_place(&c, b, brick, room) || !fill(b, &c, room, &any))
+    if (!cell_box_place(&c, b, brick, buffers) || !fill(b, &c, buffers, &any))
         return iso_fail(err, ISO_E_MEMORY, "lattice: no memory for the nodes of a brick");
     if (any)
 #pragma omp critical(iso_lattice)

@@ -5,25 +5,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A block's cells have their first corners in it, their last ones up to one node beyond: nine along each axis. The cells
- * before the first blocks have corners in these, so that there is a row of blocks more. */
+/* A block's cells have their first corners in it and their last ones up to one node beyond: nine along each axis. An
+ * extra row of blocks before the first ones covers the cells that end in these. */
 enum { SIDE = ISO_LATTICE_SIDE + 1, CORNERS = SIDE * SIDE * SIDE };
 
 typedef struct cell_block {
-    long first[3];       /* its first corner, counted from the lattice's first node; may lie outside */
-    size_t lo[3], hi[3]; /* the corners that have become active; none: hi < lo */
+    long first[3];       /* first corner, counted from the lattice's first node; may lie outside */
+    size_t lo[3], hi[3]; /* range of corners that became active; none: hi < lo */
     uint8_t active[CORNERS];
     float values[CORNERS];
 } cell_block;
 
-/* Cells that have to be looked at, and look again at those around when a node becomes active. */
+/* Blocks of cells still to be checked; when a node becomes active, its neighbors are checked again. */
 typedef struct halo {
     const iso_lattice_builder *builder;
     size_t count[3];
     uint8_t *wanted;
 } halo;
 
-/* The corners in one block of nodes: those from `from` on in the cells' count. */
+/* Copies the corners that lie in one block of nodes, from corner `from` on. */
 static void gather_block(const iso_lattice_block *block, const size_t shift[3], cell_block *c)
 {
     size_t size[3];
@@ -40,7 +40,7 @@ static void gather_block(const iso_lattice_block *block, const size_t shift[3], 
             }
 }
 
-/* False when no corner is active. */
+/* Collects the corners of a block's cells. False if none is active. */
 static bool gather(const iso_lattice *l, const long at[3], cell_block *c)
 {
     bool any = false;
@@ -51,7 +51,7 @@ static bool gather(const iso_lattice *l, const long at[3], cell_block *c)
         size_t b[3];
         bool there = true;
         for (int a = 0; a < 3; ++a) {
-            b[a] = (size_t)(at[a] + (long)shift[a]); /* before the first: beyond the last */
+            b[a] = (size_t)(at[a] + (long)shift[a]); /* below 0 wraps around to a large index */
             there = there && b[a] < l->block_count[a];
         }
         const iso_lattice_block *block = there ? l->blocks[b[0] + l->block_count[0] * (b[1] + l->block_count[1] * b[2])]
@@ -68,7 +68,7 @@ static bool gather(const iso_lattice *l, const long at[3], cell_block *c)
     return any;
 }
 
-/* Whether it matters what a cell shows: nobody sees those that were left out because no view does. */
+/* True if a cell can be seen: bricks outside all views cannot. */
 static bool matters(const iso_lattice_builder *b, const size_t at[3])
 {
     const iso_lattice_options *o = b->opt;
@@ -79,8 +79,8 @@ static bool matters(const iso_lattice_builder *b, const size_t at[3])
     return o->merged ? o->drawn[index] || !o->seen || o->seen[index] : iso_lattice_has(b, index);
 }
 
-/* The scalar of node p of level 0 where no brick is coarser than the lattice: the voxel, or in a brick that is coarser than
- * level 0 its own node. Bricks of level 0 need not be made for it. */
+/* Returns the scalar of node p of level 0 if no brick there is coarser than the lattice: the voxel, or the own node of
+ * a brick coarser than level 0. Bricks of level 0 need not be made. */
 static double own_scalar(const iso_lattice_builder *b, const size_t brick[3], const size_t p[3])
 {
     const iso_node_levels *n = b->field->nodes;
@@ -100,7 +100,7 @@ static double own_scalar(const iso_lattice_builder *b, const size_t brick[3], co
     return (double)voxel;
 }
 
-/* The scalar of a node, of any brick that holds it: they agree. */
+/* Returns the scalar of a node from any brick that contains it: they agree. */
 static float sample(const iso_lattice_builder *b, const size_t at[3])
 {
     const iso_node_levels *n = b->field->nodes;
@@ -139,7 +139,7 @@ static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t c
     return status;
 }
 
-/* Some corners of a cell are active and some are background: is anything between them seen? */
+/* True if any value between the corners of a cell with active and background corners would be visible. */
 static bool is_seen(const iso_lattice_builder *b, const cell_block *c, size_t cell)
 {
     const uint8_t *a = c->active + cell;
@@ -156,7 +156,7 @@ static bool is_seen(const iso_lattice_builder *b, const cell_block *c, size_t ce
     return iso_lattice_shows(b, (double)lowest, (double)highest);
 }
 
-/* One look at each cell. */
+/* Checks each cell once. */
 static iso_status look(const iso_lattice_builder *b, cell_block *c, bool *changed, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -185,12 +185,12 @@ static bool is_mixed(const cell_block *c)
     return memchr(c->active, 0, CORNERS) && memchr(c->active, 1, CORNERS);
 }
 
-/* The blocks beside it whose cells have corners among those that have become active. */
+/* Requests a check of the neighboring blocks whose cells have corners that became active. */
 static void want_around(const halo *h, const size_t at[3], const cell_block *c)
 {
     for (size_t i = 0; i < 27; ++i) {
         const size_t step[3] = {i % 3, i / 3 % 3, i / 9}, x = at[0] + step[0] - 1, y = at[1] + step[1] - 1,
-                     z = at[2] + step[2] - 1; /* before the first: beyond the last */
+                     z = at[2] + step[2] - 1; /* below 0 wraps around to a large index */
         bool touched = i != 13 && x < h->count[0] && y < h->count[1] && z < h->count[2];
         for (int a = 0; a < 3; ++a)
             touched = touched && (step[a] != 0 || c->lo[a] == 0) && (step[a] != 2 || c->hi[a] == ISO_LATTICE_SIDE);
@@ -199,7 +199,7 @@ static void want_around(const halo *h, const size_t at[3], const cell_block *c)
     }
 }
 
-/* Looks at a block until nothing more becomes active in it. */
+/* Checks a block until no more nodes become active in it. */
 static iso_status settle_block(const iso_lattice_builder *b, cell_block *c, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -210,7 +210,7 @@ static iso_status settle_block(const iso_lattice_builder *b, cell_block *c, iso_
     return status;
 }
 
-/* Activity only grows, and with it what shows: the result does not depend on the order. */
+/* Checks all requested blocks. Activation only adds visible cells, so the result does not depend on the order. */
 static iso_status settle(const halo *h, cell_block *c, iso_error *err)
 {
     iso_status status = ISO_OK;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* A coarse brick's nodes are made of those of the level below around them, and these of the level below that. Each level is
- * divided into blocks where bricks begin, and a block holds the box of those of its nodes that anything needs:
+/* made_bricks.c - nodes of single bricks. A coarse brick's nodes are filtered from nodes of the level below around
+ * them, and these from those of the next level. Each level is divided into blocks, one from the beginning of each
+ * brick; a block stores the box of its needed nodes:
  *
  *     level 2   | # # # |       |       |     # a brick's nodes, the last ones in the next block
- *     level 1   |   # # # # # # # # # # |     two more on both sides, and so on down to the voxels
- */
+ *     level 1   |   # # # # # # # # # # |     two more on both sides, and so on down to the voxels */
 #include "brick/made_bricks.h"
 
 #include <stdlib.h>
@@ -30,7 +30,7 @@ static void brick_at(const iso_node_levels *n, size_t i, size_t at[3])
     at[2] = i / (n->count[0] * n->count[1]);
 }
 
-/* A brick's nodes from a box of them. */
+/* Copies a brick's nodes from a box. False: no memory. */
 static bool keep_brick(const iso_node_levels *n, size_t brick, const iso_node_box *box, bool is_coded)
 {
     const size_t count = iso_node_box_count(box);
@@ -47,21 +47,21 @@ static bool keep_brick(const iso_node_levels *n, size_t brick, const iso_node_bo
 /* ---- blocks ---------------------------------------------------------------------- */
 
 typedef struct block {
-    uint8_t lo[3], hi[3]; /* of its nodes those that are needed, hi not included; hi[0] == 0: none */
-    uint16_t width;       /* nodes of a row of the box that its nodes are in, which may be of several blocks */
-    float *values;        /* of that box, its first node */
+    uint8_t lo[3], hi[3]; /* range of needed nodes, hi excluded; hi[0] == 0: none */
+    uint16_t width;       /* nodes per row of the box that contains them, which may cover several blocks */
+    float *values;        /* this block's first node in that box */
 } block;
 
 typedef struct block_level {
-    size_t cells;    /* nodes of a block along an axis */
+    size_t cells;    /* nodes per block along an axis */
     size_t count[3]; /* blocks: one more than bricks, for the last nodes */
-    size_t last[3];  /* node */
+    size_t last[3];  /* last node along each axis */
     block *blocks;
     size_t channels;
-    float *values; /* of all blocks */
+    float *values; /* owned; of all blocks */
 } block_level;
 
-/* The box that holds a block's nodes, from the block's first on. */
+/* Returns a block's nodes as a box. */
 static iso_node_box box_of(const block_level *l, const block *b)
 {
     return (iso_node_box){.size = {b->width, (size_t)(b->hi[1] - b->lo[1]), (size_t)(b->hi[2] - b->lo[2])},
@@ -98,7 +98,7 @@ static block *block_at(const block_level *l, size_t x, size_t y, size_t z)
     return &l->blocks[x + l->count[0] * (y + l->count[1] * z)];
 }
 
-/* Where block i lies, in nodes. */
+/* Returns the first node of block i. */
 static void block_first(const block_level *l, size_t i, size_t first[3])
 {
     first[0] = l->cells * (i % l->count[0]);
@@ -106,7 +106,7 @@ static void block_first(const block_level *l, size_t i, size_t first[3])
     first[2] = l->cells * (i / (l->count[0] * l->count[1]));
 }
 
-/* Widens what a block along an axis holds to the part of [lo, hi] that lies in it. */
+/* Widens a block's range along an axis by the part of [lo, hi] inside it. */
 static void widen(block *b, int axis, size_t first, size_t cells, size_t lo, size_t hi)
 {
     const uint8_t from = (uint8_t)(lo > first ? lo - first : 0),
@@ -116,7 +116,7 @@ static void widen(block *b, int axis, size_t first, size_t cells, size_t lo, siz
     b->hi[axis] = to > b->hi[axis] ? to : b->hi[axis];
 }
 
-/* Nodes [lo, hi] of the level, hi included, are needed. */
+/* Marks the nodes [lo, hi] of the level, hi included, as needed. */
 static void need(block_level *l, const long lo[3], const long hi[3])
 {
     size_t from[3], to[3];
@@ -134,7 +134,7 @@ static void need(block_level *l, const long lo[3], const long hi[3])
             }
 }
 
-/* What a level's blocks need of the level below: two nodes around each. */
+/* Marks the nodes of the level below that are needed for a level's blocks: two more on each side. */
 static void need_below(const block_level *l, block_level *below)
 {
     for (size_t i = 0; i < block_count(l); ++i) {
@@ -152,7 +152,7 @@ static void need_below(const block_level *l, block_level *below)
     }
 }
 
-/* What the bricks of a level need: their own nodes. */
+/* Marks the nodes of a level's bricks. */
 static void need_own(const iso_node_levels *n, size_t level, block_level *l)
 {
     const long cells = (long)l->cells;
@@ -166,9 +166,9 @@ static void need_own(const iso_node_levels *n, size_t level, block_level *l)
     }
 }
 
-/* ---- making them ------------------------------------------------------------------ */
+/* ---- computation ------------------------------------------------------------------ */
 
-/* Nodes of a row that lie in blocks which hold them. */
+/* Reads nodes of a row from the blocks that contain them. */
 static void read_blocks(const void *user, size_t x, size_t y, size_t z, size_t count,
                         float *const rows[ISO_BOX_CHANNELS])
 {
@@ -189,16 +189,16 @@ static iso_node_rows rows_of(const block_level *l)
     return (iso_node_rows){read_blocks, l, {l->last[0], l->last[1], l->last[2]}};
 }
 
-/* Blocks along x, each of which begins where the one before it ends. They are made at once, as one box: what two of
- * them are filtered from overlaps, and long rows take less time a node than short ones. */
+/* Consecutive blocks along x without gaps. They are computed together as one box: neighboring blocks share input, and
+ * long rows take less time per node than short ones. */
 typedef struct block_row {
     size_t first, count, nodes; /* nodes: along x */
 } block_row;
 
-/* So many nodes at once, with what they are filtered from, stay in the caches. */
+/* Nodes per row of blocks that stay in the caches together with their input. */
 enum { ROW_NODES = 32 };
 
-static bool goes_on(const block_level *l, size_t i)
+static bool continues_row(const block_level *l, size_t i)
 {
     const block *before = &l->blocks[i - 1], *b = &l->blocks[i];
     return i % l->count[0] > 0 && before->hi[0] == l->cells && b->hi[0] > 0 && b->lo[0] == 0 &&
@@ -206,7 +206,7 @@ static bool goes_on(const block_level *l, size_t i)
            before->hi[2] == b->hi[2];
 }
 
-/* All that hold nodes; to be freed. NULL: no memory. */
+/* Lists all rows of blocks with nodes; to be freed. NULL: no memory. */
 static block_row *find_rows(const block_level *l, size_t *count)
 {
     block_row *rows = malloc(block_count(l) * sizeof *rows);
@@ -215,7 +215,7 @@ static block_row *find_rows(const block_level *l, size_t *count)
         const block *b = &l->blocks[i];
         if (b->hi[0] == 0)
             continue;
-        if (*count == 0 || rows[*count - 1].nodes >= ROW_NODES || !goes_on(l, i))
+        if (*count == 0 || rows[*count - 1].nodes >= ROW_NODES || !continues_row(l, i))
             rows[(*count)++] = (block_row){.first = i};
         ++rows[*count - 1].count;
         rows[*count - 1].nodes += (size_t)(b->hi[0] - b->lo[0]);
@@ -228,7 +228,7 @@ static iso_node_box box_of_row(const block_level *l, const block_row *row)
     return box_of(l, &l->blocks[row->first]);
 }
 
-/* Gives the blocks of all rows their places, in memory that is asked for at once. */
+/* Allocates the values of all rows in one piece. False: no memory. */
 static bool place_rows(block_level *l, const block_row *rows, size_t count)
 {
     size_t total = 0;
@@ -254,9 +254,9 @@ static bool place_rows(block_level *l, const block_row *rows, size_t count)
     return true;
 }
 
-/* Blocks from the level below, NULL: from the voxels. */
+/* Computes a row of blocks from the level below; NULL: from the voxels. */
 static bool make_row(const iso_node_levels *n, const block_level *l, const block_row *row, const block_level *below,
-                     iso_node_room *room)
+                     iso_node_buffers *buffers)
 {
     const block *b = &l->blocks[row->first];
     const iso_node_box box = box_of_row(l, row);
@@ -268,24 +268,24 @@ static bool make_row(const iso_node_levels *n, const block_level *l, const block
         first[a] = 2 * (long)(at[a] + b->lo[a]) - 2;
         fine_size[a] = 2 * box.size[a] + 3;
     }
-    if (!iso_node_box_place(&fine, fine_size, n->maker->voxels.directed, room, ISO_ROOM_FINE))
+    if (!iso_node_box_place(&fine, fine_size, n->maker->voxels.directed, buffers, ISO_BUFFER_FINE))
         return false;
     const iso_node_rows rows = below ? rows_of(below) : (iso_node_rows){0};
     if (below)
         iso_node_box_fill(&fine, &rows, first);
-    else if (!iso_node_box_read(&fine, &n->maker->voxels, first, room))
+    else if (!iso_node_box_read(&fine, &n->maker->voxels, first, buffers))
         return false;
-    return iso_node_box_filter(&fine, n->filter, &box, room);
+    return iso_node_box_filter(&fine, n->filter, &box, buffers);
 }
 
-static bool make_own(const iso_node_levels *n, const block_level *l, size_t brick, iso_node_room *room)
+static bool make_own(const iso_node_levels *n, const block_level *l, size_t brick, iso_node_buffers *buffers)
 {
     const iso_node_rows rows = rows_of(l);
     const size_t side = l->cells + 1, size[3] = {side, side, side};
     iso_node_box box;
     size_t at[3];
     brick_at(n, brick, at);
-    if (!iso_node_box_place(&box, size, n->maker->voxels.directed, room, ISO_ROOM_BOX))
+    if (!iso_node_box_place(&box, size, n->maker->voxels.directed, buffers, ISO_BUFFER_BOX))
         return false;
     iso_node_box_fill(&box, &rows,
                       (const long[]){(long)(l->cells * at[0]), (long)(l->cells * at[1]), (long)(l->cells * at[2])});
@@ -301,17 +301,17 @@ static bool make_rows(const iso_node_levels *n, block_level *l, const block_leve
         count = 0;
 #pragma omp parallel num_threads(threads) reduction(|| : failed)
     {
-        iso_node_room room = {0};
+        iso_node_buffers buffers = {0};
 #pragma omp for schedule(dynamic)
         for (size_t i = 0; i < count; ++i)
-            failed = failed || !make_row(n, l, &rows[i], below, &room);
-        iso_node_room_destroy(&room);
+            failed = failed || !make_row(n, l, &rows[i], below, &buffers);
+        iso_node_buffers_destroy(&buffers);
     }
     free(rows);
     return !failed;
 }
 
-/* The blocks of a level, and of them the bricks of that level. */
+/* Computes the blocks of a level, then the bricks of that level. */
 static bool make_level(const iso_node_levels *n, size_t level, block_level *l, const block_level *below, int threads)
 {
     bool failed = !make_rows(n, l, below, threads);
@@ -319,17 +319,17 @@ static bool make_level(const iso_node_levels *n, size_t level, block_level *l, c
         return false;
 #pragma omp parallel num_threads(threads) reduction(|| : failed)
     {
-        iso_node_room room = {0};
+        iso_node_buffers buffers = {0};
 #pragma omp for schedule(dynamic)
         for (size_t i = 0; i < iso_brick_count(n); ++i)
             if (n->maker->levels[i] == level)
-                failed = failed || !make_own(n, l, i, &room);
-        iso_node_room_destroy(&room);
+                failed = failed || !make_own(n, l, i, &buffers);
+        iso_node_buffers_destroy(&buffers);
     }
     return !failed;
 }
 
-/* All bricks that are coarser than level 0. */
+/* Makes all bricks coarser than level 0. */
 static iso_status make_coarse(const iso_node_levels *n, int threads, iso_error *err)
 {
     block_level levels[ISO_BRICK_MAX_LEVELS] = {{0}};
@@ -351,7 +351,7 @@ static iso_status make_coarse(const iso_node_levels *n, int threads, iso_error *
     return good ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the nodes of coarse bricks");
 }
 
-/* ---- the interface ------------------------------------------------------------------ */
+/* ---- interface ---------------------------------------------------------------------- */
 
 iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
                                       const iso_code *code, const iso_node_options *opt, iso_error *err)
@@ -380,7 +380,7 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_cont
     if (!n->bricks || n->bricks[brick])
         return ISO_OK;
     const size_t side = n->brick_voxels + 1, size[3] = {side, side, side};
-    iso_node_room room = {0};
+    iso_node_buffers buffers = {0};
     iso_node_box box;
     size_t at[3];
     brick_at(n, brick, at);
@@ -388,17 +388,17 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_cont
                            (long)(n->brick_voxels * at[2])};
     iso_node_voxels voxels = n->maker->voxels;
     voxels.directed = voxels.directed && content != ISO_BRICK_SCALARS;
-    const bool good = iso_node_box_place(&box, size, voxels.directed, &room, ISO_ROOM_BOX) &&
-                      iso_node_box_read(&box, &voxels, first, &room) &&
+    const bool good = iso_node_box_place(&box, size, voxels.directed, &buffers, ISO_BUFFER_BOX) &&
+                      iso_node_box_read(&box, &voxels, first, &buffers) &&
                       keep_brick(n, brick, &box, content == ISO_BRICK_WHOLE);
-    iso_node_room_destroy(&room);
+    iso_node_buffers_destroy(&buffers);
     return good ? ISO_OK
-                : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a brick of %zu voxels a side", n->brick_voxels);
+                : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a brick of %zu voxels per side", n->brick_voxels);
 }
 
-/* ---- bricks that nobody keeps ------------------------------------------------------- */
+/* ---- temporary bricks --------------------------------------------------------------- */
 
-bool iso_passing_brick_open(iso_passing_brick *p, const iso_node_levels *n, size_t brick, iso_node_room *room)
+bool iso_passing_brick_open(iso_passing_brick *p, const iso_node_levels *n, size_t brick, iso_node_buffers *buffers)
 {
     *p = (iso_passing_brick){.nodes = n};
     brick_at(n, brick, p->first);
@@ -407,10 +407,10 @@ bool iso_passing_brick_open(iso_passing_brick *p, const iso_node_levels *n, size
         p->first[a] *= n->brick_voxels;
         p->last[a] = p->first[a] + n->brick_voxels < last ? p->first[a] + n->brick_voxels : last;
     }
-    return iso_voxel_box_read(&p->voxels, &n->maker->voxels, p->first, p->last, room);
+    return iso_voxel_box_read(&p->voxels, &n->maker->voxels, p->first, p->last, buffers);
 }
 
-/* The row's place in the volume, and how many of its nodes the volume has. */
+/* Finds the volume's row for a brick's row; returns the number of its nodes inside the volume. */
 static size_t passing_row(const iso_passing_brick *p, size_t y, size_t z, size_t at[2])
 {
     at[0] = p->first[1] + y < p->last[1] ? p->first[1] + y : p->last[1];
@@ -431,12 +431,12 @@ void iso_passing_brick_directions(const iso_passing_brick *p, size_t y, size_t z
                                   float *restrict directions)
 {
     enum { MOST = ISO_BRICK_MOST_VOXELS + 1 };
-    float room[ISO_BOX_CHANNELS][MOST];
-    float *const rows[ISO_BOX_CHANNELS] = {room[0], room[1], room[2], room[3], room[4]};
+    float scratch[ISO_BOX_CHANNELS][MOST];
+    float *const rows[ISO_BOX_CHANNELS] = {scratch[0], scratch[1], scratch[2], scratch[3], scratch[4]};
     size_t at[2];
     const size_t count = passing_row(p, y, z, at);
     if (!p->nodes->maker->voxels.directed)
-        memset(room, 0, sizeof room);
+        memset(scratch, 0, sizeof scratch);
     else
         iso_voxel_box_moments(&p->voxels, p->first[0], at[0], at[1], count, rows);
     for (size_t x = 0; x <= p->nodes->brick_voxels; ++x) {
@@ -462,7 +462,7 @@ void iso_passing_brick_code(const iso_passing_brick *p, float *directions, size_
     }
 }
 
-/* ---- what is read, and forgotten ------------------------------------------------------ */
+/* ---- reading and freeing -------------------------------------------------------------- */
 
 void iso_brick_forget(const iso_node_levels *n, size_t brick)
 {

@@ -6,26 +6,26 @@
 #include "brick/bricks.h"
 #include "brick/node_box.h"
 
-/* Everything but nodes. ISO_E_RANGE as of iso_node_levels_create(). */
+/* Sets everything but nodes. ISO_E_RANGE as in iso_node_levels_create(). */
 iso_status iso_node_levels_measure(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                                    iso_error *err);
-/* Directions through a code and back. */
+/* Encodes and decodes the directions of nodes. */
 void iso_nodes_encode(iso_code code, float *nodes, size_t count);
-/* A brick of level 0 that nobody keeps: scalars, and directions of those nodes that are asked for. */
+/* A temporary brick of level 0: scalars, and directions of requested nodes. */
 typedef struct iso_passing_brick {
     const iso_node_levels *nodes;
     iso_voxel_box voxels;
-    size_t first[3], last[3]; /* node; last: that the volume has. What lies beyond is like it */
+    size_t first[3], last[3]; /* nodes; last: clamped to the volume, repeated beyond it */
 } iso_passing_brick;
-/* Of nodes that are made; in the room. False: no memory. */
-bool iso_passing_brick_open(iso_passing_brick *p, const iso_node_levels *n, size_t brick, iso_node_room *room);
-/* Of the brick's row (y, z) all scalars: side of them. */
+/* Reads the voxels of a brick into `buffers`, for nodes by iso_node_levels_create_for(). False: no memory. */
+bool iso_passing_brick_open(iso_passing_brick *p, const iso_node_levels *n, size_t brick, iso_node_buffers *buffers);
+/* Reads the scalars of the brick's row (y, z), one per node of its side. */
 void iso_passing_brick_scalars(const iso_passing_brick *p, size_t y, size_t z, float *restrict scalars);
-/* Of the row's nodes those that are wanted, a byte a node; three floats a node, which are not yet coded. */
+/* Computes directions of a row, three floats per node, not encoded. wanted: one byte per node. */
 void iso_passing_brick_directions(const iso_passing_brick *p, size_t y, size_t z, const uint8_t *wanted,
                                   float *restrict directions);
-/* Directions, three floats each, through the code and back. */
+/* Encodes and decodes directions, three floats each. */
 void iso_passing_brick_code(const iso_passing_brick *p, float *directions, size_t count);
-void iso_made_bricks_destroy(iso_node_levels *n); /* accepts nodes that are made otherwise */
+void iso_made_bricks_destroy(iso_node_levels *n); /* accepts all nodes */
 
 #endif

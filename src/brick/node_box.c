@@ -9,28 +9,28 @@
 #include "base/simd.h"
 #include "pyramid/narrow.h"
 
-void *iso_node_room_take(iso_node_room *room, iso_node_room_part part, size_t bytes)
+void *iso_node_buffers_take(iso_node_buffers *buffers, iso_node_buffer part, size_t bytes)
 {
-    if (bytes > room->bytes[part]) {
-        free(room->parts[part]);
-        room->parts[part] = malloc(bytes);
-        room->bytes[part] = room->parts[part] ? bytes : 0;
+    if (bytes > buffers->bytes[part]) {
+        free(buffers->parts[part]);
+        buffers->parts[part] = malloc(bytes);
+        buffers->bytes[part] = buffers->parts[part] ? bytes : 0;
     }
-    return room->parts[part];
+    return buffers->parts[part];
 }
 
-void iso_node_room_destroy(iso_node_room *room)
+void iso_node_buffers_destroy(iso_node_buffers *buffers)
 {
-    for (size_t i = 0; i < ISO_ROOM_PARTS; ++i)
-        free(room->parts[i]);
-    *room = (iso_node_room){0};
+    for (size_t i = 0; i < ISO_BUFFER_PARTS; ++i)
+        free(buffers->parts[i]);
+    *buffers = (iso_node_buffers){0};
 }
 
-bool iso_node_box_place(iso_node_box *b, const size_t size[3], bool directed, iso_node_room *room,
-                        iso_node_room_part part)
+bool iso_node_box_place(iso_node_box *b, const size_t size[3], bool directed, iso_node_buffers *buffers,
+                        iso_node_buffer part)
 {
     *b = (iso_node_box){.size = {size[0], size[1], size[2]}, .channels = directed ? ISO_BOX_CHANNELS : 1};
-    b->values = iso_node_room_take(room, part, b->channels * iso_node_box_count(b) * sizeof *b->values);
+    b->values = iso_node_buffers_take(buffers, part, b->channels * iso_node_box_count(b) * sizeof *b->values);
     return b->values != NULL;
 }
 
@@ -41,7 +41,7 @@ static size_t clamped(long i, size_t last)
     return i < 0 ? 0 : (size_t)i < last ? (size_t)i : last;
 }
 
-/* The row's first and last node that the level has, repeated outwards. */
+/* Repeats the row's first and last node inside the level outwards. */
 static void repeat_ends(float *row, size_t before, size_t count, size_t size)
 {
     for (size_t x = 0; x < before; ++x)
@@ -83,7 +83,7 @@ iso_node_voxels iso_node_voxels_of(const iso_level *level, bool directed)
 }
 
 bool iso_voxel_box_read(iso_voxel_box *v, const iso_node_voxels *of, const size_t lo[3], const size_t hi[3],
-                        iso_node_room *room)
+                        iso_node_buffers *buffers)
 {
     const iso_gradient_options gradient = iso_gradient_defaults();
     const size_t *n = of->level->geometry.size,
@@ -95,8 +95,8 @@ bool iso_voxel_box_read(iso_voxel_box *v, const iso_node_voxels *of, const size_
         v->size[a] = last - v->first[a] + 1;
     }
     const size_t nx = v->size[0], count = nx * v->size[1] * v->size[2];
-    v->values = iso_node_room_take(room, ISO_ROOM_VOXELS,
-                                   (count + 3 * nx + iso_gradient_scratch_count(nx)) * sizeof *v->values);
+    v->values = iso_node_buffers_take(buffers, ISO_BUFFER_VOXELS,
+                                      (count + 3 * nx + iso_gradient_scratch_count(nx)) * sizeof *v->values);
     if (!v->values)
         return false;
     v->scratch = v->values + count;
@@ -112,7 +112,7 @@ bool iso_voxel_box_read(iso_voxel_box *v, const iso_node_voxels *of, const size_
     return true;
 }
 
-/* m^2 d of each gradient m d, and its length, which the sum of m^2 starts as. */
+/* Computes m^2 d of each gradient m d, and m^2, the first term of its sum. */
 ISO_SIMD static void moments_row(float unit, const float *restrict gx, const float *restrict gy,
                                  const float *restrict gz, size_t count, float *const rows[ISO_BOX_CHANNELS])
 {
@@ -147,7 +147,7 @@ static void read_voxels(const void *user, size_t x, size_t y, size_t z, size_t c
         iso_voxel_box_moments(v, x, y, z, count, rows);
 }
 
-bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3], iso_node_room *room)
+bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3], iso_node_buffers *buffers)
 {
     iso_node_rows rows = {.read = read_voxels};
     iso_voxel_box voxels;
@@ -157,16 +157,16 @@ bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const lo
         lo[a] = clamped(first[a], rows.last[a]);
         hi[a] = clamped(first[a] + (long)b->size[a] - 1, rows.last[a]);
     }
-    if (!iso_voxel_box_read(&voxels, v, lo, hi, room))
+    if (!iso_voxel_box_read(&voxels, v, lo, hi, buffers))
         return false;
     rows.user = &voxels;
     iso_node_box_fill(b, &rows, first);
     return true;
 }
 
-/* ---- from level to level -------------------------------------------------------- */
+/* ---- filters from level to level ------------------------------------------------- */
 
-/* [1 2 1] / 4 along x of every other node, times the weight, added. */
+/* Adds the weight times [1 2 1] / 4 along x, at every other node. */
 ISO_SIMD static void add_smooth_row(float weight, const float *restrict fine, size_t count, float *restrict sum)
 {
     const float side = 0.25f * weight, middle = 0.5f * weight;
@@ -179,7 +179,7 @@ ISO_SIMD static void add_smooth_row(float weight, const float *restrict fine, si
     }
 }
 
-/* [1 2 1]^3 / 64 round each place. */
+/* Filters by [1 2 1]^3 / 64. */
 static void filter_smooth(const iso_node_box *fine, size_t channel, const iso_node_box *coarse)
 {
     static const float weights[3] = {0.25f, 0.5f, 0.25f};
@@ -194,8 +194,8 @@ static void filter_smooth(const iso_node_box *fine, size_t channel, const iso_no
         }
 }
 
-/* By [-1 2 6 2 -1] / 8 along x, the low-pass of the 5/3 wavelets [le-gall-1988]: its samples are those from which linear
- * interpolation comes nearest to the fine ones. And the range of the three nodes in the middle. */
+/* [-1 2 6 2 -1] / 8, the low-pass of the 5/3 wavelets [le-gall-1988]: linear interpolation of its samples is nearest to
+ * the fine ones. sharp_row() applies it along x and takes the range of the three nodes in the middle. */
 static const float SHARP[5] = {-0.125f, 0.25f, 0.75f, 0.25f, -0.125f};
 
 ISO_SIMD static void sharp_row(const float *restrict fine, size_t count, float *restrict along, float *restrict lowest,
@@ -216,7 +216,7 @@ ISO_SIMD static void sharp_row(const float *restrict fine, size_t count, float *
     }
 }
 
-/* What sharp_row() gave of each row of a fine box. */
+/* Results of sharp_row() for each row of a fine box. */
 typedef struct sharp_rows {
     const float *along, *lowest, *highest;
     size_t width, height; /* nodes along x, rows along y */
@@ -227,7 +227,7 @@ static size_t row_at(const sharp_rows *s, size_t y, size_t z)
     return s->width * (y + s->height * z);
 }
 
-/* The same along y and z. Held within the range of the 27 nodes around, so that nothing is shown that is not there. */
+/* Filters along y and z, clamped to the range of the 27 nodes around, so that no new values appear. */
 ISO_SIMD static void join_sharp_rows(const sharp_rows *s, size_t y, size_t z, float *restrict out)
 {
     for (size_t x = 0; x < s->width; ++x) {
@@ -246,10 +246,10 @@ ISO_SIMD static void join_sharp_rows(const sharp_rows *s, size_t y, size_t z, fl
     }
 }
 
-static bool filter_sharp(const iso_node_box *fine, const iso_node_box *coarse, iso_node_room *room)
+static bool filter_sharp(const iso_node_box *fine, const iso_node_box *coarse, iso_node_buffers *buffers)
 {
     const size_t width = coarse->size[0], rows = fine->size[1] * fine->size[2];
-    float *along = iso_node_room_take(room, ISO_ROOM_ROWS, 3 * width * rows * sizeof *along);
+    float *along = iso_node_buffers_take(buffers, ISO_BUFFER_ROWS, 3 * width * rows * sizeof *along);
     if (!along)
         return false;
     const sharp_rows s = {along, along + width * rows, along + 2 * width * rows, width, fine->size[1]};
@@ -263,16 +263,16 @@ static bool filter_sharp(const iso_node_box *fine, const iso_node_box *coarse, i
 }
 
 bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse,
-                         iso_node_room *room)
+                         iso_node_buffers *buffers)
 {
     for (size_t c = filter == ISO_NODES_SHARP ? ISO_BOX_MOMENTS : ISO_BOX_SCALAR; c < coarse->channels; ++c)
         filter_smooth(fine, c, coarse);
-    return filter != ISO_NODES_SHARP || filter_sharp(fine, coarse, room);
+    return filter != ISO_NODES_SHARP || filter_sharp(fine, coarse, buffers);
 }
 
-/* ---- to nodes ------------------------------------------------------------------- */
+/* ---- conversion to nodes -------------------------------------------------------- */
 
-/* As iso_node_to_direction(). */
+/* Computes the scale of iso_node_to_direction(). */
 ISO_SIMD static void scale_moments(const float *const in[ISO_BOX_CHANNELS], size_t count, double *restrict scale)
 {
     for (size_t i = 0; i < count; ++i) {

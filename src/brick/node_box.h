@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* node_box.h - boxes of nodes on their way from level to level: an array of floats a channel, so that rows are filtered at
- * once. Private to src/brick.
+/* node_box.h - boxes of nodes during construction, with one array of floats per channel, so that whole rows are
+ * filtered. Private to src/brick.
  *
- * A node's direction comes from moments, so that there are five channels: the scalar, N = sum w m^2 d, and S = sum w m^2 of
- * the gradients m d of level 0 (bricks.h). Without directions there is the scalar alone.
+ * A node's direction comes from moments, so there are five channels: the scalar, N = sum w m^2 d, and S = sum w m^2 of
+ * the gradients m d of level 0 (bricks.h). Without directions there is only the scalar.
  *
  *     fine     o o o o o o o o o      2 m + 3 nodes along each axis, positions beyond the level's ends clamped to them
  *     coarse       O   O   O          m; node i stands at fine node 2 i + 2 */
@@ -19,27 +19,26 @@ enum { ISO_BOX_SCALAR, ISO_BOX_MOMENTS, ISO_BOX_SUM = 4, ISO_BOX_CHANNELS };
 
 typedef struct iso_node_box {
     size_t size[3], channels;
-    float *values; /* a channel after the other, x fastest */
+    float *values; /* channel by channel, x fastest */
 } iso_node_box;
 
-/* Memory for boxes that one thread makes one after the other, {0} at first: pages of new memory cost more than what is
- * written to them. */
-typedef enum iso_node_room_part {
-    ISO_ROOM_BOX, /* the box that is asked for, and what it is filtered from */
-    ISO_ROOM_FINE,
-    ISO_ROOM_VOXELS, /* around a box of level 0 */
-    ISO_ROOM_ROWS,   /* of the sharp filter */
-    ISO_ROOM_CELLS,  /* of a brick, on their way into a lattice */
-    ISO_ROOM_CORNERS,
-    ISO_ROOM_PARTS
-} iso_node_room_part;
-typedef struct iso_node_room {
-    void *parts[ISO_ROOM_PARTS]; /* owned */
-    size_t bytes[ISO_ROOM_PARTS];
-} iso_node_room;
-/* What was in that part may be gone. NULL: no memory. */
-void *iso_node_room_take(iso_node_room *room, iso_node_room_part part, size_t bytes);
-void iso_node_room_destroy(iso_node_room *room);
+/* Buffers of one thread, reused for all boxes, {0} at first: new pages cost more time than the writes into them. */
+typedef enum iso_node_buffer {
+    ISO_BUFFER_BOX, /* the result; next: its input */
+    ISO_BUFFER_FINE,
+    ISO_BUFFER_VOXELS, /* voxels around a box of level 0 */
+    ISO_BUFFER_ROWS,   /* rows of the sharp filter */
+    ISO_BUFFER_CELLS,  /* nodes of a brick for a lattice */
+    ISO_BUFFER_CORNERS,
+    ISO_BUFFER_PARTS
+} iso_node_buffer;
+typedef struct iso_node_buffers {
+    void *parts[ISO_BUFFER_PARTS]; /* owned */
+    size_t bytes[ISO_BUFFER_PARTS];
+} iso_node_buffers;
+/* Returns a buffer of at least `bytes`; its content is lost. NULL: no memory. */
+void *iso_node_buffers_take(iso_node_buffers *buffers, iso_node_buffer part, size_t bytes);
+void iso_node_buffers_destroy(iso_node_buffers *buffers);
 
 static inline size_t iso_node_box_count(const iso_node_box *b)
 {
@@ -50,20 +49,20 @@ static inline float *iso_node_box_row(const iso_node_box *b, size_t channel, siz
     return b->values + b->size[0] * (y + b->size[1] * (z + b->size[2] * channel));
 }
 
-/* A box in that part of the room. False: no memory. */
-bool iso_node_box_place(iso_node_box *b, const size_t size[3], bool directed, iso_node_room *room,
-                        iso_node_room_part part);
+/* Places a box in one of the buffers. False: no memory. */
+bool iso_node_box_place(iso_node_box *b, const size_t size[3], bool directed, iso_node_buffers *buffers,
+                        iso_node_buffer part);
 
-/* Where a box's nodes come from: `count` nodes of the row (y, z) of a level from x on, to a row a channel. */
+/* Source of a box: reads `count` nodes of the row (y, z) of a level from x on, into one row per channel. */
 typedef struct iso_node_rows {
     void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *const rows[ISO_BOX_CHANNELS]);
     const void *user;
-    size_t last[3]; /* node of the level along each axis: what lies beyond is like it */
+    size_t last[3]; /* last node of the level along each axis, repeated beyond it */
 } iso_node_rows;
-/* The box that begins at node `first`, which may lie before the level. */
+/* Fills the box from node `first` on, which may lie before the level. */
 void iso_node_box_fill(const iso_node_box *b, const iso_node_rows *rows, const long first[3]);
 
-/* Level 0 as nodes. Gradients are taken in ranges a voxel, so that their squares neither overflow nor vanish. */
+/* Level 0 as nodes. Gradients are in ranges per voxel, so that their squares neither overflow nor vanish. */
 typedef struct iso_node_voxels {
     const iso_level *level;
     float unit;
@@ -71,31 +70,31 @@ typedef struct iso_node_voxels {
     bool directed;
 } iso_node_voxels;
 iso_node_voxels iso_node_voxels_of(const iso_level *level, bool directed);
-/* False: no memory. */
-bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3], iso_node_room *room);
+/* Fills a box from level 0. False: no memory. */
+bool iso_node_box_read(const iso_node_box *b, const iso_node_voxels *v, const long first[3], iso_node_buffers *buffers);
 
-/* Voxels around a box of level 0, as floats: as many as its gradients reach. */
+/* Voxels around a box of level 0 as floats, with the margin that gradients need. */
 typedef struct iso_voxel_box {
     const iso_node_voxels *of;
     size_t first[3], size[3];
-    float *values, *scratch; /* in the room; scratch: three rows of gradients, and the estimator's */
+    float *values, *scratch; /* in the buffers; scratch: three rows of gradients, and the estimator's */
 } iso_voxel_box;
-/* Of nodes lo to hi, hi included, which the level has. False: no memory. */
+/* Reads the voxels for nodes lo to hi, hi included, inside the level. False: no memory. */
 bool iso_voxel_box_read(iso_voxel_box *v, const iso_node_voxels *of, const size_t lo[3], const size_t hi[3],
-                        iso_node_room *room);
+                        iso_node_buffers *buffers);
 static inline const float *iso_voxel_box_at(const iso_voxel_box *v, size_t x, size_t y, size_t z)
 {
     return v->values + x - v->first[0] + v->size[0] * (y - v->first[1] + v->size[1] * (z - v->first[2]));
 }
-/* Moments and their sums of nodes of the box, as iso_node_rows.read has them; rows[0] is left as it is. */
+/* Computes moments and their sums for nodes of the box, as in iso_node_rows.read; rows[0] stays unchanged. */
 void iso_voxel_box_moments(const iso_voxel_box *v, size_t x, size_t y, size_t z, size_t count,
                            float *const rows[ISO_BOX_CHANNELS]);
 
-/* The coarse box of a fine one of 2 m + 3 nodes. False: no memory. */
+/* Filters a fine box of 2 m + 3 nodes per axis to a coarse box. False: no memory. */
 bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse,
-                         iso_node_room *room);
+                         iso_node_buffers *buffers);
 
-/* Moments to a direction, in place: d = N/|N| L^2, L = |N| / S. */
+/* Converts moments to a direction, in place: d = N/|N| L^2, L = |N| / S. */
 static inline void iso_node_to_direction(float moments[3], float sum)
 {
     const double x = (double)moments[0], y = (double)moments[1], z = (double)moments[2];
@@ -105,7 +104,7 @@ static inline void iso_node_to_direction(float moments[3], float sum)
         moments[a] = (float)((double)moments[a] * scale);
 }
 
-/* Nodes of ISO_NODE_CHANNELS: moments become directions. */
+/* Writes nodes of ISO_NODE_CHANNELS, with moments converted to directions. */
 void iso_node_box_finish(const iso_node_box *b, float *restrict nodes);
 
 #endif

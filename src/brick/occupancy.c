@@ -5,7 +5,7 @@
 
 #include "base/parallel.h"
 
-/* The range of voxels [lo, hi) of one row, into min_max. */
+/* Extends min_max by the voxels [lo, hi) of one row. */
 static void extend(const float *row, size_t lo, size_t hi, float min_max[2])
 {
     for (size_t x = lo; x < hi; ++x) {
@@ -14,7 +14,7 @@ static void extend(const float *row, size_t lo, size_t hi, float min_max[2])
     }
 }
 
-/* First and one past the last voxel that brick b of n voxels needs along an axis of `size`. */
+/* Computes the range [lo, hi) of voxels that brick b of n voxels needs along an axis of `size`. */
 static void brick_extent(size_t b, size_t n, size_t size, size_t *lo, size_t *hi)
 {
     *lo = b * n > 0 ? b * n - 1 : 0;
@@ -26,7 +26,7 @@ iso_status iso_brick_ranges_create(iso_brick_ranges *r, const float *scalar, con
 {
     *r = (iso_brick_ranges){.brick_voxels = brick_voxels};
     if (brick_voxels == 0)
-        return iso_fail(err, ISO_E_RANGE, "bricks of 0 voxels, must be at least 1");
+        return iso_fail(err, ISO_E_RANGE, "bricks have 0 voxels per side, must be at least 1");
     for (int a = 0; a < 3; ++a)
         r->count[a] = (g->size[a] + brick_voxels - 1) / brick_voxels;
     size_t count = iso_brick_ranges_count(r);
@@ -100,8 +100,8 @@ bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, d
     return next[from] <= to;
 }
 
-/* The chessboard distance is the least over the 26 neighbors plus one: exact after a forward and a backward sweep,
- * each over the neighbors that it has visited [rosenfeld-1968]. */
+/* The chessboard distance is the least of the 26 neighbors plus one: exact after a forward and a backward sweep, each
+ * over the neighbors already visited [rosenfeld-1968]. */
 static void sweep(const size_t count[3], uint8_t *distance, int direction)
 {
     size_t n = count[0] * count[1] * count[2];
@@ -109,7 +109,7 @@ static void sweep(const size_t count[3], uint8_t *distance, int direction)
         size_t i = direction > 0 ? j : n - 1 - j;
         long x = (long)(i % count[0]), y = (long)(i / count[0] % count[1]), z = (long)(i / (count[0] * count[1]));
         int least = distance[i];
-        for (int o = 0; o < 13; ++o) { /* the half of the neighbors that was visited before */
+        for (int o = 0; o < 13; ++o) { /* the neighbors visited before */
             long dx = o % 3 - 1, dy = o / 3 % 3 - 1, dz = o / 9 - 1;
             long qx = x + direction * dx, qy = y + direction * dy, qz = z + direction * dz;
             if (qx < 0 || qy < 0 || qz < 0 || qx >= (long)count[0] || qy >= (long)count[1] || qz >= (long)count[2])
@@ -132,10 +132,10 @@ static int least_of(int a, int b)
     return a < b ? a : b;
 }
 
-/* A row of an octant's map from the rows ahead of it along y, along z and along both, NULL outside the volume. */
+/* Fills a row of an octant's map from the rows ahead of it along y, z and both; NULL outside the volume. */
 static void fill_octant_row(size_t n, bool down, const uint8_t *occupied, const uint8_t *const ahead[3], uint8_t *out)
 {
-    int corner = ISO_OCTANT_MOST, side = ISO_OCTANT_MOST; /* ahead along x: of the rows ahead, of this one */
+    int corner = ISO_OCTANT_MOST, side = ISO_OCTANT_MOST; /* next values along x: of the rows ahead, of this row */
     for (size_t j = 0; j < n; ++j) {
         const size_t x = down ? j : n - 1 - j;
         int beside = ISO_OCTANT_MOST;
@@ -148,7 +148,7 @@ static void fill_octant_row(size_t n, bool down, const uint8_t *occupied, const 
     }
 }
 
-/* An empty cube of side n + 1 in the corner b is b and the seven cubes of side n in the corners next to b. */
+/* An empty cube of side n + 1 with corner b consists of b and the seven cubes of side n whose corners are next to b. */
 static void fill_octant(const size_t count[3], int octant, const uint8_t *occupied, uint8_t *out)
 {
     const size_t nx = count[0], ny = count[1], nz = count[2];

@@ -13,7 +13,7 @@ static bool is_visible(const uint8_t *visible, size_t brick)
     return !visible || visible[brick];
 }
 
-/* Visible bricks of each level; returns the coarsest level in use. */
+/* Counts the visible bricks of each level; returns the coarsest level in use. */
 static size_t count_by_level(const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible,
                              size_t by_level[ISO_BRICK_MAX_LEVELS])
 {
@@ -36,16 +36,16 @@ size_t iso_brick_pack_slots(const iso_node_levels *n, const uint8_t *levels, con
     return needed;
 }
 
-/* Free parts of slots: at each level those of the last split, taken in order of index. */
+/* Free parts of slots: at each level the rest of the last split, used in order of index. */
 typedef struct free_parts {
     size_t next_slot, slot_side;
     struct {
         size_t slot, offset[3];
-        int next; /* octant, 8: none left */
+        int next; /* octant; 8: none left */
     } split[ISO_BRICK_MAX_LEVELS];
 } free_parts;
 
-/* A part for a brick of this level: a whole slot, or the next octant of a part of the level above. */
+/* Takes a part for a brick of this level: a whole slot, or the next octant of a part of the level above. */
 static void take_part(free_parts *parts, size_t level, size_t *slot, size_t offset[3])
 {
     if (level == 0) {
@@ -63,7 +63,7 @@ static void take_part(free_parts *parts, size_t level, size_t *slot, size_t offs
         offset[a] = parts->split[level].offset[a] + (octant >> a & 1 ? parts->slot_side >> level : 0);
 }
 
-/* As few slots as may be left over, and among such the nearest to a cube. */
+/* Arranges the slots of a page: first with as few unused slots as possible, then as close to a cube as possible. */
 static void arrange_page(iso_brick_pack *pack, size_t count, size_t most)
 {
     size_t best = SIZE_MAX, root = (size_t)ceil(cbrt((double)count));
@@ -124,11 +124,11 @@ iso_status iso_brick_pack_create(iso_brick_pack *pack, const iso_node_levels *n,
     pack->slot_count = iso_brick_pack_slots(n, levels, visible, &pack->slot_side);
     arrange(pack, max_side);
     if (max_slots > 0 && pack->slot_count > max_slots)
-        return iso_fail(err, ISO_E_RANGE, "bricks: %zu slots of %zu^3 are needed, the cache holds %zu",
-                        pack->slot_count, pack->slot_side, max_slots);
+        return iso_fail(err, ISO_E_RANGE, "bricks: need %zu slots of %zu^3, the cache has %zu", pack->slot_count,
+                        pack->slot_side, max_slots);
     if (pack->page_count > ISO_BRICK_MAX_PAGES || pack->slot_side > max_side)
         return iso_fail(err, ISO_E_RANGE,
-                        "bricks: %zu cache textures of %zu x %zu x %zu are needed, at most %d of %zu a side",
+                        "bricks: need %zu cache textures of %zu x %zu x %zu, at most %d of %zu per side",
                         pack->page_count, pack->size[0], pack->size[1], pack->size[2], ISO_BRICK_MAX_PAGES, max_side);
     pack->layout = calloc(iso_brick_count(n), 4 * sizeof *pack->layout);
     if (!pack->layout)
@@ -145,7 +145,7 @@ void iso_brick_pack_destroy(iso_brick_pack *pack)
     *pack = (iso_brick_pack){0};
 }
 
-/* Nodes on the faces, which may be those of a coarser brick. */
+/* True for nodes on the faces, which may come from a coarser brick. */
 static bool on_face(size_t side, size_t x, size_t y, size_t z)
 {
     return x == 0 || y == 0 || z == 0 || x + 1 == side || y + 1 == side || z + 1 == side;
@@ -171,7 +171,7 @@ void iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *rest
         }
 }
 
-/* A range of each channel: of the scalar alone would take as long. */
+/* Range of each channel; the scalar alone would take the same time. */
 typedef struct node_range {
     float lowest[ISO_NODE_CHANNELS], highest[ISO_NODE_CHANNELS];
 } node_range;
@@ -193,7 +193,7 @@ static void widen(node_range *r, const float *restrict row, size_t count)
         }
 }
 
-/* The nodes of a brick's own level, without the outermost `border` of them. */
+/* Widens the range by the nodes of the brick's own level, without the outermost `border` of them. */
 static void widen_by_own(node_range *r, const iso_brick_field *f, const size_t brick[3], size_t border)
 {
     const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
@@ -207,7 +207,7 @@ static bool range_shows(const node_range *r, const iso_tf_table *tf)
     return iso_tf_shows(tf, (double)r->lowest[0], (double)r->highest[0]);
 }
 
-/* All values that a brick's nodes can be interpolated among: its own, and those of coarser bricks around. */
+/* Widens the range by all nodes of coarser neighbors that the brick's face nodes may be interpolated from. */
 static void widen_by_coarser(node_range *r, const iso_brick_field *f, const size_t brick[3])
 {
     const iso_node_levels *n = f->nodes;
@@ -217,7 +217,7 @@ static void widen_by_coarser(node_range *r, const iso_brick_field *f, const size
         size_t at[3];
         bool there = true;
         for (int a = 0; a < 3; ++a) {
-            at[a] = brick[a] + step[a] - 1; /* before the first: beyond the last */
+            at[a] = brick[a] + step[a] - 1; /* below 0 wraps around to a large index */
             there = there && at[a] < n->count[a];
         }
         if (there && f->levels[iso_brick_index(n, at)] > level)
@@ -238,8 +238,8 @@ static bool baked_shows(const iso_brick_field *f, const iso_tf_table *tf, const 
     return iso_tf_shows(tf, min, max);
 }
 
-/* Does the range of what a brick holds show? All of it is between its nodes' values. Most bricks are told by their inside,
- * or by the wider range of all that their faces might take, without the baked faces. */
+/* True if any value in the brick is visible; all values lie between those of its nodes. For most bricks the inner
+ * nodes, or a wider range for the faces, decide it without baking. */
 bool iso_brick_shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3])
 {
     node_range r = empty_range();

@@ -20,7 +20,7 @@ static void coordinates(const iso_node_levels *n, size_t i, size_t brick[3])
     brick[2] = i / (n->count[0] * n->count[1]);
 }
 
-/* Does a brick of unchanged level hold other values than before? */
+/* True if values on the faces of a brick of unchanged level may have changed. */
 static bool neighbors_changed(const iso_brick_store *store, const iso_brick_field *f, size_t i)
 {
     const iso_node_levels *n = f->nodes;
@@ -47,8 +47,8 @@ static iso_status begin(iso_brick_store *store, const iso_brick_field *f, iso_er
     if (store->bricks)
         return store->brick_count == count
                    ? ISO_OK
-                   : iso_fail(err, ISO_E_RANGE, "bricks: a store of %zu bricks, the field has %zu", store->brick_count,
-                              count);
+                   : iso_fail(err, ISO_E_RANGE, "bricks: the store has %zu bricks, the field has %zu",
+                              store->brick_count, count);
     store->brick_count = count;
     store->bricks = calloc(count, sizeof *store->bricks);
     store->levels = malloc(count);

@@ -38,7 +38,7 @@ static const float *coarse_at(const iso_warp_field *f, const long j[3])
 
 typedef const float *sample_function(const iso_warp_field *f, const size_t brick[3], const long at[3]);
 
-/* Adds part times the trilinear value among samples at whole positions of q, of `channels` channels. */
+/* Adds part times the trilinear value of `channels` channels among samples at integer positions of q. */
 static void add_trilinear(const iso_warp_field *f, const size_t brick[3], sample_function *sample, const double q[3],
                           double part, size_t channels, double *out)
 {
@@ -84,7 +84,7 @@ static bool is_coarse(const iso_warp_field *f, const size_t brick[3], const int 
         size_t count = iso_warp_bricks(f, a);
         long b = (long)brick[a] + step[a];
         if (b < 0 || b >= (long)count)
-            return false; /* outside the volume nothing is coarser */
+            return false; /* outside the volume there is no coarser brick */
         index = index * count + (size_t)b;
     }
     return f->levels[index] > 0;
@@ -104,7 +104,7 @@ unsigned iso_warp_neighbors(const iso_warp_field *f, const size_t brick[3])
     return bits;
 }
 
-/* Any of the bricks that lie at `step` or at a part of it: those that a border voxel adjoins. */
+/* True if a coarse brick is at `step` or at some of its components: the neighbors of a border voxel. */
 static bool adjoins_coarse(const iso_warp_field *f, const size_t brick[3], const int step[3])
 {
     for (int part = 1; part < 8; ++part) {
@@ -120,7 +120,7 @@ static bool adjoins_coarse(const iso_warp_field *f, const size_t brick[3], const
     return false;
 }
 
-/* Section 4.3: a border voxel of a fine brick holds the nearest coarse sample if it adjoins a coarse brick. */
+/* Returns a fine brick's border voxel: the nearest coarse sample if it adjoins a coarse brick (section 4.3). */
 static const float *sample_fixed_up(const iso_warp_field *f, const size_t brick[3], const long at[3])
 {
     int step[3];
@@ -130,7 +130,7 @@ static const float *sample_fixed_up(const iso_warp_field *f, const size_t brick[
         long first = (long)(brick[a] * f->brick_voxels), last = first + (long)f->brick_voxels - 1;
         step[a] = at[a] < first ? -1 : at[a] > last;
         inside = inside && step[a] == 0;
-        /* The voxel's center is at + 1/2: even positions nearest to it; outside, the one on the face. */
+        /* The center is at + 1/2; coarse samples are at even positions, outside on the face. */
         nearest[a] = step[a] < 0 ? first / 2 : step[a] > 0 ? (last + 1) / 2 : (at[a] + 1) / 2;
     }
     if (inside || !adjoins_coarse(f, brick, step))
@@ -138,7 +138,7 @@ static const float *sample_fixed_up(const iso_warp_field *f, const size_t brick[
     return coarse_at(f, nearest);
 }
 
-/* ---- the field ------------------------------------------------------------------ */
+/* ---- field ---------------------------------------------------------------------- */
 
 static void sample_in(const iso_warp_field *f, const size_t brick[3], const double p[3], size_t channels, double *out)
 {
@@ -202,9 +202,9 @@ void iso_warp_bake(const iso_warp_field *f, const size_t brick[3], float *restri
     }
 }
 
-/* ---- life ----------------------------------------------------------------------- */
+/* ---- creation ------------------------------------------------------------------- */
 
-/* The means of the eight voxels round each coarse place. */
+/* Computes coarse samples: means of the eight voxels around each. */
 static void fill_coarse(iso_warp_field *f, size_t count)
 {
     const size_t n[2] = {f->size[0] / 2 + 1, f->size[1] / 2 + 1};
@@ -250,7 +250,7 @@ iso_status iso_warp_field_of_level(iso_warp_field *f, const iso_level *level, is
     size_t size[3], count = 1;
     *f = (iso_warp_field){0};
     if (brick_voxels == 0)
-        return iso_fail(err, ISO_E_RANGE, "warped bricks of 0 voxels");
+        return iso_fail(err, ISO_E_RANGE, "warped bricks: 0 voxels per side, must be at least 1");
     for (int a = 0; a < 3; ++a)
         count *= size[a] = (from[a] + brick_voxels - 1) / brick_voxels * brick_voxels;
     float *fine = malloc(count * ISO_WARP_CHANNELS * sizeof *fine);

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: MIT */
-/* warp_map.h - where the transitions of [beyer-2008] fetch: the one
- * definition that C (brick/warp.c) and GLSL (shaders/transition.glsl) share. What
- * the schemes are, and why there are two, stands in brick/warp.h.
+/* warp_map.h - positions of fetches for the transitions of [beyer-2008], defined once
+ * for C (brick/warp.c) and GLSL (shaders/transition.glsl). brick/warp.h describes the
+ * two schemes and the reasons for them.
  *
- * GLSL: put this text behind the #version line; nothing has to be defined.
+ * GLSL: put this text after the #version line; it needs no definitions.
  * C: define before the inclusion
  *     ISO_REAL             float or double
  *     ISO_VEC3             a struct with ISO_REAL x, y, z
  *     ISO_MAKE_VEC3(x, y, z), ISO_FLOOR(x), ISO_ABS(x), ISO_INT(x)
  *     ISO_WARP_NEAR        the least 1/2 - v: a few of its type's steps
  *
- * Places are voxels from a brick's low corner, 0 .. side: fine samples at i + 1/2,
+ * Positions are in voxels from a brick's low corner, 0 .. side: fine samples at i + 1/2,
  * coarse ones at 2 j. `coarse` has a bit for each of the 26 neighbors that is
  * coarse, iso_warp_bit(). The value at p is
  *     (1 - part) F(top) + part C(foot)
- * with F trilinear among the brick's own samples and their border, as written
- * fixed up, and C among the samples of the coarse neighbor at `step`. */
+ * with F trilinear among the brick's own samples and their border (in mode written, with
+ * coarse border samples), and C among the samples of the coarse neighbor at `step`. */
 #ifndef __STDC__ /* GLSL */
 #ifndef ISO_REAL
 #define ISO_REAL float
@@ -39,7 +39,7 @@ typedef struct iso_warp_fetch iso_warp_fetch;
 #define ISO_TRANSITION_WRITTEN 1
 #define ISO_TRANSITION_CORRECTED 2
 
-/* The coarse neighbor whose primitive holds a point, and how deep the point is in it. */
+/* The coarse neighbor whose primitive contains a point, and the depth of the point in it. */
 struct iso_warp_primitive {
     ISO_VEC3 step;  /* towards the neighbor, each -1, 0 or 1 */
     ISO_REAL depth; /* v, at most 1/2; 0: in none */
@@ -56,8 +56,8 @@ ISO_FUNCTION int iso_warp_bit(ISO_VEC3 step)
     return 13 + ISO_INT(step.x) + 3 * ISO_INT(step.y) + 9 * ISO_INT(step.z);
 }
 
-/* As written, faces go before edges before corners (section 4.1); corrected, the deepest does, and the simplest of
- * equals. */
+/* Returns the better primitive. Written: faces before edges before corners (section 4.1); corrected: the deepest, and
+ * of equals the one with fewer axes. */
 ISO_FUNCTION iso_warp_primitive iso_warp_better(iso_warp_primitive best, ISO_VEC3 step, int axes, ISO_REAL depth,
                                                 ISO_UINT coarse, int mode)
 {
@@ -78,7 +78,7 @@ ISO_FUNCTION ISO_REAL iso_warp_least(ISO_REAL a, ISO_REAL b)
     return a < b ? a : b;
 }
 
-/* Section 4.2, steps 1 to 3. */
+/* Chooses a primitive by section 4.2, steps 1 to 3. */
 ISO_FUNCTION iso_warp_primitive iso_warp_choose(ISO_VEC3 p, ISO_REAL side, ISO_UINT coarse, int mode)
 {
     ISO_REAL sx = p.x + p.x < side ? -1.0 : 1.0, dx = 0.5 - iso_warp_least(p.x, side - p.x);
@@ -98,8 +98,8 @@ ISO_FUNCTION iso_warp_primitive iso_warp_choose(ISO_VEC3 p, ISO_REAL side, ISO_U
     return iso_warp_better(best, ISO_MAKE_VEC3(sx, sy, sz), 3, iso_warp_least(dxy, dz), coarse, mode);
 }
 
-/* An axis along the face at depth v: over a coarse cell a trapezoid (Eq. 6), between cells a triangle (Eq. 8). Gives
- * (place among the fine samples, place among the coarse ones). */
+/* Maps an axis along the face at depth v: over a coarse cell a trapezoid (Eq. 6), between cells a triangle (Eq. 8).
+ * Returns (position among the fine samples, position among the coarse ones). */
 ISO_FUNCTION ISO_VEC3 iso_warp_along(ISO_REAL x, ISO_REAL v)
 {
     ISO_REAL cell = 2.0 * ISO_FLOOR(0.5 * x), local = x - cell;
@@ -119,8 +119,8 @@ ISO_FUNCTION ISO_VEC3 iso_warp_corrected_axis(ISO_REAL p, ISO_REAL step, ISO_REA
     return ISO_MAKE_VEC3(v < 0.5 ? face + (p - face) / (1.0 - 2.0 * v) : face, face, 0.0);
 }
 
-/* crossing: the axis whose face is the farthest, of depth v: there v' = 2v (Eq. 7, 9). The others across the primitive
- * are triangles with their apex on the face. */
+/* Maps an axis across the primitive. crossing: the axis with the farthest face, at depth v: there v' = 2v (Eq. 7, 9).
+ * The others are triangles with their apex on the face. */
 ISO_FUNCTION ISO_REAL iso_warp_written_axis(ISO_REAL p, ISO_REAL step, ISO_REAL side, ISO_REAL depth, bool crossing)
 {
     ISO_REAL v = iso_warp_least(depth, 0.5 - ISO_WARP_NEAR);
@@ -135,7 +135,7 @@ ISO_FUNCTION bool iso_warp_crosses(ISO_REAL p, ISO_REAL step, ISO_REAL side, ISO
     return step != 0.0 && 0.5 - ISO_ABS(p - (step > 0.0 ? side : 0.0)) <= v;
 }
 
-/* Section 4.2, step 4. */
+/* Computes the fetch by section 4.2, step 4. */
 ISO_FUNCTION iso_warp_fetch iso_warp_place(ISO_VEC3 p, ISO_REAL side, ISO_UINT coarse, int mode)
 {
     iso_warp_primitive at = iso_warp_choose(p, side, coarse, mode);

@@ -112,7 +112,7 @@ static iso_status read_again(const iso_tf_format *format, const char *path, doub
     iso_tf_request request = {0};
     if (!format->load)
         return ISO_OK;
-    if (format->says_no_unit)
+    if (format->has_no_unit)
         request.unit_mm = unit_mm;
     iso_status status = iso_tf_load_as(path, &request, &tf, err);
     TRY(status, iso_tf_tabulate(&tf, t->table.lo, t->table.hi, &g, &again, err));

@@ -48,7 +48,7 @@ void iso_code_decode(iso_code code, const double e[3], double d[3])
     d[2] = v.z;
 }
 
-/* The three bytes of each of count directions to lattice vectors. */
+/* Converts the bytes of count directions to lattice vectors. */
 static void lattice_floats(iso_code code, const uint8_t *restrict bytes, float *restrict lattice, size_t count)
 {
     if (!codes[code]->lattice) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* code_decode.h - from a (filtered) lattice vector to the shading normal: the
- * one definition that C and GLSL share.
+/* code_decode.h - conversion of a (filtered) lattice vector to the shading normal,
+ * defined once for C and GLSL.
  *
- * GLSL: put this text behind the #version line; nothing has to be defined.
+ * GLSL: put this text after the #version line; it needs no definitions.
  * C: define before the inclusion
  *     ISO_REAL             float or double
  *     ISO_VEC3             a struct with ISO_REAL x, y, z
@@ -10,12 +10,12 @@
  *
  *     e  lattice vector: a texture fetch, bytes read as SNORM8, or as UNORM8
  *        and then 2 t - 1
- *     d  iso_decode(decoder, e): shading direction, |d| <= 1 or a little above;
- *        its length is how far it can be trusted, 0: undefined
+ *     d  iso_decode(decoder, e): shading direction, |d| at most slightly above 1;
+ *        its length is its reliability, 0: undefined
  *     n  iso_shading_normal(d) = d / sqrt(|d|^2 + eps^2), |n| < 1
  *
- * eps is one step of the signed lattice (1/127): n fades only where d is as
- * short as one code step, that is where there is no direction. */
+ * eps is one step of the signed lattice (1/127): n fades only if d is as short as
+ * one code step, that is, if there is no direction. */
 #ifndef __STDC__ /* GLSL */
 #define ISO_REAL float
 #define ISO_VEC3 vec3
@@ -35,16 +35,16 @@
 #define ISO_DECODER_UNIT 2
 #define ISO_DECODER_OCT 3
 
-/* [diaz-garcia-2017] section 4.1, Figure 10: the best lambda of Eq. 2. */
+/* [diaz-garcia-2017] section 4.1, Figure 10: the optimal lambda of Eq. 2. */
 #define ISO_REGION48_LAMBDA 0.61
 
-/* Codes that keep the direction alone have |d| = 1 at every defined voxel, and
- * |d| falls to 0 only where filtering meets undefined voxels or opposite
- * directions: |d| = slope (|e| - zero), at most 1. "zero" is the length of the
- * eight codes round the center of the unsigned lattice, one of which,
- * (128,128,128), stands for "undefined" (0,0,0 does on the signed one).
- * Encoders emit no other vector shorter than 1/3: its multiples, odd ones on
- * the unsigned lattice, have the same direction. */
+/* Codes without length have |d| = 1 at every defined voxel. |d| falls to 0 only if
+ * filtering meets undefined voxels or opposite directions:
+ * |d| = slope (|e| - zero), at most 1. "zero" is the length of the eight codes around
+ * the center of the unsigned lattice, one of which, (128,128,128), stands for
+ * "undefined" (0,0,0 does on the signed one). Encoders write no other vector shorter
+ * than 1/3, since its multiples, odd ones on the unsigned lattice, have the same
+ * direction. */
 #define ISO_TRUST_ZERO 0.006793 /* sqrt(3) / 255, rounded up */
 #define ISO_TRUST_SLOPE 4.0
 
@@ -56,7 +56,7 @@ ISO_FUNCTION ISO_REAL iso_decode_length(ISO_VEC3 v)
     return ISO_SQRT(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
-/* |d| for |e| of a code of directions alone. */
+/* Returns |d| for |e| of a code without length. */
 ISO_FUNCTION ISO_REAL iso_decode_trust(ISO_REAL r)
 {
     ISO_REAL t = ISO_TRUST_SLOPE * (r - ISO_TRUST_ZERO);
@@ -70,9 +70,9 @@ ISO_FUNCTION ISO_VEC3 iso_decode_unit(ISO_VEC3 e)
     return ISO_MAKE_VEC3(e.x * scale, e.y * scale, e.z * scale);
 }
 
-/* Gives each component of e, by its rank among |components| (high >= middle >=
- * low), the new magnitude of that rank, and its own sign. Equal components get
- * equal magnitudes from every decoder, so the order among them is free. */
+/* Returns the new magnitude for a component of e by its rank among |components|
+ * (high >= middle >= low), with its own sign. Equal components get equal
+ * magnitudes from every decoder, so the order among them is free. */
 ISO_FUNCTION ISO_REAL iso_decode_pick(ISO_REAL component, ISO_REAL high, ISO_REAL low, ISO_VEC3 ranked)
 {
     ISO_REAL size = ISO_ABS(component);
@@ -80,10 +80,10 @@ ISO_FUNCTION ISO_REAL iso_decode_pick(ISO_REAL component, ISO_REAL high, ISO_REA
     return component < 0.0 ? -value : value;
 }
 
-/* [diaz-garcia-2017] section 4.2: the region is the order and the signs of the
- * components; the cube-dot (a, b, c) / a of the sorted ones is
- * u (1,0,0) + v (1,1,0) + w (1,1,1); Eq. 2 moves (u, v, w). Its normalization
- * is only a scale of the vector, which the last step undoes anyway. */
+/* Decodes after [diaz-garcia-2017] section 4.2. The order and the signs of the
+ * components select the region. The cube-dot (a, b, c) / a of the sorted ones is
+ * u (1,0,0) + v (1,1,0) + w (1,1,1); Eq. 2 moves (u, v, w). Its normalization only
+ * scales the vector, so it is left out: the last step sets the length. */
 ISO_FUNCTION ISO_VEC3 iso_decode_region48(ISO_VEC3 e)
 {
     ISO_REAL trust = iso_decode_trust(iso_decode_length(e));
@@ -102,10 +102,10 @@ ISO_FUNCTION ISO_VEC3 iso_decode_region48(ISO_VEC3 e)
                          iso_decode_pick(e.z, high, low, ranked));
 }
 
-/* Octahedral map: (x, y) of e; the lower half of the octahedron |x| + |y| + |z| = 1
- * is folded outwards. For nearest fetches only, a filter across a fold is wrong.
- * The corner (-1,-1) stands for "undefined" (the other three corners decode to
- * the same -z). */
+/* Decodes the octahedral map: (x, y) of e; the lower half of the octahedron
+ * |x| + |y| + |z| = 1 is folded outwards. For nearest fetches only: filtering across a
+ * fold is wrong. The corner (-1,-1) stands for "undefined" (the other three corners
+ * decode to the same -z). */
 ISO_FUNCTION ISO_VEC3 iso_decode_oct(ISO_VEC3 e)
 {
     ISO_REAL ax = ISO_ABS(e.x), ay = ISO_ABS(e.y), z = 1.0 - ax - ay;
@@ -123,12 +123,12 @@ ISO_FUNCTION ISO_VEC3 iso_decode(int decoder, ISO_VEC3 e)
                                            : e;
 }
 
-/* The flipped fetch. Light is two-sided, so d and -d shade alike, but they cancel
- * where a filter mixes them: between the faces of a thin plate. So of the eight
- * voxels round a point the one that counts most (weight times |d|, the first of
- * equals) is the pivot, and those that oppose it by more than this cosine count as
- * -d: opposite faces do; at 0 the sides of a vessel would, at -0.8 noisy faces
- * would not. */
+/* The flipped fetch. Light is two-sided, so d and -d give the same shade, but a filter
+ * that mixes them, as between the faces of a thin plate, cancels them. So the most
+ * important of the eight voxels around a point (largest weight times |d|, the first of
+ * equals) is the pivot, and voxels that oppose it by more than this cosine count as -d.
+ * -0.5 includes opposite faces; 0 would include the sides of a vessel, -0.8 would miss
+ * noisy faces. */
 #define ISO_FLIP_COSINE (-0.5)
 
 ISO_FUNCTION ISO_REAL iso_flip_sign(ISO_VEC3 d, ISO_VEC3 pivot)

@@ -10,7 +10,7 @@
 static const double degree = 0.017453292519943295;
 
 typedef struct probe {
-    iso_vec3 a, b; /* with their lengths */
+    iso_vec3 a, b; /* not normalized */
     double t;
     double error_deg;
 } probe;
@@ -43,7 +43,7 @@ iso_vec3 iso_random_unit_vector(uint64_t *state)
     return iso_v3(r * cos(phi), r * sin(phi), z);
 }
 
-/* The unit vector `apart` from a on the way to somewhere. */
+/* Returns the unit vector `apart` radians from a towards `somewhere`. */
 static iso_vec3 turn_towards(iso_vec3 a, iso_vec3 somewhere, double apart)
 {
     iso_vec3 across = iso_normalize(iso_madd(somewhere, a, -iso_dot(a, somewhere)));
@@ -64,7 +64,7 @@ static probe random_probe(const iso_code_error_options *opt, uint64_t *state)
     return p;
 }
 
-/* A probe near p: everything moves by about `reach`, angle and lengths are kept. */
+/* Returns a random probe near p: it moves by about `reach`; angle and lengths are kept. */
 static probe moved(const probe *p, const iso_code_error_options *opt, double reach, uint64_t *state)
 {
     probe q = *p;
@@ -80,7 +80,7 @@ static probe moved(const probe *p, const iso_code_error_options *opt, double rea
     return q;
 }
 
-/* floats: 6 a probe; bytes: 2 codes a probe. */
+/* Measures the error of each probe. floats: 6 per probe; bytes: 2 codes per probe. */
 static void judge(const iso_scheme *scheme, probe *probes, size_t count, float *floats, uint8_t *bytes)
 {
     const size_t size = iso_code_describe(scheme->code)->bytes;
@@ -99,8 +99,8 @@ static void judge(const iso_scheme *scheme, probe *probes, size_t count, float *
         for (int c = 0; c < 3; ++c)
             ea[c] += p->t * (eb[c] - ea[c]);
         iso_code_decode(scheme->code, ea, d);
-        iso_vec3 truth = iso_madd(iso_scale(p->a, 1 - p->t), p->b, p->t);
-        p->error_deg = iso_angle_deg(iso_v3(d[0], d[1], d[2]), truth);
+        iso_vec3 exact = iso_madd(iso_scale(p->a, 1 - p->t), p->b, p->t);
+        p->error_deg = iso_angle_deg(iso_v3(d[0], d[1], d[2]), exact);
     }
 }
 
@@ -123,7 +123,7 @@ static void keep_if_worst(workspace *w, const probe *p)
         w->worst[least] = *p;
 }
 
-/* Each of the worst moves to the worst of its neighbors, within a reach that shrinks. */
+/* Moves each of the worst probes to the worst of its neighbors, within a shrinking reach. */
 static void climb(const iso_scheme *scheme, const iso_code_error_options *opt, workspace *w, uint64_t *state)
 {
     enum { NEIGHBORS = BATCH / CLIMBERS };
@@ -145,7 +145,7 @@ iso_status iso_code_error_measure(const iso_scheme *scheme, const iso_code_error
         !(opt->min_length > 0 && opt->min_length <= 1))
         return iso_fail(
             err, ISO_E_RANGE,
-            "code error: %zu probes (at least %d), %g degrees apart (0 to 180), lengths from %g (above 0, to 1)",
+            "code error: %zu probes, at least %d; %g degrees apart, 0 to 180; lengths from %g, above 0 and at most 1",
             opt->count, CLIMBERS, opt->apart_deg, opt->min_length);
     workspace *w = calloc(1, sizeof *w);
     if (!w)

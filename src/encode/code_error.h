@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* code_error.h - how far off a direction code is, at voxels and between them.
+/* code_error.h - error of a direction code, at voxels and between them.
  *
- * A probe is what a filter does along one axis: directions a and b at two
- * neighboring voxels are encoded, their lattice vectors are mixed with weights
- * 1 - t and t and decoded. The truth is a and b themselves, mixed alike. At a
- * voxel t = 0. Means are over random directions (and t uniform in [0, 1]); the
- * maximum starts from the worst of those and climbs from there, so it is
- * attained, and a lower bound of the supremum. */
+ * A probe models a filter along one axis: directions a and b at two neighboring
+ * voxels are encoded, their lattice vectors are mixed with weights 1 - t and t, and
+ * the result is decoded. The reference is the same mix of a and b themselves. At a
+ * voxel t = 0. Means are over random directions (and t uniform in [0, 1]). The maximum
+ * starts from the worst of these and climbs from there: it is attained, and a lower
+ * bound of the supremum. */
 #ifndef ISO_CODE_ERROR_H
 #define ISO_CODE_ERROR_H
 
@@ -14,7 +14,7 @@
 #include "encode/code.h"
 #include "encode/encode_paper.h"
 
-/* A way to encode: the code's own, another encoder for it, or the paper's table. */
+/* An encoder to measure: the code's own, another one for it, or the paper's table. */
 typedef struct iso_scheme {
     const char *name;
     iso_code code;
@@ -31,21 +31,21 @@ typedef struct iso_code_error {
 
 typedef struct iso_code_error_options {
     size_t count;      /* probes for the mean */
-    double apart_deg;  /* between a and b; 0: at voxels */
+    double apart_deg;  /* angle between a and b; 0: at voxels */
     double min_length; /* lengths of a and b are uniform in [min_length, 1]; 1: unit vectors */
-    bool climb;        /* else the maximum is that of the random probes */
+    bool climb;        /* False: the maximum of the random probes */
     uint64_t seed;
 } iso_code_error_options;
 iso_code_error_options iso_code_error_defaults(void);
 
-/* ISO_E_MEMORY, ISO_E_RANGE. */
+/* Measures mean and maximum. ISO_E_MEMORY; ISO_E_RANGE: options outside their limits. */
 iso_status iso_code_error_measure(const iso_scheme *scheme, const iso_code_error_options *opt, iso_code_error *error,
                                   iso_error *err);
 
-/* The angle between two vectors; accurate for small ones. 0 when one is zero. */
+/* Returns the angle between two vectors, accurate for small ones; 0 if one is zero. */
 double iso_angle_deg(iso_vec3 a, iso_vec3 b);
 
-/* Uniform on the sphere, by iso_xorshift_unit(). */
+/* Returns a vector uniform on the sphere, by iso_xorshift_unit(). */
 iso_vec3 iso_random_unit_vector(uint64_t *state);
 
 #endif

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* code_hole.h - the biggest hole of each code: how far a direction can be from
- * all those that the code holds (hole.h). */
+/* code_hole.h - the largest hole of each code: the largest angle from any direction
+ * to the nearest one that the code can represent (hole.h). */
 #ifndef ISO_CODE_HOLE_H
 #define ISO_CODE_HOLE_H
 
 #include "encode/code.h"
 #include "encode/hole.h"
 
-/* *how says what the figure is:
- *   exact    branch and bound over all directions that the code holds
- *   circles  the biggest circle round the triangles of neighboring codes: a bound (oct24)
- *   bound    closed form, of the rounding (snorm, half)
- * tolerance_deg: of the exact ones. ISO_E_MEMORY. */
+/* Measures the largest hole. *how is the method:
+ *   exact    branch and bound over all directions of the code
+ *   circles  the largest circle around triangles of neighboring codes: a bound (oct24)
+ *   bound    closed form for the rounding (snorm, half)
+ * tolerance_deg: for "exact". ISO_E_MEMORY. */
 iso_status iso_code_hole(iso_code code, double tolerance_deg, iso_hole *hole, const char **how, iso_error *err);
 
-/* Of the 48 regions with another lambda in Eq. 2 of [diaz-garcia-2017]; 0: no treatment. */
+/* Measures the 48 regions with another lambda in Eq. 2 of [diaz-garcia-2017]; 0: without Eq. 2. */
 iso_status iso_region48_hole(double lambda, double tolerance_deg, iso_hole *hole, iso_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* code_kernel.h - the rows of the table of codes, and what they share; private to src/encode. */
+/* code_kernel.h - the rows of the table of codes, and their shared parts. Private to src/encode. */
 #ifndef ISO_CODE_KERNEL_H
 #define ISO_CODE_KERNEL_H
 
@@ -10,22 +10,22 @@
 ISO_CODE_LIST(ISO_CODE_DECLARE)
 #undef ISO_CODE_DECLARE
 
-/* The points of a code in one of the 48 regions: (a, b, c) / limit, a >= b >= c >= first, in steps of `step`, from a > limit / 3 on
- * (longer multiples of a vector hold the same direction), of a length from min_length to max_length. */
+/* The points of a code in one of the 48 regions: (a, b, c) / limit with a >= b >= c >= first, in steps of `step`, of a
+ * length from min_length to max_length. a > limit / 3, since longer multiples of a vector have the same direction. */
 typedef struct iso_code_points {
     int limit, first, step;
     double min_length, max_length;
 } iso_code_points;
 
-/* The hole among the decoded points, by branch and bound: *how is "exact". */
+/* Measures the hole among the decoded points by branch and bound: *how is "exact". */
 iso_status iso_code_hole_of_points(const iso_code_info *code, const iso_code_points *points, double tolerance_deg,
                                    iso_hole *hole, const char **how, iso_error *err);
-/* The same of all signed, and of all unsigned lattice points. */
+/* The same for all signed, and for all unsigned lattice points. */
 iso_status iso_code_hole_of_signed(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
                                    iso_error *err);
 iso_status iso_code_hole_of_unsigned(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
                                      iso_error *err);
-/* A rounding that is off by `most` across a vector of length 1: *how is "bound". */
+/* Bounds the hole of a rounding by at most `most` across a vector of length 1: *how is "bound". */
 iso_status iso_code_hole_of_rounding(double most, iso_hole *hole, const char **how);
 
 #endif

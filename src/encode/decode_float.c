@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* decode_float.c - the decoders in single precision, over whole arrays: what a
- * GPU computes. Compiled with -fsingle-precision-constant (Makefile). */
+/* decode_float.c - the decoders in single precision over whole arrays, like those of a
+ * GPU. Compiled with -fsingle-precision-constant (Makefile). */
 #include <math.h>
 
 #include "encode/decode_kernel.h"
@@ -18,7 +18,7 @@ typedef struct vec3f {
 
 #define SIMD static inline __attribute__((always_inline)) void
 
-/* One loop a decoder, so that each vectorizes. */
+/* One loop per decoder, so that each vectorizes. */
 SIMD decode_loop(int decoder, const float *restrict lattice, float *restrict directions, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {

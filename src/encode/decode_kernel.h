@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* decode_kernel.h - lattice vectors to directions in single precision. */
+/* decode_kernel.h - conversion of lattice vectors to directions in single precision. */
 #ifndef ISO_DECODE_KERNEL_H
 #define ISO_DECODE_KERNEL_H
 
 #include <stddef.h>
 
-/* decoder: ISO_DECODER_*; 3 floats each. */
+/* Decodes count lattice vectors; decoder: ISO_DECODER_*; 3 floats per vector. */
 void iso_decode_floats(int decoder, const float *restrict lattice, float *restrict directions, size_t count);
 
 #endif

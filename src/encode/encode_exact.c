@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_exact.c - the searches in double precision over all that could win. */
+/* encode_exact.c - exhaustive searches for the best codes in double precision. */
 #include <math.h>
 
 #include "encode/decode_double.h"
@@ -20,7 +20,7 @@ static double fit_cost(const double e[3], const double u[3], double aim, double 
     return rr - along * along + mu * mu * along * along;
 }
 
-/* mu < 0: that of the code, which depends on the length. */
+/* mu < 0: mu of the code, which depends on the length. */
 static void fit_one(const float *direction, double mu, uint8_t *bytes)
 {
     double u[3] = {direction[0], direction[1], direction[2]}, best = INFINITY, best_e[3] = {0};
@@ -30,7 +30,7 @@ static void fit_one(const float *direction, double mu, uint8_t *bytes)
     for (int a = 0; a < 3 && length > 0; ++a)
         u[a] /= length;
     iso_rank(u, order);
-    for (int m = -127; m <= 127 && length > 0; ++m) { /* of the largest component */
+    for (int m = -127; m <= 127 && length > 0; ++m) { /* m: largest component */
         double e[3], at = m / u[order[0]], middle = rint(at * u[order[1]]), low = rint(at * u[order[2]]);
         e[order[0]] = m;
         for (int i = 0; i < 9; ++i) {
@@ -59,8 +59,8 @@ void iso_encode_fit_with_mu(double mu, const float *restrict directions, uint8_t
         fit_one(directions + 3 * i, mu, bytes + 3 * i);
 }
 
-/* ---- region48: the transform T inverts Eq. 2 of [diaz-garcia-2017]. In place of
- * three quadratic equations and a table it is one monotone equation: the decoded
+/* ---- region48: the transform T inverts Eq. 2 of [diaz-garcia-2017]. Three quadratic
+ * equations and a table are replaced by one monotone equation: the decoded
  * barycentrics U sum to 1 and are f(u_i) / S with S = sum f(u_i), so that
  * u_i(S) = f^-1(S U_i) and sum u_i(S) = 1 has one root. ---- */
 
@@ -83,10 +83,9 @@ iso_vec3 iso_region48_transform(iso_vec3 U)
     return iso_v3(inverse_f(hi * U.x), inverse_f(hi * U.y), inverse_f(hi * U.z));
 }
 
-/* Odd (a, b, c), a >= b >= c > 0, whose decoded direction is nearest to the
- * sorted unit vector d. Lengths up to 1/3 add no direction: three times the
- * vector is on the lattice too. At each length all neighbors of the rounding
- * are tried. */
+/* Finds odd (a, b, c), a >= b >= c > 0, whose decoded direction is nearest to the sorted
+ * unit vector d. Tries all neighbors of the rounding at each length. Lengths up to 1/3
+ * add no direction: three times the vector is on the lattice, too. */
 static iso_vec3 region48_search(iso_vec3 d)
 {
     iso_vec3 t = iso_region48_transform(iso_v3((d.x - d.y) / d.x, (d.y - d.z) / d.x, d.z / d.x));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_fit.c - best fits: in place of the nearest lattice point one whose
- * direction is nearer, among those whose length will do. Along the direction, one
- * candidate for each whole number of the largest component: the other two rounded. */
+/* encode_fit.c - best fits: instead of the nearest lattice point, one with a nearer
+ * direction among those of acceptable length. Candidates along the direction: one for
+ * each whole number of the largest component, with the other two rounded. */
 #include "encode/code_kernel.h"
 #include "encode/encode_kernel.h"
 #include "encode/fit.h"
@@ -10,10 +10,10 @@
 
 typedef struct ray {
     v8f x, y, z; /* unit; zero stays zero */
-    v8f aim;     /* the wanted length in lattice steps */
+    v8f aim;     /* intended length in lattice steps */
     v8f largest; /* |component| */
-    v8f at;      /* of the best candidate: where the ray is rounded */
-    v8f best;    /* its cost */
+    v8f at;      /* length at which the ray is rounded to the best candidate */
+    v8f best;    /* cost of that candidate */
 } ray;
 
 ISO_INLINE ray ray_through(const float *px, const float *py, const float *pz)
@@ -27,8 +27,8 @@ ISO_INLINE ray ray_through(const float *px, const float *py, const float *pz)
     return r;
 }
 
-/* The candidate round the ray's point at length `at`: its squared distance from
- * the ray; *along, how far behind that point it lies. */
+/* Returns the squared distance from the ray of the candidate near its point at length
+ * `at`; *along: position of the candidate beyond that point. */
 ISO_INLINE v8f off_ray(const ray *r, v8f at, v8f *along)
 {
     v8f ex = at * r->x, ey = at * r->y, ez = at * r->z;
@@ -51,7 +51,7 @@ ISO_INLINE void store_rounded(const ray *r, float *px, float *py, float *pz)
     v8_store(pz, v8_round(r->at * r->z));
 }
 
-/* ---- fit: the block's rows ---- */
+/* ---- fit: encoder of a block ---- */
 
 ISO_INLINE void fit_triples(const float *restrict directions, uint8_t *restrict bytes, size_t count,
                             void (*rows)(const float *restrict, const float *restrict, const float *restrict, size_t,
@@ -103,8 +103,8 @@ ISO_INLINE void shell_lanes(float *px, float *py, float *pz)
 
 ISO_SIMD_ENCODER(iso_encode_shell, shell_lanes)
 
-/* ---- free: the nearest direction of all. The multiples of a vector share its
- * direction, so the upper half of the lengths has them all. ---- */
+/* ---- free: the nearest direction at any length. The multiples of a vector have the same
+ * direction, so the upper half of the lengths has all directions. ---- */
 
 ISO_INLINE void free_lanes(float *px, float *py, float *pz)
 {
@@ -123,9 +123,9 @@ ISO_INLINE void free_lanes(float *px, float *py, float *pz)
 
 ISO_SIMD_ENCODER(iso_encode_free, free_lanes)
 
-/* ---- their rows --------------------------------------------------------------------- */
+/* ---- rows of the table of codes ------------------------------------------------------ */
 
-/* Lengths that the window reaches. */
+/* Considers the lengths within the window of the fit. */
 static iso_status fit_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
                            iso_error *err)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_kernel.h - the encoders, one a code. They cannot fail, allocate or
- * print. directions: 3 finite floats each; bytes: 3 each, 6 for half. */
+/* encode_kernel.h - the encoders, one per code. They cannot fail, allocate or print.
+ * directions: 3 finite floats each; bytes: 3 each, 6 for half. */
 #ifndef ISO_ENCODE_KERNEL_H
 #define ISO_ENCODE_KERNEL_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* NAME runs AVX2 where the machine has it, NAME_baseline never; same bytes. */
+/* NAME uses AVX2 if the machine has it, NAME_baseline never; the bytes are the same. */
 /* clang-format off */
 #define ISO_ENCODER_LIST(X) \
     X(iso_encode_snorm)     \
@@ -27,10 +27,10 @@ ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 
 void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
-/* Exhaustive searches in double precision, over every lattice point that could win, for what fit and region48
- * find quickly: slow, for tests of the encoders above. */
+/* Search exhaustively in double precision over every lattice point that could be best for fit and for region48. Slow;
+ * for tests of the encoders above. */
 void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
-/* The best fit with another mu (fit.h), whatever the length. */
+/* Finds the best fit with another mu (fit.h), the same for all lengths. */
 void iso_encode_fit_with_mu(double mu, const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_region48_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 

@@ -33,7 +33,7 @@ void iso_paper_table_destroy(iso_paper_table *table)
         free(table->entries);
 }
 
-/* Between the three entries round (u, v), whose cell is cut in two triangles. */
+/* Interpolates between the three entries around (u, v); each cell consists of two triangles. */
 static iso_vec3 look_up(const iso_paper_table *table, double u, double v)
 {
     const size_t last = table->size - 1;
@@ -43,7 +43,7 @@ static iso_vec3 look_up(const iso_paper_table *table, double u, double v)
     double weights[3];
     const double *corners[3];
     double(*row)[3] = table->entries + i * table->size + j, (*next)[3] = row + table->size;
-    if (i + j == last) { /* a point of the plane's edge */
+    if (i + j == last) { /* a point on the plane's edge */
         return iso_v3(row[0][0], row[0][1], row[0][2]);
     } else if (x + y <= 1 || i + j + 1 == last) {
         corners[0] = row[0], corners[1] = next[0], corners[2] = row[1];
@@ -77,7 +77,7 @@ static void encode_one(const iso_paper_table *table, const float *direction, uin
         e.z = fmax(fmin(iso_nearest_odd(a * t.z), e.y), 1);
         iso_vec3 off = iso_sub(iso_normalize(iso_decode_region48(iso_scale(e, 255 / a))), d);
         double distance = iso_dot(off, off);
-        if (distance < best_distance * (1 - 1e-9)) { /* of equal directions the longest, which is met first */
+        if (distance < best_distance * (1 - 1e-9)) { /* equal directions: the first one, which is the longest */
             best_distance = distance;
             best = e;
         }

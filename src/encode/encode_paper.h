@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_paper.h - the encoder of code region48 as [diaz-garcia-2017] section 4.3
- * describes it: the transform T from a table, then a linear search along the
- * transformed direction. Kept to reproduce the paper's tables 3 and 4; the code's
- * own encoder (encode_region48.c) needs no table and finds the same. */
+/* encode_paper.h - the encoder of code region48 as in [diaz-garcia-2017] section 4.3:
+ * the transform T from a table, then a linear search along the transformed direction.
+ * Kept to reproduce the paper's tables 3 and 4; the code's own encoder
+ * (encode_region48.c) needs no table and finds the same codes. */
 #ifndef ISO_ENCODE_PAPER_H
 #define ISO_ENCODE_PAPER_H
 
@@ -18,7 +18,7 @@ typedef struct iso_paper_table {
     double (*entries)[3]; /* size * size; row i, column j; those with i + j >= size stay unused */
 } iso_paper_table;
 
-/* size 2 to 1024: ISO_E_RANGE; ISO_E_MEMORY. */
+/* Creates the table; size: 2 to 1024. ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_paper_table_create(size_t size, iso_paper_table *table, iso_error *err);
 void iso_paper_table_destroy(iso_paper_table *table);
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_region48.c - [diaz-garcia-2017] section 4.3, transform and search, eight
- * directions at a time: the transform by Newton in place of a table, the search
+/* encode_region48.c - [diaz-garcia-2017] section 4.3, transform and search, for eight
+ * directions at a time: the transform by Newton's method instead of a table, the search
  * over every length that adds directions.
  *
- * At a length a (the largest component, odd) the candidate's cube-dot (b, c) / a
- * lies (ry, rz) from the transformed direction's, at most 1/87. f of Eq. 2 is
- * quadratic, and where the candidate decodes to follows from (ry, rz) to second
- * order without decoding it; the third order changes a distance by 1e-4. */
+ * At a length a (the largest component, odd) the candidate's cube-dot (b, c) / a is
+ * (ry, rz) away from the transformed direction's, at most 1/87. f of Eq. 2 is
+ * quadratic, so the decoded candidate follows from (ry, rz) to second order without
+ * decoding; the third order changes a distance by 1e-4. */
 #include "encode/code_kernel.h"
 #include "encode/encode_kernel.h"
 #include "encode/simd.h"
@@ -14,8 +14,8 @@
 #define LAMBDA 0.61f /* ISO_REGION48_LAMBDA; tests compare with the decoder */
 #define KAPPA (1 - LAMBDA)
 
-/* The lengths a = 255, 253 .. 87: three times a shorter vector is on the lattice
- * too. 1 / (a / 2) of each, four in a line. */
+/* The lengths a = 255, 253 .. 87: three times a shorter vector is on the lattice, too.
+ * 1 / (a / 2) for each, four per line. */
 enum { LENGTHS = 85 };
 #define P1(a) 2.0f / (a)
 #define P4(a) P1(a), P1((a)-2), P1((a)-4), P1((a)-6)
@@ -25,7 +25,7 @@ static const float per_half[LENGTHS] = {P16(255), P16(223), P16(191), P16(159), 
 #undef P4
 #undef P1
 
-/* f^-1(y), and through *slope its derivative */
+/* Returns f^-1(y); *slope: its derivative. */
 ISO_INLINE v8f inverse_f(v8f y, v8f *slope)
 {
     v8f root = v8_sqrt(KAPPA * KAPPA + 4 * LAMBDA * y);
@@ -33,7 +33,7 @@ ISO_INLINE v8f inverse_f(v8f y, v8f *slope)
     return 2.0f * y / (root + KAPPA);
 }
 
-/* Barycentrics before the decoder from those behind it, in place: the S with
+/* Converts decoded barycentrics to those before the decoder, in place, by the S with
  * sum f^-1(S U_i) = 1 (encode_exact.c). Returns S. */
 ISO_INLINE v8f transform(v8f *u, v8f *v, v8f *w)
 {
@@ -46,18 +46,19 @@ ISO_INLINE v8f transform(v8f *u, v8f *v, v8f *w)
     return s;
 }
 
-/* The direction to meet, as its transformed cube-dot (y, z), and where a
- * candidate off by (ry, rz) decodes to, in the tangent plane of the direction:
+/* The target direction as its transformed cube-dot (y, z), and the decoded position of a
+ * candidate that is off by (ry, rz), in the tangent plane of the direction:
  *     p_k = ry (y[k] + yy[k] ry + yz[k] rz) + rz (z[k] + zz[k] rz),  k = 0, 1 */
 typedef struct target {
     v8f at_y, at_z;
     v8f y[2], z[2], yy[2], yz[2], zz[2];
 } target;
 
-/* The decoded vector moves by dU, dV, dW along (1,0,0), (1,1,0), (1,1,1), with
+/* Expands component k of the tangent plane. The decoded vector moves by dU, dV, dW along
+ * (1,0,0), (1,1,0), (1,1,1), with
  *     dU = -fu ry + L ry^2, dV = fv (ry - rz) + L (ry - rz)^2, dW = fw rz + L rz^2.
- * across: what unit changes of U, V, W do across the direction (component k of
- * the tangent plane); the same along it (y, z) divides, to first order. */
+ * across: effect of unit changes of U, V, W across the direction; to first order the
+ * effect along it (y, z) divides. */
 ISO_INLINE void expand(target *t, int k, const v8f across[3], const v8f f[3], const v8f along[2])
 {
     v8f u = across[0], v = across[1], w = across[2], fu = f[0], fv = f[1], fw = f[2], along_y = along[0],
@@ -70,7 +71,7 @@ ISO_INLINE void expand(target *t, int k, const v8f across[3], const v8f f[3], co
     t->zz[k] = LAMBDA * (v + w) - z * along_z;
 }
 
-/* high >= middle >= low: |components| of a unit vector */
+/* Prepares the target for |components| high >= middle >= low of a unit vector. */
 ISO_INLINE target prepare(v8f high, v8f middle, v8f low)
 {
     target t;
@@ -79,8 +80,8 @@ ISO_INLINE target prepare(v8f high, v8f middle, v8f low)
     v8f s = transform(&u, &v, &w);
     t.at_y = v + w, t.at_z = w;
     v8f fu = KAPPA + 2 * LAMBDA * u, fv = KAPPA + 2 * LAMBDA * v, fw = KAPPA + 2 * LAMBDA * w;
-    /* Across: (-middle, high, 0) / q and (-low high, -low middle, q^2) / q. All in
-     * units of the decoded vector's length, s / high. */
+    /* Across: (-middle, high, 0) / q and (-low high, -low middle, q^2) / q. Unit: the
+     * decoded vector's length, s / high. */
     v8f q = v8_sqrt(high * high + middle * middle), unit = high / s, per_q = unit / q;
     v8f u_along = high * unit, v_along = (high + middle) * unit, w_along = (high + middle + low) * unit;
     v8f along_y = v_along * fv - u_along * fu, along_z = w_along * fw - v_along * fv;
@@ -91,7 +92,7 @@ ISO_INLINE target prepare(v8f high, v8f middle, v8f low)
     return t;
 }
 
-/* The squared distance of the candidate at length a = 2 half. */
+/* Returns the squared distance of the candidate at length a = 2 half. */
 ISO_INLINE v8f distance(const target *t, v8f half, float inverse)
 {
     v8f y = half * t->at_y - 0.5f, z = half * t->at_z - 0.5f; /* odd b = 2 j + 1 */
@@ -101,7 +102,7 @@ ISO_INLINE v8f distance(const target *t, v8f half, float inverse)
     return p * p + q * q;
 }
 
-/* The byte of a component: its rank's j, with its sign. */
+/* Returns the byte of a component: j of its rank, with its sign. */
 ISO_INLINE v8f to_byte(v8f component, v8f high, v8f low, const v8f j[3])
 {
     v8f size = v8_abs(component);
@@ -134,8 +135,8 @@ ISO_INLINE void region48_lanes(float *px, float *py, float *pz)
     v8_store(pz, v8_select(undefined, center, to_byte(z, high, low, j)));
 }
 
-/* This file is compiled with fused products (Makefile): the search gains a third
- * by them, and bytes differ only where two candidates are equally near to 1e-5. */
+/* This file is compiled with fused products (Makefile), which make the search a third
+ * faster. Bytes differ only if two candidates are equally near up to 1e-5. */
 ISO_SIMD_ENCODER_FOR(iso_encode_region48, region48_lanes, "avx2,fma", "fma")
 
 const iso_code_info iso_code_region48 = {

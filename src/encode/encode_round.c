@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_round.c - codes that are roundings: the vector itself, its cube-dot,
- * the octahedral map; and half floats. */
+/* encode_round.c - codes by rounding: of the vector itself, its cube-dot or the
+ * octahedral map; and half floats. */
 #include "encode/code_kernel.h"
 #include "encode/encode_kernel.h"
 #include "encode/fit_rows.h"
@@ -22,7 +22,7 @@ ISO_INLINE void snorm_lanes(float *px, float *py, float *pz)
 
 ISO_SIMD_ENCODER(iso_encode_snorm, snorm_lanes)
 
-/* Half a step in each component, all of it across. */
+/* Bounds the hole by half a step in each component, all of it across. */
 static iso_status snorm_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
                              iso_error *err)
 {
@@ -44,8 +44,8 @@ const iso_code_info iso_code_snorm = {
     .hole = snorm_hole,
 };
 
-/* ---- cube: projected on the cube's surface, rounded to odd 255ths. Zero: 127.5
- * goes to the even 128. ---- */
+/* ---- cube: projected on the cube's surface, rounded to odd 255ths. Zero becomes 127.5,
+ * rounded to the even 128. ---- */
 
 ISO_INLINE void cube_lanes(float *px, float *py, float *pz)
 {
@@ -59,7 +59,7 @@ ISO_INLINE void cube_lanes(float *px, float *py, float *pz)
 
 ISO_SIMD_ENCODER(iso_encode_cube, cube_lanes)
 
-/* The surface alone has the hole of all unsigned points: at the axes. */
+/* The hole of the surface is that of all unsigned points, as the largest is at the axes. */
 const iso_code_info iso_code_cube = {
     .name = "cube",
     .summary = "projected on the cube and rounded; direction only",
@@ -70,11 +70,11 @@ const iso_code_info iso_code_cube = {
     .hole = iso_code_hole_of_unsigned,
 };
 
-/* ---- oct24: 12 + 12 bits of the octahedral map, the best of the four corners
- * of the cell ---- */
+/* ---- oct24: 12 + 12 bits of the octahedral map, the best of the cell's four
+ * corners ---- */
 
-/* How far the decoded (u, v) lies from d, which is scaled to |x|+|y|+|z| = 1:
- * the squared distance of the unit vectors. */
+/* Returns the squared distance of the unit vectors of the decoded (u, v) and of d, which
+ * is scaled to |x|+|y|+|z| = 1. */
 ISO_INLINE v8f oct_distance(v8f u, v8f v, v8f x, v8f y, v8f z)
 {
     v8f au = v8_abs(u), av = v8_abs(v), h = 1.0f - au - av;
@@ -110,7 +110,7 @@ ISO_INLINE void oct24_lanes(float *px, float *py, float *pz)
     }
     best_u = v8_select(undefined, zero, best_u);
     best_v = v8_select(undefined, zero, best_v);
-    /* low byte of u; high nibble of u and low nibble of v; high byte of v */
+    /* Low byte of u; high nibble of u and low nibble of v; high byte of v. */
     v8f u_high = v8_round(best_u * (1 / 256.0f) - 0.498f), v_high = v8_round(best_v * (1 / 16.0f) - 0.48f);
     v8_store(px, best_u - 256.0f * u_high);
     v8_store(py, u_high + 16.0f * (best_v - 16.0f * v_high));
@@ -131,7 +131,7 @@ static iso_vec3 oct_corner(int u, int v)
     return iso_decode_oct(iso_v3(u / 4095.0, v / 4095.0, 0));
 }
 
-/* The angular radius of the circle through three unit vectors. */
+/* Returns the angular radius of the circle through three unit vectors. */
 static double circle_deg(iso_vec3 a, iso_vec3 b, iso_vec3 c)
 {
     iso_vec3 ab = iso_sub(b, a), bc = iso_sub(c, b), ca = iso_sub(a, c);
@@ -139,9 +139,9 @@ static double circle_deg(iso_vec3 a, iso_vec3 b, iso_vec3 c)
     return area2 > 0 ? asin(fmin(iso_norm(ab) * iso_norm(bc) * iso_norm(ca) / (2 * area2), 1)) / degree : 0;
 }
 
-/* Each cell of the square lattice is cut along the better diagonal. One eighth of
- * the square, u >= v >= -1, has an image of every cell. Cells at the square's edge
- * have corners twice (the fold), which circle_deg gives no area and no hole. */
+/* Cuts each cell of the square lattice along the better diagonal. One eighth of the
+ * square, u >= v >= -1, has an image of every cell. Cells at the square's edge have
+ * duplicate corners (the fold), for which circle_deg returns no area and no hole. */
 static iso_status oct24_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
                              iso_error *err)
 {
@@ -182,7 +182,7 @@ static uint16_t to_half(float value)
         memcpy(&steps, &size, sizeof steps);
         return (uint16_t)(sign | (uint32_t)lrintf(steps * 0x1p24f));
     }
-    size += 0xfff + (size >> 13 & 1); /* to nearest, ties to even */
+    size += 0xfff + (size >> 13 & 1); /* rounds to nearest, ties to even */
     return (uint16_t)(sign | ((size - 0x38000000) >> 13));
 }
 
@@ -208,7 +208,7 @@ static void half_lattice(const uint8_t *bytes, double e[3])
         e[a] = from_half(bytes + 2 * a);
 }
 
-/* 2^-11 of each component. */
+/* Bounds the hole by 2^-11 of each component. */
 static iso_status half_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
                             iso_error *err)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* fit_rows.c - the codes "fit" and "snorm", over rows of components: plain C that the
- * compiler vectorizes for each instruction set, the same bytes from all. */
+/* fit_rows.c - the codes "fit" and "snorm" over rows of components, in plain C that the
+ * compiler vectorizes for each instruction set, with the same bytes for all. */
 #include "encode/fit_rows.h"
 
 #include <math.h>
@@ -12,12 +12,10 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Where the ray of a direction, of which (b, c) are the smaller components of the
- * unit vector and (b, c) / high those of the ray at largest component 1, at length
- * step, has its best candidate: the whole number `first` .. of the largest component.
- * With r = candidate - aim u, along = r . u, the cost is |r|^2 - along^2 + mu^2 along^2;
- * the largest component itself is met exactly. Eight parameters, and no struct: it is
- * inlined into the loop over rows, where each is one vector register. */
+/* Returns the best candidate for the largest component among whole numbers from `first` on. (b, c): the smaller
+ * components of the unit vector; (b_step, c_step): those of the ray at largest component 1; step: the length there.
+ * With r = candidate - aim u, along = r . u, the cost is |r|^2 - along^2 + mu^2 along^2; the largest component itself
+ * is exact. Eight parameters instead of a struct: inlined into the loop over rows, each is one vector register. */
 INLINE float best_candidate(float b, float c, float b_step, float c_step, float step, float aim, float weight,
                             float first)
 {
@@ -33,12 +31,12 @@ INLINE float best_candidate(float b, float c, float b_step, float c_step, float 
     return best_at;
 }
 
-/* The three bytes of one direction in a word. The shorter it is, the less its
- * direction is worth, since neighbors then differ: mu grows (fit.h). */
+/* Returns the three bytes of one direction in a word. mu grows for shorter vectors, whose directions are less reliable,
+ * as neighbors differ (fit.h). */
 INLINE uint32_t fit_word(float x, float y, float z)
 {
     const float length = sqrtf(x * x + y * y + z * z), ax = fabsf(x), ay = fabsf(y), az = fabsf(z);
-    const float xy = ax < ay ? ay : ax, b = ax < ay ? ax : ay; /* b and c: all but the largest, in any order */
+    const float xy = ax < ay ? ay : ax, b = ax < ay ? ax : ay; /* b and c: the two smaller ones, in any order */
     const float high = xy < az ? az : xy, c = xy < az ? xy : az;
     const float product = length * high, both = 1 / (product > 1e-30f ? product : 1e-30f);
     const float per_length = both * high, per_high = both * length;
@@ -68,8 +66,8 @@ void iso_fit_rows_baseline(const float *restrict x, const float *restrict y, con
 
 /* ---- snorm ---- */
 
-/* Adding 1.5 x 2^23 leaves the nearest integer (ties to even, as lrintf) in the
- * low bits. No clamp: |d| exceeds 1 by a few roundings at most. */
+/* Adds 1.5 x 2^23, which leaves the nearest integer (ties to even, as lrintf) in the
+ * low bits. Needs no clamp: |d| exceeds 1 by a few roundings at most. */
 static inline uint32_t snorm_byte(float d)
 {
     union {

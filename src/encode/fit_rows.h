@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* fit_rows.h - the codes "fit" and "snorm" over rows of components, as the build of a
- * pyramid has them: what iso_encode_fit and iso_encode_snorm do to triples. */
+/* fit_rows.h - the codes "fit" and "snorm" over rows of components, for the build of a
+ * pyramid; equal to iso_encode_fit and iso_encode_snorm for triples. */
 #ifndef ISO_ENCODE_FIT_ROWS_H
 #define ISO_ENCODE_FIT_ROWS_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* count directions, |d| <= 1; the bytes of each in the low three of a word. The
- * same bytes on every machine. */
+/* Encodes count directions, |d| <= 1, into the low three bytes of a word each, the same on every machine. */
 void iso_fit_rows(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
                   uint32_t *restrict words);
-/* Each to round(127 d), as the code "snorm" does. */
+/* Rounds each to 127 d, like the code "snorm". */
 void iso_snorm_rows(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
                     uint32_t *restrict words);
 /* iso_fit_rows without the instructions of newer machines. */

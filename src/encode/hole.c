@@ -9,12 +9,12 @@
 
 static const double degree = 0.017453292519943295;
 
-/* Members in buckets of the plane x = 1 (gnomonic), where the chamber is the
+/* Members in buckets of the plane x = 1 (gnomonic), in which the chamber is the
  * triangle 0 <= z <= y <= 1. */
 typedef struct bucket_grid {
     size_t size;      /* buckets along y and along z */
-    uint32_t *first;  /* of each bucket; size^2 + 1 */
-    iso_vec3 *sorted; /* unit, bucket by bucket */
+    uint32_t *first;  /* first member of each bucket; size^2 + 1 */
+    iso_vec3 *sorted; /* unit vectors, bucket by bucket */
 } bucket_grid;
 
 typedef struct search {
@@ -37,7 +37,7 @@ static size_t bucket_of(const bucket_grid *g, iso_vec3 d)
 
 static iso_status grid_build(bucket_grid *g, const iso_vec3 *directions, size_t count, iso_error *err)
 {
-    g->size = (size_t)fmin(fmax(sqrt((double)count * 0.5), 1), 2048); /* about four members a bucket */
+    g->size = (size_t)fmin(fmax(sqrt((double)count * 0.5), 1), 2048); /* about four members per bucket */
     g->first = calloc(g->size * g->size + 2, sizeof *g->first);
     g->sorted = malloc(count * sizeof *g->sorted);
     if (!g->first || !g->sorted || count > UINT32_MAX)
@@ -45,13 +45,13 @@ static iso_status grid_build(bucket_grid *g, const iso_vec3 *directions, size_t 
     for (size_t i = 0; i < count; ++i) {
         iso_vec3 d = directions[i];
         if (!(d.x > 0 && d.x >= d.y && d.y >= d.z && d.z >= 0))
-            return iso_fail(err, ISO_E_RANGE, "hole: direction %zu, (%g, %g, %g), is not x >= y >= z >= 0", i, d.x, d.y,
-                            d.z);
+            return iso_fail(err, ISO_E_RANGE, "hole: direction %zu is (%g, %g, %g), must be x >= y >= z >= 0", i, d.x,
+                            d.y, d.z);
         ++g->first[bucket_of(g, d) + 2];
     }
     for (size_t b = 2; b < g->size * g->size + 2; ++b)
         g->first[b] += g->first[b - 1];
-    /* first[b + 1] is where bucket b is filled next, and ends as where b + 1 begins. */
+    /* first[b + 1] is the next free place of bucket b; in the end it is the beginning of b + 1. */
     for (size_t i = 0; i < count; ++i)
         g->sorted[g->first[bucket_of(g, directions[i]) + 1]++] = iso_normalize(directions[i]);
     return ISO_OK;
@@ -66,9 +66,9 @@ static void scan_bucket(const bucket_grid *g, size_t y, size_t z, iso_vec3 q, do
     }
 }
 
-/* Chord to the nearest member. Rings of buckets round q's own: behind ring k
- * everything is at least k / size away in the plane; an angle is at least that
- * distance / (1 + r^2), r the farthest from the axis on the way. */
+/* Returns the chord to the nearest member, searching rings of buckets around q's own.
+ * Beyond ring k all members are at least k / size away in the plane. An angle is at least
+ * that distance / (1 + r^2), with r the largest distance from the axis on the path. */
 static double nearest_chord(const bucket_grid *g, iso_vec3 q)
 {
     double y = q.y / q.x, z = q.z / q.x, from_axis = sqrt(y * y + z * z), nearest = INFINITY;
@@ -82,8 +82,8 @@ static double nearest_chord(const bucket_grid *g, iso_vec3 q)
                 if (by >= 0 && by < size)
                     scan_bucket(g, (size_t)by, (size_t)bz, q, &nearest);
         }
-        double behind = (double)ring / (double)size, r = from_axis + behind;
-        double angle = behind / (1 + r * r);
+        double beyond = (double)ring / (double)size, r = from_axis + beyond;
+        double angle = beyond / (1 + r * r);
         if (nearest <= 4 * sin(angle / 2) * sin(angle / 2))
             break;
     }
@@ -118,11 +118,11 @@ iso_status iso_hole_measure(const iso_vec3 *directions, size_t count, double tol
 {
     search s = {.tolerance = fmax(tolerance_deg, 1e-7) * degree};
     if (count == 0)
-        return iso_fail(err, ISO_E_RANGE, "hole: no directions");
+        return iso_fail(err, ISO_E_RANGE, "hole: 0 directions, must be at least 1");
     iso_status status = grid_build(&s.grid, directions, count, err);
     if (status == ISO_OK) {
         const iso_vec3 face = {1, 0, 0}, edge = iso_normalize(iso_v3(1, 1, 0)), corner = iso_normalize(iso_v3(1, 1, 1));
-        visit(&s, face, edge, corner, 0, 6); /* a coarse look, so that the bound bites early */
+        visit(&s, face, edge, corner, 0, 6); /* a coarse pass, so that the bound is tight early */
         visit(&s, face, edge, corner, 0, 40);
         *hole = (iso_hole){chord_to_angle(s.best) / degree, s.where};
     }

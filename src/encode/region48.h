@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* region48.h - pieces that the double-precision encoders of region48 share. */
+/* region48.h - parts shared by the double-precision encoders of region48. */
 #ifndef ISO_ENCODE_REGION48_H
 #define ISO_ENCODE_REGION48_H
 
@@ -8,10 +8,10 @@
 
 #include "base/linalg.h"
 
-/* T of [diaz-garcia-2017]: barycentrics before the decoder from those behind it, whose sum is 1. */
+/* Applies T of [diaz-garcia-2017]: converts decoded barycentrics, whose sum is 1, to those before the decoder. */
 iso_vec3 iso_region48_transform(iso_vec3 barycentric);
 
-/* The order of |components|, largest first. */
+/* Sorts the axes by |component|, largest first. */
 static inline void iso_rank(const double v[3], int order[3])
 {
     order[0] = 0, order[1] = 1, order[2] = 2;
@@ -29,7 +29,7 @@ static inline double iso_nearest_odd(double x)
     return 2 * floor(0.5 * x) + 1;
 }
 
-/* Bytes of the odd (a, b, c) >= 0 for the ranks of v, with v's signs. */
+/* Writes the bytes of the odd (a, b, c) >= 0 for the ranks of v, with v's signs. */
 static inline void iso_region48_bytes(const double v[3], const int order[3], iso_vec3 ranked, uint8_t *bytes)
 {
     double odd[3] = {ranked.x, ranked.y, ranked.z};

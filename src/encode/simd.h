@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* simd.h - eight floats at a time, by the compiler's vectors: one source for
- * every instruction set. A kernel is an always_inline body, instantiated for
- * AVX2 and for the baseline and chosen at run time (ISO_SIMD_ENCODER). Products
- * and sums are not fused, but for one kernel that says so: both give the same bytes. */
+/* simd.h - eight floats at a time by the compiler's vectors: one source for every
+ * instruction set. A kernel is an always_inline body, instantiated for AVX2 and for the
+ * baseline and chosen at run time (ISO_SIMD_ENCODER). Products and sums are not fused,
+ * except in one kernel that states it: both instances give the same bytes. */
 #ifndef ISO_ENCODE_SIMD_H
 #define ISO_ENCODE_SIMD_H
 
@@ -31,7 +31,7 @@ ISO_INLINE void v8_store(float *p, v8f v)
 {
     memcpy(p, &v, sizeof v);
 }
-/* mask ? a : b, by lane; comparisons give masks */
+/* Returns mask ? a : b for each lane; comparisons give masks. */
 ISO_INLINE v8f v8_select(v8i mask, v8f a, v8f b)
 {
     return (v8f)((mask & (v8i)a) | (~mask & (v8i)b));
@@ -48,7 +48,7 @@ ISO_INLINE v8f v8_min(v8f a, v8f b)
 {
     return v8_select(b < a, b, a);
 }
-/* To the nearest whole number, ties to even; |a| < 2^22. */
+/* Rounds to the nearest whole number, ties to even; |a| < 2^22. */
 ISO_INLINE v8f v8_round(v8f a)
 {
     return (a + 12582912.0f) - 12582912.0f;
@@ -61,13 +61,13 @@ ISO_INLINE v8f v8_sqrt(v8f a)
     return a;
 }
 
-/* Directions in planes, a block at a time. */
+/* Directions in planes, one block at a time. */
 enum { ISO_BLOCK = 128 };
 typedef struct iso_block {
     float x[ISO_BLOCK], y[ISO_BLOCK], z[ISO_BLOCK];
 } iso_block;
 
-/* The rest of a short block is filled with zeros. */
+/* Loads count directions and fills the rest of the block with zeros. */
 ISO_INLINE void iso_block_load(iso_block *b, const float *restrict directions, size_t count)
 {
     if (count < ISO_BLOCK)
@@ -79,7 +79,7 @@ ISO_INLINE void iso_block_load(iso_block *b, const float *restrict directions, s
     }
 }
 
-/* Whole numbers, -128 to 255, to bytes. */
+/* Converts whole numbers, -128 to 255, to bytes. */
 ISO_INLINE void iso_block_store(const iso_block *b, uint8_t *restrict bytes, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -89,12 +89,12 @@ ISO_INLINE void iso_block_store(const iso_block *b, uint8_t *restrict bytes, siz
     }
 }
 
-/* Defines NAME(directions, bytes, count) and NAME_baseline, the same without
- * AVX2. LANES(x, y, z) is an always_inline function that turns eight directions
- * into the values of their bytes, in place. */
+/* Defines NAME(directions, bytes, count) and NAME_baseline, the same without AVX2.
+ * LANES(x, y, z) is an always_inline function that converts eight directions to the
+ * values of their bytes, in place. */
 #define ISO_SIMD_ENCODER(NAME, LANES) ISO_SIMD_ENCODER_FOR(NAME, LANES, "avx2", "avx2")
 
-/* The same for TARGET, where the machine has FEATURE too. */
+/* The same for TARGET, chosen if the machine has FEATURE too. */
 /* clang-format off */
 #define ISO_SIMD_ENCODER_FOR(NAME, LANES, TARGET, FEATURE)                                                 \
     __attribute__((target(TARGET))) static void NAME##_fast(const float *restrict directions,             \

@@ -76,19 +76,19 @@ iso_status iso_palette_check(const iso_palette_options *opt, iso_error *err)
     if (opt->directions < 1 || opt->directions > ISO_PALETTE_MAX)
         return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, must be 1 to %d", opt->directions, ISO_PALETTE_MAX);
     if (opt->method == ISO_PALETTE_FACES && opt->directions < 60)
-        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, regular faces need 60 at least", opt->directions);
+        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, regular faces need at least 60", opt->directions);
     if (opt->method == ISO_PALETTE_VERTICES && opt->directions < 32)
-        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, regular vertices need 32 at least",
+        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, regular vertices need at least 32",
                         opt->directions);
     if (opt->method == ISO_PALETTE_GRID && opt->directions < 2)
-        return iso_fail(err, ISO_E_RANGE, "palette: 1 direction, the grid needs 2 at least");
+        return iso_fail(err, ISO_E_RANGE, "palette: 1 direction, the grid needs at least 2");
     if (opt->method != ISO_PALETTE_ANNEAL)
         return ISO_OK;
     if (opt->directions < 8 || opt->directions % 2)
-        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, a tessellation has an even number, at least 8",
+        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, a tessellation needs an even number, at least 8",
                         opt->directions);
     if (!(a->start_prob > 0 && a->start_prob < 1))
-        return iso_fail(err, ISO_E_RANGE, "palette: start probability %g, must lie between 0 and 1", a->start_prob);
+        return iso_fail(err, ISO_E_RANGE, "palette: start probability %g, must be between 0 and 1", a->start_prob);
     if (!(a->temp_fac > 0 && a->temp_fac <= 1))
         return iso_fail(err, ISO_E_RANGE, "palette: temperature factor %g, must be above 0 and at most 1", a->temp_fac);
     if (!(a->move_deg[0] > 0 && a->move_deg[0] <= a->move_deg[1] && a->move_deg[1] <= 90))
@@ -159,7 +159,7 @@ iso_status iso_palette_measure(const iso_direction_set *set, const iso_palette *
         iso_palette_assign(lookup, u, &index, 1);
         const float *n = palette->xyz + 3 * (size_t)index;
         double x = (double)u[0] - (double)n[0], y = (double)u[1] - (double)n[1], z = (double)u[2] - (double)n[2];
-        /* 1 - cos = |u - n|^2 / 2 (the paper's Eq. 1) keeps its digits where 1 - u.n does not. */
+        /* 1 - cos = |u - n|^2 / 2 (the paper's Eq. 1) keeps its digits; 1 - u.n loses them. */
         double chord2 = x * x + y * y + z * z;
         error->norm1 += set->weight[i] * (1 - (double)set->length[i] + 0.5 * (double)set->length[i] * chord2);
         total += set->weight[i];

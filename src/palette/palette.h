@@ -2,20 +2,20 @@
 /* palette.h - directions in one byte (or 9 or 10 bits): an index into a table of
  * directions that is fitted to the data.
  *
- * A palette holds the zero vector as entry 0 (no direction, or none that can
- * be trusted) and unit directions behind it. A voxel stores the index of the
- * entry nearest to its direction; its length is not kept.
+ * Entry 0 of a palette is the zero vector (no direction, or an unreliable one); the
+ * others are unit directions. A voxel stores the index of the entry nearest to its
+ * direction; the length is not stored.
  *
  * Papers: [bremer-2001] (annealing of a tessellation); [van-gelder-1996] (regular
  * subdivision); [glassner-1990]; [linde-1980] (Lloyd,
  * LBG); [arthur-2007] (k-means++); [hartigan-1975] (exchange).
  *
- *   palette_set.c       what a palette is fitted to
- *   palette_sample.c    a volume streamed into that set, with weights
+ *   palette_set.c       sets of directions to fit a palette to
+ *   palette_sample.c    streaming of a volume into such a set, with weights
  *   palette_regular.c   fixed tables: subdivision, Glassner's two, Fibonacci
  *   palette_kmeans.c    Lloyd, LBG, k-means++ with exchange and swaps
- *   palette_anneal.c    the paper's method, over palette_mesh.c's triangulation
- *   palette_assign.c    the exact nearest entry through a lookup grid
+ *   palette_anneal.c    the paper's method, on the triangulation of palette_mesh.c
+ *   palette_assign.c    the exact nearest entry by a lookup grid
  *   palette.c           the choice of a method, errors, shading tables
  *   palette_export.c    CSV, and tables for POV-Ray and Blender */
 #ifndef ISO_PALETTE_H
@@ -31,81 +31,79 @@
 #include "gradient/gradient.h"
 #include "volume/stream.h"
 
-/* ---- what a palette is fitted to ------------------------------------------
+/* ---- direction sets --------------------------------------------------------
  * Bundles of directions: each has a unit direction, the sum of its members'
  * weights (multiplicity times importance) and the length of their weighted
- * mean, 1 where all members are equal. A bundle in the cell of entry n costs
+ * mean, 1 if all members are equal. A bundle in the cell of entry n costs
  *     weight (1 - length (direction . n)),
  * which is exactly the members' sum of w (1 - cos). */
 typedef struct iso_direction_set {
     size_t count;
-    float *xyz;              /* 3 a bundle, unit */
+    float *xyz;              /* 3 per bundle, unit */
     float *length;           /* in (0, 1] */
     double *weight;          /* > 0 */
-    double undefined_weight; /* of members without a direction: they take entry 0 and cost nothing */
+    double undefined_weight; /* of members without a direction: they get entry 0 at no cost */
 } iso_direction_set;
 
-/* From count vectors of any length, weights NULL for 1 each. Equal directions
- * become one bundle. Vectors that are zero, NaN or infinite are undefined;
- * weights that are zero are left out. ISO_E_RANGE: a weight that is negative
- * or not finite. */
+/* Creates a set from count vectors of any length; weights NULL: 1 each. Equal directions become one bundle. Vectors
+ * that are zero, NaN or infinite are undefined; those with weight zero are left out. ISO_E_RANGE: a weight is negative
+ * or not finite; ISO_E_MEMORY. */
 iso_status iso_direction_set_create(iso_direction_set *set, const float *vectors, const double *weights, size_t count,
                                     iso_error *err);
 void iso_direction_set_destroy(iso_direction_set *set); /* accepts empty and NULL */
 
-/* The same members in fewer bundles: those in one of 6 cells^2 cells of a cube's surface become one. */
+/* Creates a set with fewer bundles: members in the same one of 6 cells^2 cells of a cube's surface become one. */
 iso_status iso_direction_set_coarsen(const iso_direction_set *set, int cells, iso_direction_set *out, iso_error *err);
 
-/* A field streamed into bundles of bounded number: directions are binned in
- * 6 G^2 cells of a cube's surface, and each bin keeps the exact sum of its
- * weighted members. Every member counts, nothing is drawn at random, and sums
- * are in fixed point, so that neither the order of the slabs nor the number of
- * threads changes a bit. */
+/* Pool: a field streamed into a bounded number of bundles. Directions are binned in 6 G^2
+ * cells of a cube's surface, and each bin keeps the exact sum of its weighted members.
+ * Every member counts, without random choice. Sums are in fixed point, so the result does
+ * not depend on the order of the slabs or the number of threads. */
 typedef struct iso_direction_pool iso_direction_pool;
 #define ISO_POOL_CELLS 128 /* G: 98304 bins of about 0.7 degrees */
 iso_status iso_direction_pool_create(iso_direction_pool **pool, int threads, iso_error *err);
 void iso_direction_pool_destroy(iso_direction_pool *pool);
-/* count vectors of 3 floats; weights in [0, 1] (others are clamped, NaN is 0), or NULL for 1 each. */
+/* Adds count vectors of 3 floats; weights in [0, 1] (others are clamped, NaN is 0), or NULL for 1 each. */
 void iso_direction_pool_add(iso_direction_pool *pool, const float *restrict vectors, const float *restrict weights,
                             size_t count);
 iso_status iso_direction_pool_finish(const iso_direction_pool *pool, iso_direction_set *set, iso_error *err);
 
 typedef struct iso_palette_weighting {
-    bool by_magnitude; /* a voxel counts by its gradient's magnitude, else 1 */
-    double value_span; /* of the volume, for by_magnitude: weights are relative to the steepest gradient it allows */
-    const float *by_value; /* and by this table over the scalar, such as the TF's opacity; or NULL */
+    bool by_magnitude;     /* True to weight a voxel by its gradient's magnitude; False: 1 */
+    double value_span;     /* of the volume, for by_magnitude: the steepest possible gradient has weight 1 */
+    const float *by_value; /* second factor: a table over the scalar, such as the TF's opacity; or NULL */
     size_t by_value_count; /* at least 2; linear between entries, the first at by_value_lo, the last at by_value_hi */
     double by_value_lo, by_value_hi;
 } iso_palette_weighting;
 
 /* Adds the gradient of each voxel to the pool. A source is read in slabs, so that memory does not grow with the volume;
- * the result is the same. weighting may be NULL: every voxel counts 1. */
+ * the result is the same. weighting may be NULL: 1 for every voxel. */
 iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume *v,
                                      const iso_gradient_options *gradient, const iso_palette_weighting *weighting,
                                      const iso_progress *progress, iso_error *err);
 iso_status iso_palette_sample_source(iso_direction_pool *pool, iso_volume_source *source,
                                      const iso_gradient_options *gradient, const iso_palette_weighting *weighting,
                                      const iso_progress *progress, iso_error *err);
-/* The same from directions and scalars that are there, such as a level of a pyramid; magnitudes may be NULL: 1. */
+/* The same from given directions and scalars, such as a level of a pyramid; magnitudes may be NULL: 1. */
 iso_status iso_palette_sample_field(iso_direction_pool *pool, const float *vectors, const float *scalars,
                                     const float *magnitudes, size_t count, const iso_palette_weighting *weighting,
                                     iso_error *err);
 
-/* The paper's test: gradients of x^2 + 15 y^2 + 15 z^2 at random points, in the
- * unit ball or on the ellipsoid (3 floats each, unit). */
+/* Computes the paper's test set: gradients of x^2 + 15 y^2 + 15 z^2 at random points, in
+ * the unit ball or on the ellipsoid (3 floats each, unit). */
 void iso_ellipsoid_gradients(float *vectors, size_t count, bool on_surface, uint64_t seed);
 
 /* ---- palettes -------------------------------------------------------------- */
 #define ISO_PALETTE_MAX 32766 /* directions: 15 bits with the zero vector */
 
 typedef struct iso_palette {
-    size_t count; /* entries, with the zero vector */
-    float *xyz;   /* 3 an entry; entry 0 is (0, 0, 0), the others are unit */
+    size_t count; /* entries, including the zero vector */
+    float *xyz;   /* 3 per entry; entry 0 is (0, 0, 0), the others are unit */
 } iso_palette;
 
 iso_status iso_palette_create(iso_palette *palette, size_t direction_count, iso_error *err);
 void iso_palette_destroy(iso_palette *palette);
-/* Bits that an index needs. */
+/* Returns the number of bits of an index. */
 int iso_palette_bits(const iso_palette *palette);
 
 /* enum, name, help */
@@ -134,61 +132,60 @@ const char *iso_palette_method_name(iso_palette_method method);
 extern const iso_names iso_palette_method_names;
 iso_status iso_palette_method_from_name(const char *name, iso_palette_method *method, iso_error *err);
 
-/* The paper's parameters, by its names. */
+/* Parameters of the paper, with its names. */
 typedef struct iso_anneal_options {
-    double start_prob; /* a move that costs the mean change is accepted with it at first */
+    double start_prob; /* probability, at first, to accept a move that costs the mean change */
     double temp_fac;   /* cooling after each cycle */
     size_t cycles, steps;
-    double move_deg[2]; /* a vertex moves by an angle between these */
+    double move_deg[2]; /* least and largest angle by which a vertex moves */
 } iso_anneal_options;
 
 typedef struct iso_palette_options {
     iso_palette_method method;
-    size_t directions; /* entries besides the zero vector; 254 is one byte with one code to spare */
+    size_t directions; /* entries without the zero vector; 254 leaves one code of a byte unused */
     uint64_t seed;
-    size_t swap_trials; /* kmeans: swaps tried per entry beyond those that are sure to gain */
+    size_t swap_trials; /* kmeans: swaps tried per entry, after those with a certain gain */
     iso_anneal_options anneal;
 } iso_palette_options;
 iso_palette_options iso_palette_defaults(void);
 
-/* Fits a palette. With fewer distinct directions than entries the fitted methods give one
- * entry to each; with no direction at all the palette is the zero vector alone. Fixed tables and anneal
- * keep their structure whatever the data: faces and vertices take the largest
- * level that is not above `directions`, anneal needs an even number.
- * ISO_E_RANGE: options outside their limits. */
+/* Fits a palette. With fewer distinct directions than entries the fitted methods give each direction an entry; without
+ * directions the palette is the zero vector alone. Fixed tables and anneal keep their structure for any data: faces and
+ * vertices use the largest level not above `directions`, anneal needs an even number.
+ * ISO_E_RANGE: options outside their limits; ISO_E_MEMORY. */
 iso_status iso_palette_fit(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
                            const iso_progress *progress, iso_error *err);
 
-/* The tessellation whose triangles' normals are the entries 1, 2, ... of a palette by anneal. */
+/* The tessellation of a palette by anneal; the normals of its triangles are the entries 1, 2, ... */
 typedef struct iso_tessellation {
     size_t vertex_count, face_count;
     double *vertices;     /* 3 each, unit */
     uint32_t (*faces)[3]; /* counter-clockwise from outside */
     double start_temperature, end_temperature;
-    size_t moves, refused, accepted; /* refused: the triangulation's conditions could not be kept */
-    double assigned_norm1; /* the error that annealing lowers: each direction at the triangle that it lies in */
+    size_t moves, refused, accepted; /* refused: would violate the triangulation's conditions */
+    double assigned_norm1;           /* error minimized by annealing: each direction belongs to its triangle */
 } iso_tessellation;
 void iso_tessellation_destroy(iso_tessellation *t); /* accepts empty and NULL */
 
-/* As iso_palette_fit by anneal. *tessellation may be NULL; else it is the caller's to destroy. */
+/* Fits by anneal. *tessellation is destroyed by the caller; NULL: not returned. */
 iso_status iso_palette_anneal(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
                               iso_tessellation *tessellation, const iso_progress *progress, iso_error *err);
 
-/* ---- the nearest entry ------------------------------------------------------
- * A grid on the cube's surface holds, for each cell, all entries that are
- * nearest for some direction inside it, so that the answer is exact: it is the
- * entry of the largest dot product in float, the lowest one where equal. */
+/* ---- nearest entry ----------------------------------------------------------
+ * A grid on the cube's surface lists, for each cell, all entries that are nearest for
+ * some direction inside it. So the answer is exact: the entry with the largest dot
+ * product in float, of equal ones the lowest. */
 typedef struct iso_palette_lookup iso_palette_lookup;
 iso_status iso_palette_lookup_create(const iso_palette *palette, iso_palette_lookup **lookup, iso_error *err);
 void iso_palette_lookup_destroy(iso_palette_lookup *lookup);
 size_t iso_palette_lookup_bytes(const iso_palette_lookup *lookup);
-/* count vectors of any length; zero, NaN and infinite ones get entry 0. */
+/* Assigns count vectors of any length; zero, NaN and infinite ones get entry 0. */
 void iso_palette_assign(const iso_palette_lookup *lookup, const float *restrict vectors, uint16_t *restrict index,
                         size_t count);
-/* The same to bytes, for palettes of at most 256 entries. */
+/* The same in bytes, for palettes of at most 256 entries. */
 void iso_palette_assign8(const iso_palette_lookup *lookup, const float *restrict vectors, uint8_t *restrict index,
                          size_t count);
-/* index to directions. Indices beyond the palette give the zero vector. */
+/* Converts indices to directions. Indices beyond the palette give the zero vector. */
 void iso_palette_decode(const iso_palette *palette, const uint16_t *restrict index, float *restrict vectors,
                         size_t count);
 
@@ -196,25 +193,25 @@ void iso_palette_decode(const iso_palette *palette, const uint16_t *restrict ind
 typedef struct iso_palette_error {
     double norm1;         /* sum of w (1 - cos) */
     double norm2;         /* sqrt(sum of w |g - n|^2) = sqrt(2 norm1), by the paper's Eq. 1 */
-    double norm2_printed; /* sqrt(norm1 / 2): what its Table 1 prints */
+    double norm2_printed; /* sqrt(norm1 / 2), as printed in the paper's Table 1 */
     double rms_deg;       /* of the angle, from the mean of 1 - cos */
     double max_deg;       /* over the bundles */
 } iso_palette_error;
-/* Each bundle at its nearest entry. An empty set has no error. */
+/* Measures the error with each bundle at its nearest entry; 0 for an empty set. */
 iso_status iso_palette_measure(const iso_direction_set *set, const iso_palette *palette, iso_palette_error *error,
                                iso_error *err);
 
-/* Files, whole or not at all; `note` goes into a comment.
+/* Write files, complete or not at all; `note` becomes a comment.
  *   CSV     index,x,y,z with a header line
  *   POV     #declare NAME_Count and NAME = array[count] { <x, y, z>, ... }
- *   Python  NAME = [(x, y, z), ...], and a function that makes it a float image of count x 1 in Blender */
+ *   Python  NAME = [(x, y, z), ...], and a function that creates a float image of count x 1 in Blender */
 iso_status iso_palette_save_csv(const iso_palette *palette, const char *path, iso_error *err);
 iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_error *err);
 iso_status iso_palette_save_povray(const iso_palette *palette, const char *path, const char *note, iso_error *err);
 iso_status iso_palette_save_python(const iso_palette *palette, const char *path, const char *note, iso_error *err);
 
 typedef struct iso_palette_light {
-    double toward[3]; /* unit, towards the light */
+    double toward[3]; /* unit vector towards the light */
     double intensity;
 } iso_palette_light;
 typedef struct iso_palette_shading {
@@ -223,9 +220,9 @@ typedef struct iso_palette_shading {
     size_t light_count;
     double toward_viewer[3]; /* one direction for all entries: a viewer far away */
 } iso_palette_shading;
-/* Shading by table, as in the papers: one value for each entry,
+/* Computes a shading table, as in the papers: one value per entry,
  *     ambient + sum of intensity (diffuse |n.l| + specular |n.h|^power).
- * When a light moves, `count` values are computed again, instead of one for each voxel. Entry 0 is ambient. */
+ * A moved light needs `count` new values instead of one per voxel. Entry 0 is ambient. */
 void iso_palette_shade(const iso_palette *palette, const iso_palette_shading *s, float *restrict shade);
 
 #endif

@@ -6,19 +6,19 @@
 #include "palette/palette_fit.h"
 #include "palette/palette_mesh.h"
 
-/* [bremer-2001] Figure 4 and section 3: random moves of a random vertex, the directions of the changed patch
- * assigned again to its triangles, Metropolis acceptance.
+/* [bremer-2001] Figure 4 and section 3: random moves of a random vertex, reassignment of the directions in the changed
+ * patch to its triangles, Metropolis acceptance.
  *
- * A direction belongs to the triangle that it lies in (their second way, section 3.1), which is what can be kept up
- * locally; the finished palette is used by the nearest entry (their first way), which is never worse.
+ * A direction belongs to the triangle that contains it (the paper's second way, section 3.1), since this can be updated
+ * locally. The finished palette is used by the nearest entry (the paper's first way), which is never worse.
  *
- * Each triangle has two lists of its directions, as in their Figure 7: the old one, and the new one that is built
- * while a move is on trial. The lists are chains through two arrays of links, one link a direction each. */
+ * Each triangle has two lists of its directions, as in the paper's Figure 7: the old one, and the new one that is built
+ * during a trial move. The lists are chains through two arrays of links, one link per direction each. */
 
 #define END UINT32_MAX
 
 typedef struct face {
-    double normal[3];  /* of the triangle's plane: the palette's entry */
+    double normal[3];  /* of the triangle's plane; the palette's entry */
     double edge[3][3]; /* normals of the planes through the center and each edge, inwards */
     double cost;       /* sum of w (1 - cos) */
     uint32_t head;
@@ -27,8 +27,8 @@ typedef struct face {
 typedef struct annealer {
     const iso_direction_set *set;
     mesh mesh;
-    face *old_face, *new_face;     /* one a triangle */
-    uint32_t *old_next, *new_next; /* one a direction */
+    face *old_face, *new_face;     /* one per triangle */
+    uint32_t *old_next, *new_next; /* one per direction */
     double cost;
 } annealer;
 
@@ -56,13 +56,13 @@ static double dot3(const double a[3], const float b[3])
     return a[0] * (double)b[0] + a[1] * (double)b[1] + a[2] * (double)b[2];
 }
 
-/* How deep u lies inside the triangle's cone: positive inside. */
+/* Returns the depth of u inside the triangle's cone: positive inside. */
 static double depth_in(const face *f, const float u[3])
 {
     return fmin(fmin(dot3(f->edge[0], u), dot3(f->edge[1], u)), dot3(f->edge[2], u));
 }
 
-/* Puts direction i into that of the triangles in which it lies deepest (rounding may leave it just outside of all). */
+/* Assigns direction i to the triangle in which it lies deepest (rounding may leave it slightly outside of all). */
 static void assign_to(annealer *a, uint32_t i, const uint32_t *triangles, size_t count, face *faces, uint32_t *next)
 {
     const float *u = a->set->xyz + 3 * (size_t)i;
@@ -79,7 +79,7 @@ static void assign_to(annealer *a, uint32_t i, const uint32_t *triangles, size_t
     f->head = i;
 }
 
-/* The new lists and costs of the patch; returns by how much the cost changes. */
+/* Builds the new lists and costs of the patch; returns the change of the cost. */
 static double reassign(annealer *a)
 {
     const mesh *m = &a->mesh;
@@ -97,7 +97,7 @@ static double reassign(annealer *a)
     return after - before;
 }
 
-/* The twins become the originals. */
+/* Accepts the move: the new lists become the old ones. */
 static void keep(annealer *a, double change)
 {
     mesh *m = &a->mesh;
@@ -119,8 +119,8 @@ static bool random_move(annealer *a, const iso_anneal_options *opt, iso_random *
     return iso_mesh_move(&a->mesh, vertex, angle * radians, random);
 }
 
-/* So that a move that costs the mean change is accepted with START_PROB (section 4). The mean is of the sizes of the
- * changes: from a random start gains and losses nearly cancel, and the mean of the signed ones can be negative. */
+/* Returns the temperature at which a move that costs the mean change is accepted with START_PROB (section 4). The mean
+ * is of absolute changes: from a random start signed ones nearly cancel, and their mean can be negative. */
 static double start_temperature(annealer *a, const iso_anneal_options *opt, iso_random *random)
 {
     double sum = 0;
@@ -172,7 +172,7 @@ static void annealer_destroy(annealer *a)
     free(a->new_next);
 }
 
-/* Figure 4 of the paper. */
+/* Runs Figure 4 of the paper. */
 static void anneal(annealer *a, const iso_anneal_options *opt, iso_random *random, iso_tessellation *stats,
                    const iso_progress *progress)
 {

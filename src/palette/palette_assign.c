@@ -9,19 +9,19 @@
 /* 6 * 256^2 cells of 32 bits on the cube's faces:
  *
  *     first entry | second entry << 16     first <= second; both are tried, without a branch
- *     LIST_MARK | place                    where three or more may be nearest: around the corners of entries' regions
+ *     LIST_MARK | position of a list       three or more may be nearest: around the corners of entries' regions
  *
- * A list is its length and its entries, ascending. Measured: 128^2 cells are faster by a fifth on uniform directions,
- * slower by a third to a half on those that a palette was fitted to, where its entries stand close. */
+ * A list is its length and its entries, ascending. Measured: 128^2 cells are faster by a fifth for uniform directions
+ * and slower by a third to a half for those that a palette was fitted to, near which its entries are dense. */
 #define GRID_LEVELS 8
 #define GRID_CELLS (1 << GRID_LEVELS)
 #define LIST_MARK 0x80000000u
 
-/* Twice the rounding of a dot product of floats of length sqrt(3), with a margin. An entry is left out of a cell only
- * where another leads by more at all four corners, and so, both being linear, everywhere inside. */
+/* Twice the rounding error of a dot product of floats of length sqrt(3), with a margin. An entry is dropped from a cell
+ * only if another leads by more at all four corners; both are linear, so it leads everywhere inside. */
 #define LEAD_MARGIN 2e-6f
 
-/* x, y, z, x, y: starting at the largest component's axis, the three follow in cyclic order. */
+/* x, y, z, x, y: from the largest component's axis on, the three follow in cyclic order. */
 typedef struct entry {
     float c[8];
 } entry;
@@ -34,20 +34,20 @@ struct iso_palette_lookup {
     size_t list_used, list_capacity;
 };
 
-/* ---- the grid, by halving --------------------------------------------------------- */
+/* ---- grid, by halving --------------------------------------------------------------- */
 
 static float dot_at(const entry *e, const double corner[3])
 {
     return e->c[0] * (float)corner[0] + e->c[1] * (float)corner[1] + e->c[2] * (float)corner[2];
 }
 
-/* [u, u + size] x [v, v + size] of a face of the cube. */
+/* [u, u + size] x [v, v + size] on a face of the cube. */
 typedef struct cube_cell {
     int face;
     double u, v, size;
 } cube_cell;
 
-/* Of the parent's candidates those that may be nearest somewhere in the cell. */
+/* Selects the parent's candidates that may be nearest somewhere in the cell. */
 static size_t cell_candidates(const iso_palette_lookup *l, const cube_cell *cell, const uint16_t *from,
                               size_t from_count, uint16_t *to)
 {
@@ -75,7 +75,7 @@ static size_t cell_candidates(const iso_palette_lookup *l, const cube_cell *cell
     return count;
 }
 
-/* The place of a new list; SIZE_MAX when memory ends. */
+/* Appends a list and returns its position; SIZE_MAX: no memory. */
 static size_t add_list(iso_palette_lookup *l, const uint16_t *entries, size_t count)
 {
     if (l->list_used + count + 1 > l->list_capacity) {
@@ -93,7 +93,7 @@ static size_t add_list(iso_palette_lookup *l, const uint16_t *entries, size_t co
     return place;
 }
 
-/* Fills the cells [column, column + n) x [row, row + n) of a face. `from` is followed by room for the levels below. */
+/* Fills the cells [column, column + n) x [row, row + n) of a face. `from` is followed by space for the levels below. */
 static bool fill_cells(iso_palette_lookup *l, int face, int column, int row, int n, const uint16_t *from,
                        size_t from_count)
 {
@@ -125,13 +125,13 @@ iso_status iso_palette_lookup_create(const iso_palette *palette, iso_palette_loo
 {
     *lookup = NULL;
     iso_palette_lookup *l = calloc(1, sizeof *l);
-    /* Each level of the recursion keeps at most all entries. */
+    /* Each level of the recursion stores at most all entries. */
     uint16_t *candidates = malloc((GRID_LEVELS + 2) * palette->count * sizeof *candidates);
     bool good = l && candidates;
     if (good) {
         l->count = palette->count;
         l->entries = calloc(palette->count, sizeof *l->entries);
-        l->cells = calloc((size_t)6 * GRID_CELLS * GRID_CELLS + 1, sizeof *l->cells); /* the last: no direction */
+        l->cells = calloc((size_t)6 * GRID_CELLS * GRID_CELLS + 1, sizeof *l->cells); /* the last cell: no direction */
         good = l->entries && l->cells;
     }
     for (size_t i = 0; good && i < palette->count; ++i)
@@ -139,7 +139,7 @@ iso_status iso_palette_lookup_create(const iso_palette *palette, iso_palette_loo
             l->entries[i].c[c] = palette->xyz[3 * i + c % 3];
     for (size_t i = 1; good && i < palette->count; ++i)
         candidates[i - 1] = (uint16_t)i;
-    /* With the zero vector alone all cells stay 0. */
+    /* A palette with the zero vector alone leaves all cells 0. */
     for (int face = 0; face < 6 && good && palette->count > 1; ++face)
         good = fill_cells(l, face, 0, 0, GRID_CELLS, candidates, palette->count - 1);
     free(candidates);
@@ -167,10 +167,10 @@ size_t iso_palette_lookup_bytes(const iso_palette_lookup *l)
            l->list_used * sizeof *l->lists;
 }
 
-/* ---- the query --------------------------------------------------------------------- */
+/* ---- query -------------------------------------------------------------------------- */
 
-/* Directions go through in blocks: the projection vectorizes, the lookup that follows has no branch that depends on
- * the data, and the few that need a list wait until the block's end. */
+/* Directions are processed in blocks: the projection vectorizes, the lookup has no branches that depend on the data,
+ * and the few that need a list are done at the block's end. */
 #define BLOCK 256
 
 typedef struct block {
@@ -179,8 +179,8 @@ typedef struct block {
     int32_t waiting[BLOCK];
 } block;
 
-/* iso_cube_project and iso_cube_cell, written without branches. A comparison with NaN could trap, which nobody asked
- * for, and only a compiler that knows this makes vectors of the loop. */
+/* iso_cube_project and iso_cube_cell without branches. Comparisons with NaN could trap; the compiler vectorizes the
+ * loop only if it may ignore that. */
 __attribute__((optimize("no-trapping-math"))) static void project_block(const float *restrict vectors,
                                                                         block *restrict b, int count)
 {

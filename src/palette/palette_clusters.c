@@ -51,7 +51,7 @@ void iso_clusters_set_entry(clusters *c, uint32_t k, const float *direction)
 
 void iso_clusters_seed_random(clusters *c, iso_random *random)
 {
-    /* Selection sampling: `count` of the items, each set equally likely. */
+    /* Selection sampling: all sets of `count` items are equally likely. */
     size_t chosen = 0;
     for (size_t i = 0; i < c->item_count && chosen < c->count; ++i)
         if (iso_random_unit(random) * (double)(c->item_count - i) < (double)(c->count - chosen))
@@ -65,7 +65,7 @@ typedef struct greedy {
     double *cumulative;
 } greedy;
 
-/* How much the sum of r * best grows by an entry at u. */
+/* Returns the growth of the sum of r * best by an entry at u. */
 static double gain_of(const greedy *g, size_t count, const float *u)
 {
     double gain = 0;
@@ -94,7 +94,7 @@ static void take_entry(clusters *c, greedy *g, uint32_t k, const float *u)
     }
 }
 
-/* An item drawn in proportion to what it costs. */
+/* Draws an item with a probability proportional to its cost. */
 static size_t draw_item(const greedy *g, size_t count, iso_random *random)
 {
     double at = iso_random_unit(random) * g->cumulative[count - 1];
@@ -111,12 +111,12 @@ static size_t draw_item(const greedy *g, size_t count, iso_random *random)
 
 static void seed_greedy(clusters *c, greedy *g, iso_random *random)
 {
-    /* Arthur and Vassilvitskii's 2 + log k candidates for each entry, of which the best is taken. */
+    /* Arthur and Vassilvitskii's 2 + log k candidates for each entry; the best one is used. */
     size_t n = c->item_count, candidates = 2 + (size_t)log((double)c->count);
     for (uint32_t k = 0; k < c->count; ++k) {
         double total = 0;
         for (size_t i = 0; i < n; ++i) {
-            /* For the first entry best is -1, and all items cost alike. */
+            /* For the first entry best is -1: all items have the same cost per weight. */
             total += c->r[i] * fmax(0, 1 - (double)g->best[i]);
             g->cumulative[i] = total;
         }
@@ -201,15 +201,15 @@ void iso_clusters_find_neighbors(clusters *c, uint32_t k)
     own->neighbor_count = used;
 }
 
-/* The nearest entry to u, which was nearest to k. An entry more than twice as far from k as u is cannot be nearer to u
- * (triangle inequality on the sphere), so the neighbors that are sorted by distance end the search early. */
+/* Returns the nearest entry to u, which was nearest to k. An entry more than twice as far from k as u is not nearer to
+ * u (triangle inequality on the sphere), so the search through k's sorted neighbors ends early. */
 static uint32_t nearest_from(clusters *c, uint32_t k, const float *u)
 {
     const cluster *own = &c->cluster[k];
     float best_dot = clusters_dot(c, k, u);
     if (best_dot <= 0)
         return nearest_of_all(c, u);
-    float reach = 2 * best_dot * best_dot - 1 - 1e-5f; /* cos of twice the angle, below it by the rounding */
+    float reach = 2 * best_dot * best_dot - 1 - 1e-5f; /* cos of twice the angle, minus the rounding error */
     uint32_t best = k;
     for (uint32_t j = 0; j < own->neighbor_count; ++j) {
         if (own->neighbor_dot[j] < reach)
@@ -248,7 +248,7 @@ double iso_clusters_collect(clusters *c)
     return total;
 }
 
-/* An entry without items takes the item that costs most where it is. */
+/* Moves an entry without items to the item with the largest cost. True if there was one. */
 static bool fill_empty(clusters *c)
 {
     bool any = false;

@@ -15,7 +15,7 @@
 
 typedef struct cluster {
     double sum[3], norm; /* S and |S| */
-    uint32_t head;       /* of the list of its items, or NO_ITEM */
+    uint32_t head;       /* first of its items, or NO_ITEM */
     uint32_t neighbor_count;
     uint32_t neighbor[CLUSTER_NEIGHBORS]; /* nearest first */
     float neighbor_dot[CLUSTER_NEIGHBORS];
@@ -23,11 +23,11 @@ typedef struct cluster {
 
 typedef struct clusters {
     size_t item_count, count;
-    const float *u;  /* 3 an item, borrowed from the set */
+    const float *u;  /* 3 per item, borrowed from the set */
     double *r;       /* weight times length */
-    float *axis[3];  /* the entries, planar */
-    float *dots;     /* scratch, one an entry */
-    uint32_t *owner; /* an item's cluster */
+    float *axis[3];  /* entries, planar */
+    float *dots;     /* scratch, one per entry */
+    uint32_t *owner; /* cluster of each item */
     uint32_t *next, *previous;
     cluster *cluster;
 } clusters;
@@ -41,18 +41,18 @@ static inline float clusters_dot(const clusters *c, uint32_t k, const float *u)
 }
 void iso_clusters_set_entry(clusters *c, uint32_t k, const float *direction);
 
-/* Seeds: count entries, and each item's owner. */
+/* Choose the first `count` entries and each item's owner. */
 void iso_clusters_seed_random(clusters *c, iso_random *random);
 iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *err);
 
-/* Nearest entry among all, for every item. */
+/* Assigns every item to the nearest of all entries. */
 void iso_clusters_assign_all(clusters *c);
-/* Each entry's nearest others. */
+/* Finds the entries nearest to entry k. */
 void iso_clusters_find_neighbors(clusters *c, uint32_t k);
-/* Assigns and recenters until the sum of |S| grows by less than a millionth, at most `rounds` times. Entries that
- * lose all items go to the item that costs most. Returns the sum of |S|. */
+/* Assigns and recenters until the sum of |S| grows by less than a millionth, at most `rounds` times. Entries that lose
+ * all items move to the item with the largest cost. Returns the sum of |S|. */
 double iso_clusters_lloyd(clusters *c, size_t rounds);
-/* The lists of items, S and |S| from the owners. Returns the sum of |S|. */
+/* Rebuilds the lists of items, S and |S| from the owners. Returns the sum of |S|. */
 double iso_clusters_collect(clusters *c);
 
 #endif

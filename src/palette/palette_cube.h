@@ -16,7 +16,7 @@ typedef struct iso_cube_point {
     float u, v; /* in [-1, 1] */
 } iso_cube_point;
 
-/* False for the zero vector and for components that are NaN or infinite. */
+/* Projects d on the cube. False for the zero vector and if a component is NaN or infinite. */
 static inline int iso_cube_project(const float d[3], iso_cube_point *p)
 {
     float ax = fabsf(d[0]), ay = fabsf(d[1]), az = fabsf(d[2]);
@@ -31,7 +31,7 @@ static inline int iso_cube_project(const float d[3], iso_cube_point *p)
     p->negative = major < 0;
     p->u = second / most;
     p->v = third / most;
-    /* NaN anywhere, infinity (inf / inf) and 0 / 0 all leave a sum that is not finite. */
+    /* NaN, infinity (inf / inf) and 0 / 0 all make this sum not finite. */
     return most > 0 && fabsf(p->u) + fabsf(p->v) + most * 0 <= 2;
 }
 
@@ -44,7 +44,7 @@ static inline uint32_t iso_cube_cell(const iso_cube_point *p, int cells)
     return (uint32_t)(((2 * p->axis + p->negative) * cells + row) * cells + column);
 }
 
-/* The vector, not normalized, at (u, v) of a face. */
+/* Computes the vector, not normalized, at (u, v) of a face. */
 static inline void iso_cube_vector(int face, double u, double v, double out[3])
 {
     int axis = face / 2;

@@ -78,7 +78,7 @@ void iso_search_move(palette_search *s, uint32_t item, uint32_t to)
     iso_search_queue(s, to);
 }
 
-/* Where the item makes the two resultants longest; its own cluster when nowhere. */
+/* Returns the cluster in which the item makes the two resultants longest; its own if no other is better. */
 static uint32_t best_exchange(const clusters *c, uint32_t item)
 {
     uint32_t from = c->owner[item], best = from;
@@ -86,7 +86,7 @@ static uint32_t best_exchange(const clusters *c, uint32_t item)
     const float *u = c->u + 3 * item;
     double r = c->r[item];
     double loss = own->norm - joined_norm(own, u, -r);
-    double most = loss * (1 + 1e-9) + 1e-12 * own->norm; /* moves on rounding alone would go on for ever */
+    double most = loss * (1 + 1e-9) + 1e-12 * own->norm; /* moves due to rounding alone would never end */
     float threshold = (float)(most / r);
     for (uint32_t j = 0; j < own->neighbor_count; ++j) {
         uint32_t k = own->neighbor[j];

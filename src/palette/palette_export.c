@@ -9,7 +9,7 @@
 #include "base/inputs.h"
 #include "palette/palette.h"
 
-/* Nine digits: a float survives. */
+/* Nine digits preserve a float. */
 #define NUMBERS "%.9g, %.9g, %.9g"
 
 static void put_entry(FILE *file, const char *format, const iso_palette *p, size_t i)
@@ -17,7 +17,7 @@ static void put_entry(FILE *file, const char *format, const iso_palette *p, size
     fprintf(file, format, (double)p->xyz[3 * i], (double)p->xyz[3 * i + 1], (double)p->xyz[3 * i + 2]);
 }
 
-/* Hands the text of a memory stream to the file. */
+/* Saves the text of a memory stream to a file. */
 static iso_status save_text(FILE *memory, char **text, size_t *size, const char *path, iso_error *err)
 {
     bool good = memory && fclose(memory) == 0;
@@ -41,7 +41,7 @@ iso_status iso_palette_save_csv(const iso_palette *palette, const char *path, is
     return save_text(memory, &text, &size, path, err);
 }
 
-/* One line "index,x,y,z": indices ascend from 0, entry 0 is zero, the others are unit to the digits of a float. */
+/* Parses a line "index,x,y,z": indices ascend from 0, entry 0 is zero, the others are unit up to a float's digits. */
 static bool parse_line(const char *line, size_t wanted, float xyz[3])
 {
     double n2 = 0;
@@ -74,10 +74,11 @@ iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_erro
         lines += text[i] == '\n';
     if (size && text[size - 1] != '\n')
         ++lines;
-    if (memchr(text, 0, size)) /* a line would end before its line feed */
-        status = iso_fail(err, ISO_E_FORMAT, "%s: holds a byte of 0, so it is no text", path);
+    if (memchr(text, 0, size)) /* would cut a line short */
+        status = iso_fail(err, ISO_E_FORMAT, "%s: is not text (has a byte of 0)", path);
     else if (lines < 2 || lines > ISO_PALETTE_MAX + 2)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %zu lines, a palette has 2 to %d", path, lines, ISO_PALETTE_MAX + 2);
+        status = iso_fail(err, ISO_E_FORMAT, "%s: has %zu lines, a palette has 2 to %d", path, lines,
+                          ISO_PALETTE_MAX + 2);
     else
         status = iso_palette_create(palette, lines - 2, err);
     char *rest = text;

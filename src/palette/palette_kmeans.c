@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The default: greedy k-means++, Lloyd, then the searches of palette_search.h. */
+/* palette_kmeans.c - the default: greedy k-means++, Lloyd, then the searches of palette_search.h. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 
 /* ---- seeds by splitting [linde-1980] -------------------------------------------- */
 
-/* Doubles the code book, or splits the costliest entries where doubling is too much, and runs Lloyd after each. */
+/* Doubles the number of entries, or splits the costliest ones if that is too many; runs Lloyd after each step. */
 static iso_status grow_by_splitting(clusters *c, const iso_direction_set *set, iso_error *err)
 {
     size_t wanted = c->count;
@@ -16,14 +16,14 @@ static iso_status grow_by_splitting(clusters *c, const iso_direction_set *set, i
     c->count = 1;
     iso_clusters_collect(c);
     while (c->count < wanted) {
-        size_t now = c->count, room = wanted - now;
+        size_t now = c->count, left = wanted - now;
         double *gain = malloc(now * sizeof *gain);
         if (!gain)
             return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu clusters", wanted);
         float side[3];
         for (uint32_t k = 0; k < now; ++k)
             gain[k] = iso_clusters_split(c, k, side);
-        for (size_t i = 0; i < now && i < room; ++i) {
+        for (size_t i = 0; i < now && i < left; ++i) {
             uint32_t k = extreme_cluster(gain, -1, now), fresh = (uint32_t)c->count;
             if (iso_clusters_split(c, k, side) < 0)
                 break;
@@ -33,7 +33,7 @@ static iso_status grow_by_splitting(clusters *c, const iso_direction_set *set, i
             c->cluster[fresh] = (cluster){.head = NO_ITEM};
         }
         free(gain);
-        /* Every cluster of one item: cannot be, as there are more items than entries. */
+        /* Impossible: each cluster would have one item, but there are more items than entries. */
         if (c->count == now)
             break;
         iso_clusters_assign_all(c);
@@ -42,9 +42,9 @@ static iso_status grow_by_splitting(clusters *c, const iso_direction_set *set, i
     return ISO_OK;
 }
 
-/* ---- the fit ------------------------------------------------------------------------------- */
+/* ---- fit ------------------------------------------------------------------------- */
 
-/* No more directions than entries: each is an entry of its own. */
+/* Makes each direction an entry, if there are no more directions than entries. */
 static iso_status one_entry_each(const iso_direction_set *set, iso_palette *palette, iso_error *err)
 {
     iso_status status = iso_palette_create(palette, set->count, err);
@@ -53,10 +53,10 @@ static iso_status one_entry_each(const iso_direction_set *set, iso_palette *pale
     return status;
 }
 
-/* Swaps are tried on a set of at most this many bundles an entry: enough to tell where entries are missed. */
+/* Swaps are tried on a set of at most this many bundles per entry, enough to find places that need entries. */
 #define SEARCH_BUNDLES 32
 
-/* The coarse set that is fine enough: the more concentrated the directions, the finer its cells. */
+/* Creates the finest set with few enough bundles: the more concentrated the directions, the finer its cells. */
 static iso_status coarsen(const iso_direction_set *set, size_t entries, iso_direction_set *out, iso_error *err)
 {
     static const int cells[] = {96, 64, 48, 32, 24, 16};
@@ -78,12 +78,12 @@ static iso_status fit_search(clusters *c, const iso_palette_options *opt, iso_ra
         return status;
     iso_clusters_lloyd(c, 20);
     status = iso_clusters_improve(c, opt->swap_trials, random, progress, err);
-    /* The exchange looks at neighbors only; this makes each item's owner the nearest of all. */
+    /* The exchange considers neighbors only; this assigns each item to the nearest of all entries. */
     iso_clusters_lloyd(c, 2);
     return status;
 }
 
-/* Large sets: the search on a coarse one, then Lloyd on all. */
+/* Fits large sets: searches on a coarse set, then runs Lloyd on all. */
 static iso_status fit_large(clusters *c, const iso_direction_set *set, const iso_palette_options *opt,
                             iso_random *random, const iso_progress *progress, iso_error *err)
 {
@@ -91,7 +91,7 @@ static iso_status fit_large(clusters *c, const iso_direction_set *set, const iso
     clusters few = {0};
     iso_status status = coarsen(set, c->count, &coarse, err);
     if (status == ISO_OK && coarse.count <= c->count) {
-        /* All lie in a few cells: nothing is gained by bundling them. */
+        /* All directions are in a few cells: bundling gains nothing. */
         iso_direction_set_destroy(&coarse);
         return fit_search(c, opt, random, progress, err);
     }

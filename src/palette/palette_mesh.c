@@ -7,10 +7,10 @@
 
 #define MARK_SAVED 1
 #define MARK_PATCH 2
-/* A move touches some ten triangles; a hundred edges to check are usual, and beyond this many it is refused. */
-#define EDGE_ROOM 4096
-/* A triangle seen from the center must have at least this volume, an edge count as concave only above it: well over
- * the rounding of a determinant of unit vectors (1e-16), well under the volumes of real triangles (1e-4). */
+/* A move affects about ten triangles and a hundred edges to check; with more edges than this it is refused. */
+#define EDGE_CAPACITY 4096
+/* Least volume of a triangle seen from the center, and of a concave edge: well above the rounding error of a
+ * determinant of unit vectors (1e-16), well below the volumes of real triangles (1e-4). */
 #define LEAST_VOLUME 1e-12
 
 static double volume(iso_vec3 a, iso_vec3 b, iso_vec3 c)
@@ -44,13 +44,13 @@ static int corner_of(const mesh *m, uint32_t t, uint32_t vertex)
 
 static void push_edge(mesh *m, uint32_t t, int side)
 {
-    if (m->edge_count < EDGE_ROOM)
+    if (m->edge_count < EDGE_CAPACITY)
         m->edges[m->edge_count++] = 3 * t + (uint32_t)side;
     else
         m->too_many = true;
 }
 
-/* Swaps the edge of t that is opposite its corner `side`:
+/* Swaps the edge of t opposite its corner `side`:
  *
  *     t = (p, a, b), o = (q, b, a)    becomes    t = (p, a, q), o = (q, b, p) */
 static void swap_edge(mesh *m, uint32_t t, int side)
@@ -73,14 +73,14 @@ static void swap_edge(mesh *m, uint32_t t, int side)
     m->triangle_of[b] = o;
 }
 
-/* The vertex across the edge opposite corner `side`. */
+/* Returns the vertex across the edge opposite corner `side`. */
 static uint32_t opposite(const mesh *m, uint32_t t, int side)
 {
     uint32_t o = m->triangle[t].n[side];
     return m->triangle[o].v[side_to(m, o, t)];
 }
 
-/* The other triangle's far vertex lies above this one's plane. */
+/* True if the other triangle's far vertex lies above this one's plane. */
 static bool is_concave(const mesh *m, uint32_t t, int side)
 {
     const uint32_t *v = m->triangle[t].v;
@@ -88,7 +88,7 @@ static bool is_concave(const mesh *m, uint32_t t, int side)
     return iso_dot(iso_cross(iso_sub(b, a), iso_sub(c, a)), iso_sub(q, a)) > LEAST_VOLUME;
 }
 
-/* The two triangles that the swap would make are seen positive from the center. */
+/* True if both triangles after the swap would be positive seen from the center. */
 static bool can_swap(const mesh *m, uint32_t t, int side)
 {
     const uint32_t *v = m->triangle[t].v;
@@ -97,7 +97,7 @@ static bool can_swap(const mesh *m, uint32_t t, int side)
     return volume(p, a, q) > LEAST_VOLUME && volume(q, b, p) > LEAST_VOLUME;
 }
 
-/* Tests the listed edges; a concave one is swapped, and the four around it are listed. */
+/* Tests the listed edges; swaps concave ones and lists the four edges around each. */
 static void make_convex(mesh *m)
 {
     size_t swaps = 0;
@@ -107,7 +107,7 @@ static void make_convex(mesh *m)
         if (!is_concave(m, t, side))
             continue;
         uint32_t o = m->triangle[t].n[side];
-        if (!can_swap(m, t, side) || ++swaps > EDGE_ROOM) {
+        if (!can_swap(m, t, side) || ++swaps > EDGE_CAPACITY) {
             m->too_many = true;
             break;
         }
@@ -120,7 +120,7 @@ static void make_convex(mesh *m)
     m->edge_count = 0;
 }
 
-/* ---- the move -------------------------------------------------------------------------- */
+/* ---- moves ----------------------------------------------------------------------------- */
 
 typedef struct path {
     iso_vec3 from, tangent;
@@ -140,7 +140,7 @@ static path random_path(iso_vec3 from, double angle, iso_random *random)
     return (path){from, iso_madd(iso_scale(e, cos(turn)), f, sin(turn)), angle};
 }
 
-/* Which triangle around the vertex degenerates first on the way; *angle is where. False: none does. */
+/* Finds the first triangle around the vertex to degenerate on the path, at *angle. False: none does. */
 static bool first_event(const mesh *m, uint32_t vertex, const path *p, double *angle, uint32_t *triangle)
 {
     uint32_t start = m->triangle_of[vertex], t = start;
@@ -151,7 +151,7 @@ static bool first_event(const mesh *m, uint32_t vertex, const path *p, double *a
         const uint32_t *v = m->triangle[t].v;
         iso_vec3 n = iso_cross(m->position[v[(i + 1) % 3]], m->position[v[(i + 2) % 3]]);
         double at_start = iso_dot(n, p->from), rate = iso_dot(n, p->tangent);
-        /* volume(angle) = at_start cos + rate sin has one zero in half a turn; a negative one cannot be resolved. */
+        /* volume(angle) = at_start cos + rate sin has one zero per half turn; a negative zero cannot be resolved. */
         if (at_start * cos(p->angle) + rate * sin(p->angle) <= LEAST_VOLUME) {
             double zero = atan2(at_start, -rate);
             if (!found || zero < *angle)
@@ -173,15 +173,14 @@ static int degree(const mesh *m, uint32_t vertex)
     return count;
 }
 
-/* Swaps the edge that triangle t, degenerate at p, has in the way. False where an end of it would keep two edges. */
+/* Swaps the edge that blocks triangle t, degenerate at p. False if an end of the edge would keep only two edges. */
 static bool resolve(mesh *m, uint32_t vertex, uint32_t t, iso_vec3 p)
 {
     int i = corner_of(m, t, vertex);
     iso_vec3 a = m->position[m->triangle[t].v[(i + 1) % 3]], b = m->position[m->triangle[t].v[(i + 2) % 3]];
     iso_vec3 n = iso_cross(a, b);
     double after_a = iso_dot(iso_cross(a, p), n), before_b = iso_dot(iso_cross(p, b), n);
-    /* The vertex meets the edge a b; or a lies on the edge to b, or b on that to a, which then goes to the neighbor
-     * beyond it. */
+    /* The vertex meets edge a b; or a lies on the edge to b, or b on that to a: swap this edge, which goes beyond t. */
     int side = after_a < 0 ? (i + 1) % 3 : before_b < 0 ? (i + 2) % 3 : i;
     if (degree(m, m->triangle[t].v[(side + 1) % 3]) < 4 || degree(m, m->triangle[t].v[(side + 2) % 3]) < 4)
         return false;
@@ -189,7 +188,7 @@ static bool resolve(mesh *m, uint32_t vertex, uint32_t t, iso_vec3 p)
     return true;
 }
 
-/* Drags the vertex, by topology alone; its position follows at the end. */
+/* Drags the vertex in the topology alone; its position is set at the end. */
 static bool drag(mesh *m, uint32_t vertex, const path *p)
 {
     for (int events = 0; events < 64; ++events) {
@@ -268,7 +267,7 @@ bool iso_mesh_is_convex(const mesh *m)
     return true;
 }
 
-/* ---- the start ---------------------------------------------------------------------------- */
+/* ---- random mesh ---------------------------------------------------------------------------- */
 
 static iso_vec3 random_point(iso_random *random)
 {
@@ -276,7 +275,7 @@ static iso_vec3 random_point(iso_random *random)
     return iso_v3(r * cos(turn), r * sin(turn), z);
 }
 
-/* (1,1,1), (1,-1,-1), (-1,1,-1), (-1,-1,1), turned at random. */
+/* Starts with (1,1,1), (1,-1,-1), (-1,1,-1), (-1,-1,1), turned at random. */
 static void start_tetrahedron(mesh *m, iso_random *random)
 {
     iso_vec3 e = random_point(random), f = iso_normalize(iso_cross(e, random_point(random))), g = iso_cross(e, f);
@@ -293,7 +292,7 @@ static void start_tetrahedron(mesh *m, iso_random *random)
     m->vertex_count = m->triangle_count = 4;
 }
 
-/* Cuts triangle t in three at the new vertex, and makes the edges around it convex. */
+/* Cuts triangle t in three at the new vertex and makes the edges around it convex. */
 static void insert(mesh *m, uint32_t t, iso_vec3 p)
 {
     uint32_t vertex = (uint32_t)m->vertex_count++, second = (uint32_t)m->triangle_count, third = second + 1;
@@ -330,7 +329,7 @@ static uint32_t triangle_at(const mesh *m, iso_vec3 p)
 
 iso_status iso_mesh_create_random(mesh *m, size_t triangle_count, iso_random *random, iso_error *err)
 {
-    size_t vertices = triangle_count / 2 + 2; /* Euler */
+    size_t vertices = triangle_count / 2 + 2; /* Euler's formula */
     *m = (mesh){0};
     m->position = malloc(vertices * sizeof *m->position);
     m->triangle_of = malloc(vertices * sizeof *m->triangle_of);
@@ -338,7 +337,7 @@ iso_status iso_mesh_create_random(mesh *m, size_t triangle_count, iso_random *ra
     m->saved = malloc(triangle_count * sizeof *m->saved);
     m->patch = malloc(triangle_count * sizeof *m->patch);
     m->mark = calloc(triangle_count, 1);
-    m->edges = malloc(EDGE_ROOM * sizeof *m->edges);
+    m->edges = malloc(EDGE_CAPACITY * sizeof *m->edges);
     if (!m->position || !m->triangle_of || !m->triangle || !m->saved || !m->patch || !m->mark || !m->edges) {
         iso_mesh_destroy(m);
         return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu triangles", triangle_count);
@@ -349,7 +348,7 @@ iso_status iso_mesh_create_random(mesh *m, size_t triangle_count, iso_random *ra
         uint32_t t = triangle_at(m, p);
         const uint32_t *v = m->triangle[t].v;
         iso_vec3 a = m->position[v[0]], b = m->position[v[1]], c = m->position[v[2]];
-        /* A point on an edge or on a vertex would make a flat triangle: draw another. */
+        /* A point on an edge or on a vertex would make a flat triangle; then the next one is drawn. */
         if (volume(a, b, p) > 1e-9 && volume(b, c, p) > 1e-9 && volume(c, a, p) > 1e-9)
             insert(m, t, p);
     }

@@ -17,7 +17,7 @@ typedef struct view {
     iso_vec3 right, up, toward;
 } view;
 
-/* From the front right and above, as the scenes look. */
+/* Returns a view from the front right and above, as in the scenes. */
 static view front_view(void)
 {
     view v;
@@ -48,7 +48,7 @@ static void set_pixel(iso_image *image, size_t column, size_t row, const double 
     p[3] = 1;
 }
 
-/* The nearest entry at each pixel of a hemisphere; 0 outside. */
+/* Finds the nearest entry for each pixel of a hemisphere; 0 outside. */
 static void index_hemisphere(const iso_palette_lookup *lookup, const view *v, uint16_t *index)
 {
     const double radius = SIDE / 2.0 - MARGIN;
@@ -93,7 +93,7 @@ static void draw_dots(iso_image *image, const iso_direction_set *set, const view
     }
 }
 
-/* Dots show where the data is while there are few of them; more would hide the regions. */
+/* Largest number of dots for the data; more would hide the regions. */
 #define MOST_DOTS 20000
 
 iso_status iso_palette_picture_png(const iso_palette *palette, const iso_direction_set *set, const char *path,
@@ -141,7 +141,7 @@ iso_status iso_palette_picture_exr(const iso_palette *palette, const char *path,
     return status;
 }
 
-/* ---- the tessellation ----------------------------------------------------------------- */
+/* ---- tessellation --------------------------------------------------------------------- */
 
 static iso_vec3 vertex(const iso_tessellation *t, uint32_t i)
 {
@@ -169,7 +169,7 @@ static void svg_write(FILE *file, const iso_tessellation *t, const iso_direction
         for (int e = 0; e < 3; ++e) {
             uint32_t i = t->faces[f][e], j = t->faces[f][(e + 1) % 3];
             iso_vec3 a = vertex(t, i), b = vertex(t, j);
-            /* Each edge once, and only where its middle faces the viewer. */
+            /* Each edge once, and only if its middle faces the viewer. */
             if (i > j || iso_dot(iso_add(a, b), v->toward) <= 0)
                 continue;
             svg_point(file, "M%.1f %.1f", v, a);

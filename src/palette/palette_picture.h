@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* palette_picture.h - palettes to look at. */
+/* palette_picture.h - pictures of palettes. */
 #ifndef ISO_PALETTE_PICTURE_H
 #define ISO_PALETTE_PICTURE_H
 
 #include "palette/palette.h"
 
-/* PNG: the sphere from both sides, each point in the color of its nearest entry (x, y, z as red, green, blue),
- * regions outlined, the set's directions as dots; set may be NULL. */
+/* Writes a PNG: the sphere from both sides, each point in the color of its nearest entry (x, y, z as red, green, blue),
+ * with outlined regions and the set's directions as dots; set may be NULL. */
 iso_status iso_palette_picture_png(const iso_palette *palette, const iso_direction_set *set, const char *path,
                                    iso_error *err);
-/* EXR: count x 1 floats, entry i in pixel i as R, G, B. */
+/* Writes an EXR: count x 1 floats, entry i in pixel i as R, G, B. */
 iso_status iso_palette_picture_exr(const iso_palette *palette, const char *path, const char *note, iso_error *err);
-/* SVG: the front of the tessellation over the set's directions ([bremer-2001] Figure 9). */
+/* Writes an SVG: the front of the tessellation over the set's directions ([bremer-2001] Figure 9). */
 iso_status iso_palette_picture_svg(const iso_tessellation *t, const iso_direction_set *set, const char *path,
                                    iso_error *err);
 

@@ -15,7 +15,7 @@ static void put(float *xyz, size_t at, iso_vec3 v)
     xyz[3 * at + 2] = (float)n.z;
 }
 
-/* ---- Van Gelder and Kim: icosahedron with its dual, cut 1 to 4 ------------------ */
+/* ---- [van-gelder-1996]: icosahedron joined with its dual, triangles cut in four ---- */
 
 size_t iso_subdivision_faces(int level)
 {
@@ -32,7 +32,7 @@ typedef struct mesh {
     uint32_t (*faces)[3];
 } mesh;
 
-/* The icosahedron's 12 vertices, and one of the dodecahedron's 20 over each of its faces. */
+/* Adds the icosahedron's 12 vertices, and one of the dodecahedron's 20 over each of its faces. */
 static void start_vertices(mesh *m)
 {
     const double g = 0.5 * (1 + sqrt(5));
@@ -48,13 +48,13 @@ static void start_vertices(mesh *m)
         for (int b = a + 1; b < 12; ++b)
             for (int c = b + 1; c < 12; ++c) {
                 iso_vec3 p = m->vertices[a], q = m->vertices[b], r = m->vertices[c];
-                /* Neighbors of the icosahedron stand at a cosine of 1/sqrt(5) = .447; the next at -.447. */
+                /* Neighbors in the icosahedron have a cosine of 1/sqrt(5) = .447, other pairs at most -.447. */
                 if (iso_dot(p, q) > 0 && iso_dot(q, r) > 0 && iso_dot(r, p) > 0)
                     m->vertices[m->vertex_count++] = iso_normalize(iso_add(iso_add(p, q), r));
             }
 }
 
-/* Each edge of the dodecahedron makes a triangle with the icosahedron's vertex on either side: 60 triangles. */
+/* Adds a triangle for each edge of the dodecahedron and the icosahedron's vertex on either side: 60 triangles. */
 static void start_mesh(mesh *m)
 {
     start_vertices(m);
@@ -63,8 +63,8 @@ static void start_mesh(mesh *m)
         for (uint32_t b = a + 1; b < 32; ++b)
             for (uint32_t c = 0; c < 12; ++c) {
                 iso_vec3 p = m->vertices[a], q = m->vertices[b], r = m->vertices[c];
-                /* Neighbors: .745 along the dodecahedron's edges, .795 to the icosahedron's vertices; the next
-                 * .333. */
+                /* Cosines of neighbors: .745 along the dodecahedron's edges, .795 to the icosahedron's vertices; other
+                 * pairs at most .333. */
                 if (iso_dot(p, q) < 0.6 || iso_dot(q, r) < 0.6 || iso_dot(r, p) < 0.6)
                     continue;
                 bool outward = iso_dot(iso_cross(p, q), r) > 0;
@@ -75,7 +75,7 @@ static void start_mesh(mesh *m)
             }
 }
 
-/* Each edge's midpoint is made twice, once a side, and found again by its ends. */
+/* Returns the midpoint of an edge, found by its ends; each is created once, by the first of two triangles. */
 static uint32_t midpoint(mesh *m, uint32_t (*edges)[3], size_t mask, uint32_t a, uint32_t b)
 {
     uint32_t lo = a < b ? a : b, hi = a < b ? b : a;
@@ -135,14 +135,14 @@ iso_status iso_palette_subdivide(int level, bool faces, float *xyz, iso_error *e
     return status;
 }
 
-/* ---- [glassner-1990]: the normal seen along z, its x and y coded ------------------- */
+/* ---- [glassner-1990]: the normal seen along z, coded by its x and y ---------------- */
 
 static int grid_side(size_t directions)
 {
     return (int)floor(sqrt((double)(directions / 2)));
 }
 
-/* The center of cell (i, j), or of what the disc has of it; false where the cell and the disc do not meet. */
+/* Computes the center of cell (i, j), or of its part in the disc; false if the cell is outside the disc. */
 static bool grid_entry(int side, int i, int j, double sign, iso_vec3 *out)
 {
     double x = (2 * i + 1.0) / side - 1, y = (2 * j + 1.0) / side - 1, half = 1.0 / side;
@@ -150,7 +150,7 @@ static bool grid_entry(int side, int i, int j, double sign, iso_vec3 *out)
     if (near_x * near_x + near_y * near_y >= 1)
         return false;
     double r2 = x * x + y * y;
-    *out = iso_v3(x, y, sign * sqrt(fmax(0, 1 - r2))); /* beyond the disc: its edge, once normalized */
+    *out = iso_v3(x, y, sign * sqrt(fmax(0, 1 - r2))); /* outside the disc: on its edge after normalization */
     return true;
 }
 
@@ -171,8 +171,8 @@ size_t iso_palette_grid(size_t directions, float *xyz)
     return count;
 }
 
-/* Equal areas of the disc: radius sqrt((i + 1/2) / n); turns as far apart as the steps along them, so that the
- * angle is 2 sqrt(pi (i + 1/2)). */
+/* Equal areas of the disc: radius sqrt((i + 1/2) / n). The distance between turns is that of the steps along them, so
+ * that the angle is 2 sqrt(pi (i + 1/2)). */
 void iso_palette_spiral(size_t directions, float *xyz)
 {
     const double pi = acos(-1);

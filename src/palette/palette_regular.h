@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* palette_regular.h - tables that do not look at the data. */
+/* palette_regular.h - fixed tables, independent of the data. */
 #ifndef ISO_PALETTE_REGULAR_H
 #define ISO_PALETTE_REGULAR_H
 
 #include "palette/palette.h"
 
-/* [van-gelder-1996]: the icosahedron joined with its dual, each triangle cut in four `level` times and its new
- * vertices lifted to the sphere. 60 4^level faces, 30 4^level + 2 vertices. */
+/* [van-gelder-1996]: the icosahedron joined with its dual; `level` times each triangle is cut in four and the new
+ * vertices are moved to the sphere. 60 4^level faces, 30 4^level + 2 vertices. */
 size_t iso_subdivision_faces(int level);
 size_t iso_subdivision_vertices(int level);
 iso_status iso_palette_subdivide(int level, bool faces, float *xyz, iso_error *err);
 
-/* [glassner-1990]. The grid fills at most `directions` codes (a sign, side^2 cells of x and y) and returns how many of
- * them name a direction: about a quarter of the cells lie outside the disc. xyz may be NULL, to count. */
+/* [glassner-1990]. The grid uses at most `directions` codes (a sign, side^2 cells of x and y) and returns the number of
+ * codes with a direction: about a quarter of the cells lie outside the disc. xyz may be NULL, to count. */
 size_t iso_palette_grid(size_t directions, float *xyz);
 void iso_palette_spiral(size_t directions, float *xyz);
 

@@ -6,20 +6,20 @@
 #include "base/parallel.h"
 #include "palette/palette.h"
 
-/* Gradients of some half a million voxels at a time: they stay in the cache until they are pooled. */
+/* Gradients of about half a million voxels at a time, which stay in the cache until they are pooled. */
 #define SLAB_VOXELS ((size_t)1 << 19)
 
 static float table_weight(const iso_palette_weighting *w, float value)
 {
     double last = (double)(w->by_value_count - 1);
     double x = ((double)value - w->by_value_lo) / (w->by_value_hi - w->by_value_lo) * last;
-    x = x > 0 ? (x < last ? x : last) : 0; /* NaN too, and a range of one value */
+    x = x > 0 ? (x < last ? x : last) : 0; /* NaN and a range of one value give 0 */
     size_t i = (size_t)x < w->by_value_count - 2 ? (size_t)x : w->by_value_count - 2;
     double f = x - (double)i;
     return (float)((1 - f) * (double)w->by_value[i] + f * (double)w->by_value[i + 1]);
 }
 
-/* scale: what makes the largest magnitude at most 1. */
+/* Computes the weights of a row. scale: 1 / largest possible magnitude. */
 static void weigh_row(const iso_palette_weighting *w, const float *restrict vectors, const float *restrict magnitudes,
                       const float *restrict scalars, float scale, size_t count, float *restrict out)
 {
@@ -42,16 +42,16 @@ static bool is_weighted(const iso_palette_weighting *w)
 static iso_status check_weighting(const iso_palette_weighting *w, iso_error *err)
 {
     if (w && w->by_value && w->by_value_count < 2)
-        return iso_fail(err, ISO_E_RANGE, "palette: a table of %zu weights, at least 2", w->by_value_count);
+        return iso_fail(err, ISO_E_RANGE, "palette: table of %zu weights, must have at least 2", w->by_value_count);
     return ISO_OK;
 }
 
-/* What a volume is sampled by, and the memory for a slab of it. */
+/* How to sample a volume, and the memory for a slab of it. */
 typedef struct slab_buffers {
     const iso_gradient_options *gradient;
     const iso_palette_weighting *weighting;
     size_t capacity;                  /* voxels */
-    float *gradients, *weights, *row; /* row: one a thread */
+    float *gradients, *weights, *row; /* row: one per thread */
     int threads;
 } slab_buffers;
 
@@ -80,7 +80,7 @@ static size_t slab_planes(const iso_geometry *g)
     return planes < 1 ? 1 : planes < g->size[2] ? planes : g->size[2];
 }
 
-/* Pools the planes [z0, z1) of v. */
+/* Adds the planes [z0, z1) of v to the pool. */
 static iso_status pool_planes(iso_direction_pool *pool, const iso_volume *v, size_t z0, size_t z1, slab_buffers *b,
                               iso_error *err)
 {
@@ -90,7 +90,7 @@ static iso_status pool_planes(iso_direction_pool *pool, const iso_volume *v, siz
     if (status != ISO_OK)
         return status;
     if (is_weighted(w)) {
-        /* No difference of neighbors is larger than the range in one step of the least spacing, along each axis. */
+        /* No difference of neighbors exceeds the range per step of the least spacing, along each axis. */
         double most = sqrt(3) * w->value_span / iso_geometry_min_spacing_mm(&v->geometry);
         float scale = most > 0 ? (float)(1 / most) : 0;
 #pragma omp parallel for schedule(static) num_threads(b->threads)
@@ -120,10 +120,10 @@ iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume 
     return status;
 }
 
-/* A window of planes over the source: one before the slab, the slab, one behind it, so that its gradients are those
- * of the whole volume.
+/* Slides a window of planes over the source: one before the slab, the slab, one after it, so that its gradients are
+ * those of the whole volume.
  *
- *     window planes   | before |  slab ...  | behind |
+ *     window planes   | before |  slab ...  | after |
  *     next window                  | before |  slab ... */
 iso_status iso_palette_sample_source(iso_direction_pool *pool, iso_volume_source *source,
                                      const iso_gradient_options *gradient, const iso_palette_weighting *w,
@@ -139,7 +139,7 @@ iso_status iso_palette_sample_source(iso_direction_pool *pool, iso_volume_source
     if (status == ISO_OK && !window.data)
         status = iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu planes", planes + 2);
     TRY(status, buffers_create(&b, &header->geometry, planes, gradient->threads, err));
-    size_t first = 0, have = 0; /* the window holds the planes [first, have) */
+    size_t first = 0, have = 0; /* the window has the planes [first, have) */
     for (size_t z = 0; z < nz && status == ISO_OK; z += planes) {
         size_t end = z + planes < nz ? z + planes : nz, need = end < nz ? end + 1 : nz;
         size_t start = z > 0 ? z - 1 : 0;

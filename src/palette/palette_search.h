@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* palette_search.h - two searches that go on where Lloyd stops; private to the fit.
+/* palette_search.h - two searches that improve on Lloyd's result; private to src/palette.
  *
- *   exchange  one item moves to another cluster when the two resultants together become longer (Hartigan): with
- *             few items an entry this is well below Lloyd's optimum, since an item pulls its own entry towards it.
- *   swap      the entry that is missed least is taken away and set where it gains most, the neighborhood is
- *             exchanged, and all is undone unless the total improved. */
+ *   exchange  moves one item to another cluster if the two resultants together become longer (Hartigan). With few
+ *             items per entry this is well below Lloyd's optimum, since an item pulls its own entry towards itself.
+ *   swap      removes the least useful entry, inserts it at the place of most gain, exchanges the neighborhood, and
+ *             undoes everything unless the total improves. */
 #ifndef ISO_PALETTE_SEARCH_H
 #define ISO_PALETTE_SEARCH_H
 
@@ -21,18 +21,18 @@ typedef struct saved_cluster {
 
 typedef struct palette_search {
     clusters *c;
-    uint8_t *queued; /* clusters that the next pass looks at */
+    uint8_t *queued; /* clusters for the next pass */
     uint32_t *list, *next_list;
     size_t list_count, next_count;
-    double *split_gain, *removal_loss; /* a cluster */
-    /* The journal of a trial. */
+    double *split_gain, *removal_loss; /* one per cluster */
+    /* Journal of a trial. */
     bool recording;
     uint8_t *touched;
     saved_cluster *saved;
     size_t saved_count;
     uint32_t *moved_item, *moved_from;
     size_t moved_count, moved_capacity;
-    bool full; /* the journal ran out: the trial is undone */
+    bool full; /* True if the journal is full: the trial is undone */
 } palette_search;
 
 static inline double vector_norm(const double s[3])
@@ -40,14 +40,14 @@ static inline double vector_norm(const double s[3])
     return sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
 }
 
-/* |S + r u| without a square of S. */
+/* Returns |S + r u| without squares of S. */
 static inline double joined_norm(const cluster *k, const float *u, double r)
 {
     double s[3] = {k->sum[0] + r * (double)u[0], k->sum[1] + r * (double)u[1], k->sum[2] + r * (double)u[2]};
     return vector_norm(s);
 }
 
-/* The cluster of the least sign * value. */
+/* Returns the cluster with the least sign * value. */
 static inline uint32_t extreme_cluster(const double *value, double sign, size_t count)
 {
     uint32_t best = 0;
@@ -59,22 +59,22 @@ static inline uint32_t extreme_cluster(const double *value, double sign, size_t 
 
 /* ---- exchange ---- */
 
-/* The next exchange looks at cluster k. */
+/* Queues cluster k for the next exchange. */
 void iso_search_queue(palette_search *s, uint32_t k);
-/* Into the journal, where a trial is recorded. */
+/* Saves cluster k to the journal if a trial is recorded. */
 void iso_search_save(palette_search *s, uint32_t k);
 void iso_search_move(palette_search *s, uint32_t item, uint32_t to);
-/* Exchanges inside the queued clusters, and those that change by it, until nothing moves. */
+/* Exchanges items of the queued clusters, and of those that change by it, until nothing moves. */
 void iso_search_exchange(palette_search *s, size_t passes);
-/* All clusters become what they were when the recording began. */
+/* Restores all clusters to their state at the beginning of the recording. */
 void iso_search_undo(palette_search *s);
 
 /* ---- swap ---- */
 
-/* Two means inside one cluster, from its most distant item and the one most distant from that. Returns how much
- * longer the two resultants are than the one; `side` is the second entry. */
+/* Runs two-means inside one cluster, from its most distant item and the item most distant from that. Returns by how
+ * much the two resultants are longer than the one; `side` is the second entry. */
 double iso_clusters_split(const clusters *c, uint32_t k, float side[3]);
-/* Exchanges, `trials` swaps a cluster, and exchanges. */
+/* Runs exchanges, `trials` swaps per cluster, and exchanges again. */
 iso_status iso_clusters_improve(clusters *c, size_t trials, iso_random *random, const iso_progress *progress,
                                 iso_error *err);
 

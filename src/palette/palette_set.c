@@ -42,18 +42,18 @@ static int compare_members(const void *a, const void *b)
     for (int c = 0; c < 3; ++c)
         if (p->d[c] != q->d[c])
             return p->d[c] < q->d[c] ? -1 : 1;
-    /* Equal directions add their weights in ascending order, so that the order of the input does not show. */
+    /* Equal directions add their weights in ascending order, so that the order of the input does not matter. */
     return (p->weight > q->weight) - (p->weight < q->weight);
 }
 
-/* Unit vector in float, by double so that no length over- or underflows. False where there is none. */
+/* Computes the unit vector in float, through double against overflow and underflow. False if there is none. */
 static int to_unit(const float v[3], float d[3])
 {
     double x = (double)v[0], y = (double)v[1], z = (double)v[2];
     double n = sqrt(x * x + y * y + z * z);
     if (!(n > 0) || !isfinite(n))
         return 0;
-    d[0] = (float)(x / n) + 0.0f; /* no negative zero: it would compare equal and print unlike */
+    d[0] = (float)(x / n) + 0.0f; /* no negative zero: it compares equal but prints differently */
     d[1] = (float)(y / n) + 0.0f;
     d[2] = (float)(z / n) + 0.0f;
     return 1;
@@ -99,7 +99,7 @@ iso_status iso_direction_set_create(iso_direction_set *set, const float *vectors
     return status;
 }
 
-/* One bundle of the members' sums; n is the length of the sum. */
+/* Stores one bundle with the members' sum and weight; n is the length of the sum. */
 static void put_bundle(iso_direction_set *set, size_t at, const double sum[3], double weight)
 {
     double n = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
@@ -124,7 +124,7 @@ iso_status iso_direction_set_coarsen(const iso_direction_set *set, int cells, is
         const float *u = set->xyz + 3 * i;
         iso_cube_point p;
         if (!iso_cube_project(u, &p))
-            continue; /* cannot be: bundles have unit directions */
+            continue; /* impossible: bundles have unit directions */
         cell_sum *cell = &sums[iso_cube_cell(&p, cells)];
         count += cell->weight == 0;
         cell->weight += set->weight[i];
@@ -140,10 +140,10 @@ iso_status iso_direction_set_coarsen(const iso_direction_set *set, int cells, is
     return status;
 }
 
-/* ---- the pool ---------------------------------------------------------------- */
+/* ---- pool -------------------------------------------------------------------- */
 
 #define POOL_BINS ((size_t)6 * ISO_POOL_CELLS * ISO_POOL_CELLS)
-/* A weight of 1 in fixed point: float's own precision; 2^39 voxels do not overflow. */
+/* A weight of 1 in fixed point: the precision of float; 2^39 voxels do not overflow. */
 #define POOL_UNIT 16777216.0f
 
 typedef struct pool_bin {
@@ -152,8 +152,8 @@ typedef struct pool_bin {
 
 struct iso_direction_pool {
     int threads;
-    pool_bin *bins;     /* POOL_BINS a thread */
-    int64_t *undefined; /* one a thread, 8 apart: not in one cache line */
+    pool_bin *bins;     /* POOL_BINS per thread */
+    int64_t *undefined; /* one per thread, 8 apart to avoid shared cache lines */
 };
 
 iso_status iso_direction_pool_create(iso_direction_pool **pool, int threads, iso_error *err)
@@ -167,7 +167,7 @@ iso_status iso_direction_pool_create(iso_direction_pool **pool, int threads, iso
     }
     if (!p || !p->bins || !p->undefined) {
         iso_direction_pool_destroy(p);
-        return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu bins a thread", POOL_BINS);
+        return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu bins per thread", POOL_BINS);
     }
     *pool = p;
     return ISO_OK;
@@ -195,7 +195,7 @@ static void add_range(pool_bin *restrict bins, int64_t *restrict undefined, cons
             continue;
         }
         pool_bin *bin = &bins[iso_cube_cell(&p, ISO_POOL_CELLS)];
-        /* The unit vector in the face's own axes: no length over- or underflows. */
+        /* The unit vector in the face's own axes: no length overflows or underflows. */
         float scale = w / sqrtf(1 + p.u * p.u + p.v * p.v);
         bin->weight += (int64_t)w;
         bin->sum[0] += lrintf(scale);
@@ -215,7 +215,7 @@ void iso_direction_pool_add(iso_direction_pool *pool, const float *restrict vect
     }
 }
 
-/* The sum over the threads of one bin; integers, so that their order does not show. */
+/* Sums one bin over the threads; integers, so that the order does not matter. */
 static pool_bin merged_bin(const iso_direction_pool *pool, size_t bin)
 {
     pool_bin all = {{0, 0, 0}, 0};
@@ -254,7 +254,7 @@ iso_status iso_direction_pool_finish(const iso_direction_pool *pool, iso_directi
 
 /* ---- the paper's ellipsoid ----------------------------------------------------- */
 
-/* Uniform in the unit ball, by rejection from the cube. */
+/* Draws a point uniformly from the unit ball, by rejection from the cube. */
 static void point_in_ball(iso_random *random, double p[3])
 {
     double r2;
@@ -265,8 +265,9 @@ static void point_in_ball(iso_random *random, double p[3])
     } while (r2 > 1 || r2 < 1e-12);
 }
 
-/* q uniform on the unit sphere is the point (q_x, q_y / sqrt(15), q_z / sqrt(15)) of the ellipsoid, whose area grows
- * with the length of its gradient (q_x, sqrt(15) q_y, sqrt(15) q_z): q is taken in proportion to it. */
+/* Draws a gradient on the surface. q uniform on the unit sphere gives the point (q_x, q_y / sqrt(15), q_z /
+ * sqrt(15)) of the ellipsoid; its area grows with the gradient (q_x, sqrt(15) q_y, sqrt(15) q_z), so q is accepted
+ * in proportion. */
 static void gradient_on_surface(iso_random *random, double g[3])
 {
     const double stretch = sqrt(15);

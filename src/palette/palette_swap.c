@@ -46,7 +46,7 @@ double iso_clusters_split(const clusters *c, uint32_t k, float side[3])
     return gain;
 }
 
-/* The entry other than its own that suits the item best. */
+/* Returns the best entry for the item other than its own. */
 static uint32_t second_best(const clusters *c, uint32_t item, float *best_dot)
 {
     const cluster *own = &c->cluster[c->owner[item]];
@@ -60,7 +60,7 @@ static uint32_t second_best(const clusters *c, uint32_t item, float *best_dot)
     return best;
 }
 
-/* What is lost when the entry goes and its items take the next best. */
+/* Returns the loss if the entry is removed and its items go to the next best. */
 static double removal_loss(const clusters *c, uint32_t k)
 {
     double kept = 0;
@@ -79,7 +79,7 @@ static void rate(palette_search *s, uint32_t k)
     s->removal_loss[k] = removal_loss(s->c, k);
 }
 
-/* Takes entry k away from where it is and splits `target` with it. */
+/* Removes entry k and splits `target` with it. */
 static void relocate(palette_search *s, uint32_t k, uint32_t target, const float side[3])
 {
     clusters *c = s->c;
@@ -93,7 +93,7 @@ static void relocate(palette_search *s, uint32_t k, uint32_t target, const float
     iso_clusters_set_entry(c, k, side);
     memset(c->cluster[k].sum, 0, sizeof c->cluster[k].sum);
     c->cluster[k].norm = 0;
-    /* Those that are clearly on its side of the middle; the exchange does the rest. */
+    /* Items clearly on its side of the middle; the exchange moves the others. */
     float across[3], even = 0;
     for (int d = 0; d < 3; ++d) {
         across[d] = side[d] - middle[d];
@@ -106,7 +106,7 @@ static void relocate(palette_search *s, uint32_t k, uint32_t target, const float
             iso_search_move(s, i, k);
     }
     iso_clusters_find_neighbors(c, k);
-    /* Those around it do not know it yet; it takes the place of their farthest neighbor. */
+    /* Neighbors do not list k yet; it replaces their farthest neighbor. */
     cluster *own = &c->cluster[k];
     for (uint32_t j = 0; j < own->neighbor_count; ++j) {
         cluster *other = &c->cluster[own->neighbor[j]];
@@ -119,7 +119,7 @@ static void relocate(palette_search *s, uint32_t k, uint32_t target, const float
     }
 }
 
-/* One swap. True when the total grew; else all is as before. */
+/* Tries one swap. True if the total grew; otherwise all is as before. */
 static bool try_swap(palette_search *s, uint32_t k, uint32_t target)
 {
     clusters *c = s->c;
@@ -154,7 +154,7 @@ static bool try_swap(palette_search *s, uint32_t k, uint32_t target)
     return better;
 }
 
-/* Of a few clusters drawn the one of the least value. */
+/* Draws a few clusters and returns the one with the least sign * value. */
 static uint32_t tournament(iso_random *random, const double *value, double sign, size_t count, int draws)
 {
     uint32_t best = (uint32_t)iso_random_below(random, count);
@@ -179,7 +179,7 @@ static void search_swaps(palette_search *s, size_t trials, iso_random *random, c
 {
     size_t count = s->c->count, since_refresh = 0;
     refresh(s);
-    /* First those that gain by their own figures; each improves the total, so they end. */
+    /* First the swaps with a gain by these figures; each improves the total, so they end. */
     for (size_t i = 0; i < count; ++i) {
         uint32_t k = extreme_cluster(s->removal_loss, 1, count), target = extreme_cluster(s->split_gain, -1, count);
         if (!(s->split_gain[target] > s->removal_loss[k]) || !try_swap(s, k, target))

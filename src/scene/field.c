@@ -6,13 +6,13 @@
 static const struct {
     const char *name, *summary;
 } sources[] = {
-    [ISO_FROM_CODES] = {"codes", "codes are fetched, filtered, then decoded: what a GPU does"},
-    [ISO_FROM_DECODED] = {"decoded", "decoded at the voxels, then filtered: what exports carry"},
-    [ISO_FROM_FLOAT] = {"float", "as they are before they are encoded"},
-    [ISO_FROM_FLIPPED] = {"flipped", "decoded at the voxels and turned to one side, then filtered"},
+    [ISO_FROM_CODES] = {"codes", "codes are fetched, filtered, then decoded, as on a GPU"},
+    [ISO_FROM_DECODED] = {"decoded", "decoded at the voxels, then filtered, as in exports"},
+    [ISO_FROM_FLOAT] = {"float", "directions before encoding"},
+    [ISO_FROM_FLIPPED] = {"flipped", "decoded at the voxels, turned to one side, then filtered"},
     [ISO_FROM_ON_THE_FLY] = {"on-the-fly", "central differences of the filtered scalar, one voxel apart"},
-    [ISO_FROM_PALETTE] = {"palette", "the entries of a palette at the voxels, filtered"},
-    [ISO_FROM_PALETTE_NEAREST] = {"palette-nearest", "the palette's entry of the voxel that holds the point"},
+    [ISO_FROM_PALETTE] = {"palette", "a palette's entries at the voxels, filtered"},
+    [ISO_FROM_PALETTE_NEAREST] = {"palette-nearest", "the palette's entry of the point's voxel"},
 };
 const iso_names iso_direction_source_names = ISO_NAMES_OF_ROWS("direction source", sources);
 

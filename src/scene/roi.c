@@ -24,19 +24,18 @@ void iso_roi_destroy(iso_roi *f)
 static iso_status check(const iso_pyramid *p, size_t around, const iso_roi_options *opt, iso_error *err)
 {
     if (around >= p->level_count || opt->level >= around)
-        return iso_fail(err, ISO_E_RANGE, "region of interest: level %zu inside of level %zu, must be finer",
-                        opt->level, around);
+        return iso_fail(err, ISO_E_RANGE, "region of interest: level %zu inside level %zu, must be finer", opt->level,
+                        around);
     if (!(opt->band >= 0 && opt->band <= 64))
-        return iso_fail(err, ISO_E_RANGE, "region of interest: a band of %g voxels, must be 0 to 64", opt->band);
+        return iso_fail(err, ISO_E_RANGE, "region of interest: band of %g voxels, must be 0 to 64", opt->band);
     for (int a = 0; a < 3; ++a)
         if (!(opt->lo[a] >= 0 && opt->lo[a] < opt->hi[a] && opt->hi[a] <= (double)p->levels[0].geometry.size[a]))
-            return iso_fail(err, ISO_E_RANGE,
-                            "region of interest: %g to %g along axis %d, must grow and lie in 0 to %zu", opt->lo[a],
-                            opt->hi[a], a, p->levels[0].geometry.size[a]);
+            return iso_fail(err, ISO_E_RANGE, "region of interest: %g to %g along axis %d, must ascend within 0 to %zu",
+                            opt->lo[a], opt->hi[a], a, p->levels[0].geometry.size[a]);
     return ISO_OK;
 }
 
-/* Rows of `bytes` a voxel from the box at `first` of the level; NULL when memory ends. */
+/* Copies the box at `first`, `bytes` per voxel, from a level of `size`. NULL: no memory. */
 static void *crop(const void *from, size_t bytes, const size_t size[3], const size_t first[3], const size_t count[3])
 {
     char *out = malloc(count[0] * count[1] * count[2] * bytes);

@@ -110,7 +110,7 @@ static void read_clips(iso_json_reader *r, const json_t *root, iso_scene *s)
         iso_json_get_numbers(r, item, "point_mm", !has_at,
                              &(iso_json_list){point, 3, -ISO_MOST_PLACE_MM, ISO_MOST_PLACE_MM});
         if (r->status == ISO_OK && has_at && has_point)
-            r->status = iso_fail(r->err, ISO_E_RANGE, "%s: a clip plane has \"at\" and \"point_mm\", must have one",
+            r->status = iso_fail(r->err, ISO_E_RANGE, "%s: a clip plane has both \"at\" and \"point_mm\"; remove one",
                                  r->path);
         clip->point_mm = vec3_of(point);
         if (has_point)
@@ -132,11 +132,12 @@ static void read_shading(iso_json_reader *r, const json_t *root, iso_scene *s)
     double sum = 0;
     for (size_t i = 0; i < s->light_count; ++i)
         sum += s->lights[i].intensity;
-    /* POV-Ray's densities wrap above 1, so the diffuse term must stay within. */
+    /* POV-Ray's densities wrap around above 1, so the diffuse term is limited. */
     double brightest = s->shading.ambient + s->shading.diffuse * sum;
     if (r->status == ISO_OK && !(brightest <= 1 + 1e-9))
-        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: ambient + diffuse * (sum of light intensities) is %g, at most 1",
-                             r->path, brightest);
+        r->status = iso_fail(r->err, ISO_E_RANGE,
+                             "%s: ambient + diffuse * (sum of light intensities) is %g, must be at most 1", r->path,
+                             brightest);
 }
 
 static const char *const tier_names[] = {
@@ -179,7 +180,7 @@ double iso_scene_level_limit(const iso_scene_level_limits *limits, size_t level)
 
 static void read_level_limits(iso_json_reader *r, const json_t *levels, const char *key, iso_scene_level_limits *limits)
 {
-    const double most = 2; /* of 1 - SSIM; the other two end at 1 */
+    const double most = 2; /* largest 1 - SSIM; the largest of the other two is 1 */
     const json_t *value = json_object_get(levels, key);
     if (json_is_array(value) && r->status == ISO_OK) {
         limits->count = json_array_size(value);
@@ -220,11 +221,11 @@ static void read_suite(iso_json_reader *r, const json_t *root, iso_scene *s)
     if (make && !(s->suite_make = strdup(make)))
         r->status = iso_fail(r->err, ISO_E_MEMORY, "%s: out of memory", r->path);
     if (r->status == ISO_OK && (s->agreement.tier == ISO_TIER_FIRST_HIT) == isnan(s->suite_isosurface))
-        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: the tier \"first hit\" and \"isosurface\" go together",
-                             r->path);
+        r->status = iso_fail(r->err, ISO_E_FORMAT,
+                             "%s: tier \"first hit\" needs \"isosurface\", and \"isosurface\" that tier", r->path);
 }
 
-/* Reads {"file": "name.xml"} and the settings that the file leaves open, by the names of `tf convert`'s options. */
+/* Reads {"file": "name.xml"} and the settings missing in the file, named like `tf convert`'s options. */
 static const char *read_tf_request(iso_json_reader *r, const json_t *tf, iso_tf_request *q)
 {
     static const char *const keys[] = {"file", "name", "unit_distance_mm", "opacity", "range", NULL};
@@ -244,7 +245,7 @@ static const char *read_tf_request(iso_json_reader *r, const json_t *tf, iso_tf_
                              &(iso_json_list){q->range, 2, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE});
     q->fit = fit && strcmp(fit, "fit") == 0;
     if (r->status == ISO_OK && range && !q->fit && (fit || !(q->range[1] > q->range[0])))
-        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"range\": wanted \"fit\" or two rising numbers", r->path);
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"range\" must be \"fit\" or two ascending numbers", r->path);
     return file;
 }
 
@@ -341,8 +342,8 @@ void iso_scene_destroy(iso_scene *scene)
     *scene = (iso_scene){0};
 }
 
-/* Resolves the camera. A fitted one frames the sphere round the box: the view is the same for all sides of the box,
- * and nothing is cut off from any direction. */
+/* Resolves the camera. A fitted one frames the sphere around the box: the scale is the same from all directions, and
+ * none cuts anything off. */
 static iso_camera resolve_camera(const iso_scene *s, const iso_geometry *g)
 {
     iso_camera c = {.orthographic = s->orthographic, .forward = s->camera_direction};
@@ -399,7 +400,7 @@ iso_status iso_scene_resolve(const iso_scene *scene, const iso_geometry *level0,
         view->lights[i] = light;
     }
     iso_status status = iso_tf_tabulate(&scene->tf, value_min, value_max, level0, &view->tf, err);
-    if (status == ISO_OK || scene->tf.of[0]) /* which its message names */
+    if (status == ISO_OK || scene->tf.of[0]) /* the message already names the file */
         return status;
     return iso_fail_in(err, status, "%s", scene->path ? scene->path : "scene");
 }

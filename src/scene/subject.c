@@ -27,7 +27,7 @@ iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *in
 iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err)
 {
     return p->levels[0].labels ? iso_fail(err, ISO_E_USAGE,
-                                          "%s is a label map, which %s would interpolate; --no-labels allows it", path, what)
+                                          "%s: is a label map, which %s would interpolate; --no-labels allows it", path, what)
                                : ISO_OK;
 }
 
@@ -42,7 +42,7 @@ iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t 
         good = end != second && *second != '-';
     }
     if (!good || *end || w < 1 || h < 1 || w > 16384 || h > 16384)
-        return iso_fail(err, ISO_E_USAGE, "--size is \"%s\", wanted WxH such as 320x200, each 1 to 16384", text);
+        return iso_fail(err, ISO_E_USAGE, "--size is \"%s\", must be WxH such as 320x200, each 1 to 16384", text);
     *width = w;
     *height = h;
     return ISO_OK;
@@ -85,7 +85,7 @@ static iso_status first_scene(const iso_subject_look *look, const iso_geometry *
     return status;
 }
 
-/* Replaces parts of the scene. The size comes first: the camera frames the box in it. */
+/* Replaces parts of the scene; the size first, since the camera frames the box in it. */
 static iso_status change_scene(const iso_subject_look *look, const iso_geometry *g, iso_scene *scene, iso_error *err)
 {
     iso_viewpoint viewpoint;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* subject.h - input of a command: a pyramid, or a volume that becomes one in memory; and a scene resolved for it. */
+/* subject.h - input of a command: a pyramid, or a volume built into one in memory; and a scene resolved for it. */
 #ifndef ISO_SCENE_SUBJECT_H
 #define ISO_SCENE_SUBJECT_H
 
@@ -18,28 +18,27 @@ iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *in
 /* Refuses a label map with ISO_E_USAGE: `what`, an option or a command, would interpolate it. */
 iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err);
 
-/* How a picture is asked for, each part of it or none. Without a scene file it is a first picture (viewpoint.h) with a
- * transfer function that is suggested; tf, view, zoom and size stand instead of the scene's own. */
+/* Requested picture; each part is optional. Without a scene file it is a first picture (viewpoint.h) with a suggested
+ * transfer function. tf, view, zoom and size override the scene. */
 typedef struct iso_subject_look {
     const char *scene, *tf, *view, *size;
     double zoom;            /* 0: not given */
-    iso_tf_request request; /* settings that the file named by tf leaves open */
+    iso_tf_request request; /* settings missing in the file named by tf */
     int threads;
-    bool frames_box; /* True if the camera frames the box and not its visible part: in a series, the visible part may
-                      * change */
-    const iso_survey *survey; /* of the volume, if there is one already, or NULL */
+    bool frames_box; /* True if the camera frames the box instead of its visible part, which may change in a series */
+    const iso_survey *survey; /* of the volume if already made, or NULL */
 } iso_subject_look;
 
-/* Its transfer function is made from the volume's values: a preset, or one that is suggested. */
+/* True if the transfer function depends on the volume's values: a preset or a suggested one. */
 bool iso_subject_look_needs_values(const iso_subject_look *look);
 
-/* Checks everything that can be checked before the volume is read: missing or damaged files, names, numbers. */
+/* Checks all that is known before the volume is read: missing or damaged files, names, numbers. */
 iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err);
-/* The scene for a pyramid whose level 0 has its scalar, where values are needed. */
+/* Makes the scene for a pyramid; if it needs values, level 0 needs its scalar. */
 iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err);
 iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid *p, iso_view *view, iso_error *err);
 
-/* "320x200", or one number for both, as --size has it. */
+/* Parses "320x200", or one number for both, as given to --size. */
 iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err);
 
 #endif

@@ -12,12 +12,12 @@ static iso_status load(const iso_subject_frames *f, size_t frame, iso_pyramid *p
     iso_volume_input one = *f->input;
     snprintf(number, sizeof number, "%zu", frame);
     one.frame = number;
-    one.no_labels = one.no_labels || !f->are_labels; /* each frame takes the finding for all frames */
+    one.no_labels = one.no_labels || !f->are_labels; /* one decision for all frames */
     one.labels = f->are_labels;
     return iso_subject_load_pyramid(f->path, &one, &f->build, f->progress, p, err);
 }
 
-/* Headers of one series may differ by their last decimals. */
+/* True if the grids agree up to the last decimals, which may differ within a series. */
 static bool is_same_grid(const iso_geometry *a, const iso_geometry *b)
 {
     const double far = 1e-3 * iso_geometry_min_spacing_mm(a);
@@ -53,8 +53,7 @@ static iso_status check_grids(const iso_subject_frames *f, iso_error *err)
             first = own;
         else if (!is_same_grid(&first, &own))
             status = iso_fail(err, ISO_E_RANGE,
-                              "%s: the grid of frame %zu is not that of frame 0, one scene does not fit both", f->path,
-                              k);
+                              "%s: frame %zu has another grid than frame 0; one scene needs equal grids", f->path, k);
     }
     return status;
 }
@@ -70,9 +69,9 @@ iso_status iso_subject_frames_create(const char *path, const iso_volume_input *i
     size_t labels = 0;
     *f = (iso_subject_frames){.path = path, .input = input, .progress = progress, .build = *build};
     if (iso_pyramid_is_one(path))
-        return iso_fail(err, ISO_E_USAGE, "%s: is a pyramid, which has one frame; --frames all is for several", path);
+        return iso_fail(err, ISO_E_USAGE, "%s: is a pyramid, which has one frame; remove --frames all", path);
     if (input->frame)
-        return iso_fail(err, ISO_E_USAGE, "--frames all and --frame: one or the other");
+        return iso_fail(err, ISO_E_USAGE, "--frames all excludes --frame; remove one");
     iso_status status = iso_frames_measure(path, input, &facts, err);
     TRY(status, iso_frames_labels(path, input, &labels, err));
     if (status != ISO_OK)

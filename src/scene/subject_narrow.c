@@ -14,7 +14,7 @@ static iso_status see(const iso_subject_look *look, const iso_pyramid *p, iso_su
     return status;
 }
 
-/* A pyramid of a level whose scalars are the volume's samples. */
+/* Makes the view with a pyramid of one level whose scalars are the volume's samples. */
 static iso_status see_volume(const iso_subject_look *look, const iso_volume *v, const char *path,
                              const iso_pyramid_options *opt, iso_subject_sight *sight, iso_error *err)
 {

@@ -13,7 +13,7 @@ static const struct {
     const char *name, *summary;
     iso_vec3 direction, up;
 } viewpoints[] = {
-    {"iso", "from the front, the left and above: three faces of the box", {0.6, -1, -0.45}, {0, 0, 1}},
+    {"iso", "from the front, left and above: shows three faces of the box", {0.6, -1, -0.45}, {0, 0, 1}},
     {"front", "along -y: a patient's face", {0, -1, 0}, {0, 0, 1}},
     {"back", "along y", {0, 1, 0}, {0, 0, 1}},
     {"left", "along x: a patient's left side", {1, 0, 0}, {0, 0, 1}},
@@ -45,10 +45,10 @@ iso_status iso_viewpoint_parse(const char *text, iso_viewpoint *v, iso_error *er
         return ISO_OK;
     }
     if (!parse_angles(text, &az, &el))
-        return iso_fail(err, ISO_E_USAGE, "--view is \"%s\", wanted %s, or AZ,EL in degrees with EL from -90 to 90",
+        return iso_fail(err, ISO_E_USAGE, "--view is \"%s\", must be %s, or AZ,EL in degrees with EL from -90 to 90",
                         text, iso_names_join(&iso_viewpoint_names, NULL, names, sizeof names));
     const iso_vec3 outward = iso_v3(-sin(az * degree), cos(az * degree), 0);
-    const bool upright = fabs(el) < 89.9; /* else up as in "top" and "bottom" */
+    const bool upright = fabs(el) < 89.9; /* otherwise up as in "top" and "bottom" */
     v->direction = iso_v3(-outward.x * cos(el * degree), -outward.y * cos(el * degree), -sin(el * degree));
     v->up = upright ? iso_v3(0, 0, 1) : outward;
     return ISO_OK;
@@ -75,7 +75,7 @@ static double half_angle(const iso_scene *s)
     return 0.5 * s->fov_y_deg * (acos(-1) / 180);
 }
 
-/* From the part's center, so that its corners just fit with a twentieth around them. */
+/* Returns the distance from the part's center at which its corners just fit, with a margin of a twentieth. */
 static double distance_for(const iso_scene *s, const iso_geometry *g, const part *p)
 {
     const iso_vec3 right = iso_normalize(iso_cross(s->camera_direction, s->camera_up)),
@@ -98,8 +98,8 @@ static part whole_box(const iso_geometry *g)
     return (part){.hi = {g->box_index[0], g->box_index[1], g->box_index[2]}};
 }
 
-/* The margin of a fitted camera with which the box's corners just fit: the sphere round the box, which fitted cameras frame,
- * leaves a cube .58 of the picture. */
+/* Returns the margin of a fitted camera with which the box's corners just fit. Without it the camera frames the sphere
+ * around the box, and a cube fills only .58 of the picture. */
 static double margin_for_corners(const iso_scene *s, const iso_geometry *g)
 {
     const part box = whole_box(g);
@@ -107,10 +107,10 @@ static double margin_for_corners(const iso_scene *s, const iso_geometry *g)
            fmin(1, (double)s->width / (double)s->height);
 }
 
-/* ---- what is visible --------------------------------------------------------------------------------------------- */
+/* ---- visible part ------------------------------------------------------------------------------------------------ */
 
-/* Of large volumes every second voxel along each axis is looked at, or every third ...: some millions say where what is
- * visible ends, but for what planes between them show alone. */
+/* Returns the sampling stride along each axis: some million voxels give the visible part's ends, up to single planes
+ * between them. */
 static size_t stride_of(const iso_geometry *g)
 {
     const size_t most = 1 << 21;
@@ -120,8 +120,8 @@ static size_t stride_of(const iso_geometry *g)
     return stride;
 }
 
-/* Opacities of voxels in 65535ths, summed along x for each (y, z) and along y for each (x, z): integers, the same whatever
- * the number of threads. */
+/* Sums opacities of voxels in 65535ths along x for each (y, z) and along y for each (x, z): integers, so that the sums
+ * do not depend on the number of threads. */
 static void sum_opacities(const iso_level *l, const iso_tf_table *tf, int threads, uint64_t *of_y, uint64_t *of_x)
 {
     const size_t stride = stride_of(&l->geometry);
@@ -139,7 +139,7 @@ static void sum_opacities(const iso_level *l, const iso_tf_table *tf, int thread
             }
 }
 
-/* The range of planes without those at the ends that hold a thousandth of the sum each. */
+/* Computes the range of planes without those at the ends with up to a thousandth of the sum. */
 static void trim(const uint64_t *planes, size_t count, double range[2])
 {
     uint64_t all = 0, below = 0, above = 0;
@@ -153,13 +153,13 @@ static void trim(const uint64_t *planes, size_t count, double range[2])
     range[0] = (double)first, range[1] = (double)end;
 }
 
-/* ISO_E_MEMORY. An empty part: nothing is visible. */
+/* Finds the visible part; it is empty if nothing is visible. ISO_E_MEMORY. */
 static iso_status find_visible(const iso_level *l, const iso_tf_table *tf, int threads, part *p, iso_error *err)
 {
     const size_t *n = l->geometry.size;
     uint64_t *sums = calloc(n[2] * (n[0] + n[1]) + n[0] + n[1] + n[2], sizeof *sums);
     if (!sums)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for what is visible in %zu planes", n[0] + n[1] + n[2]);
+        return iso_fail(err, ISO_E_MEMORY, "no memory for the opacity of %zu planes", n[0] + n[1] + n[2]);
     uint64_t *of_y = sums, *of_x = of_y + n[2] * n[1];
     uint64_t *planes[3] = {of_x + n[2] * n[0], of_x + n[2] * n[0] + n[0], of_x + n[2] * n[0] + n[0] + n[1]};
     sum_opacities(l, tf, threads, of_y, of_x);
@@ -174,7 +174,7 @@ static iso_status find_visible(const iso_level *l, const iso_tf_table *tf, int t
     for (int a = 0; a < 3; ++a) {
         double range[2];
         trim(planes[a], n[a], range);
-        /* What was trimmed is faint, but may reach farther. */
+        /* The trimmed part is faint but may reach farther. */
         const double around = 0.05 * (range[1] - range[0]) + (double)stride_of(&l->geometry);
         p->lo[a] = range[1] > range[0] ? fmax(range[0] - around, 0) : 0;
         p->hi[a] = range[1] > range[0] ? fmin(range[1] + around, l->geometry.box_index[a]) : 0;
@@ -219,10 +219,10 @@ iso_scene iso_scene_first(const iso_geometry *level0, const iso_viewpoint *viewp
         .height = height,
         .fov_y_deg = 25,
         .light_count = 1,
-        /* from above and the left of the viewer's head */
+        /* From above and the left of the viewer's head. */
         .lights = {{.direction = iso_normalize(iso_v3(-0.4, 0.6, 1)), .in_camera_space = true, .intensity = 1}},
         .shading = {.ambient = 0.3, .diffuse = 0.7, .specular = 0.15, .power = 20},
-        /* dark blue-gray: what is dark stands out from it as what is bright does */
+        /* Dark blue-gray, in contrast to both dark and bright objects. */
         .background = {0.012, 0.016, 0.024},
         .step_voxels = 0.5,
         .suite_isosurface = NAN,

@@ -11,7 +11,7 @@
 
 static const double one_step = 1.0 / 255;
 
-/* Extinction of a table's entries from which on a value counts. */
+/* Extinction of a table's entries from which on a value is counted. */
 typedef struct threshold {
     const iso_tf_table *tf;
     double extinction;
@@ -35,7 +35,7 @@ static void box_sides_mm(const iso_geometry *g, double *longest, double *mean)
     }
 }
 
-/* Of samples of 8 bits: each value is looked up once. */
+/* Counts 8-bit samples, with one lookup per value. */
 static size_t count_bytes(const uint8_t *bytes, size_t count, const bool is_seen[256])
 {
     size_t seen = 0;
@@ -72,7 +72,7 @@ static double visible_voxels(const iso_level *l, const threshold *seen, int thre
     return (double)count / (double)(slice * slices);
 }
 
-/* Both faces across one axis, of which each voxel shows the same area. */
+/* Counts the opaque voxels of both faces across one axis; each voxel shows the same area. */
 static size_t opaque_on_faces(const iso_level *l, int axis, const threshold *hides)
 {
     const size_t *n = l->geometry.size, stride[3] = {1, n[0], n[0] * n[1]};
@@ -104,7 +104,7 @@ static double opaque_faces(const iso_level *l, const threshold *hides)
     return opaque / all;
 }
 
-/* The least and the largest value that the table shows: where its extinction reaches the threshold. */
+/* Finds the least and the largest value with at least the threshold's extinction. */
 static void find_shown(const threshold *seen, iso_visible *v)
 {
     const iso_tf_table *t = seen->tf;
@@ -118,7 +118,7 @@ static void find_shown(const threshold *seen, iso_visible *v)
     v->shown_max = last == 0 ? -INFINITY : last == t->count ? INFINITY : t->lo + step * (double)(last - 1);
 }
 
-/* What a ray through the voxels of level 0 needs besides itself. */
+/* Constants of all rays through the voxels of level 0. */
 typedef struct marching {
     const iso_level *level;
     const iso_view *view;
@@ -238,16 +238,17 @@ void iso_visible_take_image(iso_visible *v, const iso_image *image, const double
     v->from_image = true;
 }
 
-/* ---- in words ------------------------------------------------------------------------------------------------------ */
+/* ---- messages
+ * ------------------------------------------------------------------------------------------------------ */
 
 static const char *shown_text(const iso_visible *v, char text[96])
 {
     if (v->shown_min > v->shown_max)
-        snprintf(text, 96, "no value at all");
+        snprintf(text, 96, "no values");
     else if (isinf(v->shown_min) && isinf(v->shown_max))
-        snprintf(text, 96, "values up to the ends of its range");
+        snprintf(text, 96, "values up to both ends of its range");
     else if (isinf(v->shown_max))
-        snprintf(text, 96, "values from %.6g on", v->shown_min);
+        snprintf(text, 96, "values from %.6g up", v->shown_min);
     else if (isinf(v->shown_min))
         snprintf(text, 96, "values up to %.6g", v->shown_max);
     else
@@ -255,7 +256,7 @@ static const char *shown_text(const iso_visible *v, char text[96])
     return text;
 }
 
-/* "0.012 %", and nothing rounded to what it is not. */
+/* Formats "0.012 %", with more digits near 100 % so that it is not rounded up to it. */
 static const char *percent(double share, char text[24])
 {
     snprintf(text, 24, share > 0.99 && share < 1 ? "%.3f %%" : "%.3g %%", 100 * share);
@@ -269,11 +270,11 @@ static bool complain_of_camera(const iso_visible *v, char *text, size_t size)
         return false;
     percent(v->box, box);
     if (v->is_clipped_away)
-        snprintf(text, size, "the scene's \"clip_planes\" leave nothing that the camera sees: %s of the picture", box);
+        snprintf(text, size, "the scene's \"clip_planes\" leave only %s of the picture visible", box);
     else
         snprintf(
             text, size,
-            "the camera looks past the volume, whose box is on %s of the picture: --view iso, or \"fit\": true in the scene's "
+            "the camera looks past the volume, whose box covers %s of the picture; --view iso, or \"fit\": true in the scene's "
             "\"camera\", frames any volume",
             box);
     return true;
@@ -306,8 +307,8 @@ static bool complain_of_box(const iso_visible *v, const char *volume, char *text
         return false;
     snprintf(
         text, size,
-        "the picture is of a box: %s of its faces hide what is inside; the transfer function shows %s (its range: %.6g "
-        "to %.6g), the volume's values are %.6g to %.6g; make those of the outside transparent, or: isoshade tf suggest %s -o new.tf.json",
+        "the picture is of a box: %s of its faces hide the inside; the transfer function shows %s (its range: %.6g "
+        "to %.6g), the volume's values are %.6g to %.6g; make the outer ones transparent, or: isoshade tf suggest %s -o new.tf.json",
         percent(v->faces, share), shown_text(v, shown), v->range[0], v->range[1], v->value_min, v->value_max, volume);
     return true;
 }
@@ -318,7 +319,7 @@ static bool complain_of_picture(const iso_visible *v, char *text, size_t size)
     if (v->picture < ISO_VISIBLE_LEAST) {
         snprintf(
             text, size,
-            "something is on %s of the picture of %zu x %zu pixels, though %s of the voxels can be seen: they are too "
+            "something is on %s of the picture of %zu x %zu pixels, but %s of the voxels can be seen: they are too "
             "thin, or the camera, clip planes or a region leave them out",
             percent(v->picture, picture), v->size[0], v->size[1], percent(v->voxels, voxels));
         return true;
@@ -327,8 +328,8 @@ static bool complain_of_picture(const iso_visible *v, char *text, size_t size)
         return false;
     snprintf(
         text, size,
-        "what is shown, %s of the picture, has the background's color: other colors of the transfer function, more light "
-        "(\"ambient\", \"lights\") or another \"background\" would show it",
+        "the volume, on %s of the picture, has the background's color; use other colors in the transfer function, more light "
+        "(\"ambient\", \"lights\") or another \"background\"",
         percent(v->picture, picture));
     return true;
 }

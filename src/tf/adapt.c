@@ -17,9 +17,9 @@ struct iso_adapter {
     iso_bins z, s;
     size_t *row_start; /* s.count + 1 */
     uint16_t *entry_z;
-    float *entry_weight; /* a row's sum to 1; rows without voxels are empty */
-    double *row_count;   /* voxels of a row */
-    size_t row_count_of; /* rows: s.count for each bin of the second value */
+    float *entry_weight; /* sum 1 per row; rows without voxels are empty */
+    double *row_count;   /* voxels per row */
+    size_t row_count_of; /* number of rows: s.count for each bin of the second value */
 };
 
 void iso_adapter_destroy(iso_adapter *a)
@@ -38,8 +38,8 @@ size_t iso_adapter_entry_count(const iso_adapter *a)
     return a->s.count;
 }
 
-/* Flat: of 1.5, 1.6, 1.75, 2 and 3 the one of least SSIM dissimilarity that left no case of six volumes behind the original
- * TF, each of seven left out in turn; the same each time, and the one left out was not behind either. */
+/* Flat: chosen from 1.5, 1.6, 1.75, 2 and 3: the least SSIM dissimilarity among those with no case worse than the
+ * original TF on six of seven volumes. Each left-out volume gave the same choice and no worse case. */
 static double default_window(iso_adapt_weight w)
 {
     return w == ISO_WEIGHT_FLAT ? 1.75 : w == ISO_WEIGHT_GAUSS ? 3 : 2.5;
@@ -78,12 +78,12 @@ static row_moments measure_row(const iso_joint *j, size_t row)
     double square = 0;
     for (size_t i = j->row_start[row]; i < j->row_start[row + 1]; ++i)
         square += (double)j->entry_count_of[i] * (j->entry_z[i] - m.mean) * (j->entry_z[i] - m.mean);
-    /* Half a bin at least: a row of one entry has to stay inside its window. */
+    /* At least half a bin, so that a row with one entry stays inside its window. */
     m.deviation = fmax(sqrt(square / m.count), 0.5);
     return m;
 }
 
-/* Appends the row's weighted entries; the window is never empty, since some entry lies within one deviation. */
+/* Appends the row's weighted entries; never none, since some entry lies within one deviation of the mean. */
 static size_t weigh_row(iso_adapter *a, const iso_joint *j, const iso_adapt_options *opt, size_t row, size_t at)
 {
     row_moments m = measure_row(j, row);
@@ -140,11 +140,10 @@ iso_status iso_adapter_create(const iso_joint *j, const iso_adapt_options *opt, 
 
 /* ---- Eq. 7 ------------------------------------------------------------------------ */
 
-/* What is summed along a row: color times its weight, the weight, and the
- * largest extinction, which no mean may exceed. */
+/* Sums along a row: color times weight, weight, and the largest extinction, which caps the mean. */
 typedef struct weighted_tf {
     double rgbw[4];
-    double plain[3]; /* for rows of no opacity */
+    double plain[3]; /* color for rows without opacity */
     double extinction;
 } weighted_tf;
 
@@ -169,7 +168,7 @@ static void prepare(const iso_adapter *a, const iso_tf_table *tf, double length_
     }
 }
 
-/* A row's weighted sums. */
+/* Weighted sums of one row. */
 typedef struct row_sums {
     double rgbw[4], plain[3], largest;
 } row_sums;
@@ -189,7 +188,7 @@ static row_sums sum_row(const iso_adapter *a, const weighted_tf *tf, size_t row)
     return r;
 }
 
-/* Color and extinction of the sums. */
+/* Converts the sums to color and extinction. */
 static void finish_row(const iso_adapter *a, const row_sums *r, double length_mm, float entry[4])
 {
     double mean = r->rgbw[3], color_sum = a->average == ISO_AVERAGE_RGBA ? 1 : mean;
@@ -199,7 +198,7 @@ static void finish_row(const iso_adapter *a, const row_sums *r, double length_mm
     entry[3] = (float)fmin(extinction, r->largest);
 }
 
-/* Rows between two filled ones, on premultiplied entries. */
+/* Interpolates the rows between two filled ones on premultiplied entries. */
 static void fill_between(iso_tf_table *t, size_t left, size_t right, double length_mm)
 {
     const float *l = t->entries + 4 * left, *r = t->entries + 4 * right;
@@ -244,9 +243,9 @@ iso_status iso_adapter_update(const iso_adapter *a, const iso_tf_table *tf, cons
     weighted_tf *prepared = malloc(a->z.count * sizeof *prepared);
     if (!prepared || table->count != a->s.count) {
         free(prepared);
-        return prepared ? iso_fail(err, ISO_E_RANGE, "adapt: a table of %zu entries, %zu are needed", table->count,
-                                   a->s.count)
-                        : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
+        return prepared
+                   ? iso_fail(err, ISO_E_RANGE, "adapt: the table has %zu entries, needs %zu", table->count, a->s.count)
+                   : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
     }
     prepare(a, tf, row_length_mm, prepared);
     bool any = a->row_start[a->s.count] > 0;
@@ -285,7 +284,7 @@ iso_status iso_adapter_apply(const iso_adapter *a, const iso_tf_table *tf, const
 
 /* ---- 2D transfer functions ------------------------------------------------------- */
 
-/* A row of the 2D transfer function, drawn to the 1D one by pseudo-counts: few voxels say little. */
+/* Blends a row of the 2D transfer function with the 1D one by pseudo-counts: a few voxels give no reliable mean. */
 static void blend_tf_2d_row(const row_sums *all, double count, row_sums *r)
 {
     double own = count / (count + ISO_TF_2D_PSEUDO_COUNTS);
@@ -317,7 +316,7 @@ static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *second, 
     return ISO_OK;
 }
 
-/* The second value of each voxel of the level, in a byte. */
+/* Allocates *bytes: the second value of each voxel of the level, one byte per voxel. ISO_E_MEMORY. */
 static iso_status second_value_bytes(const iso_pyramid *p, size_t level, iso_second_value second, int threads,
                                      uint8_t **bytes, iso_error *err)
 {
@@ -341,7 +340,7 @@ iso_status iso_adapt_tf_2d(const iso_pyramid *p, size_t level, iso_second_value 
     iso_joint joint = {0}, joint_2d = {0};
     iso_adapter *all = NULL, *by_second = NULL;
     *out = (iso_tf_2d){0};
-    iso_adapt_options opt_2d = *opt; /* the second value takes a row's bulk and its tail apart */
+    iso_adapt_options opt_2d = *opt; /* a wider window: the second value already separates a row's bulk from its tail */
     if (opt->window == 0 && opt->weight == ISO_WEIGHT_FLAT)
         opt_2d.window = ISO_TF_2D_WINDOW;
     iso_status status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},

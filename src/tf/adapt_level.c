@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* adapt_level.c - a level's table, adapted or, where that would not bring its pictures nearer, the original one. */
+/* adapt_level.c - the table for a level: the adapted one, or the original if that gives better pictures. */
 #include "tf/adapt.h"
 
 #include <math.h>
@@ -24,7 +24,7 @@ static seen see(const iso_tf_table *tf, double value, double length_mm)
     return p;
 }
 
-/* sum count |z - s|^2 from the row's moments: sum of the squares - 2 s sum + count s^2. */
+/* Returns sum count |z - s|^2 from the row's moments: sum of the squares - 2 s sum + count s^2. */
 static double row_error(const seen *sums, double count, const seen *s)
 {
     double product = 0;
@@ -82,7 +82,7 @@ bool iso_adapt_is_nearer(const iso_small_views_error *original, const iso_small_
     return (nearer || much_nearer_by_rmse) && worst <= ISO_ADAPT_WORST_VIEW;
 }
 
-/* The views of the level through `tfs`, with what each shows where level 0 shows nothing. */
+/* Sets up views of the level through both tables. empty: mask of ghost.h, or NULL. */
 static iso_small_views_input views_of(const iso_pyramid *p, size_t level, const iso_tf_table *tf,
                                       const iso_tf_table *adapted, const uint8_t *empty, iso_small_views_fine *level_0,
                                       int threads)
@@ -98,8 +98,7 @@ static iso_small_views_input views_of(const iso_pyramid *p, size_t level, const 
                                    .threads = threads};
 }
 
-/* Small views of the level through both tables judge, where there are samples to draw; an adapted one that draws a ghost is
- * first relieved of it. */
+/* Lets small views decide, if there are samples to draw; first frees an adapted TF of its ghost. */
 static iso_status look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, iso_tf_table *adapted,
                        const iso_adapt_options *opt, iso_adapt_judgment *judgment, iso_error *err)
 {
@@ -168,10 +167,10 @@ iso_status iso_tf_from_table(const iso_tf_table *table, iso_tf *tf, iso_error *e
         largest = fmaxf(largest, table->entries[4 * i + 3]);
     if (!(largest <= ISO_TF_MOST_EXTINCTION)) {
         *tf = (iso_tf){0};
-        return iso_fail(err, ISO_E_RANGE, "an extinction of %g per mm is more than a transfer function can state, %g",
+        return iso_fail(err, ISO_E_RANGE, "an extinction of %g per mm exceeds the limit of transfer functions, %g",
                         (double)largest, ISO_TF_MOST_EXTINCTION);
     }
-    /* Opacities are stated for 1 mm; for another length if they came close to the cap there, or to nothing. */
+    /* Opacities are for 1 mm; for another length if those for 1 mm would be close to the cap or to 0. */
     const bool fits_mm = largest == 0 || (largest >= 1e-3f && largest <= 4);
     const double unit_mm = fits_mm ? 1 : fmin(fmax(4 / (double)largest, ISO_TF_LEAST_UNIT), ISO_TF_MOST_UNIT);
     *tf = (iso_tf){.point_count = table->count,

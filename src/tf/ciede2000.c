@@ -7,21 +7,22 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* ---- the difference of two colors [sharma-2005] ------------------------------------------------------------------- */
+/* ---- color difference [sharma-2005]
+ * ------------------------------------------------------------------------------- */
 
 static double square(double x)
 {
     return x * x;
 }
 
-/* sqrt(c^7 / (c^7 + 25^7)) */
+/* Returns sqrt(c^7 / (c^7 + 25^7)). */
 static double chroma_weight(double chroma)
 {
     const double c = pow(chroma, 7);
     return sqrt(c / (c + 6103515625.0));
 }
 
-/* 0 to 2 pi; 0 for gray. */
+/* Returns the hue angle, 0 to 2 pi; 0 for gray. */
 static double hue_of(double a, double b)
 {
     const double hue = a == 0 && b == 0 ? 0 : atan2(b, a);
@@ -59,17 +60,18 @@ double iso_ciede2000(const double lab1[3], const double lab2[3])
     return sqrt(square(l_part) + square(c_part) + square(h_part) + rt * c_part * h_part);
 }
 
-/* ---- the grid and its shortest paths ------------------------------------------------------------------------------- */
+/* ---- grid and shortest paths
+ * --------------------------------------------------------------------------------------- */
 
 enum { SIDE = 17, CELLS = SIDE * SIDE * SIDE, NEIGHBORS = 26, NOWHERE = -1 };
 
-/* Cells are numbered with red slowest: of two at the same distance VTK goes on from the one with the lesser red, then
- * green, then blue. */
+/* Cells are numbered with red slowest: of two at the same distance VTK continues from the one with less red, then less
+ * green, then less blue. */
 typedef struct grid {
     double lab[CELLS][3];
     float edge[CELLS][NEIGHBORS];
     double distance[CELLS];
-    int next[CELLS]; /* one step nearer to where the path ends */
+    int next[CELLS]; /* one step nearer to the end of the path */
     bool done[CELLS];
 } grid;
 
@@ -88,11 +90,11 @@ static int cell_of(const double rgb[3])
     return cell;
 }
 
-/* The n-th neighbor; NOWHERE beyond the border. */
+/* Returns the n-th neighbor; NOWHERE beyond the border. */
 static int neighbor(int cell, int n)
 {
     const int place[3] = {cell / (SIDE * SIDE), cell / SIDE % SIDE, cell % SIDE};
-    const int k = n < NEIGHBORS / 2 ? n : n + 1; /* not itself */
+    const int k = n < NEIGHBORS / 2 ? n : n + 1; /* skips the cell itself */
     const int step[3] = {k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1};
     int found = 0;
     for (int c = 0; c < 3; ++c) {
@@ -120,7 +122,7 @@ static grid *make_grid(void)
     return g;
 }
 
-/* The nearest cell whose distance is not final; NOWHERE: none can be reached. */
+/* Returns the nearest cell whose distance is not final; NOWHERE if none can be reached. */
 static int nearest(const grid *g)
 {
     int found = NOWHERE;
@@ -130,7 +132,7 @@ static int nearest(const grid *g)
     return found;
 }
 
-/* Dijkstra's, from where the path ends until its start is reached. */
+/* Runs Dijkstra's algorithm from the end of the path until it reaches the start. */
 static void find_path(grid *g, int start, int end)
 {
     for (int i = 0; i < CELLS; ++i) {
@@ -150,7 +152,7 @@ static void find_path(grid *g, int start, int end)
     }
 }
 
-/* Nodes of the path between two nodes, both ends with the colors of the grid. */
+/* Appends the nodes of the path between two nodes; both ends have the grid's colors. */
 static iso_status add_path(grid *g, const iso_tf_node *from, const iso_tf_node *to, iso_tf_curve *curve,
                            const char *path, iso_error *err)
 {
@@ -176,7 +178,7 @@ iso_status iso_ciede2000_expand(iso_tf_curve *color, const char *path, iso_error
     iso_status status = g ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     iso_tf_curve_sort(color);
     for (size_t i = 0; i < color->count && status == ISO_OK; ++i) {
-        /* The grid's colors between the nodes; beyond the ends the file's own. */
+        /* Grid colors between the nodes; the first and the last node keep the file's colors. */
         if (i == 0 || i + 1 == color->count)
             status = iso_tf_curve_add(&expanded, color->nodes[i], 3, path, err);
         if (status == ISO_OK && i + 1 < color->count && color->nodes[i + 1].x > color->nodes[i].x)

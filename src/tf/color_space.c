@@ -8,12 +8,12 @@ static const struct {
     const char *name, *summary;
 } spaces[] = {
     {"RGB", "display colors"},
-    {"HSV", "hue, saturation, value; straight on in hue"},
-    {"Wrapped", "HSV, the shorter way round the hues"},
+    {"HSV", "hue, saturation, value; hue is interpolated without wrapping"},
+    {"Wrapped", "HSV; hue takes the shorter way round the circle"},
     {"Lab", "CIE L*a*b*"},
-    {"Diverging", "Msh: through white where two saturated colors differ much in hue"},
+    {"Diverging", "Msh: through white if two saturated colors differ much in hue"},
     {"ProLab", "ProLab"},
-    {"Step", "a point's color holds down to the point before it"},
+    {"Step", "constant: each interval has the color of its upper point"},
 };
 const iso_names iso_color_space_names = ISO_NAMES_OF_ROWS("color space", spaces);
 
@@ -40,7 +40,7 @@ static void hsv_of(const double rgb[3], double hsv[3])
     hsv[2] = most;
     if (!(chroma > 0))
         return;
-    const int c = rgb[0] == most ? 0 : rgb[1] == most ? 1 : 2; /* the strongest: where the hue counts from */
+    const int c = rgb[0] == most ? 0 : rgb[1] == most ? 1 : 2; /* strongest component: hue 0 of its sector */
     hsv[0] = c / 3.0 + (rgb[(c + 1) % 3] - rgb[(c + 2) % 3]) / chroma / 6;
     if (hsv[0] < 0)
         hsv[0] += 1;
@@ -48,7 +48,7 @@ static void hsv_of(const double rgb[3], double hsv[3])
 
 static void rgb_of_hsv(const double hsv[3], double rgb[3])
 {
-    for (int c = 0; c < 3; ++c) { /* how far the hue is from this component's, in sixths of the circle */
+    for (int c = 0; c < 3; ++c) { /* hue distance to this component, in sixths of the circle */
         double away = fabs(6 * (hsv[0] - c / 3.0));
         away = fmin(away, 6 - away);
         const double full = fmin(fmax(2 - away, 0), 1);
@@ -58,7 +58,7 @@ static void rgb_of_hsv(const double hsv[3], double rgb[3])
 
 static const double white[3] = {0.9505, 1, 1.089}; /* D65, 2 degrees */
 
-/* CIE XYZ, 1 for the white. */
+/* Converts a display color to CIE XYZ, each component 1 for white. */
 static void xyz_of(const double rgb[3], double xyz[3])
 {
     static const double m[3][3] = {{0.4124, 0.3576, 0.1805}, {0.2126, 0.7152, 0.0722}, {0.0193, 0.1192, 0.9505}};
@@ -69,7 +69,7 @@ static void xyz_of(const double rgb[3], double xyz[3])
         xyz[i] = (m[i][0] * linear[0] + m[i][1] * linear[1] + m[i][2] * linear[2]) / white[i];
 }
 
-/* Colors that a display has not: scaled to its brightest, then cut off, as VTK does. */
+/* Colors outside the display's gamut are scaled to its brightest, then clamped, as VTK does. */
 static void rgb_of_xyz(const double xyz[3], double rgb[3])
 {
     static const double m[3][3] = {{3.2406, -1.5372, -0.4986}, {-0.9689, 1.8758, 0.0415}, {0.0557, -0.2040, 1.0570}};
@@ -141,7 +141,7 @@ static void msh_of(const double rgb[3], double msh[3])
     msh[2] = msh[1] > 0.001 ? atan2(lab[2], lab[1]) : 0;
 }
 
-/* The hue for a gray end of a way to a saturated color: turned so that the steps look alike. */
+/* Returns the hue for a gray end of a path to a saturated color, rotated so that the steps look equal. */
 static double hue_for_gray(const double saturated[3], double gray)
 {
     if (saturated[0] >= gray - 0.1)
@@ -177,13 +177,13 @@ static void mix_diverging(const double from[3], const double to[3], double s, do
     rgb_of_lab((double[]){msh[0] * cos(msh[1]), radius * cos(msh[2]), radius * sin(msh[2])}, rgb);
 }
 
-/* ---- between two colors ------------------------------------------------------------------------------------------ */
+/* ---- interpolation between two colors ---------------------------------------------------------------------------- */
 
 double iso_sharp_mix(double from, double to, double s, double sharpness)
 {
     if (sharpness < 0.01)
         return (1 - s) * from + s * to;
-    /* A cubic from `from` to `to`, with a slope at both ends that falls with the sharpness. */
+    /* Cubic from `from` to `to`; the slope at both ends falls with the sharpness. */
     const double h = s * s * (3 - 2 * s), slopes = s * (2 * s - 1) * (s - 1);
     return from + (to - from) * (h + (1 - sharpness) * slopes);
 }
@@ -209,7 +209,7 @@ void iso_color_mix(iso_color_space space, const double from[3], const double to[
         unchanged(to, rgb);
         return;
     }
-    if (space == ISO_SPACE_DIVERGING) { /* VTK bends it by no sharpness, either */
+    if (space == ISO_SPACE_DIVERGING) { /* VTK ignores the sharpness here, too */
         mix_diverging(from, to, s, rgb);
         return;
     }

@@ -28,12 +28,12 @@ static iso_status check_node(const iso_tf_node *node, int components, const char
                      {"midpoint", node->midpoint},
                      {"sharpness", node->sharpness}};
     if (!(fabs(node->x) <= ISO_TF_MOST_VALUE))
-        return iso_fail(err, ISO_E_RANGE, "%s: a %s is at %g, must be at %g to %g", path, what, node->x,
+        return iso_fail(err, ISO_E_RANGE, "%s: position of a node's %s is %g, must be %g to %g", path, what, node->x,
                         -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE);
     for (size_t i = 0; i < sizeof fractions / sizeof *fractions; ++i)
         if (!(fractions[i].value >= 0 && fractions[i].value <= 1))
-            return iso_fail(err, ISO_E_RANGE, "%s: at %g a %s is %g, must be 0 to 1", path, node->x, fractions[i].name,
-                            fractions[i].value);
+            return iso_fail(err, ISO_E_RANGE, "%s: at value %g the %s is %g, must be 0 to 1", path, node->x,
+                            fractions[i].name, fractions[i].value);
     return ISO_OK;
 }
 
@@ -44,12 +44,12 @@ iso_status iso_tf_curve_add(iso_tf_curve *curve, iso_tf_node node, int component
         return status;
     if (curve->count == MOST_NODES)
         return iso_fail(err, ISO_E_RANGE, "%s: has more than %d points", path, (int)MOST_NODES);
-    if (curve->count == curve->room) {
-        const size_t room = curve->room ? 2 * curve->room : 16;
-        iso_tf_node *nodes = realloc(curve->nodes, room * sizeof *nodes);
+    if (curve->count == curve->capacity) {
+        const size_t capacity = curve->capacity ? 2 * curve->capacity : 16;
+        iso_tf_node *nodes = realloc(curve->nodes, capacity * sizeof *nodes);
         if (!nodes)
-            return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu points", path, room);
-        curve->nodes = nodes, curve->room = room;
+            return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu points", path, capacity);
+        curve->nodes = nodes, curve->capacity = capacity;
     }
     curve->nodes[curve->count++] = node;
     return ISO_OK;
@@ -65,7 +65,7 @@ iso_status iso_tf_curve_add_opacity(iso_tf_curve *curve, double x, double opacit
     return iso_tf_curve_add(curve, (iso_tf_node){x, {opacity}, 0.5, 0}, 1, path, err);
 }
 
-void iso_tf_curve_sort(iso_tf_curve *curve) /* by insertion: files are in order, or nearly */
+void iso_tf_curve_sort(iso_tf_curve *curve) /* insertion sort: files are nearly in order */
 {
     for (size_t i = 1; i < curve->count; ++i) {
         const iso_tf_node node = curve->nodes[i];
@@ -84,10 +84,10 @@ static double midpoint_of(const iso_tf_node *node)
     return fmin(fmax(node->midpoint, 0.00001), 0.99999);
 }
 
-/* The last node at or before `inside`; NULL: the curve is constant there, and *y is its value. */
+/* Returns the last node at or before `inside`; NULL if the curve is constant there, with *y its value. */
 static const iso_tf_node *node_before(const iso_tf_curve *curve, double inside, const double **y)
 {
-    size_t lo = 0, hi = curve->count; /* nodes below lo are at or before it, those from hi on behind */
+    size_t lo = 0, hi = curve->count; /* nodes before lo are at or before it, those from hi on after */
     while (lo < hi) {
         const size_t middle = lo + (hi - lo) / 2;
         if (curve->nodes[middle].x <= inside)
@@ -99,8 +99,8 @@ static const iso_tf_node *node_before(const iso_tf_curve *curve, double inside, 
     return lo == 0 || lo == curve->count ? NULL : &curve->nodes[lo - 1];
 }
 
-/* How far x is on the way from the node to the next, after VTK's midpoint and sharpness. At the midpoint the side of
- * `inside` counts. */
+/* Returns the position of x from the node (0) to the next (1), after VTK's midpoint and sharpness. At the midpoint the
+ * side of `inside` counts. */
 static double way(const iso_tf_node *node, double x, double inside)
 {
     const double width = node[1].x - node->x, middle = midpoint_of(node), sharpness = node->sharpness;
@@ -110,7 +110,7 @@ static double way(const iso_tf_node *node, double x, double inside)
     if (sharpness > 0.99)
         return before ? 0 : 1;
     if (sharpness < 0.01)
-        return before ? fmin(s, 0.5 * (1 - 1e-15)) : s; /* spaces that have a middle look at the side, too */
+        return before ? fmin(s, 0.5 * (1 - 1e-15)) : s; /* stays below 1/2 for color spaces with a middle */
     return s < 0.5 ? 0.5 * pow(2 * s, 1 + 10 * sharpness) : 1 - 0.5 * pow(2 * (1 - s), 1 + 10 * sharpness);
 }
 
@@ -118,7 +118,7 @@ void iso_tf_curve_color(const iso_tf_curve *curve, iso_color_space space, double
 {
     const double *constant;
     const iso_tf_node *node = node_before(curve, inside, &constant);
-    if (!node || node->sharpness > 0.99) /* VTK's override: the one color or the other, as they stand in the file */
+    if (!node || node->sharpness > 0.99) /* as VTK: one of the two colors, unconverted */
         memcpy(rgb, !node ? constant : node[way(node, x, inside) > 0.5].y, 3 * sizeof *rgb);
     else
         iso_color_mix(space, node->y, node[1].y, way(node, x, inside), node->sharpness, rgb);

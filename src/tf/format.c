@@ -71,8 +71,8 @@ static bool looks_like(const iso_tf_format *format, const iso_tf_file *file)
     return format->load && format->probe && format->probe(file);
 }
 
-/* The format that the name allows and the content has. NULL: the content is another's than the name says; *other is the
- * other. Where nothing tells, our own, whose reader says what the file is not. */
+/* Returns the format that matches both name and content. NULL: the content is of *other, which the name does not allow.
+ * If no format matches, returns ours: its reader reports the error. */
 static const iso_tf_format *find_format(const iso_tf_file *file, const iso_tf_format **other)
 {
     const iso_tf_format *named = iso_tf_format_of(file->path);
@@ -91,7 +91,7 @@ static const iso_tf_format *find_format(const iso_tf_file *file, const iso_tf_fo
     return named ? named : &iso_tf_format_json;
 }
 
-/* The range that the user says, instead of the file's. */
+/* Replaces the file's range by the requested one. */
 static iso_status set_range(const iso_tf_request *q, iso_tf *tf, const char *path, iso_error *err)
 {
     if (!q->has_range)
@@ -99,8 +99,7 @@ static iso_status set_range(const iso_tf_request *q, iso_tf *tf, const char *pat
     const double lo = tf->fit_range ? 0 : tf->range[0], hi = tf->fit_range ? 1 : tf->range[1];
     const double to[2] = {q->fit ? 0 : q->range[0], q->fit ? 1 : q->range[1]};
     if (!(to[1] > to[0]))
-        return iso_fail(err, ISO_E_USAGE, "%s: the range is [%g, %g], its end must exceed its start", path, to[0],
-                        to[1]);
+        return iso_fail(err, ISO_E_USAGE, "%s: range [%g, %g]: the end must exceed the start", path, to[0], to[1]);
     for (size_t i = 0; i < tf->point_count; ++i)
         tf->points[i].value = to[0] + (tf->points[i].value - lo) / (hi - lo) * (to[1] - to[0]);
     tf->range[0] = to[0], tf->range[1] = to[1];
@@ -108,7 +107,7 @@ static iso_status set_range(const iso_tf_request *q, iso_tf *tf, const char *pat
     return ISO_OK;
 }
 
-/* Room for the most points that a table can have, each in a hundred words; more would be parsed for seconds, in vain. */
+/* Enough for the most points of a table at a hundred words each; larger files would be parsed for seconds, in vain. */
 #define MOST_BYTES ((size_t)32 << 20)
 
 iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_tf *tf, iso_error *err)
@@ -123,19 +122,19 @@ iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_t
         return status;
     if (file.size > MOST_BYTES) {
         free(text);
-        return iso_fail(err, ISO_E_FORMAT, "%s: %zu bytes; a transfer function has at most %zu", path, file.size,
+        return iso_fail(err, ISO_E_FORMAT, "%s: has %zu bytes, a transfer function has at most %zu", path, file.size,
                         MOST_BYTES);
     }
     file.text = text;
     const iso_tf_format *format = find_format(&file, &other);
     status = format ? format->load(&file, tf, err)
-                    : iso_fail(err, ISO_E_FORMAT, "%s: its content is %s, whose names end with %s", path,
+                    : iso_fail(err, ISO_E_FORMAT, "%s: its content is %s; give it a name that ends with %s", path,
                                other->summary, other->also ? other->also : other->suffix);
     free(text);
     if (status == ISO_OK && (status = set_range(request, tf, path, err)) != ISO_OK)
         iso_tf_destroy(tf);
     if (status == ISO_OK) {
-        const size_t length = strlen(path), most = sizeof tf->of - 1; /* of a long path its end */
+        const size_t length = strlen(path), most = sizeof tf->of - 1; /* of a long path the end is kept */
         snprintf(tf->of, sizeof tf->of, "%s", path + (length > most ? length - most : 0));
     }
     return status;
@@ -146,9 +145,9 @@ iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err)
     return iso_tf_load_as(path, &(iso_tf_request){0}, tf, err);
 }
 
-/* ---- what loaders share ------------------------------------------------------------------------------------------ */
+/* ---- shared by loaders ------------------------------------------------------------------------------------------- */
 
-/* "a, b and 3 more" into text. */
+/* Writes "a, b and 3 more" into text. */
 static void list_names(const char *const *names, size_t count, char *text, size_t size)
 {
     size_t length = 0, listed = 0;
@@ -158,7 +157,7 @@ static void list_names(const char *const *names, size_t count, char *text, size_
         snprintf(text + length, size - length, " and %zu more", count - listed);
 }
 
-/* All of them, a line each: the request is for no more. */
+/* Sets *text to all names, one per line, and returns ISO_E_USAGE, since a request for names loads nothing. */
 static iso_status give_names(const char *const *names, size_t count, char **text, iso_error *err)
 {
     size_t size = 0;
@@ -169,7 +168,7 @@ static iso_status give_names(const char *const *names, size_t count, char **text
     }
     if (!memory || fclose(memory) != 0)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    return iso_fail(err, ISO_E_USAGE, "the names are listed");
+    return iso_fail(err, ISO_E_USAGE, "names listed, nothing loaded");
 }
 
 iso_status iso_tf_choose(const iso_tf_file *file, const char *what, const char *const *names, size_t count,
@@ -181,7 +180,7 @@ iso_status iso_tf_choose(const iso_tf_file *file, const char *what, const char *
     if (file->request->names)
         return give_names(names, count, file->request->names, err);
     if (count == 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: holds no %s", file->path, what);
+        return iso_fail(err, ISO_E_FORMAT, "%s: has no %s", file->path, what);
     if (!wanted && count == 1)
         return ISO_OK;
     for (size_t i = 0; i < count && wanted; ++i)
@@ -190,24 +189,25 @@ iso_status iso_tf_choose(const iso_tf_file *file, const char *what, const char *
             return ISO_OK;
         }
     list_names(names, count, list, sizeof list);
-    return wanted
-               ? iso_fail(err, ISO_E_USAGE, "%s: has no %s \"%s\", only: %s", file->path, what, wanted, list)
-               : iso_fail(err, ISO_E_USAGE, "%s: holds %zu, choose a %s by --name: %s", file->path, count, what, list);
+    return wanted ? iso_fail(err, ISO_E_USAGE, "%s: has no %s \"%s\"; choose one by --name: %s", file->path, what,
+                             wanted, list)
+                  : iso_fail(err, ISO_E_USAGE, "%s: has %zu of them; choose a %s by --name: %s", file->path, count,
+                             what, list);
 }
 
 static iso_status set_unit(const iso_tf_file *file, iso_tf_curves *c, iso_error *err)
 {
-    const double said = file->request->unit_mm;
-    if (c->unit_mm > 0 && said > 0 && !c->unit_is_default)
-        return iso_fail(err, ISO_E_USAGE, "%s: says itself that its opacities are for %g mm; --unit-distance cannot",
-                        file->path, c->unit_mm);
-    if (!(c->unit_mm > 0) && !(said > 0))
-        return iso_fail(
-            err, ISO_E_USAGE,
-            "%s: does not say what length its opacities are for%s%s: say it by tf convert --unit-distance MM",
-            file->path, c->unit_is ? ", " : "", c->unit_is ? c->unit_is : "");
-    if (said > 0)
-        c->unit_mm = said, c->unit_is_voxel = false;
+    const double asked = file->request->unit_mm;
+    if (c->unit_mm > 0 && asked > 0 && !c->unit_is_default)
+        return iso_fail(err, ISO_E_USAGE,
+                        "%s: states that its opacities are for %g mm; --unit-distance cannot change that", file->path,
+                        c->unit_mm);
+    if (!(c->unit_mm > 0) && !(asked > 0))
+        return iso_fail(err, ISO_E_USAGE,
+                        "%s: does not state the length of its opacities%s%s; give it by tf convert --unit-distance MM",
+                        file->path, c->unit_is ? ", " : "", c->unit_is ? c->unit_is : "");
+    if (asked > 0)
+        c->unit_mm = asked, c->unit_is_voxel = false;
     if (!(c->unit_mm >= ISO_TF_LEAST_UNIT && c->unit_mm <= ISO_TF_MOST_UNIT))
         return iso_fail(err, ISO_E_RANGE, "%s: opacities are for %g mm, must be %g to %g", file->path, c->unit_mm,
                         ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT);
@@ -218,12 +218,11 @@ static iso_status set_opacity(const iso_tf_file *file, iso_tf_curves *c, iso_err
 {
     const iso_tf_request *q = file->request;
     if (c->opacity.count && q->has_opacity)
-        return iso_fail(err, ISO_E_USAGE, "%s: has opacities of its own; --opacity is for colors alone", file->path);
+        return iso_fail(err, ISO_E_USAGE, "%s: has opacities of its own; --opacity is for files without", file->path);
     if (c->opacity.count)
         return ISO_OK;
     if (!q->has_opacity)
-        return iso_fail(err, ISO_E_USAGE, "%s: has colors alone: say an opacity by tf convert --opacity A[,B]",
-                        file->path);
+        return iso_fail(err, ISO_E_USAGE, "%s: has no opacities; give them by tf convert --opacity A[,B]", file->path);
     iso_status status = iso_tf_curve_add_opacity(&c->opacity, c->color.nodes[0].x, q->opacity[0], file->path, err);
     return status != ISO_OK ? status
                             : iso_tf_curve_add_opacity(&c->opacity, c->color.nodes[c->color.count - 1].x, q->opacity[1],

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* format_csv.c - tables of text. Written: a line an entry, in our own units. Read: what we write, and tables of display
- * colors as matplotlib and many others leave them. */
+/* format_csv.c - tables of text. Writes one line per entry in our own units. Reads these, and tables of display colors
+ * as matplotlib and many other programs write them. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <math.h>
@@ -16,7 +16,7 @@
 
 enum { VALUE, RED, GREEN, BLUE, OPACITY, EXTINCTION, IGNORED, ROLES, MOST_COLUMNS = 8, MOST_ROWS = 65536 };
 
-/* What a column is called, by role; of our own files the linear colors are told by `own`. */
+/* Column names by role. The field `own` marks our own files, whose colors are linear. */
 static const struct {
     const char *name;
     int role;
@@ -52,7 +52,7 @@ static bool is_separator(char c)
     return c == ',' || c == ';' || c == ' ' || c == '\t' || c == '\r';
 }
 
-/* The next field before `end`; its length, 0 behind the last. */
+/* Returns the length of the next field before `end`; 0 after the last. */
 static size_t next_field(const char **at, const char *end, const char **field)
 {
     while (*at < end && is_separator(**at))
@@ -83,25 +83,25 @@ static iso_status read_header(csv *c, const char *line, const char *end, iso_err
             if (strcmp(name, column_names[i].name) == 0)
                 role = column_names[i].role;
         if (strncmp(name, "opacity_of_", 11) == 0)
-            role = IGNORED; /* the extinction says it */
+            role = IGNORED; /* the extinction replaces it */
         c->own = c->own || role == EXTINCTION;
         if (role < 0 || c->columns == MOST_COLUMNS)
             return iso_fail(err, ISO_E_FORMAT,
-                            "%s: a column is called \"%s\", must be one of: value, r, g, b, opacity (or alpha)",
+                            "%s: unknown column \"%s\", must be one of: value, r, g, b, opacity (or alpha)",
                             c->file->path, name);
         set_role(c, c->columns, role);
     }
     return ISO_OK;
 }
 
-/* Without a header: r g b, r g b a (as matplotlib has them), or value r g b opacity. */
+/* Assigns roles without a header: r g b; r g b a (as in matplotlib); or value r g b opacity. */
 static iso_status guess_roles(csv *c, size_t columns, iso_error *err)
 {
     static const int roles[] = {VALUE, RED, GREEN, BLUE, OPACITY};
     if (columns < 3 || columns > 5)
         return iso_fail(
             err, ISO_E_FORMAT,
-            "%s: has %zu columns and no header, wanted 3 (r, g, b), 4 (r, g, b, opacity) or 5 (value first)",
+            "%s: has %zu columns and no header, must have 3 (r, g, b), 4 (r, g, b, opacity) or 5 (value first)",
             c->file->path, columns);
     c->columns = columns;
     for (size_t i = 0; i < columns; ++i)
@@ -142,7 +142,7 @@ static iso_status read_lines(csv *c, iso_error *err)
     const char *line = c->file->text, *end = line + c->file->size;
     iso_status status = ISO_OK;
     if (memchr(line, '\0', c->file->size))
-        return iso_fail(err, ISO_E_FORMAT, "%s: is no text", c->file->path);
+        return iso_fail(err, ISO_E_FORMAT, "%s: is not text", c->file->path);
     for (size_t number = 1; line < end && status == ISO_OK; ++number) {
         const char *stop = memchr(line, '\n', (size_t)(end - line));
         const char *field, *at = line;
@@ -154,7 +154,7 @@ static iso_status read_lines(csv *c, iso_error *err)
         line = stop + 1;
     }
     if (status == ISO_OK && c->rows < 2)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: has %zu lines of numbers, wanted two at least", c->file->path,
+        status = iso_fail(err, ISO_E_FORMAT, "%s: has %zu lines of numbers, must have at least 2", c->file->path,
                           c->rows);
     if (status == ISO_OK && !(c->has[RED] && c->has[GREEN] && c->has[BLUE]))
         status = iso_fail(err, ISO_E_FORMAT, "%s: has no column \"%s\"", c->file->path,
@@ -164,7 +164,7 @@ static iso_status read_lines(csv *c, iso_error *err)
     return status;
 }
 
-/* Ours: linear color and extinction at even distances. */
+/* Reads our own format: linear color and extinction at even distances. */
 static iso_status take_own(const csv *c, iso_tf *tf, iso_error *err)
 {
     iso_tf_table t = {.count = c->rows,
@@ -183,7 +183,7 @@ static iso_status take_own(const csv *c, iso_tf *tf, iso_error *err)
         if (!(fabs(v[VALUE] - even) <= 1e-6 * (t.hi - t.lo)) ||
             !(v[EXTINCTION] >= 0 && v[EXTINCTION] <= ISO_TF_MOST_EXTINCTION))
             status = iso_fail(err, ISO_E_RANGE,
-                              "%s: line %zu of numbers: wanted even values, and an extinction of 0 to %g per mm",
+                              "%s: line %zu of numbers: values must be evenly spaced, the extinction 0 to %g per mm",
                               c->file->path, i + 1, ISO_TF_MOST_EXTINCTION);
         for (int k = 0; k < 3; ++k)
             t.entries[4 * i + (size_t)k] = (float)fmin(fmax(v[RED + k], 0), 1);
@@ -194,7 +194,7 @@ static iso_status take_own(const csv *c, iso_tf *tf, iso_error *err)
     return status;
 }
 
-/* Whole numbers, one of them above 1, are bytes. */
+/* Returns 1/255 for whole numbers of which one exceeds 1: these are bytes. */
 static double scale_of(const csv *c, int first, int last)
 {
     double most = 0;
@@ -274,7 +274,7 @@ static iso_status save_csv(const iso_tf_output *output, const char *path, iso_er
 
 const iso_tf_format iso_tf_format_csv = {
     .name = "csv",
-    .summary = "value, linear color, extinction, opacity: a line an entry; read: also display colors",
+    .summary = "one line per entry: value, linear color, extinction, opacity; also reads display colors",
     .suffix = ".csv",
     .load = load_csv,
     .save = save_csv,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* format_imagej.c - lookup tables of ImageJ: 256 bytes red, green and blue each, behind a header or without; or text. */
+/* format_imagej.c - lookup tables of ImageJ: 256 bytes each of red, green and blue, a header is optional; or text. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 
 enum { ENTRIES = 256, HEADER = 32 };
 
-/* One line an entry: "index red green blue" or "red green blue"; a first line of words. */
+/* Reads one entry per line: "index red green blue" or "red green blue"; the first line may be words. */
 static iso_status read_text(const iso_tf_file *file, unsigned char (*rgb)[3], iso_error *err)
 {
     const char *line = file->text, *end = file->text + file->size;
@@ -35,7 +35,7 @@ static iso_status read_text(const iso_tf_file *file, unsigned char (*rgb)[3], is
             }
             ++entries;
         } else if (number > 1 && strspn(line, " \t\r") < (size_t)(stop - line)) {
-            return iso_fail(err, ISO_E_FORMAT, "%s:%zu: is no color: wanted red, green and blue, each 0 to 255",
+            return iso_fail(err, ISO_E_FORMAT, "%s:%zu: is not a color, must be red, green and blue, each 0 to 255",
                             file->path, number);
         }
         line = stop + 1;
@@ -86,7 +86,7 @@ static iso_status load_imagej(const iso_tf_file *file, iso_tf *tf, iso_error *er
 
 const iso_tf_format iso_tf_format_imagej = {
     .name = "imagej",
-    .summary = "a lookup table of ImageJ, colors alone; read only",
+    .summary = "a lookup table of ImageJ, without opacities; read only",
     .suffix = ".lut",
     .load = load_imagej,
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* format_inviwo.c - transfer functions of Inviwo, both forms of point that its versions have written. */
+/* format_inviwo.c - transfer functions of Inviwo, in both forms that its versions have written. */
 #include "tf/xml.h"
 
 static bool looks_like_inviwo(const iso_tf_file *file)
@@ -7,7 +7,7 @@ static bool looks_like_inviwo(const iso_tf_file *file)
     return iso_tf_file_has(file, "<InviwoTreeData") || iso_tf_file_has(file, "<InviwoWorkspace");
 }
 
-/* <point><pos x y/><rgba x y z w/></point>; newer <Point><pos content/><rgba x y z w/></Point>. */
+/* Reads <point><pos x y/><rgba x y z w/></point>, or the newer <Point><pos content/><rgba x y z w/></Point>. */
 static iso_status read_point(const iso_tf_file *file, const xmlNode *point, iso_tf_curves *c, iso_error *err)
 {
     static const char *const attributes[] = {"x", "y", "z", "w"};
@@ -24,7 +24,7 @@ static iso_status read_point(const iso_tf_file *file, const xmlNode *point, iso_
     return status == ISO_OK ? iso_tf_curve_add_opacity(&c->opacity, x, color[3], file->path, err) : status;
 }
 
-/* Outside the mask nothing is seen, as is nothing inside where the mask is the whole range. */
+/* Refuses masks other than the whole range: values outside a mask are invisible. */
 static iso_status check_mask(const iso_tf_file *file, const xmlNode *root, iso_error *err)
 {
     double lo = 0, hi = 1;

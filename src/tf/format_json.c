@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* format_json.c - our own transfer functions (tf.h says what a file holds). */
+/* format_json.c - our own transfer functions (tf.h documents the file). */
 #include "tf/format.h"
 
 static bool looks_like_json(const iso_tf_file *file)
@@ -7,7 +7,7 @@ static bool looks_like_json(const iso_tf_file *file)
     return iso_tf_file_has(file, "\"isoshade.tf/");
 }
 
-/* It says everything itself. */
+/* Refuses options that complete files of other programs: ours have all fields. */
 static iso_status check_request(const iso_tf_file *file, iso_error *err)
 {
     const iso_tf_request *q = file->request;
@@ -33,7 +33,7 @@ static iso_status save_json(const iso_tf_output *output, const char *path, iso_e
 
 const iso_tf_format iso_tf_format_json = {
     .name = "json",
-    .summary = "isoshade's own: points of value, color and opacity",
+    .summary = "isoshade's own format: points with value, color and opacity",
     .suffix = ".tf.json",
     .also = ".json",
     .probe = looks_like_json,

@@ -16,7 +16,7 @@ typedef struct bytes {
     double r[MOST_ENTRIES], g[MOST_ENTRIES], b[MOST_ENTRIES], a[MOST_ENTRIES], place[MOST_ENTRIES];
 } bytes;
 
-/* As many bytes as R has. false: the key is not there. */
+/* Reads bytes, as many as R has. False if the key is missing. */
 static bool read_bytes(iso_json_reader *r, const json_t *root, const char *key, bool required, size_t count,
                        double *values)
 {
@@ -64,7 +64,8 @@ static iso_status load_niivue(const iso_tf_file *file, iso_tf *tf, iso_error *er
     if (!b)
         r.status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
     else if (json_object_get(root, "labels"))
-        r.status = iso_fail(err, ISO_E_FORMAT, "%s: is a map of labels (\"labels\"), not of values", file->path);
+        r.status = iso_fail(err, ISO_E_FORMAT, "%s: is a map of labels (\"labels\"), must be one of values",
+                            file->path);
     else
         read_lists(&r, root, b, &curves);
     free(b);
@@ -110,7 +111,7 @@ static iso_status save_niivue(const iso_tf_output *output, const char *path, iso
 
 const iso_tf_format iso_tf_format_niivue = {
     .name = "niivue",
-    .summary = "a color map of NiiVue or MRIcroGL: bytes, an opacity a voxel",
+    .summary = "a color map of NiiVue or MRIcroGL: bytes, opacity per voxel",
     .suffix = ".niivue.json",
     .also = ".json",
     .probe = looks_like_niivue,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* format_paraview.c - color maps that ParaView exports and comes with, in JSON. */
+/* format_paraview.c - color maps that ParaView exports and ships with, in JSON. */
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +13,7 @@ static bool looks_like_paraview(const iso_tf_file *file)
     return iso_tf_file_has(file, "\"RGBPoints\"") || iso_tf_file_has(file, "\"IndexedColors\"");
 }
 
-/* ---- what the XML form shares ------------------------------------------------------------------------------------ */
+/* ---- shared with the XML format ---------------------------------------------------------------------------------- */
 
 bool iso_paraview_is_ciede2000(const char *name)
 {
@@ -36,7 +36,7 @@ iso_status iso_paraview_space(const char *name, const char *path, iso_color_spac
                     iso_names_join(&iso_color_space_names, NULL, list, sizeof list));
 }
 
-/* ParaView fits presets to the data, whose maps run from 0 to 1 or from -1 to 1: these are fractions of a range. */
+/* Marks maps from 0 or -1 to 1 as fractions of a range, since ParaView fits its presets to the data. */
 void iso_paraview_fit(iso_tf_curves *c)
 {
     iso_tf_curve *const both[] = {&c->color, &c->opacity};
@@ -54,7 +54,7 @@ void iso_paraview_fit(iso_tf_curves *c)
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/* ParaView's reader allows commas before a closing bracket, and its own file has one: they become spaces. */
+/* Replaces commas before a closing bracket by spaces: ParaView's reader allows them, and its own file has one. */
 static char *without_last_commas(const iso_tf_file *file)
 {
     char *text = malloc(file->size + 1), *comma = NULL;
@@ -77,7 +77,7 @@ static char *without_last_commas(const iso_tf_file *file)
     return text;
 }
 
-/* The numbers of a flat list, `per` a node. */
+/* Reads a flat list of numbers, `per` of them for each node. */
 static iso_status read_nodes(const iso_tf_file *file, const json_t *map, const char *key, iso_tf_curve *curve,
                              iso_error *err)
 {
@@ -87,7 +87,7 @@ static iso_status read_nodes(const iso_tf_file *file, const json_t *map, const c
     if (!list || json_is_null(list))
         return ISO_OK;
     if (!json_is_array(list) || json_array_size(list) % 4 != 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: \"%s\" is not a list of four numbers a point", file->path, key);
+        return iso_fail(err, ISO_E_FORMAT, "%s: \"%s\" is not a list of four numbers per point", file->path, key);
     for (size_t i = 0; i + 3 < json_array_size(list) && status == ISO_OK; i += 4) {
         double v[4];
         for (size_t k = 0; k < 4 && status == ISO_OK; ++k) {
@@ -103,7 +103,7 @@ static iso_status read_nodes(const iso_tf_file *file, const json_t *map, const c
     return status;
 }
 
-/* true, or a number that is not 0. */
+/* True if the value is true or a number other than 0. */
 static bool is_on(const json_t *map, const char *key)
 {
     const json_t *value = json_object_get(map, key);
@@ -205,11 +205,11 @@ static iso_status save_paraview(const iso_tf_output *output, const char *path, i
 
 const iso_tf_format iso_tf_format_paraview = {
     .name = "paraview",
-    .summary = "color maps of ParaView, JSON; the opacity's length is not in it",
+    .summary = "color maps of ParaView, JSON; without the length of opacities",
     .suffix = ".paraview.json",
     .also = ".json",
     .probe = looks_like_paraview,
     .load = load_paraview,
     .save = save_paraview,
-    .says_no_unit = true,
+    .has_no_unit = true,
 };

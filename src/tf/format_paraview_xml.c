@@ -28,7 +28,7 @@ static iso_status read_point(const iso_tf_file *file, const xmlNode *node, iso_t
     return status;
 }
 
-/* "true" or a number that is not 0. */
+/* True if the attribute is "true" or a number other than 0. */
 static bool is_true(const xmlNode *node, const char *attribute)
 {
     char *text = iso_xml_text(node, attribute);
@@ -37,7 +37,7 @@ static bool is_true(const xmlNode *node, const char *attribute)
     return yes;
 }
 
-/* Maps of colors alone say 1 everywhere: ParaView then keeps its own opacities, and so the user has to say them. */
+/* True if an opacity differs from 1. If all are 1, ParaView keeps its own opacities, so the user has to give them. */
 static bool has_opacities(const iso_tf_file *file, const xmlNode *map)
 {
     for (const xmlNode *p = iso_xml_child(map, "Point"); p; p = iso_xml_next(map, p, "Point")) {

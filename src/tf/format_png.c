@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* format_png.c - the ramp as a picture: 256 columns of display color, the opacity in alpha. */
+/* format_png.c - the table as a picture: 256 columns of display color, with the opacity in alpha. */
 #include <math.h>
 #include <png.h>
 #include <stdlib.h>
@@ -43,7 +43,7 @@ static iso_status save_png(const iso_tf_output *output, const char *path, iso_er
 
 const iso_tf_format iso_tf_format_png = {
     .name = "png",
-    .summary = "the ramp, 256 columns of display color and opacity; written only",
+    .summary = "a picture: 256 columns of display color and opacity; written only",
     .suffix = ".png",
     .save = save_png,
 };

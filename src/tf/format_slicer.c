@@ -47,7 +47,7 @@ static void refuse_gradient_opacity(iso_json_reader *r, const json_t *component)
     free(curve.nodes);
 }
 
-/* A gray function is a color function of three equal components. */
+/* Reads a gray function as a color function with three equal components. */
 static void read_gray(iso_json_reader *r, const json_t *component, iso_tf_curve *color)
 {
     read_curve(r, component, "grayTransferFunction", 1, color);
@@ -58,7 +58,7 @@ static void read_gray(iso_json_reader *r, const json_t *component, iso_tf_curve 
 static void read_component(iso_json_reader *r, const json_t *component, iso_tf_curves *c)
 {
     c->unit_is_default = json_object_get(component, "scalarOpacityUnitDistance") == NULL;
-    c->unit_mm = 1; /* Slicer's own where it is left out */
+    c->unit_mm = 1; /* Slicer's default */
     iso_json_get_number(r, component, "scalarOpacityUnitDistance", false, ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT,
                         &c->unit_mm);
     if (r->status == ISO_OK && json_object_get(component, "transferFunction2D"))
@@ -76,7 +76,7 @@ static void read_component(iso_json_reader *r, const json_t *component, iso_tf_c
 
 enum { MOST_COMPONENTS = 64, NAME_SIZE = 48 };
 
-/* Every component of every property; called "2", or "1.2" where there are several properties. */
+/* Lists the components of all properties; named "2", or "1.2" if there are several properties. */
 static size_t list_components(iso_json_reader *r, const json_t *properties, json_t **components,
                               char (*names)[NAME_SIZE])
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* format_slicer_mrml.c - volume properties in a MRML file of 3D Slicer: its presets.xml, and scenes. */
+/* format_slicer_mrml.c - volume properties in MRML files of 3D Slicer: its presets.xml, and scenes. */
 #include <stdlib.h>
 
 #include "tf/slicer.h"
@@ -68,7 +68,7 @@ static iso_status load_mrml(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 
 const iso_tf_format iso_tf_format_slicer_mrml = {
     .name = "slicer-mrml",
-    .summary = "volume properties of a MRML file of 3D Slicer, as its presets.xml; read only",
+    .summary = "volume properties in MRML files of 3D Slicer, such as presets.xml; read only",
     .suffix = ".mrml",
     .also = ".xml",
     .probe = looks_like_mrml,

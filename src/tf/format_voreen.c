@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* format_voreen.c - transfer functions of Voreen: keys of bytes over a domain, some with a color for each side. */
+/* format_voreen.c - transfer functions of Voreen: keys over a domain, with byte colors, or two of them for a step. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,7 +51,7 @@ static iso_status read_key(const iso_tf_file *file, const xmlNode *key, range do
     return status == ISO_OK && is_split(key) ? read_side(file, key, "colorR", x, c, err) : status;
 }
 
-/* Things that would change what is seen, and that nothing here does. */
+/* Refuses settings that change the picture and are not supported. */
 static iso_status check_rest(const iso_tf_file *file, const xmlNode *tf, iso_error *err)
 {
     double lo = 0, hi = 1, gamma = 1;
@@ -76,8 +76,8 @@ static iso_status read_tf(const iso_tf_file *file, const xmlNode *tf, iso_tf_cur
     TRY(status, iso_xml_optional_number(file, domain, "y", iso_xml_any, &r.hi, err));
     c->are_fractions = !domain || (r.lo == 0 && r.hi == 1);
     if (status == ISO_OK && !(r.hi > r.lo))
-        status = iso_fail(err, ISO_E_RANGE, "%s: its <domain> is %g to %g, its end must exceed its start", file->path,
-                          r.lo, r.hi);
+        status = iso_fail(err, ISO_E_RANGE, "%s: <domain> is %g to %g, the end must exceed the start", file->path, r.lo,
+                          r.hi);
     for (const xmlNode *key = iso_xml_child(keys, "key"); key && status == ISO_OK; key = iso_xml_next(keys, key, "key"))
         status = read_key(file, key, r, c, err);
     return status;
@@ -93,10 +93,10 @@ static iso_status load_voreen(const iso_tf_file *file, iso_tf *tf, iso_error *er
     const xmlNode *root = xmlDocGetRootElement(doc);
     const xmlNode *found = iso_xml_next(root, root, "TransFuncIntensity");
     if (!found)
-        found = iso_xml_next(root, root, "TransFunc1DKeys"); /* as later versions call it */
+        found = iso_xml_next(root, root, "TransFunc1DKeys"); /* name in later versions */
     status = found ? read_tf(file, found, &curves, err)
-                   : iso_fail(err, ISO_E_FORMAT,
-                              "%s: holds no <TransFuncIntensity>, the 1D transfer function of Voreen", file->path);
+                   : iso_fail(err, ISO_E_FORMAT, "%s: has no <TransFuncIntensity>, the 1D transfer function of Voreen",
+                              file->path);
     xmlFreeDoc(doc);
     if (status == ISO_OK)
         return iso_tf_take_curves(file, &curves, tf, err);

@@ -9,9 +9,9 @@
 
 enum { ROUNDS = 4 };
 
-/* ---- where level 0 shows nothing --------------------------------------------------------------------------------- */
+/* ---- voxels that are empty in level 0 ---------------------------------------------------------------------------- */
 
-/* How many of a table's entries below each one show something. */
+/* Returns for each entry the number of visible entries before it. NULL: no memory. */
 static uint32_t *count_shown(const iso_tf_table *tf, double length_mm)
 {
     const double least = -log1p(-ISO_GHOST_TRANSPARENT) / length_mm;
@@ -27,14 +27,14 @@ static double entry_of(const iso_tf_table *tf, double value)
     return x > 0 ? (x < last ? x : last) : 0;
 }
 
-/* Whether a value between the two shows anything: one of the entries that its values lie between. */
+/* True if any value in [min, max] is visible: one of the entries around it is. */
 static bool shows(const iso_tf_table *tf, const uint32_t *below, double min, double max)
 {
     const size_t first = (size_t)entry_of(tf, min), end = (size_t)ceil(entry_of(tf, max)) + 1;
     return below[end] > below[first];
 }
 
-/* The fine voxels, [begin, end) along one axis, by which a coarse voxel is judged: its own and half its size around. */
+/* The fine voxels, [begin, end) along one axis, that decide on a coarse voxel: its own and half its size around. */
 typedef struct span {
     size_t begin, end;
 } span;
@@ -45,7 +45,7 @@ static span span_of(size_t at, size_t level, size_t fine_size)
     return (span){first > half ? first - half : 0, past < fine_size ? past : fine_size};
 }
 
-/* Widens the range at each place of a row by the value there; one that is no number changes none. */
+/* Widens the range at each place of a row by the value there; NaN changes none. */
 static void widen(const float *values, size_t count, float *restrict min, float *restrict max)
 {
     for (size_t x = 0; x < count; ++x) {
@@ -54,7 +54,7 @@ static void widen(const float *values, size_t count, float *restrict min, float 
     }
 }
 
-/* The ranges along x of all fine rows that judge the coarse row (y, z). */
+/* Computes for each x the value range over all fine rows that decide on the coarse row (y, z). */
 static void range_of_rows(const iso_level *fine, size_t level, size_t y, size_t z, float *min, float *max)
 {
     const size_t *n = fine->geometry.size;
@@ -68,8 +68,8 @@ static void range_of_rows(const iso_level *fine, size_t level, size_t y, size_t 
             widen(fine->scalar + n[0] * (j + n[1] * k), n[0], min, max);
 }
 
-/* rows: room for two rows of level 0 a thread. Boxes of fine voxels overlap, so that each voxel is in eight of them:
- * they are joined along y and z for whole rows, which vectorizes, and along x last, of which little is left. */
+/* Sets empty[]. rows: space for two rows of level 0 per thread. The boxes of fine voxels overlap, so that each voxel is
+ * in eight of them: their ranges are joined along y and z for whole rows, which vectorizes, and then along x. */
 static void mark_empty(const iso_level *fine, const iso_geometry *coarse, size_t level, const iso_tf_table *tf,
                        const uint32_t *below, int threads, float *rows, uint8_t *empty)
 {
@@ -107,7 +107,8 @@ iso_status iso_ghost_mask(const iso_level *fine, const iso_level *coarse, size_t
     }
     free(rows);
     free(below);
-    return is_made ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "ghost: no memory for a byte a voxel of level %zu", level);
+    return is_made ? ISO_OK
+                   : iso_fail(err, ISO_E_MEMORY, "ghost: no memory for one byte per voxel of level %zu", level);
 }
 
 iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_table *original, const iso_tf_table *tf,
@@ -135,9 +136,10 @@ iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_ta
     return status;
 }
 
-/* ---- a transfer function without ghosts --------------------------------------------------------------------------- */
+/* ---- a transfer function without ghosts
+ * --------------------------------------------------------------------------- */
 
-/* The extinction of the original transfer function, where it is less. */
+/* Resets the entry to the original extinction if that is less. True if it is. */
 static bool give_back(const iso_tf_table *original, iso_tf_table *adapted, size_t entry)
 {
     const double step = (adapted->hi - adapted->lo) / (double)(adapted->count - 1);
@@ -149,7 +151,7 @@ static bool give_back(const iso_tf_table *original, iso_tf_table *adapted, size_
     return true;
 }
 
-/* One round: the entries of which too much of what is seen is ghost. */
+/* Resets once all entries with too large a share of ghost; returns their number. */
 static size_t give_ghosts_back(const iso_tf_table *original, const iso_small_views_rows *rows, iso_tf_table *adapted)
 {
     size_t given = 0;

@@ -10,12 +10,11 @@
 #include "base/parallel.h"
 #include "tf/histogram_kernel.h"
 
-/* Fine voxels counted in one go by iso_joint_compute. */
+/* Fine voxels per call of iso_joint_add() by iso_joint_compute(). */
 #define SLAB_VOXELS ((size_t)1 << 26)
-/* Up to DENSE_PAIRS pairs of bins counts stand in tables, beyond it, and for volumes that would hardly fill one, in hash
- * maps. Each thread has tables of its own while
- * all of them together hold OWN_PAIRS (two of up to TWIN_PAIRS pairs, see iso_count_keys()); more threads than that share
- * one, by atomic additions of runs of equal pairs. */
+/* Counts are kept in tables for up to DENSE_PAIRS pairs of bins; for more pairs, and for volumes that would hardly fill
+ * a table, in hash maps. Each thread has its own tables (two for up to TWIN_PAIRS pairs, see iso_count_keys()) as long
+ * as all of them hold at most OWN_PAIRS pairs; more threads share one by atomic additions of runs of equal pairs. */
 #define TWIN_PAIRS ((size_t)1 << 20)
 #define OWN_PAIRS ((size_t)1 << 26)
 #define DENSE_PAIRS ((size_t)1 << 24)
@@ -25,7 +24,7 @@ void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z
     bool whole = type != ISO_F32 && type != ISO_F64;
     size_t count = (size_t)1 << bits, rows = count < ISO_JOINT_MAX_ROWS ? count : ISO_JOINT_MAX_ROWS;
     double range = max > min ? max - min : 1;
-    /* 8-bit data keeps the bins 0 .. 255 that its numbers name */
+    /* 8-bit data keeps bins 0 to 255, so that a bin's number is its value. */
     double lo = type == ISO_U8 ? 0 : min;
     if (type == ISO_U8)
         range = max;
@@ -36,7 +35,7 @@ void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z
 
 /* ---- counting ----------------------------------------------------------------- */
 
-/* Pairs to counts: open addressing, at most half full. Key 0 means free: keys are stored plus 1. */
+/* Map from pairs to counts: open addressing, at most half full. Keys are stored plus 1; 0 means free. */
 typedef struct pair_map {
     uint32_t *keys;
     uint64_t *counts;
@@ -87,7 +86,7 @@ static void map_free(pair_map *m)
     *m = (pair_map){0};
 }
 
-/* What one thread counts in one slab. */
+/* Counts of one thread in one slab. */
 typedef struct counter {
     uint32_t *tables; /* dense, table_count of them */
     pair_map map;
@@ -99,10 +98,10 @@ typedef struct counter {
 struct iso_joint_builder {
     iso_joint_shape shape;
     int thread_count;
-    bool dense, shared; /* shared: the threads add to `table` */
-    size_t table_count; /* of a thread: 1 or 2 */
-    counter *counters;  /* one a thread */
-    uint64_t *table;    /* the sums so far, or */
+    bool dense, shared; /* shared: True if all threads add to `table` */
+    size_t table_count; /* per thread: 1 or 2 */
+    counter *counters;  /* one per thread */
+    uint64_t *table;    /* sums if dense, else in `map` */
     pair_map map;
     uint64_t voxel_count;
 };
@@ -152,7 +151,7 @@ static iso_status check_shape(const iso_joint_shape *shape, iso_error *err)
                         shape->second_count, ISO_TF_2D_ROWS);
     for (int a = 0; a < 3; ++a)
         if (fine_size[a] == 0 || coarse_size[a] != ((fine_size[a] - 1) >> level) + 1)
-            return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, %zu is wanted",
+            return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, must be %zu",
                             level, coarse_size[a], a, fine_size[a] ? ((fine_size[a] - 1) >> level) + 1 : 0);
     return ISO_OK;
 }
@@ -209,12 +208,12 @@ static void count_row(const iso_joint_builder *b, counter *c)
         iso_count_keys(keys, n, c->tables, c->tables + (b->table_count - 1) * pair_count(b));
 }
 
-/* A row of level 0, and the planes that stand for level k around it. */
+/* A row of level 0, and the first of the given planes of level k around it. */
 typedef struct row_place {
-    size_t y, z, coarse_z0; /* the first of the planes */
+    size_t y, z, coarse_z0;
 } row_place;
 
-/* The bins of a level's planes at the fine voxels of a row. */
+/* Looks up the bins of a level's planes at the fine voxels of a row. */
 static void lookup_row(const iso_joint_builder *b, counter *c, row_place at, const float *coarse, iso_row_scale scale,
                        uint32_t *bins)
 {
@@ -251,7 +250,7 @@ static void add_row(const iso_joint_builder *b, counter *c, row_place at, const 
     count_row(b, c);
 }
 
-/* Moves counts to the sums. Most of a large table is empty: what is not touched stays without memory. */
+/* Moves counts to the sums. Most of a large table is empty: blocks without counts are skipped and stay unallocated. */
 static void take_counts(uint32_t *counts, size_t pairs, uint64_t *sums)
 {
     const size_t block = 16;
@@ -267,7 +266,7 @@ static void take_counts(uint32_t *counts, size_t pairs, uint64_t *sums)
     }
 }
 
-/* The threads' counts go to the sums. */
+/* Adds all threads' counts to the sums. False: no memory. */
 static bool merge(iso_joint_builder *b)
 {
     size_t pairs = pair_count(b);
@@ -318,7 +317,7 @@ static iso_status make_rows(iso_joint *joint, const iso_joint_builder *b, size_t
     return iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu entries", entry_count);
 }
 
-/* Entries arrive with keys s * z.count + z, ascending. */
+/* Stores entry number `at`; keys s * z.count + z must arrive in ascending order. */
 static void put_entry(iso_joint *joint, size_t at, size_t key, uint64_t count)
 {
     joint->entry_z[at] = (uint16_t)(key % joint->z.count);
@@ -424,7 +423,7 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_s
     if (bits < 8 || bits > 16)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits, must be 8 to 16", bits);
     if (second < ISO_SECOND_VALUE_NONE || second > ISO_SECOND_VALUE_GRADIENT)
-        return iso_fail(err, ISO_E_RANGE, "joint histogram: second value %d is none of them", (int)second);
+        return iso_fail(err, ISO_E_RANGE, "joint histogram: unknown second value %d", (int)second);
     if (second != ISO_SECOND_VALUE_NONE && bits > 12)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits with a second value, must be 8 to 12", bits);
     const iso_level *fine = &p->levels[0];

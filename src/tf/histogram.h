@@ -2,12 +2,12 @@
 /* histogram.h - the joint histogram H_k(z, s) of a coarse level against level 0.
  *
  * Paper: [diaz-garcia-2016] secs. 3 and 4. For every fine voxel, z is its value
- * and s the value of level k at its center, by trilinear lookup, as a renderer
- * of level k sees it (at the coarse voxels themselves adaptation would be worse
- * than none). It depends on the volume alone: no change of a TF touches it.
+ * and s the value of level k at its center by trilinear lookup, as a renderer
+ * samples level k. (With s at the coarse voxels themselves, adapting would be worse
+ * than not adapting.) It depends on the volume alone: a change of the TF keeps it.
  *
- * Bins: z has 2^bits of them, s as many but at most 4096 (a row becomes an entry
- * of a TF). Bin i stands at lo + i step and takes what is nearest to it.
+ * Bins: z has 2^bits of them, s the same number but at most 4096 (a row becomes an
+ * entry of a TF). Bin i is at lo + i step and takes the values nearest to it.
  * Integers whose range fits get step 1, so that each value has its own bin.
  *
  * The grid is cell-centered: voxel i of level k covers the fine voxels [i 2^k,
@@ -16,20 +16,20 @@
  *     fine      | 0 | 1 | 2 | 3 |        weights of the two coarse neighbors at
  *     level 1   |   0   |   1   |        k = 1: 1/4 3/4, 3/4 1/4, ...
  *
- * They are multiples of 2^-(k+1), hence exact in float, and so is s while its
- * 3 (2k + 1) or so binary places and those of the bin fit 24 bits (8-bit data, k <= 2).
- * Counts are integers, so threads and slabs change nothing.
+ * They are multiples of 2^-(k+1), so they are exact in float. s is exact as long as its
+ * about 3 (2k + 1) binary places and those of the bin fit 24 bits (8-bit data, k <= 2).
+ * Counts are integers, so the result does not depend on threads or slabs.
  *
  * For a 2D transfer function (tf_2d.h) each row of the histogram is divided into
  * ISO_TF_2D_ROWS bins of a second value, so that a homogeneous tissue and the
  * partial voxels of a thin structure that share a value s are counted apart. The bin is
  * (ISO_TF_2D_ROWS - 1) sqrt(q / (range / 2)), looked up like s, then rounded; q is
- *   deviation   of the fine values inside the coarse voxel; at most half the range
- *   gradient    the magnitude of the level's central differences, in value a voxel,
- *               capped at half the range; it needs no data of level 0
- * The square root gives small q more bins.
+ *   deviation   standard deviation of the fine values in the coarse voxel, at most half the range
+ *   gradient    magnitude of the level's central differences, in value per voxel,
+ *               capped at half the range; needs no data of level 0
+ * The square root gives more bins to small q.
  *
- * Kept as rows of (z, count), z ascending; stored dense or sparse, whichever is
+ * Stored as rows of (z, count), z ascending; files are dense or sparse, whichever is
  * smaller. */
 #ifndef ISO_TF_HISTOGRAM_H
 #define ISO_TF_HISTOGRAM_H
@@ -57,7 +57,7 @@ typedef struct iso_joint {
     iso_bins z, s;
     iso_second_value second;
     size_t
-        second_count; /* bins of the second value: 1, or ISO_TF_2D_ROWS; row c * s.count + i is bin i of s in bin c */
+        second_count; /* bins of the second value: 1 or ISO_TF_2D_ROWS; row c * s.count + i: bin i of s, bin c of it */
     uint64_t voxel_count; /* the sum of all counts */
     size_t entry_count;
     size_t *row_start; /* rows + 1: row i holds the entries [row_start[i], row_start[i + 1]) */
@@ -70,20 +70,19 @@ static inline size_t iso_joint_row_count(const iso_joint *j)
     return j->s.count * j->second_count;
 }
 
-/* The bins for values in [min, max] of level 0. bits 8 to 16. */
+/* Chooses the bins for values in [min, max] of level 0. bits: 8 to 16. */
 void iso_joint_bins(double min, double max, iso_type type, int bits, iso_bins *z, iso_bins *s);
 
-/* H_k of level `level` (at least 1) of p. bits: 8, 12 or 16 (8 to 16; at most 12
- * with a second value). ISO_E_RANGE, ISO_E_MEMORY. */
+/* Computes H_k of a level (at least 1). bits: 8 to 16, at most 12 with a second value. ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value second, int threads,
                              iso_joint *joint, iso_error *err);
 void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 
-/* ---- the same plane by plane, for volumes larger than memory ---------------- */
+/* ---- the same by planes, for volumes larger than memory --------------------- */
 
 typedef struct iso_joint_builder iso_joint_builder;
 
-/* What is counted against what. */
+/* Bins and sizes of the two levels to count. */
 typedef struct iso_joint_shape {
     iso_bins z, s;
     size_t second_count;       /* bins of the second value: 1, or ISO_TF_2D_ROWS */
@@ -91,48 +90,47 @@ typedef struct iso_joint_shape {
     size_t level;
 } iso_joint_shape;
 
-/* ISO_E_RANGE, ISO_E_MEMORY. */
+/* Creates a builder, to be freed by iso_joint_end() or iso_joint_abandon(). ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_builder **builder, iso_error *err);
-/* The coarse planes [*first, *first + *count) that the fine planes [z0, z1) look at. */
+/* Returns the coarse planes [*first, *first + *count) that the fine planes [z0, z1) need. */
 void iso_joint_needs(const iso_joint_builder *builder, size_t z0, size_t z1, size_t *first, size_t *count);
-/* fine: the planes [z0, z1); coarse: the planes of iso_joint_needs(); second: the second value in these planes, as
- * a bin, which may lie between two; NULL with a second_count of 1. At most 2^31 voxels at once. */
+/* Counts the fine planes [z0, z1), at most 2^31 voxels. coarse: the planes given by iso_joint_needs(). second: the
+ * second value in these planes as a bin, possibly fractional; NULL with a second_count of 1. */
 iso_status iso_joint_add(iso_joint_builder *builder, size_t z0, size_t z1, const float *fine, const float *coarse,
                          const float *second, iso_error *err);
-/* Frees the builder in every case. A caller that gave a second value sets joint->second to its kind. */
+/* Frees the builder in every case. The caller sets joint->second to its kind of second value. */
 iso_status iso_joint_end(iso_joint_builder *builder, iso_joint *joint, iso_error *err);
 void iso_joint_abandon(iso_joint_builder *builder);
 
-/* Bins of all voxels of a level, by either second value. ISO_E_MEMORY. */
+/* Computes the bin of the second value for all voxels of a level, possibly fractional. ISO_E_MEMORY. */
 iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_second_value second, int threads,
                                         float *out, iso_error *err);
 
-/* ---- beside the level -------------------------------------------------------- */
+/* ---- files in the pyramid's folder ------------------------------------------- */
 
-/* DIR/level_K_jointBITS.nrrd, with deviation level_K_jointBITSxROWS.nrrd, with gradient level_K_jointBITSgROWS.nrrd
- * (ROWS: ISO_TF_2D_ROWS). gzip; dense (z fastest, then s), or sparse with three numbers an entry: z, s, count. The
- * file's geometry gives the bins' places. */
+/* Saves DIR/level_K_jointBITS.nrrd; with deviation level_K_jointBITSxROWS.nrrd, with gradient
+ * level_K_jointBITSgROWS.nrrd (ROWS: ISO_TF_2D_ROWS). gzip; dense (z fastest, then s), or sparse with three numbers per
+ * entry: z, s, count. The file's geometry holds lo and step of the bins. */
 iso_status iso_joint_save(const iso_joint *joint, const char *dir, size_t level, int bits, iso_error *err);
-/* Which of a pyramid's histograms. */
+/* Identifies one of a pyramid's histograms. */
 typedef struct iso_joint_key {
     size_t level;
     int bits;
     iso_second_value second;
 } iso_joint_key;
 
-/* Whether there is a file of it. */
+/* True if the histogram's file exists. */
 bool iso_joint_is_stored(const char *dir, const iso_joint_key *key);
 
-/* ISO_E_IO when there is none; ISO_E_FORMAT when it is not of these bins and this many voxels. */
+/* Loads a histogram. ISO_E_IO: no file; ISO_E_FORMAT: its bins or number of voxels differ from the arguments. */
 iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_bins *z, const iso_bins *s,
                           uint64_t voxel_count, iso_joint *joint, iso_error *err);
-/* Loads what is stored in `dir`, else computes it and stores it there. dir may
- * be NULL; a folder that cannot be written is no failure. p may be the outline of
- * the pyramid in `dir`: its samples are read when they are needed. */
+/* Loads the histogram from `dir`; if it is missing or unfit, computes and stores it. dir may be NULL; a folder that
+ * cannot be written is not an error. p may be the outline of the pyramid in `dir`: its samples are read when needed. */
 iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joint_key *key, int threads,
                             iso_joint *joint, iso_error *err);
 
-/* Bytes of the smaller form before compression, for Table 1's figures. */
+/* Returns the bytes of the smaller form before compression, for Table 1. */
 double iso_joint_stored_bytes(const iso_joint *joint);
 
 #endif

@@ -95,14 +95,14 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
     TRY(status, iso_volume_save(&v, path, true, err));
     if (status == ISO_OK && !iso_manifest_add(dir, iso_path_base(path))) {
         iso_remove_tree(path);
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be listed", path);
+        status = iso_fail(err, ISO_E_IO, "%s: cannot list the folder", path);
     }
     iso_volume_destroy(&v);
     free(path);
     return status;
 }
 
-/* Fills the rows from the file's numbers; false when they are not what save writes. */
+/* Fills *j from the file's numbers. ISO_E_FORMAT: sizes or order differ from those that save writes; ISO_E_MEMORY. */
 static iso_status read_rows(const iso_volume *v, const char *path, const iso_bins *z, const iso_bins *s,
                             iso_second_value second, iso_joint *j, iso_error *err)
 {
@@ -111,7 +111,7 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
     size_t cells = sparse ? n[1] : n[0] * n[1], entries = 0, last_key = 0;
     size_t second_count = second == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS, rows = s->count * second_count;
     if (!sparse && (n[0] != z->count || n[1] != rows))
-        return iso_fail(err, ISO_E_FORMAT, "%s: %zu x %zu bins, %zu x %zu are wanted", path, n[0], n[1], z->count,
+        return iso_fail(err, ISO_E_FORMAT, "%s: has %zu x %zu bins, must be %zu x %zu", path, n[0], n[1], z->count,
                         rows);
     for (size_t i = 0; i < cells; ++i)
         entries += get_number(v, sparse ? 3 * i + 2 : i) > 0;
@@ -128,7 +128,7 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
         uint64_t zi = sparse ? get_number(v, 3 * i) : i % z->count,
                  si = sparse ? get_number(v, 3 * i + 1) : i / z->count;
         if (zi >= z->count || si >= rows || (at > 0 && si * z->count + zi <= last_key))
-            return iso_fail(err, ISO_E_FORMAT, "%s: entry %zu is (%llu, %llu), out of order or of range", path, i,
+            return iso_fail(err, ISO_E_FORMAT, "%s: entry %zu is (%llu, %llu), out of order or out of range", path, i,
                             (unsigned long long)zi, (unsigned long long)si);
         last_key = (size_t)(si * z->count + zi);
         j->entry_z[at] = (uint16_t)zi;
@@ -150,13 +150,13 @@ iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_b
     iso_status status = path ? iso_volume_load(path, &v, err)
                              : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     if (status == ISO_OK && v.type != ISO_U32 && v.type != ISO_F64)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: type %s, uint32 or double is wanted", path, iso_type_name(v.type));
+        status = iso_fail(err, ISO_E_FORMAT, "%s: has type %s, must be uint32 or double", path, iso_type_name(v.type));
     if (status == ISO_OK) {
         iso_vec3 first = iso_geometry_to_world(&v.geometry, iso_v3(0.5, 0.5, 0.5));
         double off = fmax(fabs(first.x - z->lo) / z->step, fabs(first.y - s->lo) / s->step);
         if (!(off < 1e-6) || fabs(v.geometry.index_to_world.m[0][0] / z->step - 1) > 1e-9 ||
             fabs(v.geometry.index_to_world.m[1][1] / s->step - 1) > 1e-9)
-            status = iso_fail(err, ISO_E_FORMAT, "%s: bins of width %g from %g, %g from %g are wanted", path,
+            status = iso_fail(err, ISO_E_FORMAT, "%s: bins have width %g from %g, must be %g from %g", path,
                               v.geometry.index_to_world.m[0][0], first.x, z->step, z->lo);
     }
     TRY(status, read_rows(&v, path, z, s, key->second, j, err));
@@ -170,7 +170,7 @@ iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_b
     return status;
 }
 
-/* One that was not fit to be read: it is an input, which no output replaces. */
+/* Removes a file that could not be loaded: it counts as an input, which no output replaces. */
 static void remove_stored(const char *dir, const iso_joint_key *key)
 {
     char *path = file_path(dir, key);
@@ -202,7 +202,7 @@ iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joi
     iso_pyramid_destroy(&whole);
     if (status == ISO_OK && dir) {
         remove_stored(dir, key);
-        iso_joint_save(j, dir, level, bits, NULL); /* a cache: without it the next run counts again */
+        iso_joint_save(j, dir, level, bits, NULL); /* a cache: if it fails, the next run counts again */
     }
     return status;
 }

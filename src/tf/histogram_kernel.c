@@ -6,7 +6,7 @@
 iso_phase iso_phase_at(size_t fine, size_t level, size_t coarse_count)
 {
     size_t cell = fine >> level, phase = fine & (((size_t)1 << level) - 1), width = (size_t)1 << level;
-    /* the center of the fine voxel against the center of its cell, in halves of fine voxels */
+    /* from the cell's center to the fine voxel's, in cells */
     float offset = ((float)(2 * phase + 1) - (float)width) / (float)(2 * width);
     iso_phase p = {cell, cell, 1, 0};
     if (offset < 0) {
@@ -33,8 +33,8 @@ ISO_SIMD void iso_blend_rows(const float *const rows[4], const float weights[4],
     out[count + 1] = out[count];
 }
 
-/* The cells [0, cells) of a level whose voxels are `width` wide, a constant where this is expanded: the inner loop
- * unrolls and its stores become vectors. */
+/* Expands the cells [0, cells) of a level whose voxels are `width` wide. After inlining, `width` is a constant: the
+ * inner loop unrolls and its stores become vectors. */
 static inline __attribute__((always_inline)) void expand_cells(const float *row, size_t width, size_t cells,
                                                                uint32_t *restrict bins)
 {

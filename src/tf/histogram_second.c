@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The second value of a 2D transfer function: deviation or gradient magnitude. */
+/* histogram_second.c - the second value of a 2D transfer function: deviation or gradient magnitude. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,7 +16,7 @@ static double deviation_coordinate(const float *fine, const size_t n[3], size_t 
         hi[a] = lo[a] + ((size_t)1 << level) < n[a] ? lo[a] + ((size_t)1 << level) : n[a];
         count *= hi[a] - lo[a];
     }
-    const double shift = (double)fine[(lo[2] * n[1] + lo[1]) * n[0] + lo[0]]; /* small differences, no cancellation */
+    const double shift = (double)fine[(lo[2] * n[1] + lo[1]) * n[0] + lo[0]]; /* avoids cancellation */
     double sum = 0, square = 0;
     for (size_t z = lo[2]; z < hi[2]; ++z)
         for (size_t y = lo[1]; y < hi[1]; ++y) {
@@ -44,7 +44,7 @@ static void deviation_coordinates(const iso_level *fine, const size_t size[3], s
         }
 }
 
-/* |central difference| of the level's scalar, in value a voxel, a plane at a time. */
+/* Computes |central difference| of the level's scalar, in value per voxel, plane by plane. */
 static iso_status gradient_coordinates(const iso_level *level, double half_range, int threads, float *out,
                                        iso_error *err)
 {

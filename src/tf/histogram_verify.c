@@ -6,7 +6,7 @@
 
 enum { LEAST_BITS = 8, MOST_BITS = 16, SECOND_VALUES = ISO_SECOND_VALUE_GRADIENT };
 
-/* Voxels that are in other bins: both count all of them, so that each is missing once and too many once. */
+/* Counts the voxels in different bins. Both have the same voxels, so each is missing once and too many once. */
 static uint64_t count_differing(const iso_joint *a, const iso_joint *b)
 {
     uint64_t sum = 0;
@@ -43,7 +43,7 @@ static iso_status check_one(const iso_pyramid *p, const char *dir, const iso_joi
     return status;
 }
 
-/* The keys whose files are there. Returns how many; keys: room for all, or NULL. */
+/* Lists the keys of existing files and returns their number. keys: space for all, or NULL. */
 static size_t list_keys(const iso_pyramid *p, const char *dir, iso_joint_key *keys)
 {
     size_t count = 0;
@@ -96,12 +96,11 @@ const char *iso_joint_check_text(const iso_joint_check *check, char *text, size_
     snprintf(name, sizeof name, "level %zu: its joint histogram of %d bits%s", check->key.level, check->key.bits,
              second_word(check->key.second));
     if (check->unreadable.text[0])
-        snprintf(text, size, "%s is none of this pyramid: %s", name, check->unreadable.text);
+        snprintf(text, size, "%s does not belong to this pyramid: %s", name, check->unreadable.text);
     else if (check->differing > 0)
-        snprintf(text, size, "%s counts %llu of %llu voxels in other bins than the levels have them", name,
+        snprintf(text, size, "%s counts %llu of %llu voxels in other bins than its levels", name,
                  (unsigned long long)check->differing, (unsigned long long)check->voxels);
     else
-        snprintf(text, size, "%s counts all %llu voxels as the levels have them", name,
-                 (unsigned long long)check->voxels);
+        snprintf(text, size, "%s counts all %llu voxels as its levels do", name, (unsigned long long)check->voxels);
     return text;
 }

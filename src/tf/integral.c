@@ -4,20 +4,20 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Entry x, x in [i, i + 1], of cell i: linear inside the table, the end entries beyond it. Emission and extinction. */
+/* Computes emission and extinction at entry x in [i, i + 1] of cell i: linear in the table, constant beyond it. */
 static void emission_at(const iso_tf_table *tf, double cell, double x, double out[4])
 {
     const double last = (double)(tf->count - 1);
     const float *near = tf->entries + 4 * (size_t)fmin(fmax(cell, 0), last);
     const float *far = tf->entries + 4 * (size_t)fmin(fmax(cell + 1, 0), last);
-    const double f = cell < 0 || cell >= last ? 0 : x - cell; /* beyond the table both are one entry */
+    const double f = cell < 0 || cell >= last ? 0 : x - cell; /* beyond the table near and far are the same entry */
     double sigma = (1 - f) * (double)near[3] + f * (double)far[3];
     for (int c = 0; c < 3; ++c)
         out[c] = sigma * ((1 - f) * (double)near[c] + f * (double)far[c]);
     out[3] = sigma;
 }
 
-/* The mean over [a, b] in one cell: the product of two linear functions is a parabola, of which Simpson's rule is exact. */
+/* Computes the mean over [a, b] in one cell: a product of two linear functions, for which Simpson's rule is exact. */
 static void cell_mean(const iso_tf_table *tf, double cell, double a, double b, double mean[4])
 {
     double at_a[4], at_middle[4], at_b[4];

@@ -14,7 +14,7 @@ enum { MOST_POINTS = 8 };
 
 typedef enum preset_scale { SCALE_AUTO, SCALE_HOUNSFIELD, SCALE_OBJECT, SCALE_SIGNED } preset_scale;
 
-/* at, on the preset's scale; display color; opacity over `unit` */
+/* at: position on the preset's scale; srgb: display color; opacity over `unit` */
 typedef struct preset_point {
     double at, srgb[3], opacity;
 } preset_point;
@@ -22,14 +22,14 @@ typedef struct preset_point {
 typedef struct preset {
     const char *name, *summary;
     preset_scale scale;
-    double unit; /* mm on the scale of Hounsfield units, else voxels */
+    double unit; /* in mm on the Hounsfield scale, otherwise in voxels */
     size_t count;
     preset_point points[MOST_POINTS];
 } preset;
 
 /* clang-format off */
 static const preset presets[] = {
-    {.name = "auto", .summary = "what tf suggest finds: materials from the volume's own histogram"},
+    {.name = "auto", .summary = "same as tf suggest: materials from the volume's own histogram"},
     {.name = "ct-bone", .summary = "CT: bone alone, from 200 HU",
      .scale = SCALE_HOUNSFIELD, .unit = 1, .count = 4, .points = {
         {180,   {0.80, 0.60, 0.45}, 0},
@@ -52,7 +52,7 @@ static const preset presets[] = {
         {320,   {0.95, 0.45, 0.30}, 0.6},
         {600,   {0.98, 0.90, 0.78}, 0.75},
         {1500,  {1.00, 1.00, 0.97}, 0.9}}},
-    {.name = "ct-lung", .summary = "CT: the lungs blue, their bounds and the skin a red veil, dense bone faint",
+    {.name = "ct-lung", .summary = "CT: lungs blue, their bounds and the skin a red veil, dense bone faint",
      .scale = SCALE_HOUNSFIELD, .unit = 1, .count = 8, .points = {
         {-960,  {0.35, 0.55, 0.90}, 0},
         {-900,  {0.35, 0.55, 0.90}, 0.006},
@@ -62,14 +62,14 @@ static const preset presets[] = {
         {-350,  {0.90, 0.50, 0.40}, 0},
         {300,   {1.00, 0.97, 0.90}, 0},
         {1000,  {1.00, 0.97, 0.90}, 0.1}}},
-    {.name = "mri-brain", .summary = "MRI: a veil of dark tissue, what is bright is dense",
+    {.name = "mri-brain", .summary = "MRI: dark tissue is a veil, bright tissue dense",
      .scale = SCALE_OBJECT, .unit = 4, .count = 5, .points = {
         {0.10,  {0.55, 0.40, 0.35}, 0},
         {0.30,  {0.80, 0.55, 0.45}, 0.06},
         {0.45,  {0.93, 0.68, 0.55}, 0.30},
         {0.65,  {1.00, 0.88, 0.76}, 0.80},
         {1.00,  {1.00, 1.00, 0.95}, 0.90}}},
-    {.name = "angiography", .summary = "vessels that are brighter than all else",
+    {.name = "angiography", .summary = "vessels that are brighter than the rest",
      .scale = SCALE_OBJECT, .unit = 1, .count = 4, .points = {
         {0.12,  {0.70, 0.10, 0.08}, 0},
         {0.30,  {0.85, 0.20, 0.12}, 0.5},
@@ -82,7 +82,7 @@ static const preset presets[] = {
         {0.35,  {0.35, 0.85, 0.40}, 0.40},
         {0.70,  {0.85, 0.95, 0.50}, 0.75},
         {1.00,  {1.00, 1.00, 0.90}, 0.85}}},
-    {.name = "orbital", .summary = "both signs: positive orange, negative blue, around the background",
+    {.name = "orbital", .summary = "signed values: positive orange, negative blue, background invisible",
      .scale = SCALE_SIGNED, .unit = 2, .count = 8, .points = {
         {-1.00, {0.60, 0.85, 1.00}, 0.8},
         {-0.30, {0.20, 0.50, 0.95}, 0.7},
@@ -92,7 +92,7 @@ static const preset presets[] = {
         {0.15,  {0.95, 0.55, 0.20}, 0.15},
         {0.30,  {0.95, 0.55, 0.20}, 0.7},
         {1.00,  {1.00, 0.85, 0.55}, 0.8}}},
-    {.name = "simulation", .summary = "a plume: blue and thin where little is, yellow and dense where most is",
+    {.name = "simulation", .summary = "a plume: low values blue and thin, high values yellow and dense",
      .scale = SCALE_OBJECT, .unit = 4, .count = 6, .points = {
         {0.02,  {0.15, 0.20, 0.60}, 0},
         {0.10,  {0.20, 0.40, 0.80}, 0.06},
@@ -105,9 +105,10 @@ static const preset presets[] = {
 
 const iso_names iso_tf_preset_names = ISO_NAMES_OF_ROWS("transfer function preset", presets);
 
-/* ---- scales --------------------------------------------------------------------------------------------------------- */
+/* ---- scales
+ * --------------------------------------------------------------------------------------------------------- */
 
-/* Of the values beyond the background: the one below which that part of them lies. */
+/* Returns the quantile of the values beyond the background that has this part of them below it. */
 static double object_quantile(const iso_survey *s, double begins, double part)
 {
     double below = 0;
@@ -116,7 +117,7 @@ static double object_quantile(const iso_survey *s, double begins, double part)
     return iso_survey_quantile(s, below + (1 - below) * part);
 }
 
-/* value = zero + at * one */
+/* Computes the scale: value = zero + at * one. */
 static void lay_scale(preset_scale scale, const iso_survey *s, double *zero, double *one)
 {
     *zero = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* reduce.c - a table to the few nodes that other programs keep. */
+/* reduce.c - reduction of a table to the few nodes that other programs store. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -17,7 +17,7 @@ static double place(const sampled *s, size_t i)
     return s->lo + (s->hi - s->lo) * (double)i / (double)(s->count - 1);
 }
 
-/* How far place i is from the line between places a and b, in channels first to last. */
+/* Returns the distance of place i from the line between places a and b, in channels first to last. */
 static double away(const sampled *s, size_t a, size_t b, size_t i, int first, int last)
 {
     const double t = (double)(i - a) / (double)(b - a);
@@ -27,7 +27,7 @@ static double away(const sampled *s, size_t a, size_t b, size_t i, int first, in
     return most;
 }
 
-/* Keeps the farthest place between a and b where it is too far, then looks at both halves [douglas-1973]. */
+/* Keeps the farthest place between a and b if it is farther than `most`, then splits both halves [douglas-1973]. */
 static void split(const sampled *s, size_t a, size_t b, int first, int last, double most)
 {
     size_t farthest = a;
@@ -76,10 +76,10 @@ iso_status iso_tf_reduce(const iso_tf_table *table, double unit_mm, size_t grid,
         s.rgba[i][3] = -expm1(-found[3] * unit_mm);
     }
     if (status == ISO_OK)
-        choose(&s, 0, grid ? 3 : 2, most); /* on a grid the nodes are common */
+        choose(&s, 0, grid ? 3 : 2, most); /* on a grid both curves share the nodes */
     TRY(status, take(&s, true, &curves->color, err));
     if (status == ISO_OK && !grid)
-        choose(&s, 3, 3, most / 16); /* small opacities count over long ways */
+        choose(&s, 3, 3, most / 16); /* small opacities add up along long rays */
     TRY(status, take(&s, false, &curves->opacity, err));
     free(s.rgba);
     free(s.kept);

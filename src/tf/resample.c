@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* resample.c - curves of display colors to points of linear light, and what that costs. */
+/* resample.c - conversion of curves of display colors to points of linear light, and the error of that. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "tf/curves.h"
 
-/* How far a line of points may be from a curve, in display color and opacity: well below a step of eight bits. */
+/* Largest distance of a line from a curve, in display color and opacity: well below a step of 8 bits. */
 static const double closest = 1.0 / 2048;
 enum { DEEPEST = 10, MOST_POINTS = 65536, LARGEST_TABLE = 4096 };
 
@@ -14,11 +14,11 @@ typedef struct resampling {
     const iso_tf_curves *curves;
     const char *path;
     iso_tf *tf;
-    size_t room;
+    size_t capacity;
     iso_error *err;
 } resampling;
 
-/* The curves at x on the side of `inside`: display color and opacity. */
+/* Evaluates the curves at x on the side of `inside`: display color and opacity. */
 static void look_up(const iso_tf_curves *c, double x, double inside, double rgba[4])
 {
     iso_tf_curve_color(&c->color, c->space, x, inside, rgba);
@@ -34,7 +34,7 @@ static iso_tf_point point_at(const iso_tf_curves *c, double x, double inside)
                           rgba[3]};
 }
 
-static bool look_alike(const iso_tf_point *a, const iso_tf_point *b)
+static bool are_equal(const iso_tf_point *a, const iso_tf_point *b)
 {
     bool alike = fabs(a->opacity - b->opacity) < 1e-12;
     for (int c = 0; c < 3; ++c)
@@ -46,22 +46,22 @@ static iso_status append(resampling *r, const iso_tf_point *p)
 {
     iso_tf *tf = r->tf;
     if (tf->point_count && tf->points[tf->point_count - 1].value == p->value &&
-        look_alike(&tf->points[tf->point_count - 1], p))
+        are_equal(&tf->points[tf->point_count - 1], p))
         return ISO_OK;
     if (tf->point_count == MOST_POINTS)
         return iso_fail(r->err, ISO_E_RANGE, "%s: its curves need more than %d points", r->path, (int)MOST_POINTS);
-    if (tf->point_count == r->room) {
-        const size_t room = r->room ? 2 * r->room : 64;
-        iso_tf_point *points = realloc(tf->points, room * sizeof *points);
+    if (tf->point_count == r->capacity) {
+        const size_t capacity = r->capacity ? 2 * r->capacity : 64;
+        iso_tf_point *points = realloc(tf->points, capacity * sizeof *points);
         if (!points)
-            return iso_fail(r->err, ISO_E_MEMORY, "%s: no memory for %zu points", r->path, room);
-        tf->points = points, r->room = room;
+            return iso_fail(r->err, ISO_E_MEMORY, "%s: no memory for %zu points", r->path, capacity);
+        tf->points = points, r->capacity = capacity;
     }
     tf->points[tf->point_count++] = *p;
     return ISO_OK;
 }
 
-/* How far the line between two points is from the curves at the fraction t of it. */
+/* Returns the distance between the line from a to b and the curves at its fraction t. */
 static double distance(const iso_tf_curves *c, const iso_tf_point *a, const iso_tf_point *b, double t)
 {
     const double x = a->value + t * (b->value - a->value);
@@ -73,7 +73,7 @@ static double distance(const iso_tf_curves *c, const iso_tf_point *a, const iso_
     return most;
 }
 
-/* Appends what lies between a and b, which are there or come, where the line is not close enough. */
+/* Appends points between a and b until the lines are close enough; the caller appends a and b. */
 static iso_status fill(resampling *r, const iso_tf_point *a, const iso_tf_point *b, int depth)
 {
     bool close = true;
@@ -88,7 +88,7 @@ static iso_status fill(resampling *r, const iso_tf_point *a, const iso_tf_point 
     return status == ISO_OK ? fill(r, &middle, b, depth + 1) : status;
 }
 
-/* A point on a line between its neighbors says nothing: midpoints of straight ways, mostly. */
+/* Drops points on the line between their neighbors: mostly midpoints of straight segments. */
 static void drop_needless(iso_tf *tf)
 {
     size_t kept = tf->point_count ? 1 : 0;
@@ -108,10 +108,10 @@ static void drop_needless(iso_tf *tf)
     tf->point_count = kept;
 }
 
-/* Beyond the range the ends hold: ends that are constant or cannot be seen need no range, and its table is finer. */
+/* True if the end can be dropped: it is constant or invisible. A smaller range has finer entries. */
 static bool is_needless(const iso_tf_point *end, const iso_tf_point *next)
 {
-    return look_alike(end, next) || (end->opacity == 0 && next->opacity == 0);
+    return are_equal(end, next) || (end->opacity == 0 && next->opacity == 0);
 }
 
 static void trim(iso_tf *tf)
@@ -127,7 +127,7 @@ static void trim(iso_tf *tf)
     memmove(tf->points, tf->points + first, tf->point_count * sizeof *tf->points);
 }
 
-/* At a step the table has what comes after it: where one begins the range, an entry before it has what came. */
+/* Sets the range. Steps take the value after them, so before a step at the start the range gets one entry more. */
 static void set_range(iso_tf *tf)
 {
     const iso_tf_point *first = tf->points, *last = &tf->points[tf->point_count - 1];
@@ -136,7 +136,7 @@ static void set_range(iso_tf *tf)
         tf->range[0] -= (tf->range[1] - tf->range[0]) / (LARGEST_TABLE - 2);
 }
 
-/* Points at equal distances are a table already. */
+/* Returns the number of entries. Points at equal distances are already a table. */
 static size_t table_size(const iso_tf *tf)
 {
     const size_t n = tf->point_count;
@@ -149,9 +149,9 @@ static size_t table_size(const iso_tf *tf)
 
 static iso_status between_corners(resampling *r, const double *corners, size_t count)
 {
-    /* Beyond the ends the curves may have other values: steps at the first and the last corner. */
+    /* Beyond the ends the curves may have other values: this makes steps at the first and the last corner. */
     const iso_tf_point before = point_at(r->curves, corners[0], -INFINITY);
-    const iso_tf_point behind = point_at(r->curves, corners[count - 1], INFINITY);
+    const iso_tf_point after = point_at(r->curves, corners[count - 1], INFINITY);
     iso_status status = append(r, &before);
     for (size_t i = 0; i + 1 < count && status == ISO_OK; ++i) {
         const double inside = 0.5 * (corners[i] + corners[i + 1]);
@@ -160,7 +160,7 @@ static iso_status between_corners(resampling *r, const double *corners, size_t c
         TRY(status, fill(r, &a, &b, 0));
         TRY(status, append(r, &b));
     }
-    return status == ISO_OK ? append(r, &behind) : status;
+    return status == ISO_OK ? append(r, &after) : status;
 }
 
 iso_status iso_tf_resample(const iso_tf_curves *curves, const char *path, iso_tf *tf, iso_error *err)
@@ -173,7 +173,7 @@ iso_status iso_tf_resample(const iso_tf_curves *curves, const char *path, iso_tf
     double *corners = iso_tf_curves_corners(curves, &count);
     if (!corners)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    iso_status status = count < 2 ? iso_fail(err, ISO_E_RANGE, "%s: all its points are at one value", path)
+    iso_status status = count < 2 ? iso_fail(err, ISO_E_RANGE, "%s: all points are at one value", path)
                                   : between_corners(&r, corners, count);
     free(corners);
     if (status == ISO_OK) {
@@ -188,7 +188,7 @@ iso_status iso_tf_resample(const iso_tf_curves *curves, const char *path, iso_tf
     return status;
 }
 
-/* What renderers look up, against what the other program shows. */
+/* Compares the rendered table with the curves at x; raises *color and *opacity to the largest differences. */
 static void compare(const iso_tf_curves *c, const iso_tf_table *t, double unit, double x, double *color,
                     double *opacity)
 {

@@ -11,15 +11,15 @@ iso_status iso_slicer_curve(const char *text, const char *what, int components, 
     const int each = 1 + components;
     iso_status status = ISO_OK;
     if (end == text || !(count >= 0 && count <= 65536) || (int)count != count || (int)count % each != 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %s does not begin with how many numbers follow, %d a point", path, what,
-                        each);
+        return iso_fail(err, ISO_E_FORMAT, "%s: %s must begin with the count of numbers that follow, %d per point",
+                        path, what, each);
     for (int i = 0; i < (int)count && status == ISO_OK; i += each) {
         double v[4] = {0};
         for (int k = 0; k < each && status == ISO_OK; ++k) {
             const char *from = end;
             v[k] = strtod(from, &end);
             if (end == from)
-                status = iso_fail(err, ISO_E_FORMAT, "%s: %s has %d numbers, but says %d", path, what, i + k,
+                status = iso_fail(err, ISO_E_FORMAT, "%s: %s has %d numbers, its count is %d", path, what, i + k,
                                   (int)count);
         }
         if (status == ISO_OK)

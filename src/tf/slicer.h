@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* slicer.h - what the three forms of 3D Slicer's volume properties share. */
+/* slicer.h - parts shared by the readers of 3D Slicer's volume properties. */
 #ifndef ISO_TF_SLICER_H
 #define ISO_TF_SLICER_H
 
 #include "tf/format.h"
 
-/* Curves as Slicer writes them in text: "8 x y x y x y x y", or "8 x r g b x r g b". what: in messages. */
+/* Reads a curve from Slicer's text: "8 x y x y x y x y", or "8 x r g b x r g b". what: its name in messages. */
 iso_status iso_slicer_curve(const char *text, const char *what, int components, const char *path, iso_tf_curve *curve,
                             iso_error *err);
 
-/* What a voxel shows would depend on its gradient, which is nothing that a TF here can say: only 1 is taken.
- * hint: what to do, or "". */
+/* Refuses gradient opacities other than 1, which transfer functions here cannot express. hint: the remedy, or "". */
 iso_status iso_slicer_check_gradient(const iso_tf_curve *curve, const char *hint, const char *path, iso_error *err);
 
-/* The three curves in text, and Slicer's own length of 1 mm, which these forms do not say. */
+/* The three curves in text. Opacities are for Slicer's 1 mm, which these forms do not store. */
 typedef struct iso_slicer_texts {
     const char *scalar_opacity, *gradient_opacity, *color;
 } iso_slicer_texts;

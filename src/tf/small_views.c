@@ -9,17 +9,17 @@
 
 enum { PIXELS = ISO_SMALL_VIEWS_PIXELS };
 
-/* Below this transmittance a ray has no more to show: half a step of 8 bits, seen 16 times enlarged. */
+/* A ray ends below this transmittance: half a step of 8 bits, enlarged 16 times. */
 #define OPAQUE 1e-4
 
-/* An orthographic camera in the index space of level 0, which its rays cross. */
+/* An orthographic camera in the index space of level 0. */
 typedef struct small_camera {
-    iso_vec3 corner, right, down, direction; /* of the first pixel's center; a pixel's steps; a ray step */
+    iso_vec3 corner, right, down, direction; /* first pixel's center; steps between pixels; ray step */
     double step_mm;
     long step_count;
 } small_camera;
 
-/* A third of v, mirrored along one axis of the world, or along none where axis is 0. */
+/* Returns v / 3, mirrored along one axis of the world; axis 0: not mirrored. */
 static iso_vec3 turn(iso_vec3 v, int axis)
 {
     return iso_v3((axis == 1 ? -v.x : v.x) / 3, (axis == 2 ? -v.y : v.y) / 3, (axis == 3 ? -v.z : v.z) / 3);
@@ -38,7 +38,7 @@ static small_camera frame_box(const iso_geometry *g, int view)
 {
     const iso_vec3 center = iso_geometry_box_center_mm(g);
     iso_vec3 axes[3];
-    double half[3] = {0}; /* of the box along the axes */
+    double half[3] = {0}; /* half sizes of the box along the axes */
     for (int a = 0; a < 3; ++a)
         axes[a] = turn(directions[view % 3][a], view / 3);
     for (int corner = 0; corner < 8; ++corner) {
@@ -61,7 +61,7 @@ static small_camera frame_box(const iso_geometry *g, int view)
     return c;
 }
 
-/* Steps [*first, *last] of a ray from p that lie in the box; none: *first > *last. */
+/* Clips a ray from p to the box: its steps are [*first, *last]; none if *first > *last. */
 static void clip_to_box(const small_camera *c, const iso_geometry *g, iso_vec3 p, long *first, long *last)
 {
     const double at[3] = {p.x, p.y, p.z}, d[3] = {c->direction.x, c->direction.y, c->direction.z};
@@ -79,8 +79,8 @@ static void clip_to_box(const small_camera *c, const iso_geometry *g, iso_vec3 p
     *last = t1 < t0 ? *first - 1 : (long)floor(t1);
 }
 
-/* A place between voxel centers at i + 1/2, clamped to the edge: the first of its eight voxels, the way to the others, and
- * how far it lies between them. */
+/* A place between voxel centers at i + 1/2, clamped to the edge: index of the first of its eight voxels, offsets to the
+ * others, and fractions between them. */
 typedef struct place {
     size_t first, step[3];
     double f[3];
@@ -131,7 +131,7 @@ static double sample_bytes(const uint8_t *bytes, const place *p)
     return sum;
 }
 
-/* Adds a step to a pixel, front to back, and returns what is seen of it; pixel[3] is its transmittance. */
+/* Adds a step to a pixel, front to back, and returns its visible opacity; pixel[3] is the transmittance. */
 static double add_step(const double rgbs[4], double length_mm, double pixel[4])
 {
     if (rgbs[3] <= 0 || pixel[3] <= OPAQUE)
@@ -143,7 +143,7 @@ static double add_step(const double rgbs[4], double length_mm, double pixel[4])
     return seen;
 }
 
-/* What the coarse level shows at a place through transfer function i. */
+/* Looks up the coarse level at a place through transfer function i: color and extinction. */
 static void look_up(const iso_small_views_input *in, size_t i, const place *p, double value, double rgbs[4])
 {
     if (in->tfs_2d[i])
@@ -154,7 +154,7 @@ static void look_up(const iso_small_views_input *in, size_t i, const place *p, d
         rgbs[3] *= exp2(sample(in->octaves[i], p));
 }
 
-/* Whether level 0 shows nothing in the coarse voxel that holds the index. */
+/* True if level 0 shows nothing in the coarse voxel that holds the index. */
 static bool is_empty(const iso_small_views_input *in, const double index[3])
 {
     size_t i[3];
@@ -173,7 +173,7 @@ static void add_atomic(int64_t *sum, double seen)
     *sum += more;
 }
 
-/* To the two entries that the value lies between, by what each of them has of the extinction. */
+/* Adds `seen` to the two entries around the value, in proportion to their shares of the extinction. */
 static void note_rows(const iso_tf_table *tf, const iso_small_views_rows *rows, double value, double seen, bool ghost)
 {
     const double last = (double)(tf->count - 1), x = (value - tf->lo) / (tf->hi - tf->lo) * last;
@@ -189,7 +189,7 @@ static void note_rows(const iso_tf_table *tf, const iso_small_views_rows *rows, 
     }
 }
 
-/* A pixel of level 0: premultiplied color, and its transmittance. */
+/* Computes a pixel of level 0: premultiplied color and transmittance. */
 static void march_fine(const iso_small_views_input *in, const small_camera *c, iso_vec3 from, double pixel[4])
 {
     double rgbs[4];
@@ -203,7 +203,7 @@ static void march_fine(const iso_small_views_input *in, const small_camera *c, i
     }
 }
 
-/* One for each transfer function of the coarse level, and what of it is seen where level 0 is empty. */
+/* Computes a pixel for each transfer function of the coarse level, and its opacity in voxels empty in level 0. */
 static void march_coarse(const iso_small_views_input *in, const small_camera *c, iso_vec3 from,
                          double pixels[ISO_SMALL_VIEWS_MAX_TFS][4], double ghosts[ISO_SMALL_VIEWS_MAX_TFS])
 {
@@ -289,7 +289,7 @@ static iso_status draw_level_0(const iso_small_views_input *in, iso_small_views_
     return status;
 }
 
-/* Notes 1 - SSIM of a view, and adds the mean square difference of color. */
+/* Stores 1 - SSIM of a view and adds its mean square difference of color. */
 static iso_status add_error(const iso_image *wanted, const iso_image *seen, int view, iso_small_views_error *e,
                             iso_error *err)
 {

@@ -10,10 +10,10 @@
 
 enum { BINS = ISO_SURVEY_BINS };
 
-/* Opacities are for two voxels: a surface is opaque behind four. */
+/* Opacities are for two voxels: a surface is opaque after four. */
 #define UNIT_VOXELS 2
 #define SOLID 0.75
-/* What all of a veil's material together hides. */
+/* Opacity of all of a veil's material together. */
 #define VEIL 0.45
 
 const char *iso_suggest_kind_text(iso_suggest_kind kind)
@@ -29,13 +29,14 @@ const char *iso_suggest_kind_text(iso_suggest_kind kind)
     return texts[kind];
 }
 
-/* ---- profiles of one side of the background ------------------------------------------------------------------------- */
+/* ---- profiles of one side of the background
+ * ------------------------------------------------------------------------- */
 
-/* The bins in the order in which they leave the background: upwards, or for a dark object downwards. */
+/* The bins on one side of the background, counted away from it: upwards, or downwards for a dark object. */
 typedef struct side {
     const iso_survey *survey;
     bool down;
-    int first; /* the first bin that is no background; BINS: there is none */
+    int first; /* first bin beyond the background; BINS: none */
     double count[BINS], flat[BINS], slope[BINS];
     double above; /* voxels from `first` on */
 } side;
@@ -81,13 +82,15 @@ static int steepest(const side *p, int from, int to)
     return best;
 }
 
-/* ---- materials ------------------------------------------------------------------------------------------------------ */
+/* ---- materials
+ * ------------------------------------------------------------------------------------------------------ */
 
 typedef struct material {
     int peak, begins;
 } material;
 
-/* Peaks of flat voxels that have a valley of at most .7 of the lower one between them, and a fiftieth of the object. */
+/* Finds peaks of flat voxels with at least 1/50 of the object; valleys between them have at most .7 of the lower
+ * one. */
 static int find_peaks(const side *p, material found[ISO_SUGGEST_MATERIALS])
 {
     const double least = 0.02 * sum_of(p->flat, p->first, BINS);
@@ -116,8 +119,8 @@ static int find_peaks(const side *p, material found[ISO_SUGGEST_MATERIALS])
     return count;
 }
 
-/* From where the arch that ends at `to` has that part of its height. Between two materials RISEN of it is enough; where no
- * peak ends the arch it is that of the steepest structures, and dimmer ones have lower arches: LOW keeps them. */
+/* Part of the height of an arch at which a material begins: RISEN between two materials. An arch without a peak at its
+ * end has the height of the steepest structures, and dimmer ones have lower arches: LOW keeps them. */
 #define RISEN 0.7
 #define LOW 0.5
 
@@ -130,9 +133,9 @@ static int arch_begins(const side *p, int from, int to, double part)
     return i;
 }
 
-/* What is brighter than the last peak and has no peak of its own, such as bone in a CT: at least 1/200 of the object, as
- * far from the peak as half of the peak's way from the background, and apart from the peak's foot by the foot's width: the
- * tail of an uneven MRI is its peak's own. */
+/* Finds a material brighter than the last peak without a peak of its own, such as bone in a CT. It has at least 1/200
+ * of the object, is at least half as far from the peak as the peak from the background, and is separate from the peak's
+ * foot by the foot's width: the tail of an uneven MRI belongs to its peak. */
 static bool find_tail(const side *p, const material *last, int background, material *tail)
 {
     int end = last->peak;
@@ -145,8 +148,8 @@ static bool find_tail(const side *p, const material *last, int background, mater
     return tail->begins + 4 < BINS && tail->begins - last->peak > 2 * (end - last->peak);
 }
 
-/* Where the magnitudes grow with the value to the very end, as in a simulation with a heavy tail, an arch has no foot: at
- * least a tenth of what is no background is shown. */
+/* Moves `begins` down until at least a tenth of the object is shown. If magnitudes grow with the value to the very end,
+ * as in a simulation with a heavy tail, an arch has no foot. */
 static int bounded(const side *p, int begins)
 {
     double shown = sum_of(p->count, begins, BINS);
@@ -173,7 +176,8 @@ static int find_materials(const side *p, material found[ISO_SUGGEST_MATERIALS])
     return count;
 }
 
-/* ---- points --------------------------------------------------------------------------------------------------------- */
+/* ---- points
+ * --------------------------------------------------------------------------------------------------------- */
 
 static void add_point(iso_tf *tf, double value, const double srgb[3], double opacity)
 {
@@ -196,7 +200,7 @@ static iso_status create_tf(const iso_survey *s, const iso_geometry *g, iso_tf *
 {
     *tf = (iso_tf){.range = {s->lo, s->hi}, .table_size = 1024};
     tf->points = calloc(ISO_SUGGEST_POINTS, sizeof *tf->points);
-    /* two digits: a person reads it */
+    /* Two digits, for human readers. */
     const double unit = UNIT_VOXELS * iso_geometry_mean_spacing_mm(g), digit = pow(10, floor(log10(unit)) - 1);
     tf->unit_distance = round(unit / digit) * digit;
     if (!(tf->range[1] > tf->range[0]))
@@ -204,7 +208,7 @@ static iso_status create_tf(const iso_survey *s, const iso_geometry *g, iso_tf *
     return tf->points ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function");
 }
 
-/* Voxels of the isosurface at a bin: by the coarea formula the sum of magnitudes over the values' width. */
+/* Returns the isosurface's area at a bin in voxels: by the coarea formula, the sum of magnitudes per value. */
 static double area_of(const side *p, int begins)
 {
     double sum = 0;
@@ -215,8 +219,8 @@ static double area_of(const side *p, int begins)
     return sum / ((to - from) * (p->survey->hi - p->survey->lo) / BINS);
 }
 
-/* A veil hides VEIL of what is behind. A ray may cross as much of it as there would be in a ball, or as little as a mean
- * chord, 4 V / A of a body of any shape: between the two. */
+/* Returns the opacity at which a ray through the veil loses VEIL. The length of that ray is between a ball's diameter
+ * and the mean chord 4 V / A, which holds for a body of any shape. */
 static double veil_opacity(const side *p, int begins, double voxels)
 {
     const double ball = cbrt(voxels), chord = fmin(ball, 4 * voxels / fmax(area_of(p, begins), 1));
@@ -226,7 +230,7 @@ static double veil_opacity(const side *p, int begins, double voxels)
 
 static const double colors[ISO_SUGGEST_MATERIALS][3] = {{0.86, 0.55, 0.38}, {0.95, 0.80, 0.55}, {1.00, 0.97, 0.90}};
 
-/* Opacity rises from 0 at the background's side of where a material begins to its own at the other side. */
+/* Adds all materials: opacity rises to a material's own around the value at which it begins. */
 static void add_object(const side *p, iso_suggestion *out)
 {
     material m[ISO_SUGGEST_MATERIALS];
@@ -250,7 +254,7 @@ static void add_object(const side *p, iso_suggestion *out)
     add_point(&out->tf, p->down ? p->survey->lo : p->survey->hi, (const double[3]){1, 1, 0.97}, before);
 }
 
-/* Two sides of the background: each from where its arch begins. */
+/* Adds both sides of the background, each from the beginning of its arch. */
 static void add_signed(const side sides[2], iso_suggestion *out)
 {
     static const double hue[2][2][3] = {{{0.95, 0.55, 0.20}, {1.00, 0.85, 0.55}},
@@ -270,7 +274,7 @@ static void add_signed(const side sides[2], iso_suggestion *out)
     }
 }
 
-/* The steepest isosurface among the middle values, as thin as a twentieth of the range. */
+/* Adds the steepest isosurface among the middle values, a twentieth of the range thick. */
 static void add_shell(const iso_survey *s, iso_suggestion *out)
 {
     side p;
@@ -291,9 +295,11 @@ static void add_shell(const iso_survey *s, iso_suggestion *out)
                                                       SOLID};
 }
 
-/* ---- labels --------------------------------------------------------------------------------------------------------- */
+/* ---- labels
+ * --------------------------------------------------------------------------------------------------------- */
 
-/* Of what looks like labels and is interpolated: all but the background's, colors from blue over green to red: a label that is interpolated has its neighbor's hue. */
+/* Adds interpolated labels: all but the background's opaque, hues from blue over green to red by value, so that values
+ * between two labels get a similar hue. */
 static void add_labels(const iso_survey *s, iso_suggestion *out)
 {
     static const double hues[6][3] = {{0.35, 0.55, 0.95}, {0.30, 0.80, 0.85}, {0.45, 0.80, 0.40},
@@ -305,29 +311,29 @@ static void add_labels(const iso_survey *s, iso_suggestion *out)
     add_point(&out->tf, begins, hues[0], 0);
     add_point(&out->tf, begins, hues[0], SOLID);
     if (s->label_count == (s->has_padding ? 1 : 2))
-        return; /* one label on nothing */
+        return; /* a single label */
     for (int i = 0; i < 6 && last > begins; ++i)
         add_point(&out->tf, begins + (last - begins) * (i + 0.5) / 6, hues[i], SOLID);
 }
 
-/* Of a label map: a plateau a label, in its segment's color or else in one of a palette: hues a golden angle apart by the
- * label, so that a label has the same color in each file. 0 is empty, or else the smallest, where no segment names it. */
+/* True if the label is invisible: 0, or the smallest label if there is no 0; never one that is named by a segment. */
 static bool is_empty(const iso_survey *s, double label)
 {
     const bool has_zero = bsearch(&(double){0}, s->labels, s->label_count, sizeof *s->labels, iso_order_doubles) != NULL;
     return label == (has_zero ? 0 : s->labels[0]) && !iso_segments_find(s->segments, (long)label);
 }
 
+/* Computes a color from the label alone, the same in each file: hues a golden angle apart. */
 static void palette_color(double label, double srgb[3])
 {
     const double hue = 6 * (0.618033988749895 * label - floor(0.618033988749895 * label));
     for (int c = 0; c < 3; ++c) {
-        const double away = fabs(fmod(hue + (double[3]){0, 4, 2}[c], 6) - 3) - 1; /* full where 1 or more, none where 0 or less */
+        const double away = fabs(fmod(hue + (double[3]){0, 4, 2}[c], 6) - 3) - 1; /* 0 to 1: none to full */
         srgb[c] = 0.95 - 0.55 * (1 - fmin(fmax(away, 0), 1));
     }
 }
 
-/* So many entries that each label is on one, with others of its plateau to both sides: filters of textures round. */
+/* Sets the table's size: each label on an entry, with more of its plateau on both sides, as texture filters round. */
 static iso_status size_table(iso_tf *tf, iso_error *err)
 {
     const double span = tf->range[1] - tf->range[0];
@@ -338,7 +344,7 @@ static iso_status size_table(iso_tf *tf, iso_error *err)
     return tf->table_size <= ISO_TF_MOST_ENTRIES
                ? ISO_OK
                : iso_fail(err, ISO_E_RANGE,
-                          "labels from %g to %g: a transfer function has at most %d entries, too few for one a label",
+                          "labels run from %g to %g: too many for the %d entries of a transfer function",
                           tf->range[0], tf->range[1], ISO_TF_MOST_ENTRIES);
 }
 
@@ -361,9 +367,10 @@ static iso_status add_label_map(const iso_survey *s, iso_suggestion *out, iso_er
     return size_table(&out->tf, err);
 }
 
-/* ---- all of it ------------------------------------------------------------------------------------------------------ */
+/* ---- all of it
+ * ------------------------------------------------------------------------------------------------------ */
 
-/* Voxels of a side, weighted by how far from the background they are. */
+/* Returns the number of voxels of a side, weighted by their distance from the background. */
 static double weight_of(const side *p)
 {
     double sum = 0;
@@ -400,7 +407,7 @@ iso_status iso_suggest(const iso_survey *s, const iso_geometry *level0, iso_sugg
         return status;
     if (s->is_label_map) {
         out->kind = ISO_SUGGEST_LABELS;
-        status = add_label_map(s, out, err); /* in their order */
+        status = add_label_map(s, out, err); /* keeps the order of labels */
         if (status != ISO_OK)
             iso_suggestion_destroy(out);
         return status;

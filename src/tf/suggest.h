@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* suggest.h - a transfer function for a volume that nobody has looked at yet.
+/* suggest.h - a suggested transfer function for an unknown volume.
  *
- * From the joint histogram of value and gradient magnitude (survey.h): what the faces of the box show is background and
- * stays invisible; materials are peaks of flat voxels, and a material begins where the arch from what is before it rises.
- * Of several materials the last one is opaque and those before it are a veil. Values on both sides of the background, as
- * an orbital or a difference has them, get a color a side; darker values than the background's are treated as brighter
- * ones, mirrored. Without a background only the surface in the middle of the steepest arch is shown, as a thin shell.
- * At most ISO_SUGGEST_POINTS points, in the volume's own values: to be edited. A label map has a plateau a label instead, in
- * the color of its segment where the file names one.
- *
- * The same volume gives the same points, whatever the number of threads. */
+ * It is derived from the joint histogram of value and gradient magnitude (survey.h). The values on the faces of the box
+ * are the background and stay invisible. Materials are peaks of flat voxels; a material begins at the value at which
+ * the arch from its predecessor rises. Of several materials the last one is opaque and the others are veils. If there
+ * are values on both sides of the background, as in an orbital or a difference, each side gets its color; a dark object
+ * is treated as a bright one, mirrored. Without a background only the surface in the middle of the steepest arch is
+ * shown, as a thin shell. A label map has a plateau per label instead, in its segment's color if the file names one. At
+ * most ISO_SUGGEST_POINTS points, in the volume's own values, so that they can be edited. Results do not depend on the
+ * number of threads. */
 #ifndef ISO_TF_SUGGEST_H
 #define ISO_TF_SUGGEST_H
 
@@ -33,14 +32,14 @@ typedef struct iso_suggestion {
     iso_tf tf;
     size_t material_count;
     struct iso_suggest_material {
-        double begins;  /* the value at which its surface is */
-        double peak;    /* its most frequent value */
+        double begins;  /* value of its surface */
+        double peak;    /* most frequent value */
         double part;    /* of the volume's voxels */
         double opacity; /* over the transfer function's unit distance */
     } materials[ISO_SUGGEST_MATERIALS];
 } iso_suggestion;
 
-/* ISO_E_MEMORY; ISO_E_RANGE: labels that are too far apart for one entry each. */
+/* Creates a suggestion. ISO_E_MEMORY; ISO_E_RANGE: labels too far apart for one entry each. */
 iso_status iso_suggest(const iso_survey *survey, const iso_geometry *level0, iso_suggestion *suggestion,
                        iso_error *err);
 void iso_suggestion_destroy(iso_suggestion *suggestion);

@@ -28,14 +28,15 @@ int iso_survey_bin(const iso_survey *s, double value)
     return x >= BINS ? BINS - 1 : x > 0 ? (int)x : 0;
 }
 
-/* Square roots: of smooth volumes all magnitudes are small. A central difference is at most half the range an axis. */
+/* Bins are spaced as squares: smooth volumes have small magnitudes. At most half the range per axis. */
 double iso_survey_slope(const iso_survey *s, double slope)
 {
     const double root = (slope + 0.5) / SLOPES;
     return root * root * 0.5 * (s->hi - s->lo);
 }
 
-/* ---- quantiles, padding, labels ------------------------------------------------------------------------------------ */
+/* ---- quantiles, padding, labels
+ * ------------------------------------------------------------------------------------ */
 
 static int ascending(const void *a, const void *b)
 {
@@ -43,7 +44,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Voxels at a fixed stride that meets every column and row, sorted. */
+/* Returns voxels at a fixed stride that meets every column and row, sorted. NULL: no memory. */
 static float *sorted_samples(const iso_level *l, size_t *count)
 {
     const size_t n = iso_geometry_voxel_count(&l->geometry);
@@ -64,7 +65,7 @@ static bool is_on_face(const size_t n[3], size_t x, size_t y, size_t z)
     return x == 0 || y == 0 || z == 0 || x + 1 == n[0] || y + 1 == n[1] || z + 1 == n[2];
 }
 
-/* Voxels of the box's faces that have the value. */
+/* Counts the voxels of the box's faces that have the value. */
 static uint64_t count_on_faces(const iso_level *l, float value)
 {
     const size_t *n = l->geometry.size;
@@ -78,7 +79,8 @@ static uint64_t count_on_faces(const iso_level *l, float value)
     return count;
 }
 
-/* One value at the low end, apart from all others by a tenth of what they span, that stands on the faces. */
+/* Finds padding: one value at the low end and on the faces, separated from the others by at least a tenth of their
+ * span. Returns its count in `sample`; 0: none. */
 static size_t find_padding(const iso_level *l, const float *sample, size_t count, iso_survey *s)
 {
     size_t run = 1;
@@ -96,7 +98,7 @@ static size_t find_padding(const iso_level *l, const float *sample, size_t count
     return run;
 }
 
-/* All labels of a label map, however few voxels they have; more than ISO_SURVEY_LABELS are left to the histogram. */
+/* Stores all labels of a label map, even rare ones. With more than ISO_SURVEY_LABELS it is treated as other volumes. */
 static iso_status take_labels(const iso_level *l, iso_survey *s, iso_error *err)
 {
     enum { LEAST = -32768, SPAN = 65536 + 32768 };
@@ -122,7 +124,7 @@ static iso_status take_labels(const iso_level *l, iso_survey *s, iso_error *err)
     return ISO_OK;
 }
 
-/* Whole numbers, few of them, and each with many voxels. */
+/* Finds labels: few distinct whole numbers, each with many voxels. */
 static void find_labels(const float *sample, size_t count, iso_survey *s)
 {
     size_t found = 0;
@@ -152,7 +154,7 @@ static void summarize(const float *sample, size_t count, iso_survey *s)
         s->quantile[i] = sample[(size_t)((double)(count - 1) * (double)i / ISO_SURVEY_QUANTILES)];
     s->lo = sample[(size_t)(0.0005 * (double)(count - 1))];
     s->hi = sample[(size_t)(0.9995 * (double)(count - 1))];
-    if (!(s->hi > s->lo)) { /* next to all voxels have one value */
+    if (!(s->hi > s->lo)) { /* almost all voxels have one value */
         s->lo = sample[0];
         s->hi = sample[count - 1];
     }
@@ -162,33 +164,34 @@ static void summarize(const float *sample, size_t count, iso_survey *s)
     find_labels(sample, count, s);
 }
 
-/* ---- histograms ---------------------------------------------------------------------------------------------------- */
+/* ---- histograms
+ * ---------------------------------------------------------------------------------------------------- */
 
 enum { BLOCK = 256 }; /* voxels of a row that are counted at once */
 
-/* Voxels that follow each other in a row, and those beside them: [axis][0] before, [axis][1] behind. */
+/* Consecutive voxels of a row and their neighbors: [axis][0] before, [axis][1] after. */
 typedef struct neighbors {
-    const float *at, *beside[3][2];
+    const float *at, *side[3][2];
     size_t count;
 } neighbors;
 
-/* A row and those beside it along y and z: the row itself at the borders. */
+/* A row and its neighbors along y and z; at a border the row itself. */
 typedef struct neighbor_rows {
-    const float *at, *beside[3][2]; /* beside[0]: not used */
+    const float *at, *side[3][2]; /* side[0]: not used */
 } neighbor_rows;
 
 enum { ROWS = 5 };
 
-/* room: for so many rows, of a level whose floats are not there. */
-static neighbor_rows find_rows(const iso_level *l, size_t y, size_t z, float *room)
+/* buffer: space for ROWS rows, for levels whose floats are not in memory. */
+static neighbor_rows find_rows(const iso_level *l, size_t y, size_t z, float *buffer)
 {
     const size_t *n = l->geometry.size, place[3] = {0, y, z}, step[3] = {0, n[0], n[0] * n[1]};
     const size_t first = n[0] * (y + n[1] * z);
-    neighbor_rows r = {.at = iso_level_floats(l, first, n[0], room)};
+    neighbor_rows r = {.at = iso_level_floats(l, first, n[0], buffer)};
     for (int a = 1; a < 3; ++a) {
-        float *own = room + (size_t)(2 * a - 1) * n[0];
-        r.beside[a][0] = place[a] > 0 ? iso_level_floats(l, first - step[a], n[0], own) : r.at;
-        r.beside[a][1] = place[a] + 1 < n[a] ? iso_level_floats(l, first + step[a], n[0], own + n[0]) : r.at;
+        float *own = buffer + (size_t)(2 * a - 1) * n[0];
+        r.side[a][0] = place[a] > 0 ? iso_level_floats(l, first - step[a], n[0], own) : r.at;
+        r.side[a][1] = place[a] + 1 < n[a] ? iso_level_floats(l, first + step[a], n[0], own + n[0]) : r.at;
     }
     return r;
 }
@@ -196,15 +199,15 @@ static neighbor_rows find_rows(const iso_level *l, size_t y, size_t z, float *ro
 static neighbors find_neighbors(const neighbor_rows *r, size_t x, size_t nx, size_t count)
 {
     neighbors v = {.at = r->at + x, .count = count};
-    v.beside[0][0] = x > 0 ? v.at - 1 : v.at;
-    v.beside[0][1] = x + 1 < nx ? v.at + 1 : v.at;
+    v.side[0][0] = x > 0 ? v.at - 1 : v.at;
+    v.side[0][1] = x + 1 < nx ? v.at + 1 : v.at;
     for (int a = 1; a < 3; ++a)
         for (int i = 0; i < 2; ++i)
-            v.beside[a][i] = r->beside[a][i] + x;
+            v.side[a][i] = r->side[a][i] + x;
     return v;
 }
 
-/* iso_survey_bin() of each voxel. */
+/* Computes iso_survey_bin() of each voxel. */
 ISO_SIMD static void bin_values(const neighbors *v, double lo, double hi, int *restrict bins)
 {
     const double range = hi > lo ? hi - lo : 1, count = hi > lo ? BINS : 0;
@@ -215,11 +218,11 @@ ISO_SIMD static void bin_values(const neighbors *v, double lo, double hi, int *r
     }
 }
 
-/* Of the gradient in values a voxel of the mean spacing; 1 / (2 h) each axis in `scale`. As square roots: iso_survey_slope(). */
+/* Bins the square root of the gradient, in value per voxel of the mean spacing. scale: 1 / (2 h). */
 ISO_SIMD static void bin_slopes(const neighbors *v, const double scale[3], double largest, int *restrict bins)
 {
-    const float *x0 = v->beside[0][0], *x1 = v->beside[0][1], *y0 = v->beside[1][0], *y1 = v->beside[1][1];
-    const float *z0 = v->beside[2][0], *z1 = v->beside[2][1];
+    const float *x0 = v->side[0][0], *x1 = v->side[0][1], *y0 = v->side[1][0], *y1 = v->side[1][1];
+    const float *z0 = v->side[2][0], *z1 = v->side[2][1];
     for (size_t i = 0; i < v->count; ++i) {
         const double dx = ((double)x1[i] - (double)x0[i]) * scale[0];
         const double dy = ((double)y1[i] - (double)y0[i]) * scale[1];
@@ -246,12 +249,12 @@ static void count_block(const neighbors *v, bool face, const double scale[3], do
     }
 }
 
-/* Both ends by themselves: they are on faces, and have no voxel on one side. */
-static void count_row(const iso_level *l, size_t y, size_t z, float *room, const double scale[3], double largest,
+/* Counts a row. Its first and last voxels are counted by themselves: they are on faces and have a neighbor less. */
+static void count_row(const iso_level *l, size_t y, size_t z, float *buffer, const double scale[3], double largest,
                       iso_survey *s)
 {
     const size_t *n = l->geometry.size;
-    const neighbor_rows rows = find_rows(l, y, z, room);
+    const neighbor_rows rows = find_rows(l, y, z, buffer);
     for (size_t x = 0, count; x < n[0]; x += count) {
         const bool is_end = x == 0 || x + 1 == n[0];
         const size_t left = n[0] - 1 - x;
@@ -285,8 +288,8 @@ static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_
 #pragma omp parallel num_threads(iso_threads(threads))
     {
         iso_survey *mine = calloc(1, sizeof *mine);
-        float *room = l->scalar ? NULL : malloc(ROWS * n[0] * sizeof *room);
-        if (!room && !l->scalar) {
+        float *buffer = l->scalar ? NULL : malloc(ROWS * n[0] * sizeof *buffer);
+        if (!buffer && !l->scalar) {
             free(mine);
             mine = NULL;
         }
@@ -297,7 +300,7 @@ static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_
 #pragma omp for schedule(static)
         for (size_t z = 0; z < n[2]; ++z)
             for (size_t y = 0; mine && y < n[1]; ++y)
-                count_row(l, y, z, room, scale, largest, mine);
+                count_row(l, y, z, buffer, scale, largest, mine);
 #pragma omp critical
         {
             complete = complete && mine;
@@ -305,12 +308,12 @@ static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_
                 add_counts(s, mine);
         }
         free(mine);
-        free(room);
+        free(buffer);
     }
     return complete ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for a histogram of value and gradient");
 }
 
-/* A Gaussian of so many bins; what lies outside repeats the end. */
+/* Smooths with a Gaussian of sigma bins; the ends are repeated. */
 static void smooth(const double *in, double sigma, double *out)
 {
     const int reach = (int)ceil(3 * sigma);
@@ -327,8 +330,8 @@ static void smooth(const double *in, double sigma, double *out)
     }
 }
 
-/* Flat: below a quarter of the steepest mean. Sums of g and of g^2 are smoothed each, so that bins with few voxels take
- * after those beside them. */
+/* Computes the profiles. Flat: below a quarter of the steepest mean. Sums of g and of g^2 are smoothed separately, so
+ * that bins with few voxels follow their neighbors. */
 static void profile(iso_survey *s)
 {
     double sum[BINS] = {0}, squares[BINS] = {0}, flat[BINS] = {0}, steepest = 0;
@@ -350,9 +353,10 @@ static void profile(iso_survey *s)
     smooth(flat, 3, s->flat);
 }
 
-/* ---- the background ------------------------------------------------------------------------------------------------ */
+/* ---- the background
+ * ------------------------------------------------------------------------------------------------ */
 
-/* From the peak outwards: the first bin that has less than 3 % of the peak, or after which it rises again by half. */
+/* Walks from the peak to the first bin with less than 3 % of it, or after which it rises again by half. */
 static int walk(const double *density, int peak, int way)
 {
     double least = density[peak];
@@ -371,7 +375,7 @@ static int walk(const double *density, int peak, int way)
     return at;
 }
 
-/* Half of the faces, padding counted, in at most half of the range. */
+/* Finds the background: half of the faces, padding included, in at most half of the range. */
 static void find_background(iso_survey *s)
 {
     double face[BINS], density[BINS], part = (double)s->face_padding;
@@ -385,14 +389,14 @@ static void find_background(iso_survey *s)
     for (int i = first; i <= last; ++i)
         part += face[i];
     s->has_background = s->face_count > 0 && part >= 0.5 * (double)s->face_count && last - first < BINS / 2;
-    /* Where padding has most of the faces, what else they show is the background only if it is as dark: else it is the
-     * object, which was cut out or is cut off. */
+    /* If padding covers most of the faces, their other values are the background only if they are dark. Otherwise they
+     * are the object, which was cut out or touches the faces. */
     if (s->face_padding * 10 > s->face_count * 9 || (s->face_padding * 2 > s->face_count && peak > BINS / 4)) {
         s->has_background = true;
         s->background = s->background_lo = s->background_hi = fmax(s->padding, s->lo);
         return;
     }
-    /* Of a body that reaches all faces the air is inside, or what little of it is left outside. */
+    /* If a body reaches all faces, the air is inside or in small gaps outside. */
     if (!s->has_background && s->is_hounsfield) {
         s->has_background = true;
         s->background = s->background_lo = s->lo;
@@ -408,7 +412,7 @@ iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **su
 {
     *survey = NULL;
     if (!level0->scalar && !level0->samples)
-        return iso_fail(err, ISO_E_RANGE, "a level without its values cannot be surveyed");
+        return iso_fail(err, ISO_E_RANGE, "cannot survey a level without its values");
     size_t count = 0;
     iso_survey *s = calloc(1, sizeof *s);
     float *sample = sorted_samples(level0, &count);

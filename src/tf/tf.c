@@ -59,7 +59,7 @@ static void read_range(iso_json_reader *r, const json_t *object, iso_tf *tf)
     iso_json_get_numbers(r, object, "range", true,
                          &(iso_json_list){tf->range, 2, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE});
     if (r->status == ISO_OK && !(tf->range[1] > tf->range[0]))
-        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"range\" is [%g, %g], its end must exceed its start", r->path,
+        r->status = iso_fail(r->err, ISO_E_RANGE, "%s: \"range\" is [%g, %g], the end must exceed the start", r->path,
                              tf->range[0], tf->range[1]);
 }
 
@@ -81,7 +81,7 @@ iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, 
     tf->unit_is_voxels = json_object_get(object, "unit_distance_voxels") != NULL;
     if (tf->unit_is_voxels && json_object_get(object, "unit_distance_mm") && r.status == ISO_OK)
         r.status = iso_fail(err, ISO_E_FORMAT,
-                            "%s: has both \"unit_distance_mm\" and \"unit_distance_voxels\", wanted one", path);
+                            "%s: has both \"unit_distance_mm\" and \"unit_distance_voxels\"; remove one", path);
     iso_json_get_number(&r, object, tf->unit_is_voxels ? "unit_distance_voxels" : "unit_distance_mm", true,
                         ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT, &tf->unit_distance);
     read_points(&r, object, space == 1, tf);
@@ -142,11 +142,11 @@ void iso_tf_destroy(iso_tf *tf)
     *tf = (iso_tf){0};
 }
 
-/* Color and opacity of the points at a value: linear between, constant beyond. */
+/* Interpolates color and opacity of the points at a value: linear, constant beyond the ends. */
 static void sample_points(const iso_tf *tf, double value, double rgba[4])
 {
     const iso_tf_point *p = tf->points;
-    size_t above = 0; /* how many points are not above the value */
+    size_t above = 0; /* number of points not above the value */
     for (size_t end = tf->point_count; above < end;) {
         const size_t middle = above + (end - above) / 2;
         if (p[middle].value <= value)
@@ -163,8 +163,8 @@ static void sample_points(const iso_tf *tf, double value, double rgba[4])
     rgba[3] = (1 - f) * lo->opacity + f * hi->opacity;
 }
 
-/* A point whose opacity is far above, or below, those of the entries on both sides of it: a peak narrower than an entry, of
- * which the table would show nothing. Steps are not: their entries are on both sides of them. */
+/* Returns a point whose opacity is far above or below that of both adjacent entries: a peak narrower than an entry,
+ * which the table would not show. Never a step: its two sides are in these entries. NULL: none. */
 static const iso_tf_point *find_lost(const iso_tf *tf, const iso_tf_table *t)
 {
     static const double much = 0.25;
@@ -183,7 +183,7 @@ static const iso_tf_point *find_lost(const iso_tf *tf, const iso_tf_table *t)
     return NULL;
 }
 
-/* Few points stay beside the entries. */
+/* Keeps the TF's points with the table if they are few. */
 static void keep_points(const iso_tf *tf, double unit_mm, iso_tf_table *t)
 {
     t->unit_mm = unit_mm;
@@ -203,10 +203,10 @@ static iso_status tabulate(const iso_tf *tf, double value_min, double value_max,
         return iso_fail(err, ISO_E_RANGE, "the transfer function has no points");
     if (tf->fit_range) {
         if (!isfinite(value_min) || !isfinite(value_max))
-            return iso_fail(err, ISO_E_RANGE, "the transfer function cannot be fitted to the range %g to %g", value_min,
+            return iso_fail(err, ISO_E_RANGE, "cannot fit the transfer function to the range %g to %g", value_min,
                             value_max);
         table->lo = value_min;
-        /* A constant volume: any range that holds its value at the start serves. */
+        /* A constant volume: any range that starts at its value will do. */
         table->hi = value_max > value_min ? value_max : value_min + fmax(1, fabs(value_min));
     }
     const iso_tf_point *lost = find_lost(tf, table);
@@ -214,7 +214,7 @@ static iso_status tabulate(const iso_tf *tf, double value_min, double value_max,
         return iso_fail(
             err, ISO_E_RANGE,
             "the transfer function's point at %g with opacity %.3g is lost between two of its table's %zu entries "
-            "over %g to %g: a larger \"table_size\" (at most %d) or a narrower \"range\" keeps it",
+            "over %g to %g; use a larger \"table_size\" (at most %d) or a narrower \"range\"",
             lost->value, lost->opacity, table->count, table->lo, table->hi, ISO_TF_MOST_ENTRIES);
     double unit_mm = tf->unit_distance * (tf->unit_is_voxels ? iso_geometry_mean_spacing_mm(level0) : 1);
     table->entries = malloc(table->count * 4 * sizeof *table->entries);

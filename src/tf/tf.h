@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* tf.h - transfer functions: value to linear color and extinction.
  *
- * A TF file (*.tf.json) holds points; opacity is stated for a length, the
- * opacity unit distance u, and becomes extinction = -ln(1 - a) / u in 1/mm (the
- * rule of ANARI's volume appendix), so that no opacity depends on a step, a
- * level or a spacing. What renderers get is a table of entries over [lo, hi],
- * linear between entries, each component interpolated by itself; values beyond
- * the range take the end entries.
+ * A TF file (*.tf.json) holds points. Opacity a is given for a length, the opacity
+ * unit distance u, and becomes extinction = -ln(1 - a) / u in 1/mm (the rule of
+ * ANARI's volume appendix), so that it depends on no step, level or spacing.
+ * Renderers get a table of entries over [lo, hi], linear between entries, each
+ * component interpolated by itself; values beyond the range take the end entries.
  *
  *   { "schema": "isoshade.tf/1",
  *     "range": [0, 255] | "fit",         fit: points' values are fractions of the volume's range
@@ -25,61 +24,61 @@
 #include "base/json.h"
 #include "volume/geometry.h"
 
-enum { ISO_TF_MOST_ENTRIES = 16384 }; /* of a table: what textures hold in a row */
+enum { ISO_TF_MOST_ENTRIES = 16384 }; /* of a table: limit of a texture row */
 
-/* Values of a transfer function's points and range: from minus this to this, as far as those of volumes. */
+/* Largest magnitude of the values of a transfer function's points and range, the same as for volumes. */
 #define ISO_TF_MOST_VALUE ISO_MOST_VALUE
-/* Opacity is capped here before the logarithm: extinction stays finite. */
+/* Opacity is capped here before the logarithm, so that extinction stays finite. */
 #define ISO_TF_MAX_OPACITY 0.9999
 
-/* The lengths that opacities may be stated for, in mm or in voxels. */
+/* Limits of the length that opacities are for, in mm or in voxels. */
 #define ISO_TF_LEAST_UNIT ISO_LEAST_MM
 #define ISO_TF_MOST_UNIT (1e3 * ISO_MOST_MM) /* some of the largest voxels */
 
-/* Per mm: the densest that can be stated, ISO_TF_MAX_OPACITY of ISO_TF_LEAST_UNIT, rounded up. */
+/* Largest extinction, per mm: ISO_TF_MAX_OPACITY over ISO_TF_LEAST_UNIT, rounded up. */
 #define ISO_TF_MOST_EXTINCTION 9.2104e30
 
-/* How far the table of a TF of another program is from what that program shows, in display color and in opacity, each
- * 0 to 1: at the table's entries, and between them, where a curve may be steeper than the table is fine. */
+/* Difference between the table made from another program's TF and that program's display, in display color and opacity,
+ * each 0 to 1: at the table's entries, and between them, where a curve may be too steep for the table. */
 typedef struct iso_tf_loss {
-    bool measured; /* false: nothing was converted, or nobody asked */
+    bool measured; /* False: not converted, or not requested */
     double color, opacity;
     double between;
 } iso_tf_loss;
 
 typedef struct iso_tf {
     size_t point_count;
-    iso_tf_point *points; /* of the library's header; ascending in value */
+    iso_tf_point *points; /* ascending in value */
     bool fit_range;
     double range[2];      /* when not fit_range */
     double unit_distance; /* in mm, or in voxels */
     bool unit_is_voxels;
     size_t table_size;
     iso_tf_loss loss;
-    char of[160]; /* the file or preset that it is of, for messages; "": it stands in another file */
+    char of[160]; /* its file or preset, for messages; "": inside another file */
 } iso_tf;
 
-/* What a file of another program may leave open. */
+/* Settings for fields that a file of another program may lack. */
 typedef struct iso_tf_request {
-    const char *name; /* which of several; NULL: there is one */
-    char **names;     /* not NULL: nothing is loaded, the names are listed here, a line each; to be freed */
-    double unit_mm;   /* that its opacities are for; 0: as the file says */
-    bool has_opacity; /* opacity from the range's start to its end, for a file that has colors alone */
+    const char *name; /* one of several; NULL: the only one */
+    char **names;     /* not NULL: set to the names, one per line, to be freed; nothing is loaded */
+    double unit_mm;   /* length that opacities are for; 0: from the file */
+    bool has_opacity; /* opacity from the range's start to its end, for a file without */
     double opacity[2];
     bool has_range, fit; /* range instead of the file's; fit: the volume's */
     double range[2];
-    bool measure; /* sets the TF's loss where the file is another program's */
+    bool measure; /* True to set the TF's loss for files of other programs */
 } iso_tf_request;
 
-/* A file of any format that is read (format.h). */
+/* Loads a file of any input format (format.h). */
 iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err);
-/* The same with what the file leaves open. ISO_E_USAGE: what has to be said and is not, or is said and the file says it. */
+/* The same with a request. ISO_E_USAGE: a needed field is missing, or one is given that the file has. */
 iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_tf *tf, iso_error *err);
-/* The same from an object inside another file; `path` is the file that error messages name. */
+/* Reads a TF from an object inside another file; `path` is named in messages. */
 iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err);
-/* A new object in the form of the file, points linear. */
+/* Returns a new object in the file's form, with linear points. */
 json_t *iso_tf_to_json(const iso_tf *tf);
-/* Writes the object of a file only if it can be read: the reader's limits hold for each writer. */
+/* Writes a file's object, but only if the reader accepts it. */
 iso_status iso_tf_save_json(const json_t *root, const char *path, iso_error *err);
 iso_status iso_tf_copy(const iso_tf *from, iso_tf *to, iso_error *err);
 void iso_tf_destroy(iso_tf *tf);
@@ -89,22 +88,22 @@ enum { ISO_TF_FEW_POINTS = 32 };
 typedef struct iso_tf_table {
     size_t count; /* entries */
     double lo, hi;
-    float *entries; /* 4 for each entry: linear r, g, b, extinction per mm */
-    /* What the entries were made of, for those who let a person edit it; renderers look at the entries alone. */
-    double unit_mm;     /* that opacities are stated for; 0: not known */
-    size_t point_count; /* 0: of more points than these, or of none; their values are the volume's */
+    float *entries; /* 4 per entry: linear r, g, b, extinction per mm */
+    /* Points that the entries were made from, for interactive editing; renderers use the entries alone. */
+    double unit_mm;     /* length that opacities are for; 0: unknown */
+    size_t point_count; /* 0: more points than fit, or none; their values are the volume's */
     iso_tf_point points[ISO_TF_FEW_POINTS];
 } iso_tf_table;
 
-/* Resolves range and unit distance against a volume: value_min/max and the
- * geometry of level 0. ISO_E_RANGE for an empty range, and for a peak so narrow that no entry shows it. */
+/* Creates a table; resolves range and unit distance by the value range and the geometry of level 0. ISO_E_RANGE: an
+ * empty range, or a peak so narrow that no entry shows it. */
 iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
                            iso_tf_table *table, iso_error *err);
-/* ISO_E_MEMORY. */
+/* Copies a table. ISO_E_MEMORY. */
 iso_status iso_tf_table_copy(const iso_tf_table *from, iso_tf_table *to, iso_error *err);
 void iso_tf_table_destroy(iso_tf_table *table);
 
-/* Linear lookup in double precision: r, g, b, extinction. */
+/* Looks up r, g, b, extinction linearly in double precision. */
 static inline void iso_tf_lookup(const iso_tf_table *t, double value, double rgbs[4])
 {
     double x = (value - t->lo) / (t->hi - t->lo) * (double)(t->count - 1);

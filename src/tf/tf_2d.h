@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* tf_2d.h - 2D transfer functions: over the scalar and a second value.
  *
- * A 1D transfer function cannot tell a homogeneous tissue from the partial voxels
- * of a thin structure that have the same mean. A second value of the coarse voxel
- * can: the deviation of the fine values inside it, or the gradient magnitude of the
- * level (histogram.h: iso_second_value). The 2D transfer function is sampled in
- * ISO_TF_2D_ROWS rows; a row is a table over the scalar, and all rows have the same
- * range and number of entries:
+ * A 1D transfer function cannot separate a homogeneous tissue from the partial voxels
+ * of a thin structure with the same mean. A second value of the coarse voxel can: the
+ * deviation of the fine values in it, or the gradient magnitude of the level
+ * (histogram.h: iso_second_value). The 2D transfer function has ISO_TF_2D_ROWS rows;
+ * each is a table over the scalar, all with the same range and number of entries:
  *
  *     row  ISO_TF_2D_ROWS - 1  |  o o o o o o o o      o  an entry
  *                              |  o o o o o o o o
  *                           0  |  o o o o o o o o
  *                                 lo  scalar   hi
  *
- * The second value is stored as one byte a voxel of the level and interpolated
- * trilinearly between voxel centers, as the scalar is. It stands for the row
+ * The second value is stored as one byte per voxel of the level and interpolated
+ * trilinearly between voxel centers, like the scalar. Its row is
  *
  *     byte / 255 (ISO_TF_2D_ROWS - 1).
  *
@@ -31,7 +30,7 @@
 #define ISO_TF_2D_ROWS 8
 
 typedef struct iso_tf_2d {
-    iso_tf_table rows[ISO_TF_2D_ROWS]; /* owned; of one range and count */
+    iso_tf_table rows[ISO_TF_2D_ROWS]; /* owned; all with the same range and count */
     uint8_t *bytes;                    /* owned; the second value of each voxel of the level, x fastest */
 } iso_tf_2d;
 void iso_tf_2d_destroy(iso_tf_2d *t); /* accepts empty and NULL */
@@ -41,7 +40,7 @@ static inline double iso_tf_2d_row_of(double byte)
     return byte * ((ISO_TF_2D_ROWS - 1) / 255.0);
 }
 
-/* r, g, b, extinction at a value and a row, which may lie between two. */
+/* Looks up r, g, b, extinction at a value and a row, which may be fractional. */
 static inline void iso_tf_2d_lookup(const iso_tf_2d *t, double value, double row, double rgbs[4])
 {
     double r = row > 0 ? (row < ISO_TF_2D_ROWS - 1 ? row : ISO_TF_2D_ROWS - 1) : 0, above[4];
@@ -52,8 +51,8 @@ static inline void iso_tf_2d_lookup(const iso_tf_2d *t, double value, double row
         rgbs[k] += (r - i) * (above[k] - rgbs[k]);
 }
 
-/* A 1D transfer function that bounds t: each entry has the largest extinction and the largest color components of that
- * entry in any row, so that it is transparent only where all rows are. *envelope is created. ISO_E_MEMORY. */
+/* Creates *envelope, a 1D transfer function that bounds t: each entry has the largest extinction and the largest color
+ * components over all rows, so that it is transparent only if all rows are. ISO_E_MEMORY. */
 iso_status iso_tf_2d_envelope(const iso_tf_2d *t, iso_tf_table *envelope, iso_error *err);
 
 #endif

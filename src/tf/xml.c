@@ -14,7 +14,7 @@ iso_status iso_xml_parse(const iso_tf_file *file, xmlDocPtr *doc, iso_error *err
 {
     *doc = NULL;
     if (file->size > INT_MAX)
-        return iso_fail(err, ISO_E_RANGE, "%s: is too long for a transfer function", file->path);
+        return iso_fail(err, ISO_E_RANGE, "%s: file is too large for a transfer function", file->path);
     xmlParserCtxtPtr context = xmlNewParserCtxt();
     if (!context)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
@@ -23,7 +23,7 @@ iso_status iso_xml_parse(const iso_tf_file *file, xmlDocPtr *doc, iso_error *err
     iso_status status = ISO_OK;
     if (!*doc) {
         const xmlError *e = xmlCtxtGetLastError(context);
-        const char *message = e && e->message ? e->message : "it is empty";
+        const char *message = e && e->message ? e->message : "empty file";
         status = iso_fail(err, ISO_E_FORMAT, "%s:%d: not XML: %.*s", file->path, e ? e->line : 0,
                           (int)strcspn(message, "\n"), message);
     } else if (!xmlDocGetRootElement(*doc)) {
@@ -40,7 +40,7 @@ bool iso_xml_is(const xmlNode *node, const char *name)
     return node->type == XML_ELEMENT_NODE && strcmp((const char *)node->name, name) == 0;
 }
 
-/* The node behind this one in the order of the file. */
+/* Returns the next node in the order of the file. */
 static const xmlNode *following(const xmlNode *top, const xmlNode *node)
 {
     if (node->type == XML_ELEMENT_NODE && node->children)
