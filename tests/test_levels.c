@@ -433,24 +433,17 @@ static void differences_that_scatter_together_count_once(void **state)
     assert_true(isnan(p.difference));
 }
 
-/* Angles are a reason only if they are beyond their interval and their margin, and pictures are worse as well. */
-static void angles_alone_fail_no_level(void **state)
+/* However far the directions are from level 0's: pictures decide. */
+static void angles_fail_no_level(void **state)
 {
     (void)state;
-    const double own[] = {0.07, 0.08, 0.06, 0.07, 0.09, 0.05};
-    const iso_paired worse = {0.02, 0.01}, alike = {0, 0}, far = {30, 4}, unsure = {30, 40};
+    const double own[] = {0.07, 0.08, 0.06, 0.07, 0.09, 0.05}, better[] = {0.05, 0.06, 0.04, 0.05, 0.07, 0.03};
     iso_report_level row = row_with(own, own, 6, NAN);
-    row.angle_margin_deg = 5;
-    row.angle_deficit = far;
-    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
-        row.turned[k] = alike;
+    row.angle_deficit = (iso_paired){30, 4};
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
-    row.turned[ISO_LEVEL_FLIP] = worse;
+    row = row_with(own, better, 6, NAN);
+    row.angle_deficit = (iso_paired){-30, 4};
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_DIFFER);
-    row.angle_deficit = unsure;
-    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
-    row.angle_deficit = (iso_paired){NAN, INFINITY}; /* nothing has a direction */
-    assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_AGREE);
 }
 
 static void what_a_scene_asks_is_held_in_the_run(void **state)
@@ -623,7 +616,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(intervals_are_students),
         cmocka_unit_test(differences_that_scatter_together_count_once),
-        cmocka_unit_test(angles_alone_fail_no_level),
+        cmocka_unit_test(angles_fail_no_level),
         cmocka_unit_test(a_level_is_held_to_its_limit_and_to_the_simple_way),
         cmocka_unit_test(figures_that_contradict_each_other_decide_nothing),
         cmocka_unit_test(a_wrong_choice_of_auto_is_named),

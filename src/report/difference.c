@@ -219,9 +219,8 @@ static void compare_held(const pair *p, const char *part)
 
 static void compare_levels(const pair *p)
 {
-    static const char *const texts[] = {"method", "tf", "chosen_filter"}, *const parts[] = {"simple_held", "stored",
-                                                                                            "bound", "directions",
-                                                                                            "extinction_scale"};
+    static const char *const texts[] = {"method", "tf", "chosen_filter"},
+                      *const parts[] = {"simple_held", "stored", "bound", "extinction_scale"};
     const json_t *others = json_object_get(p->b, "figures"), *figure, *other;
     size_t i;
     for (i = 0; i < sizeof texts / sizeof *texts; ++i)

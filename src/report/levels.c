@@ -48,12 +48,6 @@ static bool is_as_made(const iso_report_level *row)
     return row->scalar_off <= row->scalar_limit && row->direction_off_deg <= row->direction_limit_deg;
 }
 
-static bool is_not_turned(const iso_report_level *row)
-{
-    return isnan(row->angle_deficit.difference) || !iso_paired_is_larger(row->angle_deficit, row->angle_margin_deg) ||
-           !is_worse(row, row->turned);
-}
-
 static bool is_within_bound(const iso_report_level *row)
 {
     return row->bound.views == 0 || row->bound.above <= row->margin;
@@ -66,8 +60,7 @@ static bool is_scaled_right(const iso_report_level *row)
 
 iso_verdict iso_report_level_verdict(const iso_report_level *row)
 {
-    bool good = is_as_made(row) && is_not_turned(row) && !is_worse(row, row->simple.deficit) && is_within_bound(row) &&
-                is_scaled_right(row);
+    bool good = is_as_made(row) && !is_worse(row, row->simple.deficit) && is_within_bound(row) && is_scaled_right(row);
     if (!row->shown && is_as_made(row) && is_scaled_right(row))
         return ISO_VERDICT_NOT_COMPARED;
     for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
@@ -129,11 +122,10 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
         json_object_set_new(o, "chosen_filter", json_string(row->chosen));
     json_object_set_new(o, "simple_held", json_boolean(!is_worse(row, row->simple.deficit)));
     json_object_set_new(o, "directions",
-                        json_pack("{s:o, s:o, s:o, s:o, s:f, s:b}", "angle_deg", iso_json_number(row->angle_deg),
+                        json_pack("{s:o, s:o, s:o, s:o}", "angle_deg", iso_json_number(row->angle_deg),
                                   "simple_deg", iso_json_number(row->simple_angle_deg), "difference_deg",
                                   iso_json_number(row->angle_deficit.difference), "half_width_deg",
-                                  iso_json_number(row->angle_deficit.half_width), "margin_deg", row->angle_margin_deg,
-                                  "held", is_not_turned(row)));
+                                  iso_json_number(row->angle_deficit.half_width)));
     json_object_set_new(o, "stored",
                         json_pack("{s:o, s:f, s:o, s:f, s:b}", "scalar", iso_json_number(row->scalar_off),
                                   "scalar_limit", row->scalar_limit, "direction_deg",
@@ -206,14 +198,6 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
             s->sentence, sizeof s->sentence,
             " Level %lld differs from one made of level 0: values by up to %.2g of their range, directions by %.3g degrees on average.",
             level, iso_row_number(stored, "scalar"), iso_row_number(stored, "direction_deg"));
-    const json_t *directions = json_object_get(row, "directions");
-    if (directions && !is_true(directions, "held"))
-        iso_words_append(
-            s->sentence, sizeof s->sentence,
-            " Level %lld: its directions are %.3g degrees from level 0's on average, gradients on the fly %.3g (%.2g +- %.2g "
-            "more), and its pictures under the original TF are worse.",
-            level, iso_row_number(directions, "angle_deg"), iso_row_number(directions, "simple_deg"),
-            iso_row_number(directions, "difference_deg"), iso_row_number(directions, "half_width_deg"));
     json_array_foreach(json_object_get(row, "figures"), i, f) if (!is_true(f, "held"))
         iso_words_append(s->sentence, sizeof s->sentence, " Level %lld: %s is %.3g, the limit is %.3g.", level,
                          iso_row_text(f, "name"), iso_row_number(f, "value"), iso_row_number(f, "asked"));

@@ -176,10 +176,6 @@ static void put_case_levels(FILE *f, const json_t *row)
     put_unheld(f, "values against level 0's", iso_row_number(stored, "scalar"), iso_row_number(stored, "scalar_limit"));
     put_unheld(f, "directions against level 0's, degrees", iso_row_number(stored, "direction_deg"),
                iso_row_number(stored, "direction_limit_deg"));
-    const json_t *turned = json_object_get(row, "directions");
-    if (turned && !json_is_true(json_object_get(turned, "held")))
-        put_unheld(f, "degrees from level 0's directions, with worse pictures", iso_row_number(turned, "angle_deg"),
-                   iso_row_number(turned, "simple_deg") + iso_row_number(turned, "margin_deg"));
     const json_t *bound = json_object_get(row, "bound");
     if (bound && !json_is_true(json_object_get(bound, "held")))
         put_unheld(f, "RMSE above its bound", iso_row_number(bound, "above"), iso_row_number(row, "margin"));

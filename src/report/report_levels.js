@@ -37,8 +37,6 @@ function levelVerdicts() {
     if (bounded.length) $('levels').append(el('p', {class: 'bounds'}, 'RMSE, and its bound, which is computed before drawing: ' +
         bounded.map(r => `level ${r.level} ${plain(r.bound.rmse)} of at most ${plain(r.bound.bound)}${r.bound.held ? '' : ` (above it by ${plain(r.bound.above)} in a view: one of the two is wrong)`}`).join(', ') +
         `. Means over the first ${bounded[0].bound.views === 1 ? 'view' : `${bounded[0].bound.views} views`}.`));
-    const turned = rows.filter(r => r.directions && !r.directions.held);
-    if (turned.length) $('levels').append(el('p', {class: 'turned'}, turned.map(r => `Level ${r.level}: its directions are ${plain(r.directions.angle_deg)} degrees from level 0's on average, gradients on the fly ${plain(r.directions.simple_deg)} (${plain(r.directions.difference_deg)} ± ${plain(r.directions.half_width_deg)} more), and its pictures under the original TF are worse. `)));
     const scaled = rows.filter(r => r.extinction_scale);
     if (scaled.length) $('levels').append(el('p', {class: 'scaled'}, 'Shown with extinction scales: ' + scaled.map(r => `level ${r.level} ${!r.extinction_scale.has_effect ? 'changes no picture, so it is not used' :
         r.extinction_scale.held ? `equals one made of level 0, other than 1 at ${r.extinction_scale.scaled_voxels} voxels` : `differs from one made of level 0, at ${r.extinction_scale.differing_voxels} voxels`}`).join(', ') + '.'));

@@ -18,11 +18,6 @@ static const double scalar_limit = 1e-5;
 /* A last bit of a code is up to .5 degrees (snorm), where rounding turns it; on average it hardly ever does. */
 static const double direction_limit_deg = 0.1;
 
-/* Directions that are averaged are nearer to level 0's than gradients of averaged values, but for the code's error and,
- * in grain, chance: 0.3 degrees farther at most by moments and 3.0 by Eq. 1 were seen on whole volumes. Few voxels
- * scatter by more, which the interval covers. Angles fail a level only together with its pictures. */
-static const double angle_margin_deg = 5;
-
 /* ---- is a level what level 0 makes? ---- */
 
 static double scalar_difference(const iso_level *a, const iso_level *b)
@@ -158,8 +153,7 @@ static const iso_measured_level *find_more(const iso_measured *all, size_t level
     return NULL;
 }
 
-/* Of the pyramid's own directions and of gradients on the fly: the angles to level 0's, and the pictures under the
- * original TF, which differ by the directions alone. */
+/* Measures the angles of the pyramid's own directions and of gradients on the fly to level 0's. */
 static iso_status compare_directions(const iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
                                      iso_report_level *row, iso_error *err)
 {
@@ -168,9 +162,6 @@ static iso_status compare_directions(const iso_validation *v, const iso_measured
     const iso_angles_of stored = {v->pyramid, ISO_FROM_CODES}, simple = {rebuilt, ISO_FROM_ON_THE_FLY};
     row->angle_deg = own->angle_deg;
     row->simple_angle_deg = fly->angle_deg;
-    row->angle_margin_deg = angle_margin_deg;
-    for (int k = 0; k < ISO_LEVEL_FIGURE_COUNT; ++k)
-        row->turned[k] = iso_paired_compare(own->figures[k], fly->figures[k], v->consistency_views, confidence);
     return iso_validate_compare_angles(v, row->level, stored, simple, confidence, &row->angle_deficit, err);
 }
 
