@@ -384,5 +384,6 @@ iso_status iso_power_random(const iso_power_random_options *o, const iso_cli *cl
     json_decref(s.list);
     return status != ISO_OK || s.alarms == 0
                ? status
-               : iso_fail(err, ISO_E_DIFFERS, "isoshade-lab power: %zu of %zu right scenes were flagged", s.alarms, s.valid);
+               : iso_fail(err, ISO_E_DIFFERS, "isoshade-lab power: %zu of %zu correct scenes were flagged", s.alarms,
+                          s.valid);
 }
