@@ -4,7 +4,7 @@
  * Where to start
  *   A *volume* is a grid of numbers: a scan, a simulation, an array that a program fills. A *pyramid* is that volume at
  *   several *levels*, each with half the voxels along an axis of the one before; level 0 is the volume itself. Next to
- *   each voxel's value a pyramid keeps a *direction*, which stands for the surface there and is what light falls on.
+ *   each voxel's value a pyramid keeps a *direction*, which represents the local surface for shading.
  *   Directions of all levels come from level 0's gradients, and are stored in three bytes each (a *direction code*). A
  *   *transfer function* (TF) gives each value a color and an extinction; it can be adapted to a level, so that the
  *   level looks like the volume. A *scene* is a camera, lights, a background and a TF, and fits itself to any
@@ -19,18 +19,18 @@
  *
  *   doc/guide/library.md is a program of about sixty lines that does all of this.
  *
- * Errors     A function that can fail returns an iso_status, ISO_OK on success, and leaves a sentence for a
- *            person in its last parameter, an iso_error that may be NULL. Nothing is ever printed, and the process
- *            never ended. After a failure the object to create is NULL (an image: empty).
- * Ownership  Handles (iso_volume *, iso_pyramid *, iso_tf *, iso_scene *) belong to the caller, who gives them back
- *            to the function whose name ends in _free; those accept NULL. No function keeps its arguments: a
+ * Errors     A function that can fail returns an iso_status, ISO_OK on success, and writes a message to its
+ *            last parameter, an iso_error that may be NULL. It never prints, and never ends the process.
+ *            After a failure the object to create is NULL (an image: empty).
+ * Ownership  Handles (iso_volume *, iso_pyramid *, iso_tf *, iso_scene *) belong to the caller, who frees them with
+ *            the functions whose names end in _free; these accept NULL. No function keeps its arguments: a
  *            volume may be freed once its pyramid is built. Arrays of the caller are read or filled, and not kept.
- * Threads    Handles that no function is changing may be read by several threads at once. Work is spread over all
- *            processor cores, or over as many as an option says; results do not depend on how many.
+ * Threads    Several threads may read a handle at once while none changes it. Work is spread over all
+ *            processor cores, or over the number that an option sets; results do not depend on it.
  * Units      Positions and lengths are millimeters, extinction is 1/mm, gradients are value per mm. Colors are linear
- *            light, 0 to 1. Arrays of voxels stand x fastest, then y, then z; directions point along the world's
+ *            light, 0 to 1. Arrays of voxels are stored x fastest, then y, then z; directions use the world's
  *            axes.
- * Options    A struct of options comes from its function of defaults; change what is to differ. NULL stands for the
+ * Options    Get a struct of options from its function of defaults, and change it as needed. NULL selects the
  *            defaults. Names (codes, estimators, renderers ...) are words, as on the command line; iso_choice_name()
  *            lists them.
  * Stability  Programs that were built with one version run with later ones of the same major number: handles are
@@ -72,7 +72,7 @@ const char *iso_version(void);
     X(ISO_E_DIFFERS, 1, "the comparison found a difference")                        \
     X(ISO_E_USAGE, 2, "bad command line or option value")                           \
     X(ISO_E_IO, 3, "a file could not be read or written")                           \
-    X(ISO_E_FORMAT, 4, "a file's content is not what it should be")                 \
+    X(ISO_E_FORMAT, 4, "a file's content is invalid")                               \
     X(ISO_E_RANGE, 5, "a value lies outside its limits")                            \
     X(ISO_E_MEMORY, 6, "not enough memory")                                         \
     X(ISO_E_MISSING, 7, "a needed program or device is missing")                    \
@@ -112,12 +112,12 @@ const char *iso_choice_name(iso_choice what, size_t number);
 
 /* ---- long work --------------------------------------------------------------------------------------------------- */
 
-/* Told now and then, from one thread at a time, how far a stage of the work is: fraction from 0 to 1. */
+/* Receives the progress of a stage of the work, 0 to 1, from one thread at a time. */
 typedef void (*iso_progress_callback)(void *user, const char *stage, double fraction);
 
 /* ---- volumes ----------------------------------------------------------------------------------------------------- */
 
-/* Where voxels lie. Index coordinates are continuous: voxel i covers [i, i + 1) and has its center at i + 1/2. */
+/* Position of voxels. Index coordinates are continuous: voxel i covers [i, i + 1) and has its center at i + 1/2. */
 typedef struct iso_grid {
     size_t size[3];              /* voxels along x, y, z */
     double index_to_world[3][4]; /* world mm = index_to_world (i, j, k, 1); may rotate, shear and reflect */
@@ -154,10 +154,10 @@ typedef struct iso_pyramid iso_pyramid;
 
 typedef struct iso_build_options {
     size_t levels;                  /* with level 0, 1 to 32; fewer if a level would be a single voxel */
-    const char *code;               /* how directions are stored */
-    const char *estimator;          /* how level 0's gradients are estimated */
-    const char *scalar_filter;      /* how a coarse value comes from eight finer ones */
-    const char *direction_filter;   /* how a coarse direction does */
+    const char *code;               /* code of directions */
+    const char *estimator;          /* of level 0's gradients */
+    const char *scalar_filter;      /* from eight values to a coarser one */
+    const char *direction_filter;   /* from eight directions to a coarser one */
     bool keep_float;                /* also directions before encoding: 12 more bytes per voxel */
     bool keep_magnitude;            /* also the gradients' magnitudes: 4 more bytes per voxel */
     int threads;                    /* 0: all cores */
@@ -178,15 +178,15 @@ iso_status iso_pyramid_save(const iso_pyramid *pyramid, const char *folder, iso_
 
 size_t iso_pyramid_level_count(const iso_pyramid *pyramid);
 
-/* One level, to be read in place: the arrays stay the pyramid's, and live as long as it. */
+/* A level in place: the arrays belong to the pyramid, and live as long as it. */
 typedef struct iso_level_view {
     iso_grid grid;
     double min, max;         /* of the values */
-    const float *values;     /* one a voxel */
+    const float *values;     /* one per voxel */
     const char *code;        /* of the bytes that follow */
-    const uint8_t *codes;    /* 3 a voxel: the encoded directions */
-    const float *directions; /* 3 a voxel, before encoding; NULL without keep_float */
-    const float *magnitudes; /* one a voxel; NULL without keep_magnitude */
+    const uint8_t *codes;    /* 3 per voxel: the encoded directions */
+    const float *directions; /* 3 per voxel, before encoding; NULL without keep_float */
+    const float *magnitudes; /* one per voxel; NULL without keep_magnitude */
     const void *reserved[8];
 } iso_level_view;
 /* Gives access to one level. ISO_E_RANGE: no such level; the view is then empty. */
@@ -255,7 +255,7 @@ void iso_scene_free(iso_scene *scene);
 /* Linear light, color multiplied by alpha; the first row is the top one. All zero is empty. */
 typedef struct iso_image {
     size_t width, height;
-    float *rgba;   /* 4 a pixel; owned, freed by iso_image_destroy() */
+    float *rgba;   /* 4 per pixel; owned, freed by iso_image_destroy() */
     int origin[2]; /* first column and row of an EXR's display window; 0, 0 for other formats */
     const void *reserved[4];
 } iso_image;
@@ -293,7 +293,7 @@ typedef struct iso_metrics {
     size_t worst[2];        /* column and row of max_abs */
     double reserved[8];
 } iso_metrics;
-/* Compares two images. ISO_E_RANGE: empty images, other sizes or origins. Ask `max_abs <= limit`: NaN is never within. */
+/* Compares two images. ISO_E_RANGE: empty images, other sizes or origins. Test `max_abs <= limit`: NaN never passes. */
 iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *metrics, iso_error *err);
 
 /* ---- rendering --------------------------------------------------------------------------------------------------- */
@@ -314,8 +314,8 @@ typedef struct iso_frame_options {
 /* Returns the defaults: level 0 with "reference", the scene unchanged. */
 iso_frame_options iso_frame_defaults(void);
 
-/* Renders an image. ISO_E_USAGE: an unknown name, an option that the renderer does not have; ISO_E_RANGE: a level that
- * is not there, an option outside its limits; ISO_E_MISSING: no such program or graphics device; ISO_E_PROGRAM. While
+/* Renders an image. ISO_E_USAGE: an unknown name, an option that the renderer does not support; ISO_E_RANGE: no such
+ * level, an option outside its limits; ISO_E_MISSING: no such program or graphics device; ISO_E_PROGRAM. While
  * other programs run, SIGINT, SIGTERM and SIGHUP end them and the call fails, unless this program handles those
  * signals. */
 iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const iso_frame_options *options,

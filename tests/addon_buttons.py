@@ -75,16 +75,16 @@ tell("the_panel_is_there", hasattr(bpy.types, "ISOSHADE_PT_volume") and bpy.type
 
 # ---- importing -------------------------------------------------------------------------------------------------
 
-refused("nothing_is_certified_without_a_volume", "No volume of isoshade is in this scene", buttons.certify)
+refused("nothing_is_certified_without_a_volume", "This scene has no volume of isoshade", buttons.certify)
 addon.preferences.program = os.path.join(folder, "nowhere", "isoshade")
-refused("a_program_that_is_not_there", "is no program: name it in the add-on's preferences", buttons.import_volume, filepath=source, folder=folder)
+refused("a_program_that_is_not_there", "is not a program; set it in the add-on's preferences", buttons.import_volume, filepath=source, folder=folder)
 addon.preferences.program = program_path
 broken = os.path.join(folder, "$(touch run) `touch run`; broken.nrrd")
 with open(broken, "w", encoding="ascii") as file:
     file.write("NRRD0004\ntype: nothing\n")
 refused("what_isoshade_says_of_a_broken_file", "broken.nrrd", buttons.import_volume, filepath=broken, folder=folder)
 tell("and_no_shell_has_seen_its_name", not os.path.exists("run") and not os.path.exists(os.path.join(folder, "run")))
-refused("a_file_that_is_not_there", "is not there", buttons.import_volume, filepath=os.path.join(folder, "no.nrrd"))
+refused("a_file_that_is_not_there", "does not exist", buttons.import_volume, filepath=os.path.join(folder, "no.nrrd"))
 works("a_volume_is_imported", buttons.import_volume, filepath=source, levels=2, adapt=False, look=look, folder=folder, into='SCENE')
 scene = bpy.context.window.scene
 scene.render.resolution_x = scene.render.resolution_y = 16

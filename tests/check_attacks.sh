@@ -256,7 +256,7 @@ struct.pack_into("<f", head, 108, 1e9)
 head[344:348] = b"n+1\0"
 open("far.nii", "wb").write(head + bytes(1000))
 PY
-check samples_behind_the_end_are_told_so ends 4 'begin 999998648 bytes behind its end' isoshade info far.nii
+check samples_behind_the_end_are_told_so ends 4 'start 999998648 bytes after its end' isoshade info far.nii
 check a_step_of_nothing_is_refused ends 2 'step is 0' isoshade render s.nrrd --scene "$shells" --with reference --step 0 --size 4 -o a.exr
 check a_pipe_is_no_scene ends 3 'not a regular file' isoshade render s.nrrd --scene fifo.scene.json --with reference --size 4 -o a.exr
 
@@ -463,14 +463,14 @@ if cc -I"$top/src" -o false/isoshade-vdb false.c; then
     lies box-large 4 'a box of 0 x 0 x 3.5 voxels in a grid of 3 x 3 x 3'
     lies many 4 '4294967296 frames of 4294967296 channels cannot be counted'
     lies size 5 'voxels can be addressed'
-    lies step 4 'does not say the spacing'
-    lies unit 4 "its unit is \"$(x 31)\", not one"
-    lies unspaced 4 "does not say the spacing $(x 159);"
+    lies step 4 'does not state the spacing'
+    lies unit 4 "unknown unit \"$(x 31)\"; override it"
+    lies unspaced 4 "does not state the spacing $(x 159);"
     lies version 7 'is of version 999999999999999, isoshade of'
-    lies status 4 'OpenVDB fails with status 256 and says "a text"'
-    lies differs 4 'OpenVDB fails with status 1 and says "a text"'
-    lies silent 4 'OpenVDB fails with status 5 and says ""'
-    lies plane 4 'OpenVDB fails with status -1 and says ""'
+    lies status 4 'OpenVDB fails with status 256 and reports "a text"'
+    lies differs 4 'OpenVDB fails with status 1 and reports "a text"'
+    lies silent 4 'OpenVDB fails with status 5 and reports ""'
+    lies plane 4 'OpenVDB fails with status -1 and reports ""'
 else
     not_ok a_reader_that_says_the_truth_is_read "false.c is not compiled"
 fi

@@ -20,7 +20,7 @@ check it_is_in_meters grep -q '"scene_unit_mm": 1000' b.json
 expect a_row_for_karma 0 "${bake[@]}" --for karma --size 16 -o k.vdb
 check an_option_stands_instead_of_the_row "${bake[@]}" --for karma --scene-unit cm --up z --size 16 -o c.vdb
 check what_was_not_run_says_so grep -q 'for karma (not run)' out
-check both_errors_are_printed grep -q '^unlit, by the grid of emission: RMSE' out
+check both_errors_are_printed grep -q '^unlit, with the emission grid: RMSE' out
 # A .usda is edited by people: it is overwritten as it was written, else by --force alone.
 usd() { "${bake[@]}" --for karma --size 16 -o k.vdb "$@"; }
 check a_usda_as_it_was_is_written_again usd
@@ -105,8 +105,8 @@ else
     skip principled_volume_is_as_near_as_printed "$lack"
 fi
 
-refuse no_density 2 "wanted density" "${bake[@]}" --bake Cd -o x.vdb
-refuse an_unknown_grid 2 "a grid is density, Cd, emission or temperature" "${bake[@]}" --bake density,albedo -o x.vdb
+refuse no_density 2 "must include density" "${bake[@]}" --bake Cd -o x.vdb
+refuse an_unknown_grid 2 "grids: density, Cd, emission or temperature" "${bake[@]}" --bake density,albedo -o x.vdb
 refuse an_unknown_program 2 "must be one of: blender, houdini" "${bake[@]}" --for maya -o x.vdb
 refuse an_unknown_unit 2 "--scene-unit" "${bake[@]}" --bake density --scene-unit parsec -o x.vdb
 refuse a_program_for_blend_files 2 "--bake and --for has no meaning for --to blender" "$ISOSHADE" export v.nrrd --to blender --for blender -q -o x.blend

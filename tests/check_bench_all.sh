@@ -97,9 +97,9 @@ check and_the_answer_has_them grep -q '"threads": 1,' ours.json
 check why_the_other_one_failed_is_said grep -q 'beside: failing: exit code 6' out
 check in_its_own_answer_alone sh -c "grep -q '\"cause\": \"failing: exit code 6' other.json && ! grep -q cause ours.json"
 check no_bar_for_small_sizes sh -c "! grep -q '<= 6' out"
-refuse no_figures 4 'no figures of bench all' "$ISOSHADE" bench compare none.json a.json
+refuse no_figures 4 'with figures' "$ISOSHADE" bench compare none.json a.json
 refuse another_file 4 'schema' "$ISOSHADE" bench compare "$top/refscenes/shells.tf.json" a.json
-refuse a_name_that_is_none 2 'unknown figure' "$ISOSHADE" bench all --only nothing
+refuse a_name_that_is_none 2 'no figure of that name' "$ISOSHADE" bench all --only nothing
 refuse a_program_that_is_none 7 'no executable' "$ISOSHADE" bench all --only build-memory --quick --beside ./nothing,x.json
 refuse beside_without_a_file 2 'PROGRAM,FILE.json' "$ISOSHADE" bench all --only build-memory --beside prog
 exit $failed

@@ -13,7 +13,7 @@ says dead 'exit 3'
 with() { "$ISOSHADE" render s.nrrd --scene "$scene" --with cycles --size 8 -q -o o.exr "$@"; }
 refuse one_that_is_not_there 7 "Blender: ./nowhere is no executable file" with --blender ./nowhere
 refuse nor_on_path 7 "Blender: no-such-blender is not found on PATH" with --blender no-such-blender
-refuse one_that_is_too_old 7 "old: Blender 2.93.4 is too old: 3.4 is the oldest that was tried" with --blender ./old
+refuse one_that_is_too_old 7 "old: Blender 2.93.4 is too old; needs 3.4 or newer" with --blender ./old
 refuse another_program 8 "other: --version names no version of Blender" with --blender ./other
 refuse one_that_fails 8 "dead: exit code 3" with --blender ./dead
 refuse the_second_of_two 7 "old: Blender 2.93.4 is too old" "$ISOSHADE" validate s.nrrd --scene "$scene" --blender "blender,./old" -q -o r
@@ -21,7 +21,7 @@ refuse an_empty_name 2 "a name is empty" with --blender ,
 refuse without_cycles 2 "leaves out" "$ISOSHADE" validate s.nrrd --scene "$scene" --with gl --blender blender -q -o r
 refuse no_such_device 2 "must be one of: cpu, gpu, optix" with --cycles-device fast
 refuse nor_by_the_environment 2 "must be one of: cpu, gpu, optix" env ISOSHADE_CYCLES_DEVICE=fast "$ISOSHADE" render s.nrrd --scene "$scene" --with cycles --size 8 -q -o o.exr
-refuse a_device_that_is_not_here 7 "has no metal device here; what it has: cpu" with --cycles-device metal
+refuse a_device_that_is_not_here 7 "has no metal device here; available: cpu" with --cycles-device metal
 has_cycles || { skip two_blenders "$lack"; exit $failed; }
 
 # The same Blender, whose exposure is wrong in pictures of 13 columns: no picture of the calibration has as many.

@@ -126,10 +126,10 @@ check the_chart_is_there_all_the_same test -s "$dir/c/pareto.svg"
 expect a_spent_budget_leaves_one_setting 0 chart --levels 1 --steps 1,0.5 --budget 0.001 -o "$dir/c"
 check it_is_the_only_one test "$(wc -l <"$dir/c/pareto.csv")" = 2
 check it_is_a_usual_one grep -q ',gl; level 0; snorm; step 1,' "$dir/c/pareto.csv"
-check what_was_skipped_is_said grep -q 'settings did not fit into 0.001 s; not one of: .*gl: float' "$dir/out"
+check what_was_skipped_is_said grep -q 'settings did not fit into 0.001 s; none measured with: .*gl: float' "$dir/out"
 expect a_budget_that_ends_before_what_is_wanted_is_exit_1 1 chart --levels 1 --steps 2,0.5 --want 1e-3 --budget 0.001 -o "$dir/c"
 check the_nearest_so_far_is_named grep -q '^none has rmse <= 0.001; the nearest: gl; level 0; snorm; step 2' "$dir/out"
-check and_what_was_not_tried grep -q 'did not fit into 0.001 s; not one of: .*step 0.5' "$dir/out"
+check and_what_was_not_tried grep -q 'did not fit into 0.001 s; none measured with: .*step 0.5' "$dir/out"
 expect without_a_budget_it_is_found 0 chart --levels 1 --steps 2,0.5 --want 1e-2 --budget 0 -o "$dir/c"
 for bad in -1 1e9 nan; do
     expect "budget_$bad"_is_refused 2 chart --levels 1 --steps 1 --budget="$bad" -o "$dir/n"

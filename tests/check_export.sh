@@ -66,7 +66,7 @@ refuse adapted_vdb 2 "--adapt" "$ISOSHADE" export v.nrrd --to vdb --adapt -q -o 
 mkdir small
 in_small_folder() { unshare --map-root-user --mount sh -c 'mount -t tmpfs -o size=256k tmpfs small && exec "$@"' sh "$@"; }
 if in_small_folder true 2>/dev/null; then
-    refuse no_room_for_temporary_files 8 'temporary files ($TMPDIR), which has 0.' in_small_folder \
+    refuse no_room_for_temporary_files 8 'temporary folder ($TMPDIR), which has 0.' in_small_folder \
         env TMPDIR="$PWD/small" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --no-sandbox -q -o small.blend
     check nothing_is_left_of_it test ! -e small.blend
 else

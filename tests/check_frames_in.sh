@@ -34,7 +34,7 @@ planes 001 001 007 007 007 003 003 003 | volume >s_1.nrrd
 check labels_in_all_frames "$ISOSHADE" build 's_%d.nrrd' --frames all --levels 2 -o s.iso
 check by_majority grep -q majority s_0001.iso/pyramid.json
 planes 001 002 003 004 005 006 007 010 | volume >s_2.nrrd
-refuse frames_of_two_kinds 2 'frame 1 looks like a label map, frame 2 does not: --labels or --no-labels' \
+refuse frames_of_two_kinds 2 'frame 1 looks like a label map, frame 2 does not; use --labels or --no-labels' \
     "$ISOSHADE" build 's_%d.nrrd' --frames all --levels 2 -o t.iso
 check or_it_is_said "$ISOSHADE" build 's_%d.nrrd' --frames all --levels 2 --no-labels -o t.iso
 exit $failed

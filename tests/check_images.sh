@@ -94,7 +94,7 @@ echo '{"schema": "isoshade.pictures/1", "tier": "limit"}' >alone/pictures.json
 refuse a_limit_without_steps_is_refused 4 'pictures at two or more steps' "${validate[@]}" --images outside=alone -o no
 refuse a_name_that_is_taken 2 'is taken' "${validate[@]}" --images gl=els -o no
 refuse a_folder_that_is_not_there 3 'there is no folder nowhere' "${validate[@]}" --images outside=nowhere -o no
-refuse words_without_a_folder 2 'must be NAME=DIR' "${validate[@]}" --images outside -o no
+refuse words_without_a_folder 2 'wanted NAME=DIR' "${validate[@]}" --images outside -o no
 
 # A suite: scenes for which a request has no words are left out by name.
 expect a_suite_is_written 0 "$ISOSHADE" scenes --suite "$top/refscenes/suite" --size 8 --steps 0 --write suite

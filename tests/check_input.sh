@@ -42,7 +42,7 @@ M 2000 x 2000 x 3000
 inch 50.8 x 50.8 x 76.2
 END
 with_unit furlong
-refuse a_unit_that_is_not_known 4 'unit.nrrd: its unit is "furlong", not one that is known: m, cm' "$ISOSHADE" info unit.nrrd
+refuse a_unit_that_is_not_known 4 'unit.nrrd: unknown unit "furlong"; override it with --unit, one of m, cm' "$ISOSHADE" info unit.nrrd
 accept unless_it_is_said 'spacing    0.002 x 0.002 x 0.003 mm' info unit.nrrd --unit um
 accept and_the_spacing_too 'spacing    0.004 x 0.005 x 0.006 mm' info unit.nrrd --unit um --spacing 4x5x6
 accept info_says_the_unit 'unit       um, which is 0.001 mm' info unit.nrrd --unit um

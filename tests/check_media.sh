@@ -28,14 +28,14 @@ cp out lit.json
 has_keys the_report lit.json medium size visible_points max_extinction_per_mm emits camera_is_inside error_shaded
 has_files pbrt_writes lit scene.pbrt medium.pbrt
 expect a_turned_volume 0 one turned.nrrd --to pbrt --scene flat.scene.json -o turned
-check it_says_what_baking_changes grep -q '^shaded colors interpolated in place of values: RMSE' out
-turned=$(sed -n 's/^shaded colors.*RMSE \([0-9.e-]*\),.*/\1/p' out)
+check it_says_what_baking_changes grep -q '^interpolating shaded colors instead of values: RMSE' out
+turned=$(sed -n 's/^interpolating shaded colors.*RMSE \([0-9.e-]*\),.*/\1/p' out)
 expect from_inside 0 one v.nrrd --to pbrt --scene inside.scene.json --json -o inside
 check the_camera_stands_in_the_medium bash -c 'grep -q "camera_is_inside\": true" out && grep -B1 "^Transform" inside/scene.pbrt | head -1 | grep -q "^MediumInterface \"\" \"volume\""'
 inside=$(sed -n '/"error_shaded"/,/}/p' out | sed -n 's/.*"rmse": \([-0-9.e]*\).*/\1/p')
 expect mitsuba 0 one "$name" --to mitsuba --scene lit.scene.json -o absorbs
-check it_says_that_it_absorbs_alone grep -q '^absorption alone: ' out
-check so_does_its_file grep -q 'A medium that absorbs alone' absorbs/scene.xml
+check it_says_that_it_absorbs_alone grep -q '^absorption only: ' out
+check so_does_its_file grep -q 'A medium that only absorbs' absorbs/scene.xml
 expect mitsuba_of_a_turned_volume 0 one turned.nrrd --to mitsuba --scene flat.scene.json -o turned-absorbs
 check black_behind_it_becomes_white grep -q '<rgb name="radiance" value="1 1 1"/>' turned-absorbs/scene.xml
 

@@ -17,7 +17,7 @@ check the_message_says_the_format grep -q '^NanoVDB [0-9.]*, not compressed' out
 expect levels_as_shown 0 one --to nanovdb --scene "$scene" --levels 2 --json -o s.nvdb
 check the_report_has_the_format grep -q '"format": "[0-9]*\.[0-9]*\.[0-9]*"' out
 expect baked 0 one --to nanovdb --scene "$scene" --bake density,Cd --scene-unit m --up y --size 8 -o b.nvdb
-check it_says_what_baking_changes grep -q '^colors interpolated in place of values: RMSE' out
+check it_says_what_baking_changes grep -q '^interpolating colors instead of values: RMSE' out
 check nothing_is_left_beside_it test "$(find . -name '.isoshade*' -o -name '*.usda' | wc -l)" = 0
 one --to vdb -o v.vdb >log && one --to vdb --scene "$scene" --levels 2 -o s.vdb >>log &&
     one --to vdb --scene "$scene" --bake density,Cd --scene-unit m --up y --size 8 -o b.vdb >>log
@@ -111,6 +111,6 @@ else
 fi
 
 refuse half_floats 2 "--half has no meaning for --to nanovdb" one --to nanovdb --half -o x.nvdb
-refuse a_usda 2 "a .usda names OpenVDB files" one --to nanovdb --scene "$scene" --for karma -o x.nvdb
+refuse a_usda 2 "a .usda needs OpenVDB files" one --to nanovdb --scene "$scene" --for karma -o x.nvdb
 refuse no_such_folder 3 "no/x.nvdb" one --to nanovdb -o no/x.nvdb
 exit $failed

@@ -103,10 +103,10 @@ def hdf5():
         file.create_dataset("lzf", data=values, compression="lzf")
         file["list"], file["frames"] = np.arange(9), np.stack([values, values])
     refused("two.h5", 2, "holds 5 datasets of three axes or more, FILE:DATASET must name one of: frames (11 x 13 x 7 x 2), ")
-    refused("two.h5:plain", 4, "does not say the spacing of its voxels; --spacing SXxSYxSZ does")
+    refused("two.h5:plain", 4, "does not state the spacing of its voxels; set --spacing SXxSYxSZ")
     same("two.h5:/other", values + 1, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
     same("two.h5:wide", values.astype(np.float32), np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
-    refused("two.h5:frames", 4, "11 x 13 x 7 x 2 samples along 4 axes without names: which are a volume's three is not said")
+    refused("two.h5:frames", 4, "11 x 13 x 7 x 2 samples along 4 axes without names: names for a volume's three axes are missing")
     refused("two.h5:lzf", 4, "packed by filter 32000 (lzf), which HDF5 has no plugin for")
     with h5py.File("sparse.h5", "w") as file:  # chunks beside each other unpack to more than the file's size allows
         data = file.create_dataset("v", shape=(64, 2048, 1024), dtype=np.uint16, chunks=(64, 64, 64), compression="gzip")
@@ -114,7 +114,7 @@ def hdf5():
         file.create_dataset("void", shape=(5000, 5000, 5000), dtype=np.uint8, chunks=(64, 64, 64))
     got = run("info", "sparse.h5:v", "--spacing", "1", "--json")
     expect(got.returncode == 0 and json.loads(got.stdout)["max"] == 7, got.stderr)
-    refused("sparse.h5:void", 4, "its chunks have 0 bytes, each of which may stand for 131072 of samples",
+    refused("sparse.h5:void", 4, "its chunks have 0 bytes, each of which can hold 131072 of samples",
             ["--spacing", "1"])
     values.tofile("plain.raw")
     with open("plain.h5", "wb") as file:
@@ -216,10 +216,10 @@ def netcdf():
     same("packed.nc", stored, turned, np.zeros(3), False, ["--stored"])
     with netCDF4.Dataset("packed.nc", "r+") as file:
         file["lev"][:] = file["lev"][:] ** 2
-    refused("packed.nc", 4, "does not say the spacing evenly: the steps of lev are")
+    refused("packed.nc", 4, "does not state the spacing evenly: the steps of lev are")
     with netCDF4.Dataset("packed.nc", "r+") as file:
         file["lat"].units = "degrees_north"
-    refused("packed.nc", 4, 'its unit is "degrees_north"', ["--spacing", "1"])
+    refused("packed.nc", 4, 'unknown unit "degrees_north"', ["--spacing", "1"])
 
 
 def classic(version, name_bytes=1, axes=3, attribute_bytes=1):
@@ -320,7 +320,7 @@ def ome_zarr():
     refused("phantom.zarr:2", 2, 'has no dataset "2" of three axes, FILE:DATASET must name one of: 0 (11 x 13 x 7 x 1), 1 (6 x 7 x 4 x 1)')
     expect(load("phantom.zarr:1")[0].shape == (4, 7, 6), "the other level is of another size")
     same("phantom.zarr/0", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
-    refused("phantom.zarr/0", 4, "does not say the spacing of its voxels")
+    refused("phantom.zarr/0", 4, "does not state the spacing of its voxels")
     cut("phantom.zarr/0/0/1/0/1", "chunk", 0.6)
     shutil.copy("chunk", "phantom.zarr/0/0/1/0/1")
     info = run("build", "phantom.zarr", "-q", "-o", "cut.iso")
@@ -374,7 +374,7 @@ def empty_chunks():
             json.dump({"_ARRAY_DIMENSIONS": axes}, file)
     for number, (shape, chunks) in enumerate((([2000000000, 1, 1], [1000000, 1, 1]), ([5000] * 3, [1, 5000, 5000]))):
         describe(f"void{number}.zarr", shape, chunks, list("zyx"))
-        refused(f"void{number}.zarr", 4, "its chunks have 0 bytes, each of which may stand for 131072 of samples",
+        refused(f"void{number}.zarr", 4, "its chunks have 0 bytes, each of which can hold 131072 of samples",
                 ["--spacing", "1"])
     # Of 3000 chunks of 30 kB one is there, or none; and of 512 small ones none.
     describe("large.zarr", [3000, 300, 100], [1, 300, 100], list("zyx"))
@@ -401,7 +401,7 @@ def empty_chunks():
     describe("none.zarr/v", [2, 2, 2], [2, 2, 2], list("zyx"))
     for axis in "zyx":
         describe(f"none.zarr/{axis}", [0], [1], [axis])
-    refused("none.zarr:v", 4, "does not say the spacing of its voxels")
+    refused("none.zarr:v", 4, "does not state the spacing of its voxels")
 
 
 # ---- OpenVDB by its own module, and by isoshade ----

@@ -189,11 +189,11 @@ def dicom_spacings():
     multiframe("between.dcm", values)
     same("between.dcm", values, unit="mm")
     multiframe("unsaid.dcm", values, ["SpacingBetweenSlices"])
-    refused("unsaid.dcm", 4, "does not say the spacing between its frames (SliceThickness 1 is not that); --spacing")
+    refused("unsaid.dcm", 4, "does not state the spacing between its frames (SliceThickness 1 is not that); set --spacing")
     spacing = ["--spacing", "x".join(map(str, SPACING))]
     expect(run("info", "unsaid.dcm", *spacing).returncode == 0, "--spacing is no remedy")
     multiframe("pixels.dcm", values, ["PixelSpacing"])
-    refused("pixels.dcm", 4, "does not say the spacing of its pixels")
+    refused("pixels.dcm", 4, "does not state the spacing of its pixels")
     for name in "NominalScannedPixelSpacing", "ImagerPixelSpacing":
         multiframe("other.dcm", values, ["PixelSpacing"], **{name: [str(SPACING[1]), str(SPACING[0])]})
         got = run("info", "other.dcm")
@@ -276,7 +276,7 @@ def dicom_left_out():
         d = pydicom.dcmread(f"plain/{name}")
         del d.ImagePositionPatient, d.ImageOrientationPatient
         d.save_as(f"plain/{name}", write_like_original=False)
-    refused("plain", 4, "does not say the spacing between its slices")
+    refused("plain", 4, "does not state the spacing between its slices")
     same("plain", values, np.diag(SPACING), None, False, ["--spacing", "x".join(map(str, SPACING))])
     multiframe("preamble.dcm", values)
     with open("preamble.dcm", "r+b") as file:

@@ -186,7 +186,7 @@ def matrix_nifti():
     check(changed(negative), values, turn, (), "negative pixdim")
     check(changed(negative, ("h", 252, 0)), values, np.diag(SPACING), (), "negative pixdim alone")
     for number, says in (0.0, "spacing along axis 2 is 0 mm"), (np.inf, "spacing along axis 2 is inf mm"), (
-            np.nan, "does not say the spacing along its axis 2"):
+            np.nan, "does not state the spacing along its axis 2"):
         for code in 0, 1:
             refused(changed(("f", 84, number), ("h", 252, code)), 4, says)
             check(changed(("f", 84, number), ("h", 252, code)), values, turn if code else None, SAY)
@@ -228,7 +228,7 @@ def matrix_nrrd():
                 expect(made.returncode == 0, f"unu save -e {encoding}: {made.stderr}")
                 check(name, values, None, (), f"{dtype} {endian} {encoding}")
     stored = values_of("i2").tobytes()
-    for spacings, says in (("", "does not say the spacing of its voxels"), ("spacings: 0.75 0.5 nan", "spacing between its slices"),
+    for spacings, says in (("", "does not state the spacing of its voxels"), ("spacings: 0.75 0.5 nan", "spacing between its slices"),
                            ("spacings: 0.75 -0.5 2.5", "spacing along axis 2 is -0.5 mm"),
                            ("space dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,0)", "spacing along axis 3 is 0 mm")):
         with open("spacing.nrrd", "wb") as file:
@@ -335,7 +335,7 @@ def matrix_zarr():
     array(values_of("f4"), None, fill=-9999)
     os.remove("m.zarr/1.0.1")
     got = run("info", "m.zarr", *SAY)
-    expect(got.returncode == 5 and "6 of 60 voxels have its fill value -9999" in got.stderr, got.stderr)
+    expect(got.returncode == 5 and "6 of 60 voxels have the fill value -9999" in got.stderr, got.stderr)
     for codec in numcodecs.LZ4(), numcodecs.BZ2():
         array(values, codec)
         refused("m.zarr", 4, f'packed by "{codec.codec_id}", must be blosc, gzip, zlib, zstd or nothing', SAY)
@@ -388,7 +388,7 @@ def matrix_mrc():
             file.write(struct.pack("<ii", 1146047817, flags))
         check("m.mrc", values_of("i1").view(dtype), steps, (), f"IMOD's flags {flags}")
     write(values_of("i2"), 0, lambda header: header.cella.fill(0))
-    refused("m.mrc", 4, "does not say the spacing of its voxels")
+    refused("m.mrc", 4, "does not state the spacing of its voxels")
     check("m.mrc", values_of("i2"), None, SAY)
     write(np.zeros((3, 4, 5), "c8"))
     refused("m.mrc", 4, "mode 4, must be 0, 1, 2, 6 or 12")
@@ -412,7 +412,7 @@ def matrix_npy():
     np.save("a.npy", np.stack([values_of("i2"), values_of("i2") + 1]))
     check("a.npy", values_of("i2") + 1, None, [*SAY, "--frame", "1"], "time")
     refused("a.npy", 2, "has 2 frames", SAY)
-    refused("a.npy", 4, "does not say the spacing of its voxels", ["--frame", "1"])
+    refused("a.npy", 4, "does not state the spacing of its voxels", ["--frame", "1"])
     for values, why in ((values_of("i2")[0], "a volume has 3 axes"), (values_of("f4").astype("c8"), "its type is '<c8'")):
         np.save("a.npy", values)
         refused("a.npy", 4, why, SAY)
@@ -498,7 +498,7 @@ def numbers():
     data[1] = 1e20
     for fill, attributes in (1e20, {}), (None, {"missing_value": np.float32(1e20)}):
         got = run("info", net("f4", fill, data, **attributes), *SAY)
-        expect(got.returncode == 5 and "20 of 60 voxels have its fill value 1.00000002e+20" in got.stderr, got.stderr)
+        expect(got.returncode == 5 and "20 of 60 voxels have the fill value 1.00000002e+20" in got.stderr, got.stderr)
     packed = values_of("i2").copy()
     packed[0, 0] = -32767
     got = run("info", net("i2", -32767, packed // 100, scale_factor=0.5, add_offset=2.0), *SAY)
@@ -506,7 +506,7 @@ def numbers():
     packed = packed // 100
     packed[0, 0] = -32767
     got = run("info", net("i2", -32767, packed, scale_factor=0.5, add_offset=2.0), *SAY)
-    expect(got.returncode == 5 and "5 of 60 voxels have its fill value -32767" in got.stderr, got.stderr)
+    expect(got.returncode == 5 and "5 of 60 voxels have the fill value -32767" in got.stderr, got.stderr)
     inside = values_of("i2")  # a fill value within the range of the others makes none
     check(net("i2", int(inside[1, 2, 3]), inside), inside, None, SAY)
     with open("e.cube", "w", encoding="ascii") as file:  # no letter before an exponent of three digits

@@ -15,7 +15,7 @@ def png_stack():
     values = phantom(np.uint16)
     for k, pixels in enumerate(values):  # VTK counts rows from the bottom
         vtk_write(vtk.vtkPNGWriter(), vtk_image(pixels[None, ::-1].copy()), f"png/slice{9 + k}.png")
-    refused("png", 4, "does not say the spacing of its voxels, as pictures do not; --spacing SXxSYxSZ does")
+    refused("png", 4, "does not state the spacing of its voxels, as pictures do not; set --spacing SXxSYxSZ")
     same("png", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
     cut("png/slice10.png", "short.png")
     os.replace("short.png", "png/slice10.png")
@@ -43,7 +43,7 @@ def tiff_and_jpeg_stacks():
         reader.Update()
         decoded.append(numpy_support.vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).reshape(pixels.shape)[::-1])
     for folder, wanted, last in ("tiffs", values, "slice15.tif"), ("jpegs", np.stack(decoded), "slice15.jpg"):
-        refused(folder, 4, "does not say the spacing of its voxels, as pictures do not")
+        refused(folder, 4, "does not state the spacing of its voxels, as pictures do not")
         refused(folder, 2, "holds no series", ["--spacing", "1", "--series", "1"])
         same(folder, wanted, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
         cut(f"{folder}/{last}", "short", 0.5)
@@ -135,7 +135,7 @@ def tiff():
     for dtype in np.uint8, np.uint16, np.int16, np.float32:
         values = phantom(dtype)
         tifffile.imwrite("plain.tif", values, photometric="minisblack")
-        refused("plain.tif", 4, "does not say the spacing of its voxels; --spacing SXxSYxSZ does")
+        refused("plain.tif", 4, "does not state the spacing of its voxels; set --spacing SXxSYxSZ")
         same("plain.tif", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
     for more in {"bigtiff": True}, {"compression": "zlib"}, {"tile": (16, 16)}, {"byteorder": ">"}, {"rowsperstrip": 4}:
         tifffile.imwrite("more.tif", values, photometric="minisblack", **more)
@@ -165,7 +165,7 @@ def tiff_imagej():
                      metadata={"spacing": 2.5, "unit": "\\u00B5m", "axes": "ZYX"})
     same("imagej.tif", values, np.diag(SPACING) / 1000, None, False, unit="um", tolerance=1e-6)
     tifffile.imwrite("flat.tif", values, imagej=True, resolution=(1, 1), metadata={"unit": "um", "axes": "ZYX"})
-    refused("flat.tif", 4, "does not say the spacing between its slices")
+    refused("flat.tif", 4, "does not state the spacing between its slices")
     both = np.stack([values, values], 1)
     tifffile.imwrite("channels.tif", both, imagej=True, metadata={"axes": "ZCYX"})
     refused("channels.tif", 2, "has 2 channels a voxel")
@@ -180,9 +180,9 @@ def tiff_ome():
     tifffile.imwrite("phantom.ome.tif", values, metadata=about)  # micrometers where no unit is named
     same("phantom.ome.tif", values, np.diag(SPACING) / 1000, None, False)
     tifffile.imwrite("unknown.ome.tif", values, metadata={**about, "PhysicalSizeZUnit": "parsec"})
-    refused("unknown.ome.tif", 4, 'its unit is "parsec"')
+    refused("unknown.ome.tif", 4, 'unknown unit "parsec"')
     tifffile.imwrite("flat.ome.tif", values, metadata={"axes": "ZYX", "PhysicalSizeX": 1, "PhysicalSizeY": 1})
-    refused("flat.ome.tif", 4, "does not say the spacing between its slices")
+    refused("flat.ome.tif", 4, "does not state the spacing between its slices")
     with open("phantom.ome.tif", "rb") as file:
         data = file.read()
     said = re.search(rb'DimensionOrder="XY..." Type="uint16"', data)[0]

@@ -330,7 +330,7 @@ def dicom_time():
     os.remove("times/004.dcm")
     refused("times", 4, "2 to 3 slices at a place (a time step is not complete?)", ["--frame", "0"])
     dicom_times("times", values, set_words(ContentTime=lambda t, k: f"1000{t:02d}"))
-    refused("times", 4, "3 slices at each place, which no time, echo or b-value alone tells apart", ["--frame", "0"])
+    refused("times", 4, "3 slices at each place, which no time, echo or b-value distinguishes", ["--frame", "0"])
     dicom_times("times", values[:1], lambda d, t, k: setattr(d, "ImageOrientationPatient", [1, 0, 0, 0, 1, 0]) if k == 3 else None)
     refused("times", 4, "slices are not equally far apart (one is missing?)")  # the turned one is left out
     dicom_times("times", values[:1], lambda d, t, k: setattr(d, "ImageType", ["ORIGINAL", "PRIMARY", "M", "MOSAIC"]))
@@ -386,7 +386,7 @@ def dicom_multiframe_time():
     d.PerFrameFunctionalGroupsSequence, measures.SliceThickness = [], None
     del d.PerFrameFunctionalGroupsSequence, d.SharedFunctionalGroupsSequence
     d.save_as("cine.dcm", write_like_original=False)
-    refused("cine.dcm", 4, "does not say the spacing of its voxels")
+    refused("cine.dcm", 4, "does not state the spacing of its voxels")
 
 
 # ---- lists of files, and arrays with a time ----

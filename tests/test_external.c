@@ -67,7 +67,7 @@ static void what_a_file_says_wrong_is_named(void **state)
          ISO_E_FORMAT},
         {ROW(GOOD ", \"bits\": 8"), "\"bits\" is not for the tier", ISO_E_FORMAT},
         {ROW("\"name\": \"x\", \"command\": [\"true\"], \"tier\": \"samples\", \"seeds\": 2"),
-         "\"seeds\" is only for the tier", ISO_E_FORMAT},
+         "\"seeds\" is for the tier", ISO_E_FORMAT},
         {ROW("\"name\": \"x\", \"command\": [\"true\"], \"tier\": \"8 bits\", \"limits\": {\"rmse\": 0, \"max_abs\": 0}"),
          "\"why\"", ISO_E_FORMAT},
         {ROW("\"name\": \"x\", \"command\": [\"true\"], \"tier\": \"8 bits\", \"why\": \"w\", \"limits\": {\"rmse\": 0.01, "

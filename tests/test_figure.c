@@ -299,7 +299,7 @@ static void the_adapted_tf_can_be_asked_for(void **state)
     job.methods = "zz+adapted";
     iso_error why = {""};
     assert_int_equal(iso_figure_make(&job, &why), ISO_E_RANGE);
-    assert_non_null(strstr(why.text, "\"zz+adapted\"; choose from a, a+adapted, ")); /* what there is */
+    assert_non_null(strstr(why.text, "\"zz+adapted\", but of a, a+adapted, ")); /* what there is */
     free(report);
     free(out);
 }

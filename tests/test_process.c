@@ -149,7 +149,7 @@ static void nothing_that_it_started_outlives_it(void **state)
     assert_non_null(strstr(err.text, "exit code 5"));
     assert_true(pid > 1);
     assert_int_equal(kill((pid_t)pid, 0), -1);
-    /* Children that ended before it, and that it did not wait for, come to the keeper with it: their codes are not its. */
+    /* Children that ended before it, and that it did not wait for, come to the supervisor with it: their codes are not its. */
     const char *careless[] = {"/bin/sh", "-c", "for i in 1 2 3 4 5 6 7 8; do (exit 9) & done; exec timeout 0.1 sleep 60", NULL};
     for (int i = 0; i < 5; ++i) {
         assert_int_equal(iso_process_run(careless, NULL, &err), ISO_E_PROGRAM);
@@ -183,7 +183,7 @@ static void one_that_cannot_be_started_says_why(void **state)
 }
 
 /* As a user whose processes are as many as may be: root may have any number. A process of its own, since rights do not come
- * back. The keeper may be there and the program not, or neither. */
+ * back. The supervisor may be there and the program not, or neither. */
 static void where_no_process_can_be_had_it_is_told_so(void **state)
 {
     (void)state;

@@ -424,7 +424,7 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
          "not gzip", ISO_E_FORMAT},
         {"NRRD0004\ntype: quaternion\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: raw\n\n", "12345678",
          "quaternion", ISO_E_FORMAT},
-        {HEAD "\n", "12345678", "does not say the spacing of its voxels", ISO_E_FORMAT},
+        {HEAD "\n", "12345678", "does not state the spacing of its voxels", ISO_E_FORMAT},
         {"NRRD0004\ntype: uchar\ndimension: 2\nsizes: 2 4\nencoding: raw\n\n", "12345678",
          "2 axes, 2 of space, a volume has 3", ISO_E_FORMAT},
         {"NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 1 2\nspacings: nan 1 1 1\nencoding: raw\n\n", "123456789012",

@@ -23,8 +23,7 @@ static size_t block_count(const iso_baked *b)
     return b->blocks[0] * b->blocks[1] * b->blocks[2];
 }
 
-/* The lattice's geometry: so many points a voxel, a rim of one round them, x reversed where the level is
- * left-handed. */
+/* Makes the lattice's geometry: `points` per voxel side, a rim of one point, x reversed if the level is left-handed. */
 static iso_geometry lattice_of(const iso_geometry *g, size_t points, bool reversed)
 {
     iso_geometry l = *g;
@@ -54,7 +53,7 @@ static double clamp01(double v)
     return v > 0 ? (v < 1 ? v : 1) : 0;
 }
 
-/* The part of a point's cell that is in the box and on the kept side of the clip planes. p: in the level. */
+/* Returns the part of a point's cell inside the box and the clip planes. p: index coordinates of the level. */
 static double kept_part(const iso_baked *b, iso_vec3 p)
 {
     const iso_geometry *g = &b->level->geometry;
@@ -78,7 +77,7 @@ static double place_of(const iso_baked *b, double value)
     return clamp01((value - tf->lo) / (tf->hi - tf->lo));
 }
 
-/* 1, or the shade of a sample in the view. p: in the level. */
+/* Returns the shade of a sample in the view, or 1 for unshaded colors. p: index coordinates of the level. */
 static double shade_of(const iso_baked *b, const iso_sampler *sampler, iso_vec3 p)
 {
     if (!b->options.shaded)
@@ -92,7 +91,7 @@ static double shade_of(const iso_baked *b, const iso_sampler *sampler, iso_vec3 
     return iso_shade(b->view, iso_sample_normal(sampler, p), to_viewer);
 }
 
-/* The mean of a point's samples: of extinction, and of color by extinction. index: in the lattice. */
+/* Averages a point's samples: extinction, and color weighted by extinction. index: in the lattice. */
 static void bake_point(const iso_baked *b, const iso_sampler *sampler, iso_vec3 index, float out[CHANNELS])
 {
     const size_t n = b->options.samples;
@@ -114,7 +113,7 @@ static void bake_point(const iso_baked *b, const iso_sampler *sampler, iso_vec3 
         for (int c = 0; c < 3; ++c)
             sum[ISO_BAKE_COLOR + c] += rgbs[3] * rgbs[c] * shade;
     }
-    const double extinction = (double)(float)(part * sum[ISO_BAKE_EXTINCTION] / count); /* 0 where a float has none */
+    const double extinction = (double)(float)(part * sum[ISO_BAKE_EXTINCTION] / count); /* 0 if too small for a float */
     out[ISO_BAKE_EXTINCTION] = (float)extinction;
     out[ISO_BAKE_PLACE] = (float)sum[ISO_BAKE_PLACE];
     for (int c = 0; c < 3; ++c)
@@ -122,8 +121,7 @@ static void bake_point(const iso_baked *b, const iso_sampler *sampler, iso_vec3 
                                                  : no_color;
 }
 
-/* ---- blocks
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- blocks --------------------------------------------------------------------------------------------------- */
 
 typedef struct block_place {
     size_t number, first[3], end[3]; /* points, within the lattice */
@@ -157,8 +155,7 @@ const float *iso_baked_point(const iso_baked *b, size_t x, size_t y, size_t z)
     return block ? within(block, x, y, z) : NULL;
 }
 
-/* [lo, hi) along one axis of the level: the voxels between whose centers the samples from a to b lie, and one more on
- * each side. */
+/* [lo, hi) along one axis of the level: the voxels around the samples from a to b, and one more on each side. */
 static void voxels_between(double a, double b, size_t size, size_t *lo, size_t *hi)
 {
     const double first = floor(fmin(a, b) - 0.5) - 1, past = floor(fmax(a, b) - 0.5) + 3, last = (double)size - 1;
@@ -166,8 +163,8 @@ static void voxels_between(double a, double b, size_t size, size_t *lo, size_t *
     *hi = (size_t)(past < last + 1 ? fmax(past, 1) : last + 1);
 }
 
-/* Whether the transfer function shows any value between those of the voxels round a block. Most blocks of most volumes
- * show nothing, and are not sampled for that. A 2D one, whose second value is not looked at: true. */
+/* True if the transfer function may show a value between those of the voxels around a block. Most blocks show nothing,
+ * and are not sampled. Always true for a 2D one, whose second value is not tested. */
 static bool may_show(const iso_baked *b, const block_place *p)
 {
     const size_t *n = b->level->geometry.size;
@@ -201,8 +198,8 @@ static bool fill_block(const iso_baked *b, const iso_sampler *sampler, const blo
     return shows;
 }
 
-/* The mean color of the visible ones among a point's 26 neighbors, by extinction. false: there is none. Only points
- * that show something are read, which nothing changes meanwhile. */
+/* Mean color of the visible points among a point's 26 neighbors, weighted by extinction. Returns false if there is
+ * none. Reads only visible points, which no thread changes meanwhile. */
 static bool color_of_neighbors(const iso_baked *b, const size_t at[3], float color[3])
 {
     double sum[4] = {0};
@@ -227,7 +224,7 @@ static bool color_of_neighbors(const iso_baked *b, const size_t at[3], float col
     return sum[3] > 0;
 }
 
-/* Colors for the transparent points of a block; true when there are any. */
+/* Colors the transparent points of a block. Returns true if it colored any. */
 static bool color_block(const iso_baked *b, const block_place *p, float *block)
 {
     bool any = false;
@@ -241,7 +238,7 @@ static bool color_block(const iso_baked *b, const block_place *p, float *block)
     return any;
 }
 
-/* True if a block without extinction has a neighbor with it, and so may have points to color. */
+/* True if a neighbor of a block has extinction: then a block without extinction may have points to color. */
 static bool has_neighbor(const iso_baked *b, size_t number)
 {
     const size_t *n = b->blocks, at[3] = {number % n[0], number / n[0] % n[1], number / n[0] / n[1]};
@@ -270,7 +267,7 @@ static void start_block(float *block)
         block[i] = i % CHANNELS >= ISO_BAKE_COLOR && i % CHANNELS < ISO_BAKE_PLACE ? no_color : 0;
 }
 
-/* Extinction and color, then the colors next to them. Each block is written by one thread alone. */
+/* Bakes extinction and color, then colors the points next to visible ones. Each block is written by one thread only. */
 static bool bake_blocks(iso_baked *b, const iso_sampler *sampler, const iso_progress *progress)
 {
     const size_t count = block_count(b);
@@ -377,8 +374,7 @@ void iso_baked_destroy(iso_baked *b)
     *b = (iso_baked){0};
 }
 
-/* ---- between the points
- * ---------------------------------------------------------------------------------------------- */
+/* ---- between the points --------------------------------------------------------------------------------------- */
 
 double iso_baked_sample(const iso_baked *b, iso_baked_pair pair, iso_vec3 index, double color[3])
 {

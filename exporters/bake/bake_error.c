@@ -3,7 +3,7 @@
 
 #include "render/reference_ray.h"
 
-/* Of the level's smallest spacing, for both pictures: their samples stand at the same places. */
+/* Step in smallest spacings of the level, for both pictures, so that their samples coincide. */
 static const double step_voxels = 0.125;
 
 typedef struct baked_field {
@@ -29,7 +29,7 @@ static double emit(const iso_emitter *e, const iso_emitter_place *at, double col
     return extinction;
 }
 
-/* 0: until nothing changes. */
+/* Sets the step; 0: converged. */
 static void set_step(iso_reference_options *o, double voxels)
 {
     o->quadrature = voxels > 0 ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_CONVERGED;
@@ -39,12 +39,12 @@ static void set_step(iso_reference_options *o, double voxels)
 iso_status iso_baked_render(const iso_baked *b, iso_baked_pair pair, const iso_view *view, double voxels,
                             iso_image *image, const iso_progress *progress, iso_error *err)
 {
-    /* The lattice in place of a level: the emitter is all that is asked, and cells end at its points. */
+    /* The lattice as a level without values: the emitter provides all samples, and cells end at its points. */
     const iso_level lattice = {.geometry = b->geometry, .min = b->level->min, .max = b->level->max};
     baked_field field = {.baked = b, .pair = pair, .is_lit = view->light_count > 0};
     const iso_emitter emitter = {emit, &field};
     iso_reference_options o = iso_reference_defaults();
-    iso_view clipless = *view; /* planes have cut the grid */
+    iso_view clipless = *view; /* the grid is already clipped */
     clipless.clip_count = 0;
     clipless.extinction_scale = NULL;
     set_step(&o, voxels * (double)b->options.points); /* the lattice's voxels are smaller */
@@ -79,7 +79,7 @@ static iso_status render_exact(const iso_baked *b, const iso_view *view, iso_ima
     return iso_reference_render(b->level, b->code, view, &o, image, progress, err);
 }
 
-/* The view with at most so many pixels along its longer side; 0: as it is. */
+/* Returns the view with at most `pixels` along its longer side; 0: unchanged. */
 static iso_view measured_view(const iso_baked *b, size_t pixels)
 {
     iso_view view = *b->view;
@@ -104,7 +104,7 @@ iso_status iso_bake_measure_shaded(const iso_baked *b, size_t pixels, iso_bake_e
     iso_view view = measured_view(b, pixels);
     *out = (iso_bake_error){.width = view.width, .height = view.height};
     iso_status status = render_exact(b, &view, &exact, progress, err);
-    take_light_away(&view); /* it is in the colors */
+    take_light_away(&view); /* the colors already include it */
     TRY(status, compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err));
     iso_image_destroy(&exact);
     return status;

@@ -11,8 +11,8 @@
 #include "base/provenance.h"
 #include "base/stamp.h"
 
-/* Points so near to a visible one are active, with extinction 0: one for programs that interpolate between active
- * points alone; of the density one more for Cycles, which shifts grids by half a point in what active ones bound. */
+/* Points this close to a visible one are active, with extinction 0: one point for renderers that interpolate between
+ * active points only; for the density one more, because Cycles shifts grids by half a point within their active box. */
 enum { RIM = 2 };
 static long rim_of(iso_bake_grid grid)
 {
@@ -23,7 +23,7 @@ static long rim_of(iso_bake_grid grid)
 typedef struct grid_source {
     const iso_baked *baked;
     iso_bake_grid grid;
-    double per_unit; /* of what is per mm */
+    double per_unit; /* factor of values per mm */
 } grid_source;
 
 static int channels_of(iso_bake_grid grid)
@@ -118,10 +118,8 @@ static char *usda_path(const char *path)
 
 static iso_status check_name(const char *path, iso_error *err)
 {
-    return iso_path_ends_with(path, ".vdb")
-               ? ISO_OK
-               : iso_fail(err, ISO_E_USAGE,
-                          "--usd: -o is \"%s\", must end in .vdb: the .usda beside it has the same name", path);
+    return iso_path_ends_with(path, ".vdb") ? ISO_OK
+                                            : iso_fail(err, ISO_E_USAGE, "--usd: -o is \"%s\", must end in .vdb", path);
 }
 
 iso_status iso_bake_guard_usda(const char *path, bool force, iso_error *err)
@@ -134,7 +132,7 @@ iso_status iso_bake_guard_usda(const char *path, bool force, iso_error *err)
     return status;
 }
 
-/* People edit it: it ends in a stamp. */
+/* People edit this file, so it ends in a stamp. */
 static iso_status save_usda(const iso_baked *b, const iso_bake_request *r, const char *path, iso_error *err)
 {
     iso_output out = {0};

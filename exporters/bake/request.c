@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* request.c - the words of a command line become a request for grids. */
+/* request.c - makes a request for grids from command-line options. */
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
@@ -11,10 +11,9 @@ static const struct {
     const char *name, *summary;
 } grids[ISO_BAKE_GRIDS] = {
     [ISO_BAKE_DENSITY] = {"density", "float: extinction per scene unit, never negative"},
-    [ISO_BAKE_CD] = {"Cd", "vec3s: linear color; transparent points beside visible ones have their color"},
+    [ISO_BAKE_CD] = {"Cd", "vec3s: linear color; transparent points next to visible ones have their color"},
     [ISO_BAKE_EMISSION] = {"emission", "vec3s: extinction times linear color, per scene unit"},
-    [ISO_BAKE_TEMPERATURE] = {"temperature",
-                              "float: the value's place on the transfer function's range, 0 to 1; no kelvins"},
+    [ISO_BAKE_TEMPERATURE] = {"temperature", "float: position in the transfer function's range, 0 to 1; not kelvins"},
 };
 const iso_names iso_bake_grid_names = ISO_NAMES_OF_ROWS("baked grid", grids);
 
@@ -29,7 +28,7 @@ static bool is_identifier(const char *text)
     return true;
 }
 
-/* "Cd" or "Cd=color" */
+/* Parses "Cd" or "Cd=color". */
 static iso_status take_grid(char *word, iso_bake_request *r, iso_error *err)
 {
     size_t row;
@@ -37,7 +36,7 @@ static iso_status take_grid(char *word, iso_bake_request *r, iso_error *err)
     if (name)
         *name++ = '\0';
     if (iso_names_find(&iso_bake_grid_names, word, &row, NULL) != ISO_OK)
-        return iso_fail(err, ISO_E_USAGE, "--bake names \"%s\", a grid is %s", word,
+        return iso_fail(err, ISO_E_USAGE, "--bake: unknown grid \"%s\"; grids: %s", word,
                         iso_names_join(&iso_bake_grid_names, "or", all, sizeof all));
     if (r->has[row])
         return iso_fail(err, ISO_E_USAGE, "--bake names %s twice", word);
@@ -59,11 +58,11 @@ static iso_status take_grids(const char *list, iso_bake_request *r, iso_error *e
     for (char *word = strtok_r(words, ",", &rest); word && status == ISO_OK; word = strtok_r(NULL, ",", &rest))
         status = take_grid(word, r, err);
     if (status == ISO_OK && !r->has[ISO_BAKE_DENSITY])
-        return iso_fail(err, ISO_E_USAGE, "--bake is \"%s\", wanted density and what goes with it", list);
+        return iso_fail(err, ISO_E_USAGE, "--bake is \"%s\", must include density", list);
     for (int i = 0; i < ISO_BAKE_GRIDS && status == ISO_OK; ++i)
         for (int k = 0; k < i && status == ISO_OK; ++k)
             if (r->has[i] && r->has[k] && strcmp(r->name[i], r->name[k]) == 0)
-                status = iso_fail(err, ISO_E_USAGE, "--bake writes two grids by the name \"%s\"", r->name[i]);
+                status = iso_fail(err, ISO_E_USAGE, "--bake: two grids have the name \"%s\"", r->name[i]);
     return status;
 }
 
@@ -85,7 +84,7 @@ static iso_status take_count(const char *option, int given, size_t *count, iso_e
     return ISO_OK;
 }
 
-/* Refuses options that have no meaning alone. */
+/* Refuses options that need --bake or --for. */
 static iso_status check_alone(const iso_bake_words *w, iso_error *err)
 {
     const char *const alone = w->unit            ? "--scene-unit"

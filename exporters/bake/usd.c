@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* usd.c - the text of a .usda that names the grids of a file: a Volume with a relationship to an OpenVDBAsset each.
+/* usd.c - the text of a .usda for a file of grids: a Volume with a relationship to an OpenVDBAsset per grid.
  *
  *   Volume  rel field:density = <density>       https://openusd.org/release/api/usd_vol_page_front.html
  *   OpenVDBAsset  filePath, fieldName, fieldIndex, fieldDataType, fieldClass, vectorDataRoleHint
  *                                               https://openusd.org/release/user_guides/schemas/usdVol/OpenVDBAsset.html
  *
- * Lengths are scene units as in the grids, so metersPerUnit is the unit's; the file of grids is named by its name alone: both
- * can be moved together. No material: what shades a volume is the renderer's own. */
+ * Lengths are scene units as in the grids, so metersPerUnit is that of the unit. The grid file is named without folder,
+ * so that both files can be moved together. There is no material: each renderer has its own for volumes. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <math.h>
@@ -16,7 +16,7 @@
 #include "bake/grids.h"
 #include "base/file.h"
 
-/* Names of prims are letters, digits and _, and begin with no digit. */
+/* Makes a prim name: letters, digits and _, not starting with a digit. */
 static void prim_name(const char *path, char *name, size_t size)
 {
     const char *base = iso_path_base(path), *end = base;
@@ -30,7 +30,7 @@ static void prim_name(const char *path, char *name, size_t size)
     name[n] = '\0';
 }
 
-/* The box of the lattice's points and their cells, along the scene's axes. */
+/* Computes the box of the lattice's points and their cells, along the scene's axes. */
 static void find_extent(const iso_baked *b, const iso_vdb_convention *c, double lo[3], double hi[3])
 {
     const iso_geometry *g = &b->geometry;
@@ -50,7 +50,7 @@ static void find_extent(const iso_baked *b, const iso_vdb_convention *c, double 
     }
 }
 
-/* '@' ends an asset's path; "@@@" does where the path has one. */
+/* '@' ends an asset's path; "@@@" does if the path contains '@'. */
 static void write_asset(FILE *f, const iso_bake_request *r, int grid, const char *file)
 {
     const bool color = grid == ISO_BAKE_CD || grid == ISO_BAKE_EMISSION;
@@ -61,7 +61,7 @@ static void write_asset(FILE *f, const iso_bake_request *r, int grid, const char
     fprintf(f, "\n    def OpenVDBAsset \"%s\"\n    {\n", r->name[grid]);
     fprintf(f, "        asset filePath = %s./%s%s\n", quote, file, quote);
     fprintf(f, "        token fieldName = \"%s\"\n        int fieldIndex = 0\n", r->name[grid]);
-    /* Half floats are a matter of the file: what is read from it is float. */
+    /* float even if the file stores half floats, as readers convert them */
     fprintf(f, "        token fieldDataType = \"float%s\"\n", color ? "3" : "");
     fprintf(f, "        token fieldClass = \"fogVolume\"\n");
     if (color)

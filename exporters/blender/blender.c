@@ -18,7 +18,7 @@
 static const struct {
     const char *name, *summary;
 } materials[] = {
-    {"exact", "emission and absorption, the same in all renderers"},
+    {"exact", "emission and absorption only, for the same picture in all renderers"},
     {"physical", "scattering with shadows, lit by lamps and world"},
 };
 const iso_names iso_blender_material_names = ISO_NAMES_OF_ROWS("material", materials);
@@ -58,7 +58,7 @@ iso_status iso_blender_pyramid_in_space(const iso_pyramid *p, const iso_blender_
     return ISO_OK;
 }
 
-/* options: how it is written besides. */
+/* Saves the grids of a region of interest with the given options. */
 static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, const iso_blender_space *space, const char *path,
                            iso_vdb_options options, iso_error *err)
 {
@@ -70,14 +70,14 @@ static iso_status save_roi(const iso_pyramid *p, const iso_roi *f, const iso_ble
     return iso_vdb_save(&one, 0, 1, path, &options, NULL, err);
 }
 
-/* Of label maps alone. */
+/* Describes labels if the pyramid has any. */
 static iso_status describe_labels(json_t *about, const iso_pyramid *p, const iso_blender_levels *levels, double units,
                                   const char *folder, iso_error *err)
 {
     return p->levels[levels->first].labels ? iso_blender_describe_labels(about, p, levels, units, folder, err) : ISO_OK;
 }
 
-/* Takes `about`. */
+/* Runs the description if status is ISO_OK. Takes `about`. */
 static iso_status run_described(iso_status status, json_t *about, const char *folder, const iso_blender_options *opt,
                                 const iso_progress *progress, iso_error *err)
 {
@@ -96,7 +96,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     const size_t count = wanted->count;
     iso_image *pictures = wanted->pictures;
     iso_pyramid scaled = {0};
-    iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "blender: no picture is asked for");
+    iso_status status = count > 0 ? ISO_OK : iso_fail(err, ISO_E_RANGE, "blender: no picture requested");
     memset(pictures, 0, count * sizeof *pictures);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = iso_blender_check(p, level, 1, &frames[i], err);
@@ -108,7 +108,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);
     char *vdb = iso_path_join(folder, "volume.vdb"), *roi_vdb = iso_path_join(folder, "roi.vdb");
     iso_vdb_options vdb_options = iso_vdb_defaults();
-    vdb_options.pad_voxels = 1; /* Cycles fades to 0 behind the last voxels */
+    vdb_options.pad_voxels = 1; /* Cycles fades to 0 beyond the last voxels */
     vdb_options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
     vdb_options.extinction_scale = view->extinction_scale;
     iso_vdb_shown visible, roi_visible;
@@ -192,9 +192,9 @@ iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t 
     return status;
 }
 
-/* Levels [first, first + count) of a pyramid in one file. */
+/* An export of levels [first, first + count) of a pyramid to one file. */
 typedef struct export_job {
-    const iso_pyramid *p, *scaled; /* in millimeters, in Blender's space */
+    const iso_pyramid *p, *scaled; /* in millimeters; in Blender's space */
     const iso_blender_space *space;
     size_t first, count;
     const iso_view *views;
@@ -237,7 +237,7 @@ static iso_status write_roi_grid(const export_job *e, size_t i, iso_output *out,
     return status;
 }
 
-/* A level without a scale, as the finest is, has no such grid, and Cycles reads 0 there: a scale of 1. */
+/* True if a level has an extinction scale. Others, like the finest, have no such grid: Cycles reads 0, a scale of 1. */
 static bool have_scale(const iso_view *views, size_t count)
 {
     bool any = false;
@@ -254,7 +254,7 @@ static json_t *describe_export(const export_job *e)
     snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
     json_t *about = iso_blender_describe_scene(&views[0], e->space, &e->p->levels[e->first].geometry, name, e->opt);
     json_t *levels = json_array();
-    size_t region = e->count; /* the regions' tables stand behind the levels' */
+    size_t region = e->count; /* tables of regions follow those of levels */
     for (size_t i = 0; i < e->count; ++i) {
         const size_t k = e->first + i;
         char *path = iso_blender_vdb_path(e->blend_path, k, e->count, false), relative[NAME_MAX + 48];
@@ -280,7 +280,8 @@ static json_t *describe_export(const export_job *e)
     return about;
 }
 
-/* The grids, those of regions of interest, then the .blend: outs holds 2 count + 1, *files says how many. */
+/* Writes the grids, those of regions of interest, then the .blend: outs has 2 count + 1 entries, *files of them
+ * used. */
 static iso_status write_files(const export_job *e, const char *folder, iso_output *outs, size_t *files,
                               const iso_progress *progress, iso_error *err)
 {

@@ -17,7 +17,7 @@ static iso_status check_plan(const iso_blender_plan *plan, const iso_view *view,
     const iso_pyramid p = {.level_count = 1, .levels = &box};
     if (view->tf_2d || view->extinction_scale || view->roi)
         return iso_fail(err, ISO_E_RANGE,
-                        "blender: a plan goes with no 2D transfer function, extinction scale or region of interest");
+                        "blender: a plan cannot have a 2D transfer function, extinction scale or region of interest");
     return iso_blender_check(&p, 0, 1, opt, err);
 }
 
@@ -95,7 +95,7 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
     return status;
 }
 
-/* The grids beside the .blend, then itself. */
+/* Writes the grids, then the .blend. */
 static iso_status write_plan(const plan_job *job, const char *folder, iso_output outs[2], const iso_progress *progress,
                              iso_error *err)
 {
@@ -104,7 +104,7 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
     const char *base = iso_path_base(blend_path);
     char name[NAME_MAX + 1];
     iso_vdb_options options = iso_vdb_defaults();
-    iso_vdb_shown shown; /* has no meaning for lattices, which are sparse */
+    iso_vdb_shown shown; /* unused for lattices, which are sparse */
     iso_blender_grid_options(job->opt, &job->view->tf, NULL, &shown, &options);
     char *path = plan_vdb_path(plan, blend_path);
     iso_status status = iso_output_begin(&outs[0], path, err);

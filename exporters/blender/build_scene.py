@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Builds the Blender scene of an isoshade volume, and saves or renders it.
 
-Run by Blender:  blender -b --factory-startup -P build_scene.py -- DESCRIPTION.json
-Paths of further descriptions are read from stdin, a line each, until it ends; "isoshade: finished" follows each.
-describe.c writes the description, plain numbers in Blender units; nothing is decided here but how Blender is told. The picture
-is that of scene/scene.h:
+Run by Blender:  blender -b --factory-startup -P build_scene.py -- DESCRIPTION.json Paths of further descriptions come
+from stdin, one per line, until it ends; "isoshade: finished" follows each. describe.c writes the description: plain
+numbers in Blender units. These scripts make no decisions. The picture is that of scene/scene.h:
 
     emission = sigma(s) shade(d) c(s),  absorption = sigma(s),  shade = ka + sum of I (kd |n.l| + ks |n.h|^p)
 
-Node groups:  isoshade  >  isoshade transfer function, isoshade ramp, isoshade box, isoshade shade.
-Positions are taken in the space of the frame, an object that stands for the volume and carries its levels: who moves
-it moves box, grids and normals together.
-"""
+Node groups:  isoshade  >  isoshade transfer function, isoshade ramp, isoshade box, isoshade shade. Positions are
+relative to the frame, an object that represents the volume and is the parent of its levels: moving it moves box, grids
+and normals together."""
 import json
 import os
 import shutil
@@ -19,13 +17,13 @@ import sys
 
 import bpy
 
-OLDEST = (3, 4, 0)  # device.c has it too
+OLDEST = (3, 4, 0)  # same as in device.c
 
 # ---- the scene -------------------------------------------------------------------------------------------------
 
 
 def play(volume, count):
-    """Files numbered from 0, which frames 1 and on show."""
+    """Shows files numbered from 0 in frames 1 and on."""
     volume.is_sequence = True
     volume.frame_start = 1
     volume.frame_duration = count
@@ -38,7 +36,7 @@ def add_levels(about, shift, frame, look, collection):
     if several:
         frame["level"] = levels[0]["level"]
         frame.id_properties_ui("level").update(min=levels[0]["level"], max=levels[-1]["level"],
-                                               description="The level of the pyramid that is shown")
+                                               description="Visible level of the pyramid")
     for level in levels:
         name = f"{about['name']} level {level['level']}" if several else about["name"]
         roi = level.get("roi", {"lo": [0, 0, 0], "hi": [1, 1, 1], "band": [1, 1, 1], "side": [1, 0, 0]})
@@ -67,13 +65,13 @@ def add_levels(about, shift, frame, look, collection):
 
 
 def add_switch(frame):
-    """Of volumes that share a scene."""
+    """Adds the property "show", for volumes that share a scene."""
     frame["show"] = 1
-    frame.id_properties_ui("show").update(min=0, max=1, description="Whether this volume is shown")
+    frame.id_properties_ui("show").update(min=0, max=1, description="0: hidden, 1: shown")
 
 
 def add_volume(about, shift, parent, camera):
-    """One more volume: its box, levels and material in a collection of their own, lit by the lights that there are."""
+    """Adds a volume: its box, levels and material in a collection of their own, with the existing lights."""
     collection = bpy.data.collections.new(about["name"])
     parent.children.link(collection)
     frame = frame_object(about, collection)
@@ -113,7 +111,7 @@ def build(about, shift):
 
 def save(about, shift):
     scene = bpy.context.scene
-    # The window may take steps of half a voxel, whatever the final picture takes.
+    # The window may use steps of half a voxel; the final picture does not depend on it.
     scene.cycles.volume_preview_step_rate = max(1.0, 0.5 / about["step_voxels"])
     scene.cycles.preview_samples = 16
     scene.cycles.use_preview_denoising = False
@@ -124,16 +122,16 @@ def save(about, shift):
     explain(about, shift)
     arrange_windows(scene, about)
     bpy.context.preferences.filepaths.save_version = 0
-    # Not compressed: the checksum behind the end (base/stamp.h) would stand in the way of the compressed blocks' table.
+    # Not compressed: the checksum after the end (base/stamp.h) would hide the table of compressed blocks.
     try:
         bpy.ops.wm.save_as_mainfile(filepath=about["save"], check_existing=False, compress=False, relative_remap=False)
-    except RuntimeError as why:  # says "No such file" of a full disk
+    except RuntimeError as why:  # reports "No such file" for a full disk
         free = shutil.disk_usage(os.path.dirname(about["save"])).free / 1e6
-        raise OSError(f"the file cannot be saved in the folder of temporary files ($TMPDIR), which has {free:.1f} MB left: {why}")
+        raise OSError(f"cannot save the file in the temporary folder ($TMPDIR), which has {free:.1f} MB left: {why}")
 
 
 def work(path, shift):
-    """One description; shift: where this Blender puts voxels, None: not yet known. Returns it."""
+    """Runs a description. shift: offset of voxels in this Blender, None: unknown yet. Returns it."""
     with open(path, encoding="utf-8") as file:
         about = json.load(file)
     print("isoshade: progress 0.1 Blender", flush=True)
@@ -146,7 +144,7 @@ def work(path, shift):
     if "frames" in about:
         print("isoshade: pictures begin", flush=True)
         render_frames(scene, about["frames"])
-        tell_peak()
+        report_peak()
     if "save" in about:
         save(about, shift)
     print("isoshade: progress 1 Blender", flush=True)
@@ -154,9 +152,9 @@ def work(path, shift):
 
 
 def main():
-    """The description that is named, then those whose paths come as lines, as long as there are any."""
+    """Runs the given description, then those whose paths come as lines of stdin."""
     if bpy.app.version < OLDEST:
-        print(f"isoshade: is too old: Blender {bpy.app.version_string} is too old: {OLDEST[0]}.{OLDEST[1]} is the oldest that was tried",
+        print(f"isoshade: is too old: Blender {bpy.app.version_string} is too old; needs {OLDEST[0]}.{OLDEST[1]} or newer",
               flush=True)
         sys.exit(8)
     shift = work(sys.argv[sys.argv.index("--") + 1], None)

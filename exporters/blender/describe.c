@@ -10,11 +10,11 @@
 #include "scene/roi.h"
 #include "vdb/vdb.h"
 
-/* Positions in single precision are off by up to 6e-8 of their distance from the origin: 4e-6 radii of the volume at 64
- * radii, a thousandth of a voxel where it has 500 voxels across. */
+/* Single precision has an error of 6e-8 of the distance from the origin. At 64 radii of the volume that is 4e-6 radii:
+ * a thousandth of a voxel, for 500 voxels across. */
 #define MOST_RADII_AWAY 64
 
-/* The middle of the box, to as many digits as leave it within a radius: people have to read it. */
+/* Rounds the box's center for readability; the result stays within a radius of it. */
 static iso_vec3 near_origin(const iso_geometry *g, double radius)
 {
     const iso_vec3 center = iso_geometry_box_center_mm(g);
@@ -99,7 +99,7 @@ static json_t *rows_json(const double rows[][4], size_t count)
     return array;
 }
 
-/* The box as an affine image of [0, 1]^3, and the way back. */
+/* Describes the box as an affine image of [0, 1]^3, and the inverse. */
 static void describe_box(json_t *about, const iso_geometry *g)
 {
     iso_mat3 to_world = g->index_to_world;
@@ -124,7 +124,8 @@ static void describe_box(json_t *about, const iso_geometry *g)
     json_object_set_new(about, "world_to_box", rows_json((const double(*)[4])box, 3));
 }
 
-/* The depths of the box before the camera, nearest first; negative behind it. */
+/* Depths of the nearest and the farthest corner of the box in front of the camera; negative if it is behind the
+ * camera. */
 static void depths_of_box(const iso_camera *c, iso_vec3 position, const iso_geometry *g, double depths[2])
 {
     depths[0] = INFINITY;
@@ -139,10 +140,10 @@ static void depths_of_box(const iso_camera *c, iso_vec3 position, const iso_geom
     }
 }
 
-/* EEVEE finds a sample's place in a volume from its depth as a depth buffer stores it. In single precision that is off by
- * about 1e-7 z z / near, z away from the camera: by ten voxels and more where the near plane is a thousandth of a voxel
- * away, which draws rings and holes. So the plane stands where a quarter of a voxel is lost at the far side of the box,
- * which leaves room to move the camera nearer; but never so far that a renderer would lose a part of the volume. */
+/* EEVEE computes a sample's position in a volume from its depth as a depth buffer stores it. In single precision that
+ * has an error of about 1e-7 z z / near, z away from the camera: ten voxels and more, with rings and holes, if the near
+ * plane is a thousandth of a voxel away. So the plane is placed for an error of a quarter voxel at the far side of the
+ * box, which leaves space to move the camera closer, but never so far away that it cuts the volume. */
 static double clip_start(const iso_camera *c, iso_vec3 position, const iso_geometry *g)
 {
     const double least = 1e-3 * iso_geometry_min_spacing_mm(g);
@@ -188,14 +189,14 @@ static bool is_same_table(const iso_tf_table *a, const iso_tf_table *b)
            memcmp(a->entries, b->entries, 4 * a->count * sizeof *a->entries) == 0;
 }
 
-/* The tables of objects, and the ramps of those that differ. */
+/* The objects' tables, and the ramps of different ones. */
 typedef struct described_tf {
     json_t *tables, *ramps;
-    const iso_tf_table **owners; /* whose ramps these are */
+    const iso_tf_table **owners; /* tables of the ramps */
     double units;
 } described_tf;
 
-/* The ramp of t: that of an equal table, or a new one. name: what has it. */
+/* Finds the ramp of an equal table, or adds one. name: of its object. */
 static size_t find_ramp(described_tf *d, const iso_tf_table *t, const char *name)
 {
     size_t i = 0;
@@ -210,7 +211,7 @@ static size_t find_ramp(described_tf *d, const iso_tf_table *t, const char *name
     return i;
 }
 
-/* rows: those of a 2D transfer function, or the one of a table; flat: the 1D one, for the ramp. */
+/* rows: those of a 2D transfer function, or a single one; flat: the 1D one, for the ramp. */
 static void append_table(described_tf *d, const iso_tf_table *rows, int count, const iso_tf_table *flat,
                          const char *name)
 {
@@ -248,14 +249,15 @@ static json_t *describe_lights(const iso_view *view)
     return lights;
 }
 
-/* Overlapping volumes are walked together by the shortest step of them, so they get the same: of the finest level. */
+/* Returns the step: the same for all levels, since Cycles uses the shortest step of overlapping volumes. That of the
+ * finest. */
 static double step_mm(const iso_view *view, const iso_geometry *level, const iso_blender_options *opt)
 {
     return opt->step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, level));
 }
 
-/* The box and the band of a region of interest in fractions of the volume's box; side: what its weight adds to the
- * volume, constant and factor. */
+/* Describes box and band of a region of interest in fractions of the volume's box; side: the part of the weight for
+ * this volume, as constant and factor. */
 static json_t *describe_roi(const iso_roi *f, const iso_geometry *around, bool inside)
 {
     double lo[3], hi[3], band[3];
@@ -293,7 +295,8 @@ void iso_blender_append_level(json_t *levels, const blender_level *l, const iso_
     json_array_append_new(levels, around);
 }
 
-/* Planes over fractions of the box, counted from its center: [x, y, z, w], x fx + y fy + z fz >= w stays. */
+/* Describes clip planes in fractions of the box from its center: [x, y, z, w], the kept side is x fx + y fy + z fz >=
+ * w. */
 static json_t *describe_clips(const iso_view *view, const iso_geometry *g)
 {
     json_t *clips = json_array();
@@ -309,7 +312,7 @@ static json_t *describe_clips(const iso_view *view, const iso_geometry *g)
     return clips;
 }
 
-/* The same in the world, in mm: normal, and a point of the plane. */
+/* Describes clip planes in the world, in mm: normal, and a point of the plane. */
 static json_t *describe_clips_mm(const iso_view *view)
 {
     json_t *clips = json_array();

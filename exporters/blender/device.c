@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* device.c - which Blender, and what its Cycles renders on. */
+/* device.c - finds Blender, and the device of its Cycles. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,17 +13,17 @@
 static const struct {
     const char *name, *summary;
 } devices[] = {
-    {"cpu", "the processor, which all figures are of"},
-    {"gpu", "the first of the following that is there"},
-    {"optix", "NVIDIA's, by OptiX"},
-    {"cuda", "NVIDIA's, by CUDA"},
-    {"hip", "AMD's"},
-    {"oneapi", "Intel's"},
-    {"metal", "Apple's"},
+    {"cpu", "the processor"},
+    {"gpu", "the first available one of the following"},
+    {"optix", "NVIDIA GPUs, with OptiX"},
+    {"cuda", "NVIDIA GPUs, with CUDA"},
+    {"hip", "AMD GPUs"},
+    {"oneapi", "Intel GPUs"},
+    {"metal", "Apple GPUs"},
 };
 const iso_names iso_cycles_device_names = ISO_NAMES_OF_ROWS_CALLED("device of Cycles", "devices of Cycles", devices);
 
-static const char *chosen_device; /* a row's name; by iso_cycles_set_device() */
+static const char *chosen_device; /* name of a row, from iso_cycles_set_device() */
 
 static iso_status find_device(const char *name, const char **row, iso_error *err)
 {
@@ -47,9 +47,9 @@ iso_status iso_cycles_device(const char **name, iso_error *err)
     return chosen_device || !asked || !*asked ? ISO_OK : find_device(asked, name, err);
 }
 
-/* ---- which Blender ---- */
+/* ---- finding Blender ---- */
 
-/* The oldest that was tried. */
+/* Oldest tested version. */
 enum { OLDEST_MAJOR = 3, OLDEST_MINOR = 4 };
 
 iso_status iso_blender_find(const char *program, char **path, iso_error *err)
@@ -71,8 +71,8 @@ static iso_status check_age(const char *blender, const char *version, iso_error 
     if (sscanf(version, "%d.%d", &major, &minor) != 2)
         return iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version of Blender", blender);
     if (major < OLDEST_MAJOR || (major == OLDEST_MAJOR && minor < OLDEST_MINOR))
-        return iso_fail(err, ISO_E_MISSING, "%s: Blender %s is too old: %d.%d is the oldest that was tried", blender,
-                        version, OLDEST_MAJOR, OLDEST_MINOR);
+        return iso_fail(err, ISO_E_MISSING, "%s: Blender %s is too old; needs %d.%d or newer", blender, version,
+                        OLDEST_MAJOR, OLDEST_MINOR);
     return ISO_OK;
 }
 
@@ -92,7 +92,8 @@ iso_status iso_blender_version(const char *program, char *version, size_t size, 
     return status;
 }
 
-/* Blender 5 shows volumes by NanoVDB alone, which a build may lack; which devices there are Blender alone knows. */
+/* Asks Blender for its devices, which only it knows. Blender 5 shows volumes only with NanoVDB, which a build may
+ * lack. */
 static iso_status probe(const char *program, char *device, size_t size, iso_error *err)
 {
     iso_blender_options options = iso_blender_defaults();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* labels.c - label maps. Cycles interpolates every grid of a volume, linearly or more smoothly, and has no other way;
- * an image it looks up without. So the labels travel as an image of class numbers, the slices of a level side by side
- * in tiles, those of the next level below them, and the transfer function as a table of one entry a class. */
+/* labels.c - label maps. Cycles interpolates all grids of a volume, but not images. So the labels become an image of
+ * class numbers, with the slices of a level in tiles side by side, and the next level's below. The transfer function
+ * becomes a table with one entry per class. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <png.h>
@@ -15,11 +15,11 @@
 
 enum { LEAST_LABEL = -32768, MOST_LABEL = 65535, SPAN = MOST_LABEL - LEAST_LABEL + 1, MOST_CLASSES = 65536 };
 
-/* The labels that there are, ascending, and the number of each. */
+/* The labels that occur, ascending, with their class numbers. */
 typedef struct label_classes {
     size_t count;
     int *values;     /* count */
-    uint16_t *class; /* of a label less LEAST_LABEL */
+    uint16_t *class; /* of a label minus LEAST_LABEL */
 } label_classes;
 
 static void free_classes(label_classes *c)
@@ -38,7 +38,7 @@ static iso_status find_classes(const iso_pyramid *p, size_t first, size_t count,
         for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
             const double label = (double)l->scalar[i];
             if (!(label >= LEAST_LABEL && label <= MOST_LABEL) || label != rint(label))
-                return iso_fail(err, ISO_E_RANGE, "blender: %g is no label, they are integers from %d to %d", label,
+                return iso_fail(err, ISO_E_RANGE, "blender: label %g is not an integer from %d to %d", label,
                                 LEAST_LABEL, MOST_LABEL);
             c->class[(int)label - LEAST_LABEL] = 1;
         }
@@ -51,12 +51,12 @@ static iso_status find_classes(const iso_pyramid *p, size_t first, size_t count,
     return ISO_OK;
 }
 
-/* Where the slices of a level are: `across` of them side by side, the first rows of pixels are of other levels. */
+/* Position of a level's slices: `across` of them side by side; earlier rows of pixels belong to other levels. */
 typedef struct label_tiles {
     size_t across, first_row, rows;
 } label_tiles;
 
-/* As square as it goes. */
+/* Arranges the slices as square as possible. */
 static label_tiles lay_tiles(const size_t size[3], size_t first_row)
 {
     const double wanted = rint(sqrt((double)size[1] * (double)size[2] / (double)size[0]));
@@ -64,7 +64,7 @@ static label_tiles lay_tiles(const size_t size[3], size_t first_row)
     return (label_tiles){across, first_row, (size[2] + across - 1) / across * size[1]};
 }
 
-/* A class number is red + 256 green. */
+/* Draws class numbers: red + 256 green. */
 static void draw_level(const iso_level *l, const label_tiles *t, const label_classes *c, size_t width, uint8_t *pixels)
 {
     const size_t *n = l->geometry.size;
@@ -95,7 +95,7 @@ static iso_status save_png(const char *path, size_t width, size_t height, const 
 static iso_status draw_levels(const iso_pyramid *p, size_t first, size_t count, const label_classes *c,
                               label_tiles *tiles, const char *path, iso_error *err)
 {
-    enum { MOST_PIXELS = 65535 }; /* along a side, of Blender's images */
+    enum { MOST_PIXELS = 65535 }; /* along a side of Blender's images */
     size_t width = 0, height = 0;
     for (size_t i = 0; i < count; ++i) {
         const size_t *size = p->levels[first + i].geometry.size;
@@ -104,7 +104,7 @@ static iso_status draw_levels(const iso_pyramid *p, size_t first, size_t count, 
         width = tiles[i].across * size[0] > width ? tiles[i].across * size[0] : width;
     }
     if (width > MOST_PIXELS || height > MOST_PIXELS)
-        return iso_fail(err, ISO_E_RANGE, "blender: the labels need an image of %zu x %zu pixels, at most %d a side",
+        return iso_fail(err, ISO_E_RANGE, "blender: the labels need an image of %zu x %zu pixels, limit %d per side",
                         width, height, MOST_PIXELS);
     uint8_t *pixels = calloc(width * height, 3);
     if (!pixels)
@@ -116,7 +116,7 @@ static iso_status draw_levels(const iso_pyramid *p, size_t first, size_t count, 
     return status;
 }
 
-/* Table of the colors of all labels; a single label is repeated, since a table has two entries. */
+/* Makes the table of all labels' colors. A single label is repeated, since a table needs two entries. */
 static iso_status make_table(const iso_tf_table *tf, const label_classes *c, iso_tf_table *table, iso_error *err)
 {
     const size_t count = c->count > 1 ? c->count : 2;
@@ -135,7 +135,8 @@ static iso_status make_table(const iso_tf_table *tf, const label_classes *c, iso
     return ISO_OK;
 }
 
-/* A stop a class instead, from halfway to the class before on: with constant colors between stops all are exact. */
+/* Replaces the ramp by a stop per class, halfway from the previous class: with constant colors between stops it is
+ * exact. */
 static void describe_class_ramp(json_t *ramp, const iso_tf_table *table, const label_classes *c)
 {
     const double last = table->hi, unit_mm = json_number_value(json_object_get(ramp, "unit_distance_mm"));

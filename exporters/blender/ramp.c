@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* ramp.c - a table of thousands of entries in 32 stops, and the error of that. */
+/* ramp.c - reduces a table of thousands of entries to 32 stops, and measures the error. */
 #include <math.h>
 #include <string.h>
 
 #include "blender/blender.h"
 
-/* Cycles evaluates a ramp at i / 255 (Blender 3.4) or at i / 256 (4.3) and interpolates: measured,
- * tests/addon_buttons.py. */
+/* Cycles evaluates a ramp at i / 255 (Blender 3.4) or at i / 256 (4.3) and interpolates, as tests/addon_buttons.py
+ * measured. */
 static const double baked_steps[] = {255, 256};
-static const double close_enough = 1.0 / 1024; /* of fitted stops: less than a person sees, and few stops to edit */
-static const double same = 1e-4; /* of a TF's own points: the table's floats near the largest opacity, no other curve */
+static const double close_enough = 1.0 / 1024; /* for fitted stops: invisible, with few stops to edit */
+static const double same = 1e-4; /* for a TF's own points: allows for floats of the table near the largest opacity, but
+                                  * not for another curve */
 
 static double opacity_of(double extinction, double unit_mm)
 {
@@ -41,13 +42,13 @@ static double larger_difference(const double a[4], const double b[4])
     return most;
 }
 
-/* Largest visible difference: transparent entries have no color to lose. */
+/* Returns the largest visible difference. Colors of transparent entries do not count. */
 static double visible_difference(const double want[4], const double have[4])
 {
     return want[3] < close_enough ? fabs(want[3] - have[3]) : larger_difference(want, have);
 }
 
-/* As Blender evaluates a ramp: of stops at one place the later counts. */
+/* Evaluates a ramp like Blender: of stops at the same position, the later one counts. */
 static void ramp_at(const iso_color_ramp *ramp, double x, double rgba[4])
 {
     size_t above = 0;
@@ -75,7 +76,7 @@ static double place(const iso_color_ramp *ramp, double value)
     return (value - ramp->lo) / (ramp->hi - ramp->lo);
 }
 
-/* Kept in order of their positions, behind those at the same place. False: there are 32. */
+/* Inserts a stop by position, after those at the same one. False: there are already 32. */
 static bool add_stop(iso_color_ramp *ramp, double x, const double rgba[4])
 {
     size_t i = ramp->count;
@@ -92,10 +93,10 @@ static bool add_stop(iso_color_ramp *ramp, double x, const double rgba[4])
     return true;
 }
 
-/* Blender sorts stops, and two at one place, as a step has them, could change theirs: each gets one of its own. */
+/* Moves stops at the same position apart: Blender sorts stops, and could swap the two of a step. */
 static void separate(iso_color_ramp *ramp)
 {
-    static const double apart = 1.0 / (1 << 23); /* of single precision below 1 */
+    static const double apart = 1.0 / (1 << 23); /* resolution of single precision below 1 */
     double *x = ramp->position;
     for (size_t i = 1; i < ramp->count; ++i)
         x[i] = fmax(x[i], x[i - 1] + apart);
@@ -106,7 +107,7 @@ static void separate(iso_color_ramp *ramp)
 
 /* ---- a TF's own points ---- */
 
-/* Color and opacity of the points at a value, before a step there if that is asked for. */
+/* Interpolates the points' color and opacity at a value; `before`: before a step there. */
 static void points_at(const iso_tf_table *t, double value, bool before, double rgba[4])
 {
     size_t above = 0;
@@ -120,7 +121,7 @@ static void points_at(const iso_tf_table *t, double value, bool before, double r
     rgba[3] = (1 - f) * a->opacity + f * b->opacity;
 }
 
-/* From the first point to the last one, as far as they are in the table's range; or all of it. */
+/* Spans the points within the table's range, or the whole range. */
 static void span_points(const iso_tf_table *t, bool whole, iso_color_ramp *ramp)
 {
     ramp->lo = whole ? t->lo : fmax(t->lo, t->points[0].value);
@@ -158,8 +159,7 @@ static bool take_points(const iso_tf_table *t, bool whole, iso_color_ramp *ramp)
     return fits;
 }
 
-/* Whether the table is that of the points: a copy of a table may have got other entries. An entry at a step is on
- * either side of it. */
+/* True if the table agrees with the points; a copy may have other entries. An entry at a step may be on either side. */
 static bool is_the_table(const iso_tf_table *t, const iso_color_ramp *ramp)
 {
     for (size_t i = 0; i < t->count; ++i) {
@@ -178,7 +178,7 @@ static bool is_the_table(const iso_tf_table *t, const iso_color_ramp *ramp)
 
 /* ---- other tables ---- */
 
-/* Beyond the range a ramp keeps its ends, so it spans the entries between which something changes. */
+/* Finds the entries between which the table changes: outside, a ramp repeats its ends. */
 static void trim(const iso_tf_table *t, size_t *first, size_t *last)
 {
     const size_t bytes = 4 * sizeof *t->entries;
@@ -212,7 +212,8 @@ static void add_entry(const iso_tf_table *t, size_t entry, iso_color_ramp *ramp)
     add_stop(ramp, place(ramp, value_of_entry(t, entry)), rgba);
 }
 
-/* Stops at entries, each as far behind the one before as the entries between allow. False: they do not suffice. */
+/* Places stops at entries, each as far after the previous one as the entries between allow. False: 32 do not
+ * suffice. */
 static bool chords(const iso_tf_table *t, size_t first, size_t last, double within, iso_color_ramp *ramp)
 {
     ramp->count = 0;
@@ -242,7 +243,7 @@ static void fit_stops(const iso_tf_table *t, bool whole, iso_color_ramp *ramp)
 
 /* ---- loss ---- */
 
-/* What one of the bakings makes of an entry, taken into the ramp's losses. Returns the visible difference. */
+/* Adds an entry's differences to the ramp's losses, for one of the bakings. Returns the visible difference. */
 static double measure_entry(const iso_tf_table *t, size_t i, double steps, double max_extinction, iso_color_ramp *ramp)
 {
     double want[4], have[4];
@@ -280,7 +281,7 @@ static iso_color_ramp make_ramp(const iso_tf_table *t, bool whole)
     iso_color_ramp ramp = {0};
     for (size_t i = 0; i < t->count; ++i)
         max_extinction = fmax(max_extinction, (double)t->entries[4 * i + 3]);
-    /* Where the length is not known: one of which the most opaque entry lets a tenth through. */
+    /* Without a length: one of which the most opaque entry passes a tenth of the light. */
     ramp.unit_mm = t->unit_mm > 0 ? t->unit_mm : max_extinction > 0 ? log(10) / max_extinction : 1;
     ramp.own_points = take_points(t, whole, &ramp) && is_the_table(t, &ramp);
     if (!ramp.own_points)
@@ -289,7 +290,7 @@ static iso_color_ramp make_ramp(const iso_tf_table *t, bool whole)
     return ramp;
 }
 
-/* A short range has the baked entries closer together, but those of a whole one may be at the table's. */
+/* Tries both spans. A short one has finer baked entries; those of the whole range may coincide with the table's. */
 void iso_color_ramp_fit(const iso_tf_table *t, iso_color_ramp *ramp)
 {
     const iso_color_ramp whole = make_ramp(t, true);

@@ -25,7 +25,7 @@ ISO_EMBED(iso_blender_scene_window_py, "exporters/blender/scene_window.py");
 ISO_EMBED(iso_blender_scene_physical_py, "exporters/blender/scene_physical.py");
 ISO_EMBED(iso_blender_build_scene_py, "exporters/blender/build_scene.py");
 
-#define CALIBRATION_SIZE 4 /* voxels along an axis of the volume that shows where Blender puts grids */
+#define CALIBRATION_SIZE 4 /* voxels along an axis of the calibration volume */
 
 static iso_status save_calibration_volume(const char *path, iso_error *err)
 {
@@ -49,14 +49,14 @@ static iso_status save_calibration_volume(const char *path, iso_error *err)
 
 typedef struct listener {
     const iso_progress *progress;
-    char refusal[256]; /* why calibration failed */
-    char lack[400];    /* what this Blender does not have */
-    char failure[256]; /* why the script did */
+    char refusal[256]; /* reason why calibration failed */
+    char lack[400];    /* feature that this Blender lacks */
+    char failure[256]; /* reason why the script failed */
     iso_cycles_stats *stats;
 } listener;
 
-/* "Fra:1 Mem:91.94M (Peak 92.20M) | Time:00:01.34 | Mem:82.00M, Peak:82.00M | scene, ViewLayer | Sample 0/1": of the
- * first picture, when its pixels begin and when it is finished. */
+/* Parses "Fra:1 Mem:91.94M (Peak 92.20M) | Time:00:01.34 | Mem:82.00M, Peak:82.00M | scene, ViewLayer | Sample 0/1" for
+ * the start of the first picture's pixels and its end. */
 static void take_stats(iso_cycles_stats *stats, const char *line)
 {
     int minutes;
@@ -64,7 +64,7 @@ static void take_stats(iso_cycles_stats *stats, const char *line)
     const char *time = strstr(line, "| Time:");
     sscanf(line, "isoshade: peak %lf", &stats->peak_rss_bytes);
     sscanf(line, "isoshade: device %127[^\n]", stats->device);
-    if (strcmp(line, "isoshade: pictures begin") == 0) /* after those of the calibration */
+    if (strcmp(line, "isoshade: pictures begin") == 0) /* after the calibration pictures */
         stats->load_seconds = stats->render_seconds = 0;
     if (!time || stats->render_seconds > 0 ||
         sscanf(time, "| Time:%d:%lf | Mem:%lfM", &minutes, &seconds, &megabytes) != 3)
@@ -112,14 +112,14 @@ static iso_status write_script(const char *path, iso_error *err)
     return status;
 }
 
-/* ---- one Blender, for one scene or for several ---- */
+/* ---- a Blender process, for one scene or for several ---- */
 
 struct iso_blender_session {
-    iso_process *process; /* NULL: it has not begun */
-    char *blender;        /* the program */
+    iso_process *process; /* NULL: not started */
+    char *blender;        /* path of the program */
     int threads;
-    char *folder;  /* holds those of all scenes, since the program may write there alone; NULL: it is for one scene */
-    size_t scenes; /* that were given a folder */
+    char *folder;  /* parent of all scenes' folders, as the program may write only there; NULL: for a single scene */
+    size_t scenes; /* scenes that got a folder */
 };
 
 static void stop(iso_blender_session *s)
@@ -165,7 +165,7 @@ typedef struct blender_run {
     int threads;
 } blender_run;
 
-/* Drivers of graphics devices need more than the processor. */
+/* Drivers of graphics devices need more rights than the processor. */
 static iso_sandbox_kind sandbox_kind(void)
 {
     const char *device = NULL;
@@ -182,8 +182,8 @@ static iso_status start(const blender_run *run, iso_blender_session *s, iso_erro
         run->script,  "--",        run->description,    NULL};
     iso_status status = write_script(run->script, err);
     TRY(status, save_calibration_volume(run->calibration, err));
-    /* Debian's Blender takes the Python that PATH names first for its own, and that of PYTHONHOME, and modules of
-     * PYTHONPATH before its own: another Python's are none that it can load. */
+    /* Debian's Blender uses the first Python in PATH and that of PYTHONHOME as its own, and loads modules of PYTHONPATH
+     * first. Those of another Python do not work. */
     char *folder = iso_path_dir(run->blender);
     const iso_sandbox_wish sandbox = {.kind = sandbox_kind(),
                                       .first_in_path = folder && folder[0] == '/' ? folder : NULL,
@@ -196,8 +196,8 @@ static iso_status start(const blender_run *run, iso_blender_session *s, iso_erro
     return status;
 }
 
-/* The one that is there, if it is what a new one would be; it is told the description, which a new one starts with. */
-static iso_status tell(const blender_run *run, iso_blender_session *s, iso_error *err)
+/* Sends the description to the session's process if its program and threads match; if not, starts a new one with it. */
+static iso_status send_description(const blender_run *run, iso_blender_session *s, iso_error *err)
 {
     if (s->process && s->threads == run->threads && strcmp(s->blender, run->blender) == 0) {
         iso_process_say(s->process, run->description);
@@ -214,7 +214,7 @@ static iso_status run_blender(const blender_run *run, const iso_blender_options 
     listener l = {.progress = progress, .stats = opt->stats};
     const iso_process_options options = {.line = take_line, .user = &l};
     bool ended = true;
-    iso_status status = tell(run, s, err);
+    iso_status status = send_description(run, s, err);
     if (status != ISO_OK) {
         stop(s);
         return status;
@@ -279,13 +279,12 @@ json_t *iso_blender_describe_frames(double voxel, const char *folder, const iso_
     return list;
 }
 
-/* A picture that Blender has left. Without one, or with a broken one, it is the program that failed;
- * not where one cannot be read. */
+/* Loads Blender's picture. ISO_E_PROGRAM: it is missing or broken; ISO_E_IO: it cannot be read. */
 static iso_status load_picture(const char *path, const iso_view *view, iso_image *picture, iso_error *err)
 {
     iso_error why = {""};
     const iso_status status = iso_path_is_file(path) ? iso_image_load_exr(path, picture, &why)
-                                                    : iso_fail(&why, ISO_E_PROGRAM, "it left no picture");
+                                                     : iso_fail(&why, ISO_E_PROGRAM, "it wrote no picture");
     if (status == ISO_E_MEMORY || status == ISO_E_IO)
         return iso_fail(err, status, "%s", why.text);
     if (status != ISO_OK)
@@ -318,8 +317,8 @@ iso_status iso_blender_check_path(const char *blend_path, iso_error *err)
     json_t *text = json_string(blend_path);
     json_decref(text);
     if (!iso_path_ends_with(blend_path, ".blend"))
-        return iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file ends in .blend", blend_path);
-    return text ? ISO_OK : iso_fail(err, ISO_E_USAGE, "%s: Blender wants a path in UTF-8", blend_path);
+        return iso_fail(err, ISO_E_USAGE, "%s: the name of a Blender file must end in .blend", blend_path);
+    return text ? ISO_OK : iso_fail(err, ISO_E_USAGE, "%s: the path is not UTF-8, which Blender needs", blend_path);
 }
 
 iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *out, const char *folder,
@@ -336,7 +335,7 @@ iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *o
     } else {
         json_decref(about);
     }
-    /* Blender may write into its own folder alone. */
+    /* Blender may only write to its own folder. */
     TRY(status, iso_file_read(saved, &data, &size, err));
     TRY(status, iso_file_write(out->temp_path, data, size, err));
     free(data);

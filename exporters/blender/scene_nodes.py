@@ -13,8 +13,8 @@ VECTOR = ("Vector", "Vector_001", "Vector_002")
 
 
 def socket(sockets, name):
-    """By its identifier, which versions of Blender keep while they rename what is shown ("Fac" is "Factor" in 5.2) and change
-    the order; of groups, whose identifiers are numbers, by its name."""
+    """Finds a socket by its identifier, which Blender versions keep while they change names ("Fac" is "Factor" in 5.2)
+    and order; for groups, whose identifiers are numbers, by its name."""
     found = next((one for one in sockets if one.identifier == name), None) or next((one for one in sockets if one.name == name), None)
     if not found:
         raise KeyError(f"Blender {bpy.app.version_string} has no socket {name}, but {[one.identifier for one in sockets]}")
@@ -22,7 +22,8 @@ def socket(sockets, name):
 
 
 def tree_of(block):
-    """The nodes of a new material or world, emptied. From Blender 5 on it has them from the start, and use_nodes goes away."""
+    """Returns the emptied nodes of a new material or world. From Blender 5 on they exist from the start, and use_nodes
+    goes away."""
     if not block.node_tree:
         block.use_nodes = True
     block.node_tree.nodes.clear()
@@ -31,7 +32,7 @@ def tree_of(block):
 
 
 class Group:
-    """A node group under construction. Operands are sockets or plain values; nodes are laid out in columns."""
+    """A node group under construction. Operands are sockets or plain values; nodes are arranged in columns."""
 
     def __init__(self, name, inputs, outputs):
         self.tree = bpy.data.node_groups.new(name, 'ShaderNodeTree')
@@ -50,7 +51,7 @@ class Group:
         self.given = self.place(self.tree.nodes.new('NodeGroupInput'), 0).outputs
 
     def place(self, node, column):
-        """Below what the column holds so far; a node is as high as it has sockets."""
+        """Places a node below those of its column; its height grows with its sockets."""
         top = self.filled.get(column, 0)
         self.filled[column] = top + 130 + 22 * (len(node.inputs) + len(node.outputs))
         self.column[node.name] = column
@@ -59,7 +60,7 @@ class Group:
         return node
 
     def node(self, kind, label, inputs, **settings):
-        """inputs: {identifier of the socket, of groups its name: operand}."""
+        """inputs: {identifier of the socket, or name for groups: operand}."""
         node = self.tree.nodes.new(kind)
         node.label = label
         for key, value in settings.items():
@@ -87,7 +88,7 @@ class Group:
                          convert_to=target).outputs["Vector"]
 
     def split(self, vector, label=""):
-        """The components."""
+        """Splits a vector into components."""
         parts = self.node('ShaderNodeSeparateXYZ', label, {"Vector": vector}).outputs
         return [parts[axis] for axis in "XYZ"]
 
@@ -114,18 +115,18 @@ class Group:
 
 
 def dots(group, rows, vector, label):
-    """Matrix times vector: three dot products."""
+    """Multiplies a matrix and a vector: three dot products."""
     parts = [group.vector('DOT_PRODUCT', vector, row, label=label) for row in rows]
     return group.join(*parts, label=label)
 
 
 def box_group(to_box, clip_planes):
-    """How much of the ray's step lies inside the box: exact whatever the phase of the steps.
+    """Part of the ray's step that lies inside the box: exact for any phase of the steps.
 
-    A hard mask errs by up to a step where the ray crosses a face. The overlap of the box with the interval of one
-    step around the sample makes the sum over the samples telescope instead. Slab method, in fractions of the box
-    with 0 at its center: the ray is inside for  -f/g -+ 1/(2 |g|)  on each axis. A clip plane is a face of its own:
-    n.f >= w, which the ray enters or leaves at  (w - n.f) / n.g  by the sign of n.g."""
+    A hard mask has an error of up to a step where the ray crosses a face. With the overlap of the box and the interval
+    of one step around the sample, the sum over the samples telescopes instead. Slab method, in fractions of the box
+    with 0 at its center: the ray is inside for  -f/g -+ 1/(2 |g|)  on each axis. A clip plane is one more face: n.f >=
+    w, which the ray enters or leaves at  (w - n.f) / n.g  by the sign of n.g."""
     group = Group("isoshade box", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Ray", (0, 0, 1)),
                                    ('NodeSocketFloat', "Step", 1.0)], [('NodeSocketFloat', "Inside")])
     linear = [row[:3] for row in to_box]
@@ -159,7 +160,7 @@ def box_group(to_box, clip_planes):
 
 
 def roi_group(to_box):
-    """The weight of the finer level of a region of interest (scene/roi.h): 1 in its box, over a band around it to 0
+    """Weight of the finer level of a region of interest (scene/roi.h): 1 in its box, falling to 0 over a band around it
     with a continuous slope. Box and band are fractions of the volume's box."""
     group = Group("isoshade roi", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Lo", (0, 0, 0)),
                                      ('NodeSocketVector', "Hi", (1, 1, 1)), ('NodeSocketVector', "Band", (1, 1, 1))],
@@ -177,7 +178,7 @@ def roi_group(to_box):
 
 
 def label_image(path):
-    """Class numbers, red + 256 green, as bytes that nothing changes on their way to the shader; packed."""
+    """Loads class numbers, red + 256 green, as bytes without color conversion; packed."""
     image = bpy.data.images.load(path)
     image.name = "isoshade labels"
     image.colorspace_settings.name = 'Non-Color'
@@ -187,8 +188,8 @@ def label_image(path):
 
 
 def label_group(about):
-    """The class of the voxel that a position lies in. Cycles interpolates what is in a grid; what is in an image it looks
-    up without, so that the slices of each level stand as tiles in one (exporters/blender/labels.c)."""
+    """Class of the voxel at a position. Cycles interpolates grids, but not images, so the slices of each level are
+    tiles of an image (exporters/blender/labels.c)."""
     group = Group("isoshade labels", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Cells", (1, 1, 1)),
                                       ('NodeSocketVector', "Size", (1, 1, 1)), ('NodeSocketVector', "Tiles", (1, 0, 0))],
                   [('NodeSocketFloat', "Class")])
@@ -227,8 +228,7 @@ def light_inputs(count):
 def shade_group(light_count, eps):
     """shade = ka + sum of I C (kd |n.l| + ks |n.h|^p), n = d / sqrt(|d|^2 + eps^2); C is the light's color.
 
-    The direction turns with the object as normals do (inverse transpose); its length, which says how far it can be
-    trusted, is kept."""
+    The direction rotates with the object like normals (inverse transpose); its length, its reliability, is kept."""
     inputs = [('NodeSocketVector', "Direction", (0, 0, 0)), ('NodeSocketFloat', "Ambient", 0.3),
               ('NodeSocketFloat', "Diffuse", 0.7), ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0)]
     group = Group("isoshade shade", inputs + light_inputs(light_count), [('NodeSocketVector', "Shade")])
@@ -236,7 +236,7 @@ def shade_group(light_count, eps):
     length = group.vector('LENGTH', d)
     root = group.math('SQRT', group.math('MULTIPLY_ADD', length, length, eps * eps), label="sqrt(|d|^2 + eps^2)")
     trust = group.math('DIVIDE', length, root, label="|n|")
-    # The transform normalizes: a zero direction needs a length, which its trust of 0 takes away again.
+    # The transform normalizes: a zero direction needs some length, which its reliability of 0 removes again.
     turned = group.transform('NORMAL', group.vector('ADD', d, (0, 0, 1e-18)), 'OBJECT', 'WORLD')
     n = group.vector('SCALE', turned, trust, label="n")
     viewer = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]
@@ -255,8 +255,8 @@ def shade_group(light_count, eps):
 
 
 def where_positive(group, factor, volume, label):
-    """The same shader, of which Cycles evaluates nothing where the factor is 0: it jumps over the branch of a mix that has no
-    part. Volumes that overlap, as the levels of a plan, are all evaluated at each step of a ray."""
+    """The same shader, skipped by Cycles if the factor is 0: it skips the branch of a mix with weight 0. Overlapping
+    volumes, such as the levels of a plan, are all evaluated at each step of a ray."""
     part = group.math('GREATER_THAN', factor, 0.0, label=label)
     return group.node('ShaderNodeMixShader', label, {"Fac": part, "Shader_001": volume}).outputs["Shader"]
 
@@ -279,10 +279,10 @@ def isoshade_group(about, frame):
                  for name in ("cells", "size", "tiles")}
         found = group.call(label_group(about), Position=position, Cells=tiles["cells"], Size=tiles["size"],
                            Tiles=tiles["tiles"])["Class"]
-        # Cycles shows no volume of which a shader asks no grid: it is asked for one that is too faint to add anything.
+        # Cycles hides volumes whose shader reads no grid: read one with a contribution too faint to see.
         scalar = group.math('MULTIPLY_ADD', scalar, 1e-30, found, label="class")
     incoming = group.node('ShaderNodeNewGeometry', "", {}).outputs["Incoming"]
-    # Its length is the object's own units to one of the world along the ray: extinction follows the object's scale.
+    # Length of a world unit along the ray in the object's units: extinction follows the object's scale.
     travel = group.transform('VECTOR', incoming, 'WORLD', 'OBJECT')
     ray = group.vector('NORMALIZE', travel)
 

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes, camera, render settings, pictures, and the calibration of where Blender puts a grid.
+"""Volumes, camera, render settings, pictures, and the calibration of grid positions.
 
-Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
-"""
+Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part."""
 import os
 import sys
 
@@ -16,16 +15,16 @@ from mathutils import Matrix, Vector
 def volume_object(name, path, collection):
     data = bpy.data.volumes.new(name)
     data.filepath = path
-    data.render.space = 'WORLD'  # 'OBJECT' takes the smallest component of the turned step, near 0 for some turns
-    data.render.precision = 'FULL'  # Cycles with NanoVDB would take halves
-    data.render.clipping = 0.0  # else small values are cut away before the shader sees them
+    data.render.space = 'WORLD'  # 'OBJECT' uses the smallest component of the rotated step, which may be near 0
+    data.render.precision = 'FULL'  # Cycles with NanoVDB would use half floats
+    data.render.clipping = 0.0  # otherwise the shader does not see small values
     thing = bpy.data.objects.new(name, data)
     collection.objects.link(thing)
     return thing
 
 
 def frame_object(about, collection):
-    """A wire box around the volume: the handle that moves everything, and a sight of the extent."""
+    """Adds a wire box around the volume: it shows the extent and moves everything."""
     mesh = bpy.data.meshes.new(about["name"])
     m = Matrix(about["box_to_world"])
     corners = [m @ Vector((x, y, z, 1)) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
@@ -58,13 +57,13 @@ def camera_object(camera, collection):
 def set_samples(cycles, about):
     cycles.samples = about["samples"]
     cycles.seed = about["seed"]
-    # One sample goes through the pixel's center but for the filter table's coarseness, a thousandth of its width.
+    # One sample passes through the pixel's center, up to the resolution of the filter table, a thousandth of its width.
     cycles.pixel_filter_type = 'BLACKMAN_HARRIS'
     cycles.filter_width = 0.01 if about["samples"] == 1 else 1.5
 
 
 def configure(scene, about):
-    """Cycles as an integrator of emission and absorption, without any of its noise."""
+    """Configures Cycles as an integrator of emission and absorption without noise."""
     scene.render.engine = 'CYCLES'
     cycles = scene.cycles
     set_device(cycles, about)
@@ -110,8 +109,8 @@ def render(scene, path):
         raise RuntimeError(f"Blender wrote no picture at {path}")
 
 
-def tell_peak():
-    """The process's peak of memory. (getrusage would count what its parent had.)"""
+def report_peak():
+    """Returns the peak memory of this process. (getrusage would include the parent's.)"""
     with open("/proc/self/status", encoding="utf-8") as status:
         for line in status:
             if line.startswith("VmHWM:"):
@@ -119,7 +118,7 @@ def tell_peak():
 
 
 def render_frames(scene, frames):
-    """Pictures that differ in step, samples and seed alone: the scene stays."""
+    """Renders pictures that differ only in step, samples and seed; the scene stays."""
     volumes = [thing for thing in scene.objects if "isoshade_step" in thing]
     for number, frame in enumerate(frames):
         set_samples(scene.cycles, frame)
@@ -140,18 +139,18 @@ def refuse(why):
 
 
 def refuse_black():
-    """The volume's picture is black. Blender 5 gives grids to Cycles through NanoVDB alone, and no option of a build tells
-    whether that is there: this picture does."""
+    """Reports a black picture of the volume. Blender 5 passes grids to Cycles only by NanoVDB, and no build option
+    shows whether it is there: this picture does."""
     if bpy.app.version >= (5, 0, 0):
         version = ".".join(str(number) for number in bpy.app.version[:2])
         print(f"isoshade: shows no volumes: Blender {version} of this system is built without NanoVDB: Cycles shows no volumes",
               flush=True)
         sys.exit(8)
-    refuse("Cycles renders nothing of a known volume")
+    refuse("Cycles does not render the calibration volume")
 
 
 def emission_centroid(path):
-    """Centroid of the red channel, in fractions of the picture from its middle."""
+    """Centroid of the red channel, in fractions of the picture from its center."""
     image = bpy.data.images.load(path)
     width, height = image.size
     pixels = numpy.array(image.pixels[:]).reshape(height, width, 4)[:, :, 0]
@@ -165,9 +164,9 @@ def emission_centroid(path):
 
 
 def calibrate(about):
-    """Where this Blender puts the voxels: 0 when voxel i is centered at index i, 1/2 when at i + 1/2.
+    """Measures voxel positions of this Blender: 0 if voxel i is centered at index i, 1/2 if at i + 1/2.
 
-    A small volume centered at 0 is seen along z and along x; what is measured must be one of the two answers."""
+    Renders a small volume centered at 0 along z and along x; the measured shift must be one of the two."""
     scene = bpy.data.scenes.new("calibration")
     configure(scene, {"device": about["device"], "samples": 1, "seed": 0, "max_steps": 1024, "image": (24, 24), "film_transparent": True,
                       "background": (0, 0, 0)})
@@ -198,5 +197,5 @@ def calibrate(about):
     bpy.data.objects.remove(thing)
     shift = 0.5 if found[0] > 0.25 else 0.0
     if max(abs(f - shift) for f in found) > 0.02:
-        refuse(f"voxels are moved by {[round(f, 4) for f in found]}, neither by 0 nor by 1/2")
+        refuse(f"the offset of voxels is {[round(f, 4) for f in found]}, must be 0 or 1/2")
     return shift

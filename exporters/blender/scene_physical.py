@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The physical look of a volume beside the exact one, and what only it needs: lamps, a lit world, bounces.
+"""The physical material next to the exact one, with the settings that only it needs: lamps, a lit world, bounces.
 
-Exact is emission and absorption, which is what all renderers agree on. Physical scatters light, from the same color map:
+The exact material has emission and absorption only, as all renderers support. The physical one scatters light, with the
+same color map:
 
     scattering = albedo sigma(s),  absorption = (1 - albedo) sigma(s),  albedo = c(s) within 0 and 1
 
-Both have the same extinction sigma, so that the same is seen of what is behind and the same shadow falls.
-Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
-"""
+Both have the same extinction sigma, so they hide the background equally and cast the same shadow. Joined with the other
+scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part."""
 import math
 
 import bpy
@@ -16,7 +16,7 @@ import bpy
 
 
 def physical_group():
-    """Color and extinction to a volume: what a share of 0 leaves is the exact one, bit for bit."""
+    """Mixes the materials by a share; at share 0 the result is the exact one, bit for bit."""
     group = Group("isoshade physical", [('NodeSocketColor', "Color", (1, 1, 1, 1)), ('NodeSocketVector', "Shade", (1, 1, 1)),
                                         ('NodeSocketFloat', "Extinction", 0.0), ('NodeSocketFloat', "Physical", 0.0),
                                         ('NodeSocketFloat', "Anisotropy", 0.0)],
@@ -27,7 +27,7 @@ def physical_group():
         "Color": group.vector('MULTIPLY', color, group.given["Shade"], label="shaded color"),
         "Strength": group.math('MULTIPLY', sigma, exact)}).outputs["Emission"]
     albedo = group.vector('MINIMUM', group.vector('MAXIMUM', color, (0, 0, 0)), (1, 1, 1), label="albedo")
-    # Absorption takes density (1 - color): black leaves sigma itself, the albedo leaves what is not scattered.
+    # Absorption has the density (1 - color): black gives sigma, the albedo gives the part that is not scattered.
     absorption = group.node('ShaderNodeVolumeAbsorption', "", {
         "Color": group.vector('SCALE', albedo, physical), "Density": sigma}).outputs["Volume"]
     scatter = group.node('ShaderNodeVolumeScatter', "", {
@@ -41,7 +41,7 @@ def physical_group():
 
 
 def choose_material(about, frame, look):
-    """The property "physical" of the volume's box decides, by a driver without an expression."""
+    """Links the material to the property "physical" of the volume's box, by a driver without an expression."""
     frame["physical"] = 1 if about["physical"] else 0
     frame.id_properties_ui("physical").update(
         min=0, max=1, description="0: the exact material, for agreement. 1: the physical one, lit by lamps and world")
@@ -49,7 +49,7 @@ def choose_material(about, frame, look):
 
 
 def drive_by(owner, path, index, source, source_path):
-    """The value of another property as it is: such drivers work where files may not run Python."""
+    """Copies the value of another property. Such drivers work even if a file may not run Python."""
     curve = owner.driver_add(path, index) if index is not None else owner.driver_add(path)
     curve.driver.type = 'AVERAGE'
     variable = curve.driver.variables.new()
@@ -64,12 +64,12 @@ def drive_by(owner, path, index, source, source_path):
 
 
 def light_world(about, world):
-    """The camera sees the background, everything else an even light as strong as the ambient term."""
+    """Makes a world: the camera sees the background; objects get an even light as strong as the ambient term."""
     tree = world.node_tree
     seen = tree.nodes["Background"]
-    seen.label = "what the camera sees"
+    seen.label = "background of the camera"
     light = tree.nodes.new('ShaderNodeBackground')
-    light.name, light.label = "Light", "what lights the scene"
+    light.name, light.label = "Light", "light of the scene"
     light.inputs["Color"].default_value = (1, 1, 1, 1)
     light.inputs["Strength"].default_value = about["shading"]["ambient"]
     path = tree.nodes.new('ShaderNodeLightPath')
@@ -85,12 +85,12 @@ def light_world(about, world):
 
 # ---- settings --------------------------------------------------------------------------------------------------
 
-# What an artist expects of F12: edges without steps, soft shadows, light that bounces. Adaptive sampling ends early
-# where nothing is random, as everywhere in the exact material.
+# Settings that artists expect from F12: smooth edges, soft shadows, bounced light. Adaptive sampling ends early without
+# noise, as everywhere in the exact material.
 ARTIST_SETTINGS = {"samples": 64, "use_adaptive_sampling": True, "adaptive_threshold": 0.02, "adaptive_min_samples": 8,
                    "filter_width": 1.5, "max_bounces": 12, "volume_bounces": 12}
 
-AGREEMENT = '''"""The picture that isoshade validates: the exact material, a sample through the middle of each pixel.
+AGREEMENT = '''"""The picture that isoshade validates: the exact material, one sample at each pixel's center.
 
 Run it here (Alt P) before a render, or:  blender -b NAME.blend --python-text "isoshade agreement" -f 1
 """
@@ -107,7 +107,7 @@ for name, value in {settings!r}.items():
 
 
 def set_for_artist(scene):
-    """From the settings of the agreement, which a text block keeps, to those for F12."""
+    """Switches from the agreement settings, which a text block keeps, to the settings for F12."""
     keep = {name: getattr(scene.cycles, name) for name in ARTIST_SETTINGS}
     bpy.data.texts.new("isoshade agreement").write(AGREEMENT.replace("{settings!r}", repr(keep)))
     for name, value in ARTIST_SETTINGS.items():

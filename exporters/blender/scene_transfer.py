@@ -9,15 +9,16 @@ import math
 import bpy
 import numpy
 
-MOST_OPAQUE = 1e-4  # what passes the unit distance where the opacity is at its limit, as in transfer functions
+MOST_OPAQUE = 1e-4  # transmittance of the unit distance at the limit of opacity, as in transfer functions
 
 # ---- transfer functions ----------------------------------------------------------------------------------------
 
 
 def color_table(tf):
-    """The color maps as an image: one row a level, or the rows of its 2D transfer function, one column an entry; packed, exact in 32-bit float.
+    """Makes an image of the color maps: a row per level, or the rows of its 2D transfer function; a column per entry;
+    packed, exact in 32-bit float.
 
-    Where rows have fewer entries than columns the last one is repeated."""
+    Rows with fewer entries than columns repeat the last entry."""
     rows = [row for table in tf["tables"]
             for row in numpy.array(table["entries"], numpy.float32).reshape(table["rows"], -1, 4)]
     width = max(len(row) for row in rows)
@@ -34,7 +35,7 @@ def color_table(tf):
 
 
 def table_properties(table):
-    """What a level's object tells the shader: value of entry 0, entries per value, number of the last entry."""
+    """Returns the level's data for the shader: value of entry 0, entries per value, number of the last entry."""
     last = len(table["entries"]) // (4 * table["rows"]) - 1
     return [table["lo"], last / (table["hi"] - table["lo"]), float(last)]
 
@@ -59,7 +60,7 @@ def transfer_function_group(tf):
 
 
 def set_stops(color_ramp, ramp):
-    """The stops. Blender sorts them by position, so the colors are given when all have their places."""
+    """Adds the stops. Blender sorts them by position, so colors are set after all positions."""
     color_ramp.interpolation = 'CONSTANT' if ramp.get("constant") else 'LINEAR'
     stops = color_ramp.elements
     while len(stops) > len(ramp["stops"]):
@@ -73,8 +74,8 @@ def set_stops(color_ramp, ramp):
 
 
 def one_ramp(group, ramp, number):
-    """Color and opacity by a ColorRamp; extinction = -ln(1 - opacity) / unit distance. The add-on finds the nodes by their
-    names."""
+    """Color and opacity by a ColorRamp; extinction = -ln(1 - opacity) / unit distance. The add-on finds the nodes by
+    name."""
     name = f"isoshade ramp {number}"
     offset = group.node('ShaderNodeMath', "from the first value", dict(zip(MATH, (group.given["Scalar"], ramp["lo"]))), operation='SUBTRACT',
                         name=name + " start").outputs["Value"]
@@ -90,8 +91,9 @@ def one_ramp(group, ramp, number):
 
 
 def ramp_group(ramps):
-    """The color maps by ColorRamps of at most 32 stops, one for each that differs; Ramp, the number of the object's, chooses.
-    Less exact than the image, but easy to edit. Of classes a stop each, constant from halfway to the class before: exact."""
+    """The color maps as ColorRamps of at most 32 stops, one per different map; the object's number Ramp selects one.
+    Less exact than the image, but easy to edit. For classes it is exact: one stop each, constant, from halfway to the
+    previous class."""
     group = Group("isoshade ramp", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketFloat', "Ramp", 0.0)],
                   [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
     node, extinction = one_ramp(group, ramps[0], 0)
@@ -106,13 +108,14 @@ def ramp_group(ramps):
     tree["isoshade_ramps"] = json.dumps([{key: ramp[key] for key in ("of", "lo", "hi", "unit_distance_mm", "unit_distance",
                                                                      "own_points", "color_loss", "opacity_loss")}
                                          for ramp in ramps])
-    for number, node in enumerate(nodes):  # what the exact table shows; the add-on sees by it whether a person has edited a ramp
+    for number, node in enumerate(nodes):  # values of the exact table, by which the add-on detects edits of a ramp
         tree[f"isoshade_shown_{number}"] = [float(v) for stop in node.color_ramp.elements for v in (stop.position, *stop.color)]
     return tree
 
 
 def note_scene(about, frame):
-    """What a scene file says and nodes do not, for who makes one of the open file again (the add-on)."""
+    """Notes data of the scene file that nodes do not have, so that the add-on can write a scene file from the open
+    file."""
     frame["isoshade_units_per_mm"] = about["units_per_mm"]
     frame["isoshade_origin_mm"] = about["origin_mm"]
     frame["isoshade_source"] = about.get("source", "")
@@ -125,7 +128,7 @@ def note_scene(about, frame):
 
 
 def hidden_values(tables):
-    """Intervals of values that no table shows: grids may leave them out."""
+    """Finds intervals of values that no table shows: grids may omit them."""
     edges = numpy.unique(numpy.concatenate([numpy.linspace(t["lo"], t["hi"], len(t["entries"]) // (4 * t["rows"])) for t in tables]))
     shown = numpy.zeros(len(edges), bool)
     for table in tables:

@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The first second: what the window shows when the file is opened, and a sign where a grid's file is missing.
+"""The window of a newly opened file, and a sign for missing grid files.
 
-Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part.
-"""
+Joined with the other scripts of this folder into one (exporters/blender/run.c): build_scene.py is its last part."""
 import bpy
 from mathutils import Matrix, Vector
 
-# ---- a sign where a file is missing ----------------------------------------------------------------------------
+# ---- signs for missing files ------------------------------------------------------------------------------------
 
 
 def sign_paint():
-    """Red, whatever lights there are."""
+    """A red material that ignores lights."""
     paint = bpy.data.materials.new("isoshade missing file")
     tree = tree_of(paint)
     paint.diffuse_color = (1, 0.1, 0.05, 1)
@@ -24,8 +23,8 @@ def sign_paint():
 
 
 def sign_group(thing, words, size, frames, paint):
-    """Words where the volume is empty, in frames 1 to `frames` of a series; nothing else. Geometry nodes need no
-    permission to run, as scripts in a file do: a volume whose file is not there has no bounding box."""
+    """Geometry nodes that show a text if the volume is empty, in frames 1 to `frames` of a series. A volume without its
+    file has no bounding box. Unlike scripts in a file, geometry nodes need no permission to run."""
     tree = bpy.data.node_groups.new("isoshade missing file", 'GeometryNodeTree')
     if hasattr(tree, "interface"):
         tree.interface.new_socket(name="Geometry", in_out='OUTPUT', socket_type='NodeSocketGeometry')
@@ -72,13 +71,13 @@ def sign_group(thing, words, size, frames, paint):
 
 
 def missing_signs(about, frame, camera, collection):
-    """In front of each volume object, turned to the camera, hidden as the volume is."""
+    """Adds a sign in front of each volume object, facing the camera, hidden when the volume is."""
     middle = Matrix(about["box_to_world"]) @ Vector((0.5, 0.5, 0.5, 1))
     reach = (Matrix(about["box_to_world"]).to_3x3() @ Vector((1, 1, 1))).length
     paint = sign_paint()
     for thing in [thing for thing in collection.objects if thing.type == 'VOLUME']:
         file = thing.data.filepath.lstrip("/")
-        words = f"{file}\nis missing: put it beside\nthe .blend file"
+        words = f"{file}\nis missing: put it next to\nthe .blend file"
         size = 0.9 * reach / max(16.0, 0.6 * max(len(line) for line in words.split("\n")))
         sign = bpy.data.objects.new(f"{thing.name} is missing", bpy.data.meshes.new("isoshade missing file"))
         collection.objects.link(sign)
@@ -94,7 +93,7 @@ def missing_signs(about, frame, camera, collection):
 
 
 def copy_driver(curve, owner):
-    """hide_render and hide_viewport by the frame's level, as the volume has them."""
+    """Sets hide_render and hide_viewport by the frame's level, like the volume."""
     variable = curve.driver.variables[0]
     target = variable.targets[0]
     drive(owner, curve.data_path, None, curve.driver.expression, {variable.name: (target.id, target.data_path)})
@@ -104,7 +103,7 @@ def copy_driver(curve, owner):
 
 
 def choose(frame, collection):
-    """The box is what a person moves: active and selected, in the collection that is active."""
+    """Selects the box, by which people move the volume, and activates it and its collection."""
     layer = bpy.context.view_layer
     layer.active_layer_collection = layer.layer_collection.children[collection.name]
     for thing in bpy.context.scene.objects:
@@ -113,9 +112,9 @@ def choose(frame, collection):
 
 
 def set_eevee(scene, distance, reach):
-    """Slices from the nearest to the farthest place of the volume, seen from any side at the camera's distance. Blender
-    4.2 and later finds that range itself, in each view anew, and shows the same; its reprojection keeps the first frame
-    after a file is opened, in which opaque parts of the volume are gray."""
+    """Sets the range of EEVEE's slices from the nearest to the farthest part of the volume, from any side at the
+    camera's distance. Blender 4.2 and later finds that range in each view. Its reprojection keeps the first frame after
+    a file is opened, in which opaque parts are gray."""
     eevee = scene.eevee
     wanted = {"volumetric_start": max(distance - reach, 1e-3 * reach), "volumetric_end": distance + reach,
               "volumetric_tile_size": '4', "volumetric_samples": 128, "volumetric_sample_distribution": 0.0}
@@ -127,15 +126,15 @@ def set_eevee(scene, distance, reach):
 
 
 def forget_folder(params):
-    """A file browser stands in the user's home, whose path holds a name. What a shorter path leaves of a longer one is saved
-    as well: so all of it is written over first."""
+    """Clears the path of file browsers, as it contains the user's home. A shorter path leaves the end of a longer one
+    in the file, so the whole buffer is overwritten first."""
     for path in (b"/" * 1000, b"//"):
         params.directory = path
 
 
 def arrange_windows(scene, about):
-    """Every 3-D view looks through the camera by EEVEE, which shows nearly what Cycles renders, and at once. Who leaves
-    the camera's view turns around the middle of the volume. (Blender opens no file in a rendered view.)"""
+    """Sets every 3D view to the camera, with EEVEE, which shows nearly the picture of Cycles at once. Orbiting out of
+    the camera view pivots about the volume's center. (Blender does not open files in a rendered view.)"""
     place = Matrix(about["box_to_world"])
     middle = (place @ Vector((0.5, 0.5, 0.5, 1))).xyz
     reach = (place.to_3x3() @ Vector((1, 1, 1))).length / 2
@@ -158,10 +157,11 @@ def arrange_windows(scene, about):
             view.shading.type = 'MATERIAL'
             view.shading.use_scene_lights = True
             view.shading.use_scene_world = True
-            view.clip_start = 1e-3 * reach  # EEVEE finds places in a volume through it: see clip_start() in describe.c
+            view.clip_start = 1e-3 * reach  # EEVEE computes positions in a volume with it: see clip_start() in
+                                            # describe.c
             view.clip_end = max(10 * about["camera"]["clip_end"], 100 * reach)
             view.region_3d.view_location = middle
             view.region_3d.view_rotation = camera.matrix_world.to_quaternion()
             view.region_3d.view_distance = max(distance, 0.1 * reach)
             view.region_3d.view_perspective = 'CAMERA'
-            view.region_3d.view_camera_zoom = 17  # the picture's frame over three quarters of the view's height
+            view.region_3d.view_camera_zoom = 17  # the picture's frame fills three quarters of the view's height

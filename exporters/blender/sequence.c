@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* sequence.c - the frames of a series in one .blend: a file of grids each, one material, one transfer function. */
+/* sequence.c - the frames of a series in one .blend: a grid file per frame, one material, one transfer function. */
 #define _GNU_SOURCE
 #include <limits.h>
 #include <stdio.h>
@@ -15,8 +15,8 @@ typedef struct sequence_job {
     const char *blend_path;
     const iso_blender_options *opt;
     const iso_progress *progress;
-    iso_blender_space space; /* of the first frame, which is all frames' */
-    iso_output *outs;        /* the frames' files, then the .blend */
+    iso_blender_space space; /* of the first frame, used for all */
+    iso_output *outs;        /* files of the frames, then the .blend */
     json_t *about;
 } sequence_job;
 
@@ -28,7 +28,7 @@ static char *grid_path(const char *blend_path, size_t frame)
                : path;
 }
 
-/* The scene, by the first frame; its volume is the first file. */
+/* Describes the scene with the first frame; its volume is the first file. */
 static void describe(sequence_job *job, const iso_pyramid *p)
 {
     const iso_blender_sequence *s = job->sequence;
@@ -75,9 +75,9 @@ static iso_status write_frame(sequence_job *job, size_t frame, iso_error *err)
     iso_status status = path ? s->load(s->user, frame, &p, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     TRY(status, iso_blender_check(&p, s->level, 1, job->opt, err));
     if (status == ISO_OK && p.levels[0].labels)
-        status =
-            iso_fail(err, ISO_E_USAGE,
-                     "blender: a series of label maps is not played; --frame K exports one, --no-labels interpolates");
+        status = iso_fail(
+            err, ISO_E_USAGE,
+            "blender: cannot play a series of label maps; use --frame K for one, or --no-labels to interpolate");
     if (status == ISO_OK && frame == 0) {
         job->space = iso_blender_space_of(&p.levels[0].geometry);
         describe(job, &p);
@@ -104,7 +104,7 @@ static iso_status guard_frames(const sequence_job *job, iso_error *err)
 static iso_status write_blend(sequence_job *job, const char *folder, iso_error *err)
 {
     json_t *about = job->about;
-    job->about = NULL; /* is taken */
+    job->about = NULL; /* taken */
     return iso_blender_save(about, job->blend_path, &job->outs[job->sequence->count], folder, job->opt, job->progress, err);
 }
 

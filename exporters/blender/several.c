@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* several.c - several volumes in one .blend: a box, a file of grids, a material and a transfer function each, in collections
- * of their own. Camera, lights and background are the first one's. */
+/* several.c - several volumes in one .blend: per volume a box, a grid file, a material, a transfer function and a
+ * collection. Camera, lights and background are the first volume's. */
 #define _GNU_SOURCE
 #include <limits.h>
 #include <stdio.h>
@@ -17,9 +17,9 @@ typedef struct several_job {
     const char *blend_path, *folder;
     iso_blender_options opt;
     const iso_progress *progress;
-    iso_blender_space space; /* of the first volume, which is all volumes' */
-    iso_output *outs;        /* the volumes' files, then the .blend */
-    json_t *about, *more;    /* of the first volume; of the others */
+    iso_blender_space space; /* of the first volume, used for all */
+    iso_output *outs;        /* files of the volumes, then the .blend */
+    json_t *about, *more;    /* first volume; other volumes */
 } several_job;
 
 static char *grid_path(const char *blend_path, const char *name)
@@ -29,7 +29,7 @@ static char *grid_path(const char *blend_path, const char *name)
                                                                                                               : path;
 }
 
-/* Overlapping volumes are walked by the shortest step of them, so each has its own. */
+/* Describes a volume with its own step; Cycles uses the shortest step of overlapping volumes. */
 static json_t *describe(const several_job *job, const iso_pyramid *p, const iso_view *view, const char *name)
 {
     const iso_blender_several *s = job->several;
@@ -65,7 +65,7 @@ static iso_status write_grid(several_job *job, const iso_pyramid *p, const char 
     return status;
 }
 
-/* Label maps have an image each, so each has a folder. */
+/* Writes the image of a label map to a folder of its own, since all images have the same name. */
 static iso_status describe_labels(const several_job *job, json_t *about, const iso_pyramid *p, const iso_view *view,
                                   const char *name, iso_error *err)
 {
@@ -110,7 +110,7 @@ static iso_status write_blend(several_job *job, iso_error *err)
     const char *base = iso_path_base(job->blend_path);
     char scene[NAME_MAX + 1];
     json_t *about = job->about;
-    job->about = NULL; /* is taken */
+    job->about = NULL; /* taken */
     snprintf(scene, sizeof scene, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
     json_object_set_new(about, "scene", iso_blender_text(scene, 50));
     json_object_set(about, "more", job->more);

@@ -16,7 +16,7 @@ static bool shows(const float *point)
     return point && (point[ISO_BAKE_EXTINCTION] > 0 || point[ISO_BAKE_COLOR] >= 0);
 }
 
-/* [lo, hi) of the points that show something; nothing: one point. */
+/* Finds the range [lo, hi) of visible points; a single point if there is none. */
 static void find_box(const iso_baked *b, size_t lo[3], size_t hi[3])
 {
     const size_t *n = b->geometry.size;
@@ -49,7 +49,7 @@ static bool is_inside(const iso_geometry *g, iso_vec3 world)
     return inside;
 }
 
-/* pbrt and Mitsuba start rays about 1e-4 units away from a surface. */
+/* pbrt and Mitsuba start rays about 1e-4 units off a surface. */
 static double units_per_mm(double radius_mm)
 {
     const double least = 0.1, most = 1e5;
@@ -82,8 +82,7 @@ iso_status iso_medium_create(const iso_baked *b, const char *made_from, iso_medi
     out->camera_is_inside = is_inside(g, b->view->camera.position);
     take_units(out, units_per_mm(iso_geometry_box_radius_mm(&b->geometry)));
     if (iso_geometry_voxel_count(g) > INT_MAX / 3)
-        return iso_fail(err, ISO_E_RANGE,
-                        "the grid has %zu x %zu x %zu points, at most %d can be counted: a coarser --level has fewer",
+        return iso_fail(err, ISO_E_RANGE, "the grid has %zu x %zu x %zu points, limit %d; use a coarser --level",
                         g->size[0], g->size[1], g->size[2], INT_MAX / 3);
     return ISO_OK;
 }

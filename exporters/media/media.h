@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* media.h - scenes of path tracers: a box with a medium that absorbs and emits, and scatters nothing.
+/* media.h - scenes of path tracers: a box with a medium that absorbs and emits, without scattering.
  *
- * In:  a baked level whose colors are shaded (bake.h), its view, and a folder. Out: the scene's text and its grids
- * there.
+ * In:  a baked level with shaded colors (bake.h), its view, and a folder. Out: the scene's text and its grids there.
  *
- *   pbrt-v4     scene.pbrt, medium.pbrt   a medium "rgbgrid": sigma_a, Le, sigma_s 0; light that is emitted: sigma_a Le
- *   Mitsuba 3   scene.xml, sigma_t.vol    a heterogeneous medium: its media emit nothing yet, so that it absorbs alone
+ *   pbrt-v4     scene.pbrt, medium.pbrt   a medium "rgbgrid": sigma_a, Le, sigma_s 0; emitted light is sigma_a Le
+ *   Mitsuba 3   scene.xml, sigma_t.vol    a heterogeneous medium that only absorbs, as its media do not emit yet
  *
- * The grid is the smallest box of the lattice that holds all points with an extinction or a color, and one round more;
- * both programs interpolate trilinearly between the middles of its cells, which are the points. All names in the files
- * are fixed: what a volume is called stands in comments, with other characters than letters, digits, ".", "_" and
- * blanks left out. */
+ * The grid is the smallest box of the lattice that holds all points with an extinction or a color, and a rim of one
+ * point. Both programs interpolate trilinearly between the centers of its cells, which are the points. All file and
+ * object names are fixed. The volume's name appears in comments only, without characters other than letters, digits,
+ * ".", "_" and blanks. */
 #ifndef ISO_EXPORT_MEDIA_H
 #define ISO_EXPORT_MEDIA_H
 
@@ -18,33 +17,33 @@
 
 typedef struct iso_medium {
     const iso_baked *baked;
-    size_t first[3]; /* of the lattice's points */
-    /* The grid and the camera, in units: mm, unless the volume is so small or so large that the programs' absolute
-     * epsilons would show; then a power of ten of mm that makes it some tens of units across. */
+    size_t first[3]; /* in points of the lattice */
+    /* Unit of the grid and the camera: mm, unless absolute epsilons of the programs would show in so small or large a
+     * volume; then a power of ten of mm that makes it some tens of units across. */
     double units_per_mm;
-    char unit[24]; /* the length of a unit, as comments have it */
+    char unit[24]; /* length of a unit, for comments */
     iso_geometry geometry;
     iso_camera camera;
-    double background[3];  /* light from everywhere beyond it */
-    bool camera_is_inside; /* the grid's box */
+    double background[3];  /* light from all directions outside */
+    bool camera_is_inside; /* True if the camera is inside the grid's box */
     const char *made_from; /* without folders; or NULL */
 } iso_medium;
 
-/* Borrows b and its view. ISO_E_RANGE: more points than the programs count. */
+/* Makes the medium. Borrows b and its view. ISO_E_RANGE: more points than the programs can count. */
 iso_status iso_medium_create(const iso_baked *b, const char *made_from, iso_medium *out, iso_error *err);
 
-/* A grid point's extinction per unit and color; 0 if it has none. */
+/* Returns a grid point's extinction per unit and color; 0 if it has none. */
 void iso_medium_point(const iso_medium *m, size_t x, size_t y, size_t z, float *extinction, float color[3]);
 
-/* What goes into a folder. The first file of each list is the one that the program is given. ISO_E_IO. */
+/* Writes the files of a folder. The first file of each list is the scene file. ISO_E_IO. */
 iso_status iso_medium_write_pbrt(const iso_medium *m, const char *folder, iso_error *err);
 iso_status iso_medium_write_mitsuba(const iso_medium *m, const char *folder, iso_error *err);
 
-/* "made_from", as a comment of any language may hold it. */
+/* Prints made_from, in characters that comments of any language can hold. */
 void iso_medium_print_source(const iso_medium *m, FILE *f);
-/* Closes f; ISO_E_IO when something of it could not be written. path: for the message. */
+/* Closes f. ISO_E_IO: a write failed. path: for the message. */
 iso_status iso_medium_close(FILE *f, const char *path, iso_error *err);
-/* Opens folder/name; *path is to be freed. */
+/* Opens folder/name. The caller frees *path. */
 iso_status iso_medium_open(const char *folder, const char *name, char **path, FILE **f, iso_error *err);
 
 #endif

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* mitsuba.c - a scene of Mitsuba 3: https://mitsuba.readthedocs.io/en/stable/src/plugin_reference.html
  *
- * - Media of Mitsuba emit nothing (src/media/heterogeneous.cpp has albedo and sigma_t): the picture is what is left of the
- *   light behind, which is white where the scene's background is black.
- * - .vol files: "VOL", 3, int32 1 (float32), int32 size x, y, z and channels, 6 float32 of a box, samples x fastest, all
- *   little-endian (src/volumes/grid.cpp). Points are the middles of cells of the unit cube, which to_world places.
+ * - Mitsuba's media do not emit (src/media/heterogeneous.cpp has albedo and sigma_t). So the picture shows the
+ * background
+ *   through the medium; a black background is replaced by white.
+ * - .vol files: "VOL", 3, int32 1 (float32), int32 size x, y, z and channels, 6 float32 of a box, samples x fastest,
+ * all
+ *   little-endian (src/volumes/grid.cpp). Points are centers of cells of the unit cube, which to_world places.
  * - Its camera looks along z with x to the left and y up. */
 #include <math.h>
 #include <stdint.h>
@@ -14,7 +16,7 @@
 
 #include "media/media.h"
 
-/* columns[3]: the place of the origin */
+/* columns[3]: position of the origin */
 static void print_matrix(FILE *f, const char *indent, const iso_vec3 columns[4])
 {
     const iso_vec3 *c = columns;
@@ -26,7 +28,7 @@ static void print_matrix(FILE *f, const char *indent, const iso_vec3 columns[4])
             c[3].z, indent);
 }
 
-/* From the unit cube, or where `sides` is 2 from [-1, 1] along each axis, to the grid's box. */
+/* Prints the transform to the grid's box, from the unit cube, or from [-1, 1] along each axis if `sides` is 2. */
 static void print_box(FILE *f, const char *indent, const iso_geometry *g, double sides)
 {
     iso_vec3 columns[4];
@@ -78,10 +80,10 @@ static void print_scene(FILE *f, const iso_medium *m)
     fprintf(
         f,
         " -->\n"
-        "<!-- A medium that absorbs alone, extinction per %s: Mitsuba's media emit nothing yet, so it has no colors. -->\n",
+        "<!-- A medium that only absorbs, extinction per %s: Mitsuba's media do not emit yet, so it has no colors. -->\n",
         m->unit);
     if (dark)
-        fprintf(f, "<!-- The light behind is white, since the background of the scene is black. -->\n");
+        fprintf(f, "<!-- The background light is white, because the scene's background is black. -->\n");
     fprintf(f,
             "<scene version=\"3.0.0\">\n"
             "    <integrator type=\"volpath\">\n        <integer name=\"max_depth\" value=\"-1\"/>\n"
@@ -118,7 +120,7 @@ static iso_status write_scene(const iso_medium *m, const char *folder, iso_error
     return status;
 }
 
-/* Little-endian, as the machines are that this runs on. */
+/* Writes the native byte order, which is little-endian on all supported machines. */
 static void write_grid(FILE *f, const iso_medium *m)
 {
     const size_t *n = m->geometry.size;

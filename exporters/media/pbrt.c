@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* pbrt.c - a scene of pbrt-v4: https://pbrt.org/fileformat-v4
  *
- * - An "rgbgrid" that names no sigma_s has one of 1 everywhere: it is written, as zeros.
- * - Le is the color times the illuminant of the color space, without the factor that lights have: Lescale is 1 over pbrt's
+ * - An "rgbgrid" without sigma_s gets 1 everywhere, so zeros are written. - Le is the color times the illuminant of the
+ * color space, without the factor that lights have. Lescale is 1 over pbrt's
  *   integral of the luminous efficiency, 106.856895, to which its illuminants are scaled.
- * - Matrices stand column by column. The camera looks along its z axis with x to the right, which mirrors nothing here: the
- *   transform from the world is written as it is.
- * - The medium is placed after the camera, whose transform pbrt then knows, and before the world begins, where a camera
- *   inside it looks for it. */
+ * - Matrices are stored column by column. The camera looks along its z axis with x to the right, so the transform from
+ * the
+ *   world is written unchanged, without mirroring.
+ * - The medium follows the camera, whose transform pbrt needs first, and precedes the world, because a camera inside
+ * the
+ *   medium refers to it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,8 +61,8 @@ static void print_lattice(FILE *f, const iso_geometry *g)
     print_transform(f, "Transform", rows);
 }
 
-/* The box's corners are numbered by bits: 1 along x, 2 along y, 4 along z. Triangles are seen from outside
- * counterclockwise. */
+/* Prints the box. Bits number its corners: 1 along x, 2 along y, 4 along z. Triangles are counterclockwise from
+ * outside. */
 static void print_box(FILE *f, const size_t size[3])
 {
     fprintf(f, "Shape \"trianglemesh\" \"point3 P\" [");
@@ -79,8 +81,8 @@ static void print_scene(FILE *f, const iso_medium *m)
     iso_medium_print_source(m, f);
     fprintf(
         f,
-        "\n# A medium of baked grids that emits and absorbs; lengths in %s. Its colors are shaded for this camera and these lights.\n"
-        "# Rays go through the middles of pixels; a wider filter smooths edges.\n"
+        "\n# A medium of baked grids that emits and absorbs; lengths in %s. Its colors are shaded for this camera and its lights.\n"
+        "# Rays pass through pixel centers; a wider filter smooths edges.\n"
         "Film \"rgb\" \"integer xresolution\" [ %zu ] \"integer yresolution\" [ %zu ] \"string filename\" [ \"scene.exr\" ] \"bool savefp16\" [ false ]\n"
         "PixelFilter \"box\" \"float xradius\" [ 0.0005 ] \"float yradius\" [ 0.0005 ]\n"
         "Sampler \"zsobol\" \"integer pixelsamples\" [ 256 ] \"integer seed\" [ 0 ]\n"
@@ -101,12 +103,12 @@ static void print_scene(FILE *f, const iso_medium *m)
 static void print_triple(FILE *f, const float v[3])
 {
     if (v[0] == 0 && v[1] == 0 && v[2] == 0)
-        fputs(" 0 0 0", f); /* most points of most grids, and printf() takes long */
+        fputs(" 0 0 0", f); /* most points of most grids, and faster than printf() */
     else
         fprintf(f, " %.9g %.9g %.9g", (double)v[0], (double)v[1], (double)v[2]);
 }
 
-/* zero: in place of the values */
+/* Prints the values, or zeros if `zero`. */
 static void print_values(FILE *f, const iso_medium *m, bool color, bool zero)
 {
     const size_t *n = m->geometry.size;

@@ -14,7 +14,7 @@
 
 ISO_EMBED(iso_paraview_state_py, "exporters/paraview/state.py");
 
-/* Columns are orthogonal to this cosine: what VTK's Direction can say. */
+/* Columns are orthogonal up to this cosine, as VTK's Direction requires. */
 #define MOST_SHEAR 1e-6
 
 static bool is_sheared(const iso_geometry *g)
@@ -41,12 +41,12 @@ static iso_status check(const iso_level *level, const iso_view *view, iso_error 
                        : level->labels                ? "a label map"
                        : is_sheared(&level->geometry) ? "a sheared grid"
                                                       : NULL;
-    return what ? iso_fail(err, ISO_E_USAGE, "--to paraview has no words for %s", what) : ISO_OK;
+    return what ? iso_fail(err, ISO_E_USAGE, "--to paraview does not support %s", what) : ISO_OK;
 }
 
 /* ---- NAME.vti ---- */
 
-/* Of a coarse level's voxel that overhangs the box all is there. */
+/* Coarse voxels that overhang the box are drawn whole. */
 static void put_header(FILE *f, const iso_level *level)
 {
     const iso_geometry *g = &level->geometry;
@@ -95,7 +95,7 @@ static json_t *vector_json(iso_vec3 v)
     return iso_json_numbers((double[]){v.x, v.y, v.z}, 3);
 }
 
-/* Opacities for this length. The transfer function's own, or, where it is not known, one at which none is above 0.87. */
+/* Returns the length for opacities: the transfer function's, or if unknown, one at which all are at most 0.87. */
 static double unit_of(const iso_tf_table *tf)
 {
     double most = 0;
@@ -104,15 +104,15 @@ static double unit_of(const iso_tf_table *tf)
     return tf->unit_mm > 0 ? tf->unit_mm : most > 0 ? 2 / most : 1;
 }
 
-/* A straight line between two extinctions is a curve between their opacities: where they are far apart, it needs points of
- * its own to be followed to a hundredth of a step of 8 bits. */
+/* Returns the number of points between two entries. A line between extinctions is a curve between opacities: far apart,
+ * it needs more points to stay within a hundredth of a step of 8 bits. */
 static size_t steps_between(double first, double last, double unit_mm)
 {
     const double bend = fabs(last - first) * unit_mm;
     return (size_t)fmin(ceil(sqrt(bend * bend * 3200)), 64) + (bend == 0);
 }
 
-/* Without lights every color is as bright as what is ambient. */
+/* bright: factor of the colors; the ambient light if the scene has no lights. */
 static json_t *tf_json(const iso_tf_table *tf, double bright)
 {
     const double unit_mm = unit_of(tf), width = (tf->hi - tf->lo) / (double)(tf->count - 1);
@@ -154,7 +154,7 @@ static json_t *scene_json(const iso_level *level, const iso_view *view, const ch
                      "ambient", s->ambient, "diffuse", s->diffuse, "specular", s->specular, "power", s->power);
 }
 
-/* The state's text, with the scene as a Python literal in its place: numbers and words of ASCII are the same in both. */
+/* Writes the state with the scene as a Python literal: ASCII strings and numbers are the same in JSON and Python. */
 static iso_status write_state(json_t *scene, const char *path, iso_error *err)
 {
     static const char place[] = "SCENE = {}";
@@ -174,7 +174,7 @@ static iso_status write_state(json_t *scene, const char *path, iso_error *err)
 
 /* ---- the folder ---- */
 
-/* Letters, digits, "-" and "_". */
+/* Makes a name of letters, digits, "-" and "_". */
 static char *scene_name(const char *dir)
 {
     char *copy = strdup(dir);
@@ -214,7 +214,7 @@ iso_status iso_paraview_export(const iso_pyramid *p, size_t level, const iso_vie
     char *name = scene_name(dir);
     if (!name)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    status = iso_output_begin_dir(&out, dir, "*.vti", err); /* the folder may have had another name */
+    status = iso_output_begin_dir(&out, dir, "*.vti", err); /* any name: the folder may have been renamed */
     TRY(status, write_files(&p->levels[level], view, name, out.temp_path, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Written by isoshade, export --to paraview. "pvbatch THIS.py" draws the picture beside this file; in ParaView:
-# File > Load State. What is exact in the picture and what is not: doc/guide/other-programs.md of isoshade.
+# Written by isoshade, export --to paraview. "pvbatch THIS.py" writes the picture next to this file; in ParaView:
+# File > Load State. Accuracy of the picture: doc/guide/other-programs.md of isoshade.
 import inspect
 import math
 import os
@@ -13,7 +13,7 @@ SCENE = {}
 
 
 def folder():
-    """That of this file, which a state that was loaded in the window is not always told."""
+    """The folder of this file; ParaView does not always set __file__ for a loaded state."""
     path = globals().get("__file__") or inspect.currentframe().f_code.co_filename
     return os.path.dirname(os.path.abspath(path)) if os.path.exists(path) else os.getcwd()
 
@@ -55,7 +55,7 @@ def show(view, reader):
 
 
 def light(view, shown):
-    """ParaView's own shading by scalar differences, with the scene's lights; none where no light changes anything."""
+    """ParaView's own shading by scalar differences, with the scene's lights; none if no light has an effect."""
     shading = SCENE["shading"]
     shown.Shade = SCENE["shade"]
     if not SCENE["shade"]:
@@ -74,10 +74,10 @@ def light(view, shown):
     view.AdditionalLights = lights
 
 
-paraview.simple._DisableFirstRenderCameraReset()  # as the states that ParaView saves have it
+paraview.simple._DisableFirstRenderCameraReset()  # like states saved by ParaView
 view = make_view()
 shown = show(view, OpenDataFile(os.path.join(folder(), SCENE["name"] + ".vti")))
 light(view, shown)
 Render(view)
-if vtkProcessModule.GetProcessType() == vtkProcessModule.PROCESS_BATCH:  # pvbatch; a person looks at the window
+if vtkProcessModule.GetProcessType() == vtkProcessModule.PROCESS_BATCH:  # in pvbatch; the window shows the view
     SaveScreenshot(os.path.join(folder(), SCENE["name"] + ".png"), view, ImageResolution=view.ViewSize)

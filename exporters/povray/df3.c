@@ -22,7 +22,7 @@ static void put_big_endian(uint8_t *out, uint32_t value, unsigned bytes)
         out[b] = (uint8_t)(value >> (8 * (bytes - 1 - b)));
 }
 
-/* Values as whole numbers of `bits` bits; those that are not a number are 0. In doubles, in which 32 bits are exact. */
+/* Encodes values as integers of `bits` bits; NaN becomes 0. In doubles, which hold 32 bits exactly. */
 static void encode_values(const float *restrict values, size_t count, const iso_df3_coding *c, double *restrict out)
 {
     const double most = (double)(UINT32_MAX >> (32 - c->bits)), lo = c->lo, range = c->hi - c->lo;
@@ -48,7 +48,7 @@ static void put_samples(const double *restrict samples, size_t count, unsigned b
             put_big_endian(out + i * (bits / 8), (uint32_t)samples[i], bits / 8);
 }
 
-/* Samples on their way into the files, one a channel. */
+/* Output of samples, one file per channel. */
 typedef struct plane_writer {
     const iso_df3_source *source;
     const iso_df3_coding *coding;
@@ -60,26 +60,26 @@ typedef struct plane_writer {
 } plane_writer;
 
 /* Buffers of one thread for encoding a plane. */
-typedef struct plane_room {
-    uint8_t *planes; /* one a channel */
+typedef struct plane_buffers {
+    uint8_t *planes; /* one per channel */
     float *values;   /* a row */
-    double *samples; /* a row as it is read, and one of one channel */
-} plane_room;
+    double *samples; /* a row as read, and a row of one channel */
+} plane_buffers;
 
-static void free_room(plane_room *room)
+static void free_buffers(plane_buffers *buffers)
 {
-    free(room->planes);
-    free(room->values);
-    free(room->samples);
+    free(buffers->planes);
+    free(buffers->values);
+    free(buffers->samples);
 }
 
-static iso_status make_room(const plane_writer *w, plane_room *room, iso_error *err)
+static iso_status make_buffers(const plane_writer *w, plane_buffers *buffers, iso_error *err)
 {
     const size_t channels = w->source->channels, plane = w->row_bytes * w->size[1], width = w->source->size[0] + 1;
-    *room = (plane_room){.planes = malloc(channels * plane),
-                         .values = malloc(width * channels * sizeof *room->values),
-                         .samples = malloc(width * 2 * channels * sizeof *room->samples)};
-    if (room->planes && room->values && room->samples)
+    *buffers = (plane_buffers){.planes = malloc(channels * plane),
+                               .values = malloc(width * channels * sizeof *buffers->values),
+                               .samples = malloc(width * 2 * channels * sizeof *buffers->samples)};
+    if (buffers->planes && buffers->values && buffers->samples)
         return ISO_OK;
     return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane of %zu bytes", w->paths[0], plane);
 }
@@ -89,7 +89,7 @@ static size_t source_index(const plane_writer *w, size_t at, int axis)
     return w->rim ? clamped(at, w->source->size[axis]) : at;
 }
 
-/* The first of a row's samples, for all of them: each copy takes what those before it have made. */
+/* Repeats the first sample of a row, doubling the copied part each time. */
 static void repeat_first(uint8_t *row, size_t bytes, size_t count)
 {
     for (size_t done = 1, more; done < count; done += more) {
@@ -98,42 +98,41 @@ static void repeat_first(uint8_t *row, size_t bytes, size_t count)
     }
 }
 
-/* Voxels of a row from x on to their places in it, the row y of the plane in the room. alike: all are like the
- * first. */
-static void encode_run(const plane_writer *w, const plane_room *room, size_t y, size_t first, size_t x, size_t count,
-                       bool alike)
+/* Encodes voxels of a row, from x on, into row y of the plane. same: all equal the first. */
+static void encode_run(const plane_writer *w, const plane_buffers *buffers, size_t y, size_t first, size_t x,
+                       size_t count, bool same)
 {
     const iso_df3_source *s = w->source;
-    const size_t bytes = w->coding->bits / 8, n = alike ? 1 : count;
-    s->read(s->user, first + x, n, room->values);
-    encode_values(room->values, n * s->channels, w->coding, room->samples);
+    const size_t bytes = w->coding->bits / 8, n = same ? 1 : count;
+    s->read(s->user, first + x, n, buffers->values);
+    encode_values(buffers->values, n * s->channels, w->coding, buffers->samples);
     for (size_t c = 0; c < s->channels; ++c) {
-        uint8_t *to = room->planes + (c * w->size[1] + y) * w->row_bytes + (w->rim + x) * bytes;
-        double *of_channel = room->samples;
+        uint8_t *to = buffers->planes + (c * w->size[1] + y) * w->row_bytes + (w->rim + x) * bytes;
+        double *of_channel = buffers->samples;
         if (s->channels > 1) {
             of_channel += n * s->channels;
             for (size_t i = 0; i < n; ++i)
-                of_channel[i] = room->samples[i * s->channels + c];
+                of_channel[i] = buffers->samples[i * s->channels + c];
         }
         put_samples(of_channel, n, w->coding->bits, to);
-        if (alike)
+        if (same)
             repeat_first(to, bytes, count);
     }
 }
 
-/* Row y of the file's plane z, with its rim of edge values. */
-static void encode_row(const plane_writer *w, const plane_room *room, size_t y, size_t z)
+/* Encodes row y of the file's plane z, with its rim of edge values. */
+static void encode_row(const plane_writer *w, const plane_buffers *buffers, size_t y, size_t z)
 {
     const iso_df3_source *s = w->source;
     const size_t size = s->size[0], bytes = w->coding->bits / 8;
     const size_t first = size * (source_index(w, y, 1) + s->size[1] * source_index(w, z, 2));
     for (size_t x = 0, count; x < size; x += count) {
-        bool alike = false;
-        count = s->run ? s->run(s->user, first + x, size - x, &alike) : size;
-        encode_run(w, room, y, first, x, count, alike);
+        bool same = false;
+        count = s->run ? s->run(s->user, first + x, size - x, &same) : size;
+        encode_run(w, buffers, y, first, x, count, same);
     }
     for (size_t c = 0; c < s->channels && w->rim; ++c) {
-        uint8_t *row = room->planes + (c * w->size[1] + y) * w->row_bytes;
+        uint8_t *row = buffers->planes + (c * w->size[1] + y) * w->row_bytes;
         memcpy(row, row + bytes, bytes);
         memcpy(row + (size + 1) * bytes, row + size * bytes, bytes);
     }
@@ -156,30 +155,30 @@ static iso_status write_at(const plane_writer *w, size_t channel, const uint8_t 
     return ISO_OK;
 }
 
-static iso_status write_plane(const plane_writer *w, const plane_room *room, size_t z, iso_error *err)
+static iso_status write_plane(const plane_writer *w, const plane_buffers *buffers, size_t z, iso_error *err)
 {
     const size_t bytes = w->row_bytes * w->size[1];
     iso_status status = ISO_OK;
     for (size_t c = 0; c < w->source->channels && status == ISO_OK; ++c)
-        status = write_at(w, c, room->planes + c * bytes, bytes, HEADER_BYTES + z * bytes, err);
+        status = write_at(w, c, buffers->planes + c * bytes, bytes, HEADER_BYTES + z * bytes, err);
     return status;
 }
 
-/* Each thread encodes a plane and writes it where it belongs: none waits for another. */
+/* Writes planes [begin, end): each thread encodes a plane and writes it at its position, without waiting for others. */
 static iso_status write_slab(const plane_writer *w, size_t begin, size_t end, iso_error *err)
 {
-    iso_status status = ISO_OK; /* of the first plane that could not be made or written */
+    iso_status status = ISO_OK; /* of the first failed plane */
 #pragma omp parallel num_threads(w->threads)
     {
-        plane_room room;
+        plane_buffers buffers;
         iso_error trouble;
-        iso_status own = make_room(w, &room, &trouble);
+        iso_status own = make_buffers(w, &buffers, &trouble);
 #pragma omp for schedule(dynamic)
         for (size_t z = begin; z < end; ++z) {
             for (size_t y = 0; own == ISO_OK && y < w->size[1]; ++y)
-                encode_row(w, &room, y, z);
+                encode_row(w, &buffers, y, z);
             if (own == ISO_OK)
-                own = write_plane(w, &room, z, &trouble);
+                own = write_plane(w, &buffers, z, &trouble);
         }
 #pragma omp critical(iso_df3_status)
         if (own != ISO_OK && status == ISO_OK) {
@@ -187,7 +186,7 @@ static iso_status write_slab(const plane_writer *w, size_t begin, size_t end, is
             if (err)
                 *err = trouble;
         }
-        free_room(&room);
+        free_buffers(&buffers);
     }
     return status;
 }

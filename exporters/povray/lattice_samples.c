@@ -12,10 +12,10 @@ iso_lattice_samples iso_lattice_samples_of(const iso_lattice *l, iso_code code)
     return s;
 }
 
-/* Blocks that a row goes through. */
+/* Blocks along a row. */
 typedef struct row_blocks {
     iso_lattice_block *const *first;
-    size_t in_x, in_row; /* in the first block: of the first node, and of the row's beginning */
+    size_t in_x, in_row; /* in the first block: index of the first node, and of the row's start */
 } row_blocks;
 
 static row_blocks blocks_of(const iso_lattice *l, size_t first)
@@ -26,13 +26,13 @@ static row_blocks blocks_of(const iso_lattice *l, size_t first)
     return (row_blocks){block, in % ISO_LATTICE_SIDE, in - in % ISO_LATTICE_SIDE};
 }
 
-/* Nodes of a row that lie in one block; NULL where none of the block's is active. */
+/* Nodes of a row that lie in one block; NULL if the block has no active node. */
 typedef struct block_run {
     const iso_lattice_block *block;
     size_t in, count;
 } block_run;
 
-/* Of the row's nodes those from number `done` on. */
+/* Finds the run that starts at the row's node `done`. */
 static block_run run_at(const row_blocks *r, size_t done, size_t count)
 {
     const size_t x = (r->in_x + done) % ISO_LATTICE_SIDE, left = ISO_LATTICE_SIDE - x;
@@ -51,7 +51,7 @@ void iso_lattice_samples_scalars(const iso_lattice_samples *s, size_t first, siz
     }
 }
 
-/* Directions that are lit, to be coded at once. */
+/* Number of lit directions that are coded at once. */
 enum { BATCH = 256 };
 typedef struct lit_batch {
     float directions[3 * BATCH];
@@ -68,7 +68,7 @@ static void code_batch(iso_code code, lit_batch *b, float *restrict out)
     b->count = 0;
 }
 
-/* Codes a batch before it could not take all of another block's nodes. */
+/* Codes a batch as soon as it could not hold all nodes of another block. */
 void iso_lattice_samples_directions(const iso_lattice_samples *s, size_t first, size_t count, float *restrict out)
 {
     const row_blocks row = blocks_of(s->lattice, first);
@@ -90,14 +90,14 @@ void iso_lattice_samples_directions(const iso_lattice_samples *s, size_t first, 
     code_batch(s->code, &b, out);
 }
 
-size_t iso_lattice_samples_run(const iso_lattice_samples *s, size_t first, size_t count, bool *alike)
+size_t iso_lattice_samples_run(const iso_lattice_samples *s, size_t first, size_t count, bool *same)
 {
     const row_blocks row = blocks_of(s->lattice, first);
     size_t done = 0;
-    *alike = !row.first[0];
+    *same = !row.first[0];
     while (done < count) {
         const block_run run = run_at(&row, done, count);
-        if (!run.block != *alike)
+        if (!run.block != *same)
             break;
         done += run.count;
     }

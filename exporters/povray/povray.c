@@ -16,7 +16,6 @@ iso_povray_options iso_povray_defaults(void)
         iso_povray_options){.intervals = ISO_POVRAY_MAX_INTERVALS, .planes = 8, .extrapolate = true, .df3_bits = 32};
 }
 
-/* As few pieces of equally many intervals as make the longest ray's step at most step_voxels. */
 void iso_povray_set_step(const iso_geometry *g, const iso_view *view, double step_voxels, iso_povray_options *o)
 {
     double chord_voxels = 2 * iso_geometry_box_radius_mm(g) /
@@ -43,7 +42,7 @@ iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *
     if (opt->isosurface && !isfinite(opt->iso))
         return iso_fail(err, ISO_E_RANGE, "povray: the isosurface's value is %g, must be finite", opt->iso);
     if (opt->isosurface && view->roi)
-        return iso_fail(err, ISO_E_USAGE, "povray: a region of interest is no surface");
+        return iso_fail(err, ISO_E_USAGE, "povray: an isosurface cannot have a region of interest");
     if (p->levels[level].labels && (opt->isosurface || view->roi || view->tf_2d))
         return iso_fail(err, ISO_E_USAGE, "povray: a label map has no surface, region of interest or 2D transfer function");
     if (opt->float_directions && !p->levels[level].directions)
@@ -55,7 +54,7 @@ iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *
     return ISO_OK;
 }
 
-/* Letters, digits, "-" and "_": nothing that needs a quote in POV-Ray's files or in a shell. */
+/* Makes a name of letters, digits, "-" and "_", which needs no quotes in POV-Ray's files or in a shell. */
 static char *scene_name(const char *dir)
 {
     size_t end = strlen(dir);
@@ -84,7 +83,7 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
     iso_povray_prepared s;
     status = iso_povray_prepare(p, level, view, name, opt, &s, err);
     if (status == ISO_OK)
-        status = iso_output_begin_dir(&out, dir, "*.ini", err); /* the folder may have had another name */
+        status = iso_output_begin_dir(&out, dir, "*.ini", err); /* any name: the folder may have been renamed */
     if (status == ISO_OK) {
         status = iso_povray_write_files(&s, out.temp_path, progress, err);
         TRY(status, iso_output_commit(&out, err));

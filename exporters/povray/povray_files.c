@@ -30,7 +30,7 @@ iso_status iso_povray_no_memory(iso_error *err)
     return iso_fail(err, ISO_E_MEMORY, "povray: no memory");
 }
 
-/* Labels are from -32768 to 65535 (volume/labels.h), whatever type holds them. */
+/* Labels are from -32768 to 65535 (volume/labels.h), in any type. */
 static iso_df3_coding label_coding(const iso_level *level)
 {
     if (level->min >= 0)
@@ -38,7 +38,7 @@ static iso_df3_coding label_coding(const iso_level *level)
     return level->max <= 32767 ? (iso_df3_coding){16, -32768, 32767} : (iso_df3_coding){32, -32768, 4294934527.0};
 }
 
-/* Multiples of a quantum, as many as 16 bits hold. */
+/* Coding of multiples of a quantum, if 16 bits hold them. */
 static bool quantum_coding(const iso_level *level, double quantum, iso_df3_coding *coding)
 {
     const double lo = quantum > 0 ? floor(level->min / quantum) * quantum : 0;
@@ -46,7 +46,7 @@ static bool quantum_coding(const iso_level *level, double quantum, iso_df3_codin
     return quantum > 0 && level->max <= coding->hi;
 }
 
-/* Whole samples where the type has them. */
+/* Uses whole samples if the type has them. */
 static iso_df3_coding scalar_coding(const iso_level *level, double quantum, unsigned bits)
 {
     iso_df3_coding coding;
@@ -64,7 +64,7 @@ static iso_df3_coding scalar_coding(const iso_level *level, double quantum, unsi
     return (iso_df3_coding){bits, level->min, level->max > level->min ? level->max : level->min + 1};
 }
 
-/* A whole sample stands for 0: 128 of 255, 32768 of 65535, 2^31 of 2^32 - 1. */
+/* Coding with a whole sample for 0: 128 of 255, 32768 of 65535, 2^31 of 2^32 - 1. */
 static iso_df3_coding direction_coding(unsigned bits)
 {
     double half = ldexp(1, (int)bits - 1);
@@ -77,7 +77,7 @@ static bool is_byte_lattice(iso_code code)
     return info->is_textured && info->is_signed && info->is_linear;
 }
 
-/* No slope of the trilinear field is steeper: in each cell at most the steepest of its edges along each axis. */
+/* Upper bound of the slope of the trilinear field: in each cell, the steepest edge along each axis. */
 static double steepest(const iso_level *level)
 {
     const size_t *n = level->geometry.size;
@@ -107,10 +107,10 @@ static double steepest(const iso_level *level)
 typedef struct layer_reader {
     iso_code code;
     const iso_level *level;
-    const iso_volume *volume; /* its scalars if it has none */
+    const iso_volume *volume; /* scalars of level 0 if it has none */
     const uint8_t *bytes;
-    iso_narrow_codes *made;      /* its codes, planes after planes, if it has none */
-    iso_lattice_samples lattice; /* the level's samples */
+    iso_narrow_codes *made;      /* codes made slab by slab if it has none */
+    iso_lattice_samples lattice; /* samples of the level */
 } layer_reader;
 
 static void read_scalars(const void *user, size_t first, size_t count, float *out)
@@ -153,7 +153,7 @@ static void read_bytes(const void *user, size_t first, size_t count, float *out)
         out[i] = r->bytes[first + i];
 }
 
-/* The lattice that replaces the level's voxels; NULL: none. A region of interest has its own. */
+/* Returns the lattice that replaces the level's voxels, or NULL. A region of interest has its own. */
 static const iso_lattice *lattice_of(const iso_povray_scene *s)
 {
     return s->voxels->scalar ? NULL : s->options->lattice;
@@ -169,12 +169,12 @@ static void read_lattice_directions(const void *user, size_t first, size_t count
     iso_lattice_samples_directions(&((const layer_reader *)user)->lattice, first, count, out);
 }
 
-static size_t lattice_run(const void *user, size_t first, size_t count, bool *alike)
+static size_t lattice_run(const void *user, size_t first, size_t count, bool *same)
 {
-    return iso_lattice_samples_run(&((const layer_reader *)user)->lattice, first, count, alike);
+    return iso_lattice_samples_run(&((const layer_reader *)user)->lattice, first, count, same);
 }
 
-/* One file per suffix. */
+/* Writes one file per suffix. */
 static iso_status write_samples(const iso_povray_scene *s, const layer_reader *r,
                                 void (*read)(const void *, size_t, size_t, float *), const char *const *suffixes,
                                 size_t count, const iso_df3_coding *coding, const char *dir, iso_error *err)
@@ -223,7 +223,7 @@ static iso_status write_directions(const iso_pyramid *p, const iso_povray_scene 
     return status;
 }
 
-/* The entries of all rows; to be freed. */
+/* Returns the entries of all rows; the caller frees them. */
 static float *tf_2d_rows(const iso_tf_2d *tf_2d)
 {
     const size_t row = 4 * tf_2d->rows[0].count;
@@ -233,7 +233,7 @@ static float *tf_2d_rows(const iso_tf_2d *tf_2d)
     return rows;
 }
 
-/* Writes one byte per voxel as a file of its own. */
+/* Writes one byte per voxel to a separate file. */
 static iso_status write_bytes(const iso_povray_scene *s, const uint8_t *bytes, const char *suffix, const char *dir,
                               iso_error *err)
 {
@@ -283,7 +283,7 @@ static iso_status write_text(const iso_povray_scene *s, const char *dir, const c
     return status;
 }
 
-/* level: the voxels, of the pyramid's level or of a region of interest; tf: what bounds the transfer function. */
+/* level: voxels of the pyramid's level or of a region of interest; tf: the transfer function's table or envelope. */
 static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_level *level, const iso_view *view,
                                  const iso_tf_table *tf, const char *name, const iso_povray_options *opt)
 {
@@ -303,7 +303,7 @@ static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_
     s.center_mm = iso_geometry_box_center_mm(g);
     s.units_per_mm = 0.5 * ISO_POVRAY_UNITS_ACROSS / iso_geometry_box_radius_mm(g);
     iso_povray_measure_peaks(&s);
-    /* 1 %: the solver divides by it, and rounds. A constant field has no slope at all. */
+    /* 1 % margin: the solver rounds, and divides by it. A constant field has slope 0. */
     if (opt->isosurface)
         s.max_gradient = fmax(1.01 * steepest(level) / (s.scalar.hi - s.scalar.lo), 1e-6);
     return s;
@@ -320,7 +320,7 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
 {
     const iso_roi *f = opt->isosurface ? NULL : view->roi;
     *s = (iso_povray_prepared){.pyramid = p};
-    const iso_tf_2d *tf_2d = opt->isosurface ? NULL : view->tf_2d; /* a surface takes its color from the view's TF */
+    const iso_tf_2d *tf_2d = opt->isosurface ? NULL : view->tf_2d; /* a surface uses the color of the view's 1D TF */
     iso_status status = tf_2d ? iso_tf_2d_envelope(tf_2d, &s->envelope, err) : ISO_OK;
     if (status == ISO_OK && f && asprintf(&s->roi_name, "%s_roi", name) < 0) {
         s->roi_name = NULL;
@@ -344,7 +344,7 @@ iso_status iso_povray_prepare(const iso_pyramid *p, size_t level, const iso_view
     return ISO_OK;
 }
 
-/* The data of one layer: values, directions, and tables where the TF needs them. */
+/* Writes the data of one layer: values, directions, and tables if the TF needs them. */
 static iso_status write_layer(const iso_pyramid *p, const iso_povray_scene *s, const char *dir,
                               const iso_progress *progress, iso_error *err)
 {

@@ -21,7 +21,7 @@ typedef struct version_search {
     size_t size;
 } version_search;
 
-/* "POV-Ray 3.7.0.10.unofficial", "POV-Ray 3.8.0-alpha.unofficial" */
+/* Parses "POV-Ray 3.7.0.10.unofficial", "POV-Ray 3.8.0-alpha.unofficial". */
 static void take_version(void *user, const char *line)
 {
     version_search *search = user;
@@ -29,7 +29,7 @@ static void take_version(void *user, const char *line)
     if (search->version[0] || strncmp(line, prefix, sizeof prefix - 1) != 0 ||
         !isdigit((unsigned char)line[sizeof prefix - 1]))
         return;
-    static const char unofficial[] = ".unofficial"; /* all builds but the team's own */
+    static const char unofficial[] = ".unofficial"; /* all builds except the POV-Ray team's */
     const char *number = line + sizeof prefix - 1;
     size_t length = strcspn(number, " \r");
     if (length > strlen(unofficial) &&
@@ -71,7 +71,7 @@ static void watch_start(void *user, const char *line)
         start->options->line(start->options->user, line);
 }
 
-/* Not where it was ended: by a person, or at its limit. */
+/* True unless a signal or the time limit ended it. */
 static bool may_start_again(const iso_process_outcome *outcome)
 {
     return !outcome->timed_out && !iso_process_was_stopped();
@@ -96,13 +96,13 @@ iso_status iso_povray_run_program(const char *const argv[], const iso_process_op
     return status;
 }
 
-/* A picture of a scene that stands in the folder. */
+/* A picture of a scene in the folder. */
 typedef struct wanted_picture {
     const iso_povray_scene *scene;
     size_t intervals;
 } wanted_picture;
 
-/* Pictures of one size, the folder that their scenes stand in, and the program. */
+/* Pictures of one size, the folder of their scenes, and the program. */
 typedef struct render_job {
     const char *program, *dir;
     const wanted_picture *pictures;
@@ -111,21 +111,21 @@ typedef struct render_job {
     iso_povray_stats *stats; /* or NULL */
 } render_job;
 
-/* One start of POV-Ray draws pictures as the frames of an animation: two passes for each of them. */
+/* One start of POV-Ray renders pictures as frames of an animation, two passes per picture. */
 enum { PASSES = 2 };
 static const iso_povray_pass passes[PASSES] = {ISO_POVRAY_TRANSMITTANCE, ISO_POVRAY_EMISSION};
 
-/* The progress of a start. */
+/* Progress of a start. */
 typedef struct run_progress {
     const iso_progress *progress;
-    const double *parts; /* of the whole that are done when a frame begins; one more at the end */
+    const double *parts; /* done part of the whole when each frame starts, and at the end */
     size_t frame, frame_count;
     iso_povray_stats *stats; /* or NULL */
-    bool after_trace;        /* the next line says how long all threads took */
+    bool after_trace;        /* True if the next line has the time of all threads */
 } run_progress;
 
-/* "Rendering frame 2 of 4", "Rendered 1234 of 2304 pixels (53%)", and "  Trace Time:       0 hours  0 minutes  1 seconds
- * (1.234 seconds)" followed by "              using 2 thread(s) with 2.345 CPU-seconds total" */
+/* Parses "Rendering frame 2 of 4", "Rendered 1234 of 2304 pixels (53%)", and "  Trace Time:       0 hours  0 minutes  1
+ * seconds (1.234 seconds)" followed by "              using 2 thread(s) with 2.345 CPU-seconds total". */
 static void take_progress(void *user, const char *line)
 {
     run_progress *run = user;
@@ -147,7 +147,7 @@ static void take_progress(void *user, const char *line)
         run->stats->trace_seconds += seconds;
 }
 
-/* frames.pov: the scene of each frame, with its pass and its intervals. */
+/* Writes frames.pov: scene, pass and intervals of each frame. */
 static iso_status write_frames(const render_job *job, iso_error *err)
 {
     char *path = iso_path_join(job->dir, "frames.pov"), *text = NULL;
@@ -168,7 +168,7 @@ static iso_status write_frames(const render_job *job, iso_error *err)
     return status;
 }
 
-/* POV-Ray writes as many digits as the last frame's number has. */
+/* POV-Ray pads frame numbers to the width of the last one. */
 static char *pass_path(const render_job *job, size_t frame)
 {
     char name[64];
@@ -179,8 +179,7 @@ static char *pass_path(const render_job *job, size_t frame)
     return iso_path_join(job->dir, name);
 }
 
-/* The picture that a frame has left. Without one, or with a broken one, it is the program that failed;
- * not where one cannot be read. */
+/* Loads the picture of a frame. ISO_E_PROGRAM: it is missing or broken; ISO_E_IO: it cannot be read. */
 static iso_status load_pass(const render_job *job, size_t frame, iso_image *image, iso_error *err)
 {
     const iso_view *view = job->pictures[frame / PASSES].scene->view;
@@ -189,7 +188,7 @@ static iso_status load_pass(const render_job *job, size_t frame, iso_image *imag
     if (!path)
         return iso_povray_no_memory(err);
     const iso_status status = iso_path_is_file(path) ? iso_image_load_ppm(path, image, &why)
-                                                     : iso_fail(&why, ISO_E_PROGRAM, "it left no picture");
+                                                     : iso_fail(&why, ISO_E_PROGRAM, "it wrote no picture");
     free(path);
     if (status == ISO_E_MEMORY || status == ISO_E_IO)
         return iso_fail(err, status, "%s", why.text);
@@ -203,7 +202,7 @@ static iso_status load_pass(const render_job *job, size_t frame, iso_image *imag
     return ISO_E_PROGRAM;
 }
 
-/* Frames [first, first + count) of them. */
+/* Renders frames [first, first + count). */
 static iso_status run_povray(const render_job *job, size_t first, size_t count, run_progress *run, iso_error *err)
 {
     const iso_view *view = job->pictures[0].scene->view;
@@ -240,7 +239,7 @@ static iso_status run_povray(const render_job *job, size_t first, size_t count, 
     return iso_povray_run_program(argv, &options, err);
 }
 
-/* Emission and transmittance to premultiplied color over the background, and alpha. */
+/* Composes emission and transmittance to premultiplied color over the background, and alpha. */
 static void compose(iso_image *emission, const iso_image *transmittance, const iso_view *view, double peak)
 {
     for (size_t i = 0; i < emission->width * emission->height; ++i) {
@@ -252,7 +251,7 @@ static void compose(iso_image *emission, const iso_image *transmittance, const i
     }
 }
 
-/* What both passes of a picture have left. */
+/* Loads both passes of a picture. */
 static iso_status load_picture(const render_job *job, size_t i, iso_image *image, iso_error *err)
 {
     const iso_povray_scene *scene = job->pictures[i].scene;
@@ -265,7 +264,7 @@ static iso_status load_picture(const render_job *job, size_t i, iso_image *image
     return status;
 }
 
-/* By one start; all or none. */
+/* Renders pictures with one start; all or none. */
 static iso_status render_pictures(const render_job *job, const iso_progress *progress, iso_image *images,
                                   iso_error *err)
 {
@@ -316,7 +315,7 @@ double iso_povray_df3_bytes(const char *folder)
     return sum;
 }
 
-/* Scenes that stand in a folder of their own. */
+/* Scenes in a folder of their own. */
 typedef struct prepared_scenes {
     char *dir;
     iso_povray_prepared *scenes;
@@ -355,7 +354,7 @@ static iso_status prepare_scenes(const iso_povray_wanted *wanted, size_t count, 
     return status;
 }
 
-/* Pictures of scenes that are prepared. */
+/* Renders pictures of prepared scenes. */
 static iso_status render_prepared(const prepared_scenes *s, const wanted_picture *pictures, size_t count,
                                   const iso_progress *progress, iso_image *images, iso_error *err)
 {

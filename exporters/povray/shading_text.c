@@ -12,12 +12,12 @@ double iso_povray_specular_sum(const iso_view *view)
     return sum;
 }
 
-/* Writes the user's settings; numbers of Iso_Lights are taken out of the array, since functions read none. */
+/* Writes the user's settings. Functions cannot read arrays, so each entry of Iso_Lights is copied to scalars. */
 void iso_povray_write_lights(FILE *f, const iso_view *v)
 {
     fprintf(f,
             "// ---- the lights -----------------------------------------------------------\n"
-            "// Towards each light, and its intensity.\n"
+            "// Direction to each light, and its intensity.\n"
             "#ifndef (Iso_Lights) #declare Iso_Lights = array[%zu] {\n",
             v->light_count > 0 ? v->light_count : 1);
     for (size_t i = 0; i < v->light_count; ++i)
@@ -42,7 +42,7 @@ void iso_povray_write_lights(FILE *f, const iso_view *v)
             "    #declare Iso_Light_Z = Iso_Light_V.z / Iso_Light_L;\n"
             "    #declare Iso_Light_I = Iso_Light_V.t;\n"
             "#end\n"
-            "// How bright diffuse light and highlights can be.\n"
+            "// Upper bounds of diffuse light and highlights.\n"
             "#declare Iso_Diffuse_Most = max(1, %.17g + %.17g * Iso_Light_Sum);\n"
             "#declare Iso_Specular_Most = max(1e-9, %.17g * Iso_Light_Sum);\n\n",
             v->shading.ambient, v->shading.diffuse, v->shading.specular);
@@ -52,7 +52,7 @@ static const char each_light[] =
     "#declare Iso_Light = 0;\n#while (Iso_Light < Iso_Light_Count) Iso_Light_Take (Iso_Light)\n";
 static const char next_light[] = "#declare Iso_Light = Iso_Light + 1;\n#end\n";
 
-/* ka + kd sum of intensity |n.l|, with n = d / sqrt(|d|^2 + eps^2); at most Iso_Diffuse_Most. */
+/* Writes ka + kd sum of intensity |n.l|, with n = d / sqrt(|d|^2 + eps^2); at most Iso_Diffuse_Most. */
 void iso_povray_write_diffuse(FILE *f, const iso_povray_scene *s)
 {
     const iso_view *v = s->view;
@@ -70,8 +70,8 @@ void iso_povray_write_diffuse(FILE *f, const iso_povray_scene *s)
             iso_povray_lazily(s, "select(Iso_Opaque(x, y, z), 0, "), iso_povray_lazily(s, ")"));
 }
 
-/* The vector to the viewer at a point in voxel coordinates, as a function's three arguments: of an orthographic camera
- * the unit vector, unless the user has said where the viewer is. */
+/* Writes the vector to the viewer at a point in voxel coordinates, as three arguments of a function. For an
+ * orthographic camera it is the unit vector, unless the user declares the viewer. */
 static void write_to_viewer(FILE *f, const iso_povray_scene *s)
 {
     static const char *const axis[3] = {"X", "Y", "Z"}, *const part[3] = {"x", "y", "z"};
@@ -100,8 +100,8 @@ static void write_to_viewer(FILE *f, const iso_povray_scene *s)
     fprintf(f, "#end\n");
 }
 
-/* sum of intensity |n.h|^p over the sum of the intensities, h = normalize(l + v): n.h = (d.l + d.v) / (|d| sqrt(2 + 2
- * l.v)). */
+/* Writes sum of intensity |n.h|^p over the sum of the intensities, h = normalize(l + v): n.h = (d.l + d.v) / (|d|
+ * sqrt(2 + 2 l.v)). */
 void iso_povray_write_specular(FILE *f, const iso_povray_scene *s)
 {
     fprintf(f, "// Highlights need the direction to the viewer: they belong to this camera, or to Iso_Viewer.\n");
@@ -129,9 +129,8 @@ void iso_povray_write_specular(FILE *f, const iso_povray_scene *s)
             iso_povray_lazily(s, "select(Iso_Opaque(x, y, z), 0, "), iso_povray_lazily(s, ")"));
 }
 
-/* Opaque, in the TF's color at the value times the shade of the stored
- * direction: POV-Ray's own normals are gradients of the trilinear field, which
- * jump from cell to cell. */
+/* Writes an opaque surface in the TF's color at the value, times the shade of the stored direction: POV-Ray's own
+ * normals are gradients of the trilinear field, which jump from cell to cell. */
 void iso_povray_write_surface(FILE *f, const iso_povray_scene *s)
 {
     const double specular = iso_povray_specular_sum(s->view);

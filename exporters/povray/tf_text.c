@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* tf_text.c - NAME_tf.inc: the transfer function as a color_map that a person edits.
  *
- * POV-Ray looks values up in the exact table (transfer_text.c) for as long as the color_map is what was exported; when
- * it parses the scene it compares the two, and a map that was changed is tabulated anew at 256 places. */
+ * While the color_map is as exported, POV-Ray looks values up in the exact table (transfer_text.c). It compares the two
+ * when it parses the scene; an edited map is sampled at 256 places. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 
 enum { MOST_POINTS = ISO_TF_FEW_POINTS };
 
-/* A point of the map: position in the TF's range, linear color, and transmittance of a unit's length. */
+/* A point of the map: position in the TF's range, linear color, and transmittance of one unit of length. */
 typedef struct map_point {
     double position, rgb[3], transparency;
 } map_point;
@@ -21,11 +21,11 @@ typedef struct editable_map {
     size_t count;
     map_point points[MOST_POINTS];
     double unit_mm;
-    bool are_own; /* the points of the transfer function's file */
-    double loss;  /* of points that were fitted: no more than this far from the table */
+    bool are_own; /* True if they are points of the transfer function's file */
+    double loss;  /* of fitted points: largest distance to the table */
 } editable_map;
 
-/* All of them in the range, as a color_map has them. */
+/* True if all points are in the range, as a color_map requires. */
 static bool has_own_points(const iso_tf_table *tf)
 {
     for (size_t i = 0; i < tf->point_count; ++i)
@@ -46,7 +46,7 @@ static void take_points(const iso_tf_table *tf, editable_map *map)
     }
 }
 
-/* The table with a transparency for each extinction; to be freed. */
+/* Returns the table with transparencies instead of extinctions; the caller frees it. */
 static iso_tf_table with_transparency(const iso_tf_table *tf, double unit_mm)
 {
     iso_tf_table t = {0};
@@ -56,8 +56,8 @@ static iso_tf_table with_transparency(const iso_tf_table *tf, double unit_mm)
     return t;
 }
 
-/* Of a table without points, as an adapted one is: so many of its entries that lines between them are as near as a few
- * can be. */
+/* For a table without points, such as an adapted one: selects few of its entries, so that lines between them are as
+ * close to the table as possible. */
 static void fit_points(const iso_povray_scene *s, editable_map *map)
 {
     const double densest = s->peak_extinction;
@@ -82,7 +82,7 @@ static void fit_points(const iso_povray_scene *s, editable_map *map)
     iso_tf_table_destroy(&t);
 }
 
-/* Colors above 1, which no display has, are not for a color_map; nor are the rows of a 2D transfer function. */
+/* Makes the map. False if the TF is 2D or has colors above 1, which a color_map cannot hold. */
 static bool get_map(const iso_povray_scene *s, editable_map *map)
 {
     if (s->tf_2d || s->options->isosurface || s->peak_color > 1)
@@ -111,15 +111,16 @@ static void write_map_of(FILE *f, const iso_povray_scene *s)
             "//\n"
             "//     [Iso_At (VALUE) rgbt <RED, GREEN, BLUE, TRANSPARENCY>]\n"
             "//\n"
-            "// VALUE: of the data, %.9g to %.9g. Colors are linear light, 0 to 1; srgbt takes them as they are displayed.\n"
-            "// TRANSPARENCY: what is left of light behind Iso_TF_Unit of the material, 0 to 1; 1 is nothing at all.\n"
-            "// As long as the map is as it was exported the exact table is used, of %zu entries. A changed one is taken at\n"
+            "// VALUE: of the data, %.9g to %.9g. Colors are linear light, 0 to 1; use srgbt for sRGB.\n"
+            "// TRANSPARENCY: light that passes Iso_TF_Unit of the material, 0 to 1; at 1 the material is invisible.\n"
+            "// Until you edit the map, the exact table of %zu entries is used. An edited map is sampled at\n"
             "// 256 places from the lowest value to the highest%s",
             s->name, tf->lo, tf->hi, tf->count, map.are_own ? ".\n" : ".\n// ");
     if (!map.are_own)
-        fprintf(f,
-                "These points are fitted to the table, within %.2g in colors and transparency: a change takes them instead.\n",
-                map.loss);
+        fprintf(
+            f,
+            "These points are fitted to the table, within %.2g in colors and transparency; edits use them instead.\n",
+            map.loss);
     fprintf(f,
             "#macro Iso_At (Value) ((Value - (%.17g)) / %.17g) #end\n"
             "#declare Iso_TF_Unit = %.9g; // mm\n"
@@ -148,11 +149,11 @@ void iso_povray_write_map(FILE *f, const iso_povray_scene *s)
     free(text);
 }
 
-/* Places stand beside those of the points, where steps are. */
+/* Compares between the points too, because of steps. */
 static void write_comparison(FILE *f, const editable_map *map)
 {
     fprintf(f,
-            "// Is the color_map still that of the export? Its points then: position, color, transparency.\n"
+            "// The exported points, to detect edits: position, color, transparency.\n"
             "#declare Iso_TF_Exported = array[%zu][5] {\n",
             map->count);
     for (size_t i = 0; i < map->count; ++i)

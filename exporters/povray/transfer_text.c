@@ -4,7 +4,7 @@
 
 #include "povray/scene_parts.h"
 
-/* POV-Ray's colors are floats: entries this close to a line, as a part of the peak, make no difference. */
+/* POV-Ray's colors are floats: deviations of this part of the peak from a line do not show. */
 static const double color_map_tolerance = 6e-8;
 
 static double peak_color(const iso_tf_table *tf)
@@ -17,13 +17,13 @@ static double peak_color(const iso_tf_table *tf)
     return color;
 }
 
-/* The weights of a ray's samples sum to at most 1, and diffuse light to at most 1. */
+/* A ray's weights sum to at most 1, and diffuse light is at most 1. */
 double iso_povray_peak(const iso_view *view)
 {
     return peak_color(&view->tf) * (1 + iso_povray_specular_sum(view));
 }
 
-/* Density values above 1 wrap in POV-Ray, and colors above 1 are clipped: both are divided by a peak. */
+/* Density values above 1 wrap in POV-Ray, and colors above 1 are clipped, so both are divided by a peak. */
 void iso_povray_measure_peaks(iso_povray_scene *s)
 {
     const iso_tf_table *tf = s->tf;
@@ -35,7 +35,7 @@ void iso_povray_measure_peaks(iso_povray_scene *s)
     s->peak = s->peak_color * (1 + iso_povray_specular_sum(s->view));
 }
 
-/* A cone of allowed slopes per channel narrows until an entry falls out of it. */
+/* A cone of allowed slopes per channel narrows until an entry lies outside it. */
 size_t iso_povray_mark_bends(const iso_tf_table *tf, const int channels[2], double tolerance, bool *keep)
 {
     size_t kept = 1, from = 0;
@@ -79,10 +79,11 @@ static map_source color_source(const iso_povray_scene *s)
     return (map_source){{0, 3}, s->peak_color};
 }
 
-/* Positions in a color_map are floats: tables with finer steps than this travel as DF3. */
+/* Positions in a color_map are floats: tables with finer steps become DF3 files. */
 enum { max_color_map_table = 1024 };
 
-/* NULL if the table does not fit a color_map, otherwise flags of the entries that it needs, to be freed. */
+/* Returns flags of the entries that a color_map needs, which the caller frees; NULL if the table does not fit a
+ * color_map. */
 static bool *color_map_entries(const iso_povray_scene *s, map_source source)
 {
     const iso_tf_table *tf = s->tf;
@@ -121,8 +122,8 @@ static void write_color_map(FILE *f, const char *identifier, const iso_tf_table 
     fprintf(f, "} }\n");
 }
 
-/* DF3 tables of one row, or of the rows of a 2D transfer function, linear between entries as a
- * color_map is. `average` of three densities is a third of their sum. */
+/* Writes lookups of DF3 tables of one row, or of the rows of a 2D transfer function, linear between entries like a
+ * color_map. `average` of three densities is a third of their sum. */
 static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
 {
     const size_t count = s->tf->count;
@@ -164,10 +165,11 @@ const char *iso_povray_lazily(const iso_povray_scene *s, const char *select)
     return zeros > 0 ? select : "";
 }
 
-/* Shading is most of the work. Iso_Opaque is negative inside the ranges of the TF without extinction. */
+/* Writes Iso_Opaque, negative in ranges of the TF without extinction: there the shading, most of the work, is
+ * skipped. */
 static void write_opaque_ranges(FILE *f, const iso_povray_scene *s)
 {
-    enum { most_ranges = 8 }; /* leaving some out is slower, not wrong */
+    enum { most_ranges = 8 }; /* skipping fewer ranges is slower, not wrong */
     const iso_tf_table *tf = s->tf;
     const double last = (double)(tf->count - 1);
     int ranges = 0;
@@ -199,8 +201,8 @@ void iso_povray_write_transfer_function(FILE *f, const iso_povray_scene *s)
     fprintf(
         f,
         "// %zu entries from %.9g to %.9g; colors are linear light (assumed_gamma 1). Entries on a straight line are\n"
-        "// left out; what needs more than the 256 of a color_map is a table in a DF3 file.\n"
-        "#declare Iso_Extinction = %.17g / Iso_Scale; // a unit, where Iso_TF_Extinction is 1\n",
+        "// left out; a table that needs more than the 256 of a color_map is a DF3 file.\n"
+        "#declare Iso_Extinction = %.17g / Iso_Scale; // per unit, at Iso_TF_Extinction 1\n",
         tf->count, tf->lo, tf->hi, s->peak_extinction / s->units_per_mm);
     write_map(f, s, false);
     write_map(f, s, true);

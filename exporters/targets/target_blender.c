@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_blender.c - levels, or the bricks of a plan, as a scene that Blender renders as it opens. */
+/* target_blender.c - levels, or the bricks of a plan, as a .blend that is ready to render. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@ static bool is_same_ramp(const iso_color_ramp *a, const iso_color_ramp *b)
            memcmp(a->position, b->position, sizeof a->position) == 0 && memcmp(a->rgba, b->rgba, sizeof a->rgba) == 0;
 }
 
-/* Of levels [first, last], which have the same. */
+/* Prints the ramp that levels [first, last] share. */
 static void print_ramp(FILE *notes, const iso_color_ramp *r, size_t first, size_t last)
 {
     char levels[64];
@@ -37,13 +37,13 @@ static void print_ramp(FILE *notes, const iso_color_ramp *r, size_t first, size_
         r->unit_mm, r->worst_value, 100 * r->off);
 }
 
-/* views: of `count` levels. */
-static void tell_ramps(const iso_export_job *job, const iso_view *views, size_t count)
+/* Reports the ramps. views: of `count` levels. */
+static void report_ramps(const iso_export_job *job, const iso_view *views, size_t count)
 {
     if (job->pyramid && job->pyramid->levels[job->level].labels) {
         if (job->notes)
             fprintf(job->notes,
-                    "label map: exact as an image of class numbers and a color map with an entry a class\n");
+                    "label map: exact, as an image of class numbers and a color map with one entry per class\n");
         return;
     }
     json_t *list = json_array();
@@ -68,8 +68,8 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
 {
     const iso_node_levels *n = &job->planned->nodes;
     iso_planned_lattices lattices;
-    /* One grid: of volumes that overlap Cycles evaluates all materials at each step, which took several times as
-     * long. */
+    /* Merges the bricks: for overlapping volumes Cycles evaluates all materials at each step, which took several times
+     * as long. */
     iso_status status = iso_planned_lattices_create(job->planned, true, true, job->threads, &lattices, err);
     if (status != ISO_OK)
         return status;
@@ -79,7 +79,7 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
                                    .unit = job->pyramid->unit.name};
     status = iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err);
     if (status == ISO_OK)
-        tell_ramps(job, job->view, 1);
+        report_ramps(job, job->view, 1);
     iso_planned_lattices_destroy(&lattices);
     return status;
 }
@@ -110,7 +110,7 @@ static iso_status write_blender(const iso_export_job *job, iso_error *err)
         status = iso_blender_export_levels(job->pyramid, &(iso_blender_levels){job->level, count, views}, job->output,
                                            &o, job->progress, err);
     if (status == ISO_OK)
-        tell_ramps(job, views, count);
+        report_ramps(job, views, count);
     for (size_t k = 0; views && k < count; ++k)
         iso_view_destroy(&views[k]);
     free(views);
@@ -127,7 +127,7 @@ static iso_status write_blender_frames(const iso_export_job *job, iso_error *err
                                       job->force};
     const iso_status status = iso_blender_export_sequence(&all, job->output, &o, job->progress, err);
     if (status == ISO_OK)
-        tell_ramps(job, job->view, 1);
+        report_ramps(job, job->view, 1);
     return status;
 }
 
@@ -142,7 +142,7 @@ static iso_status write_blender_volumes(const iso_export_job *job, iso_error *er
     return iso_blender_export_several(&all, job->output, &o, job->progress, err);
 }
 
-/* The first frame, as the file opens, with the settings of the agreement that it keeps in a text; beside it. */
+/* Renders the first frame of the file, with the agreement settings of its text block, to a picture next to it. */
 static iso_status open_blender(const char *output, iso_image *picture, iso_error *err)
 {
     char *program = NULL, *exr = NULL;
@@ -167,7 +167,7 @@ const iso_export_target iso_export_target_blender = {
     .name = "blender",
     .title = "Blender",
     .stages = {"OpenVDB grids", "Blender"},
-    .summary = "a .blend that renders as it opens, and its OpenVDB grids",
+    .summary = "a .blend that is ready to render, and its OpenVDB grids",
     .output = "NAME.blend",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_PLAN) | ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) |
                ISO_EXPORT_TAKES(ISO_EXPORT_STEP) | ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) |
@@ -185,5 +185,5 @@ const iso_export_target iso_export_target_blender = {
     .guard = iso_blender_guard_grids,
     .example = "scene.blend",
     .limit = 5e-4,
-    .why = "the same steps and random numbers: single precision is left, which steep tables multiply",
+    .why = "the same steps and random numbers; steep tables amplify rounding to single precision",
 };

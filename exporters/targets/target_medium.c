@@ -25,12 +25,12 @@ static void tell_person(FILE *f, const iso_medium *m, const iso_target_medium *t
     if (t->emits)
         fprintf(
             f,
-            "shaded colors interpolated in place of values: RMSE %.2g, at most %.2g from the exact picture (%zu x %zu)\n",
+            "interpolating shaded colors instead of values: RMSE %.2g, at most %.2g from the exact picture (%zu x %zu)\n",
             e->lit.rmse, e->lit.max_abs, e->width, e->height);
     else
         fprintf(
             f,
-            "absorption alone: media of Mitsuba 3 emit nothing yet, so the picture has no colors of the transfer function\n");
+            "absorption only: media of Mitsuba 3 do not emit yet, so the picture lacks the transfer function's colors\n");
 }
 
 static iso_status write_folder(const iso_export_job *job, const iso_medium *m, const iso_target_medium *t,

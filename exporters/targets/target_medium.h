@@ -8,8 +8,8 @@
 
 typedef struct iso_target_medium {
     const char *name;  /* of the target */
-    const char *scene; /* the file that the program is given */
-    bool emits;        /* else it absorbs alone, and says so */
+    const char *scene; /* main file of the folder */
+    bool emits;        /* if false, the medium only absorbs, which the notes report */
     iso_status (*write)(const iso_medium *m, const char *folder, iso_error *err);
 } iso_target_medium;
 

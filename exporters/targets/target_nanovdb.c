@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_nanovdb.c - the grids of the target vdb as a NanoVDB file. A temporary file of OpenVDB grids stands next to
- * it. */
+/* target_nanovdb.c - the grids of the target vdb as a NanoVDB file, by a temporary OpenVDB file next to it. */
 #include <stdlib.h>
 
 #include "base/file.h"
@@ -24,17 +23,17 @@ static iso_status write_nanovdb(const iso_export_job *job, iso_error *err)
 {
     if (job->bake && job->bake->usd)
         return iso_fail(err, ISO_E_USAGE,
-                        "--usd, which --for %s may mean, has no meaning for --to nanovdb: a .usda names OpenVDB files",
+                        "--usd, which --for %s may set, has no meaning for --to nanovdb: a .usda needs OpenVDB files",
                         job->bake->program ? job->bake->program->name : "PROGRAM");
-    if (!iso_nanovdb_version()) /* before the work, not after it */
+    if (!iso_nanovdb_version()) /* before the work starts */
         return iso_nanovdb_from_vdb("", job->output, err);
     char *folder = iso_path_dir(job->output);
     char *vdb = folder ? iso_temporary_path(folder, iso_path_base(job->output)) : NULL;
     if (vdb)
-        iso_unfinished_add(vdb, false); /* as soon as it may be there: its writer forgets it when it is finished */
+        iso_unfinished_add(vdb, false); /* before it exists; its writer removes the entry when it is finished */
     iso_export_job grids = *job;
     grids.output = vdb;
-    grids.float_directions = true; /* NanoVDB has no metadata that could say what half floats were multiplied by */
+    grids.float_directions = true; /* NanoVDB has no metadata for the scale of half floats */
     iso_status status = vdb ? iso_export_target_vdb.write(&grids, err)
                             : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", job->output);
     iso_progress_report(job->progress, stage, 0);
@@ -53,7 +52,7 @@ const iso_export_target iso_export_target_nanovdb = {
     .name = "nanovdb",
     .title = "NanoVDB",
     .stages = {"OpenVDB grids", stage},
-    .summary = "a NanoVDB file: the grids of --to vdb, as programs on a GPU map them",
+    .summary = "a NanoVDB file: the grids of --to vdb, for programs on GPUs",
     .baked = "a NanoVDB file of baked grids",
     .output = "NAME.nvdb",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_PLAN) | ISO_EXPORT_TAKES(ISO_EXPORT_LEVELS) |

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_paraview.c - a level and a scene as a folder that ParaView opens. */
+/* target_paraview.c - a level and a scene as a folder for ParaView. */
 #include "paraview/paraview.h"
 #include "targets/targets.h"
 
@@ -19,7 +19,7 @@ static iso_status write_paraview(const iso_export_job *job, iso_error *err)
 const iso_export_target iso_export_target_paraview = {
     .name = "paraview",
     .title = "ParaView",
-    .summary = "a folder with a .vti and a state that pvbatch renders",
+    .summary = "a folder with a .vti, and a state for ParaView and pvbatch",
     .output = "a folder",
     .options = ISO_EXPORT_TAKES(ISO_EXPORT_SCENE) | ISO_EXPORT_TAKES(ISO_EXPORT_SIZE) |
                ISO_EXPORT_TAKES(ISO_EXPORT_ADAPT),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_povray.c - a level, or the bricks of a plan, as a folder that POV-Ray renders. */
+/* target_povray.c - a level, or the bricks of a plan, as a folder for POV-Ray. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,7 +44,7 @@ static void samples(const iso_geometry *level, const iso_view *view, double step
 static iso_status write_povray(const iso_export_job *job, iso_error *err)
 {
     iso_povray_options o = iso_povray_defaults();
-    /* Renders the same samples of the same files, to the last bit. */
+    /* The same samples of the same files, to the last bit. */
     const double step = step_of(job->step_voxels, job->view);
     iso_povray_set_step(&job->pyramid->levels[job->level].geometry, job->view, step, &o);
     o.threads = job->threads;
@@ -62,7 +62,7 @@ static iso_status write_povray(const iso_export_job *job, iso_error *err)
     return status;
 }
 
-/* "povray NAME.ini" where the folder lies (doc/guide/povray.md). */
+/* Runs "povray NAME.ini" in the folder (doc/guide/povray.md). */
 static iso_status open_povray(const char *output, iso_image *picture, iso_error *err)
 {
     const char *name = iso_path_base(output);
@@ -101,5 +101,5 @@ const iso_export_target iso_export_target_povray = {
     .samples = samples,
     .clipped = true,
     .limit = 5e-5,
-    .why = "the same samples; the PNG has 16 bits a channel, half a step of which is 1.7e-5 where it is brightest",
+    .why = "the same samples; half a step of the 16-bit PNG is up to 1.7e-5 in linear light",
 };

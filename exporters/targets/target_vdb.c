@@ -18,7 +18,7 @@ static iso_status write_planned(const iso_export_job *job, iso_vdb_options *o, i
     return status;
 }
 
-/* Views that show the file's levels, one each, and the voxels found by them. */
+/* One view per level of the file, and the voxels that they show. */
 typedef struct shown_levels {
     iso_view views[64];
     iso_vdb_shown shown[64];

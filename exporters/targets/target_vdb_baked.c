@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_vdb_baked.c - a level as other programs read it: baked and saved; reports the error of baking in the
- * picture. */
+/* target_vdb_baked.c - bakes a level for other programs, and reports the error of baking in the picture. */
 #include "targets/target_vdb_baked.h"
 
 #include "vdb/vdb.h"
@@ -15,7 +14,7 @@ static const char *up_of(const iso_bake_request *r)
     return r->convention.y_up ? "y" : "z";
 }
 
-/* A unit without a name is printed as its length. */
+/* Returns the unit's name, or its length if it has none. */
 static const char *unit_of(const iso_bake_request *r, char text[24])
 {
     snprintf(text, 24, *r->convention.unit ? "%s" : "%.0s%.9g mm", r->convention.unit, r->convention.unit_mm);
@@ -51,12 +50,12 @@ static void tell_person(FILE *f, const iso_baked *b, const iso_bake_request *r, 
         "baked: %zu of %zu points are visible; 1 scene unit is %s%s, %s up; the extinction is at most %.4g per unit\n",
         b->visible_count, iso_geometry_voxel_count(&b->geometry), *r->convention.unit ? "1 " : "", unit_of(r, unit),
         up_of(r), b->extinction_max * r->convention.unit_mm);
-    fprintf(f, "colors interpolated in place of values: RMSE %.2g, at most %.2g from the exact picture (%zu x %zu)\n",
+    fprintf(f, "interpolating colors instead of values: RMSE %.2g, at most %.2g from the exact picture (%zu x %zu)\n",
             e->lit.rmse, e->lit.max_abs, e->width, e->height);
-    fprintf(f, "the same unlit, as a program shows it that takes the colors for light: RMSE %.2g, at most %.2g\n",
-            e->unlit.rmse, e->unlit.max_abs);
+    fprintf(f, "unlit, in programs that show colors as light: RMSE %.2g, at most %.2g\n", e->unlit.rmse,
+            e->unlit.max_abs);
     if (e->has_emission)
-        fprintf(f, "unlit, by the grid of emission: RMSE %.2g, at most %.2g\n", e->emission.rmse, e->emission.max_abs);
+        fprintf(f, "unlit, with the emission grid: RMSE %.2g, at most %.2g\n", e->emission.rmse, e->emission.max_abs);
     if (r->program)
         fprintf(f, "for %s (%s): %s\n", r->program->name, r->program->tested, r->program->setting);
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* targets.h - the table of programs that a volume is exported to: a row and a file each.
+/* targets.h - the table of export targets: one row and one file each.
  *
- * A target's file, exporters/targets/target_NAME.c, defines iso_export_target_NAME
- * and is listed below; doc/extending.md explains. The row says which options
- * have a meaning for it: others are refused, since they would change nothing. */
+ * A target's file, exporters/targets/target_NAME.c, defines iso_export_target_NAME, which targets.c lists;
+ * doc/extending.md explains. The row lists the options that the target supports: others are refused, since they would
+ * have no effect. */
 #ifndef ISO_TARGETS_H
 #define ISO_TARGETS_H
 
@@ -46,7 +46,7 @@
     X(ISO_EXPORT_SHOWN, "--scene and --tf")   \
     X(ISO_EXPORT_BACKGROUND, "--background") \
     X(ISO_EXPORT_PLAN, "--plan")              \
-    X(ISO_EXPORT_LATTICE, "--points and --supersample") /* without --bake: what is written is baked always */
+    X(ISO_EXPORT_LATTICE, "--points and --supersample") /* without --bake: the target always bakes */
 /* clang-format on */
 
 typedef enum iso_export_option {
@@ -59,80 +59,79 @@ typedef enum iso_export_option {
 /* An export to be written. */
 typedef struct iso_export_job {
     const iso_pyramid *pyramid;
-    const iso_volume *volume; /* of a narrow target: level 0's scalars if the pyramid has none; otherwise NULL */
-    size_t level, level_count; /* levels from `level` on */
+    const iso_volume *volume;  /* for narrow targets: scalars of level 0 if the pyramid has none; or NULL */
+    size_t level, level_count; /* number of levels, from `level` on */
     const char *output;
-    iso_view *
-        view; /* of a target that takes a scene, with a plan and with an extinction scale: it has the scene's own transfer function */
-    const iso_planned *planned; /* bricks of a plan, or NULL: whole levels */
+    iso_view *view; /* for targets that take a scene, with a plan and with an extinction scale: the scene's own transfer
+               * function */
+    const iso_planned *planned; /* bricks of a plan; NULL: whole levels */
     bool merged;                /* True if a plan is written as one grid, otherwise one per level */
     double step_voxels;         /* 0: the scene's */
     bool half_float;
-    bool float_directions;    /* True if directions are not stored in half floats, for any omitted part */
-    iso_bake_options lattice; /* of a target that takes ISO_EXPORT_LATTICE; points 0: as is usual */
-    const iso_bake_request
-        *bake;     /* of a target that bakes: the grids that are asked for, or NULL; then `view` is the scene's */
-    bool physical; /* the material that the file opens with (exporters/blender/blender.h) */
-    bool
-        is_shown; /* of a target that takes ISO_EXPORT_SHOWN: the views that view_of_level makes are what the user gave */
-    bool dense;   /* grids hold all voxels */
+    bool float_directions;        /* True if directions are not to be stored in half floats */
+    iso_bake_options lattice;     /* for targets with ISO_EXPORT_LATTICE; points 0: default */
+    const iso_bake_request *bake; /* for targets that bake: requested grids, or NULL; with it `view` is the scene's */
+    bool physical;                /* True if the file opens with the physical material (exporters/blender/blender.h) */
+    bool is_shown; /* for targets with ISO_EXPORT_SHOWN: True if the user gave the views of view_of_level */
+    bool dense;    /* True to store all voxels */
     bool force;   /* True if a foreign file next to the output is kept aside; otherwise it ends the export */
-    const double *background; /* the value that stands for what grids leave out; NULL: chosen, or none is left out */
-    const char *command;      /* to be noted in files: without folders */
-    bool extinction_scale;    /* the views that view_of_level makes have one (fit/extinction_scale.h) */
+    const double *background; /* value of voxels that grids omit; NULL: chosen automatically, or none are omitted */
+    const char *command;      /* noted in files, without folders */
+    bool extinction_scale;    /* True if the views of view_of_level have one (fit/extinction_scale.h) */
     bool isosurface;
     double iso;
     int threads;
     const iso_progress *progress;
-    /* The view of a level, with what the user asked for in it: a copy that owns its table, to be destroyed. */
+    /* Makes the view of a level with the user's options: a copy with its own table, which the caller destroys. */
     iso_status (*view_of_level)(const struct iso_export_job *job, size_t level, iso_view *view, iso_error *err);
-    /* The frames of a series, of write_frames: how many, and one of them, which is to be destroyed. */
+    /* Frames of a series, for write_frames: their number, and a function that loads one; the caller destroys it. */
     size_t frame_count;
     iso_status (*load_frame)(void *user, size_t frame, iso_pyramid *p, iso_error *err);
     void *frame_user;
-    /* Several volumes, of write_volumes: how many, and one of them with its view, to be destroyed; its name, 63
-     * bytes. */
+    /* Several volumes, for write_volumes: their number, and a function that loads one with its view, which the caller
+     * destroys, and its name of up to 63 bytes. */
     size_t volume_count;
     iso_status (*load_volume)(void *user, size_t i, iso_pyramid *p, iso_view *view, char name[64], iso_error *err);
     void *volume_user;
     const void *user;
-    json_t *results; /* results of the target, by keys, or NULL; */
-    FILE *notes;     /* or the same for people, in lines, or NULL */
+    json_t *results; /* results by keys; or NULL */
+    FILE *notes;     /* results as lines of text; or NULL */
 } iso_export_job;
 
 typedef struct iso_export_target {
     const char *name;      /* "vdb" */
     const char *title;     /* "OpenVDB" */
     const char *summary;   /* contents of the output */
-    const char *baked;     /* the same for a target that bakes, if baking is requested; or NULL */
-    const char *output;    /* what -o names: "NAME.vdb" */
+    const char *baked;     /* contents of the output if baking is requested; or NULL */
+    const char *output;    /* form of -o: "NAME.vdb" */
     unsigned options;      /* of ISO_EXPORT_TAKES(option) */
-    const char *stages[4]; /* that writing reports (base/progress.h), in order; the last takes longest; or none */
+    const char *stages[4]; /* stages of progress in order (base/progress.h), the last one longest; or none */
     iso_status (*write)(const iso_export_job *job, iso_error *err);
-    /* All frames of a series in one output, by job->load_frame; job->pyramid is NULL. NULL: an output a frame, by
-     * write, whose names end in `suffix` behind the number. */
+    /* Writes all frames of a series to one output, by job->load_frame; job->pyramid is NULL. If NULL, `write` makes one
+     * output per frame, whose name ends in its number and `suffix`. */
     iso_status (*write_frames)(const iso_export_job *job, iso_error *err);
     const char *suffix;
-    /* Several volumes in one output, by job->load_volume; job->pyramid is NULL. NULL: there is no such thing. */
+    /* Writes several volumes to one output, by job->load_volume; job->pyramid is NULL. NULL: not supported. */
     iso_status (*write_volumes)(const iso_export_job *job, iso_error *err);
 
-    /* What a person sees of it. open starts the program anew on what was written, as the target's page tells a person
-     * to, and reads the picture that it leaves: colors with the background, in linear light. NULL: nothing to start. */
+    /* Opens the output in its program, as the target's page describes, and loads the picture that it renders: colors
+     * over the background, linear light. NULL: no program to start. */
     iso_status (*open)(const char *output, iso_image *picture, iso_error *err);
-    const char *renderer; /* its name among the renderers */
-    bool narrow;  /* where a level is written by itself, level 0's scalars may be in job.volume alone (pyramid/narrow.h) */
-    bool stamped; /* people edit the output: it ends in a stamp (base/stamp.h), and is not overwritten when changed */
-    /* Before work: announces files that are written beside the output (base/inputs.h), and refuses where they are not
-     * ours (base/stamp.h). roi: of a region of interest, too. NULL: there are none. */
+    const char *renderer; /* name in the table of renderers */
+    bool narrow;          /* True if a single level may have its scalars in job.volume only (pyramid/narrow.h) */
+    bool stamped;         /* True if people edit the output: it ends in a stamp (base/stamp.h), and an edited one is not
+                   * overwritten */
+    /* Called before the work: announces files written next to the output (base/inputs.h), and refuses to overwrite
+     * other programs' files (base/stamp.h). roi: includes those of a region of interest. NULL: no such files. */
     iso_status (*guard)(const char *output, size_t level, size_t level_count, bool roi, bool force, iso_error *err);
-    const char *example; /* what -o may be called */
-    /* The samples of a ray in what is written with this step: intervals in each piece, and the planes between pieces.
-     * NULL: it has steps. */
+    const char *example; /* example of -o */
+    /* Samples of a ray in the output for a given step: intervals per piece, and planes between pieces. NULL: the output
+     * stores the step itself. */
     void (*samples)(const iso_geometry *level, const iso_view *view, double step_voxels, size_t *intervals,
                     size_t *planes);
-    bool clipped;    /* the picture's file holds 0 to 1 */
-    double limit;    /* RMSE to a picture of the same samples */
-    const char *why; /* the cause of it */
+    bool clipped;    /* True if the picture's file clips to 0 to 1 */
+    double limit;    /* limit of the RMSE to a picture of the same samples */
+    const char *why; /* reason for this limit */
 } iso_export_target;
 
 #define ISO_EXPORT_TAKES(option) (1u << (option))

@@ -25,7 +25,7 @@ iso_vec3 iso_vdb_in_scene(const iso_vdb_convention *c, iso_vec3 world_mm)
     return iso_scale(iso_vdb_turned(c, world_mm), 1 / c->unit_mm);
 }
 
-/* From integers at the points to scene units. */
+/* Makes the transform from integers at the points to scene units. */
 static void place(const iso_vdb_fields *f, double m[3][4])
 {
     const iso_geometry *g = f->geometry;
@@ -40,7 +40,7 @@ static void place(const iso_vdb_fields *f, double m[3][4])
     }
 }
 
-/* OpenVDB refuses voxels of 1e-15 cubic units; single precision of renderers wants some room. */
+/* OpenVDB refuses voxels of 1e-15 cubic units, and renderers' single precision needs some margin. */
 static const double least_voxel = 5e-5, most_voxel = 1e6;
 
 bool iso_vdb_fits(const iso_vdb_convention *c, const iso_geometry *g)
@@ -86,7 +86,7 @@ static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *fie
     memcpy(s.box_index, f->geometry->box_index, sizeof s.box_index);
     iso_geometry_spacing_mm(f->geometry, s.spacing_mm);
     place(f, s.index_to_world);
-    /* Not at 0: Cycles takes a voxel more on each side, and bounds grids with negative indices wrongly. */
+    /* Not at 0: Cycles adds a voxel on each side, and bounds grids with negative indices wrongly. */
     iso_vdb_begin_at(&s, (const long[]){ISO_VDB_FIELDS_FIRST, ISO_VDB_FIELDS_FIRST, ISO_VDB_FIELDS_FIRST});
     return s;
 }
@@ -97,7 +97,7 @@ typedef struct fields_file {
     const char *path; /* for messages */
 } fields_file;
 
-/* The file's own metadata, by the keys of vdb.h. */
+/* Writes the file's metadata, with the keys of vdb.h. */
 static iso_status note(const fields_file *to, const iso_vdb_fields *f, iso_error *err)
 {
     const char *const entries[][2] = {{"creator", "isoshade " ISO_VERSION},

@@ -61,7 +61,7 @@ const char *iso_vdb_choose_unit(double voxel_mm, const char *preferred, double *
     return "";
 }
 
-/* Geometry in the unit of the file, which is noted. */
+/* Converts the geometry to the unit of the file, and notes the unit. */
 static void take_unit(iso_vdb_source *source, const iso_geometry *g, const iso_vdb_options *opt)
 {
     source->unit = "";
@@ -115,7 +115,7 @@ static iso_status check_levels(const iso_pyramid *p, size_t first, size_t count,
     return ISO_OK;
 }
 
-/* What to save: levels of a pyramid, or lattices. */
+/* Data to save: levels of a pyramid, or lattices. */
 typedef struct save_job {
     const iso_pyramid *pyramid;
     size_t first;
@@ -131,7 +131,7 @@ static iso_status note(const iso_vdb_job *job, const char *key, const char *text
     return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, job->path, &message, err);
 }
 
-/* The file's own metadata. */
+/* Writes the file's metadata. */
 static iso_status note_file(const iso_vdb_job *job, const char *made_from, const iso_geometry *g, iso_error *err)
 {
     const iso_vdb_options *o = job->opt;
@@ -191,7 +191,7 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
 
 bool iso_vdb_is_ours(const char *path)
 {
-    /* A key, the type of its value, and the value, each behind its length. Only the command comes before. */
+    /* A key, the type of its value, and the value, each after its length. Only the command precedes it. */
     static const char key[] = "creator\6\0\0\0string", name[] = "isoshade";
     enum { HEAD_BYTES = 1 << 16, LENGTH_BYTES = 4 };
     char *head = calloc(HEAD_BYTES + sizeof key + LENGTH_BYTES + sizeof name, 1);

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_file.h - how a file of grids comes about; private to this folder.
+/* vdb_file.h - internals of writing grid files; private to this folder.
  *
  *   vdb.c            saving: metadata, units, and the file
  *   vdb_grids.c      the grids of a level and of a lattice, as sources of rows
- *   vdb_sparse.c     which voxels of a level are active
+ *   vdb_sparse.c     active voxels of a level
  *   vdb_read.c       reading back, measuring
- *   vdb_library.c    isoshade_openvdb.so, which has the rest, loaded
- *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are written without ever being whole in memory,
- *                    vdb_leaves.h: by several threads
- *   vdb_nanovdb.cc   NanoVDB, by its own conversion of OpenVDB grids (nanovdb.h); vdb_guarded.h: exceptions end there */
+ *   vdb_library.c    loads isoshade_openvdb.so, which contains:
+ *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are never complete in memory, vdb_leaves.h: written by several threads
+ *   vdb_nanovdb.cc   NanoVDB, by its own conversion of OpenVDB grids (nanovdb.h); vdb_guarded.h: exceptions end here */
 #ifndef ISO_VDB_FILE_H
 #define ISO_VDB_FILE_H
 
@@ -17,25 +16,25 @@
 #include "vdb/vdb_openvdb.h"
 #include "vdb/vdb_sparse.h"
 
-/* Rows that run the other way. */
+/* Rows in reverse order. */
 typedef struct iso_vdb_reversed {
     void (*read)(const void *user, size_t x, size_t y, size_t z, size_t count, float *out);
     void (*read_active)(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out);
     const void *user, *active_user;
     bool (*prepare)(void *user, const size_t first[3], const size_t end[3]);
     void *prepare_user;
-    size_t width, wide; /* of rows; with the rim */
+    size_t width, wide; /* of rows; wide: including the rim */
     size_t channels;
 } iso_vdb_reversed;
 
 enum { ISO_VDB_MAX_GRIDS = 4 };
 
-/* Source of the grids of a level. It stays in place until the file is written. */
+/* Source of the grids of a level. Must not move until the file is written. */
 typedef struct iso_vdb_grids {
     const iso_lattice *lattice; /* or a level: */
     const iso_level *level;
     const iso_volume *volume; /* its scalars if it has none */
-    iso_narrow_codes made;    /* owned: its codes, box by box, if it has none */
+    iso_narrow_codes made;    /* owned: codes made box by box if the level has none */
     iso_code code;
     const uint8_t *tf_2d, *extinction_scale;
     float direction_scale;
@@ -52,10 +51,10 @@ typedef struct iso_vdb_job {
     bool plain_names;
 } iso_vdb_job;
 
-/* NULL where it cannot be loaded, with ISO_E_MISSING; path: of the file that it is wanted for. */
+/* Loads the library. NULL and ISO_E_MISSING if that fails; path: the file to be written or read, for the message. */
 const iso_openvdb *iso_vdb_library(const char *path, iso_error *err);
 
-/* Fills in the shared description of a level or a lattice. */
+/* Fills the part of a source that all grids of a level or lattice share. */
 iso_vdb_source iso_vdb_describe(const iso_geometry *g, const char *made_from, const iso_vdb_options *opt);
 iso_status iso_vdb_fail(int code, const char *path, const iso_vdb_message *message, iso_error *err);
 
@@ -66,7 +65,7 @@ iso_status iso_vdb_add_lattice(const iso_vdb_job *job, const iso_lattice *l, con
                                iso_vdb_grids *grids, iso_error *err);
 void iso_vdb_grids_destroy(iso_vdb_grids *grids); /* accepts empty */
 
-/* Voxel 0 gets the index `first` along each axis, and stays where it is in the world. */
+/* Moves voxel 0 to index `first` along each axis; its world position stays. */
 void iso_vdb_begin_at(iso_vdb_source *source, const long first[3]);
 
 #endif

@@ -76,14 +76,14 @@ static void read_lit(const void *user, size_t x, size_t y, size_t z, size_t coun
     read_bits(a, a->lit, (const size_t[]){x, y, z}, count, out);
 }
 
-/* ---- rows that run the other way --------------------------------------------------- */
+/* ---- rows in reverse order --------------------------------------------------------- */
 
 bool iso_vdb_reverses_x(const iso_geometry *g)
 {
     return iso_mat3_det(g->index_to_world) < 0;
 }
 
-/* Index x becomes size - 1 - x, for a transform from the first voxel's center. */
+/* Maps index x to size - 1 - x, for a transform from the first voxel's center. */
 static void reverse_x(iso_vdb_source *s)
 {
     s->reversed_x = true;
@@ -157,7 +157,7 @@ static bool are_halves(const iso_level *level, const iso_volume *volume)
     return true;
 }
 
-/* Of all grids but the first: from 0 to 1, or what bytes give. */
+/* Range of all grids but the first: 0 to 1, or that of the bytes. */
 static void set_range(iso_vdb_source *s, bool is_log2_scale)
 {
     s->value_min = is_log2_scale ? iso_extinction_scale_log2(0) : 0;
@@ -165,12 +165,12 @@ static void set_range(iso_vdb_source *s, bool is_log2_scale)
     s->background = 0;
 }
 
-/* The grids that can be read. `common` is complete but for what tells them apart; its transform is reversed where rows are
- * to be. */
+/* Sources of the grids. `common` is complete except for their differences; its transform is already reversed if rows
+ * are. */
 typedef struct grid_readers {
     read_row *scalar, *directions, *tf_2d, *log2_scale;
-    read_activity *kept, *lit; /* of the scalar, of the others */
-    bool (*prepare)(void *user, const size_t first[3], const size_t end[3]); /* of the directions, or NULL */
+    read_activity *kept, *lit;                                               /* for the scalar, for other grids */
+    bool (*prepare)(void *user, const size_t first[3], const size_t end[3]); /* for directions, or NULL */
     bool reversed, half_scalar;
 } grid_readers;
 
@@ -294,8 +294,8 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
                                   .half_scalar = are_halves(level, opt->volume) && is_half(source.background)};
     if (readers.reversed)
         reverse_x(&source);
-    /* Cycles marks one voxel more on each side as its own, and up to Blender 5.1 it bounds a grid wrongly that then has
-     * negative indices: parts of levels of a few voxels were not drawn (projects.blender.org, issue 141488). */
+    /* Cycles adds one voxel on each side. Up to Blender 5.1 it bounds grids with negative indices wrongly, so that
+     * parts of small levels were not drawn (projects.blender.org, issue 141488). */
     const long first = opt->pad_voxels > 0 ? (long)opt->pad_voxels + 1 : 0;
     iso_vdb_begin_at(&source, (const long[3]){first, first, first});
     char *segments = level->segments ? json_dumps(level->segments, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
@@ -314,7 +314,7 @@ void iso_vdb_grids_destroy(iso_vdb_grids *grids)
 
 /* ---- lattices ------------------------------------------------------------------ */
 
-/* How many of `count` nodes from (x, y, z) on lie in one block, and which: of its nodes from `in` on. */
+/* Counts the nodes of `count` from (x, y, z) on that lie in one block; `in`: the first one's place in the block. */
 static size_t run_of(const iso_lattice *l, size_t x, size_t y, size_t z, size_t count, const iso_lattice_block **block,
                      size_t *in)
 {
@@ -360,7 +360,7 @@ static void read_node_light(const void *user, size_t x, size_t y, size_t z, size
     read_use(((const iso_vdb_grids *)user)->lattice, (const size_t[]){x, y, z}, count, ISO_LATTICE_LIT, out);
 }
 
-/* As whole numbers of a byte are, where no node is sampled between others. */
+/* True if values are whole numbers of bytes and no node lies between samples. */
 static bool lattice_is_half(const iso_lattice *l)
 {
     for (size_t i = 0; i < l->block_count[0] * l->block_count[1] * l->block_count[2]; ++i)
@@ -370,10 +370,10 @@ static bool lattice_is_half(const iso_lattice *l)
     return true;
 }
 
-/* A multiple of the leaves' size, and of the coarsest bricks', that makes all indices of a lattice positive. */
+/* Returns a multiple of the leaf size and of the coarsest bricks' size that makes all indices of a lattice positive. */
 static long beginning(long first, long cells)
 {
-    const long margin = first - 2; /* Cycles marks a voxel on each side as its own */
+    const long margin = first - 2; /* Cycles adds a voxel on each side */
     return margin < 0 ? cells * ((-margin + cells - 1) / cells) : 0;
 }
 
@@ -393,8 +393,8 @@ iso_status iso_vdb_add_lattice(const iso_vdb_job *job, const iso_lattice *l, con
     const bool reversed = iso_vdb_reverses_x(&l->geometry);
     if (reversed)
         reverse_x(&source);
-    /* Bricks begin where leaves do: the volume's first node, which is also the last along a reversed x, has a multiple of 8
-     * for its index. It is not 0, because a rim lies before it, and Cycles bounds grids with negative indices wrongly. */
+    /* Bricks start at leaf borders: the volume's first node, which is the last one along a reversed x, gets a multiple
+     * of 8 as its index. Not 0, because a rim lies before it, and Cycles bounds grids with negative indices wrongly. */
     long first[3] = {reversed ? -l->first[0] - (long)l->size[0] : l->first[0], l->first[1], l->first[2]};
     for (int a = 0; a < 3; ++a)
         first[a] += beginning(first[a], LEAF);

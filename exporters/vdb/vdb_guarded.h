@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_guarded.h - the one place where exceptions of OpenVDB end; private to the C++ files of this folder. */
+/* vdb_guarded.h - the only place that catches exceptions of OpenVDB; private to the C++ files of this folder. */
 #ifndef ISO_VDB_GUARDED_H
 #define ISO_VDB_GUARDED_H
 

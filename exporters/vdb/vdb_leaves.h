@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_leaves.h - leaves on their way into a file: values are read and compressed by several threads, and written in the
- * leaves' order, so that the file's bytes do not depend on the number of threads. Private to exporters/vdb. */
+/* vdb_leaves.h - writing of leaves. Several threads read and compress values; the leaves are written in their order, so
+ * that the file's bytes do not depend on the number of threads. Private to exporters/vdb. */
 #ifndef ISO_VDB_LEAVES_H
 #define ISO_VDB_LEAVES_H
 
@@ -31,7 +31,7 @@ inline long clamp(long v, long size)
     return v < 0 ? 0 : v < size ? v : size - 1;
 }
 
-/* Row (y, z) of eight voxels from x on, counted from the first one, with edge values where it leaves the volume. */
+/* Reads eight voxels of row (y, z) from x on, counted from the first voxel; repeats edge values outside the volume. */
 inline void read_row(const iso_vdb_source &s, long x, long y, long z, float *row)
 {
     const long nx = static_cast<long>(s.size[0]);
@@ -53,7 +53,7 @@ inline void take(const float *v, openvdb::Vec3f &out)
     out = openvdb::Vec3f(v[0], v[1], v[2]);
 }
 
-/* Compresses pieces one by one with one state, as zlib does. */
+/* Compresses pieces with one reusable zlib state. */
 class deflater {
 public:
     deflater() : state_(libdeflate_alloc_compressor(level))
@@ -62,7 +62,8 @@ public:
             throw std::bad_alloc();
     }
 
-    /* As OpenVDB's zipToStream(): the number of bytes, then these; negative where they are not compressed. */
+    /* Like OpenVDB's zipToStream(): writes the number of bytes, then the bytes; a negative number if they are not
+     * compressed. */
     void write(std::ostream &out, const char *data, size_t size)
     {
         room_.resize(std::max(room_.size(), size));
@@ -73,7 +74,7 @@ public:
     }
 
 private:
-    /* Levels 2 to 6 take half as long again or more, and gain nothing with leaves of directions, 6 kB at most. */
+    /* Levels 2 to 6 take at least 1.5 times as long and gain nothing on leaves of directions (6 kB at most). */
     static constexpr int level = 1;
 
     struct release {
@@ -100,7 +101,7 @@ protected:
     }
 };
 
-/* Writes leaves as LeafNode::writeBuffers() does, from the source's values. For one thread. */
+/* Writes leaves as LeafNode::writeBuffers() does, from the source's values. One per thread. */
 template <typename Leaf> class leaf_writer {
     using value = typename Leaf::ValueType;
     using half_value = typename openvdb::io::RealToHalf<value>::HalfT;
@@ -119,7 +120,7 @@ public:
         return taken;
     }
 
-    /* All that is not active is background, so that a leaf is its mask, a byte that says so, and its active values. */
+    /* All inactive voxels are background, so a leaf is its mask, a byte for this rule, and its active values. */
     void write(const Leaf &leaf)
     {
         const size_t count = read_active(leaf);
@@ -134,7 +135,7 @@ public:
     }
 
 private:
-    /* Voxels of a leaf follow each other along z, then y: a word of the mask is a plane across x. */
+    /* Voxels of a leaf are stored along z first, then y: a word of the mask is a plane across x. */
     size_t read_active(const Leaf &leaf)
     {
         const iso_vdb_source &s = source_;
@@ -175,10 +176,10 @@ private:
     half_value halves_[Leaf::SIZE];
 };
 
-/* Pieces of a file that threads hand in as they finish them, and that are written in their order. A piece that is too
- * early waits here and not its thread, unless there are many: threads that wait for their turn in a loop of OpenMP
- * spin, which took two thirds of an export's processor time where the machine has other work. The first exception is
- * kept, to be thrown where the threads have met again: none may leave its thread. */
+/* Collects pieces of a file from several threads and writes them in order. An early piece waits here, and its thread
+ * goes on, unless too many wait. Waiting inside an OpenMP loop would spin: on a busy machine that took two thirds of an
+ * export's processor time. The first exception is kept and thrown after the threads have joined, since none may leave
+ * its thread. */
 class ordered_output {
 public:
     ordered_output(std::ostream &out, size_t most) : out_(out), most_(most) {}
@@ -216,7 +217,7 @@ private:
         room_.wait(lock, [&] { return failure_ || number == next_ || early_.size() < most_; });
         early_.emplace(number, std::move(bytes));
         if (is_writing_)
-            return; /* who writes takes this one, too, when it is its turn */
+            return; /* the writing thread writes this piece too, when it is its turn */
         is_writing_ = true;
         for (auto first = early_.begin(); !failure_ && first != early_.end() && first->first == next_;
              first = early_.begin()) {
@@ -249,7 +250,7 @@ template <typename Leaf> struct leaf_run {
 template <typename Leaf>
 void write_run(std::ostream &out, const leaf_run<Leaf> &leaves, const iso_vdb_source &source, bool to_half)
 {
-    const size_t piece = 32; /* leaves that a thread takes at once */
+    const size_t piece = 32; /* leaves per piece */
     const size_t pieces = (leaves.count + piece - 1) / piece;
     const uint32_t compression = openvdb::io::getDataCompression(out);
     ordered_output ordered(out, 4 * static_cast<size_t>(source.threads));
@@ -268,14 +269,14 @@ void write_run(std::ostream &out, const leaf_run<Leaf> &leaves, const iso_vdb_so
     ordered.rethrow();
 }
 
-/* The node above the leaves: the file has all of its leaves, then those of the next one. */
+/* The node above a leaf. The file has all leaves of a node, then those of the next. */
 template <typename Leaf> openvdb::Coord node_of(const Leaf &leaf)
 {
     const int voxels = 128;
     return leaf.origin() & ~(voxels - 1);
 }
 
-/* The voxels that leaves are read from, edges for what lies beyond them. */
+/* Prepares the voxels that leaves are read from; edge voxels for those outside. */
 template <typename Leaf> void prepare_run(const leaf_run<Leaf> &leaves, const iso_vdb_source &s)
 {
     openvdb::Coord lo = leaves.at[0]->origin(), hi = lo;

@@ -1,34 +1,34 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_library.c - OpenVDB is loaded when it is needed first. */
+/* vdb_library.c - loads OpenVDB on first use. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/beside.h"
+#include "base/helper.h"
 #include "vdb/vdb_file.h"
 
 static const char file_name[] = "isoshade_openvdb.so";
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static const iso_openvdb *loaded;
-static char why[sizeof((iso_error *)0)->text]; /* where it cannot be loaded */
+static char why[sizeof((iso_error *)0)->text]; /* reason why it cannot be loaded */
 
-/* In a program that the archive is linked into with -u iso_openvdb_functions, as the .pc file says: its own. */
+/* Defined if the archive is linked with -u iso_openvdb_functions, as the .pc file does. */
 extern const iso_openvdb iso_openvdb_functions __attribute__((weak));
 
-/* It stays until the program ends: OpenVDB leaves threads behind. */
+/* Loads it until the program ends, as OpenVDB's threads outlive the calls. */
 static void load(void)
 {
     loaded = &iso_openvdb_functions;
     if (loaded)
         return;
-    char *path = iso_beside_find(file_name);
+    char *path = iso_helper_find(file_name);
     void *library = path ? dlopen(path, RTLD_NOW | RTLD_LOCAL) : NULL;
     loaded = library ? dlsym(library, ISO_OPENVDB_SYMBOL) : NULL;
     if (!loaded) {
         const char *reason = path ? dlerror() : NULL;
-        strncpy(why, reason ? reason : "it does not lie beside the program", sizeof why - 1);
+        strncpy(why, reason ? reason : "it is not in the program's folder", sizeof why - 1);
     }
     free(path);
 }
@@ -37,6 +37,6 @@ const iso_openvdb *iso_vdb_library(const char *path, iso_error *err)
 {
     pthread_once(&once, load);
     if (!loaded)
-        iso_fail(err, ISO_E_MISSING, "%s: %s, which knows OpenVDB, cannot be loaded: %s", path, file_name, why);
+        iso_fail(err, ISO_E_MISSING, "%s: cannot load %s, which reads and writes OpenVDB: %s", path, file_name, why);
     return loaded;
 }

@@ -37,15 +37,15 @@ handle convert(const openvdb::GridBase::Ptr &grid)
     if (const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
         return to_nanovdb(*scalars);
     if (const auto vectors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid)) {
-        vectors->setGridClass(openvdb::GRID_UNKNOWN); /* NanoVDB knows fog volumes of one channel alone */
+        vectors->setGridClass(openvdb::GRID_UNKNOWN); /* NanoVDB allows fog volumes for one channel only */
         return to_nanovdb(*vectors);
     }
     throw std::runtime_error("grid \"" + grid->getName() + "\" has values of type " + grid->valueType() +
                              ", wanted float or vec3s");
 }
 
-/* All grids of a file that this process wrote a moment ago: whatever is wrong with it, the disk did not keep or give it. One
- * grid at a time as OpenVDB holds it. */
+/* Reads the grids of a file that this process has just written: any error is due to the disk. OpenVDB holds one grid at
+ * a time. */
 std::vector<handle> read_again(const char *vdb_path)
 {
     std::vector<handle> grids;
@@ -56,7 +56,7 @@ std::vector<handle> read_again(const char *vdb_path)
         } catch (const std::bad_alloc &) {
             throw;
         } catch (const std::exception &e) {
-            throw openvdb::IoError(std::string("what was written of it cannot be read again: ") + e.what());
+            throw openvdb::IoError(std::string("cannot be read back: ") + e.what());
         }
     };
     read([&] { return file.open(/*delayLoad=*/false); });
@@ -88,7 +88,7 @@ const char *iso_vdb::nanovdb_version()
     return VERSION_TEXT(NANOVDB_MAJOR_VERSION_NUMBER, NANOVDB_MINOR_VERSION_NUMBER, NANOVDB_PATCH_VERSION_NUMBER);
 }
 
-#else /* the headers are not installed: isoshade does without them */
+#else /* built without the headers */
 
 int iso_vdb::to_nanovdb(const char *, const char *, iso_vdb_message *)
 {

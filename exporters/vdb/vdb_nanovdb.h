@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_nanovdb.h - grids of OpenVDB as a file of NanoVDB; what vdb_openvdb.h says of both functions. Private to the C++
- * files of this folder. */
+/* vdb_nanovdb.h - converts OpenVDB grids to NanoVDB files; contracts in vdb_openvdb.h. Private to the C++ files of this
+ * folder. */
 #ifndef ISO_VDB_NANOVDB_H
 #define ISO_VDB_NANOVDB_H
 

@@ -18,8 +18,8 @@ using openvdb::Coord;
 
 namespace {
 
-/* OpenVDB writes where things are into the file, and does not look whether the place could be told. */
-struct told_places : std::filebuf {
+/* OpenVDB writes file positions into the file without checking that tellp() succeeded. */
+struct checked_places : std::filebuf {
     bool failed = false;
 
     pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode mode) override
@@ -30,19 +30,19 @@ struct told_places : std::filebuf {
     }
 };
 
-/* OpenVDB's File does not look at the stream's state after writing. */
+/* OpenVDB's File does not check the stream after writing. */
 struct archive : openvdb::io::Archive {
     void save(std::ostream &out, const openvdb::GridCPtrVec &grids, const openvdb::MetaMap &meta, bool small)
     {
-        /* Blosc, the default, finds nothing in directions; ZIP halves them, and takes several times as long. */
+        /* Blosc, the default, does not compress directions; ZIP halves them, in several times the time */
         if (small)
             setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
         write(out, grids, /*seekable=*/true, meta);
     }
 };
 
-/* Which of the eight voxels from x on of row (y, z) are active; x, y, z counted from the first voxel. What lies beyond
- * the rim is not. */
+/* Reads active flags of the eight voxels from x on of row (y, z), counted from the first voxel. Voxels beyond the rim
+ * are inactive. */
 void read_active_row(const iso_vdb_source &s, const long at[3], unsigned char *row)
 {
     const long pad = static_cast<long>(s.pad);
@@ -77,7 +77,7 @@ openvdb::util::NodeMask<3> active_voxels(const iso_vdb_source &s, const long blo
     return mask;
 }
 
-/* A leaf for each 8 x 8 x 8 block that has an active voxel: no tiles, which Cycles misreads. */
+/* Makes a leaf for each 8 x 8 x 8 block with an active voxel, and no tiles, which Cycles misreads. */
 template <typename Tree> void fill(Tree &tree, const iso_vdb_source &s)
 {
     const long pad = static_cast<long>(s.pad);
@@ -210,7 +210,7 @@ static iso_vdb_file *create_file()
 static int add_grid(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message)
 {
     return guarded(message, [&] {
-        file->sources.push_back(*source); /* stays where it is: the leaves read from it */
+        file->sources.push_back(*source); /* must not move: the leaves read from it */
         const iso_vdb_source &own = file->sources.back();
         file->grids.push_back(own.channels == 3 ? build<openvdb::Vec3f>(own) : build<float>(own));
         return static_cast<int>(ISO_OPENVDB_OK);
@@ -228,7 +228,7 @@ static int note_text(iso_vdb_file *file, const char *key, const char *text, iso_
 static int write_file(const iso_vdb_file *file, const char *path, bool small, iso_vdb_message *message)
 {
     return guarded(message, [&] {
-        told_places buffer;
+        checked_places buffer;
         if (!buffer.open(path, std::ios::out | std::ios::binary | std::ios::trunc))
             throw std::ios::failure("the file cannot be opened");
         std::ostream out(&buffer);
@@ -289,6 +289,6 @@ static int measure(const char *path, size_t *active_voxels, size_t *memory_bytes
     });
 }
 
-extern "C" const iso_openvdb iso_openvdb_functions; /* without it C++ keeps a constant to its file */
+extern "C" const iso_openvdb iso_openvdb_functions; /* a C++ constant is local to its file without extern */
 const iso_openvdb iso_openvdb_functions = {create_file, add_grid, note_text, write_file,          destroy_file,
                                            read_grid,   measure,  iso_vdb::to_nanovdb, iso_vdb::nanovdb_version};

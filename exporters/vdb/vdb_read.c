@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_read.c - files of grids read back and measured. */
+/* vdb_read.c - reads grid files back, and measures them. */
 #define _GNU_SOURCE
 #include <string.h>
 #include <sys/stat.h>
@@ -38,7 +38,7 @@ iso_status iso_vdb_load_grid(const char *path, const char *grid, int channels, c
     iso_vdb_grid_info info;
     iso_vdb_message message = {""};
     int code = openvdb->read(path, grid, channels, size, out, &info, &message);
-    if (code == ISO_OPENVDB_IO) /* the file is there, so it is its content */
+    if (code == ISO_OPENVDB_IO) /* the file exists, so its content is wrong */
         return iso_fail(err, ISO_E_FORMAT, "%s: cannot be read as OpenVDB: %s", path, message.text);
     if (code != ISO_OPENVDB_OK)
         return iso_vdb_fail(code, path, &message, err);

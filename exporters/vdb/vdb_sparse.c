@@ -11,7 +11,7 @@
 
 /* ---- visible voxels ---- */
 
-/* The entries of one table that show anything: next[i] is the first one from i on, `count` where there is none. */
+/* The visible entries of a table: next[i] is the first one from i on, `count` if there is none. */
 typedef struct shown_entries {
     double lo, scale, last;
     uint32_t *next;
@@ -20,7 +20,7 @@ typedef struct shown_entries {
 typedef struct shown_test {
     size_t count;
     shown_entries *tables;
-    bool plain; /* no tables: what is not `background` is shown */
+    bool plain; /* no tables: all values but `background` are visible */
     float background;
 } shown_test;
 
@@ -41,7 +41,7 @@ static void note_entries(shown_entries *e, const iso_tf_table *tf)
     }
 }
 
-/* Tables of one range and size, such as the rows of a 2D transfer function, become one. */
+/* Adds a table. Tables of one range and size, such as the rows of a 2D transfer function, are merged. */
 static bool add_table(shown_test *t, const iso_tf_table *tf)
 {
     const double scale = (double)(tf->count - 1) / (tf->hi - tf->lo), last = (double)(tf->count - 1);
@@ -79,7 +79,7 @@ static inline double within(double x, double last)
     return x > 0 ? (x < last ? x : last) : 0;
 }
 
-/* iso_tf_shows() of any of the tables, in a time that does not depend on the interval. */
+/* Like iso_tf_shows() for any of the tables, in constant time. */
 static inline bool shows(const shown_test *t, float min, float max)
 {
     if (t->plain)
@@ -94,7 +94,7 @@ static inline bool shows(const shown_test *t, float min, float max)
     return false;
 }
 
-/* Nothing is shown between the two. */
+/* True if no value between the two is visible. */
 static inline bool joined(const shown_test *t, float value, float background)
 {
     return !shows(t, value < background ? value : background, value < background ? background : value);
@@ -104,7 +104,7 @@ static inline bool joined(const shown_test *t, float value, float background)
 
 enum { BIN_COUNT = 4096 };
 
-/* The nearest value that a half float holds, if it is in their range. */
+/* Rounds to a half float if the value is in range. */
 static float to_half(float value)
 {
     int exponent;
@@ -125,8 +125,8 @@ static void count_values(const iso_level *level, const iso_volume *volume, doubl
     }
 }
 
-/* The value among those that are not shown in whose range most voxels lie, as far as can be from what shows; the least
- * value where all are shown. */
+/* Chooses the background: from the hidden range with most voxels, as far as possible from visible values; the least
+ * value if all are visible. */
 static float choose_background(const shown_test *t, const iso_level *level, const iso_volume *volume)
 {
     const double width = (level->max - level->min) / BIN_COUNT;
@@ -157,14 +157,14 @@ static iso_status find_background(const shown_test *t, const iso_level *level, c
 {
     *background = shown->has_background ? (float)shown->background : choose_background(t, level, volume);
     if (!t->plain && shown->has_background && shows(t, *background, *background))
-        return iso_fail(err, ISO_E_RANGE, "a background of %g: the transfer function shows this value",
+        return iso_fail(err, ISO_E_RANGE, "background %g is visible under the transfer function; choose another",
                         shown->background);
     return ISO_OK;
 }
 
 /* ---- cells and voxels ------------------------------------------------------------ */
 
-/* Planes of the level with its rim are numbered from 0; cell i lies between voxels i and i + 1. */
+/* Planes of the level with its rim are counted from 0; cell i lies between voxels i and i + 1. */
 typedef struct marker {
     iso_vdb_activity *activity;
     const iso_level *level;
@@ -176,8 +176,8 @@ typedef struct marker {
 /* Buffers of one thread. */
 typedef struct planes {
     float *row[2];             /* two rows of voxels, with the rim */
-    float *least[2], *most[2]; /* over squares of four voxels, of this plane of voxels and the next */
-    uint8_t *seen[2];          /* a byte a cell: of the layer of cells before this plane of voxels, and behind it */
+    float *least[2], *most[2]; /* over squares of four voxels, for this plane of voxels and the next */
+    uint8_t *seen[2];          /* a byte per cell, for the layers of cells before and after this plane of voxels */
 } planes;
 
 static size_t clamped(size_t i, size_t pad, size_t size)
@@ -197,7 +197,8 @@ static void read_voxels(const marker *m, size_t y, size_t z, float *out)
     }
 }
 
-/* Least and greatest of each square of four voxels of plane z. Cells along x and y: one fewer than voxels. */
+/* Computes least and greatest value of each square of four voxels of plane z. Cells along x and y: one fewer than
+ * voxels. */
 static void take_plane(const marker *m, planes *p, size_t z, float *least, float *most)
 {
     const size_t nx = m->activity->size[0], ny = m->activity->size[1];
@@ -215,7 +216,7 @@ static void take_plane(const marker *m, planes *p, size_t z, float *least, float
     }
 }
 
-/* Which cells are seen of the layer between the two planes that least and most are of. */
+/* Marks the seen cells of the layer between the two planes of least and most. */
 static void see_layer(const marker *m, planes *p, uint8_t *seen)
 {
     const size_t cells = (m->activity->size[0] - 1) * (m->activity->size[1] - 1);
@@ -226,7 +227,8 @@ static void see_layer(const marker *m, planes *p, uint8_t *seen)
     }
 }
 
-/* The layer of cells behind plane z, from the planes of voxels z and z + 1. Beyond the last plane there are none. */
+/* Marks the layer of cells after plane z, from the planes z and z + 1 of voxels. After the last plane there are no
+ * cells. */
 static void next_layer(const marker *m, planes *p, size_t z, uint8_t *seen)
 {
     const size_t *n = m->activity->size;
@@ -239,7 +241,7 @@ static void next_layer(const marker *m, planes *p, size_t z, uint8_t *seen)
     see_layer(m, p, seen);
 }
 
-/* The same where plane z is known from the layer before. */
+/* As next_layer(), with plane z known from the layer before. */
 static void following_layer(const marker *m, planes *p, size_t z, uint8_t *seen)
 {
     float *least = p->least[0], *most = p->most[0];
@@ -253,7 +255,7 @@ static void following_layer(const marker *m, planes *p, size_t z, uint8_t *seen)
     see_layer(m, p, seen);
 }
 
-/* Whether a cell at the voxel's corner is seen, of one layer. */
+/* True if a cell of the layer that touches the voxel is seen. */
 static inline uint8_t touched(const uint8_t *seen, size_t x, size_t y, const size_t size[3])
 {
     const size_t nx = size[0] - 1, ny = size[1] - 1;
@@ -303,9 +305,9 @@ static bool planes_create(planes *p, const size_t size[3])
     return true;
 }
 
-enum { CHUNK = 32 }; /* planes that a thread marks in a row */
+enum { CHUNK = 32 }; /* consecutive planes per thread */
 
-/* False when memory ends. */
+/* Returns false if out of memory. */
 static bool mark_chunk(const marker *m, size_t begin, size_t end, size_t counts[2])
 {
     planes p;
@@ -330,8 +332,8 @@ static bool mark_chunk(const marker *m, size_t begin, size_t end, size_t counts[
     return true;
 }
 
-/* Cycles without NanoVDB fades a grid to 0 beyond its active voxels, and 0 may be a value that is shown: their box has
- * to be that of the level. */
+/* Cycles without NanoVDB fades a grid to 0 beyond its active voxels, and 0 may be visible: their box must equal that of
+ * the level. */
 static void keep_corners(iso_vdb_activity *a)
 {
     for (int end = 0; end < 2; ++end) {
@@ -373,7 +375,7 @@ iso_status iso_vdb_activity_create(iso_vdb_activity *a, const iso_level *level, 
         shown_test_destroy(&test);
         return status;
     }
-    /* At least one voxel of rim is marked, so that the cells that reach beyond the volume's edge count. */
+    /* At least one voxel of rim is marked, to include cells that reach beyond the volume's edge. */
     const size_t rim = pad > 0 ? pad : 1;
     a->skip = rim - pad;
     for (int i = 0; i < 3; ++i)

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_tree.h - a tree of a grid that knows which voxels are active, and reads their values when it is written.
+/* vdb_tree.h - a tree that holds only the active flags of a grid, and reads the values when it is written.
  *
- * OpenVDB writes a tree that is complete in memory, 4 bytes a voxel and 12 of a vector. This one is the same to the
- * file, bit for bit, but its leaves have no values: a grid of 512 x 512 x 512 voxels takes 30 MB instead of .5 or 1.6
- * GB.
+ * OpenVDB writes trees that are complete in memory: 4 bytes per voxel, 12 per vector. This tree gives the same file,
+ * bit for bit, but its leaves have no values: a grid of 512 x 512 x 512 voxels takes 30 MB instead of .5 or 1.6 GB.
  *
- * It is for writing alone: nothing may ask it for a value. Private to exporters/vdb. */
+ * For writing only: values cannot be queried. Private to exporters/vdb. */
 #ifndef ISO_VDB_TREE_H
 #define ISO_VDB_TREE_H
 
@@ -19,8 +18,8 @@
 
 namespace iso_vdb {
 
-/* A tree whose leaves hold which voxels are active and no values: these are read from the source when the tree is
- * written. To the file it is the same as a tree with values. */
+/* A tree whose leaves hold active flags and no values; these are read from the source while the tree is written. The
+ * file is the same as that of a tree with values. */
 template <typename T> class written_tree : public openvdb::tree::Tree4<T, 5, 4, 3>::Type {
     using base = typename openvdb::tree::Tree4<T, 5, 4, 3>::Type;
     using leaf = typename base::LeafNodeType;
@@ -36,7 +35,7 @@ public:
         this->addLeaf(made);
     }
 
-    /* The leaves in the order that the nodes above them have. */
+    /* Writes the leaves in the order of the nodes above them. */
     void writeBuffers(std::ostream &out, bool to_half) const override
     {
         std::vector<const leaf *> leaves;
@@ -46,7 +45,7 @@ public:
         write_leaves(out, leaves, *source_, to_half);
     }
 
-    /* Memory of a program that reads the grid. */
+    /* Memory of the grid in a reader. */
     openvdb::Index64 memUsage() const override
     {
         return base::memUsage() + this->leafCount() * leaf::SIZE * sizeof(T);
@@ -56,15 +55,14 @@ private:
     const iso_vdb_source *source_;
 };
 
-/* A grid for OpenVDB's archive, which writes the type first, and the header from a copy. Two things differ from then
- * on.
+/* A grid for OpenVDB's archive, which writes the type first, and then the header from a copy. From then on, two things
+ * differ.
  *
- * The class. Fog volumes are written without ZIP, which halves them, though they are read with it: the archive looks at
- * the class before it makes the copy.
+ * The class: fog volumes are written without ZIP, which would halve them, although readers accept it. The archive
+ * checks the class before it makes the copy.
  *
- * The type. Of grids of the types that it knows the archive asks all leaves for their values, to note in the header how
- * large they will be (file_delayed_load). Here they have none. Readers do without: they find the sizes in the file as
- * they go. */
+ * The type: for known types the archive asks all leaves for their values, to note their size in the header
+ * (file_delayed_load). Here they have none. Readers do without: they find the sizes in the file. */
 template <typename T> class written_grid : public openvdb::Grid<typename openvdb::tree::Tree4<T, 5, 4, 3>::Type> {
     using base = openvdb::Grid<typename openvdb::tree::Tree4<T, 5, 4, 3>::Type>;
 

@@ -110,7 +110,7 @@ static const folder *folder_of(const char *path)
 static iso_status check_folders(const char *output, iso_error *err)
 {
     const folder *of = folder_of(output);
-    return of ? iso_fail(err, ISO_E_USAGE, "the output %s stands in the input %s, part of which would be lost", output,
+    return of ? iso_fail(err, ISO_E_USAGE, "the output %s is inside the input %s, part of which would be lost", output,
                          of->name)
               : ISO_OK;
 }

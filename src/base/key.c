@@ -15,7 +15,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "base/beside.h"
+#include "base/helper.h"
 #include "base/file.h"
 #include "base/inputs.h"
 #include "base/process.h"
@@ -253,7 +253,7 @@ static void hash_program(void)
     size_t all = SIZE_MAX;
     program.status = hash_path("/proc/self/exe", &all, &hashes[0], &program.why);
     for (size_t i = 0; i < COUNT && program.status == ISO_OK; ++i) {
-        char *path = iso_beside_find(names[i]);
+        char *path = iso_helper_find(names[i]);
         if (path)
             program.status = hash_path(path, &all, &hashes[1 + i], &program.why);
         free(path);

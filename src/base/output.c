@@ -292,8 +292,8 @@ void iso_output_rename_all_in(iso_error *err)
     iso_temporary_rename_in(err->text);
 }
 
-/* Exchanges both folders in one step. On file systems that cannot do that, the old one is first renamed, to a name
- * that does not look like a temporary. */
+/* Exchanges both folders in one step. File systems without that operation rename the old one first, to a name unlike
+ * those of temporaries. */
 static int exchange(const char *from, const char *to)
 {
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_EXCHANGE) == 0)

@@ -19,7 +19,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/keeper.h"
+#include "base/supervisor.h"
 #include "base/parallel.h"
 #include "base/temporary.h"
 #include "base/unfinished.h"
@@ -233,7 +233,7 @@ static iso_status begin_in(const char *const argv[], const char *directory, cons
         close_both(out);
         return iso_fail(err, failure(), "%s: no socket: %s", p->name, strerror(errno));
     }
-    p->pid = iso_keeper_start(argv, directory, box, in[0], out[1]);
+    p->pid = iso_supervisor_start(argv, directory, box, in[0], out[1]);
     if (p->pid < 0) {
         const int cause = errno;
         close_both(in);
@@ -297,7 +297,7 @@ static int reap(iso_process *p, double deadline, drain_end *end, struct rusage *
             poll(NULL, 0, 5);
     }
     if (*end != DRAIN_CLOSED)
-        iso_keeper_stop(p->pid);
+        iso_supervisor_stop(p->pid);
     while (wait4(p->pid, &result, 0, used) < 0 && errno == EINTR) {
     }
     iso_work_add_end(p->name, seconds_of(used->ru_utime) + seconds_of(used->ru_stime));

@@ -48,7 +48,7 @@ void iso_process_set_deadline(double clock_seconds);
  * a timeout the status is ISO_E_PROGRAM. The message names the program, the cause and the last lines of the output that
  * look like an error. Unreadable output ends the program, and is ISO_E_IO.
  * SIGINT, SIGTERM and SIGHUP end the program and are such a failure, so that callers clean up. Neither the program
- * nor a process that it started outlives the call, or this process (keeper.h). Each thread may run one; a signal
+ * nor a process that it started outlives the call, or this process (supervisor.h). Each thread may run one; a signal
  * ends all. */
 iso_status iso_process_run(const char *const argv[], const iso_process_options *options, iso_error *err);
 

@@ -66,7 +66,7 @@ static size_t terminal_columns(void)
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
 }
 
-/* From here on the lock is held, but by functions of the header. */
+/* The caller holds the lock, except in functions of the header. */
 static void wipe(iso_progress_line *line)
 {
     if (line->shown)

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/beside.h"
+#include "base/helper.h"
 #include "base/ranks_interface.h"
 
 struct iso_ranks {
@@ -33,7 +33,7 @@ int iso_ranks_is_other(void)
 /* MPI's own libraries need its symbols. */
 static void *load_library(iso_error *err)
 {
-    char *path = iso_beside_find("isoshade_mpi.so");
+    char *path = iso_helper_find("isoshade_mpi.so");
     void *library = path ? dlopen(path, RTLD_NOW | RTLD_GLOBAL) : NULL;
     if (!library)
         iso_fail(err, ISO_E_MISSING, "started by mpirun, but MPI cannot be loaded (built without libopenmpi-dev?): %s",

@@ -81,7 +81,7 @@ iso_status iso_stamp_guard(const char *path, bool force, iso_error *err)
     return iso_stamp_guard_other(path, iso_stamp_fits(path), force, err);
 }
 
-iso_status iso_stamp_guard_beside(const char *path, bool is_ours, iso_error *err)
+iso_status iso_stamp_guard_adjacent(const char *path, bool is_ours, iso_error *err)
 {
     if (is_ours || !iso_path_exists(path))
         return ISO_OK;

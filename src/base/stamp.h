@@ -23,6 +23,6 @@ iso_status iso_stamp_guard(const char *path, bool force, iso_error *err);
 /* Guards a file that cannot hold a stamp: the caller decides if it is ours. */
 iso_status iso_stamp_guard_other(const char *path, bool is_ours, bool force, iso_error *err);
 /* Guards a file of a command without --force, named after another output. */
-iso_status iso_stamp_guard_beside(const char *path, bool is_ours, iso_error *err);
+iso_status iso_stamp_guard_adjacent(const char *path, bool is_ours, iso_error *err);
 
 #endif

@@ -318,7 +318,7 @@ static iso_status check_names(char *const *names, iso_error *err)
         for (size_t i = 0; i < iso_headline_count && !found; ++i)
             found = strcmp(*names, iso_headlines[i].name) == 0 ? &iso_headlines[i] : NULL;
         if (!found)
-            return iso_fail(err, ISO_E_USAGE, "--only %s: unknown figure; bench all --quick --repeat 1 lists them",
+            return iso_fail(err, ISO_E_USAGE, "--only %s: no figure of that name; bench all --quick --repeat 1 lists them",
                             *names);
     }
     return ISO_OK;

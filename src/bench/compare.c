@@ -135,7 +135,7 @@ static iso_status load_answer(const char *path, json_t **root, iso_error *err)
     iso_json_get_string(&r, *root, "schema", true, &schema);
     const json_t *rows = iso_json_get_array(&r, *root, "headlines", false);
     if (r.status == ISO_OK && (strcmp(schema, "isoshade.bench.all/1") != 0 || json_array_size(rows) == 0))
-        return iso_fail(err, ISO_E_FORMAT, "%s: no figures of bench all (schema \"%s\")", path, schema);
+        return iso_fail(err, ISO_E_FORMAT, "%s: not an answer of bench all with figures (schema \"%s\")", path, schema);
     return r.status;
 }
 
@@ -152,7 +152,7 @@ static const json_t *find_row(const json_t *root, const char *name)
     return NULL;
 }
 
-/* Writes a factor, at most "100": intervals of few runs have such ends, and larger values add no information. */
+/* Writes a factor, at most "100": intervals of few runs have such ends, and larger values tell nothing more. */
 static void write_times(char text[16], double times)
 {
     snprintf(text, 16, times <= 100 ? "%.3f" : "-", times);

@@ -8,8 +8,8 @@
 /* Times of the fastest build and of the fastest copy. */
 typedef struct bench_files_times {
     iso_stream_report stream;
-    /* Seconds to read the volume's file and, in parallel, write files as long as the pyramid's, with no computation:
-     * until they are on the disk, as the pyramid is; and until the system has accepted them. */
+    /* Seconds to read the volume's file and write files as long as the pyramid's, in parallel, nothing computed: until
+     * they are on the disk (as the pyramid is), and until the system has accepted them. */
     double floor, floor_unflushed;
     size_t bytes; /* read and written */
 } bench_files_times;

@@ -133,7 +133,7 @@ iso_status iso_headline_value(const iso_headline *h, const json_t *answer, doubl
     if (status == ISO_OK && h->over)
         status = read_number(h, answer, h->over, &over, err);
     if (status == ISO_OK && !(over > 0))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %s is %g, must be above 0", h->name, h->over, over);
+        status = iso_fail(err, ISO_E_FORMAT, "%s: %s is %g", h->name, h->over, over);
     *value /= over;
     return status;
 }

@@ -175,8 +175,8 @@ iso_status iso_node_levels_measure(iso_node_levels *n, const iso_level *level0, 
 }
 
 /* Sets all sizes and allocates the nodes. */
-static iso_status allocate_levels(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
-                                  iso_error *err)
+static iso_status lay_out(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
+                          iso_error *err)
 {
     iso_status status = iso_node_levels_measure(n, level0, brick_voxels, level_count, err);
     for (size_t l = 0; l < level_count && status == ISO_OK; ++l)
@@ -197,7 +197,7 @@ iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, s
 iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, const iso_node_options *opt,
                                      iso_error *err)
 {
-    iso_status status = allocate_levels(n, level0, opt->brick_voxels, opt->level_count, err);
+    iso_status status = lay_out(n, level0, opt->brick_voxels, opt->level_count, err);
     if (status != ISO_OK)
         return status;
     n->filter = opt->filter;
@@ -255,7 +255,7 @@ iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyram
     if (level_count > p->level_count)
         return iso_fail(err, ISO_E_RANGE, "bricks: %zu levels requested, the pyramid has %zu", level_count,
                         p->level_count);
-    iso_status status = allocate_levels(n, &p->levels[0], brick_voxels, level_count, err);
+    iso_status status = lay_out(n, &p->levels[0], brick_voxels, level_count, err);
     for (size_t l = 0; l < level_count && status == ISO_OK; ++l) {
         const iso_level *level = &p->levels[l];
         const size_t *size = level->geometry.size, voxels = iso_geometry_voxel_count(&level->geometry);

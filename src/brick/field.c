@@ -63,8 +63,7 @@ bool iso_brick_has_foreign_nodes(const iso_brick_field *f, const size_t brick[3]
     return any;
 }
 
-/* A coarser neighbor touches the parts on its side: along an axis the first of three if it is
- * below, the last if above, otherwise all. */
+/* A coarser neighbor touches the parts on its side: along an axis the first of three, the last, or all. */
 void iso_brick_foreign_parts(const iso_brick_field *f, const size_t brick[3], bool parts[ISO_BRICK_PARTS])
 {
     const iso_node_levels *n = f->nodes;

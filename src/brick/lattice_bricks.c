@@ -148,8 +148,8 @@ static size_t own_node(const cell_box *c, int axis, size_t i)
     return place->cell + (place->part > 0);
 }
 
-/* Computes a row's nodes from coarser bricks. They are rounded from doubles as there, so that a node has the same bits
- * in all bricks. */
+/* Computes a row's nodes that come from a coarser brick. They are rounded from doubles as in that brick, so that all
+ * bricks that share a node have the same bits. */
 static void take_foreign(const iso_lattice_builder *b, const cell_box *c, const bool foreign[ISO_BRICK_PARTS], size_t y,
                          size_t z)
 {

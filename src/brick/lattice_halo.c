@@ -186,7 +186,7 @@ static bool is_mixed(const cell_block *c)
 }
 
 /* Requests a check of the neighboring blocks whose cells have corners that became active. */
-static void request_neighbors(const halo *h, const size_t at[3], const cell_block *c)
+static void want_around(const halo *h, const size_t at[3], const cell_block *c)
 {
     for (size_t i = 0; i < 27; ++i) {
         const size_t step[3] = {i % 3, i / 3 % 3, i / 9}, x = at[0] + step[0] - 1, y = at[1] + step[1] - 1,
@@ -226,7 +226,7 @@ static iso_status settle(const halo *h, cell_block *c, iso_error *err)
                 !is_mixed(c))
                 continue;
             status = settle_block(h->builder, c, err);
-            request_neighbors(h, at, c);
+            want_around(h, at, c);
             again = again || c->lo[0] < SIDE;
         }
     }

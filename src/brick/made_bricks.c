@@ -117,7 +117,7 @@ static void widen(block *b, int axis, size_t first, size_t cells, size_t lo, siz
 }
 
 /* Marks the nodes [lo, hi] of the level, hi included, as needed. */
-static void mark_needed(block_level *l, const long lo[3], const long hi[3])
+static void need(block_level *l, const long lo[3], const long hi[3])
 {
     size_t from[3], to[3];
     for (int a = 0; a < 3; ++a) {
@@ -135,7 +135,7 @@ static void mark_needed(block_level *l, const long lo[3], const long hi[3])
 }
 
 /* Marks the nodes of the level below that are needed for a level's blocks: two more on each side. */
-static void mark_needed_below(const block_level *l, block_level *below)
+static void need_below(const block_level *l, block_level *below)
 {
     for (size_t i = 0; i < block_count(l); ++i) {
         const block *b = &l->blocks[i];
@@ -148,12 +148,12 @@ static void mark_needed_below(const block_level *l, block_level *below)
             lo[a] = 2 * (long)(first[a] + b->lo[a]) - 2;
             hi[a] = 2 * (long)(first[a] + b->hi[a] - 1) + 2;
         }
-        mark_needed(below, lo, hi);
+        need(below, lo, hi);
     }
 }
 
 /* Marks the nodes of a level's bricks. */
-static void mark_needed_own(const iso_node_levels *n, size_t level, block_level *l)
+static void need_own(const iso_node_levels *n, size_t level, block_level *l)
 {
     const long cells = (long)l->cells;
     for (size_t i = 0; i < iso_brick_count(n); ++i) {
@@ -162,7 +162,7 @@ static void mark_needed_own(const iso_node_levels *n, size_t level, block_level 
             continue;
         brick_at(n, i, at);
         const long lo[3] = {cells * (long)at[0], cells * (long)at[1], cells * (long)at[2]};
-        mark_needed(l, lo, (const long[]){lo[0] + cells, lo[1] + cells, lo[2] + cells});
+        need(l, lo, (const long[]){lo[0] + cells, lo[1] + cells, lo[2] + cells});
     }
 }
 
@@ -338,9 +338,9 @@ static iso_status make_coarse(const iso_node_levels *n, int threads, iso_error *
         good = block_level_create(&levels[k], n, k);
         if (!good)
             break;
-        mark_needed_own(n, k, &levels[k]);
+        need_own(n, k, &levels[k]);
         if (k + 1 < n->level_count)
-            mark_needed_below(&levels[k + 1], &levels[k]);
+            need_below(&levels[k + 1], &levels[k]);
     }
     for (size_t k = 1; k < n->level_count && good; ++k) {
         good = make_level(n, k, &levels[k], k > 1 ? &levels[k - 1] : NULL, threads);

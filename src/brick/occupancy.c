@@ -138,12 +138,12 @@ static void fill_octant_row(size_t n, bool down, const uint8_t *occupied, const 
     int corner = ISO_OCTANT_MOST, side = ISO_OCTANT_MOST; /* next values along x: of the rows ahead, of this row */
     for (size_t j = 0; j < n; ++j) {
         const size_t x = down ? j : n - 1 - j;
-        int ahead_least = ISO_OCTANT_MOST;
+        int beside = ISO_OCTANT_MOST;
         for (int i = 0; i < 3; ++i)
-            ahead_least = ahead[i] ? least_of(ahead_least, ahead[i][x]) : ahead_least;
-        const int least = least_of(ahead_least, least_of(corner, side));
+            beside = ahead[i] ? least_of(beside, ahead[i][x]) : beside;
+        const int least = least_of(beside, least_of(corner, side));
         side = occupied[x] == 0 ? 0 : least_of(least + 1, ISO_OCTANT_MOST);
-        corner = ahead_least;
+        corner = beside;
         out[x] = (uint8_t)side;
     }
 }

@@ -27,10 +27,10 @@ static size_t most_frames(const iso_chart_bench *b)
     return b->hasty ? HASTY_FRAMES : MOST_FRAMES;
 }
 
-/* What settings leave for others is kept until it is so large. */
+/* Limits of memory for objects that settings share. */
 static const double MOST_KEPT_BYTES = 600e6, MOST_OTHERS_BYTES = 1500e6;
 
-/* ---- what the chart stands on ------------------------------------------------------ */
+/* ---- scenes and pyramids ---------------------------------------------------------- */
 
 /* How a pyramid of the chart is built. */
 typedef struct chart_build {
@@ -53,7 +53,7 @@ static iso_status load(const iso_chart_bench *b, const chart_build *build, const
     return iso_subject_load_pyramid(b->path, b->input, &opt, progress, p, err);
 }
 
-/* "brain" of brain.scene.json; a number is put behind a name that is there already. */
+/* Names a scene: "brain" of brain.scene.json, with a number if the name is taken. */
 static void name_scene(iso_chart_bench *b, iso_chart_scene *scene)
 {
     const char *named = iso_provenance_name(scene->path);
@@ -132,7 +132,7 @@ iso_status iso_chart_bench_reference(iso_chart_bench *b, size_t scene, double to
     iso_reference_options opt = iso_reference_defaults();
     opt.source = p->levels[0].directions ? ISO_FROM_FLOAT : ISO_FROM_CODES;
     opt.tolerance = s->reference_tolerance = tolerance;
-    opt.most_error = fmin(1e-3 * tolerance, 1e-5); /* what has a proved bound needs no more than is seen of the rest */
+    opt.most_error = fmin(1e-3 * tolerance, 1e-5); /* proved bounds need no more than 1e-5 */
     opt.threads = b->threads;
     const double start = iso_clock_seconds();
     iso_status status = iso_reference_render(&p->levels[0], p->options.code, &s->view, &opt, &s->reference,
@@ -141,14 +141,14 @@ iso_status iso_chart_bench_reference(iso_chart_bench *b, size_t scene, double to
     return status;
 }
 
-/* ---- what settings need ------------------------------------------------------------ */
+/* ---- objects that settings need ---------------------------------------------------- */
 
 static bool is_of(const iso_pyramid *p, const iso_chart_case *c)
 {
     return p->levels && p->options.gradient.method == c->estimator && p->options.direction_filter == c->filter;
 }
 
-/* NULL where it has to be built. */
+/* NULL: not built yet. */
 static const iso_pyramid *pyramid_of(const iso_chart_bench *b, const iso_chart_case *c)
 {
     for (size_t i = 0; i < b->other_count; ++i)
@@ -189,7 +189,7 @@ static iso_status need_tf(iso_chart_bench *b, const iso_chart_case *c, iso_error
     return iso_adapt_level(&b->first, c->level, &s->view.tf, &opt, &s->adapted[c->level], NULL, err);
 }
 
-/* With few swaps: a chart has no time for the last per cent. */
+/* Allows two swaps only: a chart has no time for the last percent. */
 static iso_status need_palette(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
 {
     iso_palette *palette = &b->palettes[c->palette];
@@ -215,10 +215,11 @@ static iso_status need_plan(iso_chart_bench *b, const iso_chart_case *c, iso_err
     return status == ISO_OK ? iso_plan_create(&s->plan, &b->nodes, &s->view, 1, b->threads, &silent, err) : status;
 }
 
-/* ---- foresight --------------------------------------------------------------------- */
+/* ---- estimates -------------------------------------------------------------------- */
 
-/* Seconds a million voxels of level 0 that each takes to make on a slow machine: only to know whether to begin. */
-static double foresee_needs(const iso_chart_bench *b, const iso_chart_case *c)
+/* Estimates seconds for objects that the setting still needs, from the seconds per million voxels of level 0 on a slow
+ * machine. Decides only whether to start the setting. */
+static double estimate_needs(const iso_chart_bench *b, const iso_chart_case *c)
 {
     const double millions = 1e-6 * (double)iso_geometry_voxel_count(&b->first.levels[0].geometry);
     const iso_chart_scene *s = &b->scenes[c->scene];
@@ -235,11 +236,11 @@ static double foresee_needs(const iso_chart_bench *b, const iso_chart_case *c)
     return a_million * millions;
 }
 
-double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c)
+double iso_chart_bench_estimate(const iso_chart_bench *b, const iso_chart_case *c)
 {
     const iso_chart_pace *pace = &b->pace[iso_renderer_index(c->renderer)];
     const bool other_program = iso_renderer_has(c->renderer, ISO_IS_PROGRAM);
-    const double needs = foresee_needs(b, c) + b->metrics_seconds;
+    const double needs = estimate_needs(b, c) + b->metrics_seconds;
     if (!pace->is_known)
         return needs + (other_program ? 4 + 1e-6 * (double)c->voxel_count : 0);
     const double frame = pace->frame_seconds_per_cost * c->relative_cost;
@@ -247,13 +248,13 @@ double iso_chart_bench_foresee(const iso_chart_bench *b, const iso_chart_case *c
     return needs + pace->setup_seconds * (other_program ? 1 : (double)c->voxel_count) + frames;
 }
 
-double iso_chart_bench_foresee_frame(const iso_chart_bench *b, const iso_chart_case *c)
+double iso_chart_bench_estimate_frame(const iso_chart_bench *b, const iso_chart_case *c)
 {
     const iso_chart_pace *pace = &b->pace[iso_renderer_index(c->renderer)];
     return pace->is_known ? pace->frame_seconds_per_cost * c->relative_cost : NAN;
 }
 
-/* The slowest seen; what was slow once, as other work on the machine makes it, is forgotten by halves. */
+/* Keeps the slowest measurement, but halves it each time: one slow frame may be due to other load. */
 static void learn(iso_chart_bench *b, const iso_chart_case *c, double all_seconds)
 {
     iso_chart_pace *pace = &b->pace[iso_renderer_index(c->renderer)];
@@ -271,7 +272,7 @@ void iso_chart_bench_learn(iso_chart_bench *b, const iso_chart_case *c)
 
 /* ---- one setting ------------------------------------------------------------------- */
 
-/* Directions of the case's level in its code, or indices into its palette: made once where there is room to keep them. */
+/* Makes directions of the level in the case's code, or palette indices; keeps them while memory allows. */
 static iso_status need_bytes(iso_chart_bench *b, const iso_pyramid *p, const iso_chart_case *c, void **bytes,
                              bool *is_kept, iso_error *err)
 {
@@ -316,7 +317,7 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
     iso_level levels[ISO_CHART_MAX_LEVELS];
     iso_pyramid p = *base;
     iso_chart_scene *s = &b->scenes[c->scene];
-    iso_view view = s->view; /* borrowed, but for an adapted transfer function */
+    iso_view view = s->view; /* borrowed, except an adapted transfer function */
     void *bytes = NULL;
     bool is_kept = true;
     iso_status status = palette || recoded ? need_bytes(b, base, c, &bytes, &is_kept, err) : ISO_OK;
@@ -373,7 +374,7 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
     return ISO_OK;
 }
 
-/* What the setting needs, and its image. */
+/* Makes the objects that the setting needs, and renders it. */
 static iso_status render(iso_chart_bench *b, iso_chart_case *c, iso_image *image, iso_error *err)
 {
     *image = (iso_image){0};
@@ -388,7 +389,7 @@ static iso_status render(iso_chart_bench *b, iso_chart_case *c, iso_image *image
     return status;
 }
 
-/* What a comparison takes longer for than a frame, FLIP and SSIM, is left out where time is short. */
+/* Compares with the reference. Skips FLIP and SSIM, which take longer than a frame, unless `visual`. */
 static iso_status compare(iso_chart_bench *b, iso_chart_case *c, const iso_image *image, bool visual, iso_error *err)
 {
     const iso_image *reference = &b->scenes[c->scene].reference;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The page of a chart: the plot, the setting that is pointed at, and the front as a table.
+// The page of a chart: the plot, the selected setting, and the front as a table.
 const cases = data.cases.map((c, at) => ({...c, ...data.figures[at], at})), series = [...new Set(cases.map(c => c.series))];
 const several = data.scenes.length > 1, renderers = [...new Set(cases.map(c => c.renderer))];
 const view = {scene: data.scenes[0].name, cost: 'milliseconds', own: false, chosen: null};
@@ -9,7 +9,7 @@ const wanted = data.want ? ['fastest', 'smallest'].map(k => data.want[k] && data
 const colorOf = renderer => data.colors[renderer] || palette[renderers.indexOf(renderer) % palette.length];
 let plot = null;
 
-// The viewer's page at what the setting shows, as near as it has that.
+// Link to the viewer's page, with options as close to the setting as it supports.
 function viewerOf(c) {
     const page = data.scenes.find(s => s.name === c.scene).viewer;
     if (!page) return null;
@@ -22,12 +22,12 @@ function show(c) {
     const place = $('setting'), scene = data.scenes.findIndex(s => s.name === c.scene), picture = inlined.pictures[c.at], link = viewerOf(c);
     const row = (name, value) => el('tr', {}, cell(name), cell(value, true));
     place.replaceChildren(el('h3', {}, c.number ? `${c.number}  ${c.setting}` : c.setting),
-        el('div', {class: 'pair'}, picture ? el('div', {}, el('img', {src: picture, alt: `picture of ${c.setting}`}), el('span', {}, 'this setting')) : el('p', {class: 'about'}, 'This page has no picture of it; the command draws it.'),
+        el('div', {class: 'pair'}, picture ? el('div', {}, el('img', {src: picture, alt: `picture of ${c.setting}`}), el('span', {}, 'this setting')) : el('p', {class: 'about'}, 'No picture in this page; the command renders it.'),
             el('div', {}, el('img', {src: inlined.references[scene], alt: 'the reference'}), el('span', {}, 'reference'))),
         el('table', {}, el('tbody', {}, row(data.metric_title, number(c.error)), row('a frame', `${number(c.milliseconds).textContent ?? number(c.milliseconds)} ms`),
             row('median', `${Number(c.milliseconds_median.toPrecision(3))} ms of ${c.frames}`), row('renderer holds', shown(c.device_bytes, 'B')), row('in files', shown(c.stored_bytes, 'B')),
             ...(c.flip_mean === null || c.flip_mean === undefined ? [] : [row('mean FLIP', number(c.flip_mean)), row('1 − SSIM', number(1 - c.ssim))]))),
-        command(c.command), ...(link ? [el('p', {}, el('a', {href: link}, 'look at it in the viewer'))] : []));
+        command(c.command), ...(link ? [el('p', {}, el('a', {href: link}, 'open in the viewer'))] : []));
 }
 function point(p, keep) {
     plot.mark(p);
@@ -38,7 +38,7 @@ function point(p, keep) {
     for (const tr of document.querySelectorAll('tr[data-case]')) tr.classList.toggle('chosen', Number(tr.dataset.case) === c.at);
 }
 const pointOf = at => plot.points.find(p => p.at === at);
-// At first what was asked for, or the middle of the front.
+// The first setting to show: the wanted one, or the middle of the front.
 const first = () => {
     const front = plot.points.filter(p => p.number || p.own).sort((a, b) => a.cost - b.cost);
     return plot.points.find(p => p.ring) || front[Math.floor(front.length / 2)] || plot.points[0];
@@ -67,7 +67,7 @@ function listen(element) {
     });
 }
 
-// ---- what is shown ----------------------------------------------------------
+// ---- drawing ----------------------------------------------------------------
 function draw() {
     const here = cases.filter(c => c.scene === view.scene), unit = time() ? 'ms' : 'B';
     plot = drawPlot({unit, wide: Math.round(Math.min(Math.max($('plot').clientWidth, 300), 860)), want: data.want ? data.wanted : 0, xTitle: titleOf[view.cost], yTitle: `${data.metric_title} to the reference of level 0`,
@@ -97,7 +97,7 @@ function table_() {
         return el('tr', {'data-case': c.at}, cell(c.number ? String(c.number) : '', true), cell(name), cell([c.on_time_front ? 'time' : '', c.on_bytes_front ? 'bytes' : ''].filter(s => s).join(', ') || 'its renderer'),
             cell(String(Number(c.milliseconds.toPrecision(3))), true), cell(shown(c.bytes, 'B'), true), cell(brief(c.error), true));
     };
-    $('settings').append(table(view.own ? 'Each renderer’s own fronts.' : 'By falling error. What lowers it by less than 5 % is on a front by chance of the clock, and has no number.',
+    $('settings').append(table(view.own ? 'Each renderer’s own fronts.' : 'By falling error. Settings that lower it by less than 5 % have no number: timings are not that precise.',
         [['', 1], ['setting'], ['front of'], ['ms', 1], ['bytes', 1], [data.metric_title, 1]], rows.map(tr)));
     if (view.chosen !== null) for (const row of document.querySelectorAll('tr[data-case]')) row.classList.toggle('chosen', Number(row.dataset.case) === view.chosen);
 }
@@ -109,13 +109,13 @@ const group = (name, buttons) => el('div', {class: 'group', role: 'group', 'aria
 if (several) $('controls').append(el('label', {}, 'scene', el('select', {onchange: event => { view.scene = event.target.value; draw(); }}, data.scenes.map(s => el('option', {value: s.name}, s.name)))));
 $('controls').append(group('cost', [['milliseconds', 'time'], ['bytes', 'bytes']].map(([key, name]) => el('button', {type: 'button', 'data-cost': key, onclick: () => { view.cost = key; draw(); }}, name))));
 if (renderers.length > 1) $('controls').append(group('fronts', [['no', 'one front'], ['yes', 'a front per renderer']].map(([key, name]) => el('button', {type: 'button', 'data-own': key, onclick: () => { view.own = key === 'yes'; draw(); }}, name))));
-$('figcaption').append(figcaption(`Each mark is a setting; the line is the front, on which none is beaten in both. Pale: beaten. ${data.want ? `Dashed: the wanted ${data.metric_title} of ${plain(data.wanted)}; ringed: the ${'fastest'} or the smallest within it. ` : ''}Point at a mark, or use the arrow keys, to see its picture, its figures and the command that draws it.`));
+$('figcaption').append(figcaption(`Each mark is a setting. On the line, the front, no other setting is better in both. Pale: not on the front. ${data.want ? `Dashed: the wanted ${data.metric_title} of ${plain(data.wanted)}; ringed: the fastest or the smallest setting within it. ` : ''}Point at a mark, or use the arrow keys, to see its picture, figures and command.`));
 const left = Object.entries(data.left_out || {});
 if (data.untried.length > 0 || data.skipped_count > 0 || left.length > 0) {
     $('missing').hidden = false;
-    $('missing').append(el('p', {}, `${data.skipped_count} settings ${data.options.budget_seconds > 0 ? `did not fit into ${data.options.budget_seconds} s` : 'are of renderers that were left out'}.${data.untried.length ? ` Not one of: ${data.untried.join(', ')}.` : ''}`),
+    $('missing').append(el('p', {}, `${data.skipped_count} settings ${data.options.budget_seconds > 0 ? `did not fit into ${data.options.budget_seconds} s` : 'are of renderers that were left out'}.${data.untried.length ? ` None measured with: ${data.untried.join(', ')}.` : ''}`),
         ...left.map(([name, why]) => el('p', {}, `${name} was left out: ${why}`)));
-    if (data.skipped_count > 0 && data.options.budget_seconds > 0) $('missing').append(el('p', {}, 'The same command with --resume and another --budget goes on from here.'));
+    if (data.skipped_count > 0 && data.options.budget_seconds > 0) $('missing').append(el('p', {}, 'To continue, run the same command with --resume and a larger --budget.'));
 }
 $('colophon').append(el('table', {}, el('tbody', {}, [['isoshade', data.isoshade], ...Object.entries(data.versions), ['processor', `${data.machine.processor}, ${data.machine.cores} cores`]].map(([name, value]) => el('tr', {}, cell(name), cell(String(value)))))));
 draw();

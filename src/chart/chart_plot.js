@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The plot of a chart: both axes are logarithms, a setting is a shape, a front a staircase.
+// The plot of a chart: both axes are logarithmic, a setting is a shape, a front is a staircase.
 const svg = (tag, attributes, ...children) => {
     const e = document.createElementNS('http://www.w3.org/2000/svg', tag);
     for (const [key, value] of Object.entries(attributes || {})) if (value !== null && value !== undefined) e.setAttribute(key, value);
     e.append(...children.flat());
     return e;
 };
-// Colors that differ for every kind of sight (Okabe and Ito), in an order of their own on light and dark.
+// Colors that people with color blindness can tell apart (Okabe and Ito), ordered for light and dark themes.
 const palette = ['#0072b2', '#d55e00', '#009e73', '#e69f00', '#cc79a7', '#56b4e9', '#8f8f8f', '#8c564b', '#8a9a00', '#7a6fd0'];
 const shapes = [
     s => `M${-s} 0a${s} ${s} 0 1 0 ${2 * s} 0a${s} ${s} 0 1 0 ${-2 * s} 0`, s => `M${-s} ${-s}h${2 * s}v${2 * s}h${-2 * s}z`,
@@ -17,7 +17,8 @@ const styleOf = i => ({color: palette[i % palette.length], shape: shapes[i % sha
 const shown = (x, unit) => unit === 'ms' ? `${Number(x.toPrecision(3))} ms`
     : x >= 1e9 ? `${Number((x / 1e9).toPrecision(3))} GB` : x >= 1e6 ? `${Number((x / 1e6).toPrecision(3))} MB` : x >= 1e3 ? `${Number((x / 1e3).toPrecision(3))} kB` : `${x} B`;
 
-// An axis over the values: place(x) from 0 to 1, and ticks at 1, 2 and 5 of each decade, or at decades alone where there are many.
+// An axis over the values: place(x) from 0 to 1, and ticks at 1, 2 and 5 of each decade, or at decades if there are
+// many.
 function axisOf(values, margin) {
     const good = values.filter(v => v > 0 && Number.isFinite(v)), lo = Math.log10(Math.min(...good)), hi = Math.log10(Math.max(...good));
     const wide = Math.max(hi - lo, 0.3), from = (lo + hi) / 2 - wide / 2 - margin * wide, to = (lo + hi) / 2 + wide / 2 + margin * wide;
@@ -30,7 +31,7 @@ function axisOf(values, margin) {
     return {place: x => (Math.log10(x) - from) / (to - from), ticks};
 }
 
-// A staircase along the points of a front: nothing right of it and above it is as good.
+// A staircase along the points of a front: no point beyond it is as good.
 function staircase(points) {
     const sorted = [...points].sort((a, b) => a.x - b.x);
     return sorted.map((p, i) => i ? `H${p.x.toFixed(1)}V${p.y.toFixed(1)}` : `M${p.x.toFixed(1)} ${p.y.toFixed(1)}`).join('');
@@ -43,8 +44,8 @@ function drawPlot(chart) {
     const x = axisOf(points.map(p => p.cost), 0.05), y = axisOf(chart.want > 0 ? [...errors, chart.want] : errors, 0.05);
     for (const p of points) { p.x = left + w * x.place(p.cost); p.y = top + h * (1 - y.place(p.error)); }
     const parts = [];
-    const apart = Math.ceil(x.ticks.length / (w / 58)); // labels that would touch each other are left out
-    const half = 27; // of the widest label: the last one ends where the picture does
+    const apart = Math.ceil(x.ticks.length / (w / 58)); // skip labels that would touch
+    const half = 27; // half the widest label, so that the last one stays inside
     for (const [i, [at, value]] of x.ticks.entries()) parts.push(svg('line', {class: 'grid', x1: left + w * at, x2: left + w * at, y1: top, y2: top + h}),
         svg('text', {class: 'tick', x: Math.min(left + w * at, wide - half), y: top + h + 18, 'text-anchor': 'middle'}, i % apart ? '' : shown(value, chart.unit)));
     for (const [at, value] of y.ticks) parts.push(svg('line', {class: 'grid', x1: left, x2: left + w, y1: top + h * (1 - at), y2: top + h * (1 - at)}),
@@ -62,12 +63,12 @@ function drawPlot(chart) {
         if (p.ring) marks.append(svg('circle', {class: 'ring', cx: p.x, cy: p.y, r: 10}));
     }
     let last = null;
-    for (const p of points.filter(q => q.number).sort((a, b) => a.y - b.y)) { // numbers that would lie on each other are left out
+    for (const p of points.filter(q => q.number).sort((a, b) => a.y - b.y)) { // skip numbers that would overlap
         if (last && Math.abs(last.x - p.x) < 22 && p.y - last.y < 12) continue;
         marks.append(svg('text', {class: 'number', x: p.x - 9, y: p.y - 6, 'text-anchor': 'end'}, String(p.number)));
         last = p;
     }
     const at = svg('circle', {class: 'at', r: 12, visibility: 'hidden'});
-    const element = svg('svg', {viewBox: `0 0 ${wide} ${high}`, tabindex: 0, role: 'application', 'aria-label': `${chart.yTitle} against ${chart.xTitle}, ${points.length} settings. Left and right go along what is shown, up and down along the front.`}, ...parts, marks, at);
+    const element = svg('svg', {viewBox: `0 0 ${wide} ${high}`, tabindex: 0, role: 'application', 'aria-label': `${chart.yTitle} against ${chart.xTitle}, ${points.length} settings. Left and right move through all settings, up and down along the front.`}, ...parts, marks, at);
     return {element, points, wide, mark: p => { at.setAttribute('visibility', p ? 'visible' : 'hidden'); if (p) { at.setAttribute('cx', p.x); at.setAttribute('cy', p.y); } }};
 }

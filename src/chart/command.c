@@ -19,7 +19,7 @@ static void put_option(FILE *f, const char *option, const char *word)
     iso_words_put_quoted(f, word);
 }
 
-/* As few digits as give the number again. */
+/* Prints the fewest digits that restore the number. */
 static void put_number(FILE *f, const char *option, double value)
 {
     char text[32];
@@ -38,7 +38,7 @@ static void put_input(FILE *f, const iso_volume_input *in)
     free(line);
 }
 
-/* What differs from what `render` does by itself. */
+/* Prints the options that differ from the defaults of `render`. */
 static void put_directions(FILE *f, const iso_chart_result *r, const iso_chart_case *c)
 {
     const iso_pyramid_options usual = r->bench->is_volume ? iso_pyramid_defaults() : r->bench->first.options;
@@ -70,7 +70,7 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
     iso_words_put_quoted(f, r->bench->path);
     put_input(f, r->bench->input);
     fputs(r->looks[c->scene], f);
-    put_option(f, "with", c->renderer->name); /* always: which one draws where none is named depends on the machine */
+    put_option(f, "with", c->renderer->name); /* always: the default renderer depends on the machine */
     if (c->plan_error > 0) {
         put_number(f, "plan-error", c->plan_error);
         fprintf(f, " --brick %d --brick-levels %d", ISO_CHART_BRICK_VOXELS, ISO_CHART_BRICK_LEVELS);
@@ -98,7 +98,7 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)
     return NULL;
 }
 
-/* "isoshade compare setting.exr DIR/reference.exr" */
+/* Writes "isoshade compare setting.exr DIR/reference.exr". */
 char *iso_chart_compare_command(const iso_chart_result *r, size_t scene)
 {
     char name[192];

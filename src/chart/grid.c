@@ -28,18 +28,18 @@ char *iso_chart_default_codes(char *text, size_t size)
     return text;
 }
 
-/* ---- what the user asked for ------------------------------------------------- */
+/* ---- the user's lists -------------------------------------------------------- */
 
-/* An option that lists numbers of lo to hi. */
+/* An option with a list of numbers from lo to hi. */
 typedef struct number_list {
-    const char *option, *wanted; /* what an error says */
+    const char *option, *wanted; /* for error messages */
     double lo, hi;
 } number_list;
 
 static const number_list steps = {"--steps", "steps of 0.001 to 100 voxels, such as 2,1,0.5", 1e-3, 100};
 static const number_list errors = {"--plans", "errors of 1e-6 to 1, such as 4/255,1/255, or none", 1e-6, 1};
 
-/* "2,1,0.5": at most ISO_CHART_MAX_LIST numbers or quotients. */
+/* Parses "2,1,0.5": at most ISO_CHART_MAX_LIST numbers or quotients. */
 static iso_status parse_numbers(const number_list *list, const char *text, double *values, size_t *count,
                                 iso_error *err)
 {
@@ -82,7 +82,7 @@ static iso_status take_filter(const char *word, bool *flags, iso_error *err)
     iso_direction_filter filter = ISO_DIRECTION_MOMENTS;
     iso_status status = iso_direction_filter_from_name(word, &filter, err);
     if (status == ISO_OK && filter == ISO_DIRECTION_AUTO)
-        return iso_fail(err, ISO_E_USAGE, "--direction-filters: a chart compares filters, auto chooses among them");
+        return iso_fail(err, ISO_E_USAGE, "--filters: auto chooses among filters; list the filters to compare");
     flags[filter] = true;
     return status;
 }
@@ -95,7 +95,7 @@ static iso_status take_estimator(const char *word, bool *flags, iso_error *err)
     return status;
 }
 
-/* flags[0] the midpoint rule, flags[1] pre-integration */
+/* flags[0]: midpoint rule; flags[1]: pre-integration. */
 static iso_status take_quadrature(const char *word, bool *flags, iso_error *err)
 {
     bool midpoint = strcmp(word, "midpoint") == 0;
@@ -105,7 +105,7 @@ static iso_status take_quadrature(const char *word, bool *flags, iso_error *err)
     return ISO_OK;
 }
 
-/* flags[0] the scene's own, flags[1] the level's, flags[2] the level's 2D ones */
+/* flags[0]: the scene's; flags[1]: the level's own; flags[2]: 2D ones of the level. */
 static iso_status take_tf(const char *word, bool *flags, iso_error *err)
 {
     static const char *const names[] = {"original", "adapted", "tf-2d"};
@@ -117,7 +117,7 @@ static iso_status take_tf(const char *word, bool *flags, iso_error *err)
     return iso_fail(err, ISO_E_USAGE, "--tfs has \"%s\", wanted original, adapted or tf-2d", word);
 }
 
-/* "a,b,c": sets the flag of each. */
+/* Parses "a,b,c" and sets the flag of each word. */
 static iso_status parse_list(const char *list, iso_status (*take)(const char *, bool *, iso_error *), bool *flags,
                              iso_error *err)
 {
@@ -129,7 +129,7 @@ static iso_status parse_list(const char *list, iso_status (*take)(const char *, 
     return status;
 }
 
-/* The word before the first comma, which has been found good. */
+/* Copies the first word of a list that has been parsed. */
 static const char *first_word(const char *list, char word[64])
 {
     snprintf(word, 64, "%.*s", (int)strcspn(list, ","), list);
@@ -202,7 +202,7 @@ const char *iso_chart_name_tf(const iso_chart_case *c)
                                                     : "original";
 }
 
-/* The estimator is named where it is not the usual one. */
+/* Names the estimator only if it is not the usual one. */
 void iso_chart_describe(const iso_chart_case *c, char *text, size_t size)
 {
     if (c->plan_error > 0) {
@@ -232,8 +232,8 @@ void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size)
 
 /* ---- the grid --------------------------------------------------------------- */
 
-/* Scalars as stored, and for a direction 3 bytes, 3 floats, an index of whole bytes or nothing; and the second value of a
- * table. */
+/* Bytes in files: scalars as stored; per direction 3 bytes, 3 floats, an index of whole bytes, or none; and the second
+ * value of a 2D transfer function. */
 static double stored_bytes(const iso_level *level, const iso_chart_case *c)
 {
     double direction = c->source == ISO_FROM_ON_THE_FLY ? 0 : c->source == ISO_FROM_FLOAT ? 12 : 3;
@@ -244,8 +244,8 @@ static double stored_bytes(const iso_level *level, const iso_chart_case *c)
            ((double)iso_type_bytes(level->stored_type) + direction + second);
 }
 
-/* Relative: 1 fetch of the scalar, 1 of a code, 8 to flip them, 6 more scalars on the fly; the reference and other programs are slower
- * throughout. */
+/* Fetches per sample: 1 scalar, 1 code, 8 to flip codes, 6 more scalars on the fly. sample_seconds covers renderers
+ * that are slower in every sample. */
 static double relative_cost(const iso_level *level, const iso_chart_case *c)
 {
     const size_t *n = level->geometry.size;
@@ -258,20 +258,20 @@ static double relative_cost(const iso_level *level, const iso_chart_case *c)
            c->renderer->sample_seconds;
 }
 
-/* What is usual, from which a setting departs. */
+/* The usual choices, from which departures count. */
 typedef struct usual_choice {
     const iso_renderer_info *renderer;
     iso_code code;
     iso_gradient_method estimator;
     iso_direction_filter filter;
-    double step_voxels; /* the middle of the list */
+    double step_voxels; /* middle of the list */
 } usual_choice;
 
 static size_t count_departures(const iso_chart_case *c, const usual_choice *usual)
 {
     size_t n = (size_t)c->adapted + (c->second != ISO_SECOND_VALUE_NONE) + c->preintegrated +
                (c->filter != usual->filter) + (c->estimator != usual->estimator) + (c->plan_error > 0);
-    if (iso_renderer_has(usual->renderer, ISO_IS_PROGRAM)) /* nothing else was asked for: they are equals */
+    if (iso_renderer_has(usual->renderer, ISO_IS_PROGRAM)) /* only other programs were requested: they are equals */
         n += !iso_renderer_has(c->renderer, ISO_IS_PROGRAM);
     else if (iso_renderer_has(c->renderer, ISO_IS_PROGRAM))
         n += c->level == 0 && c->step_voxels == usual->step_voxels ? 1 : 2;
@@ -290,16 +290,16 @@ static bool is_power_of_two(double x)
     return frexp(x, &exponent) == 0.5;
 }
 
-/* A coarse level under its own transfer function is nearer to level 0 at no cost, so it is tried before other departures. A
- * step between two of the usual ones, or above them, fills a front that is there already. */
+/* An adapted transfer function brings a coarse level nearer to level 0 at no cost, so it comes before other departures.
+ * A step between the usual ones, or above them, only makes an existing front denser. */
 static size_t turn_of(const iso_chart_case *c)
 {
     const bool own_tf = c->adapted && c->second == ISO_SECOND_VALUE_NONE;
     return 2 * c->departures - own_tf + (!is_power_of_two(c->step_voxels) || c->step_voxels > 2);
 }
 
-/* Turns; the usual pyramid before others, which have to be built; programs after our own renderers; a pyramid at a
- * time, as not all fit in memory; cheap first. */
+/* Sorts by turn. Within a turn: the first pyramid before others, which must be built; our own renderers before other
+ * programs; one pyramid after another, as not all fit in memory; cheap settings first. */
 static int by_turn(const void *a, const void *b)
 {
     const iso_chart_case *x = a, *y = b;
@@ -318,7 +318,7 @@ static int by_turn(const void *a, const void *b)
     return 0;
 }
 
-/* Each setting for every scene, one after the other. */
+/* Repeats each setting for every scene. */
 static iso_status repeat_for_scenes(size_t scene_count, iso_chart_case **cases, size_t *count, iso_error *err)
 {
     iso_chart_case *all = calloc(scene_count * *count + 1, sizeof *all);
@@ -342,8 +342,8 @@ void iso_chart_cases_free(iso_chart_case *cases, size_t count)
     free(cases);
 }
 
-/* Does the setting differ from the others of the grid? Level 0 has one filter and no adapted TF; on the fly needs neither
- * filter, estimator nor code; other programs get decoded directions and have a quadrature of their own. */
+/* True if no other setting of the grid is the same. Level 0 has one filter and no adapted TF; gradients on the fly need
+ * no filter, estimator or code; other programs get decoded directions and have their own quadrature. */
 static bool is_distinct(const iso_chart_case *c, const usual_choice *usual)
 {
     const bool on_the_fly = c->source == ISO_FROM_ON_THE_FLY,
@@ -357,14 +357,15 @@ static bool is_distinct(const iso_chart_case *c, const usual_choice *usual)
         return false;
     if (c->level == 0 && c->adapted)
         return false;
-    /* 2D transfer functions: by the usual directions alone, which say what they gain */
+    /* 2D transfer functions: with the usual directions only, which suffice to show their gain */
     if (c->second != ISO_SECOND_VALUE_NONE &&
         (c->source != ISO_FROM_CODES || c->code != usual->code || c->preintegrated || !usual_pyramid))
         return false;
     return c->source == ISO_FROM_CODES || c->code == usual->code;
 }
 
-/* Is the setting asked for, and can it be made? A pyramid on disk is what it is; without floats it keeps its code. */
+/* True if the setting was requested and can be made. A pyramid on disk has fixed levels; without floats, also its
+ * code. */
 static bool is_wanted(const iso_chart_grid *g, const iso_pyramid *first, bool is_volume, const usual_choice *usual,
                       const iso_chart_case *c)
 {
@@ -384,7 +385,7 @@ static bool is_wanted(const iso_chart_grid *g, const iso_pyramid *first, bool is
     return has_floats || (c->source != ISO_FROM_FLOAT && (c->source != ISO_FROM_CODES || c->code == usual->code));
 }
 
-/* The i-th of all combinations, whether sensible or not. */
+/* Decodes the i-th combination of all axes, sensible or not. */
 static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t i)
 {
     static const struct {
@@ -405,7 +406,7 @@ static iso_chart_case combination(const iso_chart_grid *g, size_t levels, size_t
                                               ISO_SECOND_VALUE_GRADIENT};
     c.adapted = i % 4 > 0, c.second = second[i % 4], i /= 4;
     c.level = i % levels, i /= levels;
-    c.renderer = i < iso_renderer_count() ? iso_renderer_at(i) : NULL; /* NULL: no more */
+    c.renderer = i < iso_renderer_count() ? iso_renderer_at(i) : NULL; /* NULL: past the end */
     return c;
 }
 
@@ -418,7 +419,7 @@ static const iso_renderer_info *wanted_with_bricks(const iso_chart_grid *g)
     return NULL;
 }
 
-/* Plans are nodes of level 0 in bricks, whose bytes are known when they are made. */
+/* Adds plans: nodes of level 0 in bricks. Their bytes are known after they are made. */
 static void add_plans(const iso_chart_grid *g, const iso_level *level0, const usual_choice *usual,
                       iso_chart_case *cases, size_t *count)
 {

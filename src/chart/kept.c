@@ -13,7 +13,7 @@
 
 static const char lines_name[] = "settings.jsonl", part_name[] = ".part.exr", schema[] = "isoshade.chart-settings/2";
 
-/* All that a chart's folder may hold (result.h), unfinished or not. */
+/* Names of all files that a chart's folder may hold (result.h), finished or not. */
 static const char *const own_names[] = {
     "chart.json", lines_name, part_name,       "reference.exr", "reference-*.exr", "palette-*.csv",
     "pareto.*",   "style.gp", "viewer-*.html", "index.html",    NULL};
@@ -28,7 +28,7 @@ void iso_chart_reference_name(const iso_chart_bench *b, size_t scene, char *text
 
 /* ---- the chart's key ---- */
 
-/* Settings are the same measurement if all of these are the same. */
+/* Adds all facts on which a measurement depends. */
 static iso_status complete_key(iso_key *key, const iso_chart_bench *b, iso_error *err)
 {
     json_t *machine = iso_machine_describe();
@@ -39,14 +39,15 @@ static iso_status complete_key(iso_key *key, const iso_chart_bench *b, iso_error
     return iso_key_add_surroundings(key, err);
 }
 
-/* The first line. */
+/* Makes the first line. */
 static json_t *head_json(const iso_key *key, const iso_chart_bench *b)
 {
     json_t *parts = iso_key_to_json(key);
     return parts ? json_pack("{s:s, s:b, s:o}", "schema", schema, "hasty", b->hasty, "key", parts) : NULL;
 }
 
-/* *same: the chart goes on. A chart in haste has coarser references than one that is not, which begins again. */
+/* Sets *same if the chart can continue. A hasty chart has coarser references, so it does not continue a thorough
+ * one. */
 static iso_status check_key(const char *folder, const json_t *found, const iso_key *key, const iso_chart_bench *b,
                             bool *same, iso_error *err)
 {
@@ -104,8 +105,8 @@ static iso_metrics metrics_of(const json_t *line)
     return m;
 }
 
-/* Reads the measurements of a setting from a line. Damaged lines are skipped: the last one of a killed
- * process may be cut. So are lines of another renderer than the present one. */
+/* Reads a setting's measurements from a line. Skips lines of another version of the renderer, and damaged ones: a
+ * killed process may have cut its last line. */
 static void take_line(const json_t *line, const char *renderer, iso_chart_case *c)
 {
     const char *drawn_by = json_string_value(json_object_get(line, "renderer"));
@@ -169,7 +170,7 @@ static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench
 
 /* ---- the folder ---- */
 
-/* The first line; NULL: there is none of this schema. */
+/* Reads the first line; NULL if there is none of this schema. */
 static json_t *read_head(const char *dir)
 {
     char *path = iso_path_join(dir, lines_name), *text = NULL;
@@ -203,7 +204,7 @@ static iso_status copy_file(const char *from, const char *to, const char *name, 
     return status;
 }
 
-/* A finished chart's files go on where no interrupted one is. */
+/* Copies the files of a finished chart, if there is no interrupted one. */
 static iso_status copy_finished(iso_chart_kept_file *k, const iso_chart_bench *b, iso_error *err)
 {
     iso_status status = copy_file(k->output.final_path, k->output.temp_path, lines_name, err);
@@ -224,7 +225,7 @@ static iso_status begin_lines(iso_chart_kept_file *k, const json_t *head, iso_er
         return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", k->output.final_path, strerror(errno));
     }
     free(path);
-    if (k->resumed) /* what a killed process wrote last may lack its end */
+    if (k->resumed) /* the last line of a killed process may lack its end */
         fputc('\n', k->lines);
     else {
         json_dumpf(head, k->lines, JSON_COMPACT);
@@ -251,7 +252,7 @@ iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool 
     if (status == ISO_OK && resume) {
         found = read_head(k->output.temp_path);
         status = check_key(folder, found, key, b, &k->resumed, err);
-        if (status != ISO_OK) { /* what is there stays, but for the copy of a finished chart */
+        if (status != ISO_OK) { /* keeps the existing chart; only the copy of a finished one goes */
             if (partial)
                 iso_output_keep(&k->output);
             else
@@ -281,7 +282,7 @@ iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_c
     rewind(k->lines);
     TRY(status, take_lines(k, b, cases, count, err));
     fseek(k->lines, 0, SEEK_END);
-    /* without its reference nothing of a scene counts, nor what a small budget left unmeasured where it is asked for */
+    /* drop settings of a scene without its reference, and those that lack a metric which this run shows */
     for (size_t i = 0; i < count; ++i) {
         iso_chart_case *c = &cases[i];
         const bool whole = !b->needs_visual || isfinite(c->metrics.ssim);
@@ -327,7 +328,7 @@ iso_status iso_chart_kept_commit(iso_chart_kept_file *k, iso_error *err)
     }
     k->lines = NULL;
     const iso_status status = iso_output_commit(&k->output, err);
-    iso_output_abandon(&k->output); /* what stood there before */
+    iso_output_abandon(&k->output); /* the previous content */
     return status;
 }
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* kept.h - what a chart has measured, kept while it works, so that an interrupted one goes on (--resume).
+/* kept.h - measurements of an unfinished chart, from which --resume continues.
  *
- *     .DIR.partial/settings.jsonl       a line with the chart's key (base/key.h), then a line a setting, written when it is
- *                                       measured; of several lines of one setting the last counts
- *                  reference-SCENE.exr  what errors are measured against
+ *     .DIR.partial/settings.jsonl       the chart's key (base/key.h), then one line per measured setting, written
+ *                                       at once; the last line of a setting counts
+ *                  reference-SCENE.exr  reference image of a scene
  *
- * When the chart is finished the folder becomes DIR, with these files in it, so that a finished chart goes on as well: with
- * a larger budget, or with more values on its axes. */
+ * When the chart is finished, the folder becomes DIR and keeps these files. So a finished chart can be continued too,
+ * with a larger budget or with more values on its axes. */
 #ifndef ISO_CHART_KEPT_H
 #define ISO_CHART_KEPT_H
 
@@ -15,28 +15,29 @@
 
 typedef struct iso_chart_kept_file {
     iso_output output; /* the folder */
-    char renderers[ISO_MAX_RENDERERS][ISO_KEY_DIGEST_BYTES]; /* of iso_renderer_identify(); empty: nothing of it is taken */
+    char renderers[ISO_MAX_RENDERERS][ISO_KEY_DIGEST_BYTES]; /* by iso_renderer_identify(); empty: take none of its
+                                                              * settings */
     FILE *lines;
-    long begun;   /* bytes before the first setting of a chart that begins anew */
-    bool resumed; /* there was something of the same job */
+    long begun;   /* bytes before the first setting of a new chart */
+    bool resumed; /* True if a chart of the same job was there */
 } iso_chart_kept_file;
 
-/* Begins the folder, or takes the one that is there if `resume`. key: of the command; the rest is added to it. ISO_E_USAGE:
- * the chart that is there has another key, of which a part is named; it stays as it is. k->renderers is the caller's to set
- * afterwards. */
+/* Creates the folder, or opens the existing one if `resume`. key: key of the command; this function completes it.
+ * ISO_E_USAGE: the chart there has another key; the message names a part that differs, and the chart is kept. The
+ * caller sets k->renderers afterwards. */
 iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool resume, iso_key *key,
                                const iso_chart_bench *b, iso_error *err);
-/* Fills the settings that are there and were drawn by these renderers, and those scenes' references. */
+/* Reads the stored settings of these renderers, and the references of their scenes. */
 iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_chart_case *cases, size_t count,
                                iso_error *err);
 iso_status iso_chart_kept_put_reference(iso_chart_kept_file *k, const iso_chart_bench *b, size_t scene, iso_error *err);
 iso_status iso_chart_kept_put(iso_chart_kept_file *k, const iso_chart_bench *b, const iso_chart_case *c, iso_error *err);
-/* The folder becomes the chart's. */
+/* Moves the folder to its final place. */
 iso_status iso_chart_kept_commit(iso_chart_kept_file *k, iso_error *err);
-/* What is kept stays, if there is any. Accepts empty and what was committed. */
+/* Closes the folder; keeps it if it holds measurements. Accepts empty and committed folders. */
 void iso_chart_kept_close(iso_chart_kept_file *k);
 
-/* "reference-brain.exr"; a single scene's is "reference.exr". */
+/* Writes "reference-brain.exr", or "reference.exr" if there is one scene. */
 void iso_chart_reference_name(const iso_chart_bench *b, size_t scene, char *text, size_t size);
 
 #endif

@@ -3,8 +3,7 @@
 
 #include <math.h>
 
-/* Of two steps, one half of the other, the finer has a quarter of the error where the step makes it. What leaves more than
- * this part is the level's own. */
+/* Halving the step quarters its error. If more than this part remains, the error is the level's own. */
 static const double FLOOR_PART = 0.85;
 
 static bool is_sibling(const iso_chart_case *a, const iso_chart_case *b)
@@ -15,7 +14,7 @@ static bool is_sibling(const iso_chart_case *a, const iso_chart_case *b)
            a->plan_error == b->plan_error;
 }
 
-/* The two finest steps of the setting that are done and coarser than its own. */
+/* The two finest measured steps of the same setting that are coarser than its own. */
 typedef struct coarser_steps {
     const iso_chart_case *fine, *coarse; /* or NULL */
 } coarser_steps;
@@ -37,7 +36,7 @@ static coarser_steps find_coarser(const iso_chart_case *cases, size_t count, con
     return s;
 }
 
-/* What no finer step of the setting gets below, as far as two steps tell: e = f + a h^2 through both. */
+/* Lower bound of the error at finer steps: extrapolates e = f + a h^2 through two steps. */
 static double floor_of(const coarser_steps *s, const iso_chart_outlook *o)
 {
     if (!s->coarse)

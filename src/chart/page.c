@@ -21,8 +21,8 @@ ISO_EMBED(iso_chart_plot_js, "src/chart/chart_plot.js");
 static const iso_page chart_page = {iso_chart_html, {iso_report_js, iso_chart_plot_js, iso_chart_page_js},
                                     iso_chart_css};
 
-/* A page stays below what a browser opens at once: pictures of all settings up to so many bytes, of those on a front in
- * any case. */
+/* Total size of the embedded pictures, so that browsers open the page at once. Pictures of settings on a front are
+ * always included. */
 static const size_t MOST_PICTURE_BYTES = 12000000;
 
 static bool is_on_front(const iso_chart_case *c)
@@ -31,12 +31,12 @@ static bool is_on_front(const iso_chart_case *c)
            c->number > 0;
 }
 
-/* By the number of the case. */
+/* Keys are case numbers. */
 static json_t *pictures_json(const iso_chart_result *r)
 {
     json_t *pictures = json_object();
     size_t bytes = 0;
-    for (int pass = 0; pass < 2; ++pass) /* those on a front first */
+    for (int pass = 0; pass < 2; ++pass) /* fronts first */
         for (size_t i = 0; i < r->done_count; ++i) {
             const iso_chart_case *c = &r->cases[i];
             const size_t length = c->picture ? strlen(c->picture) : 0;
@@ -78,7 +78,8 @@ static void sentence_of(const iso_chart_result *r, char *text, size_t size)
         snprintf(text, size, "None of %zu measured has %s of at most %.3g.", r->done_count,
                  iso_chart_metric_title(r->metric), r->want);
     } else {
-        snprintf(text, size, "%zu measured: %zu on the front of time, %zu on that of bytes.", r->done_count, time, bytes);
+        snprintf(text, size, "%zu measured: %zu on the time front, %zu on the bytes front.", r->done_count, time,
+                 bytes);
     }
 }
 
@@ -111,7 +112,7 @@ iso_status iso_chart_page_write(const iso_chart_result *r, const char *folder, c
                                         iso_json_number(iso_chart_error(c, r->metric)), "bytes",
                                         iso_chart_bytes_of(c, r->bytes)));
     }
-    json_object_set_new(data, "figures", figures); /* beside the cases, in their order */
+    json_object_set_new(data, "figures", figures); /* parallel to the cases */
     inlined = json_pack("{s:o, s:o}", "pictures", pictures_json(r), "references", references_json(r));
     iso_status status = path && inlined ? iso_page_write(path, &chart_page, data, inlined, err)
                                         : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");

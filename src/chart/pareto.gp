@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-# Image error against time and against bytes. A kind of gradients has one color and shape, a level one size, the front is a
-# staircase whose corners are named below, but for those that are hardly better than a cheaper one. Restyle in style.gp: fonts, colors, shapes (linetype 1, 2 ...), sizes.
+# Image error against time and against bytes. A series has one color and shape, a level one size. The front is a
+# staircase; its corners are named below, except those that hardly improve on a cheaper one. Restyle in style.gp: fonts, colors, shapes (linetype 1, 2 ...), sizes.
 name = 'pareto'
 data = name . '.csv'
 set datafile separator comma
 set datafile columnheaders
-# What there is: the kinds of gradients, levels, ranges, and the settings on the fronts.
+# Collects the series, levels, ranges, and the settings on the fronts.
 series = ''
 known(s) = strstrt(series, '"' . s . '"') > 0
 of(i) = strcol("series") eq word(series, i)
@@ -47,7 +47,7 @@ legend_rows = rows_of(count, 4) + 1
 width = 980
 list_top = 26 + row * (list_rows + 1)
 legend_top = list_top + 10 + row * legend_rows
-panel = 384.0 # of a row of panels, with its axis
+panel = 384.0 # height of a row of panels, with its axis
 height = 14 + panel * rows + legend_top
 load 'style.gp'
 if (!exists("pale")) pale = '#c4c4c4'
@@ -56,7 +56,7 @@ if (!exists("ink")) ink = '#222222'
 if (!exists("small")) small = ',9'
 if (!exists("point_scale")) point_scale = 1.0
 ringed(p) = (int(column("chosen")) & p) > 0
-# What a plot leaves out: gnuplot complains of plots without a point, but not of points outside.
+# Place of points to leave out: gnuplot warns about plots without points, but not about points outside.
 outside = 1e30
 size_of(k) = point_scale * (0.95 * 0.74 ** k)
 unset key
@@ -98,7 +98,7 @@ do for [s = 1:rows] { do for [p = 1:2] {
     }
     set ylabel (p == 1 ? metric . ' to the converged reference of level 0' : '') offset 1, 0
     set xlabel (p == 1 ? (clock eq 'processor' ? 'processor ' : '') . 'time of a frame, ms: the fastest (bars: to the median)' : kind eq 'stored' ? 'bytes of the level in files' : 'bytes that the renderer holds')
-    # Numbers stand left of their points, on the empty side of the front, and below the one before where that is near.
+    # Numbers stand left of their points, on the empty side of the front, and below the previous number if that is near.
     last = top_error; last_x = left_x
     do for [n = 1:fronts] {
         unset label 500 + n

@@ -7,7 +7,8 @@
 
 enum { ISO_CHART_PICTURE_PIXELS = 128 }; /* of its longer side, at most */
 
-/* Averaged in linear light, sRGB, a PNG as a data URI; to be freed, NULL when memory ends. */
+/* Encodes a picture as a data URI of a PNG: averaged in linear light, then sRGB. The caller frees it; NULL if out of
+ * memory. */
 char *iso_chart_picture(const iso_image *image);
 
 #endif

@@ -80,7 +80,8 @@ static double bytes_of(const iso_chart_result *r, const iso_chart_case *c)
     return iso_chart_bytes_of(c, r->bytes);
 }
 
-/* Those that are done come first, in the order in which the scenes of a setting stood beside each other. */
+/* Largest value over all scenes. Measured cases come first in the order of the grid, where the scenes of a setting are
+ * neighbors. */
 static double worst(const iso_chart_result *r, const iso_chart_case *c,
                     double (*of)(const iso_chart_result *, const iso_chart_case *))
 {
@@ -108,9 +109,9 @@ double iso_chart_worst_seconds(const iso_chart_result *r, const iso_chart_case *
 
 /* ---- fronts ---- */
 
-/* keys: two numbers a setting. The smallest with the wanted error is the fastest of its bytes, and so may stand above the
- * front, on which the most exact of its bytes is. Numbers those of a scene that are named on either front, by falling
- * error, from one after `number`. */
+/* Numbers the named settings of a scene on either front, by falling error, from number + 1. keys: two per setting. The
+ * smallest setting within the wanted error is named too: it is the fastest of its size, so it may lie above the
+ * front. */
 static size_t number_fronts(iso_chart_result *r, size_t scene, size_t number, double *keys)
 {
     size_t count = 0;
@@ -138,7 +139,7 @@ static size_t number_fronts(iso_chart_result *r, size_t scene, size_t number, do
     return number;
 }
 
-/* Plans for several errors may come out as one: of equal bytes and errors the fastest is enough. */
+/* Plans for several errors may be identical: among equal bytes and errors keeps only the fastest. */
 static void drop_ties(iso_chart_result *r)
 {
     for (size_t i = 0; i < r->done_count; ++i)
@@ -151,11 +152,11 @@ static void drop_ties(iso_chart_result *r)
         }
 }
 
-/* Scratch for all settings. */
+/* Scratch arrays for all settings. */
 typedef struct front_arrays {
     double *cost, *error, *keys;
     bool *front;
-    size_t *at; /* which case */
+    size_t *at; /* index of the case */
 } front_arrays;
 
 typedef struct front_of {
@@ -195,7 +196,7 @@ static void mark_fronts(iso_chart_result *r, front_arrays *a)
     drop_ties(r);
 }
 
-/* By the scene where each is the worst; a setting's case of the first scene stands for it. */
+/* Chooses by the worst scene of each setting; its case of the first scene represents it. */
 static void choose(iso_chart_result *r, front_arrays *a)
 {
     double *const seconds = a->keys, *const bytes = a->cost;
@@ -212,7 +213,7 @@ static void choose(iso_chart_result *r, front_arrays *a)
     r->best = iso_pareto_choose(a->error, seconds, a->error, r->done_count, INFINITY);
 }
 
-/* Keeps the order among those that are done, and among the others. */
+/* Keeps the order within both groups. */
 static iso_status move_done_first(iso_chart_result *r, iso_error *err)
 {
     iso_chart_case *skipped = malloc((r->count + 1) * sizeof *skipped);

@@ -2,19 +2,19 @@
 /* result.h - the result of a chart: files, and lines on stdout.
  *
  *     DIR/pareto.svg, .pdf   error against time and against bytes, with the fronts
- *         pareto.csv         a line a setting: all that is drawn, and the command that renders it again
+ *         pareto.csv         one line per setting: its figures, and the command that renders it
  *         pareto.gp          draws the CSV; style.gp: fonts, colors, shapes
- *         chart.json         the same as data (schema isoshade.chart/2), with what was not tried
+ *         chart.json         the same as data (schema isoshade.chart/2), with the values that were not tried
  *         index.html         the same as a page, with a picture of each setting
- *         reference.exr      what errors are measured against; of several scenes reference-SCENE.exr
- *         settings.jsonl     what --resume goes on from (kept.h)
+ *         reference.exr      the reference image; for several scenes reference-SCENE.exr
+ *         settings.jsonl     measurements, for --resume (kept.h)
  *         palette-N.csv      the palettes that settings use */
 #ifndef ISO_CHART_RESULT_H
 #define ISO_CHART_RESULT_H
 
 #include "chart/bench.h"
 
-/* Which figure of a comparison is the error. */
+/* Metric used as the error. */
 typedef enum iso_chart_metric {
     ISO_CHART_RMSE,
     ISO_CHART_FLIP,
@@ -23,64 +23,66 @@ typedef enum iso_chart_metric {
 } iso_chart_metric;
 /* "rmse", "flip", "ssim" */
 const char *iso_chart_metric_name(iso_chart_metric m);
-/* "RMSE", "mean FLIP", "1 - SSIM": of an axis */
+/* Title of an axis: "RMSE", "mean FLIP", "1 - SSIM". */
 const char *iso_chart_metric_title(iso_chart_metric m);
 iso_status iso_chart_metric_from_name(const char *name, iso_chart_metric *m, iso_error *err);
 double iso_chart_error(const iso_chart_case *c, iso_chart_metric m);
 
-/* Which bytes are the second chart's cost. */
+/* Bytes used as the cost in the second chart. */
 typedef enum iso_chart_bytes { ISO_CHART_DEVICE, ISO_CHART_STORED } iso_chart_bytes;
 
 typedef struct iso_chart_result {
-    const char *command_line; /* that made it; borrowed */
+    const char *command_line; /* of this run; borrowed */
     const iso_chart_bench *bench;
     iso_chart_case *cases;
-    size_t count, done_count; /* those that are done come first */
+    size_t count, done_count; /* measured ones come first */
     iso_chart_metric metric;
     iso_chart_bytes bytes;
     double want;                          /* 0: none */
-    /* Indices of cases, of several scenes the first's: with at most the wanted error in each scene, the fastest by the scene
-     * where it is the slowest; done_count: none. */
+    /* Indices of cases, of the first scene if there are several; done_count: none. fastest, smallest: among settings
+     * within the wanted error in each scene, by the worst scene. */
     size_t fastest, smallest;
-    size_t best;                          /* of the least error, in the scene where it is the largest */
+    size_t best;                          /* smallest error in its worst scene */
     double budget_seconds, spent_seconds; /* budget 0: none; spent in this run */
-    size_t kept_count;                    /* settings of an earlier run */
-    const char *looks[ISO_CHART_MAX_SCENES]; /* the options of a command line for what a scene's pictures show */
+    size_t kept_count;                    /* settings measured in an earlier run */
+    const char *looks[ISO_CHART_MAX_SCENES]; /* options of a scene's view, for command lines */
     const char *output, *style;
-    char viewers[ISO_CHART_MAX_SCENES][160]; /* pages of the viewer beside it; or empty */
+    char viewers[ISO_CHART_MAX_SCENES][160];       /* pages of the viewer next to the chart; or empty */
     iso_chart_version versions[ISO_MAX_RENDERERS]; /* empty: not used */
-    char left_out[ISO_MAX_RENDERERS][320]; /* why a renderer was; or empty */
+    char left_out[ISO_MAX_RENDERERS][320];         /* reason why a renderer was left out; or empty */
     size_t refused_count;                  /* settings that could not be rendered */
-    char refusal[320];                     /* why the first could not */
+    char refusal[320];                     /* reason of the first one */
 } iso_chart_result;
 
-/* Along a front, from the largest error: a setting is named when its error is this part of the last named one's or less.
- * What gains less is on the front by chance of the clock, or by the last digit of an error. */
+/* A setting on a front is named if its error is at most this part of the last named one's, from the largest error down.
+ * A smaller gain is due to noise of the clock or to the last digit of an error. */
 #define ISO_CHART_NAMED_PART 0.95
 
-/* "brain.scene.json", or what stands for one. */
+/* Returns "brain.scene.json", or "first picture". */
 const char *iso_chart_scene_title(const iso_chart_result *r, size_t scene);
-/* Over all scenes: is the setting of this case done in each of them, and what is the largest there? NaN: it is not. */
+/* Largest value of the setting over all scenes; NaN if a scene was not measured. */
 double iso_chart_worst_error(const iso_chart_result *r, const iso_chart_case *c);
 double iso_chart_worst_seconds(const iso_chart_result *r, const iso_chart_case *c);
 
-/* Sorts measured settings before the others, marks and numbers the fronts of each scene, and chooses fastest, smallest and
- * best. */
+/* Moves measured settings to the front of the list, marks and numbers the fronts of each scene, and chooses fastest,
+ * smallest and best. */
 iso_status iso_chart_result_sort(iso_chart_result *r, iso_error *err);
 
-/* Of a setting, the bytes that the second chart shows; what they and the times are: "device" or "stored", "processor" or "clock". */
+/* Bytes of a setting in the second chart; kinds of bytes ("device", "stored") and of time ("processor", "clock"). */
 double iso_chart_bytes_of(const iso_chart_case *c, iso_chart_bytes b);
 const char *iso_chart_bytes_kind(const iso_chart_result *r);
 const char *iso_chart_time_kind(const iso_chart_result *r);
 
-/* "isoshade render ..." that gives the setting's image again as setting.exr; to be freed, NULL when memory ends. */
+/* Writes the "isoshade render ..." that renders the setting to setting.exr. The caller frees it; NULL if out of
+ * memory. */
 char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c);
 
-/* "isoshade compare ..." of setting.exr with the scene's reference; to be freed, NULL when memory ends. */
+/* Writes "isoshade compare ..." of setting.exr with the scene's reference. The caller frees it; NULL if out of
+ * memory. */
 char *iso_chart_compare_command(const iso_chart_result *r, size_t scene);
 
 json_t *iso_chart_result_json(const iso_chart_result *r);
-/* Writes the files into `folder`, which becomes r->output. */
+/* Writes the files to `folder`, which becomes r->output. */
 iso_status iso_chart_result_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err);
 void iso_chart_result_print(const iso_chart_result *r);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* result_files.c - what a chart found, as a folder: the table, its charts, and the images that commands refer to. */
+/* result_files.c - the folder of a chart: its table, charts, and the images that commands refer to. */
 #define _GNU_SOURCE
 #include "chart/result.h"
 #include "chart/kept.h"
@@ -25,7 +25,7 @@ static void put_field(FILE *f, const char *text)
     fputc('"', f);
 }
 
-/* 1: the fastest with the wanted error; 2: the smallest; in every scene. */
+/* Flags: 1 fastest within the wanted error, 2 smallest; in every scene. */
 static int chosen(const iso_chart_result *r, const iso_chart_case *c)
 {
     const size_t which[] = {r->fastest, r->smallest};
@@ -90,7 +90,7 @@ static char *result_csv(const iso_chart_result *r)
     return NULL;
 }
 
-/* What commands refer to. */
+/* Writes the references and palettes that commands refer to. */
 static iso_status write_images(const iso_chart_result *r, const char *dir, iso_error *err)
 {
     const iso_image_note notes[] = {{"isoshade:command", r->command_line}, {NULL, NULL}};

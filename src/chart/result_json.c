@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* result_json.c - what a chart found, as data. */
+/* result_json.c - the result of a chart as JSON. */
 #include "chart/untried.h"
 
 #include <stdio.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* result_print.c - what a chart found, in lines for people. */
+/* result_print.c - the result of a chart as lines of text. */
 #include "chart/untried.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Of several scenes what it is in the worst of them, and a command each. */
+/* Prints the figures of the worst scene, and one command per scene. */
 static void print_chosen(const iso_chart_result *r, const char *what, size_t index)
 {
     const iso_chart_case *c = &r->cases[index];
@@ -38,7 +38,7 @@ static void print_want(const iso_chart_result *r)
     }
     for (size_t i = 0; i < r->bench->scene_count; ++i) {
         char *compare = iso_chart_compare_command(r, i);
-        printf("its error again: %s\n", compare ? compare : "");
+        printf("to check its error: %s\n", compare ? compare : "");
         free(compare);
     }
 }
@@ -61,7 +61,7 @@ static void print_skipped(const iso_chart_result *r)
     else
         printf("%zu of %zu settings are of renderers that were left out", skipped, r->count);
     if (iso_chart_find_untried(r, &untried) == ISO_OK && untried->count > 0) {
-        printf("; not one of: ");
+        printf("; none measured with: ");
         for (size_t i = 0; i < untried->count; ++i)
             printf("%s%s", i ? ", " : "", untried->tags[i]);
     }
@@ -91,7 +91,7 @@ static void print_fronts(const iso_chart_result *r, size_t scene)
                 print_named(r, &r->cases[i]);
 }
 
-/* Where there are several: how many settings are on each one's own fronts. */
+/* Counts, per renderer, its settings and those on its own fronts; nothing if there is one renderer. */
 static void print_renderers(const iso_chart_result *r)
 {
     size_t tried[ISO_MAX_RENDERERS] = {0}, time[ISO_MAX_RENDERERS] = {0}, bytes[ISO_MAX_RENDERERS] = {0}, count = 0;
@@ -104,8 +104,8 @@ static void print_renderers(const iso_chart_result *r)
     }
     for (size_t k = 0; k < iso_renderer_count() && count > 1; ++k)
         if (tried[k] > 0)
-            printf("%s alone: %zu settings, %zu on its front of time, %zu of bytes\n", iso_renderer_at(k)->name, tried[k],
-                   time[k], bytes[k]);
+            printf("%s alone: %zu settings, %zu on its time front, %zu on its bytes front\n", iso_renderer_at(k)->name,
+                   tried[k], time[k], bytes[k]);
 }
 
 void iso_chart_result_print(const iso_chart_result *r)
@@ -113,7 +113,7 @@ void iso_chart_result_print(const iso_chart_result *r)
     size_t unnamed = 0;
     for (size_t i = 0; i < r->done_count; ++i)
         unnamed += r->cases[i].number == 0 && (r->cases[i].on_time_front || r->cases[i].on_bytes_front);
-    printf("on the front of time (t) or bytes (b)%-36s %9s %9s %12s %9s %9s\n", "", "ms", "median", "bytes", "rmse",
+    printf("on the time (t) or bytes (b) front%-39s %9s %9s %12s %9s %9s\n", "", "ms", "median", "bytes", "rmse",
            "flip_mean");
     for (size_t scene = 0; scene < r->bench->scene_count; ++scene) {
         if (r->bench->scene_count > 1)
@@ -121,7 +121,7 @@ void iso_chart_result_print(const iso_chart_result *r)
         print_fronts(r, scene);
     }
     if (unnamed > 0)
-        printf("and %zu that lower the error by less than %.0f %%: on_time_front and on_bytes_front in chart.json\n",
+        printf("%zu more improve the error by less than %.0f %%: see on_time_front and on_bytes_front in chart.json\n",
                unnamed, 100 * (1 - ISO_CHART_NAMED_PART));
     print_renderers(r);
     if (r->kept_count > 0)

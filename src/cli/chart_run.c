@@ -54,7 +54,7 @@ static bool is_too_slow_to_begin(const chart_run *run, const iso_renderer_info *
                                   .filter = run->bench.first.options.direction_filter};
     return iso_renderer_has(renderer, ISO_IS_PROGRAM) &&
            MOST_PART_OF_A_PROGRAM * (run->end_seconds - iso_clock_seconds()) <
-               iso_chart_bench_foresee(&run->bench, &first);
+               iso_chart_bench_estimate(&run->bench, &first);
 }
 
 /* A renderer that nobody asked for by name is left out where it does not answer; one that was asked for has to be there. */
@@ -155,7 +155,7 @@ static iso_status time_again(chart_run *run, iso_error *err)
          k < rounds * result->count && status == ISO_OK && has_time_for_rounds(run->arguments->budget_seconds); ++k) {
         iso_chart_case *c = &result->cases[k % result->count];
         iso_progress_report(&progress, "the best again", (double)k / (double)(rounds * result->count));
-        if (iso_clock_seconds() + iso_chart_bench_foresee(&run->bench, c) < run->end_seconds &&
+        if (iso_clock_seconds() + iso_chart_bench_estimate(&run->bench, c) < run->end_seconds &&
             is_worth_timing_again(result, c)) {
             status = iso_chart_bench_time_again(&run->bench, c, err);
             TRY(status, iso_chart_kept_put(&run->kept, &run->bench, c, err));
@@ -172,7 +172,7 @@ static double part_done(const chart_run *run, double start_seconds, double end_s
     double left = 0;
     for (size_t i = 0; i < run->result.count && left < end_seconds - now; ++i)
         left += !run->result.cases[i].done && run->grid.with[iso_renderer_index(run->result.cases[i].renderer)]
-                    ? iso_chart_bench_foresee(&run->bench, &run->result.cases[i])
+                    ? iso_chart_bench_estimate(&run->bench, &run->result.cases[i])
                     : 0;
     left = fmin(left, fmax(end_seconds - now, 0));
     return spent + left > 0 ? spent / (spent + left) : 1;
@@ -189,14 +189,14 @@ static double error_of(const void *user, const iso_chart_case *c)
 static double frame_seconds_of(const void *user, const iso_chart_case *c)
 {
     const chart_run *run = user;
-    return iso_chart_bench_foresee_frame(&run->bench, c);
+    return iso_chart_bench_estimate_frame(&run->bench, c);
 }
 
 /* Refused ones are not tried twice. The first is made however small the budget is. */
 static bool is_open(const void *user, const iso_chart_case *c)
 {
     const chart_run *run = user;
-    const double left = run->measure_until - iso_clock_seconds(), takes = iso_chart_bench_foresee(&run->bench, c);
+    const double left = run->measure_until - iso_clock_seconds(), takes = iso_chart_bench_estimate(&run->bench, c);
     if (!run->grid.with[iso_renderer_index(c->renderer)] || c->refused)
         return false;
     if (run->result.done_count == 0)

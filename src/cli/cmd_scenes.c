@@ -248,7 +248,7 @@ static iso_status guard_json(const char *output, iso_error *err)
 {
     char *path = json_path(output);
     iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
-    TRY(status, iso_stamp_guard_beside(path, is_of_a_sheet(path), err));
+    TRY(status, iso_stamp_guard_adjacent(path, is_of_a_sheet(path), err));
     free(path);
     return status;
 }

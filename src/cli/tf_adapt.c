@@ -42,7 +42,7 @@ static iso_status guard_level(const iso_tf_arguments *a, size_t level, iso_error
 {
     char *path = adapted_path(a, level);
     iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_stamp_guard_beside(path, is_tf(path), err));
+    TRY(status, iso_stamp_guard_adjacent(path, is_tf(path), err));
     free(path);
     return status;
 }

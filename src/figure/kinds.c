@@ -133,7 +133,7 @@ static iso_status check_input(const iso_figure_job *job, bool of_report, iso_err
     if (job->input && !(takes & (ISO_FIGURE_OF_VOLUME | ISO_FIGURE_OF_REPORT | ISO_FIGURE_OF_CHART)))
         return iso_fail(err, ISO_E_USAGE, "--kind %s takes no input", job->kind->name);
     if (of_report && !(takes & ISO_FIGURE_OF_REPORT))
-        return iso_fail(err, ISO_E_USAGE, "%s is a report; --kind %s needs %s", job->input, job->kind->name,
+        return iso_fail(err, ISO_E_USAGE, "%s is a report; --kind %s is of %s", job->input, job->kind->name,
                         takes & ISO_FIGURE_OF_CHART ? "a chart" : "a volume");
     return ISO_OK;
 }

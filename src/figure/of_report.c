@@ -66,8 +66,7 @@ static iso_status load_image(const figure *f, const char *name, iso_image *image
 static iso_status add_panel(figure *f, panel p, iso_error *err)
 {
     if (f->count == max_panels)
-        return iso_fail(err, ISO_E_RANGE, "figure: too many panels, at most %d; choose fewer levels or methods",
-                        (int)max_panels);
+        return iso_fail(err, ISO_E_RANGE, "figure: more than %d panels", (int)max_panels);
     p.mm_per_pixel = number_of(json_object_get(json_object_get(f->report, "images"), p.image), "mm_per_pixel");
     if (!(p.mm_per_pixel > 0))
         p.mm_per_pixel = 0;
@@ -136,8 +135,7 @@ static iso_status check_methods(json_t *methods, const char *list, iso_error *er
             continue;
         json_object_foreach(methods, method, adapted)
             snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", known[0] ? ", " : "", method);
-        return iso_fail(err, ISO_E_RANGE, "--methods: the report has no pictures of \"%s\"; choose from %s", word,
-                        known);
+        return iso_fail(err, ISO_E_RANGE, "--methods: the report has no pictures of \"%s\", but of %s", word, known);
     }
     return ISO_OK;
 }

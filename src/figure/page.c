@@ -234,7 +234,7 @@ static void put_pixels(iso_page *p, const iso_page_box *box, unsigned char *rgb,
     width *= times, height *= times;
     if (!rgb || p->picture_count == MOST_PICTURES) {
         free(rgb);
-        fail(p, rgb ? iso_fail(&p->err, ISO_E_RANGE, "figure: too many pictures, at most %d", (int)MOST_PICTURES)
+        fail(p, rgb ? iso_fail(&p->err, ISO_E_RANGE, "figure: more than %d pictures", (int)MOST_PICTURES)
                     : iso_fail(&p->err, ISO_E_MEMORY, "figure: no memory for %zu x %zu pixels", width, height));
         return;
     }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Sizes in points: pdfcairo prints two thirds of the given size; SVG has 96 pixels per inch; LaTeX gets the size in the text.
+# Sizes in points: pdfcairo prints two thirds of what it is told; SVG counts in pixels, 96 an inch; LaTeX is told by the text.
 sized(pt) = sprintf(',%g', format eq 'pdf' ? 1.5 * pt : format eq 'png' ? pt * dpi / 96.0 : pt / 0.75)
 latex_size(pt) = sprintf('\fontsize{%g}{%g}\selectfont{}', pt, 1.2 * pt)
 say(pt, plain, latex) = format eq 'tex' ? latex_size(pt) . latex : plain

@@ -55,7 +55,7 @@ static const float *fine_row(const iso_extinction_scaler *s, const iso_fine_row 
     return s->fine->scalar + row->x + a[0].fine_size * (row->y + a[1].fine_size * row->z);
 }
 
-/* Rows beside one of a level. At the grid's faces one of both is the row itself. */
+/* Rows next to a row of a level. At the grid's faces one of the two is the row itself. */
 static iso_stencil_rows stencil_of(const iso_level *l, size_t y, size_t z)
 {
     const size_t *n = l->geometry.size, row = n[0], plane = row * n[1];
@@ -68,7 +68,7 @@ static iso_stencil_rows stencil_of(const iso_level *l, size_t y, size_t z)
                               .z_scale = low[1] && high[1] ? 0.5f : 1};
 }
 
-/* Of the level, for the size of a fine voxel. */
+/* Measures slopes of the level per fine voxel. */
 static void measure_slopes(iso_extinction_scaler *s)
 {
     const size_t *n = s->coarse->geometry.size;
@@ -160,7 +160,7 @@ iso_status iso_extinction_scaler_create(const iso_level *fine, const iso_level *
     return status;
 }
 
-/* ---- what is seen ---------------------------------------------------------------------------------------------- */
+/* ---- visibility -------------------------------------------------------------------------------------------------- */
 
 /* A transfer function for the kernels, and how many of its entries below each one show anything. */
 typedef struct shown_tf {
@@ -233,7 +233,7 @@ static size_t find_seen(iso_extinction_scaler *s, const shown_tf *original, cons
 
 /* ---- rounds ---------------------------------------------------------------------------------------------------- */
 
-/* Square distances are summed as integers, which come out alike whatever thread adds what. */
+/* Sum of square distances. Integer sums do not depend on thread order. */
 typedef struct thread_sum {
     int64_t square;
     float *scratch; /* of fine rows */
@@ -389,7 +389,7 @@ iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const 
         return ISO_OK;
     iso_status status = iso_extinction_scaler_create(&p->levels[0], &p->levels[level], level, threads, &s, err);
     if (status == ISO_OK && !(*bytes = malloc(iso_geometry_voxel_count(&p->levels[level].geometry))))
-        status = iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for a byte a voxel");
+        status = iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for one byte per voxel");
     TRY(status, iso_extinction_scaler_apply(s, original, own, *bytes, NULL, err));
     if (status != ISO_OK) {
         free(*bytes);

@@ -11,8 +11,8 @@ static const struct {
     const char *name, *summary;
 } kinds_of_scalar[] = {
     [ISO_LEVEL_AS_BUILT] = {"as-built", "by the pyramid's scalar filter"},
-    [ISO_LEVEL_LEAST_SQUARES] = {"least-squares", "what trilinear lookup shows is nearest to level 0"},
-    [ISO_LEVEL_FITTED] = {"fitted", "what the transfer function makes of it is nearest to level 0"},
+    [ISO_LEVEL_LEAST_SQUARES] = {"least-squares", "closest to level 0 under trilinear interpolation"},
+    [ISO_LEVEL_FITTED] = {"fitted", "closest to level 0 after the transfer function"},
 };
 const iso_names iso_level_scalar_names = ISO_NAMES_OF_ROWS("level scalar", kinds_of_scalar);
 

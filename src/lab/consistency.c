@@ -61,11 +61,11 @@ static iso_status make_view(const bench_run *run, const iso_pyramid *p, const is
 }
 
 /* The table, or the 2D table, that shows a level. */
-typedef struct display_tables {
+typedef struct shown_by {
     const iso_tf_table *table;
     iso_tf_2d *tf_2d;          /* borrowed; or NULL */
     uint8_t *extinction_scale; /* borrowed; or NULL */
-} display_tables;
+} shown_by;
 
 /* A volume under one transfer function. */
 typedef struct bench_case {
@@ -77,7 +77,7 @@ typedef struct bench_case {
     const iso_image *finest; /* level 0, one image per view */
 } bench_case;
 
-static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, display_tables by,
+static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso_view *view, shown_by by,
                          iso_image *image, iso_error *err)
 {
     iso_render_options opt = iso_render_defaults(run->renderer);
@@ -99,7 +99,7 @@ static iso_status render(bench_run *run, const iso_pyramid *p, size_t level, iso
 }
 
 /* Renders all views of one level with one table and measures them. */
-static iso_status measure(bench_run *run, const bench_case *c, size_t level, display_tables by, case_result *r,
+static iso_status measure(bench_run *run, const bench_case *c, size_t level, shown_by by, case_result *r,
                           iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -184,7 +184,7 @@ static iso_status run_level(bench_run *run, const bench_case *c, size_t level, i
         if (status == ISO_OK && iso_lab_methods[m].extinction_scale)
             status = iso_extinction_scale_level(p, level, &views[0].tf, &table, opt.threads, &scale, err);
         if (status == ISO_OK)
-            status = measure(run, c, level, (display_tables){&table, iso_lab_methods[m].tf_2d ? &tf_2d : NULL, scale},
+            status = measure(run, c, level, (shown_by){&table, iso_lab_methods[m].tf_2d ? &tf_2d : NULL, scale},
                              &results[m], err);
         free(scale);
         iso_tf_2d_destroy(&tf_2d);
@@ -205,7 +205,7 @@ static iso_status run_tf(bench_run *run, int block, const char *volume, const is
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
         status = make_view(run, p, &own, i, &views[i], err);
         if (status == ISO_OK)
-            status = render(run, p, 0, &views[i], (display_tables){&views[i].tf, NULL, NULL}, &finest[i], err);
+            status = render(run, p, 0, &views[i], (shown_by){&views[i].tf, NULL, NULL}, &finest[i], err);
     }
     for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level)
         if (run->level == 0 || (size_t)run->level == level)

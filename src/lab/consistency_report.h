@@ -12,8 +12,8 @@
 
 /* Summarizes cases. Each is an object per method, the "original" TF's first, with "renderer", "held", "level",
  * "method", "ssim_dissimilarity", "flip_mean", "rmse" and "left_out" (null if the case counts). Returns a block per
- * renderer and value of "held". It has means and medians of error / error of the original TF by level (0: all levels)
- * and method, the number of cases worse than the original, and the cases left out. print: also prints tables. */
+ * renderer and value of "held", with means and medians of error / error of the original TF by level (0: all levels) and
+ * method, the number of cases worse than the original, and the cases left out by reason. print: also prints tables. */
 json_t *iso_consistency_report(const json_t *cases, bool print);
 
 #endif

@@ -7,9 +7,9 @@
 
 #include "base/status.h"
 
-/* Estimates the standard deviation of normal noise from second differences along all three axes at once (1 -2 1 along
- * each, a sum of squares of 216): the median of their absolute values, divided by .6745 as for a normal distribution.
- * Fields quadratic along some axis have none. Constant neighborhoods, which hide noise, are left out. ISO_E_MEMORY. */
+/* Estimates the standard deviation of normal noise: the median absolute second difference along all three axes at once
+ * (1 -2 1 along each, a sum of squares of 216), divided by .6745 as for a normal distribution. Fields that are
+ * quadratic along some axis have none. Constant neighborhoods, which hide noise, are left out. Errors: ISO_E_MEMORY. */
 iso_status iso_noise_estimate(const float *values, const size_t size[3], double *deviation, iso_error *err);
 
 /* Denoises by non-local means [buades-2005]: averages values within 2 voxels along each axis with weights exp(-max(d -

@@ -65,7 +65,7 @@ static void mean_of_box(const iso_image *image, size_t n, size_t column, size_t 
 iso_status iso_image_minify(const iso_image *image, size_t n, iso_image *out, iso_error *err)
 {
     if (n < 1)
-        return iso_fail(err, ISO_E_RANGE, "boxes of %zu pixels, must be 1 or more", n);
+        return iso_fail(err, ISO_E_RANGE, "boxes of %zu pixels", n);
     iso_status status = iso_image_create(out, (image->width + n - 1) / n, (image->height + n - 1) / n, err);
     for (size_t i = 0; status == ISO_OK && i < out->width * out->height; ++i)
         mean_of_box(image, n, i % out->width, i / out->width, out->rgba + 4 * i);

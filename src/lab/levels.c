@@ -51,9 +51,7 @@ static iso_status list_volumes(iso_levels_run *run, iso_error *err)
             run->volumes[run->volume_count++] = at;
         at = comma ? comma + 1 : NULL;
     }
-    return run->volume_count > 0 || run->have
-               ? ISO_OK
-               : iso_fail(err, ISO_E_USAGE, "no volume; name one, or give tables with --have");
+    return run->volume_count > 0 || run->have ? ISO_OK : iso_fail(err, ISO_E_USAGE, "no volume given");
 }
 
 /* ---- cases of earlier runs ---- */
@@ -73,7 +71,7 @@ static iso_status read_tables(iso_levels_run *run, iso_error *err)
         status = iso_level_cases_read_csv(c, at, err);
         at = comma ? comma + 1 : NULL;
     }
-    run->earlier_count = c->count;
+    run->had_count = c->count;
     return status == ISO_OK || status == ISO_E_IO ? status : iso_fail_in(err, status, "--have");
 }
 

@@ -89,10 +89,10 @@ static iso_level_case case_like(const iso_levels_run *run, const char *tf, size_
 }
 
 /* Finds a case of earlier runs; NULL: not measured. */
-static iso_level_case *find_earlier(const iso_levels_run *run, const iso_level_case *like)
+static iso_level_case *find_had(const iso_levels_run *run, const iso_level_case *like)
 {
     iso_level_case *one = iso_level_cases_find(&run->cases, like);
-    return one && one < run->cases.cases + run->earlier_count ? one : NULL;
+    return one && one < run->cases.cases + run->had_count ? one : NULL;
 }
 
 static bool is_wanted_level(const iso_levels_run *run, size_t level)
@@ -104,7 +104,7 @@ static bool is_wanted_level(const iso_levels_run *run, size_t level)
 static bool has_tf(const iso_levels_run *run, int t)
 {
     for (size_t level = 1; level < (size_t)run->levels; ++level) {
-        const iso_level_case like = case_like(run, iso_levels_tf_names[t], level), *had = find_earlier(run, &like);
+        const iso_level_case like = case_like(run, iso_levels_tf_names[t], level), *had = find_had(run, &like);
         for (size_t m = 0; m < iso_level_method_count() && is_wanted_level(run, level); ++m)
             if (run->cases.wanted[m] && !(had && had->results[m].measured))
                 return false;
@@ -115,7 +115,7 @@ static bool has_tf(const iso_levels_run *run, int t)
 /* Checks that a table's volume of this name has the same size: otherwise it is another volume. */
 static iso_status check_size(const iso_levels_run *run, const iso_volume *v, iso_error *err)
 {
-    for (size_t i = 0; i < run->earlier_count; ++i) {
+    for (size_t i = 0; i < run->had_count; ++i) {
         const iso_level_case *one = &run->cases.cases[i];
         const size_t *had = one->size, *size = v->geometry.size;
         if (strcmp(one->volume, iso_path_base(run->volumes[run->at])) == 0 && memcmp(had, size, sizeof one->size) != 0)
@@ -263,7 +263,7 @@ static void print_case(const iso_levels_run *run, const iso_level_case *c)
 static iso_status run_level(iso_levels_run *run, bench_subject *b, size_t level, iso_error *err)
 {
     const iso_level_case like = case_like(run, b->tf, level);
-    iso_level_case *c = find_earlier(run, &like);
+    iso_level_case *c = find_had(run, &like);
     if (!c) {
         c = iso_level_cases_add(&run->cases);
         if (!c)

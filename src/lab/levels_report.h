@@ -50,8 +50,8 @@ const char *iso_level_cases_keep_text(iso_level_cases *c, const char *text);
 /* Finds the case of the same block, volume, transfer function and level, or NULL. */
 iso_level_case *iso_level_cases_find(const iso_level_cases *c, const iso_level_case *like);
 
-/* Returns why a case does not count, or NULL if it does. Reasons: level 0 shows nothing, no method shows anything (no
- * pixel has an alpha of 1/255), or no method has an error. */
+/* Returns why a case does not count, or NULL if it does: level 0 shows nothing, the level shows nothing by any method
+ * (no pixel has an alpha of 1/255), or no method has an error. */
 const char *iso_level_case_left_out(const iso_level_cases *c, const iso_level_case *one);
 
 /* Returns the error of a method over that of the base; 1 if both are 0. */

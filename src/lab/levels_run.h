@@ -37,7 +37,7 @@ typedef struct iso_levels_run {
     bool out_of_time;
     double frame_seconds; /* of the last frame */
     iso_level_cases cases;
-    size_t earlier_count; /* of these, the first earlier_count are from earlier runs */
+    size_t had_count; /* of these, the first had_count are from earlier runs */
 } iso_levels_run;
 
 /* True if the budget is not used up. */

@@ -130,7 +130,7 @@ static iso_status test_noise(iso_renderers *r, const power_options *o, const iso
     return status;
 }
 
-static bool has_renderer_with(const power_options *o, unsigned traits)
+static bool wants_some(const power_options *o, unsigned traits)
 {
     bool some = false;
     for (size_t w = 0; w < iso_renderer_count(); ++w)
@@ -138,7 +138,7 @@ static bool has_renderer_with(const power_options *o, unsigned traits)
     return some;
 }
 
-static void report_progress(const pace *p, const power_options *o, int i)
+static void tell(const pace *p, const power_options *o, int i)
 {
     char stage[160];
     const int planted_left = o->planted > i ? o->planted - i : 0, planted_done = o->planted < i ? o->planted : i;
@@ -159,13 +159,13 @@ static iso_status run_scene(iso_renderers *r, const power_options *o, int i, pow
                         .seeds = o->quick ? 3 : 4,
                         .threads = o->threads};
     const double start = iso_clock_seconds();
-    report_progress(p, o, i);
+    tell(p, o, i);
     iso_status status = iso_power_open(r, &c, err);
     for (int slow = 0; slow < 2 && status == ISO_OK; ++slow)
         status = run_gates(r, o, &c, ISO_FAULT_NONE, slow, out, err);
     TRY(status, plant_in_scene(r, o, &c, false, out, err));
     const double plain = iso_clock_seconds();
-    if (status == ISO_OK && i < o->planted && has_renderer_with(o, ISO_IS_PROGRAM | ISO_HAS_LIMIT))
+    if (status == ISO_OK && i < o->planted && wants_some(o, ISO_IS_PROGRAM | ISO_HAS_LIMIT))
         status = plant_in_scene(r, o, &c, true, out, err);
     if (status == ISO_OK && i < o->planted && o->size <= most_noise_pixels)
         status = test_noise(r, o, &c, out, err);

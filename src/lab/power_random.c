@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 
 #include "base/json.h"
-#include "base/beside.h"
+#include "base/helper.h"
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/process.h"
@@ -200,7 +200,7 @@ bool iso_power_is_alarm(const json_t *report, char *text, size_t size)
 static iso_status run_words(const words *w, const char *folder, int *exit_code, iso_error *err)
 {
     const char *argv[MOST_WORDS + 5];
-    char *program = iso_beside_find("isoshade");
+    char *program = iso_helper_find("isoshade");
     if (!program)
         return iso_fail(err, ISO_E_PROGRAM, "isoshade-lab power: isoshade is missing; install it next to isoshade-lab");
     size_t count = 0;
@@ -384,6 +384,5 @@ iso_status iso_power_random(const iso_power_random_options *o, const iso_cli *cl
     json_decref(s.list);
     return status != ISO_OK || s.alarms == 0
                ? status
-               : iso_fail(err, ISO_E_DIFFERS, "isoshade-lab power: %zu of %zu correct scenes were flagged", s.alarms,
-                          s.valid);
+               : iso_fail(err, ISO_E_DIFFERS, "isoshade-lab power: %zu of %zu right scenes were flagged", s.alarms, s.valid);
 }

@@ -252,8 +252,8 @@ static bool is_rejected(const iso_report_agreement *row)
     return iso_report_verdict(row) != ISO_VERDICT_AGREE;
 }
 
-static iso_status run_lock_step_gate(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
-                                     const iso_planted *planted, bool *rejected, iso_error *err)
+static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
+                                const iso_planted *planted, bool *rejected, iso_error *err)
 {
     const size_t index = iso_renderer_index(renderer);
     iso_image image = {0};
@@ -276,8 +276,8 @@ static iso_status run_lock_step_gate(iso_renderers *r, const iso_power_case *c, 
     return status;
 }
 
-static iso_status run_limit_gate(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
-                                 const iso_planted *planted, bool *rejected, iso_error *err)
+static iso_status ask_limit(iso_renderers *r, const iso_power_case *c, const iso_renderer_info *renderer,
+                            const iso_planted *planted, bool *rejected, iso_error *err)
 {
     power_scene s;
     iso_extrapolated limit = {0};
@@ -306,8 +306,8 @@ iso_status iso_power_run_gate(iso_renderers *r, const iso_power_case *c, iso_pow
                               const iso_renderer_info *renderer, const iso_planted *planted, bool *rejected,
                               iso_error *err)
 {
-    return gate == ISO_POWER_LOCK_STEP ? run_lock_step_gate(r, c, renderer, planted, rejected, err)
-                                       : run_limit_gate(r, c, renderer, planted, rejected, err);
+    return gate == ISO_POWER_LOCK_STEP ? ask_lock_step(r, c, renderer, planted, rejected, err)
+                                       : ask_limit(r, c, renderer, planted, rejected, err);
 }
 
 iso_status iso_power_run_deviation_gate(iso_renderers *r, const iso_power_case *c, iso_power_gate gate,
@@ -396,7 +396,7 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
 const size_t iso_power_block_seeds[ISO_POWER_BLOCKS] = {3, 4, 16}, iso_power_block_sides[ISO_POWER_BLOCKS] = {1, 4, 8};
 
 /* Tests whether a block that is too bright by `amount` has a pixel beyond chance. It darkens the reference. */
-static iso_status test_block(const iso_extrapolation_input *of, size_t side, double amount, bool *seen, iso_error *err)
+static iso_status see_block(const iso_extrapolation_input *of, size_t side, double amount, bool *seen, iso_error *err)
 {
     const size_t width = of->reference->width, from = (width - side) / 2;
     iso_image dark = {0};
@@ -435,7 +435,7 @@ static iso_status measure_blocks(const iso_power_case *c, size_t groups, double 
             while (hi > 1.05 * lo && status == ISO_OK) {
                 const double middle = sqrt(lo * hi);
                 bool seen = false;
-                status = test_block(&of, iso_power_block_sides[b], middle, &seen, err);
+                status = see_block(&of, iso_power_block_sides[b], middle, &seen, err);
                 *(seen ? &hi : &lo) = middle;
             }
             out->block[s][b] = hi;

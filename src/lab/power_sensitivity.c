@@ -82,8 +82,8 @@ static bool renders_each_amount(const probe *p)
     return !iso_renderer_has(p->renderer, ISO_IS_PROGRAM);
 }
 
-static iso_status run_gate_at(study *s, const iso_power_case *c, const probe *p, iso_deviation d, double amount,
-                              bool *rejected, iso_error *err)
+static iso_status ask(study *s, const iso_power_case *c, const probe *p, iso_deviation d, double amount, bool *rejected,
+                      iso_error *err)
 {
     const iso_planted planted = {.deviation = d, .amount = amount};
     iso_calibration result;
@@ -136,7 +136,7 @@ static iso_status find_smallest(study *s, const iso_power_case *c, const probe *
     iso_status status = guess(s, c, p, d, &x, err);
     while (status == ISO_OK && !(passed > 0 && isfinite(rejected))) {
         bool is_rejected;
-        status = run_gate_at(s, c, p, d, x, &is_rejected, err);
+        status = ask(s, c, p, d, x, &is_rejected, err);
         if (is_rejected)
             rejected = x;
         else
@@ -148,14 +148,14 @@ static iso_status find_smallest(study *s, const iso_power_case *c, const probe *
     for (int i = 0; i < s->opt->halvings && status == ISO_OK && passed > 0 && isfinite(rejected); ++i) {
         bool is_rejected;
         x = sqrt(passed * rejected);
-        status = run_gate_at(s, c, p, d, x, &is_rejected, err);
+        status = ask(s, c, p, d, x, &is_rejected, err);
         *(is_rejected ? &rejected : &passed) = x;
     }
     *smallest = rejected;
     return status;
 }
 
-static void report_progress(study *s, const probe *p, int scene)
+static void tell(study *s, const probe *p, int scene)
 {
     char stage[160];
     const double left = (iso_clock_seconds() - s->start) / s->done * (s->all - s->done);
@@ -172,7 +172,7 @@ static iso_status run_probe(study *s, const iso_power_case *c, size_t index, int
 {
     const probe *p = &s->probes[index];
     iso_status status = ISO_OK;
-    report_progress(s, p, scene);
+    tell(s, p, scene);
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT && status == ISO_OK; ++d) {
         threshold *t = &s->found[d][index];
         status = find_smallest(s, c, p, (iso_deviation)d, &t->amount[t->count], err);

@@ -356,7 +356,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_lab_roi = {
     .name = "roi",
-    .summary = "the seam around a region of interest: full resolution in the middle third of a coarse level",
+    .summary = "the seam round a region of interest: full resolution in the middle third of a coarse level",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME [--scene SCENE.scene.json] [options]",

@@ -63,8 +63,8 @@ static inline int iso_shading_method_end(const iso_shading_run *run)
 
 /* Counts the views in which method m is better than gradients on the fly. */
 int iso_shading_wins(const iso_shading_run *run, const iso_shading_result *r, int m);
-/* Returns why a level counts in no mean, or NULL if it counts. Reasons: it shows nothing under its original TF (no pixel
- * has an alpha of 1/255), or no method has an error. */
+/* Returns why a level counts in no mean, or NULL if it counts: it shows nothing under its original TF (no pixel of any
+ * view has an alpha of 1/255), or no method has an error. */
 const char *iso_shading_why_left_out(const iso_shading_run *run, const iso_shading_result *r);
 
 /* Prints the table, exceptions and cases left out, or all of it as JSON. */

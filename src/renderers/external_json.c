@@ -157,7 +157,7 @@ static void take_tier(iso_json_reader *r, row *to, tier asked)
         fail(r, ISO_E_FORMAT, has_limits ? "limits" : "bits",
              "is not for the tier \"limit\", whose limits follow from halved steps of float pictures");
     if (asked != TIER_LIMIT && to->info.seeds)
-        fail(r, ISO_E_FORMAT, "seeds", "is only for the tier \"limit\", which averages over seeds");
+        fail(r, ISO_E_FORMAT, "seeds", "is for the tier \"limit\", which averages over them");
     if (bits) {
         lock->smooth = rounded(lock->smooth, bits);
         lock->sharp = rounded(lock->sharp, bits);

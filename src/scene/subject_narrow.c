@@ -15,8 +15,8 @@ static iso_status see(const iso_subject_look *look, const iso_pyramid *p, iso_su
 }
 
 /* Makes the view with a pyramid of one level whose scalars are the volume's samples. */
-static iso_status make_volume_view(const iso_subject_look *look, const iso_volume *v, const char *path,
-                                   const iso_pyramid_options *opt, iso_subject_sight *sight, iso_error *err)
+static iso_status see_volume(const iso_subject_look *look, const iso_volume *v, const char *path,
+                             const iso_pyramid_options *opt, iso_subject_sight *sight, iso_error *err)
 {
     if (!look)
         return ISO_OK;
@@ -62,6 +62,6 @@ iso_status iso_subject_load_narrow(const char *path, const iso_volume_input *inp
         return status;
     if (v->notes.label_count || iso_type_bytes(v->type) > sizeof(float))
         return load_whole(v, path, opt, look, progress, p, sight, err);
-    status = make_volume_view(look, v, path, opt, sight, err);
+    status = see_volume(look, v, path, opt, sight, err);
     return status == ISO_OK ? iso_pyramid_build_narrow(v, path, opt, p, progress, err) : status;
 }

@@ -219,7 +219,7 @@ iso_scene iso_scene_first(const iso_geometry *level0, const iso_viewpoint *viewp
         .height = height,
         .fov_y_deg = 25,
         .light_count = 1,
-        /* Light from above and the left of the viewer. */
+        /* From above and the left of the viewer's head. */
         .lights = {{.direction = iso_normalize(iso_v3(-0.4, 0.6, 1)), .in_camera_space = true, .intensity = 1}},
         .shading = {.ambient = 0.3, .diffuse = 0.7, .specular = 0.15, .power = 20},
         /* Dark blue-gray, in contrast to both dark and bright objects. */

@@ -101,7 +101,7 @@ static const iso_tf_node *node_before(const iso_tf_curve *curve, double inside, 
 
 /* Returns the position of x from the node (0) to the next (1), after VTK's midpoint and sharpness. At the midpoint the
  * side of `inside` counts. */
-static double interval_position(const iso_tf_node *node, double x, double inside)
+static double way(const iso_tf_node *node, double x, double inside)
 {
     const double width = node[1].x - node->x, middle = midpoint_of(node), sharpness = node->sharpness;
     double s = fmin(fmax((x - node->x) / width, 0), 1);
@@ -119,9 +119,9 @@ void iso_tf_curve_color(const iso_tf_curve *curve, iso_color_space space, double
     const double *constant;
     const iso_tf_node *node = node_before(curve, inside, &constant);
     if (!node || node->sharpness > 0.99) /* as VTK: one of the two colors, unconverted */
-        memcpy(rgb, !node ? constant : node[interval_position(node, x, inside) > 0.5].y, 3 * sizeof *rgb);
+        memcpy(rgb, !node ? constant : node[way(node, x, inside) > 0.5].y, 3 * sizeof *rgb);
     else
-        iso_color_mix(space, node->y, node[1].y, interval_position(node, x, inside), node->sharpness, rgb);
+        iso_color_mix(space, node->y, node[1].y, way(node, x, inside), node->sharpness, rgb);
 }
 
 double iso_tf_curve_opacity(const iso_tf_curve *curve, double x, double inside)
@@ -131,7 +131,7 @@ double iso_tf_curve_opacity(const iso_tf_curve *curve, double x, double inside)
     if (!node)
         return *constant;
     const double sharpness = node->sharpness > 0.99 ? 0 : node->sharpness;
-    return fmin(fmax(iso_sharp_mix(*node->y, *node[1].y, interval_position(node, x, inside), sharpness), 0), 1);
+    return fmin(fmax(iso_sharp_mix(*node->y, *node[1].y, way(node, x, inside), sharpness), 0), 1);
 }
 
 /* ---- corners ----------------------------------------------------------------------------------------------------- */

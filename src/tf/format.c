@@ -158,7 +158,7 @@ static void list_names(const char *const *names, size_t count, char *text, size_
 }
 
 /* Sets *text to all names, one per line, and returns ISO_E_USAGE, since a request for names loads nothing. */
-static iso_status list_all_names(const char *const *names, size_t count, char **text, iso_error *err)
+static iso_status give_names(const char *const *names, size_t count, char **text, iso_error *err)
 {
     size_t size = 0;
     FILE *memory = open_memstream(text, &size);
@@ -178,7 +178,7 @@ iso_status iso_tf_choose(const iso_tf_file *file, const char *what, const char *
     char list[640] = "";
     *chosen = 0;
     if (file->request->names)
-        return list_all_names(names, count, file->request->names, err);
+        return give_names(names, count, file->request->names, err);
     if (count == 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: has no %s", file->path, what);
     if (!wanted && count == 1)

@@ -140,7 +140,7 @@ iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_ta
  * --------------------------------------------------------------------------- */
 
 /* Resets the entry to the original extinction if that is less. True if it is. */
-static bool reset_entry(const iso_tf_table *original, iso_tf_table *adapted, size_t entry)
+static bool give_back(const iso_tf_table *original, iso_tf_table *adapted, size_t entry)
 {
     const double step = (adapted->hi - adapted->lo) / (double)(adapted->count - 1);
     double rgbs[4];
@@ -152,12 +152,12 @@ static bool reset_entry(const iso_tf_table *original, iso_tf_table *adapted, siz
 }
 
 /* Resets once all entries with too large a share of ghost; returns their number. */
-static size_t reset_ghosts(const iso_tf_table *original, const iso_small_views_rows *rows, iso_tf_table *adapted)
+static size_t give_ghosts_back(const iso_tf_table *original, const iso_small_views_rows *rows, iso_tf_table *adapted)
 {
     size_t given = 0;
     for (size_t i = 0; i < adapted->count; ++i)
         if (rows->ghost[i] > 0 && (double)rows->ghost[i] >= ISO_GHOST_SHARE * (double)rows->seen[i])
-            given += reset_entry(original, adapted, i);
+            given += give_back(original, adapted, i);
     return given;
 }
 
@@ -179,7 +179,7 @@ iso_status iso_ghost_remove(const iso_small_views_input *in, iso_tf_table *adapt
         status = iso_small_views_compare(&own, seen, err);
         if (status != ISO_OK || seen[0].ghost <= ISO_GHOST_LIMIT / 10)
             break;
-        given = reset_ghosts(in->original, &rows, adapted);
+        given = give_ghosts_back(in->original, &rows, adapted);
         *given_back += given;
     }
     free(sums);

@@ -251,7 +251,7 @@ static void add_row(const iso_joint_builder *b, counter *c, row_place at, const 
 }
 
 /* Moves counts to the sums. Most of a large table is empty: blocks without counts are skipped and stay unallocated. */
-static void move_counts(uint32_t *counts, size_t pairs, uint64_t *sums)
+static void take_counts(uint32_t *counts, size_t pairs, uint64_t *sums)
 {
     const size_t block = 16;
     for (size_t i = 0; i < pairs; i += block) {
@@ -279,7 +279,7 @@ static bool merge(iso_joint_builder *b)
                 good = map_add(&b->map, c->map.keys[i] - 1, c->map.counts[i]);
         map_free(&c->map);
         for (size_t i = 0; c->tables && i < b->table_count; ++i)
-            move_counts(c->tables + i * pairs, pairs, b->table);
+            take_counts(c->tables + i * pairs, pairs, b->table);
     }
     return good;
 }

@@ -118,7 +118,7 @@ static double object_quantile(const iso_survey *s, double begins, double part)
 }
 
 /* Computes the scale: value = zero + at * one. */
-static void fit_scale(preset_scale scale, const iso_survey *s, double *zero, double *one)
+static void lay_scale(preset_scale scale, const iso_survey *s, double *zero, double *one)
 {
     *zero = 0;
     *one = 1;
@@ -140,7 +140,7 @@ static void fit_scale(preset_scale scale, const iso_survey *s, double *zero, dou
 static iso_status apply(const preset *p, const iso_survey *s, const iso_geometry *level0, iso_tf *tf, iso_error *err)
 {
     double zero, one;
-    fit_scale(p->scale, s, &zero, &one);
+    lay_scale(p->scale, s, &zero, &one);
     *tf = (iso_tf){.table_size = 1024, .point_count = p->count, .unit_distance = p->unit};
     tf->points = calloc(p->count, sizeof *tf->points);
     if (!tf->points)

@@ -316,7 +316,7 @@ static void add_labels(const iso_survey *s, iso_suggestion *out)
         add_point(&out->tf, begins + (last - begins) * (i + 0.5) / 6, hues[i], SOLID);
 }
 
-/* True if the label is invisible: 0, or the smallest label if there is no 0; never one with a segment. */
+/* True if the label is invisible: 0, or the smallest label if there is no 0; never one that is named by a segment. */
 static bool is_empty(const iso_survey *s, double label)
 {
     const bool has_zero = bsearch(&(double){0}, s->labels, s->label_count, sizeof *s->labels, iso_order_doubles) != NULL;

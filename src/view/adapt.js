@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// adapt.js - a transfer function adapted to a level, by the joint histogram that the page carries: tf/adapt.h with its
-// defaults (means of opacity, flat weight within 1.75 deviations), so `render --adapt --always` shows the same.
+// adapt.js - adapts a transfer function to a level, with the joint histogram of the page: tf/adapt.h with its defaults
+// (means of opacity, flat weight within 1.75 deviations), so `render --adapt --always` shows the same.
 const adaptWindow = 1.75;
 
 const makeAdapter = (words, joint) => {
@@ -48,7 +48,8 @@ const adaptTable = (adapter, table, mm) => {
     return {lo: s.lo, hi: s.lo + s.step * (rows - 1), count: rows, entries};
 };
 
-// Rows that no fine voxel falls into: between two filled ones on premultiplied entries, beyond the outermost its copy.
+// Rows without fine voxels: interpolated between two filled ones on premultiplied entries, or copied beyond the
+// outermost.
 const fillRows = (entries, rows, filled, mm) => {
     const at = row => entries.subarray(4 * row, 4 * row + 4), first = filled[0], last = filled[filled.length - 1];
     for (let row = 0; row < first; ++row) at(row).set(at(first));

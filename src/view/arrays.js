@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// arrays.js - the page's arrays: from base64 text to numbers, as pack.h wrote them.
+// arrays.js - decodes the page's arrays: from base64 text to numbers, as written by pack.h.
 const fromBase64 = text => {
     if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
     const binary = atob(text), bytes = new Uint8Array(binary.length);
@@ -9,7 +9,7 @@ const fromBase64 = text => {
 const inflate = async bytes =>
     new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'))).arrayBuffer());
 
-// The bytes of one weight together become numbers, component after component; then differences are summed up.
+// Combines bytes of each weight to numbers, component after component; then sums differences up.
 const numbersOf = (packed, d) => {
     const {count, components, bytes: width} = d;
     const numbers = new [Uint8Array, Uint16Array, , Uint32Array][width - 1](count * components);
@@ -22,11 +22,11 @@ const numbersOf = (packed, d) => {
     return numbers;
 };
 
-// Of the element that holds it; its text is dropped, since the page would keep it beside the numbers.
+// Reads an array's element and drops its text, which would otherwise stay in memory.
 const readArray = async d => {
     const element = document.getElementById(d.array), packed = await inflate(fromBase64(element.textContent));
     element.remove();
-    if (packed.length !== d.count * d.components * d.bytes) throw new Error(`${d.array}: ${packed.length} bytes, not as many as it says`);
+    if (packed.length !== d.count * d.components * d.bytes) throw new Error(`${d.array}: ${packed.length} bytes, expected ${d.count * d.components * d.bytes}`);
     const numbers = numbersOf(packed, d);
     return d.kind === 'float' ? new Float32Array(numbers.buffer) : numbers;
 };

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// bricks.js - level 0 as a plan has it: bricks of several levels in one texture, and where each is in it (brick/pack.h).
-const planLevel = -1; // what the page calls it: finer than all levels beside it
+// bricks.js - level 0 of a plan: bricks of several levels in one texture, and the position of each (brick/pack.h).
+const planLevel = -1; // its level number in the page: finer than all other levels
 
-// As a level that raycast.glsl draws with BRICKS. Its numbers are the texture's.
+// The plan as a level that raycast.glsl draws with BRICKS. Its numbers are the texture's.
 const levelOfPlan = (plan, geometry0) => ({...geometry0, ...plan, level: planLevel, isPlan: true, labels: false, brickCount: plan.bricks});
 
-// Which values each brick shows; of one that is left out there are none.
+// Range of values of each brick; empty for bricks that are left out.
 const rangesOfBricks = (level, layout) => {
     const {brickCount: count, brick_voxels: side, texels, numbers} = level, total = count[0] * count[1] * count[2];
     const least = new Float32Array(total).fill(Infinity), most = new Float32Array(total).fill(-Infinity);
@@ -48,6 +48,6 @@ const readPlan = async level => {
 };
 
 const planCost = level => {
-    const digits = x => x === null ? 'by a value that the plan does not tell' : `by RMSE ${Number(x.toPrecision(2))}`;
-    return `${level.drawn} of ${level.brickCount.reduce((a, b) => a * b)} bricks of level 0 (${level.name}). In the views that they were planned for, with their transfer function, pictures differ from level 0's ${digits(level.predicted_rmse)} as predicted, ${digits(level.measured_rmse)} as measured; from elsewhere bricks may be missing or coarse.`;
+    const digits = x => x === null ? 'by an unknown value' : `by RMSE ${Number(x.toPrecision(2))}`;
+    return `${level.drawn} of ${level.brickCount.reduce((a, b) => a * b)} bricks of level 0 (${level.name}). In the planned views, with their transfer function, pictures differ from level 0's ${digits(level.predicted_rmse)} (predicted) and ${digits(level.measured_rmse)} (measured); in other views bricks may be missing or coarse.`;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// camera.js - the camera of a scene file, in the words of scene.c: what a fitted one is, and how it moves.
-//
-// A camera here is {orthographic, position, lookAt, up, half}: half the height of the picture, as a tangent or in mm.
+// camera.js - the camera of a scene file, with the terms of scene.c: fitting and moving it.
+// 
+// A camera is {orthographic, position, lookAt, up, half}: half the height of the picture, as a tangent or in mm.
 const cameraOf = (scene, g) => {
     const c = scene.camera, orthographic = c.projection === 'orthographic', up = c.up || [0, 0, 1];
     const halfAngle = 0.5 * (c.fov_y_deg ?? 30) * Math.PI / 180, {width, height} = scene.image || {width: 160, height: 160};
@@ -14,7 +14,7 @@ const cameraOf = (scene, g) => {
     }
     if (c.zoom > 0) half /= c.zoom;
     const forward = normalize(subtract(lookAt, position));
-    // It turns about the middle of the volume where it looks past that.
+    // It orbits about the middle of the volume if it looks past that.
     const depth = dot(subtract(boxCenter(g), position), forward);
     if (depth > 0) lookAt = madd(position, forward, depth);
     return {orthographic, position, lookAt, up, half};
@@ -23,7 +23,7 @@ const axesOf = c => {
     const forward = normalize(subtract(c.lookAt, c.position)), right = normalize(cross(forward, c.up));
     return {forward, right, up: cross(right, forward)};
 };
-// For a picture of another shape than the scene's, so that nothing is cut off at the sides.
+// Adapts to a picture of another shape than the scene's, without cutting off its sides.
 const widened = (c, sceneAspect, aspect) => ({...c, half: c.half * Math.max(1, sceneAspect / aspect)});
 
 const orbited = (c, dx, dy) => {
@@ -31,13 +31,13 @@ const orbited = (c, dx, dy) => {
     return {...c, position: add(c.lookAt, turn(subtract(c.position, c.lookAt))), up: normalize(turn(up))};
 };
 const rolled = (c, angle) => ({...c, up: rotate(axesOf(c).up, axesOf(c).forward, angle)});
-// By parts of the picture's height.
+// In parts of the picture's height.
 const panned = (c, dx, dy) => {
     const {forward, right, up} = axesOf(c), depth = c.orthographic ? 1 : dot(subtract(c.lookAt, c.position), forward);
     const move = add(scale(right, -2 * dx * c.half * depth), scale(up, 2 * dy * c.half * depth));
     return {...c, position: add(c.position, move), lookAt: add(c.lookAt, move)};
 };
-const leastMm = 1e-30, mostMm = 1e30; // ISO_LEAST_MM, ISO_MOST_MM: pictures of other heights are in no scene file
+const leastMm = 1e-30, mostMm = 1e30; // ISO_LEAST_MM, ISO_MOST_MM: scene files allow no other heights
 const zoomed = (c, factor) => ({...c, half: clamp(c.half / factor, c.orthographic ? leastMm : 1e-6, c.orthographic ? mostMm : 20)});
 const lookingFrom = (c, g, direction, up, sceneAspect) => {
     const lookAt = boxCenter(g), radius = 1.05 * boxRadius(g) / Math.min(1, sceneAspect);
@@ -45,12 +45,12 @@ const lookingFrom = (c, g, direction, up, sceneAspect) => {
     return {...c, lookAt, up, half, position: madd(lookAt, normalize(direction), -distance)};
 };
 
-// A scene file's angle is 0.01 to 175 degrees; a smaller one is a zoom.
+// A scene file's angle is 0.01 to 175 degrees; a smaller one becomes a zoom.
 const angleJson = half => {
     const least = 0.01, degrees = 2 * Math.atan(half) * 180 / Math.PI;
     return degrees < least ? {fov_y_deg: least, zoom: Math.tan(least * Math.PI / 360) / half} : {fov_y_deg: Math.min(degrees, 175)};
 };
-// As a scene file has it: all digits that a double needs.
+// The camera for a scene file, with all digits of a double.
 const cameraJson = c => ({
     projection: c.orthographic ? 'orthographic' : 'perspective', position: c.position, look_at: c.lookAt, up: c.up,
     ...(c.orthographic ? {height_mm: 2 * c.half} : angleJson(c.half)),
@@ -60,7 +60,7 @@ const viewpoints = [
     ['left', [1, 0, 0], [0, 0, 1]], ['right', [-1, 0, 0], [0, 0, 1]], ['top', [0, 0, -1], [0, 1, 0]], ['bottom', [0, 0, 1], [0, 1, 0]],
 ];
 
-// Clip planes in the index coordinates of a level: xyz . index >= w stays.
+// Clip planes in the index coordinates of a level: xyz . index >= w is kept.
 const clipInIndex = (plane, g0, g) => {
     const n = normalize(plane.normal);
     let offset;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// caster.js - one picture of one level by raycast.glsl: what raycaster.c and gl_uniforms.c do.
-//
-// A request: {level, code: name or null for differences of the scalar, or vectors: those of the level; adapted, tf or table, camera, lights, shading, background,
-// clips, step, width, height}; the level's textures are made when they are first asked for.
+// caster.js - renders a picture of a level with raycast.glsl, like raycaster.c and gl_uniforms.c.
+// 
+// A request: {level, code: name, null for differences of the scalar, or vectors for those of the level; adapted, tf or
+// table, camera, lights, shading, background, clips, step, width, height}. A level's textures are made on first use.
 const onTheFlyEps = 1e-4; // ISO_ON_THE_FLY_EPS
 
 const makeCaster = (context, data) => {
     const {gl} = context, tables = new Map();
 
-    // A level's table of a transfer function, its texture and which bricks it shows; the last few are kept.
+    // A level's transfer function: its table as a texture, and the visible bricks; the last few are cached.
     const tableOf = (level, tf, adapted, given) => {
         const key = given ? 'given' : `${level.level} ${adapted} ${JSON.stringify(tf)}`;
         if (tables.has(key)) return tables.get(key);
@@ -98,12 +98,12 @@ const makeCaster = (context, data) => {
     };
     const bind = (unit, kind, texture) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(kind, texture); };
 
-    // Draws the rows [from, to) of the target and waits until they are there; the milliseconds that took.
+    // Draws rows [from, to) of the target and waits for them. Returns the milliseconds.
     const draw = (q, target, from = 0, to = target.height) => {
         const {level} = q, scalar = scalarOf(level), code = q.code ? codeOf(level, q.code) : null, table = tableOf(level, q.tf, q.adapted, q.table);
         const vectors = q.vectors ? level.vectorTexture ??= uploadVectors(context, level) : null;
         const fine = q.roi ? {scalar: scalarOf(q.roi.level), code: codeOf(q.roi.level, q.code), table: tableOf(q.roi.level, q.tf, q.adapted && q.roi.level.level > 0)} : null;
-        const skip = table.skip && !fine; // a brick is empty in one level and not in the other
+        const skip = table.skip && !fine; // a brick may be empty in one level only
         const program = context.program(['code_decode.h', 'raycast.glsl'], {
             DIRECTION_SOURCE: code ? 'SOURCE_CODES' : vectors ? 'SOURCE_VECTORS' : 'SOURCE_ON_THE_FLY', DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR',
             OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length, SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0,
@@ -137,7 +137,7 @@ const makeCaster = (context, data) => {
         return performance.now() - start;
     };
     const bytes = () => data.levels.reduce((sum, l) => sum + (l.scalarTexture?.bytes ?? 0) + (l.codes || []).reduce((s, c) => s + (c.texture?.bytes ?? 0), 0), 0);
-    // Another volume: nothing of the old one stays on the graphics card.
+    // Another volume: frees all textures of the old one.
     const forget = levels => {
         for (const table of tables.values()) { gl.deleteTexture(table.texture); if (table.occupancy) gl.deleteTexture(table.occupancy); }
         tables.clear();

@@ -36,7 +36,7 @@ static scalar_form form_of(const iso_level *level, bool floats)
         f.step = 1;
         f.width = range <= 255 ? 1 : 2;
     } else if (floats) {
-        f.kind = "float"; /* (value - min) / range, as the ray caster's textures have it */
+        f.kind = "float"; /* (value - min) / range, as in the ray caster's textures */
         f.step = range > 0 ? range : 1;
         f.width = 4;
     } else {
@@ -127,8 +127,7 @@ static iso_status add_code(const iso_viewer *v, size_t k, iso_code code, iso_con
     char name[48];
     if (code != v->pyramid->options.code) {
         if (!level->directions || !info->is_textured)
-            return iso_fail(err, ISO_E_USAGE,
-                            "--code %s: the pyramid has %s and no floats to encode (isoshade build --keep-float)",
+            return iso_fail(err, ISO_E_USAGE, "--code %s: the pyramid has only %s; build it with --keep-float",
                             info->name, iso_code_describe(v->pyramid->options.code)->name);
         made = malloc(3 * count);
         if (!made)
@@ -161,7 +160,7 @@ static json_t *bins_json(const iso_bins *bins)
     return json_pack("{s:I, s:f, s:f}", "count", (json_int_t)bins->count, "lo", bins->lo, "step", bins->step);
 }
 
-/* Words: the entries of each row, then each entry's bin, then its count. */
+/* Layout in words: the number of entries of each row, then each entry's bin, then its count. */
 static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *contents, json_t *json, iso_error *err)
 {
     iso_joint joint = {0};
@@ -191,10 +190,10 @@ static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *content
     return status;
 }
 
-/* ---- what a coarse level costs ------------------------------------------------------------------------------------ */
+/* ---- error of coarse levels -------------------------------------------------------------------------------------- */
 
-/* How far pictures of the level are from those of level 0 in small views (tf/small_views.h), through the scene's transfer
- * function and through the adapted one; and whether that is the better one. */
+/* Adds the errors of the level's small views (tf/small_views.h) against level 0, with the scene's transfer function and
+ * with the adapted one, and whether the adapted one is better. */
 static iso_status add_errors(const iso_viewer *v, size_t k, iso_small_views_fine *kept, json_t *json,
                              iso_error *err)
 {
@@ -250,7 +249,7 @@ static iso_status add_level(const iso_viewer *v, size_t k, iso_small_views_fine 
     return status;
 }
 
-/* ---- transfer functions to choose from ---------------------------------------------------------------------------- */
+/* ---- presets of transfer functions ------------------------------------------------------------------------------- */
 
 static iso_status add_presets(const iso_viewer *v, json_t *root, iso_error *err)
 {
@@ -289,7 +288,7 @@ iso_status iso_contents_make(const iso_viewer *v, const iso_progress *progress, 
     json_object_set_new(root, "geometry", geometry_json(level0));
     for (size_t i = 0; i < v->code_count; ++i)
         json_array_append_new(codes, json_string(iso_code_describe(v->codes[i])->name));
-    iso_small_views_fine kept = {0}; /* level 0 as small views show it */
+    iso_small_views_fine kept = {0}; /* small views of level 0 */
     iso_status status = add_presets(v, root, err);
     for (size_t n = v->last + 1; n-- > v->first && status == ISO_OK;) {
         iso_progress_report(progress, "pack", (double)(v->last - n) / (double)(v->last + 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// context.js - WebGL2: programs made of the shared shader sources, targets in float, and what texture filters keep.
+// context.js - WebGL2: programs of the shared shader sources, float targets, and the precision of texture filters.
 const makeContext = canvas => {
     const gl = canvas.getContext('webgl2', {alpha: false, antialias: false, depth: false, powerPreference: 'high-performance'});
     if (!gl) return null;
@@ -12,8 +12,8 @@ const makeContext = canvas => {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.bindVertexArray(gl.createVertexArray());
 
-    // GLSL has no includes: lines #include "NAME" are replaced by that file, as gl_program.c does. Of variants that the page
-    // has no use for the file is not there.
+    // GLSL has no includes: replaces lines #include "NAME" by that file, like gl_program.c. Files of variants that the
+    // page does not use are missing.
     const expand = name => (sources[name] ?? '').replace(/^#include "([^"\n]+)"$/gm, (line, included) => expand(included));
     const compile = (stage, text, name) => {
         const shader = gl.createShader(stage);
@@ -23,7 +23,7 @@ const makeContext = canvas => {
             throw new Error(`shader ${name} does not compile: ${gl.getShaderInfoLog(shader)}`);
         return shader;
     };
-    // defines: an object, of which undefined values are left out. parts: the files behind es.glsl.
+    // defines: an object; undefined values are left out. parts: the files after es.glsl.
     context.program = (parts, defines = {}) => {
         const lines = Object.entries(defines).filter(([, v]) => v !== undefined).map(([k, v]) => `#define ${k} ${v}\n`).join('');
         const key = parts.join() + lines;
@@ -44,7 +44,7 @@ const makeContext = canvas => {
         return program;
     };
 
-    // A picture in linear light; of 8 bits only where a browser has no float targets at all.
+    // A picture in linear light; 8 bits only if the browser has no float targets.
     context.target = (width, height) => {
         const texture = gl.createTexture(), frame = gl.createFramebuffer();
         const forms = [[gl.RGBA32F, gl.FLOAT, context.floatTarget], [gl.RGBA16F, gl.HALF_FLOAT, true], [gl.RGBA8, gl.UNSIGNED_BYTE, true]];
@@ -86,8 +86,8 @@ const makeContext = canvas => {
     return context;
 };
 
-// Bits that linear filtering between a texel 0 and a texel 1 keeps, as gl_context.c probes them: where those of 8-bit
-// textures are fewer (software), bytes travel in half floats, which hold them exactly.
+// Bits that linear filtering between texels 0 and 1 keeps, probed like in gl_context.c. If 8-bit textures keep fewer
+// (software), bytes are stored as half floats, which hold them exactly.
 const probeFilters = context => {
     const {gl} = context, count = 1021, target = context.target(count, 1), program = context.program(['probe.glsl']), bits = {};
     const forms = {r8: [gl.R8, gl.UNSIGNED_BYTE, new Uint8Array([0, 255])], r8snorm: [gl.R8_SNORM, gl.BYTE, new Int8Array([0, 127])], r16f: [gl.R16F, gl.FLOAT, new Float32Array([0, 1])]};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// controls.js - the panel: every control says what it is, and changes one thing of the state.
+// controls.js - the panel: every control has a label, and changes one part of the state.
 const element = (name, properties = {}, ...children) => {
     const e = Object.assign(document.createElement(name), properties);
     e.append(...children);
@@ -11,11 +11,11 @@ const choice = (options, value, chosen) => {
     e.addEventListener('change', () => chosen(e.value));
     return e;
 };
-// A slider with its number beside it, which can be typed.
+// A slider with an editable number.
 const slider = (text, {min, max, step, value}, changed) => {
     const range = element('input', {type: 'range', min, max, step, value}), typed = element('input', {type: 'number', min, max, step, value});
     const take = (from, to, moving) => {
-        if (from.value === '') from.value = to.value; // what is no number changes nothing
+        if (from.value === '') from.value = to.value; // invalid numbers change nothing
         const taken = clamp(Number(from.value), min, max);
         if (taken !== Number(from.value)) from.value = taken;
         to.value = from.value;
@@ -29,8 +29,8 @@ const slider = (text, {min, max, step, value}, changed) => {
     return element('div', {className: 'slider'}, element('span', {textContent: text}), range, typed);
 };
 
-// Where their number changes, controls are made anew. The keyboard stays where it was: on the control of the same name, or
-// else on its neighbor.
+// Makes controls again if their number changes. Keeps the keyboard focus on the control of the same name, or else on
+// its neighbor.
 const refill = (parent, ...children) => {
     const controls = () => [...parent.querySelectorAll('button, select, input')], before = controls(), at = before.indexOf(document.activeElement);
     const nameOf = e => e.getAttribute('aria-label') ?? e.closest('label')?.firstElementChild.textContent ?? e.textContent;
@@ -47,7 +47,7 @@ const makeControls = (data, state, frames, editor) => {
     const whole = data.levels.filter(l => !l.isPlan).map(l => l.level).sort((a, b) => a - b), nameOf = n => n === planLevel ? `0 in planned bricks: ${sizeOf(n)}` : `${n}: ${sizeOf(n)}`;
     const codes = [...data.codes.map(c => [c, c]), ['', 'differences of the scalar']];
 
-    // What is drawn, for A and for B.
+    // Level and shading, for A and for B.
     const what = (side, of) => {
         const adapt = element('input', {type: 'checkbox', checked: of.adapted});
         const row = labeled(`adapted transfer function${side}`, adapt);
@@ -56,9 +56,9 @@ const makeControls = (data, state, frames, editor) => {
         const able = () => {
             const plan = data.levels.find(l => l.isPlan && l.level === of.level);
             const seen = (data.levels.find(l => l.level === of.level) || {}).seen, digits = x => Number(x.toPrecision(2));
-            cost.textContent = seen ? `With the scene's transfer function, pictures of this level differ from level 0 by RMSE ${digits(seen.rmse)}, 1 - SSIM ${digits(seen.ssim_dissimilarity)}; adapted by ${digits(seen.rmse_adapted)} and ${digits(seen.ssim_dissimilarity_adapted)}: ${seen.adapting_helps ? 'adapting helps' : 'the original is kept by --adapt'}.` : '';
+            cost.textContent = seen ? `With the scene's transfer function, pictures of this level differ from level 0 by RMSE ${digits(seen.rmse)}, 1 - SSIM ${digits(seen.ssim_dissimilarity)}; adapted by ${digits(seen.rmse_adapted)} and ${digits(seen.ssim_dissimilarity_adapted)}: ${seen.adapting_helps ? 'adapting helps' : '--adapt keeps the original'}.` : '';
             if (plan) cost.textContent = planCost(plan);
-            directions.disabled = Boolean(plan); // bricks have theirs
+            directions.disabled = Boolean(plan); // bricks have their own
             cost.hidden = !seen && !plan;
             adapt.disabled = !(data.levels.find(l => l.level === of.level) || {}).joint; row.classList.toggle('off', adapt.disabled);
         };
@@ -78,7 +78,7 @@ const makeControls = (data, state, frames, editor) => {
     });
     $('preset').replaceChildren(labeled('preset', preset));
     const showPreset = () => {
-        preset.lastElementChild.disabled = !state.edited; // it is kept while others are tried
+        preset.lastElementChild.disabled = !state.edited; // the edited one is kept while others are tried
         preset.value = state.tfName;
     };
 
@@ -86,7 +86,7 @@ const makeControls = (data, state, frames, editor) => {
     $('views').replaceChildren();
     for (const [name, direction, up] of viewpoints) {
         const b = element('button', {type: 'button', textContent: name});
-        // The box is framed by the shorter side: no more of a wide scene's sides has to be in the window.
+        // Frames the box by the shorter side, since the sides of a wide scene need not be in the window.
         b.addEventListener('click', () => {
             state.sceneAspect = Math.min(1, state.sceneAspect);
             state.camera = lookingFrom(state.camera, data.geometry0, direction, up, state.sceneAspect);
@@ -104,7 +104,7 @@ const makeControls = (data, state, frames, editor) => {
     const drawProjection = () => refill($('projection'), labeled('projection', choice([['perspective', 'perspective'], ['orthographic', 'orthographic']], state.camera.orthographic ? 'orthographic' : 'perspective', v => {
         const c = state.camera, depth = dot(subtract(c.lookAt, c.position), axesOf(c).forward);
         if ((v === 'orthographic') === c.orthographic) return;
-        // The middle of the volume keeps its size.
+        // Keeps the apparent size of the volume's middle.
         state.camera = c.orthographic ? {...c, orthographic: false, half: c.half / depth} : {...c, orthographic: true, half: c.half * depth};
         changed();
     })));
@@ -130,7 +130,7 @@ const makeControls = (data, state, frames, editor) => {
         more.addEventListener('click', () => { state.lights.push({direction: [0.5, 0.5, 0.7], space: 'camera', intensity: 0.3}); limit(); drawLights(); changed(); });
         refill($('lights'), ...list, more);
     };
-    // A scene asks for ambient + diffuse * (sum of intensities) of at most 1: the diffuse part gives way.
+    // A scene needs ambient + diffuse * (sum of intensities) of at most 1: reduces the diffuse part.
     const limit = () => {
         const sum = state.lights.reduce((s, l) => s + l.intensity, 0), most = sum > 0 ? (1 - state.shading.ambient) / sum : 1;
         if (state.shading.diffuse > most) { state.shading = {...state.shading, diffuse: Math.floor(most * 1000) / 1000}; drawShading(); }
@@ -159,12 +159,12 @@ const makeControls = (data, state, frames, editor) => {
         refill($('clips'), ...list, more);
     };
 
-    // Inside the box a finer level is drawn than around it.
+    // Draws a finer level inside the box than around it.
     const drawRoi = () => {
         const on = element('input', {type: 'checkbox', checked: Boolean(state.roi)}), row = labeled('finer level inside a box', on), parts = [row];
         row.className = 'check';
         on.addEventListener('change', () => {
-            const outside = state.roi?.outside; // the level that gave way to a coarser one, which comes back
+            const outside = state.roi?.outside; // restores the outer level that was replaced by a coarser one
             state.roi = on.checked ? {level: whole[0], box: [[0.3, 0.3, 0.3], [0.7, 0.7, 0.7]], band: 2} : null;
             if (state.roi && state.level <= whole[0]) Object.assign(state, {level: whole[1], roi: {...state.roi, outside: state.level}});
             else if (outside !== undefined && state.level === whole[1]) state.level = outside;
@@ -182,7 +182,7 @@ const makeControls = (data, state, frames, editor) => {
                     set({box}, m);
                 }));
             parts.push(slider('band, voxels', {min: 0, max: 16, step: 0.5, value: state.roi.band}, (v, m) => set({band: v}, m)),
-                element('p', {className: 'hint', textContent: 'Needs a coarser level outside, and directions by a code. A scene file does not hold the box: the command below does.'}));
+                element('p', {className: 'hint', textContent: 'Needs a coarser level outside, and coded directions. The scene file does not include the box; the command below does.'}));
         }
         if (whole.length < 2) on.disabled = true;
         refill($('roi'), ...parts);
@@ -191,7 +191,7 @@ const makeControls = (data, state, frames, editor) => {
         const parts = [labeled('show', choice([['none', 'A alone'], ['split', 'A and B, side by side'], ['difference', 'their difference']], state.compare, v => { state.compare = v; drawCompare(); changed(); }))];
         if (state.compare !== 'none') parts.push(...what(' B', state.b));
         if (state.compare === 'split') parts.push(slider('line', {min: 0, max: 1, step: 0.01, value: state.line}, v => { state.line = v; frames.reshow(); }));
-        const scale = element('p', {className: 'hint'}), tell = () => { scale.textContent = `Black: equal; brightest: a difference of ${Number((1 / state.amplified).toPrecision(2))} or more, where 1 is white against black.`; };
+        const scale = element('p', {className: 'hint'}), tell = () => { scale.textContent = `Black: equal; brightest: a difference of ${Number((1 / state.amplified).toPrecision(2))} or more (1: white against black).`; };
         tell();
         if (state.compare === 'difference') parts.push(slider('times', {min: 1, max: 100, step: 1, value: state.amplified}, v => { state.amplified = v; tell(); frames.reshow(); }), scale);
         refill($('compare'), ...parts);
@@ -205,7 +205,7 @@ const makeControls = (data, state, frames, editor) => {
     $('save-scene').onclick = () => saveText('scene.json', textOf(sceneNow()));
     $('save-tf').onclick = () => saveText('tf.json', textOf(tfJson(data, state)));
     const showCommand = () => { $('command').textContent = commandOf(data, state); };
-    // Where the browser does not let a page write there, the text is selected.
+    // If the browser forbids the clipboard, selects the text.
     $('copy').onclick = async () => {
         const copied = await navigator.clipboard?.writeText($('command').textContent).then(() => true, () => false);
         if (!copied) getSelection().selectAllChildren($('command'));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// display.glsl - the linear picture as the screen shows it: sRGB; two of them divided by a line, or their difference.
+// display.glsl - converts the linear picture for the screen: sRGB; two pictures divided by a line, or their difference.
 uniform sampler2D picture, other;
 uniform int mode;        // 0: picture; 1: picture left of the line, other right of it; 2: their difference
 uniform float line;      // 0 left, 1 right
-uniform float amplified; // the difference, times this
+uniform float amplified; // factor of the difference
 uniform vec2 screen;     // pixels
 out vec4 color;
 
@@ -30,7 +30,7 @@ void main()
     } else if (mode == 2) {
         vec3 d = abs(c - at(other, uv)) * amplified;
         float worst = clamp(max(d.r, max(d.g, d.b)), 0.0, 1.0);
-        // Black, violet, orange, white: even in lightness, and told apart by the color-blind.
+        // Black, violet, orange, white: lightness increases evenly, so that color-blind people can tell them apart.
         c = worst < 0.5 ? mix(vec3(0.03, 0.03, 0.09), vec3(0.69, 0.17, 0.41), worst * 2.0)
                         : mix(vec3(0.69, 0.17, 0.41), vec3(0.99, 0.96, 0.75), worst * 2.0 - 1.0);
     } else {

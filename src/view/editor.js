@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// editor.js - the transfer function over the histogram of values: points to drag, their opacity and color.
-// Whole numbers of a small range have a bin each.
+// editor.js - the editor of transfer functions over the histogram of values: points to drag, their opacity and color.
+// Integers of a small range have one bin each.
 const histogramOf = (level, [lo, hi]) => {
     const whole = level.scalar.kind === 'integer' && hi - lo < 512, bins = whole ? hi - lo + 1 : 256;
     if (whole) [lo, hi] = [lo - 0.5, hi + 0.5];
@@ -9,11 +9,11 @@ const histogramOf = (level, [lo, hi]) => {
     const most = Math.log1p(counts.reduce((m, c) => Math.max(m, c), 0));
     return {heights: [...counts].map(c => Math.log1p(c) / most), lo, hi};
 };
-// Value to the right, gradient magnitude upwards: homogeneous materials are spots at the bottom, boundaries are arches
-// [kniss-2002]. As a picture that lies under the curve.
+// Values to the right, gradient magnitudes up: homogeneous materials are spots at the bottom, boundaries are arches
+// [kniss-2002]. Drawn as a picture under the curve.
 const jointPicture = (level, [lo, hi]) => {
     const {numbers, scalar, size: [nx, ny, nz]} = level, whole = scalar.kind === 'integer' && hi - lo < 256;
-    const width = whole ? hi - lo + 1 : 256, height = 48; // rows that are wide beside the steps of whole numbers' gradients
+    const width = whole ? hi - lo + 1 : 256, height = 48; // rows wider than the gradient steps of integers
     const least = Math.min(...spacings(level)), [sx, sy, sz] = spacings(level).map(s => 0.5 * least / s), column = (width - (whole ? 0 : 1)) / ((hi - lo + (whole ? 1 : 0)) || 1);
     const step = Math.max(1, Math.round(Math.cbrt(nx * ny * nz / 2e6))), columns = [], magnitudes = [];
     for (let z = 1; z < nz - 1; z += step) for (let y = 1; y < ny - 1; y += step) for (let x = 1; x < nx - 1; x += step) {
@@ -21,7 +21,8 @@ const jointPicture = (level, [lo, hi]) => {
         columns.push(clamp(Math.floor((scalar.zero + numbers[i] * scalar.step - lo) * column), 0, width - 1));
         magnitudes.push(Math.hypot((numbers[i + 1] - numbers[i - 1]) * sx, (numbers[i + nx] - numbers[i - nx]) * sy, (numbers[i + nx * ny] - numbers[i - nx * ny]) * sz));
     }
-    // Up to a gradient that a thousandth of the voxels exceeds: the few largest would leave the rest at the bottom.
+    // Scaled to a gradient that a thousandth of the voxels exceeds: otherwise the few largest would push the rest to
+    // the bottom.
     const most = Float32Array.from(magnitudes).sort()[Math.floor(0.999 * magnitudes.length)] || 1, counts = new Float64Array(width * height);
     magnitudes.forEach((g, i) => { ++counts[columns[i] + width * (height - 1 - Math.floor(Math.min(g / most, 1) * (height - 1)))]; });
     const highest = Math.log1p(counts.reduce((m, c) => Math.max(m, c), 0)), canvas = Object.assign(document.createElement('canvas'), {width, height});
@@ -50,7 +51,7 @@ const makeEditor = (root, data, state, changed) => {
     const place = p => [x(valueOf(state.tf, p, data.value_range)), y(p.opacity)];
     const short = v => Number(v.toPrecision(4)).toString();
 
-    // A new list each time: a table is known by its points.
+    // A new list each time: tables are cached by their points.
     const edit = (change, resting = true) => {
         const list = points().map(p => ({...p}));
         change(list);
@@ -66,7 +67,7 @@ const makeEditor = (root, data, state, changed) => {
         changed(!resting);
     };
     const draw = () => {
-        const focused = svg.contains(document.activeElement); // the keyboard stays at the points, which are made anew
+        const focused = svg.contains(document.activeElement); // keep the focus on the points, which are made again
         svg.replaceChildren();
         const gradient = make('linearGradient', {id: 'colors'}, make('defs', {})), [lo, hi] = domain();
         for (let i = 0; i <= 64; ++i) {
@@ -97,7 +98,7 @@ const makeEditor = (root, data, state, changed) => {
         mark();
         if (focused) svg.querySelectorAll('.point')[chosen]?.focus({preventScroll: true});
     };
-    // The chosen point lies above those that stand where it does.
+    // Draws the chosen point above others at its position.
     const mark = () => {
         const [cx, cy] = place(points()[chosen]);
         svg.querySelector('.chosen')?.remove();
@@ -149,7 +150,7 @@ const makeEditor = (root, data, state, changed) => {
         e.preventDefault();
         svg.querySelectorAll('.point')[chosen]?.focus();
     });
-    // What is no number changes nothing; the field says again what is.
+    // Invalid numbers change nothing; the field shows the old value again.
     const typed = (field, [lo, hi], take) => field.addEventListener('change', () => {
         const text = field.value.trim(), number = Number(text);
         if (text === '' || Number.isNaN(number)) tell();

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// frames.js - when a picture is drawn: few pixels while something moves, all of them in bands once it rests, so that the
-// page answers even where a whole picture takes a second.
+// frames.js - schedules pictures: few pixels while something moves, all of them in bands afterwards, so that the page
+// responds even if a whole picture takes a second.
 const makeFrames = (context, caster, data, state, canvas, told) => {
     const {gl} = context, bandMs = 45, movingMs = 60;
     const display = context.program(['display.glsl']), targets = new Map();
-    let asked = 0, moving = false, perPixel = 2e-3, running = false, shown = {}; // perPixel: milliseconds, of the last bands; at first as for software GL
+    let asked = 0, moving = false, perPixel = 2e-3, running = false, shown = {}; // perPixel: milliseconds, of the last
+                                                                                 // bands; initially for software GL
 
     const targetOf = (name, width, height) => {
         const old = targets.get(name);
@@ -37,7 +38,7 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
     };
     const pause = () => new Promise(done => setTimeout(done, 0));
 
-    // One side at a size; null where something newer was asked for meanwhile.
+    // Draws one side at a size; null if a newer picture was requested meanwhile.
     const drawSide = async (side, kind, width, height, version) => {
         const target = targetOf(`${kind} ${side}`, width, height), q = {...requestOf(data, state, side), camera: camera(width / height)};
         let spent = 0;
@@ -82,7 +83,7 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
     const reshow = () => { if (shown.a && (state.compare === 'none') === !shown.b) show(shown.a, shown.b); else ask(); };
     const settled = async () => { while (running) await new Promise(done => setTimeout(done, 20)); };
 
-    // A picture as the tests and `validate --with webgl` take it: linear, in floats, row 0 on top; and its time.
+    // A picture for tests and `validate --with webgl`: linear, in floats, row 0 at the top; and its time.
     const measure = (width, height, side = 'a', repeats = 1) => {
         const target = context.target(width, height), q = {...requestOf(data, state, side), camera: camera(width / height)};
         let ms = Infinity;

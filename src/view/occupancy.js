@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// occupancy.js - which bricks a transfer function shows, and how far each is from those: brick/occupancy.c.
+// occupancy.js - finds the bricks that a transfer function shows, and the distance of each brick to them:
+// brick/occupancy.c.
 const brickVoxels = 8, skipOccupied = 0.5;
 
-// The range of numbers of each brick, half a voxel further than the brick itself.
+// Range of numbers of each brick, extended by half a voxel.
 const brickRanges = (numbers, size) => {
     const count = size.map(n => Math.ceil(n / brickVoxels)), total = count[0] * count[1] * count[2];
     const least = new Float32Array(total), most = new Float32Array(total);
@@ -26,7 +27,7 @@ const brickRanges = (numbers, size) => {
     return {count, least, most};
 };
 
-// Wider by a thousandth of an entry: textures are looked up in float.
+// Wider by a thousandth of an entry, because textures are looked up in float.
 const tableShows = (table, min, max) => {
     const last = table.count - 1, perValue = last / (table.hi - table.lo);
     const first = clamp((min - table.lo) * perValue - 1e-3, 0, last), end = clamp((max - table.lo) * perValue + 1e-3, 0, last);
@@ -34,7 +35,7 @@ const tableShows = (table, min, max) => {
     return false;
 };
 
-// Chessboard distances: a forward and a backward sweep over the neighbors that were visited before.
+// Chessboard distances: a forward and a backward sweep over the neighbors visited before.
 const sweep = (count, distance, direction) => {
     const [nx, ny, nz] = count, n = nx * ny * nz;
     for (let j = 0; j < n; ++j) {

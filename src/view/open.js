@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// open.js - a NRRD or NIfTI-1 file that is dropped on the page becomes its volume: one level, shaded by gradients on the fly.
-// What is no such file needs `isoshade view`.
+// open.js - opens a NRRD or NIfTI-1 file that is dropped on the page as its volume: one level, shaded by gradients on
+// the fly. Other files need `isoshade view`.
 
-// As form_of() of contents.c: integers of 16 bits as they are, all else in floats over the range.
+// Like form_of() of contents.c: integers of 16 bits unchanged, others as floats over the range.
 const levelOfVolume = ({type, geometry, values}) => {
     let min = Infinity, max = -Infinity, bad = 0;
     for (const v of values) {
@@ -21,23 +21,23 @@ const openFile = async (file, most) => {
     if (file.size === 0) throw new Error('the file is empty');
     const bytes = new Uint8Array(await file.arrayBuffer()), isNrrd = bytes[0] === 78 && bytes[1] === 82 && bytes[2] === 82 && bytes[3] === 68;
     const level = levelOfVolume(await (isNrrd ? parseNrrd : parseNifti)(bytes));
-    if (level.size.some(n => !(n > 0 && n <= most))) throw new Error(`a volume of ${level.size.join(' x ')}, this browser's textures have at most ${most} a side`);
+    if (level.size.some(n => !(n > 0 && n <= most))) throw new Error(`a volume of ${level.size.join(' x ')}, limit of this browser's textures: ${most} per side`);
     return level;
 };
 
-// A transfer function of another volume, laid on the range of the one that comes.
+// Maps the transfer function of the old volume to the range of the new one.
 const laidOnRange = (tf, oldRange, oldSpacing) => {
     const [lo, hi] = tfRange(tf, oldRange), {unit_distance_mm: mm, ...rest} = tf;
     const points = tf.points.map(p => ({...p, value: tf.range === 'fit' ? p.value : clamp((p.value - lo) / (hi - lo), 0, 1)}));
     return {...rest, range: 'fit', points, unit_distance_voxels: mm ? mm / oldSpacing : tf.unit_distance_voxels};
 };
 
-// The page's volume is another one from now on. The camera frames it; transfer functions stay, by their place in the range.
+// Replaces the page's volume. The camera frames it; transfer functions keep their position in the range.
 const replaceVolume = (data, state, level, name) => {
     const columns = [0, 1, 2].map(a => column(level.index_to_world, a)), spacing = Math.cbrt(Math.abs(dot(columns[0], cross(columns[1], columns[2]))));
     const laid = tf => laidOnRange(tf, data.value_range, data.mean_spacing_mm), presets = data.presets.map(p => ({...p, tf: laid(p.tf)}));
     state.tf = laid(state.tf);
-    // The program may take whole numbers for labels, which are not interpolated.
+    // isoshade may treat integers as labels, which are not interpolated.
     Object.assign(data, {title: name, input: ' --no-labels', levels: [level], codes: [], presets, geometry: level, geometry0: level, value_range: [level.min, level.max], mean_spacing_mm: spacing});
     Object.assign(state, {level: 0, code: null, adapted: false, compare: 'none', clips: [], roi: null, tfName: 'scene', edited: null, b: {level: 0, code: null, adapted: false}});
     state.sceneAspect = Math.min(1, state.sceneAspect);
@@ -45,7 +45,7 @@ const replaceVolume = (data, state, level, name) => {
     data.scene = {...data.scene, image: {width: state.sceneAspect, height: 1}, camera: {...cameraJson(state.camera)}, clip_planes: [], tf: state.tf};
 };
 
-// A file that misses the picture would take the place of the page, with all that was edited: it may be dropped anywhere.
+// Files may be dropped anywhere: a file that missed the picture would replace the page with all edits.
 const acceptFiles = (frame, chooser, opened) => {
     const take = async file => {
         if (!file) return;
@@ -63,6 +63,6 @@ const acceptFiles = (frame, chooser, opened) => {
     });
     chooser.addEventListener('change', async () => {
         await take(chooser.files[0]);
-        chooser.value = ''; // the same file may be chosen again
+        chooser.value = ''; // allows to choose the same file again
     });
 };

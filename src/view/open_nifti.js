@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// open_nifti.js - a NIfTI-1 file's bytes as a volume, as volume/nifti_open.c reads it.
+// open_nifti.js - reads a NIfTI-1 file's bytes as a volume, like volume/nifti_open.c.
 const niftiTypes = {2: 'uint8', 4: 'int16', 8: 'int32', 16: 'float', 64: 'double', 256: 'int8', 512: 'uint16', 768: 'uint32', 1024: 'int64', 1280: 'uint64'};
 const niftiHeaderBytes = 348;
 
-// The columns of the rotation that a quaternion of unit length is, of which the file has three parts.
+// The columns of the rotation of a unit quaternion, of which the file has three parts.
 const quaternionColumns = (b, c, d) => {
     const a = Math.sqrt(Math.max(0, 1 - b * b - c * c - d * d));
     return [
@@ -12,7 +12,7 @@ const quaternionColumns = (b, c, d) => {
         [2 * (b * d + a * c), 2 * (c * d - a * b), a * a + d * d - c * c - b * b],
     ];
 };
-// Where the center of voxel (0, 0, 0) is and one step along each axis, in the file's unit.
+// Position of the center of voxel (0, 0, 0), and one step along each axis, in the file's unit.
 const niftiAffine = (float, short) => {
     const pixdim = [76, 80, 84, 88].map(float);
     if (short(254) > 0) {
@@ -21,9 +21,9 @@ const niftiAffine = (float, short) => {
     }
     if (short(252) > 0) {
         const flip = pixdim[0] < 0 ? -1 : 1, columns = quaternionColumns(...[256, 260, 264].map(float));
-        return {columns: columns.map((c, k) => scale(c, saidSpacing(Math.abs(pixdim[k + 1])) * (k === 2 ? flip : 1))), center: [268, 272, 276].map(float)};
+        return {columns: columns.map((c, k) => scale(c, checkedSpacing(Math.abs(pixdim[k + 1])) * (k === 2 ? flip : 1))), center: [268, 272, 276].map(float)};
     }
-    return {columns: [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? saidSpacing(Math.abs(pixdim[a + 1])) : 0)), center: null};
+    return {columns: [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? checkedSpacing(Math.abs(pixdim[a + 1])) : 0)), center: null};
 };
 
 const parseNifti = async packed => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// open_nrrd.js - a NRRD file's bytes as a volume, as volume/nrrd_open.c reads it: raw and gzip, three axes.
+// open_nrrd.js - reads a NRRD file's bytes as a volume, like volume/nrrd_open.c: raw and gzip, three axes.
 const nrrdTypes = {
     'signed char': 'int8', int8: 'int8', int8_t: 'int8', uchar: 'uint8', 'unsigned char': 'uint8', uint8: 'uint8', uint8_t: 'uint8',
     short: 'int16', 'short int': 'int16', 'signed short': 'int16', 'signed short int': 'int16', int16: 'int16', int16_t: 'int16',
@@ -9,7 +9,7 @@ const nrrdTypes = {
     ulonglong: 'uint64', 'unsigned long long': 'uint64', 'unsigned long long int': 'uint64', uint64: 'uint64', uint64_t: 'uint64',
     float: 'float', double: 'double',
 };
-// Fields ("byte skip: 4", by their names without spaces) and keys ("name:=value"), and where the samples begin.
+// Fields ("byte skip: 4", with names without spaces), keys ("name:=value"), and the start of the samples.
 const nrrdHeader = bytes => {
     const isLineEnd = i => bytes[i] === 10 && (bytes[i + 1] === 10 || (bytes[i + 1] === 13 && bytes[i + 2] === 10));
     let end = 0;
@@ -27,7 +27,7 @@ const nrrdHeader = bytes => {
 const wordsOf = text => (text ?? '').split(/[\s,]+/).filter(Boolean);
 const unitsOf = text => [0, 1, 2].map(a => millimeters([...(text ?? '').matchAll(/"([^"]*)"/g)][a]?.[1] ?? ''));
 
-// In a space, with directions; in right, anterior, superior where the space is one of a body.
+// Directions in the space; in right, anterior, superior for a space of a body.
 const orientedNrrd = (field, size) => {
     const signs = /^(left-posterior-superior|lps)$/i.test(field.space ?? '') ? [-1, -1, 1] : /^(left-anterior-superior|las)$/i.test(field.space ?? '') ? [-1, 1, 1] : [1, 1, 1];
     const factors = unitsOf(field.spaceunits).map((mm, i) => mm * signs[i]), placed = text => wordsOf(text).map((x, i) => Number(x) * factors[i]);
@@ -37,7 +37,7 @@ const orientedNrrd = (field, size) => {
 };
 const plainNrrd = (field, size) => {
     const mm = unitsOf(field.units), given = wordsOf(field.spacings).map(Number), mins = wordsOf(field.axismins).map(Number);
-    const spacing = mm.map((factor, a) => saidSpacing(given[a]) * factor), columns = [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? spacing[a] : 0));
+    const spacing = mm.map((factor, a) => checkedSpacing(given[a]) * factor), columns = [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? spacing[a] : 0));
     const isNode = wordsOf(field.centerings ?? field.centers).map(w => w === 'node');
     const placed = [0, 1, 2].every(a => Number.isFinite(mins[a]));
     return geometryOf(size, columns, placed ? spacing.map((s, a) => mins[a] * mm[a] + (isNode[a] ? 0 : 0.5 * s)) : null);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// open_samples.js - what the readers of NRRD and NIfTI files share: samples, units, and which volumes make sense.
-// What the program refuses is refused here too, in words that say what is wrong with the file.
+// open_samples.js - shared parts of the NRRD and NIfTI readers: samples, units, and checks of volumes. Files that
+// isoshade refuses are refused here too, with a message about the problem.
 const gunzip = async bytes => {
     const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
     try {
@@ -20,7 +20,7 @@ const swapBytes = (bytes, width) => {
     for (let i = 0; i < bytes.length; i += width) bytes.subarray(i, i + width).reverse();
 };
 
-// The samples of one volume, of the type that the file says, or floats where a slope makes others of them.
+// The samples of one volume, in the file's type, or as floats if a slope scales them.
 const decodeSamples = (bytes, offset, size, type, little, slope = 1, intercept = 0) => {
     const array = sampleArrays[type], width = array.BYTES_PER_ELEMENT, end = offset + size[0] * size[1] * size[2] * width;
     if (bytes.length < end) throw new Error(`the file ends after ${bytes.length} bytes, ${end} are needed`);
@@ -31,7 +31,7 @@ const decodeSamples = (bytes, offset, size, type, little, slope = 1, intercept =
     return {type: 'float', values: Float32Array.from(stored, v => slope * v + intercept)};
 };
 
-// Trailing axes of one sample are none.
+// Drops trailing axes with one sample.
 const threeSizes = (sizes, format) => {
     const size = [...sizes];
     while (size.length > 3 && size[size.length - 1] === 1) size.pop();
@@ -40,7 +40,7 @@ const threeSizes = (sizes, format) => {
     return size;
 };
 
-// Millimeters, by the words of volume/unit.c.
+// Millimeters per unit, with the names of volume/unit.c.
 const unitWords = [
     [1, /^(mm|millimet(er|re)s?)?$/i], [1e3, /^(m|met(er|re)s?)$/i], [10, /^(cm|centimet(er|re)s?)$/i], [1e-3, /^([uµμ]m|micromet(er|re)s?|microns?)$/i],
     [1e-6, /^(nm|nanomet(er|re)s?)$/i], [1e-9, /^(pm|picomet(er|re)s?)$/i], [1e-7, /^(angstroms?|a|å|Å)$/i], [0.529177210903e-7, /^(bohrs?|a\.u\.)$/i],
@@ -48,18 +48,18 @@ const unitWords = [
 ];
 const millimeters = word => {
     const found = unitWords.find(([, words]) => words.test(word));
-    if (!found) throw new Error(`its unit is "${word}", which the page does not know; isoshade view --unit says it instead`);
+    if (!found) throw new Error(`unknown unit "${word}"; use isoshade view --unit`);
     return found[0];
 };
 
-// A spacing that a file does not say is asked for: there is no usual one.
-const saidSpacing = mm => {
-    if (!(mm > 0 && Number.isFinite(mm))) throw new Error('does not say the spacing of its voxels; isoshade view --spacing SXxSYxSZ does, in mm');
+// The user must enter a missing spacing: there is no usual one.
+const checkedSpacing = mm => {
+    if (!(mm > 0 && Number.isFinite(mm))) throw new Error('does not state the spacing of its voxels; use isoshade view --spacing SXxSYxSZ, in mm');
     return mm;
 };
 
-// Centers of voxels to outer corners: voxel i has its center at i + 1/2. center: of the first voxel; without it the volume
-// lies around the origin.
+// From voxel centers to outer corners: voxel i has its center at i + 1/2. center: of the first voxel; without it the
+// volume is centered at the origin.
 const geometryOf = (size, columns, center) => {
     const first = center ?? columns.reduce((m, c, a) => madd(m, c, -(size[a] - 1) / 2), [0, 0, 0]);
     const spans = Math.abs(dot(columns[0], cross(columns[1], columns[2]))), lengths = columns.map(length);

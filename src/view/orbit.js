@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// orbit.js - hands on the picture: one finger or the left button orbits, two fingers or the right button pan and zoom.
+// orbit.js - pointer input on the picture: one finger or the left button orbits, two fingers or the right button pan
+// and zoom.
 const makeOrbit = (canvas, state, frames) => {
     const pointers = new Map();
     const move = camera => { state.camera = camera; frames.ask(true); };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// outline.js - the edges of the region of interest, over the picture: lines from 0 to 1 to the right and downwards.
+// outline.js - draws the edges of the region of interest over the picture: lines from 0 to 1 to the right and
+// downwards.
 const edgesOfBox = [0, 1, 2].flatMap(axis => [0, 1, 2, 3].map(n => [0, 1].map(end => {
     const corner = [0, 0, 0];
     [corner[axis], corner[(axis + 1) % 3], corner[(axis + 2) % 3]] = [end, n % 2, n >> 1];
@@ -9,7 +10,7 @@ const edgesOfBox = [0, 1, 2].flatMap(axis => [0, 1, 2, 3].map(n => [0, 1].map(en
 const makeOutline = (svg, data, state, frames) => {
     const path = document.createElementNS('http://www.w3.org/2000/svg', 'path');
     svg.replaceChildren(path);
-    // Where the picture has a point; null behind the eye.
+    // Position of a point in the picture; null behind the camera.
     const projected = (world, camera, aspect) => {
         const {forward, right, up} = axesOf(camera), from = subtract(world, camera.position), depth = dot(from, forward);
         if (!camera.orthographic && depth <= 0) return null;

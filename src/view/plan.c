@@ -6,7 +6,7 @@
 
 #include "brick/pack.h"
 
-/* What a texture of the cache holds, of each texel. */
+/* Texture data of the brick cache. */
 typedef struct brick_cache {
     iso_brick_pack pack;
     size_t texel_count;
@@ -14,7 +14,7 @@ typedef struct brick_cache {
     uint8_t *codes;
 } brick_cache;
 
-/* A brick's nodes, as the field has them: x fastest. */
+/* A brick's nodes, x fastest. */
 typedef struct brick_scratch {
     float *nodes, *directions;
     uint8_t *codes;
@@ -61,7 +61,7 @@ static iso_status fill_cache(const iso_viewer *v, brick_cache *c, iso_error *err
     if (status != ISO_OK)
         return status;
     if (c->pack.page_count > 1)
-        return iso_fail(err, ISO_E_RANGE, "--plan: its %zu bricks take %zu textures of %d texels a side, a page has one",
+        return iso_fail(err, ISO_E_RANGE, "--plan: its %zu bricks need %zu textures of %d texels per side, limit 1",
                         c->pack.brick_count, c->pack.page_count, ISO_VIEWER_MOST_TEXELS);
     c->texel_count = c->pack.size[0] * c->pack.size[1] * c->pack.size[2];
     c->scalars = calloc(c->texel_count, sizeof *c->scalars);
@@ -87,7 +87,7 @@ static uint32_t code_at(const void *of, size_t i, size_t c)
 {
     return ((const brick_cache *)of)->codes[3 * i + c];
 }
-/* Texel of the brick's first node along x, y, z, then 1 + its level; 0: left out. */
+/* Returns the texel of the brick's first node (x, y, z), then 1 + its level, or 0 if it is left out. */
 static uint32_t place_at(const void *of, size_t i, size_t c)
 {
     const float *place = ((const brick_cache *)of)->pack.layout + 4 * i;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// start.js - reads the coarsest level, draws it, then reads the finer ones as the browser gets to them.
+// start.js - reads the coarsest level, draws it, then reads finer ones as the browser loads them.
 const say = text => {
     const message = document.getElementById('message');
     message.firstElementChild.textContent = text;
@@ -8,12 +8,12 @@ const say = text => {
 const start = async () => {
     const $ = id => document.getElementById(id), data = JSON.parse($('data').textContent), canvas = $('picture');
     $('close-message').onclick = () => { say(''); canvas.focus(); };
-    // Levels come coarsest first; level 0's geometry stands for the volume even where its voxels are left out.
+    // Levels come coarsest first; level 0's geometry is that of the volume even if its voxels are left out.
     data.geometry0 = data.geometry;
     if (data.plan) data.levels.push(levelOfPlan(data.plan, data.geometry0));
     const context = makeContext(canvas);
     if (!context) { say('This browser has no WebGL2, or it is switched off: the volume cannot be drawn here.'); return; }
-    canvas.addEventListener('webglcontextlost', () => say('The graphics card gave up on this page (a picture took too long, or memory ended). Reload it, and choose a coarser level or a larger step.'));
+    canvas.addEventListener('webglcontextlost', () => say('The graphics card stopped this page (a picture took too long, or memory ran out). Reload it, and choose a coarser level or a larger step.'));
     const state = makeState(data), caster = makeCaster(context, data);
     const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : []), ...(l.layout ? [l.layout] : [])]).reduce((sum, d) => sum + d.packed, 0);
     const pageBytes = packed() * 4 / 3 + 16e4; // base64; the page itself
@@ -41,10 +41,10 @@ const start = async () => {
         level.numbers = numbers;
     };
     await readLevel(data.levels[0]);
-    // The page shows its finest level; what is read so far stands for it until then.
+    // Selects the finest level; until it is read, the finest one so far is drawn.
     state.level = state.b.level = data.levels[data.levels.length - 1].level;
     if (data.levels.length > 1) state.b.level = data.levels[data.levels.length - 2].level;
-    // "#level=1&adapted&code=none&step=0.5": where a link of a report or a chart leads.
+    // "#level=1&adapted&code=none&step=0.5": options in links of reports and charts.
     const follow = () => {
         const asked = new URLSearchParams(location.hash.slice(1)), level = Number(asked.get('level') ?? NaN);
         if (!location.hash) return;
@@ -75,7 +75,7 @@ const start = async () => {
         window.isoshade.controls = controls;
         frames.ask();
     });
-    frames.ask(true); // few pixels first: a picture at once
+    frames.ask(true); // few pixels first, for an immediate picture
     await frames.settled();
     if (document.readyState === 'loading') await new Promise(done => document.addEventListener('DOMContentLoaded', done, {once: true}));
     const all = data.levels;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// state.js - what the page shows, and the files that say it: scene.json and tf.json, as every command takes them.
+// state.js - the state of the page, and its files: scene.json and tf.json, for all commands.
 const aspectOf = scene => scene.image.width / scene.image.height;
 const makeState = data => {
     const scene = data.scene, tf = linearTf(scene.tf);
@@ -13,7 +13,7 @@ const makeState = data => {
     };
 };
 
-// What the caster draws, of side A or B. A level that is not read yet is drawn by the finest one that is.
+// The request of side A or B for the caster. A level that is not read yet is replaced by the finest one that is.
 const requestOf = (data, state, side) => {
     const wanted = side === 'b' ? state.b : state, ready = data.levels.filter(l => l.numbers);
     const level = ready.find(l => l.level === wanted.level) || ready.reduce((best, l) => Math.abs(l.level - wanted.level) < Math.abs(best.level - wanted.level) ? l : best);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// textures.js - a level's numbers as textures, and how texels become values and lattice vectors.
-const halves = (() => { // of the whole numbers up to 2048, which half floats hold exactly
+// textures.js - a level's numbers as textures, and the conversion of texels to values and lattice vectors.
+const halves = (() => { // half floats of integers up to 2048, all exact
     const table = new Uint16Array(2049);
     for (let n = 1; n <= 2048; ++n) {
         const exponent = Math.floor(Math.log2(n));
@@ -10,7 +10,7 @@ const halves = (() => { // of the whole numbers up to 2048, which half floats ho
 })();
 const halfOf = n => n < 0 ? halves[-n] | 0x8000 : halves[n];
 
-// By slabs: no second copy of the volume.
+// In slabs, without a second copy of the volume.
 const fillSlabs = (gl, size, channels, format, type, make) => {
     const plane = size[0] * size[1] * channels, planes = Math.max(1, Math.floor(2 ** 22 / plane));
     for (let z = 0; z < size[2]; z += planes) {

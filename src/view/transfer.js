@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// transfer.js - transfer functions of a tf.json: the table that textures hold (tf.c), display colors, edits.
+// transfer.js - transfer functions of a tf.json: the table for textures (tf.c), display colors, edits.
 const toLinear = s => s <= 0.04045 ? s / 12.92 : ((s + 0.055) / 1.055) ** 2.4;
 const toDisplay = l => l <= 0.0031308 ? 12.92 * l : 1.055 * l ** (1 / 2.4) - 0.055;
 const hexOf = p => '#' + [p.r, p.g, p.b].map(c => Math.round(255 * clamp(toDisplay(c), 0, 1)).toString(16).padStart(2, '0')).join('');
@@ -7,7 +7,7 @@ const linearOfHex = hex => { const [r, g, b] = [1, 3, 5].map(i => toLinear(parse
 const linearTf = tf => tf.color_space !== 'srgb' ? tf
     : {...tf, color_space: 'linear', points: tf.points.map(p => ({...p, r: toLinear(p.r), g: toLinear(p.g), b: toLinear(p.b)}))};
 
-// Color and opacity of the points at a value: linear between, constant beyond.
+// Color and opacity of the points at a value: linear between points, constant beyond.
 const samplePoints = (points, value) => {
     let above = 0;
     while (above < points.length && points[above].value <= value) ++above;
@@ -36,11 +36,11 @@ const lookUp = (table, value) => {
     return [0, 1, 2, 3].map(c => (1 - f) * e[4 * i + c] + f * e[4 * i + 4 + c]);
 };
 
-// Points of a fitted range are fractions; the editor works on values.
+// Points of a fitted range are fractions; the editor uses values.
 const valueOf = (tf, point, valueRange) => { const [lo, hi] = tfRange(tf, valueRange); return tf.range === 'fit' ? lo + point.value * (hi - lo) : point.value; };
 const pointValue = (tf, value, valueRange) => { const [lo, hi] = tfRange(tf, valueRange); return tf.range === 'fit' ? (value - lo) / (hi - lo) : value; };
 
-// A table whose entries lie between two of which a narrow peak would be lost is made finer, as tf.c asks.
+// Refines a table in which a narrow peak would fall between two entries, as tf.c requires.
 const fineEnough = (tf, valueRange) => {
     const [lo, hi] = tf.range === 'fit' ? [0, 1] : tfRange(tf, valueRange), values = tf.points.map(p => p.value);
     let nearest = hi - lo;

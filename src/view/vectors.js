@@ -21,7 +21,7 @@ const rotate = (v, axis, angle) => { // Rodrigues
 };
 const clamp = (x, lo, hi) => Math.min(Math.max(x, lo), hi);
 
-// Geometry of a level, as volume/geometry.h has it.
+// Geometry of a level, as in volume/geometry.h.
 const toWorld = (g, index) => add(g.origin_mm, multiply(g.index_to_world, index));
 const toIndex = (g, world) => multiply(inverse(g.index_to_world), subtract(world, g.origin_mm));
 const spacings = g => [0, 1, 2].map(i => length(column(g.index_to_world, i)));

@@ -38,7 +38,7 @@ ISO_EMBED(iso_viewer_open_nifti_js, "src/view/open_nifti.js");
 ISO_EMBED(iso_viewer_open_js, "src/view/open.js");
 ISO_EMBED(iso_viewer_start_js, "src/view/start.js");
 
-/* The ray caster's own sources, embedded by gl_program.c too: one text in the program, two names. */
+/* The ray caster's own sources, which gl_program.c also embeds: one text in the program, with two names. */
 ISO_EMBED(iso_viewer_code_decode_glsl, "src/encode/code_decode.h");
 ISO_EMBED(iso_viewer_es_glsl, "src/render/gl/shaders/es.glsl");
 ISO_EMBED(iso_viewer_fullscreen_glsl, "src/render/gl/shaders/fullscreen.glsl");
@@ -59,7 +59,7 @@ static const struct {
     {"display.glsl", iso_viewer_display_glsl},
 };
 
-/* One script, in an order in which each part finds what it needs. */
+/* Writes all scripts as one, each part after those that it uses. */
 static void put_script(FILE *f)
 {
     const char *const parts[] = {
@@ -82,7 +82,8 @@ static void put_shaders(FILE *f)
     json_decref(all);
 }
 
-/* An element an array. Those of the coarsest level stand before the script, which draws it while the browser reads the rest. */
+/* Writes an element per array. Those of the coarsest level precede the script, which draws it while the browser reads
+ * the rest. */
 static void put_arrays(FILE *f, const iso_contents *contents, size_t from, size_t to)
 {
     for (size_t i = from; i < to; ++i) {
@@ -133,7 +134,7 @@ static void put_rest_part(FILE *f, const iso_viewer *v, const iso_contents *c)
     put_arrays(f, c, c->first_count, c->count);
 }
 
-/* The template with its marks @NAME@ filled in. */
+/* Writes the template with its marks @NAME@ replaced. */
 static void put_page(FILE *f, const iso_viewer *v, const iso_contents *contents)
 {
     static const page_part parts[] = {

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/beside.h"
+#include "base/helper.h"
 #include "base/parallel.h"
 #include "base/process.h"
 #include "base/warnings.h"
@@ -151,7 +151,7 @@ static void take_geometry(const iso_child_header *h, const double mm[3], iso_vol
 
 static iso_status start_reader(iso_volume_source *source, const iso_child_program *p, const char *part, iso_error *err)
 {
-    char *program = iso_beside_find(p->name), frame[24], channel[24];
+    char *program = iso_helper_find(p->name), frame[24], channel[24];
     child *r = malloc(sizeof *r);
     source->reader = r;
     source->read_planes = read_planes;

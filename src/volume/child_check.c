@@ -36,7 +36,7 @@ iso_status iso_child_check_answer(const iso_child_answer *answer, const char *pa
         return ISO_OK;
     if (is_known(answer->status) && answer->error.text[0])
         return iso_fail(err, answer->status, "%s", answer->error.text);
-    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s fails with status %d and says \"%s\"", path, library,
+    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s fails with status %d and reports \"%s\"", path, library,
                     (int)answer->status, answer->error.text);
 }
 

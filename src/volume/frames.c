@@ -312,8 +312,8 @@ iso_status iso_source_check_look(const iso_volume_source *s, iso_error *err)
     if (beyond > range && !(range == 0 && is_zero))
         return iso_fail(
             err, ISO_E_RANGE,
-            "%s: %zu of %zu voxels have its fill value %.9g, which says that there is no value, the others %.9g "
-            "to %.9g: a range that the fill would make; cut these voxels off, or give them a value of that range",
+            "%s: %zu of %zu voxels have the fill value %.9g (no data), the others %.9g "
+            "to %.9g, so the fill would dominate the range; crop these voxels, or set them to a value in that range",
             s->path, k->filled, k->seen, k->lo - k->least_fill > range ? k->least_fill : k->most_fill, k->lo, k->hi);
     const double most = fmax(fabs(a), fabs(b));
     if (most > (double)FLT_MAX)

@@ -84,7 +84,7 @@ iso_status iso_frames_labels(const char *path, const iso_volume_input *input, si
     if (with && without && !input->labels)
         return iso_fail(
             err, ISO_E_USAGE,
-            "%s: frame %zu looks like a label map, frame %zu does not: --labels or --no-labels says which all are",
+            "%s: frame %zu looks like a label map, frame %zu does not; use --labels or --no-labels",
             path, with - 1, without - 1);
     return ISO_OK;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* metaimage_open.c - MetaImage (.mha, .mhd): lines "Key = value", the last of which, ElementDataFile, says where the
- * samples are. Its world is left, posterior, superior, as ITK and Slicer read it, whatever AnatomicalOrientation says. */
+/* metaimage_open.c - MetaImage (.mha, .mhd): lines "Key = value"; the last one, ElementDataFile, names the file of the
+ * samples. Its world is left, posterior, superior, as in ITK and Slicer, whatever AnatomicalOrientation is. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
@@ -202,7 +202,7 @@ static iso_status take_geometry(const metaimage *m, iso_volume_source *source, i
     return iso_source_check_geometry(source, err);
 }
 
-/* The file of the samples beside the header, or the header's own; to be freed. */
+/* Returns the path of the samples, relative to the header or the header itself; the caller frees it. */
 static char *sample_path(const metaimage *m, const char *path, bool is_local)
 {
     if (is_local || m->file[0] == '/')
@@ -251,7 +251,7 @@ static bool starts_like_metaimage(const unsigned char *head, size_t size)
 const iso_volume_format iso_volume_format_metaimage = {
     .name = "metaimage",
     .title = "MetaImage",
-    .summary = "one file (.mha) or .mhd with its samples beside it, raw or packed by zlib, plane by plane",
+    .summary = ".mha, or .mhd with a file of samples, raw or zlib, read plane by plane",
     .suffixes = ".mha .mhd",
     .starts = "\"ObjectType\" or \"NDims\"",
     .probe = starts_like_metaimage,

@@ -188,11 +188,11 @@ static iso_status read_geometry(const nifti_header *h, iso_volume_source *source
     double mm, m[3][4];
     iso_status status = iso_source_unit(source, unit_name(h->units), "mm", &mm, err);
     if (status == ISO_OK && h->sform_code > 0 && sform_is_empty(h) && !(source->hints.spacing_mm[0] > 0))
-        status =
-            iso_fail(err, ISO_E_FORMAT,
-                     "%s: its sform (code %d) has an axis of zeros, which spans no volume; --spacing SXxSYxSZ, in mm, "
-                     "reads it by its qform",
-                     source->path, h->sform_code);
+        status = iso_fail(
+            err, ISO_E_FORMAT,
+            "%s: its sform (code %d) has an axis of zeros, which spans no volume; set --spacing SXxSYxSZ, in mm, "
+            "reads it by its qform",
+            source->path, h->sform_code);
     double spacing[3] = {fabs(h->pixdim[1]), fabs(h->pixdim[2]), fabs(h->pixdim[3])};
     const bool by_sform = h->sform_code > 0 && !sform_is_empty(h);
     if (status == ISO_OK && !by_sform)

@@ -17,10 +17,10 @@
 #include "volume/segments.h"
 #include "volume/stream_kernel.h"
 
-/* The innermost of teem's messages says what is wrong. */
+/* Reports the innermost of teem's messages. */
 static iso_status teem_failed(const char *path, const Nrrd *nrrd, iso_error *err)
 {
-    const int number = errno; /* of the call on the file that failed, where one did */
+    const int number = errno; /* of the failed call on the file, if any */
     const bool is_of_file = number == EIO || number == EINTR || number == EMFILE || number == ENFILE ||
                             number == EACCES || number == ENOMEM;
     char *text = biffGetDone(NRRD);
@@ -57,8 +57,8 @@ static bool our_type(int teem_type, iso_type *type)
 
 typedef enum axis_use { AXIS_SPACE, AXIS_FRAMES, AXIS_CHANNELS } axis_use;
 
-/* By its kind; where it has none, by whether it has a direction, or else by its place: of four axes without kinds the
- * first is of components where it has at most four, and else the last is of frames. */
+/* Use of an axis: by its kind; if it has none, by its direction; if the file has no directions, by position. Of four
+ * axes without kinds, the first has components if there are at most four; if not, the last has frames. */
 static axis_use use_of(const Nrrd *nrrd, unsigned a, unsigned dim)
 {
     const int kind = nrrd->axis[a].kind;
@@ -73,7 +73,7 @@ static axis_use use_of(const Nrrd *nrrd, unsigned a, unsigned dim)
     return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace ? AXIS_SPACE : AXIS_CHANNELS;
 }
 
-/* The axes of space, and what stands before and behind them. */
+/* The axes of space, and those before and after them. */
 typedef struct nrrd_axes {
     unsigned space[3];
     iso_extra_axes extra;
@@ -93,7 +93,7 @@ static void take_extra(const NrrdAxisInfo *axis, axis_use use, bool inside, size
 static iso_status sort_axes(const Nrrd *nrrd, const char *path, nrrd_axes *out, iso_error *err)
 {
     unsigned dim = nrrd->dim, found = 0;
-    size_t stride[2] = {1, 1}; /* behind the axes of space, and before them */
+    size_t stride[2] = {1, 1}; /* after the axes of space, and before them */
     *out = (nrrd_axes){0};
     while (dim > 3 && nrrd->axis[dim - 1].size == 1)
         --dim;
@@ -162,7 +162,7 @@ static iso_status oriented_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso
     return ISO_OK;
 }
 
-/* NAN: the header does not say it. An axis' bounds do, if what they bound is said. */
+/* Returns the spacing; NAN if the header has none. An axis' bounds give it if its centering is known. */
 static double spacing_of(const NrrdAxisInfo *axis)
 {
     if (!isnan(axis->spacing) || isnan(axis->min) || isnan(axis->max) || axis->center == nrrdCenterUnknown)
@@ -239,8 +239,7 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
     return status == ISO_OK ? iso_source_check_geometry(source, err) : status;
 }
 
-/* Hands the open data file over: positioned behind the header (or the lines
- * and bytes to skip), raw or gzip. */
+/* Passes the open data file on: positioned after the header (or the lines and bytes to skip), raw or gzip. */
 static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_error *err)
 {
     off_t at = ftello(io->dataFile);
@@ -271,14 +270,14 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
     if (code == Z_ERRNO)
         return iso_fail(err, iso_errno_status(), "%s: the samples cannot be read: %s", source->path, strerror(errno));
     if (is_plain)
-        return iso_fail(err, ISO_E_FORMAT, "%s: the samples are not gzip data, as the header says", source->path);
+        return iso_fail(err, ISO_E_FORMAT, "%s: the samples are not gzip data, unlike the header's encoding", source->path);
     if (io->byteSkip > 0 && gzseek(source->gz, io->byteSkip, SEEK_SET) < 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: fewer compressed samples than the %ld bytes to skip", source->path,
                         io->byteSkip);
     return ISO_OK;
 }
 
-/* How many bytes of samples a byte of the file can hold. */
+/* Returns the most bytes of samples per byte of the file. */
 static double most_of(const NrrdEncoding *encoding)
 {
     /* The shortest text is a digit and a space for a double. A block of bzip2 takes more than 32 bytes, and holds 900 000
@@ -289,8 +288,8 @@ static double most_of(const NrrdEncoding *encoding)
                                                                         : 1.0;
 }
 
-/* Text encodings, bzip2 and lists of files: all at once by teem. It is refused before the memory is taken.
- * listed_bytes: of the files that the header names; below 0: the samples stand behind it. */
+/* Loads text encodings, bzip2 and lists of files by teem, at once. Refuses impossible sizes before allocating memory.
+ * listed_bytes: of the files that the header names; below 0: the samples follow the header. */
 static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io, double listed_bytes, iso_error *err)
 {
     struct stat st;

@@ -43,7 +43,7 @@ iso_status iso_source_check_bytes(const iso_volume_source *source, double availa
     double need = (double)iso_source_bytes(source);
     char times[48] = "";
     if (available < 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: its samples begin %.0f bytes behind its end", source->path,
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: its samples start %.0f bytes after its end", source->path,
                         -available);
     if (available == need)
         return ISO_OK;
@@ -134,7 +134,7 @@ iso_status iso_source_unit(iso_volume_source *source, const char *unit, const ch
     const char *word = source->hints.unit ? source->hints.unit : unit && *unit ? unit : fallback, *name = "mm";
     if (!iso_unit_find(word, mm, &name))
         return iso_fail(err, ISO_E_FORMAT,
-                        "%s: its unit is \"%s\", not one that is known: " ISO_UNIT_NAMES "; --unit says it instead",
+                        "%s: unknown unit \"%s\"; override it with --unit, one of " ISO_UNIT_NAMES,
                         source->path, word);
     notes->unit_mm = *mm;
     if (source->hints.unit || (unit && *unit))
@@ -146,7 +146,7 @@ iso_status iso_source_need_spacing(const iso_volume_source *source, const char *
 {
     if (source->hints.spacing_mm[0] > 0)
         return ISO_OK;
-    return iso_fail(err, ISO_E_FORMAT, "%s: does not say the spacing %s; --spacing SXxSYxSZ does, in mm", source->path,
+    return iso_fail(err, ISO_E_FORMAT, "%s: does not state the spacing %s; set --spacing SXxSYxSZ, in mm", source->path,
                     what);
 }
 
@@ -166,7 +166,7 @@ iso_status iso_source_take_spacing(const iso_volume_source *source, double spaci
     else if (wrong >= 0)
         return iso_fail(
             err, ISO_E_FORMAT,
-            "%s: its spacing along axis %d is %g mm, must be above 0 and finite; --spacing SXxSYxSZ says another",
+            "%s: its spacing along axis %d is %g mm, must be above 0 and finite; override it with --spacing SXxSYxSZ",
             source->path, wrong + 1, spacing[wrong]);
     if (lacking == 1 && last == 2)
         snprintf(along, sizeof along, "between its slices");
@@ -316,7 +316,7 @@ static bool is_named(const char *folder, const char *ending)
     return length > tail && strncmp(folder + length - tail, ending, tail) == 0;
 }
 
-/* Why a folder is no volume: it cannot be looked into, it lacks the file that its name promises, or it has no slices. */
+/* Reports why a folder is not a volume: it is unreadable, lacks the file that its name promises, or has no slices. */
 static iso_status refuse_folder(const char *path, iso_error *err)
 {
     static const struct {
@@ -433,7 +433,7 @@ iso_status iso_source_open(const char *path, iso_volume_source **source, iso_err
 
 static iso_status finish_choice(iso_volume_source *s, iso_error *err)
 {
-    /* A format that has one volume by what it is has not asked. */
+    /* formats with a single volume by definition make no choice */
     const iso_extra_axes one = {0};
     const iso_status status = s->header.notes.frame_count ? ISO_OK : iso_source_choose(s, &one, err);
     if (status == ISO_OK && s->choice.luminance)
@@ -476,8 +476,8 @@ static iso_status find_range(iso_volume_source *source, double *lo, double *hi, 
     return status;
 }
 
-/* Integers of 64 bits become such of 32, if all fit, as most writers' do; else they are doubles. It takes a pass of its
- * own, since the type is asked for before the first sample. */
+/* Reads 64-bit integers as 32-bit ones if all fit, which is usual, otherwise as doubles. Takes a pass of its own, since
+ * the type is needed before the first sample. */
 static iso_status narrow(const char *path, const iso_volume_hints *hints, iso_volume_source *source, iso_error *err)
 {
     const iso_volume_notes *notes = &source->header.notes;

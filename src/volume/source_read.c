@@ -196,7 +196,7 @@ static iso_status check_count(const iso_volume_source *s, size_t plane_count, is
 {
     const size_t planes = s->header.geometry.size[2];
     return plane_count <= planes - s->planes_done ? ISO_OK
-                                                  : iso_fail(err, ISO_E_RANGE, "%s: plane %zu asked for, there are %zu",
+                                                  : iso_fail(err, ISO_E_RANGE, "%s: no plane %zu, there are %zu",
                                                              s->path, s->planes_done + plane_count, planes);
 }
 

@@ -31,10 +31,10 @@ typedef struct tiff_page {
     bool is_color;
 } tiff_page;
 
-/* What a description says. */
+/* Fields of a description. */
 typedef struct tiff_notes {
     bool is_imagej, is_ome;
-    size_t slices, channels, frames; /* 0: not said */
+    size_t slices, channels, frames; /* 0: missing */
     char order[8];                   /* of pages: "ZCT": z first */
     double frame_step;
     char frame_unit[16];
@@ -106,7 +106,7 @@ static iso_status check_read(const tiff_reader *r, const char *path, iso_status 
     return r->is_unread ? iso_fail(err, ISO_E_IO, "%s: cannot be read", path) : status;
 }
 
-/* ---- a page, and what is said of all ---- */
+/* ---- pages, and checks of all pages ---- */
 
 static tiff_page read_page(TIFF *t)
 {
@@ -170,7 +170,7 @@ static bool take_type(const tiff_page *p, iso_volume_source *source)
 
 /* ---- descriptions ---- */
 
-/* The text behind `key` and its mark, up to one of `ends`; false where it is not there. */
+/* Finds the text after `key` and its mark, up to one of `ends`; false if it is missing. */
 static bool find_text(const char *description, const char *key, const char *ends, char *out, size_t size)
 {
     const char *at = strstr(description, key);
@@ -270,7 +270,7 @@ static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first,
     for (size_t i = 0; i == 0 || !TIFFLastDirectory(r->tiff); ++i) {
         uint32_t kind = 0;
         if (i > 0 && !TIFFReadDirectory(r->tiff))
-            return iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged behind page %zu", path, r->page_count);
+            return iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged after page %zu", path, r->page_count);
         TIFFGetFieldDefaulted(r->tiff, TIFFTAG_SUBFILETYPE, &kind);
         if (kind & FILETYPE_REDUCEDIMAGE)
             continue; /* a thumbnail */
@@ -291,10 +291,10 @@ static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first,
         }
         r->page[r->page_count++] = TIFFCurrentDirOffset(r->tiff);
     }
-    return r->page_count > 0 ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: has no page but thumbnails", path);
+    return r->page_count > 0 ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: has only thumbnails", path);
 }
 
-/* OME's DimensionOrder behind XY, which is how pages are counted: a letter twice would lead beyond the last one. */
+/* Checks OME's DimensionOrder after XY, the order of pages: a repeated letter would lead beyond the last page. */
 static iso_status check_order(const tiff_notes *n, const char *path, iso_error *err)
 {
     const bool has_each = strchr(n->order, 'Z') && strchr(n->order, 'C') && strchr(n->order, 'T');
@@ -316,7 +316,7 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
     if (*slices == 0 || *slices > r->page_count ||
         (double)*slices * (double)frames * (double)channels != (double)r->page_count)
         return iso_fail(err, ISO_E_FORMAT,
-                        "%s: truncated: has %zu pages, %s says %zu slices, %zu channels and %zu time steps",
+                        "%s: truncated: has %zu pages, but by %s %zu slices, %zu channels and %zu time steps",
                         source->path, r->page_count, n->is_ome ? "OME" : "ImageJ", *slices, channels, frames);
     const bool in_planes = inside > 1 && p->planar != PLANARCONFIG_CONTIG;
     if (inside > 1 && channels > 1)

@@ -85,8 +85,8 @@ static iso_status copy(struct archive *a, const char *path, FILE *out, double mo
         sum += (double)bytes;
         if (sum > most)
             return iso_fail(err, ISO_E_RANGE,
-                            "%s: unpacks to more than %.0f bytes, the most that are taken; unpack it, or set TMPDIR to a "
-                            "folder with more room",
+                            "%s: unpacks to more than %.0f bytes, the limit; unpack it yourself, or set TMPDIR to a "
+                            "folder with more space",
                             path, most);
         if (fwrite(block, 1, bytes, out) != bytes)
             return iso_fail(err, iso_errno_status(), "%s: cannot be unpacked into the temporary folder: %s", path,

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """isoshade in Blender: import volumes, switch levels, edit transfer functions, certify the scene.
 
-    tables.py     transfer functions as points, stops of a ramp, tables and files; knows nothing of Blender
-    program.py    the program isoshade as a child process; neither
-    volume.py     what `isoshade export --to blender` wrote, found again in the open file
+    tables.py     transfer functions as points, stops of a ramp, tables and files; independent of Blender
+    program.py    the program isoshade as a child process; independent of Blender
+    volume.py     the objects of `isoshade export --to blender` in the open file
     operators.py  the buttons
-    panel.py      the panel in the sidebar of the 3D view
-"""
+    panel.py      the panel in the sidebar of the 3D view"""
 import bpy
 from bpy.props import BoolProperty, IntProperty, PointerProperty, StringProperty
 
@@ -26,24 +25,24 @@ bl_info = {
 
 class IsoshadePreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
-    program: StringProperty(name="Program", description="The program isoshade; empty: the one in PATH", subtype='FILE_PATH')
+    program: StringProperty(name="Program", description="Path of isoshade; empty: search PATH", subtype='FILE_PATH')
 
     def draw(self, _context):
         self.layout.prop(self, "program")
 
 
 class IsoshadeState(bpy.types.PropertyGroup):
-    """Of the window manager: not kept in files."""
+    """State of the window manager: not saved in files."""
     said: StringProperty()
     said_icon: StringProperty(default='INFO')
 
 
 class IsoshadeScene(bpy.types.PropertyGroup):
-    volume: StringProperty(name="Volume", description="The file that the volume is from; empty: what the export noted", subtype='FILE_PATH')
+    volume: StringProperty(name="Volume", description="Source file of the volume; empty: the one noted by the export", subtype='FILE_PATH')
     with_gl: BoolProperty(name="GL", description="Compare isoshade's ray caster", default=True)
     with_cycles: BoolProperty(name="Cycles", description="Compare Cycles of this Blender", default=True)
     with_povray: BoolProperty(name="POV-Ray", description="Compare POV-Ray", default=False)
-    size: IntProperty(name="Size", description="Of the pictures, along their longer side", default=96, min=8, max=4096)
+    size: IntProperty(name="Size", description="Longer side of the pictures, in pixels", default=96, min=8, max=4096)
     quick: BoolProperty(name="Quick", description="Fewer views and seeds, the same limits", default=True)
     verdict: StringProperty()
     agrees: BoolProperty()

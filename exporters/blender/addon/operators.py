@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons. Commands of isoshade run beside Blender: a timer asks whether they have ended, and in the background,
-where no timer runs, Blender waits."""
+"""The buttons. Commands of isoshade run in parallel with Blender, and a timer polls them; in background mode, which has
+no timers, Blender waits."""
 import json
 import os
 import pathlib
@@ -14,7 +14,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from . import program, tables, volume
 from .tables import Refused
 
-running = None  # the command that runs
+running = None  # the running command
 
 
 def preferences(context):
@@ -28,7 +28,7 @@ def isoshade(context):
 
 
 def tell(text, icon):
-    """Kept in the panel until the next command."""
+    """Keeps a message in the panel until the next command."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             area.tag_redraw()
@@ -42,7 +42,7 @@ def pop_up(text, icon):
 
 
 def poll():
-    """Of the timer: None ends it."""
+    """Polls the command for the timer; None ends the timer."""
     global running
     if running is None:
         return None
@@ -62,7 +62,7 @@ def poll():
 
 
 class Button:
-    """Refusals are told as Blender tells errors, in one line."""
+    """Reports Refused as a Blender error, in one line."""
 
     bl_options = {'REGISTER', 'UNDO'}
 
@@ -80,7 +80,7 @@ class Button:
         return {'FINISHED'}
 
     def run(self, context, what, command, finish):
-        """Starts a command; in the background waits for it and returns what finish() says."""
+        """Starts a command; in background mode waits for it and returns the result of finish()."""
         global running
         if running is not None:
             raise Refused(f"{running.what} runs; wait for it or cancel it")
@@ -94,7 +94,7 @@ class Button:
 
 
 class ISOSHADE_OT_cancel(bpy.types.Operator):
-    """End the command that runs"""
+    """End the running command"""
     bl_idname, bl_label = "isoshade.cancel", "Cancel"
 
     def execute(self, _context):
@@ -107,7 +107,7 @@ class ISOSHADE_OT_cancel(bpy.types.Operator):
 
 
 def take_over(path, into, context):
-    """What an exported .blend holds, into the open file; the grids stay where they are. The frame."""
+    """Appends the contents of an exported .blend to the open file; the grids stay in place. Returns the frame."""
     before = set(bpy.data.objects)
     with bpy.data.libraries.load(path, link=False) as (there, here):
         if into == 'SCENE':
@@ -117,7 +117,7 @@ def take_over(path, into, context):
     new = [thing for thing in bpy.data.objects if thing not in before]
     frames = [thing for thing in new if volume.levels_of(thing)]
     if not frames or not (here.scenes if into == 'SCENE' else here.collections):
-        raise Refused(f"{path}: holds no volume of isoshade")
+        raise Refused(f"{path}: has no volume of isoshade")
     if into == 'SCENE':
         context.window.scene = here.scenes[0]
     else:
@@ -137,13 +137,13 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
     bl_idname, bl_label = "isoshade.import_volume", "Import Volume"
     filter_glob: StringProperty(default="*", options={'HIDDEN'})
     levels: IntProperty(name="Levels", description="The volume, and copies with half of the voxels along each axis", default=3, min=1, max=8)
-    adapt: BoolProperty(name="Adapt", description="A transfer function for each level, with which it looks like the finest", default=True)
-    all_voxels: BoolProperty(name="All voxels", description="Also those that the transfer function hides, so that an edited one can show them; larger files", default=True)
+    adapt: BoolProperty(name="Adapt", description="Adapt the transfer function of each level, so that it looks like the finest", default=True)
+    all_voxels: BoolProperty(name="All voxels", description="Keep hidden voxels, so that an edited transfer function can show them; larger files", default=True)
     transfer: StringProperty(name="Transfer function", description="A file, or a preset such as ct-bone; empty: suggested by the volume")
     look: StringProperty(name="Scene file", description="A scene of isoshade (*.scene.json); empty: the volume from the front", subtype='FILE_PATH')
-    folder: StringProperty(name="Folder", description="For the grids and their .blend; empty: beside the open .blend, or the volume", subtype='DIR_PATH')
-    into: EnumProperty(name="Into", items=(('SCENE', "A scene of its own", "With its camera and the settings by which it renders as validated"),
-                                           ('HERE', "This scene", "Volume and lights into the open scene, whose settings stay")))
+    folder: StringProperty(name="Folder", description="For the grids and their .blend; empty: that of the open .blend, or of the volume", subtype='DIR_PATH')
+    into: EnumProperty(name="Into", items=(('SCENE', "A scene of its own", "With its camera and the validated render settings"),
+                                           ('HERE', "This scene", "Add volume and lights to the open scene, and keep its settings")))
 
     def draw(self, _context):
         for name in ("levels", "adapt", "all_voxels", "transfer", "look", "folder", "into"):
@@ -154,22 +154,22 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
         stem = base.split(".")[0] or "volume"
         folder = bpy.path.abspath(self.folder) if self.folder else os.path.dirname(bpy.data.filepath or os.path.abspath(self.filepath))
         if not os.path.isdir(folder):
-            raise Refused(f"{folder}: is no folder")
+            raise Refused(f"{folder}: is not a folder")
         path = os.path.join(folder, stem + ".blend")
         for number in range(1, 1000):
             if not os.path.exists(path):
                 return path
             path = os.path.join(folder, f"{stem}-{number}.blend")
-        raise Refused(f"{path}: is there already")
+        raise Refused(f"{path}: already exists")
 
     def work(self, context):
         source = os.path.abspath(bpy.path.abspath(self.filepath))
         if not os.path.exists(source):
-            raise Refused(f"{source}: is not there")
+            raise Refused(f"{source}: does not exist")
         target, into = self.output(), self.into
         path = isoshade(context)
         command = [path, "export", source, "--to", "blender", "--levels", str(self.levels), "-q", "-o", target]
-        command += ["--dense"] if self.all_voxels and program.knows(path, "export", "--dense") else []
+        command += ["--dense"] if self.all_voxels and program.has_option(path, "export", "--dense") else []
         command += ["--adapt"] if self.adapt and self.levels > 1 else []
         command += ["--tf", program.argument(self.transfer)] if self.transfer else []
         command += ["--scene", os.path.abspath(bpy.path.abspath(self.look))] if self.look else []
@@ -180,7 +180,7 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
             frame = take_over(target, into, bpy.context)
             frame["isoshade_volume"] = source
             bpy.context.view_layer.objects.active = frame
-            return f"{frame.name}: {len(volume.level_numbers(frame))} levels from {os.path.basename(source)}; the grids are beside {target}"
+            return f"{frame.name}: {len(volume.level_numbers(frame))} levels from {os.path.basename(source)}; the grids are next to {target}"
 
         return self.run(context, f"Importing {os.path.basename(source)}", command, finish)
 
@@ -199,7 +199,7 @@ class ISOSHADE_OT_level(Button, bpy.types.Operator):
 
 
 class ISOSHADE_OT_check_files(Button, bpy.types.Operator):
-    """Are the grids of all volumes of this scene there?"""
+    """Check that the grid files of all volumes of this scene exist"""
     bl_idname, bl_label = "isoshade.check_files", "Check Files"
 
     def work(self, context):
@@ -209,14 +209,14 @@ class ISOSHADE_OT_check_files(Button, bpy.types.Operator):
             more = f", and {len(missing) - 1} more" if len(missing) > 1 else ""
             raise Refused(f"{name}: its file is missing: {path}{more}")
         count = sum(thing.type == 'VOLUME' for thing in context.scene.objects)
-        return f"The files of all {count} volumes are there"
+        return f"The files of all {count} volumes exist"
 
 
 # ---- transfer functions ----------------------------------------------------------------------------------------
 
 
 class ISOSHADE_OT_show(Button, bpy.types.Operator):
-    """Show the volume by the exact table, or by the ramp, which changes as it is edited"""
+    """Show the volume by the exact table, or by the ramp, whose edits show at once"""
     bl_idname, bl_label = "isoshade.show", "Show"
     ramp: BoolProperty(name="Ramp", description="The ramp instead of the exact table", default=False)
 
@@ -226,9 +226,9 @@ class ISOSHADE_OT_show(Button, bpy.types.Operator):
 
 
 class ISOSHADE_OT_bake(Button, bpy.types.Operator):
-    """Make the exact table of the ramp, so that the exact material shows what was edited"""
+    """Bake the ramp to the exact table, so that the exact material shows its edits"""
     bl_idname, bl_label = "isoshade.bake", "Bake"
-    all_levels: BoolProperty(name="All levels", description="Give all levels the ramp of the one that is shown", default=False)
+    all_levels: BoolProperty(name="All levels", description="Give all levels the ramp of the visible one", default=False)
 
     def work(self, context):
         frame = volume.need_frame(context)
@@ -249,15 +249,15 @@ class ISOSHADE_OT_bake(Button, bpy.types.Operator):
         if left_out:
             return "Careful: the ramp shows values from {:g} to {:g}, which the grids leave out; import the volume with all voxels".format(*left_out)
         if flat:
-            return f"Careful: {flat[0]}: its 2D transfer function is the ramp's now"
+            return f"Careful: {flat[0]}: the ramp has replaced its 2D transfer function"
         if worst > 1 / 255:
             return (f"Careful: at {where:g} the table of {volume.Table(volume.shown_object(frame)).count} entries misses the ramp by {worst:.2g}; "
                     "export with a larger table_size")
-        return f"The exact table of {baked} level{'s' if baked != 1 else ''} is the ramp's" if baked else "The exact table is the ramp's already"
+        return f"Baked the ramp to the exact table of {baked} level{'s' if baked != 1 else ''}" if baked else "The exact table already equals the ramp"
 
 
 class ISOSHADE_OT_range(Button, bpy.types.Operator):
-    """Let the ramp span these values; its stops stay at theirs as far as they are between them"""
+    """Let the ramp span these values; stops within keep their values"""
     bl_idname, bl_label = "isoshade.ramp_range", "Range of the Ramp"
     lo: FloatProperty(name="From", precision=4)
     hi: FloatProperty(name="To", precision=4)
@@ -287,9 +287,9 @@ class ISOSHADE_OT_range(Button, bpy.types.Operator):
 
 
 class ISOSHADE_OT_adapt(Button, bpy.types.Operator):
-    """Make a transfer function for each coarser level, with which it looks as the finest one does with its own"""
+    """Make a transfer function for each coarser level, so that it looks like the finest one"""
     bl_idname, bl_label = "isoshade.adapt", "Adapt Levels"
-    always: BoolProperty(name="Always", description="Also where small views say that it does not help", default=False)
+    always: BoolProperty(name="Always", description="Adapt even if small views show no benefit", default=False)
 
     def work(self, context):
         frame = volume.need_frame(context)
@@ -351,13 +351,13 @@ def take_adapted(things, folder, unit_mm):
 
 
 class ISOSHADE_OT_save(Button, bpy.types.Operator, ExportHelper):
-    """Write the transfer function that is shown as a file that all of isoshade reads"""
+    """Save the shown transfer function as a file for isoshade"""
     bl_idname, bl_label = "isoshade.save_tf", "Save Transfer Function"
     filename_ext = ".tf.json"
     filter_glob: StringProperty(default="*.tf.json", options={'HIDDEN'})
 
     def check(self, _context):
-        return False  # ExportHelper knows suffixes of one dot alone
+        return False  # ExportHelper supports suffixes with a single dot only
 
     def work(self, context):
         tf = volume.present_transfer_function(volume.shown_object(volume.need_frame(context)))
@@ -385,7 +385,7 @@ class ISOSHADE_OT_load(Button, bpy.types.Operator, ImportHelper):
                 raise Refused(f"{path}: is too large for a transfer function")
             text = pathlib.Path(path).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise Refused(f"{path}: {getattr(error, 'strerror', None) or 'is no text'}") from None
+            raise Refused(f"{path}: {getattr(error, 'strerror', None) or 'is not text'}") from None
         things = volume.levels_of(frame)
         first = volume.Table(things[0])
         known = [float(v) for v in frame.get("isoshade_value_range", (first.lo, first.hi))]
@@ -414,7 +414,7 @@ def report_folder(context):
 
 
 def read_report(folder, code, complaint):
-    """The verdict, in a word and in a sentence, and whether it is good."""
+    """Returns the verdict as a word and as a sentence, and True if it is good."""
     path = os.path.join(folder, "report.json")
     try:
         report = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
@@ -427,7 +427,7 @@ def read_report(folder, code, complaint):
 
 
 class ISOSHADE_OT_certify(Button, bpy.types.Operator):
-    """Run isoshade validate on this scene as it is: camera, lights, shading and the transfer function that is shown"""
+    """Run isoshade validate on this scene as it is: camera, lights, shading and the shown transfer function"""
     bl_idname, bl_label = "isoshade.certify", "Certify This Scene"
 
     def work(self, context):

@@ -7,7 +7,7 @@ from .tables import Refused, value_at
 
 
 def lines(layout, text, icon, width):
-    """A text over several lines, as wide as the panel."""
+    """Shows a text in several lines, as wide as the panel."""
     column, line = layout.column(align=True), ""
     column.scale_y = 0.8
     for word in text.split():
@@ -80,7 +80,7 @@ class ISOSHADE_PT_transfer(Section, bpy.types.Panel):
             row.label(text=f"{value_at(stop.position, ramp.lo, ramp.hi):g}")
             row.prop(stop, "color", text="")
         if ramp.is_shown():
-            layout.label(text="The exact table is the ramp's", icon='CHECKMARK')
+            layout.label(text="The exact table equals the ramp", icon='CHECKMARK')
         else:
             layout.label(text="Edited: bake it", icon='ERROR')
         row = layout.row(align=True)

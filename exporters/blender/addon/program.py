@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The program isoshade as a child process: started with a list of arguments, never by a shell, asked now and then
-whether it has ended."""
+"""The program isoshade as a child process: started with a list of arguments, never by a shell, and polled until it has
+ended."""
 import os
 import shutil
 import signal
@@ -12,16 +12,16 @@ from .tables import Refused
 
 
 def find(named):
-    """The program's path: what the preferences name, or what PATH has."""
+    """Returns the program's path: that of the preferences, or the one in PATH."""
     path = shutil.which(os.path.expanduser(named) if named else "isoshade")
     if not path:
-        where = f"{named} is no program" if named else "isoshade is not in PATH"
-        raise Refused(f"{where}: name it in the add-on's preferences")
+        where = f"{named} is not a program" if named else "isoshade is not in PATH"
+        raise Refused(f"{where}; set it in the add-on's preferences")
     return path
 
 
-def knows(path, command, option):
-    """Whether a command of this version has an option."""
+def has_option(path, command, option):
+    """True if a command of this version has an option."""
     try:
         said = subprocess.run([path, command, "--help"], stdin=subprocess.DEVNULL, capture_output=True, timeout=60, check=False).stdout
     except (OSError, subprocess.SubprocessError) as error:
@@ -30,19 +30,19 @@ def knows(path, command, option):
 
 
 def argument(path):
-    """A path that no program takes for an option."""
+    """Returns a path that no program mistakes for an option."""
     return os.path.join(os.curdir, path) if path.startswith("-") else path
 
 
 class Job:
-    """A command that runs. finish(job) is called when it has ended; what it returns is told."""
+    """A running command. finish(job) is called when it has ended and returns the message to show."""
 
     def __init__(self, what, command, blender, finish):
         self.what, self.finish, self.started = what, finish, time.monotonic()
         self.out, self.err = tempfile.TemporaryFile(), tempfile.TemporaryFile()
         environment = dict(os.environ, ISOSHADE_BLENDER=blender)
         try:
-            # A session of its own, so that what it starts itself ends with it.
+            # A new session, so that its child processes end with it.
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self.out, stderr=self.err,
                                             env=environment, start_new_session=True)
         except (OSError, ValueError) as error:
@@ -76,7 +76,7 @@ class Job:
         return self.text(self.out)
 
     def complaint(self):
-        """isoshade says in one line what is wrong: the last one."""
+        """Returns the error message of isoshade: its last line."""
         lines = [line.strip() for line in self.text(self.err).splitlines() if line.strip()]
         if self.code() < 0:
             return f"{self.what} was ended (signal {-self.code()})"

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Transfer functions as stops, tables and files. Knows nothing of Blender; what is read is checked, never run.
+"""Transfer functions as stops, tables and files. Independent of Blender; input is checked, and never run.
 
-A curve is a function of value that gives linear red, green, blue and the opacity of a unit distance. A table has entries
-at even distances over [lo, hi], each color and extinction; between them renderers interpolate.
-"""
+A curve is a function from value to linear red, green, blue and the opacity of a unit distance. A table has entries at
+even distances over [lo, hi], each with color and extinction; renderers interpolate between them."""
 import json
 import math
 
@@ -11,13 +10,13 @@ import numpy
 
 MOST_STOPS = 32
 MOST_POINTS = 65536
-MOST_OPACITY = 0.9999  # as src/tf/tf.h has it: extinction stays finite
-CLOSE_ENOUGH = 1 / 1024  # of fitted stops
-STEP = 4 * 2.0 ** -23  # stops closer than this are one value, a step
+MOST_OPACITY = 0.9999  # as in src/tf/tf.h: keeps extinction finite
+CLOSE_ENOUGH = 1 / 1024  # for fitted stops
+STEP = 4 * 2.0 ** -23  # stops closer than this are a step at one value
 
 
 class Refused(Exception):
-    """What a person has to be told, in one sentence."""
+    """An error to show, in one sentence."""
 
 
 def extinction(opacity, unit):
@@ -33,7 +32,8 @@ def values_of(lo, hi, count):
 
 
 def evaluate(points, values):
-    """points: rows of value, r, g, b, opacity, ascending; of two at one value the later counts from there on."""
+    """points: rows of value, r, g, b, opacity, ascending; of two at the same value, the later one applies from there
+    on."""
     points = numpy.asarray(points, float)
     above = numpy.searchsorted(points[:, 0], values, side="right")
     a = points[numpy.clip(above - 1, 0, len(points) - 1)]
@@ -44,14 +44,14 @@ def evaluate(points, values):
 
 
 def make_table(curve, lo, hi, count, unit):
-    """curve: values to rows of r, g, b, opacity. Rows of r, g, b, extinction."""
+    """curve: function from values to rows of r, g, b, opacity. Returns rows of r, g, b, extinction."""
     rows = numpy.array(curve(values_of(lo, hi, count)), float)
     rows[:, 3] = extinction(rows[:, 3], unit)
     return rows.astype(numpy.float32)
 
 
 def look_up(table, lo, hi, values, unit):
-    """Color and opacity that a table of r, g, b, extinction has at values."""
+    """Interpolates color and opacity of a table of r, g, b, extinction at values."""
     x = numpy.clip((values - lo) / (hi - lo), 0, 1) * (len(table) - 1)
     i = numpy.minimum(x.astype(int), len(table) - 2)
     f = (x - i)[:, None]
@@ -60,11 +60,11 @@ def look_up(table, lo, hi, values, unit):
     return rows
 
 
-# ---- stops of single precision and the decimals that a person wrote ----------------------------------------------
+# ---- single precision and decimals -------------------------------------------------------------------------------
 
 
 def shortest(value, is_it):
-    """The decimal of fewest digits for which is_it() holds, or the value itself."""
+    """Returns the shortest decimal for which is_it() holds, or the value itself."""
     for digits in range(1, 17):
         short = float(f"{value:.{digits}g}")
         if is_it(short):
@@ -73,23 +73,23 @@ def shortest(value, is_it):
 
 
 def plain(value):
-    """A number that Blender keeps in single precision, as a person wrote it."""
+    """Restores the decimal of a number that Blender keeps in single precision."""
     return shortest(value, lambda short: numpy.float32(short) == numpy.float32(value))
 
 
 def near(value):
-    """A number that went through single precision, and perhaps a driver's arithmetic, as a person wrote it."""
+    """Restores the decimal of a number that passed through single precision, and perhaps a driver's arithmetic."""
     return shortest(value, lambda short: abs(short - value) <= 3e-7 * abs(value))
 
 
 def value_at(position, lo, hi):
-    """The value of a stop's position."""
+    """Returns the value of a stop's position."""
     value = lo + position * (hi - lo)
     return shortest(value, lambda short: numpy.float32((short - lo) / (hi - lo)) == numpy.float32(position))
 
 
 def points_of_stops(stops, lo, hi):
-    """stops: rows of position, r, g, b, opacity, ascending. Those closer together than anybody sets them are a step."""
+    """stops: rows of position, r, g, b, opacity, ascending. Stops closer together than people set them are a step."""
     points, start = [], None
     for position, *rgba in stops:
         if start is None or position - start[0] > STEP:
@@ -101,7 +101,7 @@ def points_of_stops(stops, lo, hi):
 
 
 def stops_of_points(points, lo, hi):
-    """Rows of position, r, g, b, opacity; positions are kept apart, since Blender sorts them."""
+    """Returns rows of position, r, g, b, opacity. Positions are kept apart, since Blender sorts them."""
     apart = 2.0 ** -23
     x = [float(numpy.float32(min(max((p[0] - lo) / (hi - lo), 0), 1))) for p in points]
     for i in range(1, len(x)):
@@ -113,8 +113,8 @@ def stops_of_points(points, lo, hi):
 
 
 def fewest_stops(rows):
-    """Of rows at even distances: numbers of those that suffice, at most 32, each as far behind the one before as color and
-    opacity allow. The same as exporters/blender/ramp.c."""
+    """Chooses at most 32 of evenly spaced rows, each as far after the previous one as color and opacity allow. The same
+    as exporters/blender/ramp.c."""
     within = CLOSE_ENOUGH
     while True:
         chosen, at = [0], 0
@@ -124,7 +124,7 @@ def fewest_stops(rows):
                 f = (numpy.arange(1, reach + 1 - at) / (reach + 1 - at))[:, None]
                 want = rows[at + 1:reach + 1]
                 off = abs((1 - f) * rows[at] + f * rows[reach + 1] - want)
-                off[want[:, 3] < CLOSE_ENOUGH, :3] = 0  # what is transparent has no color to lose
+                off[want[:, 3] < CLOSE_ENOUGH, :3] = 0  # transparent entries have no visible color
                 if off.max() > within:
                     break
                 reach += 1
@@ -136,7 +136,7 @@ def fewest_stops(rows):
 
 
 def fit(points):
-    """Points for a ramp: themselves where they fit, else the fewest of their values at even distances."""
+    """Returns points for a ramp: the given ones if they fit, else the fewest of their values at even distances."""
     if len(points) <= MOST_STOPS:
         return [list(map(float, p)) for p in points]
     values = numpy.array([p[0] for p in points], float)
@@ -148,7 +148,7 @@ def fit(points):
 # ---- files -------------------------------------------------------------------------------------------------------
 
 
-# Lengths in mm and values, as isoshade reads and writes them: ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT, ISO_MOST_VALUE.
+# Limits in mm and values, same as in isoshade: ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT, ISO_MOST_VALUE.
 LEAST_MM, MOST_MM, MOST_VALUE = 1e-30, 1e33, 3.4028235e38
 
 
@@ -159,18 +159,18 @@ def number(value, what, least=-MOST_VALUE, most=MOST_VALUE):
 
 
 def to_json(points, lo, hi, unit_mm, count):
-    """An object of the form isoshade.tf/1."""
+    """Returns an object of the form isoshade.tf/1."""
     return {"schema": "isoshade.tf/1", "range": [lo, hi], "unit_distance_mm": unit_mm, "color_space": "linear",
             "table_size": int(count),
             "points": [dict(zip(("value", "r", "g", "b", "opacity"), (p[0], *(min(max(v, 0.0), 1.0) for v in p[1:])))) for p in points]}
 
 
 def from_json(text, where, fit_range, voxel_mm=None):
-    """points, lo, hi, unit_mm of a file isoshade.tf/1; fit_range: the volume's, for files that follow it."""
+    """Reads points, lo, hi, unit_mm of an isoshade.tf/1 file. fit_range: the volume's range, for "range": "fit"."""
     try:
         root = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise Refused(f"{where}: is no JSON: {error}") from None
+        raise Refused(f"{where}: is not valid JSON: {error}") from None
     if not isinstance(root, dict) or root.get("schema") != "isoshade.tf/1":
         raise Refused(f'{where}: is no transfer function of isoshade, its "schema" is not isoshade.tf/1; isoshade tf convert makes one')
     listed = root.get("points")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `isoshade export --to blender` wrote, found again in an open file: levels, ramps, the exact table, the scene.
+"""Finds the output of `isoshade export --to blender` in an open file: levels, ramps, the exact table, the scene.
 
-Files may be strangers': what is read from custom properties is checked, and nothing of it is run."""
+Files are untrusted: custom properties are checked, and none is run."""
 import json
 import math
 import os
@@ -15,11 +15,12 @@ from .tables import Refused
 
 # ---- sockets ---------------------------------------------------------------------------------------------------
 
-MATH = ("Value", "Value_001", "Value_002")  # the operands of a Math node
+MATH = ("Value", "Value_001", "Value_002")  # operands of a Math node
 
 
 def socket(sockets, identifier):
-    """Versions of Blender rename what is shown ("Fac" is "Factor" in 5.2) and change the order, but keep identifiers."""
+    """Finds a socket by its identifier, which Blender versions keep while they change names ("Fac" is "Factor" in 5.2)
+    and order."""
     return next(one for one in sockets if one.identifier == identifier)
 
 
@@ -27,13 +28,13 @@ def socket(sockets, identifier):
 
 
 def levels_of(frame):
-    """The volume objects of a frame, finest first."""
+    """Returns the volume objects of a frame, finest first."""
     found = [thing for thing in frame.children if thing.type == 'VOLUME' and "isoshade_table" in thing and "isoshade_level" in thing]
     return sorted(found, key=lambda thing: thing["isoshade_level"])
 
 
 def find_frame(context):
-    """The volume that is worked with: the active object's, else the scene's first. None: there is none."""
+    """Returns the current volume: the active object's, else the scene's first. None: there is none."""
     active = context.view_layer.objects.active if context.view_layer else None
     for thing in (active, active.parent if active else None, *context.scene.objects):
         if thing and levels_of(thing):
@@ -44,7 +45,7 @@ def find_frame(context):
 def need_frame(context):
     frame = find_frame(context)
     if not frame:
-        raise Refused("No volume of isoshade is in this scene: import one")
+        raise Refused("This scene has no volume of isoshade: import one")
     return frame
 
 
@@ -68,18 +69,18 @@ def set_level(frame, level):
 
 
 def numbers(owner, key, count):
-    """A custom property as a list of finite floats."""
+    """Returns a custom property as a list of finite floats."""
     try:
         listed = [float(v) for v in owner[key]]
     except (KeyError, TypeError, ValueError):
-        raise Refused(f"{owner.name}: its property {key} is missing or no list of numbers; was it exported by isoshade?") from None
+        raise Refused(f"{owner.name}: its property {key} is missing or not a list of numbers; was it exported by isoshade?") from None
     if len(listed) != count or not all(math.isfinite(v) for v in listed):
         raise Refused(f"{owner.name}: its property {key} must have {count} numbers")
     return listed
 
 
 def noted(frame, scene, key, fallback):
-    """What the exporter noted on the frame, or in older files on the scene."""
+    """Returns a note of the exporter from the frame, or in older files from the scene."""
     for owner in (frame, scene):
         if key in owner:
             return owner[key]
@@ -97,7 +98,7 @@ def groups_of(tree, depth=0):
 
 
 def look_of(thing):
-    """The group node of a volume's material, and all groups in it."""
+    """Returns the group node of a volume's material, and all groups in it."""
     material = thing.data.materials[0] if thing.data.materials else None
     node = material.node_tree.nodes.get("isoshade") if material and material.node_tree else None
     if not node or node.type != 'GROUP' or not node.node_tree:
@@ -124,7 +125,7 @@ def table_image(thing):
 
 
 class Ramp:
-    """A ColorRamp of the group: its node, the values that it spans, the length that alpha is the opacity of."""
+    """A ColorRamp of the group: its node, its range of values, and the length of its opacities."""
 
     def __init__(self, thing, index):
         self.tree, self.index = ramp_tree(thing), index
@@ -147,7 +148,7 @@ class Ramp:
         return [v for stop in self.stops() for v in stop]
 
     def is_plain(self):
-        """Whether its stops are points of a transfer function: straight lines between linear colors."""
+        """True if its stops are points of a transfer function: straight lines between linear colors."""
         ramp = self.node.color_ramp
         return ramp.interpolation == 'LINEAR' and ramp.color_mode == 'RGB'
 
@@ -155,18 +156,18 @@ class Ramp:
         return tables.points_of_stops(self.stops(), self.lo, self.hi)
 
     def curve(self, values):
-        """What the ramp shows at values, as Blender evaluates it, before Cycles bakes it."""
+        """Evaluates the ramp at values like Blender, before Cycles bakes it."""
         if self.is_plain():
             points = numpy.array(self.stops())
             points[:, 0] = self.lo + points[:, 0] * (self.hi - self.lo)
-            # A step stands at one value: an entry there is behind it, as in the tables of isoshade.
+            # An entry at a step is after it, as in the tables of isoshade.
             points = numpy.array([[v, *row[1:]] for v, row in zip([p[0] for p in self.points()], points)])
             return tables.evaluate(points, values)
         evaluate = self.node.color_ramp.evaluate
         return numpy.array([evaluate(float(x)) for x in numpy.clip((values - self.lo) / (self.hi - self.lo), 0, 1)])
 
     def set_stops(self, stops):
-        """Positions first, since Blender sorts by them."""
+        """Sets positions first, since Blender sorts by them."""
         ramp = self.node.color_ramp
         ramp.interpolation, ramp.color_mode = 'LINEAR', 'RGB'
         while len(ramp.elements) > len(stops):
@@ -181,7 +182,7 @@ class Ramp:
             element.color = stop[1:]
 
     def set_points(self, points, unit_mm=None):
-        """The ramp of a curve: its points, or the fewest stops that draw it."""
+        """Sets the ramp to a curve: its points, or the fewest stops that reproduce it."""
         points = tables.fit(points)
         lo, hi = points[0][0], points[-1][0]
         if not hi > lo:
@@ -216,7 +217,7 @@ class Ramp:
         self.tree["isoshade_ramps"] = json.dumps(notes)
 
     def is_shown(self):
-        """Whether the exact table is that of the ramp as it is now."""
+        """True if the exact table is that of the current ramp."""
         key = f"isoshade_shown_{self.index}"
         return self.is_plain() and key in self.tree and list(self.tree[key]) == self.flat()
 
@@ -240,7 +241,7 @@ def ramp_of(thing):
 
 
 def ramps_of(frame):
-    """Each ramp of a volume once, with the objects that it is for."""
+    """Returns each ramp of a volume once, with its objects."""
     found = {}
     for thing in levels_of(frame):
         ramp = ramp_of(thing)
@@ -249,7 +250,7 @@ def ramps_of(frame):
 
 
 def add_ramp(thing):
-    """One more ColorRamp in the group, a copy of the object's, which is its own from now on."""
+    """Adds a ColorRamp to the group, a copy of the object's, and assigns it to the object."""
     old = ramp_of(thing)
     tree, nodes, links = old.tree, old.tree.nodes, old.tree.links
     notes = read_notes(tree)
@@ -316,11 +317,11 @@ class Table:
         return pixels.reshape(rows, width, 4)
 
     def read(self):
-        """Rows of r, g, b, extinction per unit of Blender; of a 2D transfer function those of its first row."""
+        """Returns rows of r, g, b, extinction per unit of Blender; for a 2D transfer function its first row."""
         return self.pixels()[self.first, :self.count]
 
     def write(self, entries, lo=None, hi=None):
-        """In all its rows. A row of fewer entries than the image is wide repeats the last one."""
+        """Sets all rows. A row with fewer entries than the image's width repeats the last one."""
         pixels = self.pixels()
         width = pixels.shape[1]
         entries = entries[:width]
@@ -336,7 +337,8 @@ class Table:
 
 
 def bake(ramp, things):
-    """The exact table of objects from their ramp. How far the table is from the ramp's own stops, and where."""
+    """Bakes the exact table of objects from their ramp. Returns its largest distance to the ramp's stops, and the value
+    there."""
     worst, where = 0.0, 0.0
     for thing in things:
         table = Table(thing)
@@ -353,7 +355,8 @@ def bake(ramp, things):
 
 
 def left_out_but_shown(frame):
-    """The first values that a table shows and that were left out of the grids, since the transfer function hid them then."""
+    """Returns the first visible values that the grids omit, because the transfer function hid them when they were made.
+    """
     try:
         hidden = [(float(lo), float(hi)) for lo, hi in json.loads(frame.get("isoshade_hidden", "[]"))]
     except (TypeError, ValueError, RecursionError):
@@ -370,8 +373,8 @@ def left_out_but_shown(frame):
 
 
 def present_transfer_function(thing):
-    """What an object shows, as an object of the form isoshade.tf/1: the ramp's points, or the exact table's entries where a
-    ramp only comes close."""
+    """Returns the shown transfer function as an object of the form isoshade.tf/1: the ramp's points, or the exact
+    table's entries if the ramp is only an approximation."""
     table, ramp = Table(thing), ramp_of(thing)
     uses_ramp = look_of(thing)[0].inputs["Use Ramp"].default_value > 0.5
     lo, hi = min(table.lo, ramp.lo), max(table.hi, ramp.hi)
@@ -390,21 +393,21 @@ def present_transfer_function(thing):
 
 
 def volume_path(frame, scene):
-    """The file that the volume was made from."""
+    """Returns the source file of the volume."""
     named = scene.isoshade.volume or frame.get("isoshade_volume", "") or noted(frame, scene, "isoshade_source", "")
     if not isinstance(named, str) or not named:
-        raise Refused("Which file the volume is from is not known: name it under Volume")
+        raise Refused("The source file of the volume is unknown: set it under Volume")
     candidates = [bpy.path.abspath(named)]
     if bpy.data.filepath:
         candidates.append(os.path.join(os.path.dirname(bpy.data.filepath), named))
     for path in candidates:
         if os.path.exists(path):
             return os.path.abspath(path)
-    raise Refused(f"{named}: the volume is not there; name its file under Volume")
+    raise Refused(f"{named}: does not exist; set the file under Volume")
 
 
 def voxel_units(thing):
-    """The smallest spacing of an object's grid, in units of Blender; None: its file does not say."""
+    """Returns the smallest spacing of an object's grid, in units of Blender; None if its file does not have it."""
     grids = thing.data.grids
     if not grids.is_loaded:
         grids.load()
@@ -416,10 +419,10 @@ def voxel_units(thing):
 
 
 def place_of(frame, scene):
-    """Turns points and directions of the world into those of the volume, in mm."""
+    """Transforms points and directions of the world to those of the volume, in mm."""
     scale = frame.matrix_world.to_scale()
     if min(scale) <= 0 or max(scale) / min(scale) > 1.0001:
-        raise Refused(f"{frame.name}: is stretched or mirrored; a certified scene is moved, turned and scaled alike on all axes")
+        raise Refused(f"{frame.name}: is stretched or mirrored; certified scenes may only be moved, rotated and scaled uniformly")
     units = tables.number(noted(frame, scene, "isoshade_units_per_mm", 1.0), "isoshade_units_per_mm", 0.01 * tables.LEAST_MM, 100 * tables.MOST_MM)
     try:
         origin = Vector([float(v) for v in noted(frame, scene, "isoshade_origin_mm", (0, 0, 0))])
@@ -441,7 +444,7 @@ def camera_json(scene, frame):
     corners = camera.data.view_frame(scene=scene)
     top, bottom = max(c.y for c in corners), min(c.y for c in corners)
     if abs(top + bottom) > 1e-4 * (top - bottom):
-        raise Refused("The camera is shifted, which scenes of isoshade are not")
+        raise Refused("The camera has a lens shift, which isoshade does not support")
     middle = frame.matrix_world @ (sum((Vector(c) for c in frame.bound_box), Vector()) / 8)
     reach = max((middle - position).length, 1e-3)
     about = {"position": list(point(position)), "look_at": list(point(position + reach * forward.normalized())),
@@ -460,7 +463,7 @@ def background_of(scene):
 
 
 def scene_json(context, frame):
-    """The scene as it is now, in the form isoshade.scene/1, with the transfer function that is shown."""
+    """Returns the current scene in the form isoshade.scene/1, with the shown transfer function."""
     scene, thing = context.scene, shown_object(frame)
     look, _ = look_of(thing)
     _, direction, _ = place_of(frame, scene)
@@ -472,7 +475,7 @@ def scene_json(context, frame):
                        "intensity": tables.near(look.inputs[f"Intensity {i}"].default_value)})
         color = look.inputs[f"Color {i}"].default_value[:3] if f"Color {i}" in look.inputs else (1, 1, 1)
         if min(color) < 1 - 1e-6 or max(color) > 1 + 1e-6:
-            raise Refused(f"Light {i} has a color; lights of the scenes that isoshade validates are white")
+            raise Refused(f"Light {i} has a color; isoshade validates white lights only")
     tf = present_transfer_function(thing)
     tf["unit_distance_mm"] /= tables.number(look.inputs["Density Scale"].default_value, "Density Scale", 1e-6, 1e6)
     share = scene.render.resolution_percentage / 100
@@ -498,7 +501,7 @@ def scene_json(context, frame):
 
 
 def missing_files(scene):
-    """Names of volumes and the files that they lack."""
+    """Returns the names of volumes and their missing files."""
     missing = []
     for thing in scene.objects:
         if thing.type != 'VOLUME':
@@ -512,7 +515,7 @@ def missing_files(scene):
 
 
 def sequence_paths(data, path):
-    """The files that the frames of a sequence show."""
+    """Returns the files of the frames of a sequence."""
     folder, name = os.path.split(path)
     stem, suffix = os.path.splitext(name)
     digits = len(stem) - len(stem.rstrip("0123456789"))

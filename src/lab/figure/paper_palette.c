@@ -153,7 +153,7 @@ static iso_status render(stage *s, const iso_view *view, method *m, iso_image *i
 }
 
 /* Moves the second view to the other side and below. */
-static void look_from_other_side(iso_scene *scene, const iso_geometry *g)
+static void look_from_behind(iso_scene *scene, const iso_geometry *g)
 {
     const iso_viewpoint behind = {{-scene->camera_direction.x, -scene->camera_direction.y, -scene->camera_direction.z},
                                   scene->camera_up};
@@ -166,7 +166,7 @@ static iso_status draw_row(const iso_paper *p, stage *s, size_t row, json_t *row
     iso_view view;
     iso_image images[METHODS] = {{0}};
     if (row == 1)
-        look_from_other_side(&s->scene, g);
+        look_from_behind(&s->scene, g);
     iso_status status = iso_scene_resolve(&s->scene, g, iso_pyramid_lo(&s->pyramid), iso_pyramid_hi(&s->pyramid), &view,
                                           err);
     if (status != ISO_OK)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* region.c - full resolution in a box, a coarse level around it. The edge is hard, under the transfer function of
- * level 0 or of the coarse level, or blended. */
+/* region.c - full resolution in a box, a coarse level around it: with a hard edge under the transfer function of level
+ * 0, with a hard edge under that of the coarse level, and blended. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -73,10 +73,11 @@ static iso_status draw_region(const iso_figure_job *job, iso_page *page, iso_err
             choose_middle(&s);
         fputs("A region of interest", f);
         iso_figure_put_subject(&s.subject, f);
-        fprintf(f,
-                ": level 0 in the box %s of its voxels, level %zu around it. The transfer function is that of level "
-                "0 or adapted to level %zu. The edge is hard, or blended over a band of %g voxels of level %zu",
-                s.region.box, s.level, s.level, s.region.band, s.level);
+        fprintf(
+            f,
+            ": level 0 in the box %s of its voxels, level %zu around it, under the transfer function of level 0 and "
+            "under the one adapted to level %zu, with a hard edge and blended over a band of %g voxels of level %zu",
+            s.region.box, s.level, s.level, s.region.band, s.level);
         c.drawn_by = &s.subject.drawn_by;
         c.tf = iso_figure_tf_foot_of(&s.subject);
         c.tf.of_level0 = true;

@@ -79,7 +79,7 @@ struct Axes {
         names += name.empty() ? "" : (names.empty() ? " (" : ", ") + name;
     fail(ISO_E_FORMAT, path + ": " + sizes_of(array) + " samples along " + std::to_string(array.size.size()) + " axes" +
                            (names.empty() ? " without names" : names + ", the last the fastest)") +
-                           ": which are a volume's three is not said");
+                           ": names for a volume's three axes are missing");
 }
 
 bool is_channel(const std::string &name)
@@ -212,7 +212,7 @@ private:
         const double enough = need / MOST_OF_A_BYTE, there = store_->stored_bytes(array_, enough);
         if (there < enough)
             fail(ISO_E_FORMAT, shown_ + ": its chunks have " + std::to_string(static_cast<size_t>(there)) +
-                                   " bytes, each of which may stand for " +
+                                   " bytes, each of which can hold " +
                                    std::to_string(static_cast<size_t>(MOST_OF_A_BYTE)) + " of samples: too few for " +
                                    sizes_of(array_));
     }

@@ -59,7 +59,7 @@ private:
     std::vector<char> stored_;                    /* of the file held_ */
     size_t held_ = 0, next_ = 0;
 
-    /* Slices none of which has a place stand in the order of their numbers, as far apart as --spacing says. */
+    /* Orders slices without positions by their numbers, at the distance of --spacing. */
     void place_by_number(const std::string &shown)
     {
         size_t placed = 0, single = 0;
@@ -68,7 +68,7 @@ private:
         if (placed == files_.size() || files_.size() == 1)
             return;
         if (placed > 0 || single < files_.size())
-            fail(ISO_E_FORMAT, shown + ": slices without ImagePositionPatient, which says where they stand");
+            fail(ISO_E_FORMAT, shown + ": slices without ImagePositionPatient, their position");
         std::sort(files_.begin(), files_.end(), [](const auto &a, const auto &b) { return a.number < b.number; });
         for (size_t f = 0; f < files_.size(); ++f) {
             if (std::isnan(files_[f].number) || (f > 0 && files_[f].number == files_[f - 1].number))

@@ -75,7 +75,7 @@ Places places_of(const std::vector<Plane> &planes, const Vector &n, double same)
         fail(ISO_E_FORMAT, shown + ": " + std::to_string(least) + " to " + std::to_string(most) +
                                " slices at a place (a time step is not complete?), such as " + two);
     fail(ISO_E_FORMAT, shown + ": " + std::to_string(most) +
-                           " slices at each place, which no time, echo or b-value alone tells apart, such as " + two);
+                           " slices at each place, which no time, echo or b-value distinguishes, such as " + two);
 }
 
 /* True if the planes of each place differ in the key. */

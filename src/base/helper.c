@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "base/beside.h"
+#include "base/helper.h"
 
 #include <dlfcn.h>
 #include <stdlib.h>
@@ -26,14 +26,14 @@ static char *find_near(const char *file, const char *name)
     return found;
 }
 
-char *iso_beside_find(const char *name)
+char *iso_helper_find(const char *name)
 {
     char program[4096];
     const ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
     program[n > 0 ? n : 0] = 0;
     char *found = find_near(program, name);
     Dl_info here; /* the shared library, in another program */
-    if (!found && dladdr((void *)(size_t)iso_beside_find, &here) && here.dli_fname)
+    if (!found && dladdr((void *)(size_t)iso_helper_find, &here) && here.dli_fname)
         found = find_near(here.dli_fname, name);
     return found;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Between fork() and exec or _exit() only system calls are made, since other threads may hold any lock. */
 #define _GNU_SOURCE
-#include "base/keeper.h"
+#include "base/supervisor.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -125,11 +125,12 @@ static void end_like(int result)
 }
 
 /* Waits for the program's end, or for the order to end it. */
-static void keep(pid_t program, const sigset_t *wanted)
+static void wait_for_end(pid_t program, const sigset_t *wanted)
 {
     int result = 0;
     for (bool stop = false, ended = false; !stop && !ended;) {
-        const struct timespec patience = {.tv_sec = 1}; /* a signal that came before this process began is not lost either */
+        /* the timeout covers a signal that came before this process started */
+        const struct timespec patience = {.tv_sec = 1};
         stop = sigtimedwait(wanted, NULL, &patience) == SIGTERM;
         int how; /* status of the program, or of a process that it left running */
         for (pid_t pid; !ended && (pid = waitpid(-1, &how, WNOHANG)) > 0;)
@@ -142,7 +143,7 @@ static void keep(pid_t program, const sigset_t *wanted)
 }
 
 /* Runs the supervisor itself, from the fork on. */
-static void be_keeper(const order *o, pid_t caller, const sigset_t *wanted)
+static void be_supervisor(const order *o, pid_t caller, const sigset_t *wanted)
 {
     setpgid(0, 0);
     prctl(PR_SET_CHILD_SUBREAPER, 1);
@@ -157,24 +158,24 @@ static void be_keeper(const order *o, pid_t caller, const sigset_t *wanted)
         run_program(o);
     /* Pipes of other programs that are run at the same time may be open here: they would not see their end. */
     close_range(0, ~0U, 0);
-    keep(program, wanted);
+    wait_for_end(program, wanted);
 }
 
 /* Waits until the program has been started. -1 with errno if it could not be; the supervisor has ended then. */
-static pid_t started(pid_t keeper, int told)
+static pid_t started(pid_t supervisor, int told)
 {
     const int cause = listen_for_cause(told);
     close(told);
     if (cause == 0)
-        return keeper;
-    iso_keeper_stop(keeper);
-    while (waitpid(keeper, NULL, 0) < 0 && errno == EINTR)
+        return supervisor;
+    iso_supervisor_stop(supervisor);
+    while (waitpid(supervisor, NULL, 0) < 0 && errno == EINTR)
         ;
     errno = cause;
     return -1;
 }
 
-pid_t iso_keeper_start(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out)
+pid_t iso_supervisor_start(const char *const argv[], const char *directory, const iso_sandbox *box, int in, int out)
 {
     order o = {.argv = argv, .directory = directory, .box = box, .in = in, .out = out};
     sigset_t wanted;
@@ -188,20 +189,20 @@ pid_t iso_keeper_start(const char *const argv[], const char *directory, const is
     const pid_t caller = getpid();
     /* Blocked before the fork: no signal may come before the supervisor can take it. */
     pthread_sigmask(SIG_BLOCK, &wanted, &o.mask);
-    const pid_t keeper = fork();
-    if (keeper == 0)
-        be_keeper(&o, caller, &wanted);
+    const pid_t supervisor = fork();
+    if (supervisor == 0)
+        be_supervisor(&o, caller, &wanted);
     const int cause = errno;
     pthread_sigmask(SIG_SETMASK, &o.mask, NULL);
     close(told[1]);
-    if (keeper > 0)
-        return started(keeper, told[0]);
+    if (supervisor > 0)
+        return started(supervisor, told[0]);
     close(told[0]);
     errno = cause;
     return -1;
 }
 
-void iso_keeper_stop(pid_t keeper)
+void iso_supervisor_stop(pid_t supervisor)
 {
-    kill(keeper, SIGTERM);
+    kill(supervisor, SIGTERM);
 }
