@@ -311,7 +311,7 @@ stays what_is_written_beside_a_sheet sheet.json scenes s.nrrd --tf sheet.json --
 stays be_it_a_scene one.json scenes s.nrrd --scene one.json --view front --size 32 -o one.png
 stays a_transfer_function_of_a_level t_level_1.tf.json tf adapt s.nrrd --tf t_level_1.tf.json --levels 2 -o t
 stays one_that_a_scene_names shells.tf.json tf adapt s.nrrd --scene one.json --level 1 -o shells.tf.json
-refuse no_suggestion_follows_a_scene 2 'by the volume alone' isoshade tf suggest s.nrrd --scene one.json -o shells.tf.json -q
+refuse no_suggestion_follows_a_scene 2 'suggestions depend only on the volume' isoshade tf suggest s.nrrd --scene one.json -o shells.tf.json -q
 isoshade build s.nrrd -o own.iso --levels 2 -q >/dev/null
 stays a_pyramid_by_its_level own.iso build own.iso/level_1.nrrd -o own.iso --levels 1
 ln own.iso/level_0.nrrd p_level_0.nrrd
@@ -348,11 +348,11 @@ notice is_made_again_too grep -q damaged "$cache"
 cd ..
 
 # ---- two outputs of one name: one would be lost ----
-refuse two_outputs_of_one_name 2 'are one, and one would be lost' isoshade render s.nrrd -o same.png --png ./same.png -q
-refuse of_a_plan_too 2 'are one, and one would be lost' isoshade plan s.nrrd --scene "$shells" -o same.json --image same.json -q
-refuse and_beside_a_report 2 'are one, and one would be lost' isoshade validate s.nrrd --scene "$shells" --quick --levels 1 --with cpu --size 16 --junit y --summary-md y -o report -q
+refuse two_outputs_of_one_name 2 'are the same file' isoshade render s.nrrd -o same.png --png ./same.png -q
+refuse of_a_plan_too 2 'are the same file' isoshade plan s.nrrd --scene "$shells" -o same.json --image same.json -q
+refuse and_beside_a_report 2 'are the same file' isoshade validate s.nrrd --scene "$shells" --quick --levels 1 --with cpu --size 16 --junit y --summary-md y -o report -q
 touch same.exr && ln -s same.exr other.exr
-refuse by_a_link_they_are_one_too 2 'are one, and one would be lost' isoshade render s.nrrd -o same.exr --png other.exr -q
+refuse by_a_link_they_are_one_too 2 'are the same file' isoshade render s.nrrd -o same.exr --png other.exr -q
 rm same.exr other.exr
 
 # ---- what is too large, and threads that cannot be had ----
@@ -361,7 +361,7 @@ open("large.tf.json", "w").write('{"schema": "isoshade.tf/1", "points": [' + "0,
 PY
 check a_transfer_function_of_many_megabytes_is_refused_unparsed ends 4 'a transfer function has at most' isoshade tf show large.tf.json -o a.png
 few_threads() { (ulimit -v 600000 && isoshade render s.nrrd --scene "$shells" --with reference --size 8 --threads 1000 -o a.exr); }
-check no_memory_for_threads_is_no_difference ends 6 'no more threads can be started' few_threads
+check no_memory_for_threads_is_no_difference ends 6 'cannot start more threads' few_threads
 
 # ---- a library that a damaged file keeps busy ----
 # In the place of the program that reads OpenVDB files, one that never ends what a file says, with limits of a second. What it

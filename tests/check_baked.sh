@@ -109,7 +109,7 @@ refuse no_density 2 "must include density" "${bake[@]}" --bake Cd -o x.vdb
 refuse an_unknown_grid 2 "grids: density, Cd, emission or temperature" "${bake[@]}" --bake density,albedo -o x.vdb
 refuse an_unknown_program 2 "must be one of: blender, houdini" "${bake[@]}" --for maya -o x.vdb
 refuse an_unknown_unit 2 "--scene-unit" "${bake[@]}" --bake density --scene-unit parsec -o x.vdb
-refuse a_program_for_blend_files 2 "--bake and --for has no meaning for --to blender" "$ISOSHADE" export v.nrrd --to blender --for blender -q -o x.blend
-refuse levels_of_what_is_baked 2 "--levels has no meaning for what is baked" "${bake[@]}" --bake density --levels 2 -o x.vdb
+refuse a_program_for_blend_files 2 "--bake and --for cannot be used with --to blender" "$ISOSHADE" export v.nrrd --to blender --for blender -q -o x.blend
+refuse levels_of_what_is_baked 2 "--levels cannot be used with baked grids" "${bake[@]}" --bake density --levels 2 -o x.vdb
 refuse usd_of_another_name 2 "must end in .vdb" "${bake[@]}" --bake density --usd --size 8 -o x.dat
 exit $failed

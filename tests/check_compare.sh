@@ -52,7 +52,7 @@ expect an_unwritable_picture_is_an_error 3 "$ISOSHADE" compare "$dir/a.ppm" "$di
 "$ISOSHADE" make shells --size 20 -q -o v.nrrd
 "$ISOSHADE" render v.nrrd --scene "$top/refscenes/shells.scene.json" --with cpu --size 12x11 -q -o clear.exr >/dev/null
 expect an_opaque_picture_differs 1 "$ISOSHADE" compare clear.exr "$dir/a.ppm"
-colors=$(sed -n 's/^note      B is opaque throughout, A is not; the rmse of the colors alone is \([0-9.]*\)$/\1/p' out)
+colors=$(sed -n 's/^note      B is opaque throughout, A is not; rmse of the colors: \([0-9.]*\)$/\1/p' out)
 rmse=$(sed -n 's/^rmse *//p' out)
 check which_is_said test -n "$colors"
 expect in_the_answer_too 1 "$ISOSHADE" compare "$dir/a.ppm" clear.exr --json

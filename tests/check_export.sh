@@ -46,7 +46,7 @@ check all_voxels_of_it "$ISOSHADE" export v.nrrd --to vdb --scene "$scene" --den
 [ $((3 * $(size sparse.vdb))) -lt $((2 * $(size dense.vdb))) ] && ok what_is_not_shown_is_left_out || not_ok what_is_not_shown_is_left_out "$(size sparse.vdb) of $(size dense.vdb) bytes"
 check plain_voxels_left_out "$ISOSHADE" export v.nrrd --to vdb --background 0 -q -o plain.vdb
 check the_command_is_in_it grep -aq 'isoshade export v.nrrd --to vdb --background 0 -q -o plain.vdb' plain.vdb
-refuse a_background_of_all_voxels 2 "one keeps what the other leaves out" "$ISOSHADE" export v.nrrd --to vdb --dense --background 0 -q -o x.vdb
+refuse a_background_of_all_voxels 2 "--dense and --background exclude each other" "$ISOSHADE" export v.nrrd --to vdb --dense --background 0 -q -o x.vdb
 # A folder that a person gave another name is isoshade's still; its files follow the name.
 for to in povray paraview; do
     written() { "$ISOSHADE" export v.nrrd --to $to --scene "$scene" --level 2 -q -o "$1"; }

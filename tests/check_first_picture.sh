@@ -65,10 +65,10 @@ refuse zoom_of_nothing '--zoom is -1, must be 0.01 to 1000' "$ISOSHADE" render n
 refuse zoom_of_0 '--zoom is 0, must be 0.01 to 1000' "$ISOSHADE" render nothing.nrrd --zoom 0 -o x.png
 refuse zoom_of_0_of_a_figure '--zoom is 0, must be 0.01 to 1000' "$ISOSHADE" figure nothing.nrrd --zoom 0 -o x
 refuse bad_size '--size is "big"' "$ISOSHADE" validate nothing.nrrd --size big -o x
-refuse view_for_grids '--view has no meaning for --to vdb' "$ISOSHADE" export nothing.nrrd --to vdb --view top -o x.vdb
+refuse view_for_grids '--view cannot be used with --to vdb' "$ISOSHADE" export nothing.nrrd --to vdb --view top -o x.vdb
 refuse bad_error '--error is "1/0"' "$ISOSHADE" plan nothing.nrrd --error 1/0
-refuse range_of_a_preset '--range is for a file that --tf names, not for the preset ct-bone' "$ISOSHADE" render nothing.nrrd --tf ct-bone --range 0,1 -o x.png
-refuse range_of_nothing '--range is for a file that --tf names' "$ISOSHADE" plan nothing.nrrd --range 0,1
+refuse range_of_a_preset '--range needs a file as --tf, not the preset ct-bone' "$ISOSHADE" render nothing.nrrd --tf ct-bone --range 0,1 -o x.png
+refuse range_of_nothing '--range needs a file as --tf' "$ISOSHADE" plan nothing.nrrd --range 0,1
 refuse bad_unit_distance '--unit-distance is "x"' "$ISOSHADE" chart nothing.nrrd --tf $top/refscenes/shells.tf.json --unit-distance x -o x
 # What a picture shows is asked for alike everywhere, in the same words, and checked before the volume is read.
 looks="render -o x.png/export --to blender -o x.blend/validate -o x/plan/chart -o x/tf bound/tf adapt -o x/tf triangle --level 1/scenes -o x.png"

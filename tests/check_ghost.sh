@@ -21,7 +21,7 @@ END
 render() { "$ISOSHADE" render head.iso --tf bone.tf.json --level 2 --size 32 --adapt --with reference --quadrature midpoint -q "$@"; }
 
 expect adapted 0 render -o kept.exr
-grep -q 'note: level 2: .* would draw a ghost, .* left as they were; --extinction-scale' err && ok what_is_left_out_is_said || not_ok what_is_left_out_is_said "$(cat err)"
+grep -q 'note: level 2: .* would draw a ghost, .* original transfer function; --extinction-scale' err && ok what_is_left_out_is_said || not_ok what_is_left_out_is_said "$(cat err)"
 expect always 0 render --always -o ghost.exr
 grep -q 'warning: level 2: .* draws a ghost' err && ok what_is_drawn_is_said || not_ok what_is_drawn_is_said "$(cat err)"
 expect scaled 0 render --extinction-scale -o scaled.exr

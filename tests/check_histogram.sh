@@ -30,6 +30,6 @@ check as_it_is grep -q "bone's.tf.json\|bone&apos;s\|bone&#39;s" quote.svg
 
 refuse another_ending 2 'must end with .png or .svg or .pdf' "$ISOSHADE" info v.nrrd --histogram h.jpg
 "$ISOSHADE" build v.nrrd --levels 1 -q -o v.iso
-refuse a_pyramid 2 '--histogram is for volumes' "$ISOSHADE" info v.iso --histogram h2.png
+refuse a_pyramid 2 '--histogram needs a volume' "$ISOSHADE" info v.iso --histogram h2.png
 ISOSHADE_GNUPLOT=/nowhere refuse without_gnuplot 7 'ISOSHADE_GNUPLOT' "$ISOSHADE" info v.nrrd --histogram h2.png
 exit $failed

@@ -17,10 +17,10 @@ check the_list_has_sizes_and_steps grep -q 'marschner-lobb-level-0/picture.exr  
 check and_the_finer_steps grep -q 'marschner-lobb-level-0/step-0.125.exr ' els/README.txt
 check and_the_line_that_compares grep -q 'isoshade validate v.nrrd --scene marschner-lobb.scene.json --levels 2 --size 10 --images NAME=els' els/README.txt
 has_keys the_index els/pictures.json schema command tier steps pictures
-refuse a_sheet_is_no_request 2 '-o is for a sheet' "${write[@]}" --write two -o sheet.png
+refuse a_sheet_is_no_request 2 '-o and --write exclude each other' "${write[@]}" --write two -o sheet.png
 refuse another_tier_is_refused 2 'wanted samples, limit or "8 bits"' "${write[@]}" --write two --tier exact
-refuse a_limit_needs_two_steps 2 'two steps at least' "${write[@]}" --steps 1 --tier limit --write two
-refuse levels_are_of_requests 2 'for --write alone' "$ISOSHADE" scenes v.nrrd --levels 1 -o sheet.png
+refuse a_limit_needs_two_steps 2 'a limit needs at least 2' "${write[@]}" --steps 1 --tier limit --write two
+refuse levels_are_of_requests 2 'need --write' "$ISOSHADE" scenes v.nrrd --levels 1 -o sheet.png
 
 # One start of Python for all requests, each in its own folder.
 check an_outside_program_draws_them "$python" -c '

@@ -23,10 +23,10 @@ accept raw_options '40 x 56 x 33 = 73920 voxels of int16' info plain.raw --raw-s
 
 { header uchar '2 2 2' | sed '$d'; printf 'scale_slope:=0.5\nscale_intercept:=-10\n\nABCDEFGH'; } >scaled.nrrd
 accept a_scale_is_applied 'range      22.5 to 26' info scaled.nrrd
-accept and_said 'value = 0.5 * stored + -10 (--stored leaves it out)' info scaled.nrrd
+accept and_said 'value = 0.5 * stored + -10 (ignore it with --stored)' info scaled.nrrd
 accept in_pyramids_too 'level 0  2 x 2 x 2  float  22.5 to 26' build scaled.nrrd --levels 1 -o scaled.iso -q
 accept the_stored_values_are_there_too 'range      65 to 72' info scaled.nrrd --stored
-accept what_was_left_out_is_said '(--stored left it out)' info scaled.nrrd --stored
+accept what_was_left_out_is_said '(ignored: --stored)' info scaled.nrrd --stored
 
 # Units: known ones are converted, others refused; --unit says another.
 with_unit() { { header uchar '2 2 2' | sed '$d; /^spacings/d'; printf 'space dimension: 3\nspace directions: (2,0,0) (0,2,0) (0,0,3)\nspace units: "%s" "%s" "%s"\n\nABCDEFGH' "$1" "$1" "$1"; } >unit.nrrd; }
@@ -45,8 +45,8 @@ with_unit furlong
 refuse a_unit_that_is_not_known 4 'unit.nrrd: unknown unit "furlong"; override it with --unit, one of m, cm' "$ISOSHADE" info unit.nrrd
 accept unless_it_is_said 'spacing    0.002 x 0.002 x 0.003 mm' info unit.nrrd --unit um
 accept and_the_spacing_too 'spacing    0.004 x 0.005 x 0.006 mm' info unit.nrrd --unit um --spacing 4x5x6
-accept info_says_the_unit 'unit       um, which is 0.001 mm' info unit.nrrd --unit um
-accept or_that_there_is_none 'unit       none is named: mm' info scaled.nrrd
+accept info_says_the_unit 'unit       um = 0.001 mm' info unit.nrrd --unit um
+accept or_that_there_is_none 'unit       none in the file: mm' info scaled.nrrd
 accept raw_files_have_units_too 'spacing    2e-06 x 2e-06 x 2e-06 mm' info plain.raw --raw-size 40x56x33 --raw-type int16 --raw-spacing 2 --unit nm
 refuse an_unknown_unit_of_the_option 2 '--unit is "furlong", must be m, cm' "$ISOSHADE" info unit.nrrd --unit furlong
 refuse a_spacing_of_zero 2 '--spacing is 0' "$ISOSHADE" info unit.nrrd --unit um --spacing 0
@@ -68,7 +68,7 @@ refuse missing_file 3 'absent.nrrd: cannot be opened' "$ISOSHADE" info absent.nr
 mkdir empty
 refuse an_empty_folder 4 'empty: a folder that holds no slices of a volume' "$ISOSHADE" info empty
 refuse a_device 3 'is neither a regular file nor a folder' "$ISOSHADE" info /dev/null
-refuse no_argument 2 'wanted: isoshade info VOLUME' "$ISOSHADE" info
+refuse no_argument 2 'usage: isoshade info VOLUME' "$ISOSHADE" info
 refuse an_empty_number 2 '--levels is empty, wanted a number' "$ISOSHADE" build v.nrrd --levels '' -o x.iso
 refuse an_empty_number_behind_an_equals_sign 2 '--gauss-sigma is empty' "$ISOSHADE" build v.nrrd --gauss-sigma= -o x.iso
 refuse an_empty_number_of_every_command 2 '--threads is empty' "$ISOSHADE" info v.nrrd --threads ''

@@ -119,7 +119,7 @@ stop() { # threads: one draws all calibrations by one start, two draw four at a 
 for threads in 1 2; do
     stop $threads
     check nothing_is_begun_after_an_interruption_of_$threads test $? != 0 -a "$(wc -l <starts)" -le $((threads * threads))
-    check and_one_line_says_how_to_go_on test "$(wc -l <err)" = 1 -a "$(grep -c 'signal 15; --resume goes on from interrupted.work$' err)" = 1
+    check and_one_line_says_how_to_go_on test "$(wc -l <err)" = 1 -a "$(grep -c 'signal 15; continue from interrupted.work with --resume$' err)" = 1
 done
 
 # ---- limits have at most the pixels that are asked for, the same samples all of them ----
@@ -161,5 +161,5 @@ key = lambda row: [row[k] for k in ("level", "b", "verdict", "rmse")]
 assert sorted(map(str, map(key, a["agreement"]))) == sorted(map(str, map(key, b["agreement"]))) and a["levels"] == b["levels"]
 PY
 check and_the_verdict_is_the_same python3 enough.py
-for budget in -1 0; do refuse "a_budget_of_$budget" 2 "--budget is $budget, must be seconds above 0" job --budget $budget -o no; done
+for budget in -1 0; do refuse "a_budget_of_$budget" 2 "--budget is $budget, must be above 0 seconds" job --budget $budget -o no; done
 exit $failed

@@ -38,7 +38,7 @@ check as_many_as_were_asked_for python3 views.py
 refuse too_many_views 2 "must be 2 to 20" "$ISOSHADE" validate a.nrrd --scene "$scene" --with gl --level-views 21 -q -o no
 expect levels_of_their_own_level_0_pass 0 "$ISOSHADE" info a.iso --verify
 check each_of_them test "$(grep -c 'voxels are made from level 0' out)" = 4
-refuse a_volume_has_no_levels_to_verify 2 "a.nrrd is a volume" "$ISOSHADE" info a.nrrd --verify
+refuse a_volume_has_no_levels_to_verify 2 "a.nrrd: a volume; --verify needs a pyramid" "$ISOSHADE" info a.nrrd --verify
 
 swap b.iso codes:1 codes:2 scalar:2
 found levels_of_another_volume_are_found "level 1: .* voxels are not made from level 0" "$ISOSHADE" info bad.iso --verify

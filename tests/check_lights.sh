@@ -16,7 +16,7 @@ JSON
 "$ISOSHADE" make shells --size 8 -q -o v.nrrd
 check it_may_open_with_the_physical_material "$ISOSHADE" export v.nrrd --to blender --scene slab.scene.json --material physical -q -o slab.blend
 refuse an_unknown_material 2 'unknown material "glass", must be one of: exact, physical' "$ISOSHADE" export v.nrrd --to blender --scene slab.scene.json --material glass -q -o x.blend
-refuse a_material_for_vdb 2 '--material has no meaning for --to vdb' "$ISOSHADE" export v.nrrd --to vdb --material exact -q -o x.vdb
+refuse a_material_for_vdb 2 '--material cannot be used with --to vdb' "$ISOSHADE" export v.nrrd --to vdb --material exact -q -o x.vdb
 if has_cycles; then
     "${ISOSHADE_BLENDER:-blender}" -b --factory-startup -noaudio --python-exit-code 9 slab.blend -P "$top/tests/lights.py" >log 2>&1 ||
         not_ok blender_came_to_the_end "$(tail -n 3 log)"

@@ -96,9 +96,9 @@ else
     ok a_mirrored_medium
 fi
 
-refuse a_plan 2 "--plan has no meaning for --to pbrt" one v.nrrd --to pbrt --scene lit.scene.json --plan none.json -o x
-refuse grids_that_are_named 2 "--bake and --for has no meaning for --to pbrt" one v.nrrd --to pbrt --bake density -o x
-refuse levels 2 "--levels has no meaning for --to mitsuba" one v.nrrd --to mitsuba --levels 2 -o x
+refuse a_plan 2 "--plan cannot be used with --to pbrt" one v.nrrd --to pbrt --scene lit.scene.json --plan none.json -o x
+refuse grids_that_are_named 2 "--bake and --for cannot be used with --to pbrt" one v.nrrd --to pbrt --bake density -o x
+refuse levels 2 "--levels cannot be used with --to mitsuba" one v.nrrd --to mitsuba --levels 2 -o x
 refuse points_of_what_is_not_baked 2 "--points needs --bake or --for" one v.nrrd --to vdb --points 2 -o x.vdb
 refuse no_points 2 "--points is 9" one v.nrrd --to pbrt --points 9 -o x
 mkdir mine && echo mine >mine/scene.pbrt

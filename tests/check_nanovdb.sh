@@ -110,7 +110,7 @@ else
     notice a_changed_byte valid damaged.nvdb
 fi
 
-refuse half_floats 2 "--half has no meaning for --to nanovdb" one --to nanovdb --half -o x.nvdb
+refuse half_floats 2 "--half cannot be used with --to nanovdb" one --to nanovdb --half -o x.nvdb
 refuse a_usda 2 "a .usda needs OpenVDB files" one --to nanovdb --scene "$scene" --for karma -o x.nvdb
 refuse no_such_folder 3 "no/x.nvdb" one --to nanovdb -o no/x.nvdb
 exit $failed

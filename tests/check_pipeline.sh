@@ -45,7 +45,7 @@ refuse "a level that the pyramid lacks" 5 "levels 0 to 1" "$ISOSHADE" render v.i
 refuse "an unknown renderer" 2 "mitsuba" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --with mitsuba -q -o x.exr
 refuse "a step that is not a number" 2 "--step" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --step fast -q -o x.exr
 refuse "a step of NaN" 2 "--step" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --step nan -q -o x.exr
-refuse "an option of another renderer" 2 "--intervals is for --with reference and povray alone" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --with gl --intervals 9 -q -o x.exr
+refuse "an option of another renderer" 2 "--intervals needs --with reference or povray" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --with gl --intervals 9 -q -o x.exr
 refuse "an image size of 0" 2 "--size" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --size 0 -q -o x.exr
 refuse "an output folder that is not there" 3 "nowhere" "$ISOSHADE" render v.nrrd --scene "$scenes/shells.scene.json" --size 8 -q -o nowhere/x.exr
 refuse "a report over a folder of others" 3 "report.json" "$ISOSHADE" validate v.nrrd --scene "$scenes/shells.scene.json" --quick --with gl -q -o v.iso

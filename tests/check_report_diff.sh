@@ -22,7 +22,7 @@ within --summary-md "$dir/in/one.md" >/dev/null && echo more >>in/one.md
 refuse one_that_was_edited_stays 3 'one.md in it was changed' within
 
 cp -r one two
-refuse two_reports_are_wanted 2 'wants two reports' "$ISOSHADE" report diff one
+refuse two_reports_are_wanted 2 'diff needs two reports' "$ISOSHADE" report diff one
 refuse other_words_are_refused 2 '"draw" is nothing' "$ISOSHADE" report draw one two
 refuse another_file_is_no_report 4 'must be isoshade.validate/1: not a report.json of isoshade validate' "$ISOSHADE" report diff one shells.tf.json
 expect the_same_report_twice 0 "$ISOSHADE" report diff one two -o same

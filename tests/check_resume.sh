@@ -90,7 +90,7 @@ END
     anew of_a_file_that_was_rewritten v v.nhdr
     goes_on v v.nhdr -q
     rm -rf .on.iso.partial && cp -rp .v.iso.partial .on.iso.partial && "$ISOSHADE" build v.nhdr -o on.iso --memory 9 --resume >/dev/null 2>err
-    check its_message_names_the_file grep -q 'v.raw changed since; the build began again' err
+    check its_message_names_the_file grep -q 'v.raw changed since; the build starts from the beginning' err
     # planted fault: notes that vouch for the new file, as a key without it would
     killed k v.nhdr && cp -rp .v.iso.partial saved && cp .k.iso.partial/progress.json .v.iso.partial
     goes_on v v.nhdr

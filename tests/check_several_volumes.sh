@@ -116,8 +116,8 @@ PY
     grep -q '^pixels' log || tail -5 log
 fi
 refuse no_such_file 3 "none.nrrd" "$ISOSHADE" export a.nrrd --add none.nrrd --to blender --scene s.scene.json -o x.blend -q
-refuse one_volume_for_povray 2 "has one volume in a scene" "$ISOSHADE" export a.nrrd --add b.nrrd --to povray --scene s.scene.json -o x -q
+refuse one_volume_for_povray 2 "--to povray takes a single volume" "$ISOSHADE" export a.nrrd --add b.nrrd --to povray --scene s.scene.json -o x -q
 refuse channels_of_one 2 "has one channel" "$ISOSHADE" export a.nrrd --channels all --to blender --scene s.scene.json -o x.blend -q
 refuse no_such_channel 2 '--channel is "7"' "$ISOSHADE" export two.nrrd --channels 0,7 --to blender --scene s.scene.json -o x.blend -q
-refuse one_table_for_all 2 "--adapt and several volumes" "$ISOSHADE" export a.nrrd --add b.nrrd --adapt --level 0 --to blender --scene s.scene.json -o x.blend -q
+refuse one_table_for_all 2 "--adapt needs a single volume" "$ISOSHADE" export a.nrrd --add b.nrrd --adapt --level 0 --to blender --scene s.scene.json -o x.blend -q
 exit $failed

@@ -82,7 +82,7 @@ mkdir false bare
 sed 's/"constant --size/"noise --size/' "$suite/constant.scene.json" >false/false.scene.json
 refuse a_closed_form_that_is_none_is_refused 5 "off a linear field" validate --suite false -o no
 cp "$top/refscenes/shells.scene.json" "$top/refscenes/shells.tf.json" bare
-refuse scales_of_no_levels_are_refused 2 "which --suite does not judge" validate --suite false --extinction-scale -o no
+refuse scales_of_no_levels_are_refused 2 "with --suite, which does not judge levels" validate --suite false --extinction-scale -o no
 refuse a_scene_without_a_volume_is_refused 4 "nothing says what volume" validate --suite bare -o no
 # The words of a scene say what volume is made: not where, and nothing of the whole run.
 mkdir bold
@@ -96,11 +96,11 @@ for words in --no-sandbox '--timeout 0' --full-paths --json --help --quiet '-o e
     bold "$words"
 done
 refuse an_empty_folder_is_refused 2 "holds no .scene.json" validate --suite few/.. -o no
-refuse a_suite_takes_no_volume 2 "one too many" validate x.nrrd --suite few -o no
+refuse a_suite_takes_no_volume 2 "remove \"x.nrrd\"" validate x.nrrd --suite few -o no
 refuse a_junit_file_without_a_folder_is_told_before_the_work 3 "there is no folder nowhere" validate --suite few -o no --junit nowhere/no.xml
 render() { "$ISOSHADE" render few/no.nrrd --scene "$suite/step.scene.json" -q -o no.exr "$@"; }
 refuse seeds_are_of_limits 2 "--seeds needs --limit" render --with cycles --seeds 3
-refuse the_reference_has_no_limit 2 "--limit is for --with gl, cpu, cycles and povray" render --with reference --limit
+refuse the_reference_has_no_limit 2 "--limit needs --with gl, cpu, cycles or povray" render --with reference --limit
 refuse a_limit_halves_intervals 2 "must be even" render --with povray --limit --intervals 7
 refuse one_seed_has_no_scatter 2 "--seeds" validate --suite few --seeds 1 -o no
 refuse a_suite_takes_no_scene 2 "exclude each other" validate --suite few --scene x.scene.json -o no

@@ -15,12 +15,12 @@ cp -r shells.iso lame.iso && : >lame.iso/level_0.nrrd && rm lame.iso/level_2_joi
 check kept_histograms_need_no_samples bash -c '"$ISOSHADE" tf adapt lame.iso --tf "$0" --level 1 -o lame.tf.json --always -q && cmp lame.tf.json shells_level_1.tf.json' "$tf"
 refuse missing_histograms_need_samples 4 'level_0.nrrd' "$ISOSHADE" tf adapt lame.iso --tf "$tf" --level 2 -o y.tf.json -q
 refuse no_name 2 '-o is ""' "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o ''
-refuse folder_for_a_name 2 'wanted the name of a file' "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells.iso/
+refuse folder_for_a_name 2 'must be the name of a file' "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells.iso/
 check twelve_bits "$ISOSHADE" tf adapt shells.iso --tf "$tf" --bits 12 --level 1 -o twelve.tf.json -q
 check json_names_the_errors bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o x.tf.json --json | grep -q "\"rms_adapted\""' "$tf"
 expect bound_is_printed_before_anything_is_drawn 0 "$ISOSHADE" tf bound shells.iso --scene "$scene" --level 1 --size 24 -q
 grep -q '^level 1  RMSE at most 0\.[0-9]*, with --adapt 0\.[0-9]*$' out && ok bound_names_both_tfs || not_ok bound_names_both_tfs "$(cat out)"
-refuse bound_needs_a_volume 2 'wanted: isoshade tf bound' "$ISOSHADE" tf bound -q
+refuse bound_needs_a_volume 2 'usage: isoshade tf bound' "$ISOSHADE" tf bound -q
 # A scene that names the adapted file and --adapt are the same picture.
 sed "s/\"shells.tf.json\"/\"shells_level_1.tf.json\"/" "$scene" >adapted.scene.json
 cp "$tf" shells.tf.json
@@ -48,7 +48,7 @@ check convert_csv "$ISOSHADE" tf convert "$tf" -o tf.csv
 expect or_by_two_names 0 "$ISOSHADE" tf convert "$tf" two.csv
 check which_are_the_same cmp tf.csv two.csv
 check and_named grep -q '^two.csv: ' out
-refuse but_not_both 2 'wanted: isoshade tf convert FILE|PRESET OUT' "$ISOSHADE" tf convert "$tf" two.csv -o three.csv
+refuse but_not_both 2 'usage: isoshade tf convert FILE|PRESET OUT' "$ISOSHADE" tf convert "$tf" two.csv -o three.csv
 check convert_tf "$ISOSHADE" tf convert "$tf" --volume shells.nrrd -o plain.tf.json
 
 # A .blend of three levels: a row of the color map a level, each the adapted table of its own level.
@@ -95,19 +95,19 @@ check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --siz
 refuse roi_without_a_coarse_level 2 'needs a coarser level' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene "$scene" --roi 8,8,8,30,30,30 -o z.exr -q
 refuse roi_of_five_numbers 2 'wanted six numbers' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,30 -o z.exr -q
 refuse roi_outside 5 'must ascend within 0 to 44' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,45,30 -o z.exr -q
-refuse roi_band_without_roi 2 'go with --roi' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi-band 3 -o z.exr -q
-refuse roi_for_vdb 2 'no meaning for --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q
+refuse roi_band_without_roi 2 'need --roi' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi-band 3 -o z.exr -q
+refuse roi_for_vdb 2 'cannot be used with --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q
 check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --tf-2d deviation --roi 8,8,8,30,30,30 -o pov -q
 [ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && ok its_files_are_there || not_ok its_files_are_there "$(ls pov)"
 check seams_are_measured bash -c '"$LAB" roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
 refuse unknown_action 2 'must be one of: adapt, bound, convert, names, show, suggest, triangle' "$ISOSHADE" tf blend "$tf" -o x
-refuse adapt_without_output 2 'wanted: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso
+refuse adapt_without_output 2 'usage: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso
 # Presets are laid on the values of a stored pyramid, whose samples are read for them; a scene has its own.
 expect adapt_of_a_preset 0 "$ISOSHADE" tf adapt shells.iso --tf simulation --level 1 -q -o preset.tf.json
 expect adapt_of_what_is_suggested 0 "$ISOSHADE" tf adapt shells.nrrd --level 1 -q -o suggested.tf.json
 expect adapt_of_a_scene 0 "$ISOSHADE" tf adapt shells.iso --scene "$scene" --level 1 --always -q -o scene.tf.json
 check is_of_its_transfer_function cmp scene.tf.json shells_level_1.tf.json
-refuse show_of_a_preset_needs_values 2 'say --volume FILE' "$ISOSHADE" tf show ct-bone -o x.png
+refuse show_of_a_preset_needs_values 2 'give --volume FILE' "$ISOSHADE" tf show ct-bone -o x.png
 check show_of_presets "$ISOSHADE" tf show auto simulation --volume shells.nrrd -o presets.svg
 expect convert_of_a_preset 0 "$ISOSHADE" tf convert simulation simulation.csv --volume shells.nrrd -q
 expect suggest_of_that_preset 0 "$ISOSHADE" tf suggest shells.nrrd --tf simulation -q -o six.tf.json

@@ -33,7 +33,7 @@ import struct
 png = open("ramp.png", "rb").read()
 assert png[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">IIBB", png[16:26]) == (256, 16, 8, 6)'
 expect losses_are_printed 0 convert "$maps" --name lab --unit-distance 1 -o lab.tf.json
-grep -qE '^read: against what its program shows: color within 0\.[0-9]+/255, opacity within 0\.[0-9]+/255' out && ok the_loss_has_numbers || not_ok the_loss_has_numbers "$(cat out)"
+grep -qE '^read: against the other program: color within 0\.[0-9]+/255, opacity within 0\.[0-9]+/255' out && ok the_loss_has_numbers || not_ok the_loss_has_numbers "$(cat out)"
 # A curve that is much steeper than the table is fine says so.
 printf '{"volumeProperties": [{"components": [{"scalarOpacity": {"points": [{"x": -4000, "y": 0.1}, {"x": 10, "y": 0.2},
  {"x": 10.3, "y": 0.9}, {"x": 4000, "y": 0.9}]}, "rgbTransferFunction": {"points": [{"x": 0, "color": [1, 1, 1]}]}}]}]}' >steep.vp.json
@@ -71,7 +71,7 @@ refuse a_length_too_many 2 'are for 2.5 mm; --unit-distance cannot' convert "$cu
 printf '0 0 0\n1 1 1\n' >rgb.csv
 refuse opacity_of_colors 2 'give them by tf convert --opacity' convert rgb.csv --unit-distance 1 -o z.tf.json
 refuse opacity_too_many 2 'has opacities of its own' convert gray.csv --unit-distance 1 --opacity 1 -o z.tf.json
-refuse a_range_for_values 2 'say --volume FILE or --range LO,HI' convert gray.csv --unit-distance 1 -o z.vp.json
+refuse a_range_for_values 2 'give --volume FILE or --range LO,HI' convert gray.csv --unit-distance 1 -o z.vp.json
 check a_range_is_said convert gray.csv --unit-distance 1 --range -100,200 -o said.vp.json -q
 check a_range_of_a_volume convert gray.csv --unit-distance 1 --volume shells.nrrd -o said.niivue.json -q
 printf 'value,r_linear,g_linear,b_linear,extinction_per_mm\n0,0.1,0.5,0.7,0\n1e308,0.1,0.5,0.7,0.5\n' >huge.csv

@@ -61,7 +61,7 @@ def commands_page(program):
             count[row] = count.get(row, 0) + 1
     shared = [row for row in count if count[row] >= 3]
     out = ["# Commands", "", "Made by `make reference` from `isoshade COMMAND --help`. `isoshade COMMAND --help=all` explains rarer "
-           "options,", "and each help text ends with examples. [Names](names.md) lists the words that options choose from.", "",
+           "options,", "and each help text ends with examples. [Names](names.md) lists the values of options.", "",
            "## Shared options", "", "These options have the same effect in all commands that list them.", ""]
     bullets(sorted(shared, key=lambda row: row[0].lstrip("`-")), out)
     for name, summary in (m.groups() for m in listed if m):

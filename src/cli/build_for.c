@@ -70,7 +70,7 @@ static void print(const iso_build_for *b, const iso_pyramid *p, const iso_scene_
     printf("%s\n", b->output);
 }
 
-/* Levels for a scene that shows nothing would be made with care, for nothing. */
+/* Warns if the scene shows nothing, since its levels would be useless. */
 static iso_status warn(const iso_build_for *b, const iso_pyramid *p, const iso_scene *scene, iso_error *err)
 {
     iso_view view = {0};

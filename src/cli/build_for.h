@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* build_for.h - `isoshade build VOLUME --for SCENE|first`: levels that show this scene, or a first picture, best (plan/scene_levels.h). */
+/* build_for.h - `isoshade build VOLUME --for SCENE|first`: levels that best show a scene or a first picture
+ * (plan/scene_levels.h). */
 #ifndef ISO_CLI_BUILD_FOR_H
 #define ISO_CLI_BUILD_FOR_H
 
@@ -8,7 +9,7 @@
 #include "scene/subject.h"
 #include "volume/input.h"
 
-/* Instead of a scene file. */
+/* Value of --for instead of a scene file. */
 #define ISO_BUILD_FOR_FIRST "first"
 
 typedef struct iso_build_for {
@@ -19,14 +20,14 @@ typedef struct iso_build_for {
     double memory_mb;
 } iso_build_for;
 
-/* In memory. ISO_E_MEMORY when that takes more than memory_mb, with what is needed. */
+/* Builds the pyramid in memory. ISO_E_MEMORY, with the size, if it needs more than memory_mb. */
 iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *opt, iso_error *err);
 
-/* Before anything is read: ISO_E_MEMORY where levels that are made in memory, for `option`, need more than memory_mb. */
+/* Estimates the memory before reading. ISO_E_MEMORY if levels that `option` makes in memory need more than memory_mb. */
 iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input, double memory_mb,
                                 iso_error *err);
 
-/* "level 2: fitted, 1 - SSIM .041 (as-built .063, least-squares .049)", for people; returns text. */
+/* Writes "level 2: fitted, 1 - SSIM .041 (as-built .063, least-squares .049)", for people. Returns text. */
 struct iso_scene_level;
 char *iso_cli_scene_level_text(const struct iso_scene_level *made, size_t level, char *text, size_t size);
 

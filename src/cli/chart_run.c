@@ -23,28 +23,29 @@ typedef struct chart_run {
     iso_chart_result result;
     iso_chart_kept_file kept;
     iso_subject_look looks[ISO_CHART_MAX_SCENES];
-    char *paths[ISO_CHART_MAX_SCENES], *lines[ISO_CHART_MAX_SCENES]; /* of --scene A,B; options of command lines */
+    char *paths[ISO_CHART_MAX_SCENES],
+        *lines[ISO_CHART_MAX_SCENES]; /* for each scene of --scene A,B: its path, and its options as a command line */
     size_t look_count;
-    double start_seconds, end_seconds, measure_until; /* end: when all frames have to be done */
+    double start_seconds, end_seconds, measure_until; /* end: deadline of all frames */
 } chart_run;
 
-/* A picture of another program is begun where it takes at most this part of what is left. */
+/* Largest part of the remaining time for starting a picture of another program. */
 static const double MOST_PART_OF_A_PROGRAM = 1.0 / 3;
 
-/* Two pictures by gnuplot, and the files. */
+/* Reserves time for two pictures by gnuplot and for the files. */
 static double seconds_for_drawing(double budget_seconds)
 {
     return fmin(3, 0.2 * budget_seconds);
 }
 
-/* When the last setting has to be done. */
+/* Returns the deadline of the last setting. */
 static double end_of_measuring(const chart_run *run)
 {
     const double budget_seconds = run->arguments->budget_seconds;
     return budget_seconds > 0 ? run->start_seconds + budget_seconds - seconds_for_drawing(budget_seconds) : INFINITY;
 }
 
-/* Another program takes seconds for its first picture, which a small budget has no room for. */
+/* True if a program's first picture, which takes seconds, would not fit into the budget. */
 static bool is_too_slow_to_begin(const chart_run *run, const iso_renderer_info *renderer)
 {
     const iso_chart_case first = {.renderer = renderer,
@@ -57,7 +58,7 @@ static bool is_too_slow_to_begin(const chart_run *run, const iso_renderer_info *
                iso_chart_bench_estimate(&run->bench, &first);
 }
 
-/* A renderer that nobody asked for by name is left out where it does not answer; one that was asked for has to be there. */
+/* Leaves out renderers that do not answer; one that --with names must answer. */
 static iso_status find_renderers(chart_run *run, iso_error *err)
 {
     iso_chart_result *result = &run->result;
@@ -68,7 +69,7 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
         if (!run->grid.with[r])
             continue;
         if (run->grid.optional[r] && is_too_slow_to_begin(run, iso_renderer_at(r))) {
-            snprintf(result->left_out[r], sizeof result->left_out[r], "its first picture would take most of %g s",
+            snprintf(result->left_out[r], sizeof result->left_out[r], "its first picture would take most of the %g s",
                      run->arguments->budget_seconds);
             run->grid.with[r] = false;
             continue;
@@ -87,22 +88,22 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
             run->bench.processor_time) {
             status = run->grid.optional[r]
                          ? ISO_OK
-                         : iso_fail(err, ISO_E_USAGE, "--processor-time: %s does not say that of a frame",
+                         : iso_fail(err, ISO_E_USAGE, "--processor-time: %s does not report it per frame",
                                     renderer->title);
-            snprintf(result->left_out[r], sizeof result->left_out[r], "%s does not say the processor time of a frame",
+            snprintf(result->left_out[r], sizeof result->left_out[r], "%s does not report processor time per frame",
                      renderer->title);
             run->grid.with[r] = false;
         }
         any = any || run->grid.with[r];
     }
     if (status == ISO_OK && !any)
-        return iso_fail(err, ISO_E_MISSING, "none of the renderers answers: %s",
+        return iso_fail(err, ISO_E_MISSING, "no renderer answers: %s",
                         result->left_out[iso_renderer_index(iso_renderers_usual())]);
     return status;
 }
 
-/* What happens to a setting that fails: its renderer is left out when nobody asked for it; a setting beyond a limit, such as
- * the size of a texture, is one less; all else ends the chart. */
+/* Handles a setting that fails. Its renderer is left out if --with does not name it. A setting beyond a limit, such as
+ * the size of a texture, is skipped. All other errors end the chart. */
 static iso_status take_failure(chart_run *run, const iso_chart_case *c, iso_status status, const iso_error *why,
                                iso_error *err)
 {
@@ -120,10 +121,10 @@ static iso_status take_failure(chart_run *run, const iso_chart_case *c, iso_stat
     return ISO_OK;
 }
 
-/* Part of the time for settings in which the best are timed again. */
+/* Part of the time for timing the best settings again. */
 static const double AGAIN_PART = 0.15;
-/* Settings are timed again that would be on the front were they so many times as fast: what else the machine did may have
- * kept them off it. */
+/* Settings that would be on the front if they were this many times faster are timed again: other work on the machine
+ * may have slowed them down. */
 static const double AGAIN_FACTOR = 2.5;
 
 static bool is_worth_timing_again(const iso_chart_result *r, const iso_chart_case *c)
@@ -138,13 +139,13 @@ static bool is_worth_timing_again(const iso_chart_result *r, const iso_chart_cas
     return true;
 }
 
-/* Budgets too short for it leave each setting with its first frames. */
+/* True if the budget is long enough to time settings again. */
 static bool has_time_for_rounds(double budget_seconds)
 {
     return !(budget_seconds > 0) || budget_seconds > 1;
 }
 
-/* In rounds, so that a moment in which the machine was busy meets each setting once. */
+/* Times the best settings again in rounds, so that a busy moment affects each setting only once. */
 static iso_status time_again(chart_run *run, iso_error *err)
 {
     enum { rounds = 2 };
@@ -165,7 +166,7 @@ static iso_status time_again(chart_run *run, iso_error *err)
     return status;
 }
 
-/* Of the time for settings, with what is left of them as it is foreseen, or what the budget leaves. */
+/* Returns the part of the work that is done, by the estimate for the remaining settings or by the budget. */
 static double part_done(const chart_run *run, double start_seconds, double end_seconds)
 {
     const double now = iso_clock_seconds(), spent = now - start_seconds;
@@ -192,7 +193,7 @@ static double frame_seconds_of(const void *user, const iso_chart_case *c)
     return iso_chart_bench_estimate_frame(&run->bench, c);
 }
 
-/* Refused ones are not tried twice. The first is made however small the budget is. */
+/* True if a setting may still be measured: not refused before, and within the budget. The first setting always may. */
 static bool is_open(const void *user, const iso_chart_case *c)
 {
     const chart_run *run = user;
@@ -204,7 +205,7 @@ static bool is_open(const void *user, const iso_chart_case *c)
     return takes <= (iso_renderer_has(c->renderer, ISO_IS_PROGRAM) ? MOST_PART_OF_A_PROGRAM * left : left);
 }
 
-/* In the order of chart/order.h, those that fit into what is left of the budget; the first in any case. */
+/* Measures the settings that fit into the budget, in the order of chart/order.h; the first one always. */
 static iso_status measure_all(chart_run *run, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(run->cli);
@@ -230,7 +231,7 @@ static iso_status measure_all(chart_run *run, iso_error *err)
     return status;
 }
 
-/* DIR/viewer-SCENE.html, to which the page's settings link. */
+/* Writes DIR/viewer-SCENE.html, to which the page's settings link. */
 static iso_status save_viewers(chart_run *run, iso_error *err)
 {
     iso_chart_result *result = &run->result;
@@ -282,17 +283,16 @@ static iso_status finish(chart_run *run, iso_error *err)
     else
         json_decref(json);
     if (status == ISO_OK && result->want > 0 && result->fastest == result->done_count)
-        return iso_fail(err, ISO_E_DIFFERS, "no setting that was tried has %s of %.4g or less; the least is %.4g",
+        return iso_fail(err, ISO_E_DIFFERS, "no measured setting has %s of %.4g or less; the least is %.4g",
                         iso_chart_metric_name(result->metric), result->want,
-                        result->best < result->done_count
-                            ? iso_chart_worst_error(result, &result->cases[result->best])
-                            : NAN);
+                        result->best < result->done_count ? iso_chart_worst_error(result, &result->cases[result->best])
+                                                          : NAN);
     return status;
 }
 
 /* ---- scenes ---- */
 
-/* --scene A,B: a look for each. */
+/* Makes a look for each scene of --scene A,B. */
 static iso_status check_looks(chart_run *run, iso_error *err)
 {
     iso_cli_look look = run->arguments->look;
@@ -336,10 +336,11 @@ static iso_status identify_renderers(chart_run *run, iso_error *err)
     return status;
 }
 
-/* What an earlier run has measured, and the references. */
+/* Loads the measurements and references of an earlier run. */
 static iso_status take_kept(chart_run *run, iso_error *err)
 {
-    /* A line a setting has the values on the axes; the others change what is shown of the lines. Threads change times. */
+    /* Options that do not change a setting's result: each stored line names its own values on the axes, others select
+     * or draw lines. Times depend on --threads. */
     static const char *const without[] = {"with",  "steps",  "quadratures", "estimators", "levels", "filters",
                                           "codes", "tfs",    "plans",       "budget",     "want",   "metric",
                                           "bytes", "viewer", "style",       NULL};
@@ -357,8 +358,8 @@ static iso_status take_kept(chart_run *run, iso_error *err)
     return status;
 }
 
-/* Until when settings are measured: a part of the time is for timing the best again, but for frames of programs, which
- * take too long for that. */
+/* Plans the deadline of the settings. Part of the time is for timing the best again, except frames of other programs,
+ * which take too long. */
 static void plan_time(chart_run *run)
 {
     bool some_again = false;

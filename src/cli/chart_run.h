@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* chart_run.h - `isoshade chart`: measures the settings of one or several scenes within a budget, and writes the chart. */
+/* chart_run.h - `isoshade chart`: measures settings of one or several scenes within a budget, and writes the chart. */
 #ifndef ISO_CLI_CHART_RUN_H
 #define ISO_CLI_CHART_RUN_H
 
@@ -14,13 +14,13 @@ typedef struct iso_chart_arguments {
     char *output, *renderers, *want_text, *style, *metric_text, *bytes_text;
     iso_chart_words words;
     int level_count, processor_time, resume, viewer;
-    double budget_seconds; /* 0: none, the whole grid is tried */
+    double budget_seconds; /* 0: unlimited, the whole grid is measured */
     double want;           /* 0: none */
     iso_chart_metric metric;
     iso_chart_bytes bytes;
 } iso_chart_arguments;
 
-/* ISO_E_DIFFERS: no setting that was tried has the wanted error. */
+/* ISO_E_DIFFERS: no measured setting has the wanted error. */
 iso_status iso_cli_chart(const iso_chart_arguments *a, const iso_cli *cli, iso_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_atlas.c - the failure atlas as a folder: page, pictures, figures. */
+/* cmd_atlas.c - writes the failure atlas as a folder: page, pictures, figures. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include "atlas/atlas.h"
 #include "options/cli.h"
 
-/* --case ID,ID: marks those that are wanted; all without it. */
+/* Marks the cases of --case ID,ID in `wanted`; all without the option. */
 static iso_status choose(const char *list, bool *wanted, iso_error *err)
 {
     for (size_t i = 0; i < iso_atlas_case_count; ++i)
@@ -23,7 +23,7 @@ static iso_status choose(const char *list, bool *wanted, iso_error *err)
             for (size_t i = 0; i < iso_atlas_case_count; ++i)
                 snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", i ? ", " : "",
                          iso_atlas_cases[i].id);
-            return iso_fail(err, ISO_E_USAGE, "--case: the atlas has no \"%s\"; it has %s", id, names);
+            return iso_fail(err, ISO_E_USAGE, "--case: unknown case \"%s\", must be one of: %s", id, names);
         }
         wanted[c - iso_atlas_cases] = true;
     }
@@ -36,7 +36,7 @@ static void print_case(const iso_atlas_case *c, const iso_atlas_result *r)
            r->values[ISO_ATLAS_FALLBACK], iso_atlas_measure(c), iso_atlas_is_valid(c, r) ? "" : "  (out of date)");
 }
 
-/* A part of the whole each. */
+/* Expects one stage per case. */
 static void expect_cases(const iso_cli *cli, const bool *wanted)
 {
     for (size_t i = 0; i < iso_atlas_case_count; ++i)
@@ -89,7 +89,7 @@ static iso_status write_page(const char *dir, const json_t *root, const char *se
     return status;
 }
 
-/* root gets the cases. */
+/* Makes the atlas in the folder `output`. root receives the cases. */
 static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char *output, json_t *root, iso_error *err)
 {
     iso_output out;
@@ -112,9 +112,10 @@ static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char 
     if (status == ISO_OK && cli->json)
         iso_cli_print_json(json_incref(root));
     if (status == ISO_OK && fallen > 0)
-        status = iso_fail(err, ISO_E_DIFFERS,
-                          "%zu failures are no longer ones, or not corrected by their fallback: see %s/index.html",
-                          fallen, output);
+        status =
+            iso_fail(err, ISO_E_DIFFERS,
+                     "failures that disappeared, or that their fallback no longer corrects: %zu; see %s/index.html",
+                     fallen, output);
     return status;
 }
 
@@ -122,8 +123,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     char *output = NULL, *cases = NULL;
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &output, 0, "the folder for the atlas", "DIR"},
-        {"case", 0, POPT_ARG_STRING, &cases, 0, "these alone, such as thin-plates,noise", "LIST"},
+        {"output", 'o', POPT_ARG_STRING, &output, 0, "folder for the atlas", "DIR"},
+        {"case", 0, POPT_ARG_STRING, &cases, 0, "only these cases, such as thin-plates,noise", "LIST"},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -150,12 +151,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_atlas = {
     .name = "atlas",
-    .summary = "the ways in which methods fail: the smallest scene for each, its figure, and the fallback",
+    .summary = "show how methods fail: the smallest scene for each failure, its figure and its fallback",
     .usage = "-o DIR [--case LIST] [options]",
     .details =
-        "DIR/index.html shows each failure beside what is right and what helps, with the commands that repeat both from\n"
-        "the case's volume and scene in DIR; DIR/atlas.json holds the figures.\n"
-        "Exit code 1: a failure has disappeared, or a fallback no longer corrects it, so that the documentation is out of date.",
+        "DIR/index.html shows each failure next to the correct picture and the fallback, with the commands that make both from\n"
+        "the volume and scene in DIR; DIR/atlas.json holds the figures.\n"
+        "Exit code 1: a failure has disappeared, or its fallback no longer corrects it: the documentation is out of date.",
     .examples = "  isoshade atlas -o atlas\n"
                 "  isoshade atlas --case thin-vessels,noise -o atlas-two\n"
                 "  isoshade render atlas-two/noise.nrrd --scene atlas-two/noise.scene.json -o noise.png\n",

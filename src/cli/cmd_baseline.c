@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_baseline.c - a report against the accepted one. */
+/* cmd_baseline.c - compares a report with the accepted one. */
 #include <stdio.h>
 
 #include "base/file.h"
@@ -19,7 +19,8 @@ static iso_status accept(const iso_cli *cli, const char *path, const json_t *now
 {
     const iso_status status = iso_json_save(path, now, err);
     if (status == ISO_OK && !cli->quiet)
-        fprintf(stderr, "%s: accepted%s\n", path, iso_sections_hold(now) ? "" : ", though not all of its rows agree");
+        fprintf(stderr, "%s: accepted%s\n", path,
+                iso_sections_hold(now) ? "" : ", although some of its rows do not agree");
     return status;
 }
 
@@ -36,7 +37,7 @@ static void print(const iso_cli *cli, const baseline_arguments *a, json_t *diffe
     iso_cli_print_json(root);
 }
 
-/* Compares with what was accepted. Only worse ones count: another verdict than "differ" is one of "agree". */
+/* Compares the report with the accepted one. Only worse results count, such as "differ" instead of "agree". */
 static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const json_t *now, iso_error *err)
 {
     json_t *then = NULL, *checked = NULL, *d = NULL;
@@ -52,8 +53,10 @@ static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const
         print(cli, a, d);
     }
     if (status == ISO_OK && worse && !a->update)
-        status = iso_fail(err, ISO_E_DIFFERS, "%zu figures, verdicts or rows are worse than accepted or gone; if that "
-                                              "is right, --update accepts them", worse);
+        status = iso_fail(err, ISO_E_DIFFERS,
+                          "figures, verdicts or rows that are worse than accepted, or gone: %zu; accept them "
+                          "with --update",
+                          worse);
     json_decref(then);
     json_decref(checked);
     json_decref(d);
@@ -68,7 +71,7 @@ static iso_status baseline(const iso_cli *cli, const baseline_arguments *a, iso_
     iso_status status = iso_report_load(cli->arguments[0], &report, err);
     TRY(status, iso_difference_accept(report, &now, err));
     if (status == ISO_OK && !is_there && !a->update)
-        status = iso_fail(err, ISO_E_IO, "%s: there is no baseline; --update makes one of this report", path);
+        status = iso_fail(err, ISO_E_IO, "%s: no baseline; make one of this report with --update", path);
     if (status == ISO_OK && is_there)
         status = compare(cli, a, now, err);
     if (status == ISO_OK && a->update)
@@ -83,9 +86,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     baseline_arguments a = {.factor = 1};
     struct poptOption options[] = {
         {"factor", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.factor, 0,
-         "worse: above so many times the tolerance of report diff", "X"},
-        {"update", 0, POPT_ARG_NONE, &a.update, 0,
-         "accept this report as the new baseline, and print what that changes", NULL},
+         "tolerance for worse, as a multiple of report diff's", "X"},
+        {"update", 0, POPT_ARG_NONE, &a.update, 0, "accept this report as the new baseline, and print the changes",
+         NULL},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -101,16 +104,16 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_baseline = {
     .name = "baseline",
-    .summary = "is a report still as good as the accepted one? Changes of the baseline are explicit",
+    .summary = "check that a report is as good as the accepted one, or accept it",
     .min_arguments = 2,
     .max_arguments = 2,
     .usage = "REPORT BASELINE.json [--update] [options]",
     .details =
         "REPORT is a folder that `isoshade validate` wrote. Its rows of calibration, agreement, levels and consistency are\n"
-        "compared with the accepted ones as by `report diff`, with the same tolerances; changed versions and options are listed.\n"
-        "Exit code 1: a verdict is weaker than accepted (refused where it agreed), a figure or a limit grew, or a row is gone;\n"
-        "0: all is as accepted, better or new. Only --update writes the baseline: the rows of the report, a text file to be\n"
-        "kept beside the code. Any report.json is a baseline, too.",
+        "compared with the accepted ones, with the tolerances of `report diff`; changed versions and options are listed.\n"
+        "Exit code 1: a verdict is weaker than accepted (such as refused instead of agree), a figure or a limit grew, or a\n"
+        "row is gone; 0: all is as accepted, better or new. Only --update writes the baseline, a text file with the rows of the\n"
+        "report, to keep with the code. Any report.json is a baseline, too.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 -o report-base\n"

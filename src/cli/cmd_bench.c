@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_bench.c - hands on to the benchmarks. */
+/* cmd_bench.c - finds and runs a benchmark. */
 #include "bench/bench.h"
 #include "cli/commands.h"
 
@@ -39,7 +39,7 @@ static void print_list(const iso_command *self)
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     if (argc < 2)
-        return iso_fail(err, ISO_E_USAGE, "no benchmark named; isoshade bench --help lists them");
+        return iso_fail(err, ISO_E_USAGE, "benchmark is missing; isoshade bench --help lists them");
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--help=all") == 0 || strcmp(argv[1], "-h") == 0) {
         print_list(self);
         return ISO_OK;
@@ -59,7 +59,7 @@ const iso_command iso_command_bench = {
     .name = "bench",
     .summary = "measure speed against accuracy",
     .usage = "NAME [options]",
-    .details = "Times are wall clock, the least of several runs; compare ratios within one run.",
+    .details = "Times are wall clock, the shortest of several runs; compare ratios within one run.",
     .examples = "  isoshade bench build --size 64 --runs 1\n",
     .run = run,
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_build.c - a volume to its pyramid. */
+/* cmd_build.c - builds the pyramid of a volume. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,14 +19,14 @@
 #include "volume/frames_all.h"
 
 typedef struct build_options {
-    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames; /* scene: of --for */
-    iso_cli_look look; /* its transfer function alone */
+    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames; /* scene: --for */
+    iso_cli_look look; /* only its transfer function */
     int is_auto;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
     double gauss_sigma, memory_mb, save_seconds;
 } build_options;
 
-/* NAME.iso in the current folder; to be freed. */
+/* Returns NAME.iso in the current folder; to be freed. */
 static char *default_output(const char *input)
 {
     const char *name = iso_path_base(input);
@@ -141,7 +141,7 @@ static iso_status open_input(void *user, iso_volume_source **source, iso_error *
     return iso_volume_input_open(u->path, u->input, source, err);
 }
 
-/* What changes no byte of a pyramid. */
+/* Options that do not change the pyramid. */
 static const char *const not_in_key[] = {"threads", "memory", "save-every", NULL};
 
 static void warn_of_beginning_anew(const iso_cli *cli, const iso_stream_report *r)
@@ -149,10 +149,10 @@ static void warn_of_beginning_anew(const iso_cli *cli, const iso_stream_report *
     if (!r->not_resumed[0] || cli->quiet)
         return;
     iso_progress_line_hide(cli->progress);
-    fprintf(stderr, "isoshade build: --resume: %s; the build began again\n", r->not_resumed);
+    fprintf(stderr, "isoshade build: --resume: %s; the build starts from the beginning\n", r->not_resumed);
 }
 
-/* One pyramid; *json, where it is not NULL, takes what is printed as JSON, to be freed. */
+/* Builds one pyramid. *json receives the printed JSON unless it is NULL; to be freed. */
 static iso_status build_one(const build_job *job, const iso_pyramid_options *opt, const char *output, json_t **json,
                             iso_error *err)
 {
@@ -184,7 +184,7 @@ static iso_status build_one(const build_job *job, const iso_pyramid_options *opt
     return status;
 }
 
-/* A pyramid of each frame, NAME_0000.iso and so on, with the range of all of them. */
+/* Builds a pyramid of each frame, NAME_0000.iso and so on, with the range of all frames. */
 static iso_status build_frames(const build_job *job, iso_pyramid_options *opt, const char *output, iso_error *err)
 {
     const char *path = job->cli->arguments[0];
@@ -223,13 +223,13 @@ static iso_status build_frames(const build_job *job, iso_pyramid_options *opt, c
 static iso_status check_frames(const build_options *in, const iso_volume_input *input, iso_error *err)
 {
     if (in->frames && strcmp(in->frames, "all") != 0)
-        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; --frame K builds one", in->frames);
+        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; build one with --frame K", in->frames);
     if (in->frames && (input->frame || in->scene))
-        return iso_fail(err, ISO_E_USAGE, "--frames all and %s: one or the other", in->scene ? "--for" : "--frame");
+        return iso_fail(err, ISO_E_USAGE, "--frames all and %s exclude each other", in->scene ? "--for" : "--frame");
     return ISO_OK;
 }
 
-/* Labels have majorities; another filter would mix them. */
+/* Chooses majorities for label maps, which other filters would mix. */
 static iso_status choose_filter(const build_job *job, iso_pyramid_options *opt, iso_error *err)
 {
     const char *path = job->cli->arguments[0];
@@ -241,16 +241,18 @@ static iso_status choose_filter(const build_job *job, iso_pyramid_options *opt, 
     const bool is_named = job->options->scalar_filter || job->options->is_auto;
     if (job->options->scene || (is_named && opt->scalar_filter != ISO_SCALAR_MAJORITY))
         return iso_fail(err, ISO_E_USAGE,
-                        "%s is a label map of %zu labels, which %s would interpolate; --no-labels does", path, labels,
-                        job->options->scene ? "--for" : job->options->is_auto ? "--auto" : "--scalar-filter");
+                        "%s: a label map of %zu labels, which %s cannot interpolate; --no-labels reads intensities",
+                        path, labels,
+                        job->options->scene     ? "--for"
+                        : job->options->is_auto ? "--auto"
+                                                : "--scalar-filter");
     opt->scalar_filter = ISO_SCALAR_MAJORITY;
     if (!job->cli->json && !job->cli->quiet)
-        printf("label map, %zu labels: levels by majority, looked up without interpolation (else --no-labels)\n",
-               labels);
+        printf("label map, %zu labels: levels by majority, without interpolation (intensities: --no-labels)\n", labels);
     return ISO_OK;
 }
 
-/* Levels for a scene are made in memory, by one process. */
+/* Builds levels for a scene, in memory and by one process. */
 static iso_status build_for(const build_job *job, iso_error *err)
 {
     const iso_cli *cli = job->cli;
@@ -258,9 +260,9 @@ static iso_status build_for(const build_job *job, iso_error *err)
     const char *path = cli->arguments[0];
     iso_pyramid_options opt;
     if (in->resume)
-        return iso_fail(err, ISO_E_USAGE, "--for and --resume: levels for a scene are made in one go");
+        return iso_fail(err, ISO_E_USAGE, "--for and --resume exclude each other: levels for a scene are made at once");
     if (job->ranks)
-        return iso_fail(err, ISO_E_USAGE, "--for: levels for a scene are made by one process, not by ranks");
+        return iso_fail(err, ISO_E_USAGE, "--for: levels for a scene are made by one process, without MPI");
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_cli_look asked = in->look;
@@ -298,19 +300,17 @@ static iso_status build_any(const build_job *job, iso_error *err)
     const build_options *in = job->options;
     const char *path = job->cli->arguments[0];
     if (iso_pyramid_is_one(path))
-        return iso_fail(err, ISO_E_USAGE, "build makes the levels of a volume; %s is a pyramid, whose levels are made",
-                        path);
+        return iso_fail(err, ISO_E_USAGE, "%s: a pyramid, which already has levels; give a volume", path);
     if (in->is_auto && (in->scene || in->scalar_filter || in->direction_filter))
-        return iso_fail(err, ISO_E_USAGE,
-                        "--auto says which filters: without --for, --scalar-filter and --direction-filter");
+        return iso_fail(err, ISO_E_USAGE, "--auto excludes --for, --scalar-filter and --direction-filter");
     if (in->scene)
         return build_for(job, err);
     if (!iso_cli_look_is_empty(&in->look))
-        return iso_fail(err, ISO_E_USAGE, "--tf is what --for %s makes levels for", ISO_BUILD_FOR_FIRST);
+        return iso_fail(err, ISO_E_USAGE, "--tf needs --for %s", ISO_BUILD_FOR_FIRST);
     return build(job, err);
 }
 
-/* One rank speaks, for all: results, help and messages are the same in each. */
+/* Silences all ranks but one: results, help and messages are the same in each. */
 static iso_status silence_others(iso_error *err)
 {
     if (iso_ranks_is_other() && !freopen("/dev/null", "w", stdout))
@@ -331,35 +331,35 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     iso_volume_input input;
     iso_volume_input_defaults(&input);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &in.output, 0, "the pyramid's folder; else the input's name with .iso",
+        {"output", 'o', POPT_ARG_STRING, &in.output, 0, "folder of the pyramid (the input's name with .iso)",
          "NAME.iso"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "levels, with the finest", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "number of levels, including the finest",
+         "N"},
         {"estimator", 0, POPT_ARG_STRING, &in.estimator, 0, "gradient estimator of the list below (central)", "NAME"},
         {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "scalar filter of the list below (mean)", "NAME"},
         {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0,
          "direction filter of the list below (moments)", "NAME"},
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "direction code of the list below (fit)", "NAME"},
         {"for", 0, POPT_ARG_STRING, &in.scene, 0,
-         "choose each coarse level's scalar so that this scene, or the volume's first picture, shows it most like level 0",
-         "SCENE|first"},
-        {"frames", 0, POPT_ARG_STRING, &in.frames, 0,
-         "all: a pyramid of each time step, NAME_0000.iso and so on, with one range of values for fitted TFs", "all"},
-        {"auto", 0, POPT_ARG_NONE, &in.is_auto, 0,
-         "--scalar-filter damped and --direction-filter auto, to be shown with --adapt --extinction-scale", NULL},
+         "make coarse levels for this scene, or for the volume's first picture", "SCENE|first"},
+        {"frames", 0, POPT_ARG_STRING, &in.frames, 0, "build a pyramid of each time step, with one range of values",
+         "all"},
+        {"auto", 0, POPT_ARG_NONE, &in.is_auto, 0, "damped scalars and auto directions, for --adapt --extinction-scale",
+         NULL},
         ISO_CLI_TF_OPTIONS(&in.look),
         {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
-         "radius of the Gaussian of gauss and eq1, in voxels of the finer level", "N"},
+         "gauss, eq1: radius of the Gaussian in voxels of the finer level", "N"},
         {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0,
-         "standard deviation of that Gaussian", "VOXELS"},
+         "gauss, eq1: standard deviation of the Gaussian", "VOXELS"},
         {"eq1-exponent", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.eq1_exponent, 0,
          "eq1: exponent of the gradient magnitude in the weights", "P"},
-        {"keep-float", 0, POPT_ARG_NONE, &in.keep_float, 0, "store the directions as floats, too", NULL},
-        {"keep-magnitude", 0, POPT_ARG_NONE, &in.keep_magnitude, 0, "store the gradient magnitudes", NULL},
-        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "memory for buffers, at most",
+        {"keep-float", 0, POPT_ARG_NONE, &in.keep_float, 0, "also store the directions as floats", NULL},
+        {"keep-magnitude", 0, POPT_ARG_NONE, &in.keep_magnitude, 0, "also store the gradient magnitudes", NULL},
+        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "limit of the memory for buffers",
          "MB"},
         {"resume", 0, POPT_ARG_NONE, &in.resume, 0, "resume a killed build of the same volume and options", NULL},
         {"save-every", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.save_seconds, 0,
-         "note so often how far the build is, for --resume; 0: after each slab", "SECONDS"},
+         "seconds between saved states for --resume; 0: after each slab", "SECONDS"},
         ISO_CLI_INPUT_OPTIONS(&input),
         POPT_TABLEEND,
     };
@@ -382,7 +382,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     return status;
 }
 
-/* mpirun ends all ranks when one exits with an error, perhaps before rank 0 has said why: so rank 0 alone does. */
+/* Reports errors only from rank 0: mpirun ends all ranks when one fails, perhaps before rank 0 has reported why. */
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_ranks *ranks = NULL;
@@ -395,31 +395,32 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_build = {
     .name = "build",
-    .summary = "make the pyramid of a volume: scalars and encoded shading directions at several levels",
+    .summary = "build the pyramid of a volume: scalars and encoded shading directions at several levels",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME [-o NAME.iso] [options]",
     .details =
-        "The pyramid is a folder of plain NRRD files with pyramid.json beside them. The directions of all levels come from\n"
+        "The pyramid is a folder of plain NRRD files and a pyramid.json. The directions of all levels come from\n"
         "the gradients of the finest one. The volume is read in slabs, so it may be larger than memory. Until it is complete\n"
-        "the folder is called .NAME.iso.partial. A coarse voxel is the mean of 2x2x2 finer ones, or with --scalar-filter\n"
-        "least-squares what shows level 0 best when it is looked up (doc/method/least-squares-levels.md): levels look more\n"
-        "alike, and their values may leave the range of level 0; with damped most of the way there, which rings less. (Bricks\n"
-        "of mixed resolution, isoshade plan, are made in memory from level 0 instead: doc/results/mixed-resolution.md.)\n"
-        "With --direction-filter auto each coarse level gets moments, or tensor where the gradients below its voxels agree\n"
+        "the folder is called .NAME.iso.partial. A coarse voxel is the mean of 2x2x2 finer ones. With --scalar-filter\n"
+        "least-squares its lookup is as near to level 0 as possible (doc/method/least-squares-levels.md): levels look more\n"
+        "similar, but their values may leave the range of level 0; damped levels ring less. (Bricks\n"
+        "of mixed resolution, isoshade plan, are made in memory from level 0: doc/results/mixed-resolution.md.)\n"
+        "With --direction-filter auto each coarse level gets moments, or tensor if the gradients below its voxels agree\n"
         "better on an axis than in a direction, by 0.4 and more; the volume is read once more for that, and the figures\n"
         "are printed.\n"
-        "With --direction-filter least-squares directions are those whose lookup is nearest to level 0's, weighted by the\n"
+        "With --direction-filter least-squares the lookup of directions is nearest to level 0's, weighted by the\n"
         "squared gradient; slabs then keep eight times the planes of scalars (doc/method/least-squares-levels.md).\n"
         "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
         "files together; each rank takes --memory, and --resume works with any number of ranks.\n"
         "With --for each coarse level stores the scalar that shows this scene most like level 0: as built, by least squares,\n"
-        "or fitted to the scene's transfer function; twelve small pictures of each decide. It is made in memory, and serves\n"
-        "other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) are made of level 0 and need none.\n"
-        "With --auto levels are damped and directions as with --direction-filter auto. Show such levels with --adapt\n"
-        "--extinction-scale: that is nearest to level 0 over many volumes, for a byte more (doc/results/auto.md).",
-    .common = "output levels for auto scalar-filter direction-filter estimator code memory resume spacing frame channel "
-              "threads",
+        "or fitted to the scene's transfer function; twelve small pictures of each decide. Such levels are made in memory, and\n"
+        "suit other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) do not need them.\n"
+        "With --auto scalars are damped and directions as with --direction-filter auto. Show such levels with --adapt\n"
+        "--extinction-scale: over many volumes this is nearest to level 0, for one more byte per voxel (doc/results/auto.md).",
+    .common =
+        "output levels for auto scalar-filter direction-filter estimator code memory resume spacing frame channel "
+        "threads",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_chart.c - speed against accuracy: a grid of settings on one scene, its front, and the setting that is good enough. */
+/* cmd_chart.c - charts speed against accuracy: measures a grid of settings, and finds the front and the cheapest one. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +15,7 @@
 static iso_status check(iso_chart_arguments *a, iso_error *err)
 {
     if (!a->output)
-        return iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the chart");
+        return iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the chart");
     iso_status status = iso_renderers_load(a->renderers, err);
     TRY(status, iso_words_check_range("--levels", a->level_count, 1, ISO_CHART_MAX_LEVELS, err));
     TRY(status, iso_words_check_range("--budget", a->budget_seconds, 0, 1e6, err));
@@ -31,7 +31,7 @@ static iso_status check(iso_chart_arguments *a, iso_error *err)
     return status;
 }
 
-/* "words (default: LIST)" for --help. */
+/* Writes "words (default: LIST)" for --help. Returns text. */
 static const char *with_default(char *text, size_t size, const char *words, const char *list)
 {
     snprintf(text, size, "%s (default: %s)", words, list);
@@ -45,24 +45,22 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     char help[8][256], codes[200], renderers[256], quadratures[128], plans[200], names[100];
     snprintf(quadratures, sizeof quadratures, "of %s",
              iso_renderers_with(ISO_READS_QUADRATURE, ", ", " and ", names, sizeof names));
-    snprintf(plans, sizeof plans, "%s: bricks of mixed resolution, planned for these predicted errors; or none",
+    snprintf(plans, sizeof plans, "%s: bricks of mixed resolution for these predicted errors; or none",
              iso_renderers_with(ISO_HAS_BRICKS, ", ", " and ", names, sizeof names));
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the chart", "DIR"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "folder for the chart", "DIR"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
         {"want", 0, POPT_ARG_STRING, &a.want_text, 0,
-         "name the fastest and the smallest setting with this error or less, as command lines", "1/255"},
-        {"metric", 0, POPT_ARG_STRING, &a.metric_text, 0, "the error: rmse (default), flip (mean), or ssim (1 - SSIM)",
-         "METRIC"},
+         "print commands of the fastest and smallest setting within this error", "1/255"},
+        {"metric", 0, POPT_ARG_STRING, &a.metric_text, 0,
+         "error measure: rmse (default), flip (mean), or ssim (1 - SSIM)", "METRIC"},
         {"bytes", 0, POPT_ARG_STRING, &a.bytes_text, 0,
-         "device (default): what the renderer holds; or stored: the level in files", "WHICH"},
+         "device (default): memory of the renderer; or stored: size of the files", "WHICH"},
         {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0,
-         "for everything, from reading to drawing; the reference and one setting are made in any case; 0: no limit, the whole grid is tried",
-         "SECONDS"},
+         "time limit of the whole run; 0: none, measures the whole grid", "SECONDS"},
         {"with", 0, POPT_ARG_STRING, &a.words.with, 0,
-         with_default(help[0], sizeof *help,
-                      "renderers; also reference. Those of the default are left out where missing",
+         with_default(help[0], sizeof *help, "renderers, or reference; missing default ones are left out",
                       iso_chart_default_renderers(renderers, sizeof renderers)),
          "LIST"},
         ISO_CLI_RENDERERS_OPTION(&a.renderers),
@@ -71,29 +69,28 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"quadratures", 0, POPT_ARG_STRING, &a.words.quadratures, 0,
          with_default(help[2], sizeof *help, quadratures, usual->quadratures), "LIST"},
         {"estimators", 0, POPT_ARG_STRING, &a.words.estimators, 0,
-         with_default(help[3], sizeof *help, "of a volume's gradients; the first makes the reference's",
+         with_default(help[3], sizeof *help, "gradient estimators for a volume; the reference uses the first",
                       usual->estimators),
          "LIST"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
-         "levels of a volume, the finest included", "N"},
+         "number of levels of a volume, including the finest", "N"},
         {"filters", 0, POPT_ARG_STRING, &a.words.filters, 0,
-         with_default(help[4], sizeof *help, "of directions of a volume's coarse levels", usual->filters), "LIST"},
+         with_default(help[4], sizeof *help, "direction filters for a volume's coarse levels", usual->filters), "LIST"},
         {"codes", 0, POPT_ARG_STRING, &a.words.codes, 0,
-         with_default(help[5], sizeof *help, "of directions", iso_chart_default_codes(codes, sizeof codes)), "LIST"},
+         with_default(help[5], sizeof *help, "direction codes", iso_chart_default_codes(codes, sizeof codes)), "LIST"},
         {"tfs", 0, POPT_ARG_STRING, &a.words.tfs, 0,
          with_default(help[6], sizeof *help,
-                      "transfer functions of coarse levels: the scene's, the level's own, 2D ones of the level",
-                      usual->tfs),
+                      "transfer functions of coarse levels: the scene's, adapted, or adapted 2D ones", usual->tfs),
          "LIST"},
         {"plans", 0, POPT_ARG_STRING, &a.words.plans, 0, with_default(help[7], sizeof *help, plans, usual->plans),
          "LIST"},
         {"processor-time", 0, POPT_ARG_NONE, &a.processor_time, 0,
-         "of frames, over all cores, instead of the clock's: software GL on a busy machine", NULL},
+         "measure processor time over all cores: for software GL on a busy machine", NULL},
         {"resume", 0, POPT_ARG_NONE, &a.resume, 0,
-         "go on with what an interrupted or finished chart of the same volume and scenes has measured", NULL},
-        {"viewer", 0, POPT_ARG_NONE, &a.viewer, 0,
-         "a page of the viewer for each scene beside the chart, to which its settings link", NULL},
-        {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings instead of the built-in style.gp", "STYLE.gp"},
+         "continue from the measurements of an earlier chart of the same scenes", NULL},
+        {"viewer", 0, POPT_ARG_NONE, &a.viewer, 0, "write a viewer page per scene, to which settings link", NULL},
+        {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings to use instead of the built-in style.gp",
+         "STYLE.gp"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -110,28 +107,29 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_chart = {
     .name = "chart",
-    .summary = "speed against accuracy: which setting is good enough for a scene",
+    .summary = "chart speed against accuracy, and find the setting that is good enough for a scene",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso -o DIR [--scene SCENE.scene.json] [--want 1/255] [options]",
     .details =
         "Renders the scene with every renderer, step, quadrature, estimator, level, direction filter, code, other source of\n"
-        "directions (floats, flipped, palettes, on the fly), transfer function and plan of mixed resolution. The error is\n"
-        "against one truth: the converged reference of level 0 under the scene's own transfer function, with the directions of\n"
-        "the first estimator as floats. First the usual choices at every level and step, then what departs from them in one\n"
-        "axis, then in two ...; what does not fit into the budget is named, and --budget 0 tries everything. A setting is on the\n"
-        "front when no other is both as fast (or as small) and as exact; finer steps than the level's own error needs come last.\n"
-        "--scene A,B measures each setting in each scene, and --want asks for it in all of them.\n"
+        "directions (floats, flipped, palettes, on the fly), transfer function and plan of mixed resolution. All errors are\n"
+        "against one reference: level 0, converged, under the scene's own transfer function, with the directions of\n"
+        "the first estimator as floats. The usual choices come first at every level and step, then settings that differ in one\n"
+        "axis, in two, and so on; skipped ones are listed, and --budget 0 measures all. A setting is on the\n"
+        "front if no other is both as fast (or as small) and as exact; finer steps than the level's error needs come last.\n"
+        "--scene A,B measures each setting in each scene, and --want applies to all of them.\n"
         "\n"
-        "Times are of the frame alone: the fastest of up to 5, after a warm-up; those near the front are timed again at the\n"
-        "end, in rounds. The median and the slowest stand beside it, as does what came before the frame (textures; start,\n"
-        "export and reading of Blender and POV-Ray). Device bytes are all textures by their formats (gl), Blender's own\n"
-        "account, POV-Ray's DF3 files, the reference's arrays.\n"
+        "Times are of one frame, the fastest of up to 5 after a warm-up; settings near the front are timed again at the\n"
+        "end, in rounds. The median and the slowest are listed, too, as is the time before the frame (textures; start,\n"
+        "export and reading of Blender and POV-Ray). Device bytes are the textures' sizes (gl), Blender's own\n"
+        "count, POV-Ray's DF3 files, or the reference's arrays.\n"
         "\n"
         "DIR holds index.html (the chart as a page, with a picture of each setting), pareto.svg, pareto.pdf, pareto.csv,\n"
-        "chart.json and reference.exr; edit style.gp there and run \"gnuplot pareto.gp\" to restyle. Exit code 1: no setting that\n"
-        "was tried has the wanted error; the nearest is named.",
-    .common = "output scene tf view size want metric budget with steps levels filters codes resume viewer spacing threads",
+        "chart.json and reference.exr; edit style.gp there and run \"gnuplot pareto.gp\" to restyle. Exit code 1: no measured\n"
+        "setting has the wanted error; the nearest is named.",
+    .common =
+        "output scene tf view size want metric budget with steps levels filters codes resume viewer spacing threads",
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
         "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"

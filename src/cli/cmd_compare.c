@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* isoshade compare: how far two images are apart, and whether that is allowed. */
+/* cmd_compare.c - measures the difference of two images, and checks it against limits. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@ typedef struct compare_options {
     int hdr;
 } compare_options;
 
-/* Loads both pictures. --part and --layer count for each file that has parts, has layers; for one at least. */
+/* Loads both pictures. --part and --layer apply to files that have parts or layers; at least one must. */
 static iso_status load(const iso_cli *cli, const compare_options *opt, iso_image images[2], bool has_alpha[2],
                        iso_error *err)
 {
@@ -35,7 +35,7 @@ static iso_status load(const iso_cli *cli, const compare_options *opt, iso_image
     return ISO_OK;
 }
 
-/* A limit that was not given is -inf; a limit of 0 would ask for equality, which needs no limit. */
+/* Checks the limits: -inf is not given, and a limit of 0 would require equality, which is the default. */
 static iso_status check_tolerances(iso_tolerances *l, iso_error *err)
 {
     const struct {
@@ -50,8 +50,8 @@ static iso_status check_tolerances(iso_tolerances *l, iso_error *err)
         if (*all[i].value == -INFINITY)
             *all[i].value = 0;
         else if (!(*all[i].value > 0 && *all[i].value < INFINITY))
-            return iso_fail(err, ISO_E_USAGE, "%s is %g, must be above 0; without limits only equal images agree",
-                            all[i].name, *all[i].value);
+            return iso_fail(err, ISO_E_USAGE, "%s is %g, must be above 0; omit it to require equal images", all[i].name,
+                            *all[i].value);
     }
     return ISO_OK;
 }
@@ -73,7 +73,7 @@ static json_t *describe_tolerances(const iso_tolerances *l)
     return o;
 }
 
-/* The map's mean, and the map as a picture when that is asked for. */
+/* Computes the mean of the FLIP map, and saves the map if requested. */
 static iso_status measure_flip(const compare_options *opt, const iso_image images[2], double *mean, iso_error *err)
 {
     iso_image picture;
@@ -109,9 +109,10 @@ static bool is_opaque(const iso_image *image)
     return true;
 }
 
-/* Programs write pictures with their background in them: beside one that has none alpha tells of nothing else. */
+/* Result of comparing opacities. Some programs blend the background into their pictures, which makes them opaque: then
+ * alpha differs for that reason alone. */
 typedef struct opacity {
-    const char *opaque, *other; /* "A" or "B"; NULL: both are opaque throughout, or neither */
+    const char *opaque, *other; /* "A" or "B"; NULL if both or neither are opaque throughout */
     double rmse_of_colors;
 } opacity;
 
@@ -123,7 +124,7 @@ static opacity look_at_opacity(const iso_image images[2])
     return (opacity){a ? "A" : "B", a ? "B" : "A", iso_metrics_rmse_of_colors(&images[0], &images[1], INFINITY)};
 }
 
-/* Gives a picture without an alpha channel the other's alpha, so that colors alone are compared. */
+/* Copies alpha to a picture without one, so that only colors are compared. */
 static void complete_alpha(iso_image images[2], const bool has_alpha[2])
 {
     if (has_alpha[0] == has_alpha[1])
@@ -142,8 +143,8 @@ static void print_text(const iso_metrics *m, const opacity *o, const hdr_flip *h
                "ssim      %.6f\nflip_mean %.6f\n",
                m->rmse, m->max_abs, m->worst[0], m->worst[1], m->p99_abs, m->psnr_db, m->ssim, m->flip_mean);
     if (o->opaque)
-        printf("note      %s is opaque throughout, %s is not; the rmse of the colors alone is %.4g\n", o->opaque,
-               o->other, o->rmse_of_colors);
+        printf("note      %s is opaque throughout, %s is not; rmse of the colors: %.4g\n", o->opaque, o->other,
+               o->rmse_of_colors);
     if (isfinite(hdr->mean))
         printf("hdr_flip  %.6f over %zu exposures, 2^%.4f to 2^%.4f\n", hdr->mean, hdr->exposures, hdr->start,
                hdr->stop);
@@ -207,18 +208,21 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     compare_options opt = {.tolerances = {-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY}};
     struct poptOption options[] = {
-        {"max-rmse", 0, POPT_ARG_DOUBLE, &opt.tolerances.rmse, 0, "largest root mean square difference", "X"},
-        {"max-abs", 0, POPT_ARG_DOUBLE, &opt.tolerances.max_abs, 0, "largest difference of any channel", "X"},
-        {"max-p99", 0, POPT_ARG_DOUBLE, &opt.tolerances.p99_abs, 0, "largest difference of 99 % of the pixels", "X"},
-        {"max-dissimilarity", 0, POPT_ARG_DOUBLE, &opt.tolerances.ssim_dissimilarity, 0, "largest 1 - SSIM", "X"},
-        {"max-flip", 0, POPT_ARG_DOUBLE, &opt.tolerances.flip_mean, 0, "largest mean FLIP", "X"},
-        {"difference", 'd', POPT_ARG_STRING, &opt.difference, 0, "write |a - b| to look at", "OUT.png"},
-        {"scale", 0, POPT_ARG_DOUBLE, &opt.scale, 0, "factor of that picture; 0: the largest difference is white", "X"},
-        {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0,
-         "write the FLIP map: .exr holds its values, .png shows them, white the largest", "OUT"},
-        {"hdr", 0, POPT_ARG_NONE, &opt.hdr, 0, "HDR-FLIP as well, with A as reference; of the map, too", NULL},
-        {"part", 0, POPT_ARG_STRING, &opt.part, 0, "part of OpenEXR files that have several", "NAME|N"},
-        {"layer", 0, POPT_ARG_STRING, &opt.layer, 0, "layer of OpenEXR files that have layers", "NAME"},
+        {"max-rmse", 0, POPT_ARG_DOUBLE, &opt.tolerances.rmse, 0, "largest allowed root mean square difference", "X"},
+        {"max-abs", 0, POPT_ARG_DOUBLE, &opt.tolerances.max_abs, 0, "largest allowed difference of any channel", "X"},
+        {"max-p99", 0, POPT_ARG_DOUBLE, &opt.tolerances.p99_abs, 0, "largest allowed difference of 99 % of the pixels",
+         "X"},
+        {"max-dissimilarity", 0, POPT_ARG_DOUBLE, &opt.tolerances.ssim_dissimilarity, 0, "largest allowed 1 - SSIM",
+         "X"},
+        {"max-flip", 0, POPT_ARG_DOUBLE, &opt.tolerances.flip_mean, 0, "largest allowed mean FLIP", "X"},
+        {"difference", 'd', POPT_ARG_STRING, &opt.difference, 0, "write a picture of |a - b|", "OUT.png"},
+        {"scale", 0, POPT_ARG_DOUBLE, &opt.scale, 0, "factor for that picture; 0: the largest difference is white",
+         "X"},
+        {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0, "write the FLIP map: values as .exr, or gray as .png",
+         "OUT"},
+        {"hdr", 0, POPT_ARG_NONE, &opt.hdr, 0, "also measure and map HDR-FLIP, with A as reference", NULL},
+        {"part", 0, POPT_ARG_STRING, &opt.part, 0, "part of a multipart OpenEXR file", "NAME|N"},
+        {"layer", 0, POPT_ARG_STRING, &opt.layer, 0, "layer of an OpenEXR file", "NAME"},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -243,18 +247,18 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_compare = {
     .name = "compare",
-    .summary = "measure how far two images are apart",
+    .summary = "measure the difference of two images",
     .min_arguments = 2,
     .max_arguments = 2,
     .usage = "A B [--max-rmse X ...] [--difference OUT.png] [--json]",
     .details =
         "Images are OpenEXR (linear), PPM of 16 bits (linear) or PNG (decoded from sRGB, or by its gAMA and cHRM); a\n"
-        "file's content counts, not its name. OpenEXR files of several parts need --part, a name or a number from 1.\n"
+        "file's content decides, not its name. OpenEXR files of several parts need --part, a name or a number from 1.\n"
         "Channels of a layer, such as ViewLayer.Combined.R, need --layer ViewLayer.Combined.\n"
-        "Exit code 0 when the images agree within the limits given, 1 when they differ; without a limit they\n"
-        "agree only when they are equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
-        "on the sRGB that people see. If one image is opaque throughout and the other is not, a note has the RMSE of\n"
-        "the colors alone. If only one file has an alpha channel, alpha is not compared. Pixels that are not finite\n"
+        "Exit code 0: the images agree within the given limits; 1: they differ. Without limits they\n"
+        "must be equal. Limits, RMSE and differences are on linear RGB and alpha; SSIM and FLIP\n"
+        "on sRGB. If one image is opaque throughout and the other is not, a note has the RMSE of\n"
+        "the colors. If only one file has an alpha channel, alpha is not compared. Pixels that are not finite\n"
         "always differ.",
     .examples =
         "  isoshade make sphere --size 24 -o v.nrrd\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_export.c - a level for other programs: the table of exporters/targets. */
+/* cmd_export.c - exports levels to other programs, by the table of exporters/targets. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +21,8 @@
 #include "volume/frames_all.h"
 #include "targets/targets.h"
 
-/* The scene's view with a copy of its table, and in it what is asked for: full resolution in a box, an adapted table. */
+/* Makes the view of a level: the scene's with its own copy of the table, adapted and with a region of interest if
+ * requested. */
 static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *view, iso_error *err)
 {
     const iso_export_arguments *a = job->user;
@@ -33,7 +34,7 @@ static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *v
         return iso_fail(err, ISO_E_MEMORY, "export: out of memory");
     }
     memcpy(view->tf.entries, job->view->tf.entries, bytes);
-    /* levels that are no coarser than the region of interest need none */
+    /* Levels as fine as the region of interest do not need it. */
     iso_status status = a->roi.box && a->roi.level >= 0 && k <= (size_t)a->roi.level &&
                                 k < (size_t)(a->level + a->level_count - 1)
                             ? ISO_OK
@@ -47,7 +48,7 @@ static iso_status view_of_level(const iso_export_job *job, size_t k, iso_view *v
     return status;
 }
 
-/* The target reads a level's scalars a few at a time, and so does all else that is asked for. So does a plan. */
+/* True if the target reads a level's scalars a few planes at a time, and no option or plan needs all of them. */
 static bool is_narrow(const iso_export_arguments *a, const iso_export_target *target)
 {
     return target->narrow && !a->roi.box && !a->adapted.wanted && !a->adapted.extinction_scale && !a->isosurface &&
@@ -80,7 +81,7 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
         *view = sight.view;
     else if (status == ISO_OK && wants_view)
         status = iso_subject_make_view(look, p, view, err);
-    if (status == ISO_OK && view->width > 0) { /* there is a scene */
+    if (status == ISO_OK && view->width > 0) { /* a scene is given */
         if (narrow)
             iso_cli_warn_of(a->cli, &sight.visible);
         else
@@ -89,7 +90,7 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
     return status;
 }
 
-/* What the command line says, before anything is read. iso: the surface's value, as it was without one. */
+/* Checks the command line before reading. iso: value of the surface; unchanged without one. */
 static iso_status check_arguments(iso_export_arguments *a, const iso_export_target **target, iso_subject_look *look,
                                   double iso[3], iso_error *err)
 {
@@ -100,7 +101,7 @@ static iso_status check_arguments(iso_export_arguments *a, const iso_export_targ
     return status;
 }
 
-/* What one volume and a series have alike. root: for --json, or NULL. */
+/* Makes the parts of a job that one volume and a series share. root: for --json, or NULL. */
 static iso_export_job job_of(iso_export_arguments *a, const iso_export_target *target, iso_view *view, double iso,
                              const iso_progress *progress, const char *command, json_t *root)
 {
@@ -126,7 +127,7 @@ static iso_export_job job_of(iso_export_arguments *a, const iso_export_target *t
                             .notes = root ? NULL : stdout};
 }
 
-/* A plan's nodes are made of level 0, or of the samples where it has no scalars. */
+/* Loads a plan, whose nodes are made from level 0, or from the volume's samples if level 0 has no scalars. */
 static iso_status load_plan(const iso_export_arguments *a, const iso_pyramid *p, const iso_volume *v, const iso_view *view,
                             iso_planned *planned, iso_error *err)
 {
@@ -194,7 +195,7 @@ static iso_status check_level(const iso_export_arguments *a, const iso_pyramid *
     return iso_pyramid_check_level(p, a->cli->arguments[0], (size_t)(a->level + a->level_count - 1), err);
 }
 
-/* The first frame says what a scene shows of all. */
+/* Makes the view of a series, from the scene and the first frame. */
 static iso_status make_series_view(const iso_export_arguments *a, const iso_subject_frames *frames, const double iso[3],
                                    iso_view *view, iso_error *err)
 {
@@ -209,7 +210,7 @@ static iso_status make_series_view(const iso_export_arguments *a, const iso_subj
     return status;
 }
 
-/* An output a frame, numbered. */
+/* Writes one numbered output per frame. */
 static iso_status write_each(const iso_export_arguments *a, const iso_export_target *target,
                              const iso_subject_frames *frames, const iso_export_job *of_all, iso_error *err)
 {
@@ -290,9 +291,9 @@ static iso_status export_volumes(iso_export_arguments *a, iso_error *err)
                                                       : NULL;
     iso_status status = iso_export_check(a, &target, err);
     if (status == ISO_OK && other)
-        status = iso_fail(err, ISO_E_USAGE, "%s and several volumes: %s is of one volume", other, other);
+        status = iso_fail(err, ISO_E_USAGE, "%s needs a single volume, without --add and --channels", other);
     if (status == ISO_OK && a->channels && a->input.channel)
-        status = iso_fail(err, ISO_E_USAGE, "--channel and --channels: one of them");
+        status = iso_fail(err, ISO_E_USAGE, "--channel and --channels exclude each other");
     TRY(status, iso_cli_look_check(&a->look, a->cli->threads, &look, err));
     if (status != ISO_OK)
         return status;
@@ -326,44 +327,36 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_roi_defaults(&a.roi);
     struct poptOption options[] = {
         {"to", 0, POPT_ARG_STRING, &a.to, 0, "export target of the list below", "TARGET"},
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0,
-         "NAME.vdb, NAME.nvdb, NAME.blend, or a folder for povray, pbrt, mitsuba and paraview", "PATH"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.nvdb, NAME.blend, or a folder for other targets",
+         "PATH"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid; 0 is the finest",
          "K"},
         {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
-         "vdb, nanovdb: this many levels from K on in one file, as density_level_N; blender: to be switched in one .blend",
-         "N"},
+         "vdb, nanovdb, blender: number of levels from K on in one file", "N"},
         {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
-         "all frames of a series, with one range and one transfer function: numbered files, which one .blend plays",
-         "all"},
+         "export all frames of a series, with one range and transfer function", "all"},
         {"add", 0, POPT_ARG_ARGV, &a.added, 0,
-         "blender: one more volume in the scene, with a transfer function of its own (one that is suggested); again for more",
-         "VOLUME[,TF]"},
+         "blender: add a volume with its transfer function (suggested); repeatable", "VOLUME[,TF]"},
         {"channels", 0, POPT_ARG_STRING, &a.channels, 0,
-         "blender: channels of the file as volumes of one scene, a color each", "all|LIST"},
+         "blender: export channels as volumes of one scene, in different colors", "all|LIST"},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender, povray: ray step in voxels of the level (the scene's)",
          "STEP"},
-        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0, "povray: the surface of this value instead of the volume",
-         "VALUE"},
+        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0,
+         "povray: export the surface of this value instead of the volume", "VALUE"},
         {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
-         "only the part of the volume that this plan (isoshade plan -o) keeps; with its --scene", "PLAN.json"},
+         "export only the bricks of this plan (isoshade plan -o), with its --scene", "PLAN.json"},
         {"grids", 0, POPT_ARG_STRING, &a.grids, 0,
-         "vdb, nanovdb of a plan: merged (default), one plain grid; or levels, one a level", "GRIDS"},
+         "vdb, nanovdb with --plan: merged (default) grid, or one per level: levels", "GRIDS"},
         {"force", 0, POPT_ARG_NONE, &a.force, 0,
-         "overwrite a .blend, a .usda or grids beside a .blend that isoshade did not write, or that were changed "
-         "since; what was there stays as NAME.blend1 and so on",
-         NULL},
-        {"material", 0, POPT_ARG_STRING, &a.material, 0,
-         "blender: the material that the file opens with; its property physical changes it", "MATERIAL"},
-        ISO_CLI_CYCLES_OPTIONS(&cycles, "blender: the Blender that makes the file: a path, or a name that PATH has",
-                               "PROGRAM"),
-        {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb, blender: half floats, smaller and less exact", NULL},
+         "replace changed or foreign .blend, .usda and grids, kept as NAME.blend1 and so on", NULL},
+        {"material", 0, POPT_ARG_STRING, &a.material, 0, "blender: material that the file opens with", "MATERIAL"},
+        ISO_CLI_CYCLES_OPTIONS(&cycles, "blender: Blender program to use, a path or a name in PATH", "PROGRAM"),
+        {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb, blender: write half floats, smaller and less exact", NULL},
         {"dense", 0, POPT_ARG_NONE, &a.dense, 0,
-         "vdb, nanovdb, blender: all voxels, not only what the transfer function shows: for one that will be edited",
-         NULL},
+         "vdb, nanovdb, blender: keep invisible voxels, to edit the transfer function later", NULL},
         {"background", 0, POPT_ARG_STRING, &a.background_text, 0,
-         "vdb, nanovdb: the value of what is left out; without a scene or --tf, voxels of this value are", "VALUE"},
+         "vdb, nanovdb: value of omitted voxels; without a scene, omits voxels of this value", "VALUE"},
         ISO_BAKE_OPTIONS(&a.bake_words),
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
@@ -396,28 +389,28 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_export = {
     .name = "export",
-    .summary = "write a level for OpenVDB, NanoVDB, Blender, POV-Ray, pbrt, Mitsuba or ParaView",
+    .summary = "export a level to OpenVDB, NanoVDB, Blender, POV-Ray, pbrt, Mitsuba or ParaView",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --to TARGET -o PATH [options]",
     .details =
-        "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that renders as\n"
-        "it opens; color map packed, the grids next to it by relative paths, levels switched by a property. Its material is\n"
-        "exact, or physical: lit by lamps and world, with shadows; a property switches (doc/guide/blender.md).\n"
-        "vdb with --bake, or --for PROGRAM: extinction and color for other programs. The change of the picture is measured by\n"
-        "the scene, as every --to has it. (build --for SCENE is another thing: levels made for a scene.)\n"
-        "nanovdb: the grids of vdb, baked or not, as NanoVDB has them.\n"
+        "vdb: grids density (float) and gradient (vec3s, shading directions in world axes). blender: a scene that is ready to\n"
+        "render; with a packed color map, grids next to it by relative paths, and a property that switches levels. Its material is\n"
+        "exact, or physical (lit by lamps and world, with shadows), switched by a property (doc/guide/blender.md).\n"
+        "vdb with --bake, or --for PROGRAM: extinction and color for other programs. The change of the picture is measured in\n"
+        "the scene. (build --for SCENE is different: it makes levels for a scene.)\n"
+        "nanovdb: the same grids as vdb, baked or not, in NanoVDB files.\n"
         "pbrt, mitsuba: a medium of baked grids, its colors shaded for the scene's camera and lights; pbrt-v4 emits and absorbs\n"
-        "(run `pbrt scene.pbrt` in the folder), Mitsuba 3 absorbs alone (`mitsuba scene.xml`).\n"
-        "paraview: a .vti and a state that ParaView loads and `pvbatch NAME.py` renders (all of them:\n"
+        "(run `pbrt scene.pbrt` in the folder), Mitsuba 3 only absorbs (`mitsuba scene.xml`).\n"
+        "paraview: a .vti and a state that ParaView loads and `pvbatch NAME.py` renders (see\n"
         "doc/guide/other-programs.md).\n"
-        "povray: run `povray NAME.ini` in the folder. Without --scene it is a first picture, as render\n"
-        "makes it. Grids hold what the transfer function shows and what filtering touches beside it; vdb does so with --scene\n"
-        "or --tf. A transfer function that is edited later may need the rest: --dense. With --plan only what the scene\n"
-        "needs is written: active voxels and a transparent background, a volume of one grid for blender, cropped DF3 files.\n"
-        "Other programs filter directions themselves: there is no flipped fetch (render --shading-from flipped) in what is\n"
-        "exported.",
-    .common = "to output scene tf view size level levels adapt frames add material step isosurface plan spacing threads",
+        "povray: run `povray NAME.ini` in the folder. Without --scene you get a first picture, as with\n"
+        "render. Grids hold the visible voxels and those that filtering needs; for vdb this takes --scene\n"
+        "or --tf. To edit the transfer function later, export with --dense. With --plan only the bricks that the scene\n"
+        "needs are written: active voxels and a transparent background, a volume of one grid for blender, cropped DF3 files.\n"
+        "Other programs filter directions themselves, without a flipped fetch (render --shading-from flipped).",
+    .common =
+        "to output scene tf view size level levels adapt frames add material step isosurface plan spacing threads",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"
         "  isoshade export shells.nrrd --to blender -o first.blend\n"

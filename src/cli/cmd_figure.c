@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_figure.c - a publication figure, by one of the kinds of src/figure. */
+/* cmd_figure.c - makes a publication figure of one of the kinds in src/figure. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@ typedef struct figure_arguments {
     char *output, *kind, *map, *zoom, *error, *background;
 } figure_arguments;
 
-/* One number enlarges the middle of the picture, four choose a part of it. */
+/* Reads --zoom: one number enlarges the middle of the picture, four choose a part of it. */
 static iso_status parse_zoom(char *text, iso_figure_job *job, iso_error *err)
 {
     double *z = job->inset;
@@ -30,7 +30,7 @@ static iso_status parse_zoom(char *text, iso_figure_job *job, iso_error *err)
     return count == 4 ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--zoom is \"%s\", wanted X or X,Y,W,H", text);
 }
 
-/* A name, or three parts of linear light. */
+/* Reads --background: a name, or three parts of linear light. */
 static iso_status parse_background(const char *text, iso_figure_job *job, iso_error *err)
 {
     double *c = job->background;
@@ -97,50 +97,42 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&job->volume);
     iso_cli_adapted_defaults(&job->adapted);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the figure", "DIR"},
-        {"kind", 0, POPT_ARG_STRING, &a.kind, 0, "what it shows (levels; of a chart: chart)", "KIND"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "folder for the figure", "DIR"},
+        {"kind", 0, POPT_ARG_STRING, &a.kind, 0, "kind of figure (levels; of a chart: chart)", "KIND"},
         {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->width_mm, 0,
-         "of the figure, at most; 85 is one column of many journals, 178 both", "MM"},
-        {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->height_mm, 0, "of the figure, at most", "MM"},
-        {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->dpi, 0, "of its pictures", "DPI"},
-        {"map", 0, POPT_ARG_STRING, &a.map, 0, "the color map of its data (magma)", "MAP"},
+         "largest width; many journals have columns of 85", "MM"},
+        {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->height_mm, 0, "largest height", "MM"},
+        {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->dpi, 0, "resolution of its pictures", "DPI"},
+        {"map", 0, POPT_ARG_STRING, &a.map, 0, "color map of its data (magma)", "MAP"},
         {"zoom", 0, POPT_ARG_STRING, &a.zoom, 0,
-         "enlarge the middle of the pictures so many times; or an inset of a part of each: its left, top, width and "
-         "height as parts of the picture",
-         "X|X,Y,W,H"},
+         "enlarge the middle by X, or inset a part: left, top, width, height in 0 to 1", "X|X,Y,W,H"},
         {"background", 0, POPT_ARG_STRING, &a.background, 0,
-         "of rendered pictures: white, as paper is, black, or R,G,B in parts of linear light (the scene's)", "COLOR"},
-        {"letters", 0, POPT_ARG_NONE, &job->letters, 0, "panels get letters, (a), (b) and so on, for the text to name",
-         NULL},
-        {"formats", 0, POPT_ARG_STRING, &job->formats, 0, "beside the PDF: of svg, png and latex (all)", "LIST"},
-        {"sources", 0, POPT_ARG_NONE, &job->with_sources, 0,
-         "keep the gnuplot script and the pixels that it is drawn from", NULL},
+         "background of pictures: white, black, or linear R,G,B from 0 to 1 (the scene's)", "COLOR"},
+        {"letters", 0, POPT_ARG_NONE, &job->letters, 0, "label the panels (a), (b) and so on", NULL},
+        {"formats", 0, POPT_ARG_STRING, &job->formats, 0, "formats besides PDF: svg, png, latex (all)", "LIST"},
+        {"sources", 0, POPT_ARG_NONE, &job->with_sources, 0, "keep the gnuplot script and its pixels", NULL},
         {"with", 0, POPT_ARG_STRING, &job->with, 0,
-         "of a volume: the renderer (gl, or cpu where OpenGL is software alone), or the renderers to be shown (all)", "LIST"},
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &job->level, 0, "the level that is shown", "K"},
-        {"levels", 0, POPT_ARG_INT, &job->levels, ISO_CLI_NOT_ZERO, "how many levels, with level 0 (4)", "N"},
-        {"adapt", 0, POPT_ARG_NONE, &job->adapted.wanted, 0,
-         "a volume's levels: each with the transfer function adapted to it", NULL},
-        {"frames", 0, POPT_ARG_INT, &job->frames, ISO_CLI_NOT_ZERO, "of a turntable (8)", "N"},
-        {"error", 0, POPT_ARG_STRING, &a.error, 0, "of a plan: the largest RMSE allowed in the picture (1/255)",
-         "1/255"},
-        {"case", 0, POPT_ARG_STRING, &job->atlas_case, 0, "failure: which entry of isoshade atlas (its first)", "NAME"},
+         "volumes: the renderer (gl, or cpu without hardware OpenGL), or renderers to show (all)", "LIST"},
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &job->level, 0, "level to show", "K"},
+        {"levels", 0, POPT_ARG_INT, &job->levels, ISO_CLI_NOT_ZERO, "number of levels, including level 0 (4)", "N"},
+        {"adapt", 0, POPT_ARG_NONE, &job->adapted.wanted, 0, "volumes: adapt the transfer function to each level",
+         NULL},
+        {"frames", 0, POPT_ARG_INT, &job->frames, ISO_CLI_NOT_ZERO, "frames of a turntable (8)", "N"},
+        {"error", 0, POPT_ARG_STRING, &a.error, 0, "plan: largest allowed RMSE of the picture (1/255)", "1/255"},
+        {"case", 0, POPT_ARG_STRING, &job->atlas_case, 0, "failure: entry of isoshade atlas (the first)", "NAME"},
         {"methods", 0, POPT_ARG_STRING, &job->methods, 0,
-         "which methods, such as naive,moments,moments+adapted; of a report's levels else its first and last", "LIST"},
+         "methods, such as naive,moments+adapted (a report's first and last)", "LIST"},
         {"variant", 0, POPT_ARG_STRING, &job->variant, 0,
-         "a report's renderers: comparisons of such a name, such as naive or \"adapted TF\"; else those of the scene as it is",
-         "TEXT"},
+         "a report's renderers: comparisons of this name, such as naive (the scene's own)", "TEXT"},
         ISO_CLI_SCENE_OPTION(&job->look),
         {"tf", 0, POPT_ARG_ARGV, &job->tfs, 0,
-         "transfer function: a file, or a preset of isoshade list (the scene's; auto); of a sheet repeated for several",
+         "transfer function: a file, or a preset of isoshade list (the scene's; auto); repeatable for sheets",
          "FILE|PRESET"},
         ISO_CLI_TRANSFER_OPTIONS(&job->look.transfer),
         {"view", 0, POPT_ARG_ARGV, &job->views, 0,
-         "where to look from: a name of isoshade list, or degrees (the scene's; front of a patient, else iso); of a sheet "
-         "repeated for several (front, left, top, iso)",
+         "view direction: a name of isoshade list, or degrees (the scene's; front or iso); repeatable for sheets",
          "NAME|AZ,EL"},
-        {"size", 0, POPT_ARG_STRING, &job->look.size, 0, "the aspect of the pictures instead of the scene's, or of 1x1",
-         "WxH"},
+        {"size", 0, POPT_ARG_STRING, &job->look.size, 0, "aspect ratio of the pictures (the scene's, or 1x1)", "WxH"},
         ISO_CLI_INPUT_OPTIONS(&job->volume),
         POPT_TABLEEND,
     };
@@ -169,21 +161,22 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_figure = {
     .name = "figure",
     .summary =
-        "a publication figure of a volume, a report or a chart: pictures at print size, difference maps, scale bar",
+        "make a publication figure of a volume, a report or a chart: pictures at print size, difference maps, scale bar",
     .min_arguments = 0,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso|REPORT|CHART -o DIR [--kind KIND] [options]",
     .details =
         "DIR gets figure.pdf and figure.svg with vector text, figure.png, figure-latex.tex for \\input, whose text is set by LaTeX\n"
-        "in the fonts of the paper, and caption.txt with the figures. Of a volume the pictures are rendered for their places in\n"
-        "print, with as many pixels as these have dots, in the scene's view and aspect. REPORT is a folder that `isoshade\n"
-        "validate` wrote, whose pictures are enlarged by whole numbers; --scene names one of a suite's.\n"
+        "in the fonts of the paper, and caption.txt with the numbers. Pictures of a volume are rendered at print size,\n"
+        "one pixel per dot, in the scene's view and aspect. REPORT is a folder that `isoshade\n"
+        "validate` wrote; its pictures are enlarged by whole factors, and --scene names one scene of a suite.\n"
         "--sources keeps figure.gp: edit it or style.gp and run gnuplot there.\n"
-        "--methods: on-the-fly, naive, eq1 and moments, the ways to make directions, under the original transfer function;\n"
-        "on-the-fly+adapted, naive+adapted, eq1+adapted and moments+adapted, under the one adapted to each level.",
+        "--methods: on-the-fly, naive, eq1 and moments make directions in different ways, under the original transfer function;\n"
+        "with +adapted, such as naive+adapted, under the one adapted to each level.",
     .lists = (const iso_names *const[]){&iso_figure_kind_names, &iso_colormap_names, &iso_tf_preset_names,
                                         &iso_viewpoint_names, NULL},
-    .common = "output kind width height dpi with level levels scene tf view size zoom background letters formats threads",
+    .common =
+        "output kind width height dpi with level levels scene tf view size zoom background letters formats threads",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade figure shells.nrrd --levels 3 --width 85 -o figure-volume\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_info.c - what a volume is: geometry, type, range, histogram; and what a pyramid is. */
+/* cmd_info.c - shows a volume's geometry, type, range and histogram, or a pyramid. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,16 +18,16 @@
 #include "volume/segments.h"
 #include "volume/overview.h"
 
-/* What the file says of its lengths. */
+/* Prints the unit of lengths in the file. */
 static void print_unit(const iso_volume_notes *n)
 {
     if (!n->unit[0])
-        printf("  unit       none is named: mm\n");
+        printf("  unit       none in the file: mm\n");
     else
-        printf("  unit       %s, which is %.9g mm\n", n->unit, n->unit_mm);
+        printf("  unit       %s = %.9g mm\n", n->unit, n->unit_mm);
 }
 
-/* Time steps and channels, where the file has several. */
+/* Prints time steps and channels if the file has several. */
 static void print_frames(const iso_volume_notes *n)
 {
     if (n->frame_count > 1) {
@@ -54,14 +54,14 @@ static json_t *frames_to_json(const iso_volume_notes *n)
 static void print_scale(const iso_volume_notes *n)
 {
     if (n->applied_slope != 0)
-        printf("  scale      value = %.9g * stored + %.9g (--stored leaves it out)\n", n->applied_slope,
+        printf("  scale      value = %.9g * stored + %.9g (ignore it with --stored)\n", n->applied_slope,
                n->applied_intercept);
     else if (n->scale_slope != 1 || n->scale_intercept != 0)
-        printf("  scale      physical value = %.9g * sample + %.9g (--stored left it out)\n", n->scale_slope,
+        printf("  scale      physical value = %.9g * sample + %.9g (ignored: --stored)\n", n->scale_slope,
                n->scale_intercept);
 }
 
-/* Names and colors of the labels, where the file has them. */
+/* Prints names and colors of the labels if the file has them. */
 static void print_segments(const json_t *segments)
 {
     enum { LISTED = 48 };
@@ -77,7 +77,7 @@ static void print_segments(const json_t *segments)
         printf("\n");
     }
     if (count > LISTED)
-        printf("  label      and %zu more: --json has all\n", count - LISTED);
+        printf("  label      and %zu more; list all with --json\n", count - LISTED);
 }
 
 static void print_text(const char *path, const iso_overview *f)
@@ -94,7 +94,7 @@ static void print_text(const char *path, const iso_overview *f)
     print_unit(&v->notes);
     print_frames(&v->notes);
     if (v->notes.label_count)
-        printf("  labels     label map, %zu labels: looked up without interpolation (else --no-labels)\n",
+        printf("  labels     label map, %zu labels, without interpolation (intensities: --no-labels)\n",
                v->notes.label_count);
     if (v->notes.label_count)
         print_segments(v->segments);
@@ -160,7 +160,7 @@ static void print_json(const iso_cli *cli, const char *path, const iso_overview 
     iso_cli_print_json(root);
 }
 
-/* --histogram: the same, drawn finer. */
+/* Draws the histogram as a picture, with finer bins than the text. */
 static iso_status draw_histogram(const char *path, const iso_overview *f, const char *picture, iso_error *err)
 {
     const size_t *n = f->header.geometry.size;
@@ -192,14 +192,14 @@ static iso_status show(const iso_cli *cli, const iso_volume_input *input, const 
 
 /* ---- pyramids ---- */
 
-/* What --verify found. */
+/* Results of --verify. */
 typedef struct verified {
     iso_level_check levels[32];
     size_t joint_count;
     iso_joint_check *joints;
 } verified;
 
-/* checks: NULL where nothing was verified. */
+/* Returns a level as JSON. check: NULL without --verify. */
 static json_t *level_to_json(const iso_pyramid *p, size_t k, const iso_level_check *check)
 {
     const iso_level *l = &p->levels[k];
@@ -254,7 +254,7 @@ static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const v
     iso_cli_print_json(root);
 }
 
-/* "level 1 least-squares, level 2 fitted", of a pyramid that was built for a scene. */
+/* Prints "level 1 least-squares, level 2 fitted" for a pyramid that was built for a scene. */
 static void print_made_for(const iso_pyramid *p)
 {
     const json_t *levels = json_object_get(p->made_for, "levels"), *level;
@@ -277,13 +277,13 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
     printf("%s\n  source     %s\n  built by   %s\n", cli->arguments[0], p->source,
            p->built_by);
     if (p->unit.name[0])
-        printf("  unit       of its file: %s, which is %.9g mm\n", p->unit.name, p->unit.mm);
+        printf("  unit       of its file: %s = %.9g mm\n", p->unit.name, p->unit.mm);
     printf("  options    --scalar-filter %s --direction-filter %s --estimator %s --code %s%s%s\n",
            iso_scalar_filter_name(opt->scalar_filter), iso_direction_filter_name(opt->direction_filter),
            iso_gradient_name(opt->gradient.method), iso_code_describe(opt->code)->name,
            opt->keep_float ? " --keep-float" : "", opt->keep_magnitude ? " --keep-magnitude" : "");
     if (opt->value_range[1] > opt->value_range[0])
-        printf("  all frames %.9g to %.9g, which fitted TFs follow\n", opt->value_range[0], opt->value_range[1]);
+        printf("  all frames %.9g to %.9g, the range of fitted TFs\n", opt->value_range[0], opt->value_range[1]);
     print_segments(p->segments);
     if (p->made_for)
         print_made_for(p);
@@ -310,8 +310,8 @@ static iso_status verify(const iso_cli *cli, const iso_pyramid *p, verified *fou
                                                &progress, err);
 }
 
-/* The first thing that is not as it has to be. */
-static iso_status say_what_differs(const iso_cli *cli, const iso_pyramid *p, const verified *found, iso_error *err)
+/* Reports the first failed check. */
+static iso_status report_failed_check(const iso_cli *cli, const iso_pyramid *p, const verified *found, iso_error *err)
 {
     char text[512];
     for (size_t k = 0; k < p->level_count; ++k)
@@ -340,7 +340,7 @@ static iso_status show_pyramid(const iso_cli *cli, bool is_verified, iso_error *
     else if (status == ISO_OK)
         print_pyramid_text(cli, &p, is_verified ? &found : NULL);
     if (status == ISO_OK && is_verified)
-        status = say_what_differs(cli, &p, &found, err);
+        status = report_failed_check(cli, &p, &found, err);
     free(found.joints);
     iso_pyramid_destroy(&p);
     return status;
@@ -350,11 +350,11 @@ static iso_status show_any(const iso_cli *cli, const iso_volume_input *input, bo
                            iso_error *err)
 {
     if (picture && iso_pyramid_is_one(cli->arguments[0]))
-        return iso_fail(err, ISO_E_USAGE, "--histogram is for volumes, %s is a pyramid", cli->arguments[0]);
+        return iso_fail(err, ISO_E_USAGE, "%s: a pyramid; --histogram needs a volume", cli->arguments[0]);
     if (iso_pyramid_is_one(cli->arguments[0]))
         return show_pyramid(cli, verify, err);
     if (verify)
-        return iso_fail(err, ISO_E_USAGE, "--verify is for pyramids, %s is a volume", cli->arguments[0]);
+        return iso_fail(err, ISO_E_USAGE, "%s: a volume; --verify needs a pyramid", cli->arguments[0]);
     return show(cli, input, picture, err);
 }
 
@@ -365,8 +365,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     char *picture = NULL;
     int verify = 0;
     struct poptOption options[] = {
-        {"verify", 0, POPT_ARG_NONE, &verify, 0, "pyramids: make all levels again from level 0, and compare", NULL},
-        {"histogram", 0, POPT_ARG_STRING, &picture, 0, "volumes: draw the histogram by gnuplot, .png, .svg or .pdf",
+        {"verify", 0, POPT_ARG_NONE, &verify, 0, "pyramids: rebuild all levels from level 0, and compare", NULL},
+        {"histogram", 0, POPT_ARG_STRING, &picture, 0, "volumes: draw the histogram with gnuplot: .png, .svg or .pdf",
          "FILE"},
         ISO_CLI_INPUT_OPTIONS(&input),
         POPT_TABLEEND,
@@ -383,16 +383,15 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_info = {
     .name = "info",
-    .summary =
-        "show a volume's geometry, type, range and histogram; or a pyramid, and whether its levels belong together",
+    .summary = "show a volume's geometry, type, range and histogram; or show and verify a pyramid",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso [options]",
     .details =
-        "A file's format is known by its first bytes, whatever its name. A build is deterministic: --verify makes all that a\n"
-        "pyramid stores again from its level 0, with its own options, and compares every bit. So a level of another volume\n"
-        "is found, although its checksum is right. Joint histograms that tf adapt left in the folder are counted again.\n"
-        "Exit code 1: a level is not made from level 0, or a histogram does not count what the levels hold.",
+        "A file's first bytes decide its format, not its name. Builds are deterministic: --verify rebuilds all files of a\n"
+        "pyramid from its level 0, with its own options, and compares every bit. This finds a level of another volume\n"
+        "even if its checksum is right. Joint histograms that tf adapt stored in the folder are counted again.\n"
+        "Exit code 1: a level does not follow from level 0, or a histogram does not match the levels.",
     .common = "verify histogram spacing unit series frame channel stored labels raw-size raw-type",
     .examples = "  isoshade make sphere --size 48 -o sphere.nrrd\n"
                 "  isoshade info sphere.nrrd\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_list.c - the tables that the program is made of: formats, codes, estimators, targets. */
+/* cmd_list.c - lists the program's tables: formats, codes, estimators, targets and others. */
 #include <stdio.h>
 
 #include "base/sandbox.h"
@@ -67,9 +67,8 @@ static iso_status list(const iso_cli *cli, bool markdown)
 {
     json_t *all = json_array();
     if (markdown && !cli->json)
-        printf(
-            "# Names\n\nThe words that options take. `make reference` makes this page from the program's tables;\n"
-            "[extending.md](../extending.md) shows how to add a row.\n\n");
+        printf("# Names\n\nThe values of options. `make reference` writes this page from the program's tables;\n"
+               "[extending.md](../extending.md) shows how to add a row.\n\n");
     for (size_t i = 0; i < LIST_COUNT; ++i) {
         if (cli->json) {
             json_array_append_new(all, to_json(list_at(i)));
@@ -84,7 +83,7 @@ static iso_status list(const iso_cli *cli, bool markdown)
     }
     char sandbox[200];
     iso_sandbox_describe(sandbox, sizeof sandbox);
-    if (!cli->json && !markdown) /* the machine's, not the program's */
+    if (!cli->json && !markdown) /* depends on the machine, unlike the tables */
         printf("\nsandbox:\n  %s\n", sandbox);
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
@@ -108,7 +107,7 @@ static json_t *device_json(const char *choice, const iso_gl_info *info, const ch
                      info->filter_bits_float, "timer_bits", info->timer_bits);
 }
 
-/* One that cannot be opened is listed with the reason. */
+/* Adds a row for a device; if it cannot be opened, with the reason. */
 static void list_device(const char *choice, json_t *rows)
 {
     iso_gl *gl = NULL;
@@ -151,9 +150,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     int markdown = 0, gl = 0;
     char *renderers = NULL;
     struct poptOption options[] = {
-        {"markdown", 0, POPT_ARG_NONE, &markdown, 0, "as a document: doc/reference/names.md", NULL},
-        {"gl", 0, POPT_ARG_NONE, &gl, 0,
-         "devices for --gl-device: what OpenGL says of them, and the bits of their linear filter", NULL},
+        {"markdown", 0, POPT_ARG_NONE, &markdown, 0, "print as Markdown: doc/reference/names.md", NULL},
+        {"gl", 0, POPT_ARG_NONE, &gl, 0, "list devices for --gl-device, with the bits of their linear filter", NULL},
         ISO_CLI_RENDERERS_OPTION(&renderers),
         POPT_TABLEEND,
     };
@@ -170,7 +168,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_list = {
     .name = "list",
-    .summary = "list formats, direction codes, estimators and all else that has a name",
+    .summary = "list formats, direction codes, estimators and all other names",
     .usage = "[--markdown] [--renderers FILE.json] | --gl",
     .examples = "  isoshade list\n"
                 "  isoshade list --json\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_make.c - synthetic volumes, written slab by slab. */
+/* cmd_make.c - writes synthetic volumes slab by slab. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include "volume/stream.h"
 #include "volume/synthetic.h"
 
-/* Planes are made in slabs of about this size. */
+/* Approximate size of a slab of planes. */
 #define SLAB_BYTES ((size_t)32 << 20)
 
 typedef struct make_options {
@@ -20,7 +20,7 @@ typedef struct make_options {
     int gzip;
 } make_options;
 
-/* Rotation by angle_deg around axis (Rodrigues). */
+/* Returns the rotation by angle_deg around axis (Rodrigues). */
 static iso_mat3 rotation(iso_vec3 axis, double angle_deg)
 {
     iso_vec3 u = iso_normalize(axis);
@@ -30,7 +30,7 @@ static iso_mat3 rotation(iso_vec3 axis, double angle_deg)
                        {u.z * u.x * t - u.y * s, u.z * u.y * t + u.x * s, c + u.z * u.z * t}}};
 }
 
-/* "X,Y,Z,ANGLE", or the nine numbers of a direction matrix, row by row. */
+/* Reads "X,Y,Z,ANGLE", or the nine numbers of a direction matrix, row by row. */
 static iso_status parse_rotation(const char *text, iso_mat3 *matrix, iso_error *err)
 {
     double v[9];
@@ -52,7 +52,7 @@ static iso_status parse_rotation(const char *text, iso_mat3 *matrix, iso_error *
                         "--rotate is \"%s\", wanted X,Y,Z,DEGREES or the 9 numbers of a direction matrix", text);
     if (count == 4) {
         if (iso_norm(iso_v3(v[0], v[1], v[2])) == 0)
-            return iso_fail(err, ISO_E_USAGE, "--rotate is \"%s\", its axis has no length", text);
+            return iso_fail(err, ISO_E_USAGE, "--rotate is \"%s\", the axis must not be zero", text);
         *matrix = rotation(iso_v3(v[0], v[1], v[2]), v[3]);
         return ISO_OK;
     }
@@ -61,7 +61,7 @@ static iso_status parse_rotation(const char *text, iso_mat3 *matrix, iso_error *
     return ISO_OK;
 }
 
-/* "X,Y,Z" in mm. */
+/* Reads "X,Y,Z" in mm. */
 static iso_status parse_center(const char *text, iso_vec3 *center, iso_error *err)
 {
     int end = -1;
@@ -71,7 +71,7 @@ static iso_status parse_center(const char *text, iso_vec3 *center, iso_error *er
     return ISO_OK;
 }
 
-/* The box's center stays at the world's origin, or at --center. */
+/* Makes the geometry, with the box centered at the world's origin or at --center. */
 static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_error *err)
 {
     size_t size[3];
@@ -98,7 +98,7 @@ static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_e
     return iso_geometry_check(g, "--size and --rotate", err);
 }
 
-/* "LO,HI" within the type. */
+/* Reads "LO,HI" within the limits of the type. */
 static iso_status parse_range(const char *text, iso_type type, iso_field *field, iso_error *err)
 {
     double least = 0, most = 0;
@@ -172,19 +172,20 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     make_options opt = {.seed = 1};
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &opt.output, 0, "the NRRD file to write", "FILE"},
+        {"output", 'o', POPT_ARG_STRING, &opt.output, 0, "NRRD file to write", "FILE"},
         {"size", 0, POPT_ARG_STRING, &opt.size, 0, "voxels along x, y and z", "NXxNYxNZ"},
-        {"spacing", 0, POPT_ARG_STRING, &opt.spacing, 0, "mm along the axes of the grid (1)", "SXxSYxSZ"},
-        {"rotate", 0, POPT_ARG_STRING, &opt.rotate, 0, "axis and degrees, X,Y,Z,A, or a 3x3 direction matrix by rows",
+        {"spacing", 0, POPT_ARG_STRING, &opt.spacing, 0, "spacing along the grid axes in mm (1)", "SXxSYxSZ"},
+        {"rotate", 0, POPT_ARG_STRING, &opt.rotate, 0, "rotation: axis and degrees X,Y,Z,A, or a 3x3 matrix by rows",
          "NUMBERS"},
-        {"center", 0, POPT_ARG_STRING, &opt.center, 0, "of the box, in mm (0,0,0)", "X,Y,Z"},
+        {"center", 0, POPT_ARG_STRING, &opt.center, 0, "center of the box in mm (0,0,0)", "X,Y,Z"},
         {"type", 0, POPT_ARG_STRING, &opt.type, 0, "type of the samples (uint16)", "TYPE"},
-        {"range", 0, POPT_ARG_STRING, &opt.range, 0,
-         "what the values 0 and 1 become (the type's whole range; 0,1 for floats)", "LO,HI"},
-        {"grain", 0, POPT_ARG_DOUBLE, &opt.grain, 0,
-         "nearly normal noise in every voxel, of this standard deviation (of the range)", "SIGMA"},
-        {"seed", 0, POPT_ARG_LONGLONG | POPT_ARGFLAG_SHOW_DEFAULT, &opt.seed, 0, "of noise, vessels and grain", "N"},
-        {"gzip", 0, POPT_ARG_NONE, &opt.gzip, 0, "compress", NULL},
+        {"range", 0, POPT_ARG_STRING, &opt.range, 0, "sample values for 0 and 1 (the type's range; 0,1 for floats)",
+         "LO,HI"},
+        {"grain", 0, POPT_ARG_DOUBLE, &opt.grain, 0, "add noise with this standard deviation, as part of the range (0)",
+         "SIGMA"},
+        {"seed", 0, POPT_ARG_LONGLONG | POPT_ARGFLAG_SHOW_DEFAULT, &opt.seed, 0, "seed of noise, vessels and grain",
+         "N"},
+        {"gzip", 0, POPT_ARG_NONE, &opt.gzip, 0, "compress the samples", NULL},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -192,7 +193,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
     if (status == ISO_OK && next == ISO_CLI_RUN) {
         if (!opt.output || !opt.size)
-            status = iso_fail(err, ISO_E_USAGE, "needs --size and -o");
+            status = iso_fail(err, ISO_E_USAGE, "--size and -o are required");
         else
             status = make_volume(&cli, &opt, err);
     }
@@ -212,7 +213,7 @@ const iso_command iso_command_make = {
     .usage = "KIND --size NXxNYxNZ -o FILE.nrrd [options]",
     .details = "Kinds, in coordinates that run from -1 to 1 along the shortest edge of the box:\n" ISO_FIELD_LIST(
         KIND_LINE) "Integer types use their whole range. The box is centered at the world's origin.\n"
-                   "What is known of the values is so without --grain.",
+                   "Without --grain all values are exactly known.",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade make sphere --size 48 --type float --rotate 1,2,3,30 -o sphere.nrrd\n"
                 "  isoshade make noise --size 64x48x32 --seed 7 --gzip -o noise.nrrd\n",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_palette.c - fits a palette of directions to a volume, a pyramid or the paper's ellipsoid, and exports it. */
+/* cmd_palette.c - fits a palette of directions to a volume, a pyramid or the paper's ellipsoid, and saves it. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -15,14 +15,14 @@
 #include "pyramid/pyramid.h"
 #include "tf/presets.h"
 
-/* A fitted palette with what it was fitted to. */
+/* A fitted palette, with the directions it was fitted to. */
 typedef struct fitted {
     iso_direction_set set;
     iso_palette palette;
-    iso_tessellation tessellation; /* by anneal */
+    iso_tessellation tessellation; /* for --method anneal */
     iso_palette_error error;
     double sample_seconds, fit_seconds;
-    long level; /* of a pyramid; -1: of all, or none */
+    long level; /* level of a pyramid; -1: all levels, or no pyramid */
 } fitted;
 
 static void fitted_destroy(fitted *f)
@@ -45,9 +45,9 @@ static iso_status check_outputs(const iso_palette_arguments *a, iso_error *err)
             return iso_fail(err, ISO_E_USAGE, "%s: the ending must be .csv, .png, .exr, .svg, .inc, .py or .nrrd",
                             *path);
         if (iso_path_ends_with(*path, ".svg") && (!a->method || strcmp(a->method, "anneal") != 0))
-            return iso_fail(err, ISO_E_USAGE, "%s: .svg draws a tessellation, which only --method anneal has", *path);
+            return iso_fail(err, ISO_E_USAGE, "%s: .svg draws a tessellation, which needs --method anneal", *path);
         if (iso_path_ends_with(*path, ".nrrd") && a->ellipsoid)
-            return iso_fail(err, ISO_E_USAGE, "%s: .nrrd holds a volume's indices, and --ellipsoid has no volume",
+            return iso_fail(err, ISO_E_USAGE, "%s: .nrrd holds a volume's indices, which --ellipsoid does not have",
                             *path);
     }
     return ISO_OK;
@@ -66,7 +66,7 @@ static iso_status to_options(const iso_palette_arguments *a, iso_palette_options
     if (status == ISO_OK && a->method)
         status = iso_palette_method_from_name(a->method, &out->method, err);
     if (status == ISO_OK && (a->ellipsoid > 0) == (a->cli->argument_count > 0))
-        status = iso_fail(err, ISO_E_USAGE, "wanted either a volume or --ellipsoid N");
+        status = iso_fail(err, ISO_E_USAGE, "give either a volume or --ellipsoid N");
     TRY(status, check_outputs(a, err));
     out->directions = (size_t)a->entries;
     out->seed = (uint64_t)a->seed;
@@ -81,7 +81,7 @@ static iso_status to_options(const iso_palette_arguments *a, iso_palette_options
 
 /* ---- outputs -------------------------------------------------------------------------------- */
 
-/* The indices of count vectors as bytes, or as two where a byte is too small. */
+/* Writes the indices of count vectors as 1 byte each, or as 2 if 1 is too small. */
 static void index_vectors(const iso_palette_lookup *lookup, bool bytes, const float *vectors, void *out, size_t count)
 {
     if (bytes)
@@ -116,7 +116,7 @@ static iso_status save_volume_indices(const iso_palette_arguments *a, const iso_
     gradient.threads = a->cli->threads;
     iso_status status = iso_volume_input_load(a->cli->arguments[0], &a->input, &v, err);
     if (status == ISO_OK && !(vectors = malloc(3 * iso_geometry_voxel_count(&v.geometry) * sizeof *vectors)))
-        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for its gradients", path);
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory for its gradients", path);
     TRY(status, iso_gradient_compute(&v, &gradient, vectors, err));
     TRY(status, save_indices(palette, &v.geometry, vectors, path, err));
     iso_volume_destroy(&v);
@@ -136,7 +136,7 @@ static iso_status save_level_indices(const iso_pyramid *p, size_t k, const iso_p
     return status;
 }
 
-/* "a.csv" to "a_level_2.csv"; to be freed. */
+/* Returns "a_level_2.csv" for "a.csv"; to be freed. */
 static char *level_path(const char *path, long level)
 {
     const char *dot = strrchr(path, '.');
@@ -146,7 +146,7 @@ static char *level_path(const char *path, long level)
     return asprintf(&out, "%.*s_level_%ld%s", (int)(dot - path), path, level, dot) < 0 ? NULL : out;
 }
 
-/* One output; indices of a pyramid's levels go to a file a level, the rest to one. */
+/* Saves one output. Indices of a pyramid's levels go to one file per level. */
 static iso_status save_one(const iso_palette_arguments *a, const iso_pyramid *p, const fitted *f, const char *path,
                            iso_error *err)
 {
@@ -227,7 +227,7 @@ static void report(const iso_palette_arguments *a, const iso_palette_options *op
         return;
     if (f->level >= 0)
         printf("level %ld\n", f->level);
-    printf("%s: %zu entries with the zero vector, %d bits an index\n", iso_palette_method_name(opt->method),
+    printf("%s: %zu entries with the zero vector, %d bits per index\n", iso_palette_method_name(opt->method),
            f->palette.count, iso_palette_bits(&f->palette));
     printf("  fitted to        %.6g directions in %zu bundles, and %.6g without a direction\n", total_weight(&f->set),
            f->set.count, f->set.undefined_weight);
@@ -319,32 +319,30 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_ARGV, &a.outputs, 0,
-         "may be repeated; by its ending: .csv, .inc (POV-Ray), .py (Blender), .exr (one row of floats), .png (a "
-         "picture), .svg (the tessellation), .nrrd (the volume's indices)",
+         "output, repeatable: .csv, .inc (POV-Ray), .py (Blender), .exr (row of floats), "
+         ".png, .svg (tessellation), .nrrd (indices)",
          "FILE"},
-        {"entries", 0, POPT_ARG_INT | shown, &a.entries, 0, "directions besides the zero vector", "N"},
+        {"entries", 0, POPT_ARG_INT | shown, &a.entries, 0, "number of directions, without the zero vector", "N"},
         {"method", 0, POPT_ARG_STRING, &a.method, 0,
          "kmeans (default), kmeans++, lloyd, lbg, anneal, faces, vertices, grid, spiral, fibonacci", "NAME"},
-        {"seed", 0, POPT_ARG_INT | shown, &a.seed, 0, "of the random numbers", "N"},
-        {"by-magnitude", 0, POPT_ARG_NONE, &a.by_magnitude, 0, "weight voxels by the magnitude of their gradient",
-         NULL},
-        {"tf", 0, POPT_ARG_STRING, &a.tf, 0,
-         "weight voxels by their opacity under this transfer function: a file, or a preset of isoshade list",
+        {"seed", 0, POPT_ARG_INT | shown, &a.seed, 0, "seed of the random numbers", "N"},
+        {"by-magnitude", 0, POPT_ARG_NONE, &a.by_magnitude, 0, "weight voxels by their gradient magnitude", NULL},
+        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "weight voxels by opacity under this transfer function, a file or preset",
          "FILE|PRESET"},
         ISO_CLI_TRANSFER_OPTIONS(&a.transfer),
-        {"level", 0, POPT_ARG_INT, &a.level, 0, "of a pyramid: this level alone; else one palette for all", "K"},
-        {"per-level", 0, POPT_ARG_NONE, &a.per_level, 0, "of a pyramid: a palette a level, files NAME_level_K", NULL},
+        {"level", 0, POPT_ARG_INT, &a.level, 0, "pyramids: only this level (one palette for all levels)", "K"},
+        {"per-level", 0, POPT_ARG_NONE, &a.per_level, 0, "pyramids: one palette per level, in files NAME_level_K",
+         NULL},
         {"ellipsoid", 0, POPT_ARG_INT, &a.ellipsoid, ISO_CLI_NOT_ZERO,
-         "no volume: N gradients of x^2 + 15 y^2 + 15 z^2 in the ball",
-         "N"},
-        {"on-surface", 0, POPT_ARG_NONE, &a.on_surface, 0, "with --ellipsoid: at points on its surface instead", NULL},
-        {"swap-trials", 0, POPT_ARG_INT | shown, &a.swap_trials, 0, "kmeans: swaps tried an entry", "N"},
+         "instead of a volume: N gradients of x^2 + 15 y^2 + 15 z^2 in the ball", "N"},
+        {"on-surface", 0, POPT_ARG_NONE, &a.on_surface, 0, "with --ellipsoid: take points on its surface", NULL},
+        {"swap-trials", 0, POPT_ARG_INT | shown, &a.swap_trials, 0, "kmeans: swaps tried per entry", "N"},
         {"start-prob", 0, POPT_ARG_DOUBLE | shown, &a.start_prob, 0, "anneal: START_PROB", "P"},
         {"temp-fac", 0, POPT_ARG_DOUBLE | shown, &a.temp_fac, 0, "anneal: TEMP_FAC", "F"},
         {"cycles", 0, POPT_ARG_INT | shown, &a.cycles, 0, "anneal: CYCLE_NR", "N"},
         {"steps", 0, POPT_ARG_INT | shown, &a.steps, 0, "anneal: STEP_NR", "N"},
-        {"move-min", 0, POPT_ARG_DOUBLE | shown, &a.move_min, 0, "anneal: a vertex moves by this at least", "DEG"},
-        {"move-max", 0, POPT_ARG_DOUBLE | shown, &a.move_max, 0, "anneal: and this at most", "DEG"},
+        {"move-min", 0, POPT_ARG_DOUBLE | shown, &a.move_min, 0, "anneal: smallest move of a vertex", "DEG"},
+        {"move-max", 0, POPT_ARG_DOUBLE | shown, &a.move_max, 0, "anneal: largest move of a vertex", "DEG"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -365,11 +363,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_palette = {
     .name = "palette",
-    .summary = "fit a table of directions to a volume: one byte a voxel instead of three",
+    .summary = "fit a table of directions to a volume: one byte per voxel instead of three",
     .max_arguments = 1,
     .usage = "[VOLUME | PYRAMID.iso] [-o FILE ...] [options]",
     .details =
-        "Entry 0 is the zero vector. Without --tf and --by-magnitude each voxel that has a gradient counts 1, and a\n"
+        "Entry 0 is the zero vector. Without --tf and --by-magnitude all voxels with a gradient count the same, and a\n"
         "volume is read slab by slab.",
     .common = "output entries method tf level per-level by-magnitude seed spacing threads",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_plan.c - the least model that a scene needs, verified by rendering. */
+/* cmd_plan.c - plans the smallest model that a scene needs, and verifies it by rendering. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,18 +17,18 @@
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 
-#define NO_MEMORY (-INFINITY) /* no number that --memory may be */
+#define NO_MEMORY (-INFINITY) /* not a valid --memory */
 
 typedef struct plan_arguments {
     iso_volume_input input;
     iso_cli_look look;
     char *output, *image, *full_image, *faces, *update;
     char *error_text;
-    double error, memory; /* memory: NO_MEMORY where none is given */
+    double error, memory; /* memory: NO_MEMORY if not given */
     int brick, levels, views;
 } plan_arguments;
 
-/* What remains to be done of an older plan's work. */
+/* Differences from an older plan, and the time to bake them. */
 typedef struct plan_update {
     size_t changed_count, baked_count, drawn_count;
     double scratch_seconds, update_seconds;
@@ -37,7 +37,7 @@ typedef struct plan_update {
 
 /* ---- update ---------------------------------------------------------------------- */
 
-/* Bakes the older plan, then what the new one needs; and the new one from nothing, for comparison. */
+/* Bakes the older plan, then the differences of the new one, and for comparison the new one from nothing. */
 static iso_status bake_both(const iso_brick_field *older, const uint8_t *older_drawn, const iso_brick_field *newer,
                             const uint8_t *drawn, int threads, plan_update *u, iso_error *err)
 {
@@ -51,7 +51,7 @@ static iso_status bake_both(const iso_brick_field *older, const uint8_t *older_d
     u->update_seconds = middle - start;
     u->equal = status == ISO_OK && iso_brick_store_equal(&store, &scratch, newer->nodes);
     if (status == ISO_OK && !u->equal)
-        status = iso_fail(err, ISO_E_UNTRUSTED, "plan: the updated bricks are not those that are baked from nothing");
+        status = iso_fail(err, ISO_E_UNTRUSTED, "plan: the updated bricks differ from a full bake");
     iso_brick_store_destroy(&scratch);
     iso_brick_store_destroy(&store);
     return status;
@@ -69,7 +69,8 @@ static iso_status update_from(const plan_arguments *a, const iso_planner *p, int
         return status;
     if (old.brick_voxels != p->nodes->brick_voxels || memcmp(old.count, p->nodes->count, sizeof old.count) != 0 ||
         old.level_count > p->nodes->level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s: a plan of other bricks than these", a->update);
+        status = iso_fail(err, ISO_E_RANGE, "%s: the plan has other bricks; use the same volume, --brick and --levels",
+                          a->update);
     if (status == ISO_OK) {
         const iso_brick_field older = {p->nodes, old.levels, p->faces}, newer = {p->nodes, p->best.levels, p->faces};
         for (size_t i = 0; i < p->plan.brick_count; ++i)
@@ -112,7 +113,7 @@ static json_t *to_json(const iso_planner *p, const plan_arguments *a, const plan
     return plan;
 }
 
-/* An image that is nearly as far from the full one as an empty one is. */
+/* True if the image is nearly as far from the full one as an empty image is. */
 static bool shows_little(const iso_planner *p)
 {
     return p->blank_rmse > 0 && p->best.measured.rmse > 0.5 * p->blank_rmse;
@@ -130,7 +131,7 @@ static void print_report(const iso_planner *p, const plan_arguments *a, const pl
            p->view_count, iso_words_plural(p->view_count), p->render_count);
     if (a->update)
         printf(
-            "update   %zu bricks changed, %zu of %zu baked again, in %.2f of the time of all; the same bytes as from nothing\n",
+            "update   %zu bricks changed, %zu of %zu baked again, in %.2f of the time of a full bake, with the same bytes\n",
             u->changed_count, u->baked_count, u->drawn_count, u->update_seconds / u->scratch_seconds);
 }
 
@@ -142,9 +143,8 @@ static iso_status report(const iso_planner *p, const plan_arguments *a, const pl
     json_decref(plan);
     iso_status status = a->output ? iso_json_save(a->output, root, err) : ISO_OK;
     if (status == ISO_OK && shows_little(p) && !cli->quiet)
-        fprintf(stderr, "isoshade plan: warning: RMSE %.3g, an empty image has %.3g: little of the volume is left %s\n",
-                p->best.measured.rmse, p->blank_rmse,
-                a->memory == NO_MEMORY ? "within such an --error" : "in so few bytes");
+        fprintf(stderr, "isoshade plan: warning: the RMSE %.3g is near that of an empty image (%.3g); %s\n",
+                p->best.measured.rmse, p->blank_rmse, a->memory == NO_MEMORY ? "lower --error" : "raise --memory");
     if (status == ISO_OK && cli->json) {
         iso_cli_print_json(root);
         return ISO_OK;
@@ -193,7 +193,7 @@ static iso_status check(const plan_arguments *a, iso_error *err)
     return status;
 }
 
-/* Of the first view that shows next to nothing: the others are of the same volume. */
+/* Warns of the first view that shows almost nothing; other views show the same volume. */
 static void warn_of_views(const iso_cli *cli, const iso_pyramid *p, const iso_view *views, size_t count)
 {
     bool warned = false;
@@ -241,19 +241,18 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     struct poptOption options[] = {
         ISO_CLI_LOOK_OPTIONS(&a.look),
         {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0,
-         "views of each scene, turned around its up axis: the plan holds for all", "N"},
-        {"error", 0, POPT_ARG_STRING, &a.error_text, 0, "largest RMSE allowed in each image (1/255)", "1/255"},
-        {"memory", 0, POPT_ARG_DOUBLE, &a.memory, 0, "instead: bytes that the bricks may take", "BYTES"},
+         "number of views per scene, turned around its up axis", "N"},
+        {"error", 0, POPT_ARG_STRING, &a.error_text, 0, "largest allowed RMSE of each image (1/255)", "1/255"},
+        {"memory", 0, POPT_ARG_DOUBLE, &a.memory, 0, "instead of --error: limit of the bytes of all bricks", "BYTES"},
         {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0,
-         "voxels a side: a power of two; smaller ones follow a surface more closely, larger ones share fewer nodes",
+         "voxels per side of a brick, a power of two", "N"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "number of levels, including level 0",
          "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "with level 0", "N"},
         {"faces", 0, POPT_ARG_STRING, &a.faces, 0, "baked (default), or own: with seams, for comparison", "FACES"},
-        {"update", 0, POPT_ARG_STRING, &a.update, 0,
-         "an older plan of the same bricks: count and time what has to be baked again", "OLD.json"},
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the plan file to write", "PLAN.json"},
-        {"image", 0, POPT_ARG_STRING, &a.image, 0, "the plan rendered, .exr or .png", "FILE"},
-        {"full-image", 0, POPT_ARG_STRING, &a.full_image, 0, "the full model rendered, .exr or .png", "FILE"},
+        {"update", 0, POPT_ARG_STRING, &a.update, 0, "count and time the changes from this older plan", "OLD.json"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "plan file to write", "PLAN.json"},
+        {"image", 0, POPT_ARG_STRING, &a.image, 0, "also render the plan, as .exr or .png", "FILE"},
+        {"full-image", 0, POPT_ARG_STRING, &a.full_image, 0, "also render the full model, as .exr or .png", "FILE"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -273,12 +272,12 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_plan = {
     .name = "plan",
-    .summary = "the least model that a scene needs: bricks left out, coarse and fine, verified by rendering",
+    .summary = "plan the smallest model that a scene needs: bricks omitted, coarse or fine; verify it by rendering",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso [--scene SCENE.scene.json] [--error E | --memory BYTES] [options]",
     .details =
-        "Bricks that no transfer function shows or that lie outside every view are left out; each other brick gets the coarsest\n"
+        "Bricks that are invisible in all scenes or outside all views are omitted; every other brick gets the coarsest\n"
         "level that the image allows, and all are drawn without seams. The error is predicted, then measured with OpenGL\n"
         "against all bricks at level 0. `isoshade export --plan` writes the planned volume. --scene may name several, separated\n"
         "by commas: the plan holds for all.",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_render.c - one level of a volume as an image, by any of the renderers. */
+/* cmd_render.c - renders a level of a volume with any of the renderers. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -24,14 +24,14 @@
 #include "tf/presets.h"
 #include "volume/frames_all.h"
 
-/* How the pyramid of a volume is made in memory, as `isoshade build` has it. */
+/* Sets how the pyramid of a volume is built in memory, as `isoshade build` does. */
 static iso_status take_build(const iso_render_arguments *a, const char *path, iso_pyramid_options *build,
                              iso_error *err)
 {
     iso_status status = ISO_OK;
     if ((a->direction_filter || a->estimator) && iso_pyramid_is_one(path))
         return iso_fail(err, ISO_E_USAGE,
-                        "--direction-filter and --estimator are for volumes; %s keeps those of its build", path);
+                        "--direction-filter and --estimator need a volume; %s keeps those of its build", path);
     if (a->estimator)
         status = iso_gradient_from_name(a->estimator, &build->gradient.method, err);
     if (status == ISO_OK && a->direction_filter)
@@ -41,7 +41,7 @@ static iso_status take_build(const iso_render_arguments *a, const char *path, is
     return status == ISO_OK ? iso_pyramid_check_options(build, err) : status;
 }
 
-/* A pyramid on disk that kept its floats takes another code. */
+/* Encodes the directions of a pyramid on disk by another code; needs its floats. */
 static iso_status recode(const iso_render_arguments *a, iso_pyramid *p, iso_error *err)
 {
     iso_code code = p->options.code;
@@ -51,7 +51,7 @@ static iso_status recode(const iso_render_arguments *a, iso_pyramid *p, iso_erro
     iso_level *level = &p->levels[a->level];
     if (!level->directions || !iso_code_describe(code)->is_textured)
         return iso_fail(err, ISO_E_USAGE,
-                        "--code %s: the pyramid has %s and no floats to encode (isoshade build --keep-float)", a->code,
+                        "--code %s: the pyramid has %s and no floats to encode; build it with --keep-float", a->code,
                         iso_code_describe(p->options.code)->name);
     iso_code_encode(code, level->directions, level->codes, iso_geometry_voxel_count(&level->geometry));
     p->options.code = code;
@@ -63,7 +63,7 @@ static bool is_from_palette(iso_direction_source source)
     return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
 }
 
-/* --palette and --shading-from palette need each other. */
+/* Loads the palette; --palette and --shading-from palette need each other. */
 static iso_status attach_palette(const iso_render_arguments *a, const iso_render_options *opt, iso_pyramid *p,
                                  iso_palette *palette, iso_error *err)
 {
@@ -73,14 +73,14 @@ static iso_status attach_palette(const iso_render_arguments *a, const iso_render
         return iso_fail(err, ISO_E_USAGE, "--shade-table needs a --palette FILE.csv");
     if (!a->palette || !is_from_palette(opt->source))
         return iso_fail(err, ISO_E_USAGE,
-                        "--palette FILE.csv and --shading-from palette or palette-nearest go together");
+                        "--palette FILE.csv and --shading-from palette or palette-nearest need each other");
     iso_status status = iso_palette_load_csv(a->palette, palette, err);
     if (status == ISO_OK && (size_t)a->level < p->level_count)
         status = iso_level_attach_palette(&p->levels[a->level], p->options.code, palette, err);
     return status;
 }
 
-/* By bricks, in a cache of so many bytes. */
+/* Renders by bricks, in a cache of --cache-bytes. */
 static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cli, const iso_render_request *q,
                                 iso_image *image, double *seconds, iso_error *err)
 {
@@ -103,7 +103,7 @@ static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cl
     return status;
 }
 
-/* The step that the picture is drawn by: of a limit the finer one that it begins with. */
+/* Returns the step of the picture; of a limit, the finer of its first two. */
 static double taken_step(const iso_render_arguments *a, const iso_render_request *q)
 {
     if (iso_render_is_in_bricks(a))
@@ -113,7 +113,7 @@ static double taken_step(const iso_render_arguments *a, const iso_render_request
     return iso_render_taken_step_voxels(q, q->options);
 }
 
-/* Extrapolated from the step and its double; of Cycles the mean over seeds. */
+/* Renders the limit of small steps, extrapolated from the step and its double; for Cycles, the mean over seeds. */
 static iso_status render_limit(const iso_render_arguments *a, const iso_cli *cli, const iso_render_request *q,
                                iso_image *image, double *seconds, iso_error *err)
 {
@@ -131,7 +131,7 @@ static iso_status render_limit(const iso_render_arguments *a, const iso_cli *cli
     return status;
 }
 
-/* What can be found wrong before a volume is read, and how its pyramid is to be made. */
+/* Checks the options before the volume is read, and sets how its pyramid is built. */
 static iso_status prepare(const iso_render_arguments *a, const iso_cli *cli, iso_render_options *opt,
                           iso_pyramid_options *build, iso_subject_look *look, iso_error *err)
 {
@@ -147,7 +147,7 @@ static iso_status prepare(const iso_render_arguments *a, const iso_cli *cli, iso
     return status == ISO_OK ? iso_cli_look_check(&a->look, cli->threads, look, err) : status;
 }
 
-/* A frame of a series; series is NULL where the volume is all there is. */
+/* A frame of a series; series is NULL for a single volume. */
 typedef struct frame_of_series {
     const iso_subject_frames *series;
     size_t frame;
@@ -229,14 +229,14 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     return status;
 }
 
-/* "out_0003.png" of "out.png". */
+/* Returns "out_0003.png" for "out.png". */
 static char *numbered(const char *path, size_t frame)
 {
     const char *end = path ? strrchr(iso_path_base(path), '.') : NULL;
     return path ? iso_frames_name(path, end ? end : "", frame) : NULL;
 }
 
-/* All frames of a series, a picture each, with one scene and one transfer function. */
+/* Renders all frames of a series, one picture each, with one scene and one transfer function. */
 static iso_status render_series(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
 {
     iso_render_options opt;
@@ -245,9 +245,9 @@ static iso_status render_series(const iso_render_arguments *a, const iso_cli *cl
     const iso_progress progress = iso_cli_progress(cli);
     iso_subject_look look;
     if (strcmp(a->frames, "all") != 0)
-        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; --frame K renders one", a->frames);
+        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; render one with --frame K", a->frames);
     if (a->adapted.wanted || a->adapted.extinction_scale || a->roi.box)
-        return iso_fail(err, ISO_E_USAGE, "--frames all and %s: a series has one scene and one transfer function",
+        return iso_fail(err, ISO_E_USAGE, "--frames all excludes %s: a series has one scene and one transfer function",
                         a->roi.box          ? "--roi"
                         : a->adapted.wanted ? "--adapt"
                                             : "--extinction-scale");
@@ -274,7 +274,7 @@ static iso_status render_series(const iso_render_arguments *a, const iso_cli *cl
     return status;
 }
 
-/* Texts of --help that name renderers. */
+/* Buffers for help texts that name renderers. */
 typedef struct help_texts {
     char text[24][320];
     size_t count;
@@ -283,12 +283,12 @@ typedef struct help_texts {
 static const char *list_renderers(help_texts *h)
 {
     char names[256], *text = h->text[h->count++];
-    snprintf(text, sizeof h->text[0], "%.200s (%s, or cpu where OpenGL is software alone)",
+    snprintf(text, sizeof h->text[0], "%.200s (%s, or cpu without hardware OpenGL)",
              iso_renderers_with(0, ", ", " or ", names, sizeof names), iso_renderers_usual()->name);
     return text;
 }
 
-/* "gl and povray: what" */
+/* Returns "gl and povray: what". */
 static const char *of_those(help_texts *h, unsigned trait, const char *what)
 {
     char names[256], *text = h->text[h->count++];
@@ -297,7 +297,7 @@ static const char *of_those(help_texts *h, unsigned trait, const char *what)
     return text;
 }
 
-/* "reference: converged (default) or midpoint; gl: ..." */
+/* Returns "reference: converged (default) or midpoint; gl: ...". */
 static const char *describe_quadratures(help_texts *h)
 {
     char list[160], *text = h->text[h->count++];
@@ -310,7 +310,7 @@ static const char *describe_quadratures(help_texts *h)
     return text;
 }
 
-/* One picture, those of a series, or one within a budget of memory. */
+/* Renders one picture, those of a series, or one within a memory limit. */
 static iso_status draw(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const bool paged = a->memory_mb != ISO_ALL_IN_MEMORY;
@@ -321,7 +321,7 @@ static iso_status draw(const iso_render_arguments *a, const iso_cli *cli, iso_er
     return a->frames ? render_series(a, cli, err) : render(a, cli, &(frame_of_series){NULL, 0, NULL}, err);
 }
 
-/* What options name or say in words, then the picture. */
+/* Reads options with names, then renders. */
 static iso_status take_and_draw(iso_render_arguments *a, const iso_cli_cycles *cycles, const iso_cli *cli,
                                 iso_error *err)
 {
@@ -351,72 +351,64 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_cli_cycles cycles = {.blender = NULL};
     iso_render_arguments a = usual_arguments();
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the image: .exr (float, linear) or .png (sRGB)", "FILE"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "image to write: .exr (float, linear) or .png (sRGB)", "FILE"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
         {"with", 0, POPT_ARG_STRING, &a.with, 0, list_renderers(&help), "RENDERER"},
         ISO_CLI_RENDERERS_OPTION(&a.renderers),
-        ISO_CLI_CYCLES_OPTIONS(&cycles, "the Blender of --with cycles: a path, or a name that PATH has", "PROGRAM"),
+        ISO_CLI_CYCLES_OPTIONS(&cycles, "Blender for --with cycles, a path or a name in PATH", "PROGRAM"),
         ISO_CLI_GL_DEVICE_OPTION(&a.gl_device),
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid, 0 is the finest",
+        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid; 0 is the finest",
          "K"},
-        {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
-         "all frames of a series, with one range and one transfer function: IMAGE_0000.png and so on", "all"},
-        {"png", 0, POPT_ARG_STRING, &a.png, 0, "an 8-bit picture as well", "FILE.png"},
+        {"frames", 0, POPT_ARG_STRING, &a.frames, 0, "render all frames of a series, as IMAGE_0000.png and so on",
+         "all"},
+        {"png", 0, POPT_ARG_STRING, &a.png, 0, "also write an 8-bit picture", "FILE.png"},
         {"shading-from", 0, POPT_ARG_STRING, &a.source, 0,
          of_those(&help, ISO_READS_SOURCE, "direction source of the list below (codes)"), "SOURCE"},
-        {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "for --shading-from palette: made by isoshade palette",
+        {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "palette for --shading-from palette, made by isoshade palette",
          "FILE.csv"},
         {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0,
-         of_those(&help, ISO_READS_EXACT_LOOKUPS,
-                  "filter textures at positions in double precision; slow, for validation"),
-         NULL},
+         of_those(&help, ISO_READS_EXACT_LOOKUPS, "filter textures in double precision; slow, for validation"), NULL},
         {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0,
-         of_those(&help, ISO_READS_SHADE_TABLE, "shade the palette's entries once instead of each sample"), NULL},
+         of_those(&help, ISO_READS_SHADE_TABLE, "shade the palette's entries once, instead of each sample"), NULL},
         {"step", 0, POPT_ARG_DOUBLE, &a.step, 0,
-         "ray step in voxels of the level (the scene's; cycles: 1/16; povray: 9 pieces of 255 intervals, extrapolated)",
-         "VOXELS"},
+         "ray step in voxels of the level (the scene's; cycles 1/16; povray extrapolates)", "VOXELS"},
         {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, describe_quadratures(&help), "RULE"},
-        {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0,
-         "of a volume: gradient estimator of the list below (central)", "NAME"},
+        {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0, "volumes: gradient estimator of the list below (central)",
+         "NAME"},
         {"direction-filter", 0, POPT_ARG_STRING, &a.direction_filter, 0,
-         "of its coarse levels: direction filter of the list below (moments)", "NAME"},
-        {"code", 0, POPT_ARG_STRING, &a.code, 0, "of its directions: direction code of the list below (fit)", "NAME"},
+         "volumes: direction filter of the list below (moments)", "NAME"},
+        {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the list below (fit)", "NAME"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0,
-         of_those(&help, ISO_HAS_ISOSURFACES, "the first hit of this value, opaque"), "VALUE"},
+         of_those(&help, ISO_HAS_ISOSURFACES, "show the first hit of this value, opaque"), "VALUE"},
         {"intervals", 0, POPT_ARG_INT, &a.intervals, ISO_CLI_NOT_ZERO,
-         of_those(&help, ISO_READS_INTERVALS, "intervals a ray; of the reference in POV-Ray's quadrature"), "N"},
+         of_those(&help, ISO_READS_INTERVALS, "intervals per ray; reference: in POV-Ray's quadrature"), "N"},
         {"planes", 0, POPT_ARG_INT, &a.planes, ISO_CLI_NOT_ZERO,
-         of_those(&help, ISO_READS_PLANES, "planes that cut each ray, with --intervals"), "N"},
+         of_those(&help, ISO_READS_PLANES, "planes that divide each ray, with --intervals"), "N"},
         {"samples", 0, POPT_ARG_INT, &a.samples, ISO_CLI_NOT_ZERO,
-         of_those(&help, ISO_READS_SAMPLES, "samples a pixel (1)"), "N"},
-        {"seed", 0, POPT_ARG_INT, &a.seed, 0, of_those(&help, ISO_READS_SEED, "seed of its random numbers"), "N"},
+         of_those(&help, ISO_READS_SAMPLES, "samples per pixel (1)"), "N"},
+        {"seed", 0, POPT_ARG_INT, &a.seed, 0, of_those(&help, ISO_READS_SEED, "seed of the random numbers"), "N"},
         {"limit", 0, POPT_ARG_NONE, &a.limit, 0,
-         of_those(&help, ISO_HAS_LIMIT,
-                  "extrapolate to step 0 from --step (0.25) or --intervals and twice the step, as validate does"),
+         of_those(&help, ISO_HAS_LIMIT, "extrapolate to step 0 from --step (0.25) or --intervals, and twice the step"),
          NULL},
         {"seeds", 0, POPT_ARG_INT, &a.seeds, ISO_CLI_NOT_ZERO,
-         of_those(&help, ISO_IS_RANDOM, "with --limit: renders at each step, which are averaged (4)"), "N"},
+         of_those(&help, ISO_IS_RANDOM, "with --limit: renders at each step to average (4)"), "N"},
         {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0,
-         of_those(
-             &help, ISO_HAS_BRICKS,
-             "bricks of mixed levels without seams, with the least error that fits into so many bytes"),
+         of_those(&help, ISO_HAS_BRICKS, "render bricks of mixed levels, with the least error in this many bytes"),
          "BYTES"},
         {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0,
-         of_those(&help, ISO_HAS_BRICKS, "bricks of mixed levels, as coarse as this predicted RMSE allows"), "1/255"},
+         of_those(&help, ISO_HAS_BRICKS, "render bricks of mixed levels, as coarse as this predicted RMSE allows"),
+         "1/255"},
         {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0,
-         "with --cache-bytes or --plan-error: voxels along a side of a brick", "N"},
+         "with --cache-bytes or --plan-error: voxels per side of a brick", "N"},
         {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0,
-         "with these two: levels of the bricks, with level 0", "N"},
+         "with these two: number of levels, including level 0", "N"},
         {"page-side", 0, POPT_ARG_INT, &a.page_side, ISO_CLI_NOT_ZERO,
-         "with these two: most texels along a side of a texture; more textures are made where one is too small",
-         "TEXELS"},
+         "with these two: largest side of a texture in texels", "TEXELS"},
         {"memory", 0, POPT_ARG_DOUBLE, &a.memory_mb, 0,
-         "of a pyramid on disk: bricks are read from its files when rays of --with cpu need them, within so much memory",
-         "MB"},
-        {"refine", 0, POPT_ARG_NONE, &a.refine, 0,
-         "with --memory: coarse levels first, each as a picture IMAGE_level_K of its own", NULL},
+         "cpu, pyramids on disk: limit of memory; bricks are read when needed", "MB"},
+        {"refine", 0, POPT_ARG_NONE, &a.refine, 0, "with --memory: render coarse levels first, as IMAGE_level_K", NULL},
         {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0,
-         of_those(&help, ISO_READS_SHADERS, "shaders from this folder instead of the built-in ones"), "DIR"},
+         of_those(&help, ISO_READS_SHADERS, "use shaders of this folder instead of the built-in ones"), "DIR"},
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),
         ISO_CLI_INPUT_OPTIONS(&a.input),
@@ -441,8 +433,8 @@ const iso_command iso_command_render = {
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso -o IMAGE [options]",
     .details =
-        "Without --scene it is a first picture: the transfer function is suggested (tf suggest), and the camera frames the box,\n"
-        "or what is visible where that is much smaller. A scene file keeps one camera for several volumes or transfer\n"
+        "Without --scene you get a first picture: a suggested transfer function (tf suggest), and a camera that frames the box,\n"
+        "or the visible part if that is much smaller. A scene file keeps one camera for several volumes or transfer\n"
         "functions. All renderers compute the same integral from the same scene. From a volume a pyramid is built in memory; a\n"
         "pyramid on disk keeps the options of its build. The image is linear, premultiplied RGBA with the background included.",
     .common = "output png scene tf view zoom size with level step adapt isosurface quadrature spacing frame threads",

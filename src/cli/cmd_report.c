@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_report.c - what changed between two reports. */
+/* cmd_report.c - compares two reports. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,9 +20,9 @@ typedef struct report_arguments {
     int results_only;
 } report_arguments;
 
-/* A report that was read; dir is the folder that report.json lies in. */
+/* A loaded report. dir: folder of report.json. */
 typedef struct loaded_report {
-    const char *path; /* as the user named it */
+    const char *path; /* path that the user gave */
     char *dir;
     json_t *root;
 } loaded_report;
@@ -41,7 +41,7 @@ static void unload(loaded_report *r)
     json_decref(r->root);
 }
 
-/* Command, options and paths, which the page and --json show; report.json's own words for the heading. */
+/* Adds command, options and paths for the page and --json; the heading has the names in the reports. */
 static void describe(const iso_cli *cli, const report_arguments *a, const loaded_report of[2], json_t *d)
 {
     char *line = iso_cli_command_line(cli);
@@ -62,7 +62,7 @@ static iso_status write_files(const report_arguments *a, const json_t *d, const 
         char *link = a->output ? iso_path_join(iso_markdown_target(a->output), "index.html") : NULL;
         status = iso_markdown_of_difference(a->summary_md, d, link, err);
         free(link);
-        if (status == ISO_OK && a->output) /* in the page's folder it goes with the page */
+        if (status == ISO_OK && a->output) /* a file in the page's folder is saved with the page */
             status = iso_manifest_add_output(a->output, a->summary_md, err);
     }
     return status;
@@ -98,9 +98,9 @@ static iso_status check_and_diff(const iso_cli *cli, const report_arguments *a, 
 {
     loaded_report of[2] = {{0}};
     if (strcmp(cli->arguments[0], "diff") != 0)
-        return iso_fail(err, ISO_E_USAGE, "\"%s\" is nothing that report does; wanted diff A B", cli->arguments[0]);
+        return iso_fail(err, ISO_E_USAGE, "unknown subcommand \"%s\"; try: report diff A B", cli->arguments[0]);
     if (cli->argument_count != 3)
-        return iso_fail(err, ISO_E_USAGE, "diff wants two reports, A and B");
+        return iso_fail(err, ISO_E_USAGE, "diff needs two reports, A and B");
     iso_status status = load(cli->arguments[1], &of[0], err);
     TRY(status, load(cli->arguments[2], &of[1], err));
     TRY(status, diff(cli, a, of, err));
@@ -113,11 +113,11 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     report_arguments a = {0};
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "a folder for the page that shows it", "DIR"},
-        {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0,
-         "what changed as Markdown, for the summary of a run of continuous integration", "FILE.md"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "folder for a page of the differences", "DIR"},
+        {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0, "write the changes as Markdown, for a CI summary",
+         "FILE.md"},
         {"results-only", 0, POPT_ARG_NONE, &a.results_only, 0,
-         "other versions and options are told and are no difference by themselves", NULL},
+         "list other versions and options, without counting them as differences", NULL},
         POPT_TABLEEND,
     };
     iso_cli cli;
@@ -133,18 +133,18 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_report = {
     .name = "report",
-    .summary = "what changed between two reports: verdicts, figures, versions, and pictures to flip between",
+    .summary = "compare two reports: verdicts, figures, versions and pictures",
     .min_arguments = 1,
     .max_arguments = 3,
     .usage = "diff A B [-o DIR] [--summary-md FILE] [options]",
     .details =
-        "A and B are folders that `isoshade validate` wrote, or their report.json alone, without pictures. A row changed where\n"
-        "its verdict did, where it appeared or disappeared, where a limit is another one, and where a figure that it is held to\n"
+        "A and B are folders that `isoshade validate` wrote, or only their report.json, without pictures. A row changed if\n"
+        "its verdict or a limit changed, if it appeared or disappeared, or if a figure with a limit\n"
         "moved by more than its tolerance: a hundredth of its limit, or 1.5 times the noise of both rows, and at least 1e-7; of\n"
         "gates and calibrations a tenth of their limit (half of it in rows with noise), of levels .001. A picture differs by\n"
-        "the same tolerance. Times, dates, commands, folders and the machine are no difference. DIR/index.html shows both\n"
-        "pictures in turn, parted by a slider, and their difference; DIR/difference.json has all as data.\n"
-        "Exit code 0: no difference; 1: there is one, such as a picture that is gone; 3 or 4: a file that is there cannot be\n"
+        "the same tolerance. Times, dates, commands, folders and the machine do not count. DIR/index.html shows both\n"
+        "pictures in turn, split by a slider, and their difference; DIR/difference.json has all as data.\n"
+        "Exit code 0: no difference; 1: a difference, such as a missing picture; 3 or 4: an existing file cannot be\n"
         "read.",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"

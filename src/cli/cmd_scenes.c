@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_scenes.c - a contact sheet: a volume under several transfer functions, from several sides, each picture with the
- * command that makes it. */
+/* cmd_scenes.c - draws a contact sheet: a volume with several transfer functions and views, and their commands. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -33,7 +32,7 @@ typedef struct scenes_arguments {
     const iso_cli *cli;
 } scenes_arguments;
 
-/* What is drawn of one volume. NULL among tfs and views: the scene's own. */
+/* A sheet of one volume. NULL in tfs and views: the scene's own. */
 typedef struct sheet {
     const scenes_arguments *arguments;
     const char *tfs[MOST_CHOICES], *views[MOST_CHOICES];
@@ -45,7 +44,7 @@ typedef struct sheet {
     json_t *left_out;
 } sheet;
 
-/* What an option gave, a list that ends with NULL; none of it is dropped in silence. */
+/* Copies the values of an option, a list that ends with NULL. ISO_E_USAGE if they are too many. */
 static iso_status take(const char *option, char *const *given, const char *kept[MOST_CHOICES], size_t *count,
                        iso_error *err)
 {
@@ -53,14 +52,13 @@ static iso_status take(const char *option, char *const *given, const char *kept[
     while (given && given[all])
         ++all;
     if (all > MOST_CHOICES)
-        return iso_fail(err, ISO_E_USAGE, "%s is given %zu times, at most %d fit on a sheet", option, all,
-                        MOST_CHOICES);
+        return iso_fail(err, ISO_E_USAGE, "%s is given %zu times, at most %d", option, all, MOST_CHOICES);
     for (*count = 0; *count < all; ++*count)
         kept[*count] = given[*count];
     return ISO_OK;
 }
 
-/* As the command line of a picture has it. */
+/* Returns the options in a picture's command. */
 static iso_cli_look look_of(const sheet *s, size_t tf, size_t view, char size[16])
 {
     const scenes_arguments *a = s->arguments;
@@ -108,7 +106,7 @@ static const char *name_of_view(const sheet *s, size_t view)
     return s->views[view] ? s->views[view] : "scene";
 }
 
-/* The command of a picture: the reader's to copy. To be freed. */
+/* Returns the command of a picture, for the reader to copy; to be freed. */
 static char *command_of(const sheet *s, size_t tf, size_t view, size_t level)
 {
     const scenes_arguments *a = s->arguments;
@@ -145,7 +143,8 @@ static iso_status view_of(const sheet *s, size_t tf, size_t view, iso_view *out,
     return status == ISO_OK ? iso_subject_make_view(&look, &s->pyramid, out, err) : status;
 }
 
-/* The coarsest whose voxels are at most one and a half pixels wide in the middle of the box: finer ones cannot be seen. */
+/* Returns the coarsest level whose voxels are at most 1.5 pixels wide in the middle of the box: finer ones look the
+ * same. */
 static size_t level_for(const iso_pyramid *p, const iso_view *v)
 {
     static const double most_pixels = 1.5;
@@ -182,7 +181,7 @@ static iso_status draw_one(sheet *s, size_t tf, size_t view, const iso_view *v, 
     return status;
 }
 
-/* One transfer function from all sides; nothing where it would show nothing, which is noted. */
+/* Draws one transfer function from all sides. One that shows nothing is left out, and noted. */
 static iso_status draw_tf(sheet *s, size_t tf, iso_error *err)
 {
     char why[1024];
@@ -218,7 +217,7 @@ static iso_status draw_all(sheet *s, const iso_progress *progress, iso_error *er
     return status;
 }
 
-/* sheet.png: sheet.json. To be freed. */
+/* Returns "sheet.json" for "sheet.png"; to be freed. */
 static char *json_path(const char *output)
 {
     char *path = NULL;
@@ -234,7 +233,7 @@ static iso_status save_json(const sheet *s, const json_t *root, iso_error *err)
     return status;
 }
 
-/* The pictures of a sheet, as report() writes them. */
+/* True if a file lists the pictures of a sheet, as report() writes it. */
 static bool is_of_a_sheet(const char *path)
 {
     json_t *root = NULL;
@@ -287,13 +286,12 @@ static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
     iso_cli_expect(a->cli, (const iso_cli_stage[]){{"pyramid", 2}, {"pictures", 3}}, 2);
     build.threads = a->cli->threads;
     build.level_count = LEVELS;
-    iso_status status = a->output
-                            ? iso_words_check_range("--size", a->size, 32, 1024, err)
-                            : iso_fail(err, ISO_E_USAGE, "-o is missing: the picture to write, .png, .svg or .pdf");
+    iso_status status = a->output ? iso_words_check_range("--size", a->size, 32, 1024, err)
+                                  : iso_fail(err, ISO_E_USAGE, "-o is missing: picture to write, .png, .svg or .pdf");
     if (status == ISO_OK && !iso_gnuplot_ending(a->output))
-        status = iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", a->output);
+        status = iso_fail(err, ISO_E_USAGE, "%s: must end in .png, .svg or .pdf", a->output);
     TRY(status, choose(&s, err));
-    if (status == ISO_OK) /* what was chosen is read, so that an input is told from what a person keeps there */
+    if (status == ISO_OK) /* after reading the options: an input must be known before the check */
         status = guard_json(a->output, err);
     TRY(status, iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &s.pyramid, err));
     TRY(status, iso_survey_make(&s.pyramid.levels[0], a->cli->threads, &s.survey, err));
@@ -312,12 +310,12 @@ static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
     return status;
 }
 
-/* One transfer function and one view, if any: what is compared is one scene. */
+/* Writes requests for one scene: with at most one transfer function and one view. */
 static iso_status write_requests(const scenes_arguments *a, iso_error *err)
 {
     char size[16];
     if (a->output)
-        return iso_fail(err, ISO_E_USAGE, "-o is for a sheet, --write for requests");
+        return iso_fail(err, ISO_E_USAGE, "-o and --write exclude each other: a sheet, or requests");
     if ((a->tfs && a->tfs[0] && a->tfs[1]) || (a->views && a->views[0] && a->views[1]))
         return iso_fail(err, ISO_E_USAGE, "--write takes one --tf and one --view");
     snprintf(size, sizeof size, "%d", a->size);
@@ -342,9 +340,9 @@ static iso_status write_requests(const scenes_arguments *a, iso_error *err)
 static iso_status check_sheet(scenes_arguments *a, iso_error *err)
 {
     if (a->suite || a->tier || a->levels || a->steps != -1)
-        return iso_fail(err, ISO_E_USAGE, "--suite, --tier, --levels and --steps are for --write alone");
+        return iso_fail(err, ISO_E_USAGE, "--suite, --tier, --levels and --steps need --write");
     if (a->cli->argument_count != 1)
-        return iso_fail(err, ISO_E_USAGE, "wanted a volume or a pyramid");
+        return iso_fail(err, ISO_E_USAGE, "a volume or a pyramid is missing");
     a->size = a->size ? a->size : USUAL_PIXELS;
     return ISO_OK;
 }
@@ -354,30 +352,25 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     scenes_arguments a = {.steps = -1};
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the sheet: .png, .svg or .pdf; its commands beside it in .json",
-         "FILE"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0,
+         "sheet to write, .png, .svg or .pdf; its commands go into a .json", "FILE"},
         ISO_CLI_SCENE_OPTION(&a),
         {"tf", 0, POPT_ARG_ARGV, &a.tfs, 0,
-         "transfer function: a file, or a preset of isoshade list; repeated for several (the scene's, and all presets)",
-         "FILE|PRESET"},
+         "transfer function: a file or preset; repeatable (the scene's and all presets)", "FILE|PRESET"},
         {"view", 0, POPT_ARG_ARGV, &a.views, 0,
-         "where to look from: a name of isoshade list, or degrees; repeated for several (the scene's; front, left, top, iso)",
-         "NAME|AZ,EL"},
+         "view direction: a name or degrees; repeatable (the scene's; front, left, top, iso)", "NAME|AZ,EL"},
         ISO_CLI_ZOOM_OPTION(&a),
-        {"size", 0, POPT_ARG_INT, &a.size, ISO_CLI_NOT_ZERO,
-         "pixels along a side of each picture (192; of --write the scene's own)",
+        {"size", 0, POPT_ARG_INT, &a.size, ISO_CLI_NOT_ZERO, "pixels per side of a picture (192; --write: the scene's)",
          "N"},
         {"write", 0, POPT_ARG_STRING, &a.write, 0,
-         "instead of a sheet, what somebody elsewhere has to render for validate --images: a request a scene and level, and a list",
-         "DIR"},
-        {"suite", 0, POPT_ARG_STRING, &a.suite, 0, "of --write: the scenes of a folder, each with the volume that it makes",
-         "DIR"},
+         "write requests to render elsewhere, for validate --images, instead of a sheet", "DIR"},
+        {"suite", 0, POPT_ARG_STRING, &a.suite, 0, "--write: use the scenes of a folder, with their volumes", "DIR"},
         {"levels", 0, POPT_ARG_INT, &a.levels, ISO_CLI_NOT_ZERO,
-         "of --write: levels, the finest included (4; of a suite 1)", "N"},
+         "--write: number of levels, including the finest (4; suites 1)", "N"},
         {"steps", 0, POPT_ARG_INT, &a.steps, 0,
-         "of --write: at how many steps, each half of the one before, besides the scene's own; 0: none (4)", "N"},
+         "--write: number of smaller steps, each half the one before; 0: none (4)", "N"},
         {"tier", 0, POPT_ARG_STRING, &a.tier, 0,
-         "of --write: what the pictures will be held to, samples, limit or \"8 bits\" (samples)", "TIER"},
+         "--write: agreement of the pictures: samples, limit or \"8 bits\" (samples)", "TIER"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -395,17 +388,18 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_scenes = {
     .name = "scenes",
-    .summary = "a contact sheet of a volume: presets and views to choose from, each with the command that makes it",
+    .summary = "draw a contact sheet of a volume: presets and views to choose from, each with its command",
     .max_arguments = 1,
-    .usage = "VOLUME|PYRAMID.iso -o SHEET.png [--tf PRESET ...] [--view NAME ...] [options] | [VOLUME] --write DIR [options]",
+    .usage =
+        "VOLUME|PYRAMID.iso -o SHEET.png [--tf PRESET ...] [--view NAME ...] [options] | [VOLUME] --write DIR [options]",
     .details =
-        "Every picture has a number; the command of that number is printed, and stands with the picture's place in SHEET.json.\n"
-        "It makes the same picture; without its --size a larger one. Large volumes are drawn at a coarse level whose voxels are\n"
-        "about a pixel wide: --level in the command. Transfer functions that show next to nothing of the volume, or an opaque\n"
-        "box, are left out, which is said with the reason.\n"
-        "--write DIR makes requests of one scene, or of a suite, instead: a folder a scene, level and calibration with\n"
-        "request.json, volume.nrrd and directions.nrrd, and DIR/README.txt, which lists the pictures that are wanted, their\n"
-        "sizes and steps. Whoever has a renderer puts them there; isoshade validate --images NAME=DIR compares them.",
+        "Every picture has a number; its command is printed, and stored with the picture's place in SHEET.json.\n"
+        "The command makes the same picture; without its --size, a larger one. Large volumes are drawn at a level whose voxels are\n"
+        "about a pixel wide: --level in the command. Transfer functions that show almost nothing of the volume, or only an opaque\n"
+        "box, are listed as left out, with the reason.\n"
+        "--write DIR writes requests for one scene or a suite instead: one folder per scene, level and calibration, with\n"
+        "request.json, volume.nrrd and directions.nrrd, and DIR/README.txt, which lists the requested pictures with their\n"
+        "sizes and steps. Put the pictures of your renderer there; isoshade validate --images NAME=DIR compares them.",
     .common = "output tf view size write suite levels spacing threads",
     .examples =
         "  isoshade make shells --size 48 -o shells.nrrd\n"

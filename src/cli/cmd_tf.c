@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_tf.c - transfer functions: adapt to levels, convert, show. */
+/* cmd_tf.c - finds and runs an action on transfer functions: adapt, convert, show and others. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -27,7 +27,7 @@
 
 #define TRIANGLE_STEPS 20
 
-/* The error of Eq. 6 for the weights s C + t T + (1 - s - t) G over the triangle of (s, t). */
+/* Measures the error of Eq. 6 for the weights s C + t T + (1 - s - t) G over the triangle of (s, t). */
 static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_options *given, const iso_tf_table *tf,
                                    const iso_geometry *level0, size_t level,
                                    double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1], iso_error *err)
@@ -109,7 +109,7 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
     double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1] = {{0}};
     if (a->cli->argument_count != 2 || a->level < 1)
         return iso_fail(err, ISO_E_USAGE,
-                        "wanted: isoshade tf triangle VOLUME|PYRAMID.iso --level K [--tf FILE|PRESET] [-o PICTURE]");
+                        "usage: isoshade tf triangle VOLUME|PYRAMID.iso --level K [--tf FILE|PRESET] [-o PICTURE]");
     const char *input = a->cli->arguments[1];
     build.threads = a->cli->threads;
     build.level_count = (size_t)a->level + 1;
@@ -138,7 +138,7 @@ static iso_status bound(const iso_tf_arguments *a, iso_error *err)
     return iso_cli_tf_bound(&b, err);
 }
 
-/* What adapt writes for each level has names of its own, which it announces when it knows the levels. */
+/* Announces the output, except the files per level of adapt, which announces them once it knows the levels. */
 static iso_status announce_output(const iso_tf_arguments *a, iso_error *err)
 {
     const bool is_stem = strcmp(a->cli->arguments[0], "adapt") == 0 && a->level == 0;
@@ -159,13 +159,13 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_volume_input_defaults(&a.input);
     iso_cli_adapted_defaults(&a.adapted);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "what to write", "FILE"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "file to write", "FILE"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt: this level alone, else each, to NAME_level_K.tf.json; triangle",
-         "K"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0, "adapt: of a volume's pyramid", "N"},
+        {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt, triangle: level (adapt: all, as NAME_level_K.tf.json)", "K"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
+         "adapt, bound: number of levels of a volume", "N"},
         {"volume", 0, POPT_ARG_STRING, &a.volume, 0,
-         "convert, show: the volume that a fitted range follows; show: its histogram", "FILE"},
+         "convert, show: volume for fitted ranges; show: draw its histogram", "FILE"},
         ISO_CLI_ADAPT_METHOD_OPTIONS(&a.adapted),
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
@@ -197,20 +197,20 @@ const iso_command iso_command_tf = {
     .usage =
         "adapt VOLUME|PYRAMID.iso [--tf FILE|PRESET] -o OUT | bound VOLUME|PYRAMID.iso [--scene FILE.scene.json] | convert FILE|PRESET OUT | names FILE | show FILE|PRESET... -o PICTURE | suggest VOLUME|PYRAMID.iso [--tf PRESET] -o FILE.tf.json | triangle VOLUME|PYRAMID.iso [--tf FILE|PRESET] --level K",
     .details =
-        "adapt    writes a transfer function for each coarse level: a value gets the mean of what level 0 shows in the places\n"
-        "         where the level has that value; small views of the level decide whether it is used. Joint histograms are kept\n"
-        "         in the pyramid. render and export do the same with --adapt.\n"
-        "bound    says how far the images of a scene's coarse levels can be from level 0's, before any is drawn: an upper\n"
+        "adapt    writes a transfer function for each coarse level: a value gets the mean that level 0 shows in places\n"
+        "         where the level has this value; small views of the level decide whether to use it. Joint histograms are kept\n"
+        "         in the pyramid. render and export apply it with --adapt.\n"
+        "bound    prints how far images of a scene's coarse levels can be from level 0's, without rendering: an upper\n"
         "         bound of the RMSE, with its own transfer function and with --adapt.\n"
-        "convert  from and to the formats below, by the names' endings and the content; says how far what is looked up is from\n"
-        "         what the other program shows. Lengths and opacities that a file does not say have to be given.\n"
-        "names    the transfer functions of a file with several, a line each, for --name.\n"
-        "show     draws a picture by gnuplot, .png, .svg or .pdf, with a panel for each transfer function; with --volume over the\n"
+        "convert  reads and writes the formats below, by endings and content; prints how far lookups are from\n"
+        "         those of the other program. Lengths and opacities that the file lacks must be given.\n"
+        "names    lists the transfer functions of a file for --name, one per line.\n"
+        "show     draws a picture with gnuplot, .png, .svg or .pdf, a panel per transfer function; with --volume over the\n"
         "         histogram of its values, in logs.\n"
-        "suggest  finds materials in the volume's joint histogram of value and gradient magnitude and writes a transfer function\n"
-        "         of at most 8 points to begin with; with --tf a preset of the list below, on the volume's values.\n"
-        "A transfer function is a file, a preset, a scene's (--scene), or without all of them what suggest finds. convert and\n"
-        "show lay a preset on the values of --volume. view, zoom and size are of the pictures that bound is for.\n"
+        "suggest  finds materials in the volume's joint histogram of value and gradient magnitude, and writes a transfer function\n"
+        "         of at most 8 points to edit; with --tf, a preset of the list below for the volume's values.\n"
+        "A transfer function is a file, a preset or a scene's (--scene); by default, the one that suggest finds. convert and\n"
+        "show fit a preset to the values of --volume. --view, --zoom and --size set the pictures for bound.\n"
         "triangle draws the error at the voxels for mixtures of Gaussian, constant and triangular weights.",
     .common = "output tf scene level levels range opacity volume view spacing threads",
     .examples =

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_validate.c - the main job: a volume and a scene to a report. */
+/* cmd_validate.c - the main job: validates a volume and a scene, and writes a report. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -30,7 +30,7 @@
 #include "cli/validate_viewer.h"
 #include "validate/validate.h"
 
-/* The quick run keeps every stage and every limit, on smaller images and fewer levels. */
+/* Scales down a quick run, which keeps every stage and limit, to smaller images and fewer levels. */
 static void scale_down(iso_validation *v, iso_scene *scene, const iso_validate_arguments *a)
 {
     v->image_prefix = v->variant = v->build_options = v->render_options = "";
@@ -70,7 +70,7 @@ static void describe_options(const iso_validate_arguments *a, const iso_validati
     iso_report_describe_machine(r);
 }
 
-/* A stage and the seconds that it takes. */
+/* Runs a stage, and records its seconds. */
 static iso_status run_stage(iso_validation *v, const char *name, iso_status (*run)(iso_validation *, iso_error *),
                             iso_error *err)
 {
@@ -86,7 +86,7 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
 {
     iso_status status = run_stage(v, "levels", iso_validate_levels, err);
     TRY(status, run_stage(v, "calibration", iso_validate_renderers, err));
-    /* What the rest of a budget is for: first what tells most for its time. */
+    /* The rest of the budget goes first to the checks that show most for their time. */
     iso_process_set_deadline(v->deadline);
     const bool hurried = v->deadline > 0;
     v->agreement_part = hurried ? ISO_VALIDATE_SAMPLES : ISO_VALIDATE_ALL;
@@ -106,7 +106,7 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
     return status;
 }
 
-/* What was started and drawn, and the processor time of all of it. */
+/* Reports the started programs, the renders and their processor time. */
 static void report_work(iso_report *r)
 {
     json_t *work = iso_work_to_json(), *value;
@@ -125,24 +125,25 @@ static char *store_folder(const iso_validate_arguments *a)
     return asprintf(&folder, "%.*s.work", (int)end, a->output) < 0 ? NULL : folder;
 }
 
-/* How to go on, for the signal's handler, too: it has to be there when the signal comes. */
+/* How to resume. Static, because the signal handler prints it. */
 static char last_words[4200];
 
-/* Keeps finished pictures next to the report until it is complete, so that an interrupted run can be resumed. Is called before
- * the input is read: a folder of a person is refused, and other runs for the same report are locked out. */
+/* Keeps finished pictures next to the report until it is complete, so that an interrupted run can be resumed. Call it
+ * before the input is read: it refuses a user's folder, and locks out other runs for the same report. */
 static iso_status open_store(const iso_validate_arguments *a, iso_picture_store **store, iso_error *err)
 {
     char *folder = store_folder(a);
     const iso_status status = folder ? iso_picture_store_open(folder, store, err)
                                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    snprintf(last_words, sizeof last_words, "isoshade validate: stopped; --resume goes on from %s\n", folder ? folder : "");
+    snprintf(last_words, sizeof last_words, "isoshade validate: stopped; continue from %s with --resume\n",
+             folder ? folder : "");
     free(folder);
     return status;
 }
 
 static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cli, iso_picture_store *store, iso_error *err)
 {
-    /* They choose which pictures are drawn; each picture has the rest in its own hash. */
+    /* Options that choose the pictures; each picture's own hash has the rest. */
     static const char *const without[] = {"threads", "with",  "levels",     "budget", "anyway",
                                           "viewer",  "junit", "summary-md", NULL};
     iso_key *key = iso_cli_key(cli, without);
@@ -154,8 +155,7 @@ static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cl
     return status;
 }
 
-/* Closes the store, if it is still open. If a signal ended a program, and so the run, *err has its error: adds the way to go
- * on. */
+/* Closes the store if it is open. If a signal ended a program and so the run, adds to *err how to resume. */
 static iso_status close_store(const iso_validate_arguments *a, iso_picture_store **store, bool remove, iso_status status,
                               iso_error *err)
 {
@@ -167,12 +167,12 @@ static iso_status close_store(const iso_validate_arguments *a, iso_picture_store
     iso_picture_store_close(*store, remove);
     *store = NULL;
     if (status != ISO_OK && !remove && folder && iso_path_exists(folder) && iso_process_was_stopped())
-        iso_fail(err, status, "%s; --resume goes on from %s", why.text, folder);
+        iso_fail(err, status, "%s; continue from %s with --resume", why.text, folder);
     free(folder);
     return status;
 }
 
-/* What is kept has no use once the report stands, nor where the input was refused: it would be again. */
+/* True if the store is of no more use: the report is complete, or the input was refused and would be again. */
 static bool has_no_use(const iso_validation *v, iso_status status)
 {
     return iso_report_is_finished(v->report) || status == ISO_E_USAGE || status == ISO_E_FORMAT ||
@@ -188,7 +188,7 @@ static void begin_budget(const iso_validate_arguments *a, iso_validation *v)
     iso_report_put(v->report, "options", "budget_seconds", json_real(a->budget));
 }
 
-/* Of the finished report. Where they lie in its folder, the next report takes their place as well. */
+/* Writes the report in other formats. Files in its folder are replaced with the next report. */
 static iso_status write_other_forms(const iso_validate_arguments *a, iso_report *r, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -204,7 +204,7 @@ static iso_status write_other_forms(const iso_validate_arguments *a, iso_report 
     return status == ISO_OK ? iso_manifest_add_output(a->output, a->summary_md, err) : status;
 }
 
-/* Summary, charts and page; the verdict. */
+/* Writes summary, charts and page. Returns the verdict. */
 static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v, iso_error *err)
 {
     iso_validate_describe_programs(v);
@@ -224,7 +224,7 @@ static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, is
     return iso_cli_validate_verdict(v, &summary, &levels, err);
 }
 
-/* Renderers agree on a picture of nothing, and levels cannot be told apart in it: a verdict would say nothing. */
+/* Refuses a scene that shows almost nothing: all renderers and levels would agree, so a verdict would be meaningless. */
 static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *cli, const iso_pyramid *p,
                                 const iso_view *view, iso_error *err)
 {
@@ -235,7 +235,7 @@ static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *
         return ISO_OK;
     }
     return iso_visible_complaint(&v, cli->arguments[0], text, sizeof text)
-               ? iso_fail(err, ISO_E_RANGE, "%s; --anyway validates it as it is", text)
+               ? iso_fail(err, ISO_E_RANGE, "%s; validate it with --anyway", text)
                : ISO_OK;
 }
 
@@ -296,14 +296,15 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
     return status;
 }
 
-/* The scene that there is no file of is written beside the report, so that commands can name it. */
+/* True if the scene has no file: it is written next to the report, so that commands can name it. */
 static bool has_own_scene(const iso_validate_arguments *a)
 {
     return !a->look.scene || a->look.tf || a->look.view || a->look.zoom;
 }
 
 
-/* The scene file as it is, with --size at most; any other is written and read again, so that reports can repeat it. */
+/* Loads the scene file, which may be changed only by --size. Any other scene is written and read again, so that reports
+ * can repeat it. */
 static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *look, const iso_pyramid *pyramid,
                              char *own_path, iso_scene *scene, iso_error *err)
 {
@@ -314,9 +315,9 @@ static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *
     status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid), &view,
                                err);
     iso_view_destroy(&view);
-    if (status != ISO_OK) /* and no copy of it is left */
+    if (status != ISO_OK) /* no copy of it is kept */
         return status;
-    char of[sizeof scene->tf.of]; /* messages name what was given, not the copy of it */
+    char of[sizeof scene->tf.of]; /* messages name the user's file, not its copy */
     memcpy(of, scene->tf.of, sizeof of);
     status = iso_validate_scene_save(scene, own_path, err);
     iso_scene_destroy(scene);
@@ -427,51 +428,45 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     iso_validate_arguments a = {.budget = ISO_NO_BUDGET};
     char names[256], with[320], seeds[400];
-    snprintf(with, sizeof with, "renderers to compare with the reference, of those of render (%s)",
+    snprintf(with, sizeof with, "renderers to compare with the reference (%s)",
              iso_renderers_by_default(ISO_HAS_LIMIT, names, sizeof names));
-    snprintf(seeds, sizeof seeds, "renders of %s at each step, whose mean and scatter are tested (4; 3 with --quick)",
+    snprintf(seeds, sizeof seeds, "renders with %s at each step, to test mean and scatter (4; 3 with --quick)",
              iso_renderers_with(ISO_IS_RANDOM, ", ", " and ", names, sizeof names));
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the folder for the report", "DIR"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "folder for the report", "DIR"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"suite", 0, POPT_ARG_STRING, &a.suite, 0,
-         "the scenes of a folder, each with the volume that it says how to make", "DIR"},
-        {"quick", 0, POPT_ARG_NONE, &a.quick, 0, "smaller images, three levels, fewer views; the same limits", NULL},
+        {"suite", 0, POPT_ARG_STRING, &a.suite, 0, "validate the scenes of a folder, which describe their volumes",
+         "DIR"},
+        {"quick", 0, POPT_ARG_NONE, &a.quick, 0,
+         "use smaller images, three levels and fewer views, with the same limits", NULL},
         {"levels", 0, POPT_ARG_INT, &a.level_count, ISO_CLI_NOT_ZERO,
-         "levels, the finest included (4; 3 with --quick)", "N"},
+         "number of levels, including the finest (4; 3 with --quick)", "N"},
         {"with", 0, POPT_ARG_STRING, &a.with, 0, with, "LIST"},
         ISO_CLI_RENDERERS_OPTION(&a.renderers),
-        ISO_CLI_CYCLES_OPTIONS(
-            &a.cycles, "Blenders whose Cycles are compared, also with each other: paths, or names that PATH has",
-            "A,B"),
+        ISO_CLI_CYCLES_OPTIONS(&a.cycles, "compare Cycles of these Blenders, given as paths or names in PATH", "A,B"),
         {"images", 0, POPT_ARG_ARGV, &a.images, 0,
-         "pictures that somebody made elsewhere of what isoshade scenes --write wrote, as a renderer NAME; repeated for several",
-         "NAME=DIR"},
+         "compare pictures rendered elsewhere for isoshade scenes --write; repeatable", "NAME=DIR"},
         ISO_CLI_GL_DEVICE_OPTION(&a.gl_device),
         {"seeds", 0, POPT_ARG_INT, &a.seeds, ISO_CLI_NOT_ZERO, seeds, "N"},
         {"limit-size", 0, POPT_ARG_INT, &a.limit_size, ISO_CLI_NOT_ZERO,
-         "pixels along the longer edge of the pictures of limits, at most (96; 64 with --quick): each is drawn at several steps",
-         "N"},
+         "largest edge in pixels of pictures at several steps (96; 64 with --quick)", "N"},
         {"budget", 0, POPT_ARG_DOUBLE, &a.budget, 0,
-         "what can be said within so many seconds, besides the calibration; what was not asked is listed", "SECONDS"},
-        {"resume", 0, POPT_ARG_NONE, &a.resume, 0,
-         "go on where a run for the same folder was interrupted: what is finished is kept in DIR.work until the report stands",
-         NULL},
+         "time limit in seconds, calibration excluded; skipped checks are listed", "SECONDS"},
+        {"resume", 0, POPT_ARG_NONE, &a.resume, 0, "continue an interrupted run for the same folder", NULL},
         {"level-views", 0, POPT_ARG_INT, &a.level_views, ISO_CLI_NOT_ZERO,
-         "views of the verdict for levels, at most 20 (6; 3 with --quick)", "N"},
+         "views to judge the levels, at most 20 (6; 3 with --quick)", "N"},
         {"level-size", 0, POPT_ARG_INT, &a.level_size, ISO_CLI_NOT_ZERO,
-         "pixels along an edge of them (160; 96 with --quick)", "N"},
+         "pixels per edge of these views (160; 96 with --quick)", "N"},
         {"extinction-scale", 0, POPT_ARG_NONE, &a.extinction_scale, 0,
-         "judge the levels as --adapt --extinction-scale shows them", NULL},
+         "judge the levels with --adapt --extinction-scale", NULL},
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
-        {"anyway", 0, POPT_ARG_NONE, &a.anyway, 0,
-         "validate a scene that shows next to nothing of the volume, or a box, too", NULL},
+        {"anyway", 0, POPT_ARG_NONE, &a.anyway, 0, "validate even a scene that shows almost nothing, or only a box",
+         NULL},
         {"viewer", 0, POPT_ARG_NONE, &a.viewer, 0,
-         "put the volume beside the report as a page to look at (isoshade view), to which its rows link", NULL},
-        {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "the results as JUnit's XML as well", "FILE.xml"},
-        {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0,
-         "a summary as Markdown, for the page of a run of continuous integration", "FILE.md"},
+         "add a viewer page of the volume (isoshade view), to which rows link", NULL},
+        {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "also write the results as JUnit XML", "FILE.xml"},
+        {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0, "write a Markdown summary, for a CI page", "FILE.md"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -488,28 +483,29 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_validate = {
     .name = "validate",
-    .summary = "the main job: is the shading the same at every level, in every renderer? A report",
+    .summary = "validate the shading at every level and in every renderer, and write a report (the main job)",
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso [--scene SCENE.scene.json] -o DIR [options] | --suite DIR -o DIR [options]",
     .details =
-        "Four questions, in this order. Does each renderer show volumes right whose images are known in closed form\n"
+        "Answers four questions, in this order. Does each renderer show volumes correctly if their images are known in closed form\n"
         "(calibration)? Is its image that of the double-precision reference, with the same samples and in the limit of small\n"
-        "steps, within the error bars of that limit? Is that so for each way to make directions, and for transfer functions\n"
-        "adapted to a level? How far is each level from level 0: no further than the scene asks (\"levels\"), and not behind\n"
+        "steps, within the error bars of that limit? Does this hold for every way to make directions, and for transfer functions\n"
+        "adapted to a level? Is each level within the scene's limits (\"levels\") of level 0, and no worse than\n"
         "gradients on the fly under the original transfer function? --suite asks the first two for a folder of scenes that\n"
         "are known to break renderers. DIR/index.html shows the results, DIR/report.json has them as data.\n"
-        "What is exported to a program is moved, opened by it as a person would, and has to show the same picture.\n"
-        "A pyramid's levels are first built again from its level 0, and have to be the same byte by byte.\n"
-        "While it runs DIR.work keeps what is finished: --resume goes on from there, to the same report.\n"
-        "What shows too little for its limits, is left out by --budget, asks for what its renderer does not have, or belongs to\n"
-        "a stage in which no renderer takes part is not compared, which is said with the reason.\n"
-        "Exit code 0: all that was compared agrees, and the levels hold; 1: something differs, or nothing was compared: at all,\n"
-        "in a scene, or of a renderer whose images of a scene show too little or were left out by the budget; 5: the scene\n"
+        "Exports to a program are moved and opened in it as a user would do, and must show the same picture.\n"
+        "A pyramid's levels are first built again from its level 0, and must be the same byte by byte.\n"
+        "DIR.work keeps finished pictures until the report is complete: --resume continues from there, to the same report.\n"
+        "A case is listed as \"not compared\", with the reason, if it shows too little for its limits, if --budget or a renderer's\n"
+        "missing feature leaves it out, or if no renderer takes part in its stage.\n"
+        "Exit code 0: all compared cases agree, and the levels hold; 1: something differs, or nothing was compared at all,\n"
+        "in a scene, or of a renderer whose images in a scene show too little or were left out by the budget; 5: the scene\n"
         "shows less than .1 % of the voxels or of the picture, or a box whose faces are opaque to more than 98 % (--anyway);\n"
         "7: a renderer is missing; 9: one failed its calibration.\n"
-        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json: commands of the report name\n"
-        "it. A file of that name is replaced only as validate wrote it (exit code 3).",
-    .common = "output scene tf view size with levels quick images suite budget resume junit viewer renderers blender timeout",
+        "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json, for commands in the\n"
+        "report. A file of that name is replaced only if validate wrote it and it is unchanged (otherwise exit code 3).",
+    .common =
+        "output scene tf view size with levels quick images suite budget resume junit viewer renderers blender timeout",
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_view.c - a volume as one page, to look at and to choose transfer function, camera and level with. */
+/* cmd_view.c - writes a volume as a page to look at, and to choose transfer function, camera and level. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@
 #include "tf/presets.h"
 #include "view/viewer.h"
 
-enum { LEVELS = 5, COARSEST = 16 }; /* a level is made while the longest side of it has so many voxels */
+enum { LEVELS = 5, COARSEST = 16 }; /* COARSEST: stop at this many voxels along the longest side */
 
 typedef struct view_arguments {
     iso_volume_input input;
@@ -42,7 +42,7 @@ static iso_status take_codes(const view_arguments *a, const iso_pyramid_options 
         else if (iso_code_from_name(name, &v->codes[v->code_count], err) != ISO_OK)
             status = iso_fail_in(err, ISO_E_USAGE, "--code");
         else if (!iso_code_describe(v->codes[v->code_count])->is_textured)
-            status = iso_fail(err, ISO_E_USAGE, "--code %s: is not filtered by a texture, so no page has it", name);
+            status = iso_fail(err, ISO_E_USAGE, "--code %s: a page needs a code that textures can filter", name);
         else
             ++v->code_count;
     }
@@ -50,7 +50,7 @@ static iso_status take_codes(const view_arguments *a, const iso_pyramid_options 
     return status;
 }
 
-/* The levels that go in: the finest that is small enough, unless one is asked for, down to a thumbnail. */
+/* Chooses the levels of the page: from the finest that is small enough, or the requested one, to a thumbnail. */
 static iso_status choose_levels(const view_arguments *a, const iso_pyramid *p, iso_viewer *v, iso_error *err)
 {
     const iso_status status = a->level >= 0 ? iso_pyramid_check_level(p, NULL, (size_t)a->level, err) : ISO_OK;
@@ -58,14 +58,15 @@ static iso_status choose_levels(const view_arguments *a, const iso_pyramid *p, i
         return status;
     v->first = a->level >= 0 ? (size_t)a->level : iso_viewer_finest_level(p, a->most);
     if (a->plan && v->first == 0)
-        v->first = 1; /* the plan stands for level 0 */
+        v->first = 1; /* the plan replaces level 0 */
     if (a->plan && v->first >= p->level_count)
-        return iso_fail(err, ISO_E_RANGE, "--plan: the pyramid has level 0 alone; a page begins with a coarse level");
+        return iso_fail(err, ISO_E_RANGE, "--plan: the pyramid has level 0 alone; build coarse levels with --levels");
     const double voxels = (double)iso_geometry_voxel_count(&p->levels[v->first].geometry);
     if (voxels > a->most)
-        return iso_fail(err, ISO_E_RANGE,
-                        "level %zu has %.3g voxels, a page is asked to hold %.3g at most: --most-voxels N or a coarser --level",
-                        v->first, voxels, a->most);
+        return iso_fail(
+            err, ISO_E_RANGE,
+            "level %zu has %.3g voxels, the page's limit is %.3g; raise --most-voxels or take a coarser --level",
+            v->first, voxels, a->most);
     v->last = v->first;
     while (v->last + 1 < p->level_count && v->last + 1 < v->first + (size_t)a->levels) {
         const size_t *size = p->levels[v->last + 1].geometry.size;
@@ -109,21 +110,21 @@ static void report(const view_arguments *a, const iso_cli *cli, const iso_viewer
         printf("%s: %zu of %zu bricks in %.3g million texels, of %.3g million voxels\n", v->plan->name, size->plan_bricks,
                iso_brick_count(v->plan->nodes), 1e-6 * (double)size->plan_texels,
                1e-6 * (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry));
-        printf("its pictures differ from level 0's by RMSE %.3g as predicted, %.3g as measured, in the views of the plan\n",
+        printf("RMSE of its pictures from level 0's in the views of the plan: %.3g predicted, %.3g measured\n",
                v->plan->predicted_rmse, v->plan->measured_rmse);
         return;
     }
     if (a->level < 0 && v->first > 0)
-        printf("level 0 has more than %.3g voxels: it is not in the page (--most-voxels)\n", a->most);
+        printf("level 0 has more than %.3g voxels and is left out; include it with --most-voxels\n", a->most);
 }
 
 static iso_status check(const view_arguments *a, iso_error *err)
 {
     iso_status status = ISO_OK;
     if (!a->output)
-        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the page to write, .html");
+        status = iso_fail(err, ISO_E_USAGE, "-o is missing: page to write, .html");
     if (status == ISO_OK && a->plan && a->level == 0)
-        status = iso_fail(err, ISO_E_USAGE, "--plan and --level 0: the plan stands for level 0");
+        status = iso_fail(err, ISO_E_USAGE, "--plan and --level 0 exclude each other: the plan replaces level 0");
     TRY(status, iso_words_check_range("--level", a->level, -1, 31, err));
     TRY(status, iso_words_check_range("--levels", a->levels, 1, 16, err));
     TRY(status, iso_words_check_range("--most-voxels", a->most, 1, 1e9, err));
@@ -151,7 +152,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     build.level_count = (size_t)(a->level > 0 ? a->level : 0) + (size_t)a->levels;
     TRY(status, take_codes(a, &build, &v, err));
     if (status == ISO_OK && a->plan && v.code_count == 0)
-        status = iso_fail(err, ISO_E_USAGE, "--plan and --code none: bricks are shaded by codes");
+        status = iso_fail(err, ISO_E_USAGE, "--plan and --code none exclude each other: bricks are shaded by codes");
     build.code = v.code_count > 0 ? v.codes[0] : build.code;
     build.keep_float = v.code_count > 1;
     TRY(status, iso_cli_look_check(&a->look, cli->threads, &look, err));
@@ -182,20 +183,20 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     view_arguments a = {.level = -1, .levels = LEVELS, .most = ISO_VIEWER_MOST_VOXELS};
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "the page to write", "VIEW.html"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "page to write", "VIEW.html"},
         ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"level", 0, POPT_ARG_INT, &a.level, 0, "the finest level that goes in (the finest that is small enough)", "K"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "levels that go in, with that one", "N"},
-        {"most-voxels", 0, POPT_ARG_DOUBLE, &a.most, 0, "of the finest level (32e6)", "N"},
-        {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
-         "bricks of isoshade plan instead of level 0, for volumes that are too large for a page", "PLAN.json"},
+        {"level", 0, POPT_ARG_INT, &a.level, 0, "finest level in the page (the finest that is small enough)", "K"},
+        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "number of levels in the page", "N"},
+        {"most-voxels", 0, POPT_ARG_DOUBLE, &a.most, 0, "largest voxel count of the finest level (32e6)", "N"},
+        {"plan", 0, POPT_ARG_STRING, &a.plan, 0, "bricks of isoshade plan instead of level 0, for large volumes",
+         "PLAN.json"},
         {"code", 0, POPT_ARG_STRING, &a.codes, 0,
-         "direction codes to choose from in the page; none: gradients on the fly alone, and a smaller page", "CODE,.."},
+         "direction codes of the page; none: only gradients on the fly, smaller", "CODE,.."},
         {"float", 0, POPT_ARG_NONE, &a.floats, 0,
-         "levels that are stored in floats as they are, not in 16 bits over their range: pages of twice the size", NULL},
-        {"errors", 0, POPT_ARG_NONE, &a.errors, 0,
-         "say in the page of each coarse level how far its pictures are from level 0's, not of the finest alone", NULL},
-        {"adapt", 0, POPT_ARG_NONE, &a.adapted, 0, "begin with transfer functions adapted to coarse levels", NULL},
+         "keep float levels as floats, not as 16 bits; doubles the page's size", NULL},
+        {"errors", 0, POPT_ARG_NONE, &a.errors, 0, "measure the error of each coarse level, not only of the finest",
+         NULL},
+        {"adapt", 0, POPT_ARG_NONE, &a.adapted, 0, "start with transfer functions adapted to coarse levels", NULL},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -213,21 +214,22 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_command_view = {
     .name = "view",
-    .summary = "a volume as one page for a browser: look, choose transfer function, camera and level, save the scene",
+    .summary = "write a volume as a page for a browser: choose transfer function, camera and level, save the scene",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso -o VIEW.html [--scene SCENE.scene.json] [options]",
     .details =
-        "The page needs no network, no server and no other file. It draws with WebGL2, by the shaders of the ray caster\n"
+        "The page needs no network, no server and no other file. It draws with WebGL2 and the shaders of the ray caster\n"
         "(render --with gl), and saves scene.json and tf.json, which every other command takes. Levels are drawn as they are\n"
         "read, the coarsest first; --plan adds level 0 in the bricks that a scene needs. Shading is by the pyramid's direction\n"
         "codes or by gradients on the fly.",
     .common = "output scene tf view zoom level levels plan adapt spacing threads",
-    .examples = "  isoshade make shells --size 48x44x40 -o shells.nrrd\n"
-                "  isoshade view shells.nrrd -o shells.html\n"
-                "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --code fit,region48 --adapt -o shells.html\n"
-                "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
-                "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --plan shells.plan.json -o planned.html\n",
+    .examples =
+        "  isoshade make shells --size 48x44x40 -o shells.nrrd\n"
+        "  isoshade view shells.nrrd -o shells.html\n"
+        "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --code fit,region48 --adapt -o shells.html\n"
+        "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
+        "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --plan shells.plan.json -o planned.html\n",
     .lists = (const iso_names *const[]){&iso_code_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .run = run,
 };

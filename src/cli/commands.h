@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* commands.h - the one list of commands; the table and its order in --help
- * expand from it. src/cli/cmd_NAME.c defines iso_command_NAME. */
+/* commands.h - the list of commands, in the order of --help. src/cli/cmd_NAME.c defines iso_command_NAME. */
 #ifndef ISO_CLI_COMMANDS_H
 #define ISO_CLI_COMMANDS_H
 
@@ -27,9 +26,9 @@
     X(atlas) \
     X(bench)
 
-/* "bench NAME" each, by src/bench/bench.h. */
+/* Commands "bench NAME" (src/bench/bench.h). */
 extern const iso_command *const iso_benchmarks[]; /* ends with NULL */
-/* By the word after "bench"; NULL: none has that name. */
+/* Finds a benchmark by the word after "bench". NULL if there is none. */
 const iso_command *iso_benchmark_find(const char *name);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* completion.c - functions for bash and zsh that complete commands, options and the values that an option lists. */
+/* completion.c - prints functions for bash and zsh that complete commands, options and listed values. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@
 #include "targets/targets.h"
 #include "volume/synthetic.h"
 
-/* ---- values that stand in a list of the command's ---- */
+/* ---- values from lists of a command ---- */
 
 static const struct {
     const char *option;
@@ -41,7 +41,7 @@ static bool has_list(const iso_command *c, const iso_names *names)
     return false;
 }
 
-/* Parted by spaces; to be freed. */
+/* Returns the names with spaces between them; to be freed. */
 static char *words_of_list(const iso_names *names)
 {
     char *words = NULL;
@@ -54,7 +54,7 @@ static char *words_of_list(const iso_names *names)
     return words;
 }
 
-/* The words that an option of the command chooses from; NULL where it has no list. */
+/* Returns the values that an option chooses from; NULL if it has no list. */
 static char *names_of_option(const iso_command *c, const char *option)
 {
     for (size_t i = 0; i < sizeof lists_of_options / sizeof *lists_of_options; ++i)
@@ -63,7 +63,7 @@ static char *names_of_option(const iso_command *c, const char *option)
     return NULL;
 }
 
-/* ---- what texts for people say about values ---- */
+/* ---- values from help texts ---- */
 
 static size_t word_length(const char *text)
 {
@@ -78,8 +78,9 @@ static const char *skip_default(const char *text)
     return strncmp(text, " (default)", 10) == 0 ? text + 10 : text;
 }
 
-/* "moments (default), eq1, naive or tensor" or "uint8, int16, ...", behind an optional "reference: ": the words, parted by
- * spaces; NULL where the text begins with no such list. To be freed. */
+/* Finds a list in a help text, such as "moments (default), eq1, naive or tensor" or "uint8, int16, ...", after an
+ * optional "reference: ". Returns its words with spaces between them, to be freed. NULL if the text does not begin with
+ * a list. */
 static char *listed_values(const char *text)
 {
     const char *colon = strstr(text, ": ");
@@ -103,7 +104,7 @@ static char *listed_values(const char *text)
         if (strncmp(text, " or ", 4) == 0) {
             const size_t last = word_length(text + 4);
             fprintf(f, " %.*s", (int)last, text + 4);
-            is_list = last > 0 && strchr(",;:", *skip_default(text + 4 + last)); /* the text's end, too */
+            is_list = last > 0 && strchr(",;:", *skip_default(text + 4 + last)); /* also matches the end of the text */
             is_list = is_list || strncmp(text + 4 + last, " (", 2) == 0;
             break;
         }
@@ -125,8 +126,8 @@ static char *values_of(const iso_command *c, const struct poptOption *o)
     return words || !o->descrip ? words : listed_values(o->descrip);
 }
 
-/* Usages list what a command does by its first word: "adapt VOLUME ... | convert FILE ..."; that of make is a kind of
- * volume. NULL as above. */
+/* Finds the actions in a usage such as "adapt VOLUME ... | convert FILE ...", or make's kinds of volumes. Returns them
+ * as above, or NULL. */
 static char *listed_actions(const iso_command *c)
 {
     const char *usage = c->usage;
@@ -189,7 +190,7 @@ static void put_bash_names(FILE *f, const iso_command *const *list, size_t skip)
         fprintf(f, " %s", (*c)->name + skip);
 }
 
-/* The commands of both lists but bench, which hands on to the second one. */
+/* Calls `put` for each command and benchmark, without bench itself. */
 static void each_command(FILE *f, void (*put)(FILE *f, const iso_command *c))
 {
     for (const iso_command *const *c = iso_commands; *c; ++c)
@@ -205,7 +206,7 @@ static void put_bash_command_values(FILE *f, const iso_command *c)
     iso_cli_visit_options(c, put_bash_values, &w);
 }
 
-/* Where nothing is proposed, "-o default" of complete proposes files. */
+/* Prints the bash function. If it proposes nothing, "-o default" of complete proposes files. */
 static void print_bash(FILE *f)
 {
     fputs(
@@ -249,7 +250,7 @@ static void print_bash(FILE *f)
 
 /* ---- zsh ---- */
 
-/* In '...' of a specification of _arguments: quotes, and what parts its fields. */
+/* Escapes text for '...' in a specification of _arguments: quotes, and separators of fields. */
 static void put_zsh_text(FILE *f, const char *text)
 {
     for (; *text; ++text) {
@@ -340,6 +341,6 @@ iso_status iso_manual_print_completion(FILE *f, const char *shell, iso_error *er
     else if (strcmp(shell, "zsh") == 0)
         print_zsh(f);
     else
-        return iso_fail(err, ISO_E_USAGE, "no completion for \"%s\"; wanted bash or zsh", shell);
+        return iso_fail(err, ISO_E_USAGE, "no completion for \"%s\", must be bash or zsh", shell);
     return ISO_OK;
 }

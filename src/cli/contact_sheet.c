@@ -11,7 +11,7 @@
 #include "compare/srgb.h"
 #include "report/gnuplot.h"
 
-/* In pixels of a PNG; all even, for gnuplot is told halves. */
+/* Distances in pixels of a PNG; all even, because gnuplot gets their halves. */
 enum { GAP = 10, LABEL = 24, HEAD = 40 };
 
 iso_status iso_contact_sheet_add(iso_contact_sheet *s, const iso_image *image, const char *label, const char *command,
@@ -19,7 +19,8 @@ iso_status iso_contact_sheet_add(iso_contact_sheet *s, const iso_image *image, c
 {
     const size_t pixels = image->width * image->height;
     if (image->width != image->height || (s->count > 0 && image->width != s->side))
-        return iso_fail(err, ISO_E_RANGE, "sheet: a picture of %zu x %zu pixels, wanted squares of one size",
+        return iso_fail(err, ISO_E_RANGE,
+                        "sheet: a picture has %zu x %zu pixels, must be a square of the same size as the others",
                         image->width, image->height);
     if (s->count == s->room) {
         const size_t room = s->room ? 2 * s->room : 16;
@@ -46,7 +47,7 @@ typedef struct mosaic {
     unsigned char *rgb;
 } mosaic;
 
-/* As many groups side by side as make the sheet about one and a half times as wide as high. */
+/* Returns the number of columns: whole groups, so that the sheet is about 1.5 times as wide as high. */
 static size_t choose_columns(const iso_contact_sheet *s, size_t group)
 {
     const size_t groups = (s->count + group - 1) / group;
@@ -79,7 +80,7 @@ static iso_status write_sheet(FILE *gp, void *user, iso_error *err)
 {
     const mosaic *m = user;
     const iso_contact_sheet *s = m->sheet;
-    /* The longest names of presets and views fit below a picture. */
+    /* font size at which the longest names of presets and views fit below a picture */
     const double points = 5.5 * fmin(1, (double)s->side / 176);
     (void)err;
     fprintf(gp,

@@ -15,7 +15,7 @@ iso_status iso_cli_take_cycles(const iso_cli_cycles *a, const char *with, iso_er
     iso_status status = iso_renderers_from_list(with, wanted, err);
     TRY(status, iso_renderer_from_name("cycles", &cycles, err));
     if (status == ISO_OK && (a->blender || a->device) && !wanted[iso_renderer_index(cycles)])
-        status = iso_fail(err, ISO_E_USAGE, "%s is of cycles, which --with %s leaves out",
+        status = iso_fail(err, ISO_E_USAGE, "%s needs cycles, which --with %s leaves out",
                           a->blender ? "--blender" : "--cycles-device", with);
     TRY(status, iso_cycles_set_device(a->device, err));
     return status == ISO_OK ? iso_renderers_take_blenders(a->blender, err) : status;
@@ -32,7 +32,7 @@ void iso_cli_print_versions(const json_t *report)
         if (iso_row_identify(row).comparison != ISO_COMPARISON_VERSIONS || !found)
             continue;
         json_unpack((json_t *)found, "{s:[I,I]}", "pixel", &column, &line);
-        printf("%s, level %lld: %s beside %s: largest change %.2g in column %lld, row %lld (noise there %.2g): %s\n",
+        printf("%s, level %lld: %s against %s: largest change %.2g in column %lld, row %lld (noise there %.2g): %s\n",
                iso_row_text(row, "scene"), (long long)json_integer_value(json_object_get(row, "level")),
                iso_row_text(row, "renderer"), iso_row_text(row, "a"), iso_row_number(found, "largest_change"), column,
                line, iso_row_number(found, "noise_there"), iso_row_text(row, "verdict"));

@@ -13,21 +13,20 @@ bool iso_export_wants_merged(const iso_export_arguments *a)
     return !a->grids || strcmp(a->grids, "merged") == 0;
 }
 
-/* With a plan the levels are the plan's, and so is the transfer function. */
+/* Checks options with --plan, which fixes the levels and the transfer function. */
 static iso_status check_plan(const iso_export_arguments *a, iso_error *err)
 {
     if (!a->plan)
         return a->grids ? iso_fail(err, ISO_E_USAGE, "--grids needs --plan") : ISO_OK;
     if (!a->look.scene)
-        return iso_fail(err, ISO_E_USAGE, "--plan needs the --scene that it was made for");
+        return iso_fail(err, ISO_E_USAGE, "--plan needs its --scene");
     if (!iso_export_wants_merged(a) && strcmp(a->grids, "levels") != 0)
         return iso_fail(err, ISO_E_USAGE, "--grids is \"%s\", wanted merged or levels", a->grids);
     if (a->level != 0 || a->level_count != 1 || a->adapted.wanted || a->adapted.extinction_scale || a->isosurface ||
         a->roi.box)
         return iso_fail(
             err, ISO_E_USAGE,
-            "--plan chooses the levels itself: --level, --levels, --adapt, --extinction-scale, --roi and --isosurface have no "
-            "meaning");
+            "--plan fixes the levels: it excludes --level, --levels, --adapt, --extinction-scale, --roi and --isosurface");
     return ISO_OK;
 }
 
@@ -37,7 +36,7 @@ bool iso_export_is_shown(const iso_export_arguments *a, const iso_export_target 
            (a->look.scene || a->look.tf || a->adapted.extinction_scale);
 }
 
-/* An option that would change nothing is a mistake. */
+/* Refuses options that have no effect for the target. */
 static iso_status check_options(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
 {
     const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) &&
@@ -47,7 +46,7 @@ static iso_status check_options(const iso_export_arguments *a, const iso_export_
                                                  [ISO_EXPORT_HALF] = a->half,
                                                  [ISO_EXPORT_ISOSURFACE] = a->isosurface != NULL,
                                                  [ISO_EXPORT_SCENE] = a->look.scene && !a->plan &&
-                                                                      !alone, /* a plan is made for one */
+                                                                      !alone, /* with a plan the scene has an effect */
                                                  [ISO_EXPORT_SIZE] = a->look.size != NULL && !alone,
                                                  [ISO_EXPORT_ROI] = a->roi.box != NULL,
                                                  [ISO_EXPORT_ADAPT] = a->adapted.wanted && !alone,
@@ -61,23 +60,23 @@ static iso_status check_options(const iso_export_arguments *a, const iso_export_
     const char *const looks[] = {a->look.tf && !alone ? "--tf" : NULL, a->look.view ? "--view" : NULL,
                                  a->look.zoom ? "--zoom" : NULL};
     if (a->dense && (a->has_background || a->plan))
-        return iso_fail(err, ISO_E_USAGE, "--dense and %s: one keeps what the other leaves out",
-                        a->plan ? "--plan" : "--background");
+        return iso_fail(err, ISO_E_USAGE, "--dense and %s exclude each other", a->plan ? "--plan" : "--background");
     if (a->has_background && a->plan)
-        return iso_fail(err, ISO_E_USAGE, "--background has no meaning with --plan, which chooses it");
+        return iso_fail(err, ISO_E_USAGE, "--background and --plan exclude each other: the plan sets the background");
     if (a->look.tf && a->plan && iso_export_takes(target, ISO_EXPORT_SHOWN))
-        return iso_fail(err, ISO_E_USAGE, "--tf has no meaning with --plan, which was made for a transfer function");
+        return iso_fail(err, ISO_E_USAGE,
+                        "--tf and --plan exclude each other: the plan is for the scene's transfer function");
     for (size_t i = 0; i < sizeof looks / sizeof *looks; ++i)
         if (looks[i] && !iso_export_takes(target, ISO_EXPORT_SCENE) && !a->bake.wanted)
-            return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s", looks[i], target->name);
+            return iso_fail(err, ISO_E_USAGE, "%s cannot be used with --to %s", looks[i], target->name);
     for (int i = 0; i < ISO_EXPORT_OPTION_COUNT; ++i)
         if (given[i] && !iso_export_takes(target, (iso_export_option)i))
-            return iso_fail(err, ISO_E_USAGE, "%s has no meaning for --to %s",
+            return iso_fail(err, ISO_E_USAGE, "%s cannot be used with --to %s",
                             iso_export_option_text((iso_export_option)i), target->name);
     return ISO_OK;
 }
 
-/* One level, whole, by the scene's transfer function. */
+/* Checks options for baked grids: one whole level, with the scene's transfer function. */
 static iso_status check_bake(const iso_export_arguments *a, iso_error *err)
 {
     const char *other = a->plan              ? "--plan"
@@ -86,11 +85,11 @@ static iso_status check_bake(const iso_export_arguments *a, iso_error *err)
                         : a->frames          ? "--frames"
                                              : NULL;
     if (a->bake.wanted && other)
-        return iso_fail(err, ISO_E_USAGE, "%s has no meaning for what is baked: one level, all of it", other);
+        return iso_fail(err, ISO_E_USAGE, "%s cannot be used with baked grids, which hold one whole level", other);
     return ISO_OK;
 }
 
-/* One scene and one transfer function for all frames: what is made for one volume alone has no meaning. */
+/* Checks --frames: all frames share one scene and one transfer function, so options for a single volume are refused. */
 static iso_status check_frames(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
 {
     const char *other = a->plan                                      ? "--plan"
@@ -102,16 +101,16 @@ static iso_status check_frames(const iso_export_arguments *a, const iso_export_t
     if (!a->frames)
         return ISO_OK;
     if (strcmp(a->frames, "all") != 0)
-        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; --frame K exports one", a->frames);
+        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; export one with --frame K", a->frames);
     if (other)
-        return iso_fail(err, ISO_E_USAGE, "--frames all and %s: a series has one scene and one transfer function",
+        return iso_fail(err, ISO_E_USAGE, "--frames all excludes %s: a series has one scene and one transfer function",
                         other);
     return ISO_OK;
 }
 
-/* Those of frames and of several volumes have names that are known when these are read. Which target has a .usda, it says
- * itself. */
-static iso_status guard_files_beside(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
+/* Guards the files next to the output. Files of frames and of several volumes have names that are known only later. The
+ * target knows whether it writes a .usda. */
+static iso_status guard_other_files(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
 {
     if (a->bake.wanted && a->bake.usd && iso_path_ends_with(a->output, ".vdb"))
         return iso_bake_guard_usda(a->output, a->force, err);
@@ -162,5 +161,5 @@ iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **t
     TRY(status, check_plan(a, err));
     if (status == ISO_OK && (*target)->stamped)
         status = iso_stamp_guard(a->output, a->force, err);
-    return status == ISO_OK ? guard_files_beside(a, *target, err) : status;
+    return status == ISO_OK ? guard_other_files(a, *target, err) : status;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* export_options.h - the options of `isoshade export`: which go together, and which have a meaning for a target. */
+/* export_options.h - checks the options of `isoshade export` with each other and with the target. */
 #ifndef ISO_EXPORT_OPTIONS_H
 #define ISO_EXPORT_OPTIONS_H
 
@@ -10,7 +10,7 @@
 #include "options/roi.h"
 #include "targets/targets.h"
 
-/* As given; 0 and NULL: not given. */
+/* Options as given; 0 and NULL: not given. */
 typedef struct iso_export_arguments {
     iso_volume_input input;
     iso_cli_adapted adapted;
@@ -27,14 +27,14 @@ typedef struct iso_export_arguments {
     const iso_cli *cli;
 } iso_export_arguments;
 
-/* Of a plan: one plain grid instead of one a level. */
+/* True if a plan is written as one grid, instead of one per level. */
 bool iso_export_wants_merged(const iso_export_arguments *a);
 
-/* Grids alone need no transfer function, but one that is given says which voxels they have to hold. */
+/* True if a transfer function is given that decides which voxels the grids hold; grids themselves need none. */
 bool iso_export_is_shown(const iso_export_arguments *a, const iso_export_target *target);
 
-/* Finds the target, and what is wrong before the work: options that exclude each other, or that would change nothing.
- * ISO_E_USAGE, ISO_E_RANGE; ISO_E_IO where a file stands that was changed by hand. */
+/* Finds the target, and checks the options before the work. ISO_E_USAGE, ISO_E_RANGE: options that exclude each other
+ * or have no effect; ISO_E_IO: a file was changed by hand. */
 iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **target, iso_error *err);
 
 #endif

@@ -13,7 +13,7 @@
 
 enum { MOST_VOLUMES = 32, NAME_BYTES = 64 };
 
-/* One of them, as it is asked for. */
+/* One of the volumes, as requested. */
 typedef struct one_volume {
     char *path, *tf, *channel; /* tf, channel: or NULL */
     char name[NAME_BYTES];
@@ -24,15 +24,15 @@ typedef struct several_job {
     iso_progress progress;
     one_volume volumes[MOST_VOLUMES];
     size_t count;
-    iso_view first; /* whose camera, lights and background are all volumes' */
+    iso_view first; /* its camera, lights and background are used for all volumes */
 } several_job;
 
-/* Green, magenta, cyan, yellow, red, blue: as fluorescence is shown. Two of them are told apart by everybody. */
+/* Green, magenta, cyan, yellow, red, blue: usual for fluorescence, and the first two work for color-blind people. */
 static const double channel_colors[][3] = {{0, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, 0}, {1, 0.05, 0.05}, {0.1, 0.2, 1}};
 static const char *const color_names[] = {"green", "magenta", "cyan", "yellow", "red", "blue"};
 enum { COLORS = sizeof channel_colors / sizeof *channel_colors };
 
-/* Letters, digits, "-" and "_"; a number where another has the name. */
+/* Sets a volume's name: letters, digits, "-" and "_", with a number if the name is taken. */
 static void set_name(several_job *job, one_volume *v, const char *text)
 {
     char base[NAME_BYTES - 8];
@@ -48,7 +48,7 @@ static void set_name(several_job *job, one_volume *v, const char *text)
         }
 }
 
-/* What objects and files are called after; "volume" where outputs leave names out. */
+/* Returns the name for objects and files; "volume" if outputs omit names. */
 static const char *name_of_volume(const char *path)
 {
     const char *name = iso_provenance_name(path);
@@ -59,7 +59,7 @@ static iso_status add(several_job *job, const char *path, const char *tf, const 
                       iso_error *err)
 {
     if (job->count == MOST_VOLUMES)
-        return iso_fail(err, ISO_E_USAGE, "more than %d volumes", MOST_VOLUMES);
+        return iso_fail(err, ISO_E_USAGE, "too many volumes, at most %d", MOST_VOLUMES);
     one_volume *v = &job->volumes[job->count];
     *v = (one_volume){.path = strdup(path), .tf = tf ? strdup(tf) : NULL, .channel = channel ? strdup(channel) : NULL};
     set_name(job, v, name);
@@ -84,7 +84,7 @@ static iso_status add_channel(several_job *job, const char *channel, iso_error *
     return add(job, a->cli->arguments[0], NULL, channel, name, err);
 }
 
-/* How many channels the file has: its first one is opened to see. */
+/* Counts the channels of the file by opening the first one. */
 static iso_status count_channels(const iso_export_several *a, size_t *count, iso_error *err)
 {
     iso_volume_input input = *a->input;
@@ -95,7 +95,7 @@ static iso_status count_channels(const iso_export_several *a, size_t *count, iso
     *count = status == ISO_OK ? iso_source_volume(source)->notes.channel_count : 0;
     iso_source_close(source);
     return status == ISO_OK && *count < 2
-               ? iso_fail(err, ISO_E_USAGE, "%s has one channel, --channels chooses among several", a->cli->arguments[0])
+               ? iso_fail(err, ISO_E_USAGE, "%s: has one channel; --channels needs several", a->cli->arguments[0])
                : status;
 }
 
@@ -119,7 +119,7 @@ static iso_status add_channels(several_job *job, iso_error *err)
     return status;
 }
 
-/* "VOLUME,TF": what follows the last comma, but for a file whose own name has one. */
+/* Adds a volume of --add, "VOLUME,TF": the last comma separates them, unless a file of the whole name exists. */
 static iso_status add_other(several_job *job, const char *text, iso_error *err)
 {
     const char *comma = iso_path_exists(text) ? NULL : strrchr(text, ',');
@@ -136,8 +136,8 @@ static void color_points(iso_tf *tf, const double color[3])
         memcpy(tf->points[i].rgb_linear, color, sizeof tf->points[i].rgb_linear);
 }
 
-/* The transfer function of a volume: the one that is named with it; of channels, a suggested one in the channel's color;
- * of the first volume the scene's; else a suggested one. */
+/* Makes the view of a volume. Its transfer function is the one named with it; for channels, a suggested one in the
+ * channel's color; for the first volume the scene's; otherwise a suggested one. */
 static iso_status make_view(several_job *job, size_t i, const iso_pyramid *p, iso_view *view, iso_error *err)
 {
     const one_volume *v = &job->volumes[i];
@@ -174,7 +174,7 @@ static iso_status load(void *user, size_t i, iso_pyramid *p, iso_view *view, cha
     if (v->channel)
         input.channel = v->channel;
     else if (i > 0)
-        iso_volume_input_defaults(&input); /* the options are the first volume's */
+        iso_volume_input_defaults(&input); /* the options apply only to the first volume */
     iso_status status = iso_subject_load_pyramid(v->path, &input, &build, &job->progress, p, err);
     TRY(status, iso_pyramid_check_level(p, v->path, a->level, err));
     TRY(status, make_view(job, i, p, view, err));
@@ -205,7 +205,8 @@ iso_status iso_export_several_volumes(const iso_export_several *a, iso_error *er
     several_job job = {.asked = a, .progress = iso_cli_progress(a->cli)};
     iso_status status = a->target->write_volumes
                             ? ISO_OK
-                            : iso_fail(err, ISO_E_USAGE, "--to %s has one volume in a scene", a->target->name);
+                            : iso_fail(err, ISO_E_USAGE, "--to %s takes a single volume, without --add and --channels",
+                                       a->target->name);
     TRY(status, a->channels ? add_channels(&job, err) : add(&job, a->cli->arguments[0], NULL, NULL,
                                                             name_of_volume(a->cli->arguments[0]), err));
     for (size_t i = 0; a->added && a->added[i] && status == ISO_OK; ++i)

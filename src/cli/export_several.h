@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* export_several.h - several volumes in one scene: channels of a file, and volumes that are added to it. */
+/* export_several.h - exports several volumes in one scene: channels of a file, and volumes of --add. */
 #ifndef ISO_CLI_EXPORT_SEVERAL_H
 #define ISO_CLI_EXPORT_SEVERAL_H
 
@@ -9,10 +9,10 @@
 
 typedef struct iso_export_several {
     const iso_cli *cli;
-    const iso_volume_input *input; /* of the first volume */
+    const iso_volume_input *input; /* options for the first volume */
     const iso_subject_look *look;
-    const char *channels; /* "all", or "0,2,DAPI"; NULL: not by channels */
-    const char **added;   /* "VOLUME" or "VOLUME,TF", NULL at the end; or NULL */
+    const char *channels; /* "all", or "0,2,DAPI"; or NULL */
+    const char **added;   /* "VOLUME" or "VOLUME,TF"; ends with NULL, or NULL */
     size_t level;
     double step_voxels; /* 0: the scene's */
     const char *output;

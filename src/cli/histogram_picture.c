@@ -6,7 +6,7 @@
 
 #include "report/gnuplot.h"
 
-/* So much of a decade does a single voxel stand above none. */
+/* Height of a single voxel, in decades. */
 static const double one_voxel = 0.3;
 
 double iso_histogram_height(const iso_value_histogram *h, size_t count)
@@ -68,11 +68,11 @@ iso_status iso_histogram_draw(const iso_value_histogram *h, const char *title, c
     return iso_gnuplot_picture(output, 640, 280, write_picture, &(picture){h, title}, err);
 }
 
-/* ---- in letters -------------------------------------------------------------------------------------------------- */
+/* ---- as text ---------------------------------------------------------------------------------------------------- */
 
 enum { ROWS = 8, LABEL = 9 };
 
-/* 1, 2 or 5 of a decade, so that the range has four to ten of them. */
+/* Returns a tick step of 1, 2 or 5 times a power of ten, for four to ten ticks in the range. */
 static double tick_step(double range)
 {
     const double decade = pow(10, floor(log10(range / 4)));
@@ -84,7 +84,7 @@ static void print_rows(const iso_value_histogram *h, int indent, FILE *f)
     const double top = log10(fmax((double)h->most, 1)) + one_voxel;
     for (int row = ROWS - 1; row >= 0; --row) {
         char label[LABEL + 8] = "";
-        /* what a bin has that ends amid this row */
+        /* half a row for a bin that ends in the middle of this row */
         if (row % 2 == 1)
             snprintf(label, sizeof label, "%.2g", pow(10, fmax((row + 1.0) / ROWS * top - one_voxel, 0)));
         fprintf(f, "%*s%*s |", indent, "", LABEL, label);
@@ -102,7 +102,7 @@ void iso_histogram_print(const iso_value_histogram *h, int indent, FILE *f)
     const size_t columns = h->count < WIDEST ? h->count : WIDEST;
     const double hi = h->lo + h->width * (double)h->count, step = tick_step(hi - h->lo);
     char axis[WIDEST + 1], labels[WIDEST + 32];
-    size_t free_from = 0; /* the column from which on labels have room */
+    size_t free_from = 0; /* first column without a label */
     memset(axis, '-', columns);
     memset(labels, ' ', sizeof labels);
     axis[columns] = 0;

@@ -13,16 +13,17 @@ static bool names_output(const char *word)
     return strncmp(word, "-o", 2) == 0 || strncmp(word, "--output", 8) == 0;
 }
 
-/* Where the volume goes is not for a scene to say. */
+/* Refuses options for the output, which a scene must not choose. */
 static iso_status check_words(const char *make, const char *const words[], int count, iso_error *err)
 {
     for (int i = 0; i < count; ++i)
         if (names_output(words[i]))
-            return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\": %s: a scene names no output", make, words[i]);
+            return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\": a scene must not name an output (%s)", make,
+                            words[i]);
     return ISO_OK;
 }
 
-/* What is wrong with the words is wrong with the scene that has them, not with the command line. */
+/* Runs make. Wrong words are an error of the scene's file, not of the command line. */
 static iso_status run_make(const char *make, int argc, const char **argv, iso_error *err)
 {
     iso_command inner = iso_command_make;
@@ -36,7 +37,7 @@ iso_status iso_cli_make_volume(const char *make, const char *path, iso_error *er
     int count;
     const char **words;
     if (poptParseArgvString(make, &count, &words) != 0)
-        return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\", which is no list of words", make);
+        return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\", must be a list of words", make);
     iso_status status = check_words(make, words, count, err);
     const char **argv = calloc((size_t)count + 4, sizeof *argv);
     if (status == ISO_OK && !argv)

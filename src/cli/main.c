@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* main.c - isoshade: its commands, and the two words that are none. */
+/* main.c - isoshade: its commands, `help --man` and `completion`. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* manual.c - isoshade(1). */
+/* manual.c - prints the manual page isoshade(1). */
 #include "cli/manual.h"
 
 #include <ctype.h>
@@ -10,7 +10,7 @@
 
 /* ---- text for troff ---- */
 
-/* A hyphen of an option is a minus; a point or a quote at the start of a line would be a request. */
+/* Escapes text: hyphens of options as minus signs, and periods and quotes that would begin a request. */
 static void put_escaped(FILE *f, const char *text, size_t length)
 {
     for (size_t i = 0; i < length && text[i]; ++i) {
@@ -34,7 +34,8 @@ static void put_text(FILE *f, const char *text)
     put_escaped(f, text, strlen(text));
 }
 
-/* A line of a list: "  ramp: linear in x" or "adapt    writes ...": the length of its first word, else 0. */
+/* Returns the length of the first word if the line is an item such as "  ramp: linear in x" or "adapt    writes ...";
+ * otherwise 0. */
 static size_t item_length(const char *line, size_t length)
 {
     const size_t indent = strspn(line, " ");
@@ -47,7 +48,7 @@ static size_t item_length(const char *line, size_t length)
     return is_indented || is_column ? end - indent : 0;
 }
 
-/* Lines that go on are filled; a list becomes tagged paragraphs; an empty line parts paragraphs. */
+/* Prints a text: lines are filled, lists become tagged paragraphs, and empty lines separate paragraphs. */
 static void put_details(FILE *f, const char *details)
 {
     bool in_list = false;
@@ -112,10 +113,10 @@ static void put_benchmarks(FILE *f)
         put_text(f, (*b)->summary);
         fputc('\n', f);
     }
-    fputs(".PP\nisoshade bench NAME \\-\\-help shows the options of one.\n", f);
+    fputs(".PP\nisoshade bench NAME \\-\\-help shows the options of a benchmark.\n", f);
 }
 
-/* What options choose from. */
+/* Prints names that options choose from. */
 static void put_list(FILE *f, const iso_names *names)
 {
     fprintf(f, ".PP\n%c", toupper((unsigned char)names->plural[0]));
@@ -169,12 +170,12 @@ static void put_environment(FILE *f)
 {
     fputs(".SH ENVIRONMENT\n.TP\n.BR ISOSHADE_BLENDER ,\\  ISOSHADE_POVRAY ,\\  ISOSHADE_GNUPLOT\n"
           ".TQ\n.BR ISOSHADE_PYTHON3 ,\\  ISOSHADE_CHROMIUM\n"
-          "The program to run instead of the one on the PATH.\n"
-          ".TP\n.B ISOSHADE_RENDERERS\nPrograms that render, as \\-\\-renderers names them.\n"
-          ".TP\n.B ISOSHADE_GL_DEVICE\nThe device of the OpenGL ray caster, as \\-\\-gl\\-device says it.\n"
-          ".TP\n.B ISOSHADE_CYCLES_DEVICE\nWhat Cycles renders on, as \\-\\-cycles\\-device says it.\n"
-          ".TP\n.B ISOSHADE_SANDBOX\noff: other programs run with all rights of the user, as by \\-\\-no\\-sandbox.\n"
-          ".TP\n.B TMPDIR\nWhere temporary files are made.\n",
+          "Program to run instead of the one in the PATH.\n"
+          ".TP\n.B ISOSHADE_RENDERERS\nRender programs, as for \\-\\-renderers.\n"
+          ".TP\n.B ISOSHADE_GL_DEVICE\nDevice of the OpenGL ray caster, as for \\-\\-gl\\-device.\n"
+          ".TP\n.B ISOSHADE_CYCLES_DEVICE\nDevice of Cycles, as for \\-\\-cycles\\-device.\n"
+          ".TP\n.B ISOSHADE_SANDBOX\noff: other programs run with all rights of the user, as with \\-\\-no\\-sandbox.\n"
+          ".TP\n.B TMPDIR\nFolder for temporary files.\n",
           f);
 }
 

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* memory.c - what the program does where memory has ended.
+/* memory.c - ends the program if small allocations fail.
  *
- * Small allocations that fail end the program with one line and ISO_E_MEMORY, and what is unfinished is removed: no
- * program can do much without a few bytes. So do all that libraries make: those below (popt, jansson, teem, OpenEXR, Mesa)
- * crash, wait for ever, or lose a part without a word. Large ones of our own code, of samples and pictures, fail as
- * everywhere and are told by what wanted them. It is the same with threads: Mesa waits for ever for one that could not be
- * started. So malloc() and its like are put before those of glibc here. The library isoshade is for programs of others,
- * which decide for themselves: it has none of this. */
+ * Small allocations that fail, and all of other libraries, end the program with one line and ISO_E_MEMORY after removing
+ * unfinished files. Libraries (popt, jansson, teem, OpenEXR, Mesa) would otherwise crash, hang, or silently lose data.
+ * Large allocations of our own code, such as samples and pictures, fail normally, with a message of the caller. Threads
+ * that cannot be started end the program, too: Mesa would wait for them forever. For this, malloc() and related functions
+ * here replace glibc's. The library isoshade does not: programs that use it decide for themselves. */
 #define _GNU_SOURCE
 #include "cli/memory.h"
 
@@ -26,7 +25,7 @@
 
 static const char *program = "isoshade", *command = "";
 
-void iso_memory_is_for(const char *program_name, const char *name)
+void iso_memory_set_command(const char *program_name, const char *name)
 {
     program = program_name;
     command = name;
@@ -42,7 +41,7 @@ void iso_memory_end(const char *why)
     _exit(ISO_E_MEMORY);
 }
 
-/* The sanitizers have allocators of their own. */
+/* The sanitizers replace the allocator themselves. */
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
 enum { SMALL_BYTES = 1 << 20 };
@@ -52,10 +51,10 @@ void *__libc_calloc(size_t count, size_t bytes);
 void *__libc_realloc(void *old, size_t bytes);
 void *__libc_memalign(size_t alignment, size_t bytes);
 
-/* The program's own code lies between the two. */
+/* Bounds of the program's own code. */
 extern const char __executable_start, etext;
 
-/* caller: where a call comes from */
+/* True if a call comes from the program's own code. caller: return address. */
 static bool is_ours(const void *caller)
 {
     return (const char *)caller >= &__executable_start && (const char *)caller < &etext;
@@ -83,7 +82,7 @@ void *calloc(size_t count, size_t bytes)
 void *realloc(void *old, size_t bytes)
 {
     void *p = __libc_realloc(old, bytes);
-    return bytes == 0 ? p : given(p, 1, bytes, CALLER); /* of no bytes it frees, and gives nothing */
+    return bytes == 0 ? p : given(p, 1, bytes, CALLER); /* 0 bytes: frees p and returns NULL */
 }
 
 void *memalign(size_t alignment, size_t bytes)
@@ -115,7 +114,7 @@ int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*
         *(void **)&next = dlsym(RTLD_NEXT, "pthread_create");
     const int failed = next(thread, attributes, routine, argument);
     if (failed && !is_ours(CALLER))
-        iso_memory_end("no more threads can be started");
+        iso_memory_end("cannot start more threads");
     return failed;
 }
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* memory.h - what the program does where memory has ended: see memory.c. */
+/* memory.h - ends the program if small allocations fail: see memory.c. */
 #ifndef ISO_CLI_MEMORY_H
 #define ISO_CLI_MEMORY_H
 
-/* Sets the program and the command that the message names. */
-void iso_memory_is_for(const char *program_name, const char *name);
+/* Sets the names of the program and the command for the message. */
+void iso_memory_set_command(const char *program_name, const char *name);
 
-/* Removes what is unfinished and ends the program with ISO_E_MEMORY. why: for the line of error; NULL: there is one. */
+/* Removes unfinished files and ends the program with ISO_E_MEMORY. why: reason in the message; NULL: out of memory. */
 void iso_memory_end(const char *why) __attribute__((noreturn));
 
 #endif

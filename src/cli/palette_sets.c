@@ -12,14 +12,14 @@ iso_status iso_palette_ellipsoid_set(const iso_palette_arguments *a, iso_directi
     size_t count = (size_t)a->ellipsoid;
     float *vectors = malloc(3 * count * sizeof *vectors);
     if (!vectors)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu gradients", count);
+        return iso_fail(err, ISO_E_MEMORY, "out of memory for %zu gradients", count);
     iso_ellipsoid_gradients(vectors, count, a->on_surface, (uint64_t)a->seed);
     iso_status status = iso_direction_set_create(set, vectors, NULL, count, err);
     free(vectors);
     return status;
 }
 
-/* The TF's opacity over one voxel as a table of weights, to be freed. */
+/* Makes a table of weights, the TF's opacity over one voxel; to be freed. */
 static iso_status opacity_weights(const iso_palette_arguments *a, const iso_tf *tf, const iso_geometry *g,
                                   const double range[2], iso_palette_weighting *w, float **table, iso_error *err)
 {
@@ -35,12 +35,12 @@ static iso_status opacity_weights(const iso_palette_arguments *a, const iso_tf *
     w->by_value_count = t.count;
     w->by_value_lo = t.lo;
     w->by_value_hi = t.hi;
-    status = *table ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu weights", a->tf, t.count);
+    status = *table ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory for %zu weights", a->tf, t.count);
     iso_tf_table_destroy(&t);
     return status;
 }
 
-/* Plain counts need one pass over the file and little memory; weights need the volume's range first. */
+/* Plain counts need one pass over the file and little memory; weights first need the volume's range. */
 iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *path, iso_direction_set *set,
                                   iso_error *err)
 {
@@ -95,7 +95,8 @@ iso_status iso_palette_pyramid_set(const iso_palette_arguments *a, const iso_pyr
         const iso_level *l = &p->levels[k];
         if (a->by_magnitude && !l->magnitude) {
             status = iso_fail(err, ISO_E_RANGE,
-                              "--by-magnitude: level %zu holds no magnitudes; build with --keep-magnitude", k);
+                              "--by-magnitude: level %zu has no magnitudes; build the pyramid with --keep-magnitude",
+                              k);
             break;
         }
         const float *directions;

@@ -16,7 +16,7 @@ static char *text_of(const json_t *value)
     return json_is_string(value) ? strdup(json_string_value(value)) : json_dumps(value, JSON_ENCODE_ANY);
 }
 
-/* "    rmse: 0.001 -> 0.002" */
+/* Prints "    rmse: 0.001 -> 0.002". */
 static void print_values(const char *before, const json_t *a, const json_t *b)
 {
     char *from = text_of(a), *to = text_of(b);

@@ -35,7 +35,8 @@ static void print_overview(FILE *file)
 #undef ISO_STATUS_LINE
 }
 
-/* A file that is opened where stdin, stdout or stderr are closed would take its number, and messages would go into it. */
+/* Opens /dev/null for closed standard streams: otherwise a file would get such a number, and messages would go into it.
+ * Returns false on failure. */
 static bool have_standard_streams(void)
 {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
@@ -44,19 +45,18 @@ static bool have_standard_streams(void)
     return true;
 }
 
-/* Names go into JSON, pages, and scenes of other programs, which are UTF-8 throughout, and where a line feed would begin a
- * statement. */
+/* Refuses arguments that are not UTF-8 or have control characters: names go into JSON, pages and scenes of other
+ * programs, where a line feed would begin a statement. */
 static iso_status check_words(int argc, const char **argv, iso_error *err)
 {
     for (int i = 1; i < argc; ++i) {
         json_t *string = json_string(argv[i]);
         json_decref(string);
         const char *fault = !string                          ? "is not UTF-8"
-                            : iso_words_has_control(argv[i]) ? "holds a control character, such as a line feed"
+                            : iso_words_has_control(argv[i]) ? "has a control character, such as a line feed"
                                                              : NULL;
         if (fault)
-            return iso_fail(err, ISO_E_USAGE, "argument %d %s; give the file another name, or make a link to it", i,
-                            fault);
+            return iso_fail(err, ISO_E_USAGE, "argument %d %s; rename the file, or make a link to it", i, fault);
     }
     return ISO_OK;
 }
@@ -65,11 +65,11 @@ static iso_status check_words(int argc, const char **argv, iso_error *err)
 static iso_status flush_output(iso_status status, iso_error *err)
 {
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == ISO_OK)
-        return iso_fail(err, ISO_E_IO, "standard output: cannot be written");
+        return iso_fail(err, ISO_E_IO, "standard output: cannot be written; the output is incomplete");
     return status;
 }
 
-static int say(const char *command, iso_status status, iso_error *err)
+static int report(const char *command, iso_status status, iso_error *err)
 {
     iso_output_rename_all_in(err);
     if (err->text[0] && status != ISO_OK)
@@ -82,14 +82,14 @@ static void print_warning(const char *text)
     fprintf(stderr, "%s: warning: %s\n", running->name, text);
 }
 
-/* Returns the words that messages begin with: a benchmark is called by two words. */
+/* Returns the command's name for messages; a benchmark's has two words. */
 static const char *name_of(const iso_command *command, int argc, const char **argv)
 {
     const iso_command *inner = running->find_inner && argc > 2 ? running->find_inner(command, argv[2]) : NULL;
     return inner ? inner->name : command->name;
 }
 
-/* With these variables popt takes no option after the first file. */
+/* With these variables popt accepts no option after the first file. */
 static void take_options_anywhere(void)
 {
     unsetenv("POSIXLY_CORRECT");
@@ -101,10 +101,10 @@ static int run(int argc, const char **argv)
     iso_error err = {""};
     if (!have_standard_streams())
         return ISO_E_IO;
-    signal(SIGXFSZ, SIG_IGN); /* a file above the limit of its size is an error of writing, with a message */
+    signal(SIGXFSZ, SIG_IGN); /* a file above the size limit: a write error with a message, not a signal */
     iso_status status = check_words(argc, argv, &err);
     if (status != ISO_OK)
-        return say("", status, &err);
+        return report("", status, &err);
     if (argc < 2) {
         print_overview(stderr);
         return ISO_E_USAGE;
@@ -115,14 +115,14 @@ static int run(int argc, const char **argv)
     }
     const int word = running->run_word ? running->run_word(argc, argv, &err) : ISO_PROGRAM_NO_WORD;
     if (word != ISO_PROGRAM_NO_WORD)
-        return say(argv[1], flush_output((iso_status)word, &err), &err);
+        return report(argv[1], flush_output((iso_status)word, &err), &err);
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
         print_overview(stdout);
-        return say("", flush_output(ISO_OK, &err), &err);
+        return report("", flush_output(ISO_OK, &err), &err);
     }
     if (strcmp(argv[1], "--version") == 0) {
         printf("%s %s\n", running->name, ISO_VERSION);
-        return say("", flush_output(ISO_OK, &err), &err);
+        return report("", flush_output(ISO_OK, &err), &err);
     }
     iso_guess guess = {0};
     char text[80];
@@ -131,17 +131,17 @@ static int run(int argc, const char **argv)
         if (strcmp((*c)->name, argv[1]) != 0)
             continue;
         const char *const name = name_of(*c, argc, argv);
-        iso_memory_is_for(running->name, name);
+        iso_memory_set_command(running->name, name);
         status = (*c)->run(*c, argc - 1, argv + 1, &err);
-        return say(name, flush_output(status, &err), &err);
+        return report(name, flush_output(status, &err), &err);
     }
     fprintf(stderr, "%s: unknown command \"%s\"%s; %s --help lists them\n", running->name, argv[1],
             iso_guess_text(&guess, "", text), running->name);
     return ISO_E_USAGE;
 }
 
-/* Libraries that find no memory or no thread (popt, OpenMP) say so and end the process with 1, which would mean that
- * pictures differ. isoshade itself only ends by returning from main(), so what comes here before that is theirs. */
+/* Replaces exit code 1 of libraries without memory or threads (popt, OpenMP), which would mean that pictures differ.
+ * isoshade itself returns from main(), so an earlier exit is theirs. */
 static bool has_returned;
 static void end_without_memory(int code, void *unused)
 {

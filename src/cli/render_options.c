@@ -8,13 +8,13 @@
 #include "base/words.h"
 #include "brick/bricks.h"
 
-/* The renderers that have a trait: "reference and gl". */
-static const char *and_list(unsigned trait, char names[256])
+/* Returns the names of renderers with a trait: "reference or gl". */
+static const char *or_list(unsigned trait, char names[256])
 {
-    return iso_renderers_with(trait, ", ", " and ", names, 256);
+    return iso_renderers_with(trait, ", ", " or ", names, 256);
 }
 
-/* An option that the renderer would pass over is an error: its user would believe it. */
+/* Refuses options that the renderer would ignore. */
 static iso_status check_for_renderer(const iso_render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
 {
     const struct {
@@ -35,8 +35,7 @@ static iso_status check_for_renderer(const iso_render_arguments *a, const iso_re
     char names[256];
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
         if (rules[i].given && !iso_renderer_has(renderer, rules[i].trait))
-            return iso_fail(err, ISO_E_USAGE, "%s is for --with %s alone", rules[i].option,
-                            and_list(rules[i].trait, names));
+            return iso_fail(err, ISO_E_USAGE, "%s needs --with %s", rules[i].option, or_list(rules[i].trait, names));
     return ISO_OK;
 }
 
@@ -87,25 +86,24 @@ bool iso_render_is_in_bricks(const iso_render_arguments *a)
     return a->cache_bytes != ISO_NO_CACHE || a->plan_error > 0;
 }
 
-/* Bricks choose their levels themselves, and are what the ray caster has decoded. */
+/* Checks --cache-bytes and --plan-error: bricks fix the levels, and are decoded by the ray caster. */
 static iso_status check_cache(const iso_render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
 {
     char names[256];
     if (!iso_render_is_in_bricks(a))
         return a->page_side ? iso_fail(err, ISO_E_USAGE, "--page-side needs --cache-bytes or --plan-error") : ISO_OK;
     if (a->cache_bytes != ISO_NO_CACHE && a->plan_error > 0)
-        return iso_fail(err, ISO_E_USAGE,
-                        "--cache-bytes and --plan-error exclude each other: what fits, or what an error allows");
+        return iso_fail(err, ISO_E_USAGE, "--cache-bytes and --plan-error exclude each other");
     if (!iso_renderer_has(renderer, ISO_HAS_BRICKS) || a->level != 0 || a->source || a->palette || a->shade_table ||
         a->exact_lookups || a->isosurface || a->quadrature || a->adapted.wanted || a->adapted.extinction_scale ||
         a->roi.box)
         return iso_fail(
             err, ISO_E_USAGE,
-            "--cache-bytes and --plan-error are for --with %s, without --level, --shading-from, --palette, --shade-table, "
+            "--cache-bytes and --plan-error need --with %s, without --level, --shading-from, --palette, --shade-table, "
             "--exact-lookups, --isosurface, --quadrature, --adapt, --extinction-scale and --roi",
-            and_list(ISO_HAS_BRICKS, names));
+            or_list(ISO_HAS_BRICKS, names));
     if (a->page_side && renderer == &iso_renderer_cpu)
-        return iso_fail(err, ISO_E_USAGE, "--page-side is of textures, which --with cpu has not");
+        return iso_fail(err, ISO_E_USAGE, "--page-side is a limit of textures, without effect for --with cpu");
     iso_status status = a->plan_error > 0 ? ISO_OK
                                           : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
     TRY(status, iso_words_check_range("--brick", a->brick, 2, ISO_BRICK_MOST_VOXELS, err));
@@ -113,7 +111,7 @@ static iso_status check_cache(const iso_render_arguments *a, const iso_renderer_
     return status == ISO_OK ? iso_words_check_range("--page-side", a->page_side, 0, 65536, err) : status;
 }
 
-/* The limit is made of renders by the step alone. */
+/* Checks --limit, whose renders may differ only in their steps. */
 static iso_status check_limit(const iso_render_arguments *a, const iso_renderer_info *renderer, iso_error *err)
 {
     char names[256];
@@ -122,14 +120,14 @@ static iso_status check_limit(const iso_render_arguments *a, const iso_renderer_
     if (!iso_renderer_has(renderer, ISO_HAS_LIMIT) || a->quadrature || a->source || a->isosurface || a->samples ||
         a->shade_table || a->exact_lookups || iso_render_is_in_bricks(a))
         return iso_fail(err, ISO_E_USAGE,
-                        "--limit is for --with %s, without --quadrature, --shading-from, "
+                        "--limit needs --with %s, without --quadrature, --shading-from, "
                         "--isosurface, --samples, --shade-table, --exact-lookups, --cache-bytes and --plan-error",
-                        and_list(ISO_HAS_LIMIT, names));
+                        or_list(ISO_HAS_LIMIT, names));
     if (a->intervals % 2)
         return iso_fail(err, ISO_E_USAGE, "--intervals is %d, must be even with --limit, which halves them",
                         a->intervals);
     if (a->seeds && !iso_renderer_has(renderer, ISO_IS_RANDOM))
-        return iso_fail(err, ISO_E_USAGE, "--seeds is for --with %s alone", and_list(ISO_IS_RANDOM, names));
+        return iso_fail(err, ISO_E_USAGE, "--seeds needs --with %s", or_list(ISO_IS_RANDOM, names));
     return a->seeds ? iso_words_check_range("--seeds", a->seeds, 2, 32, err) : ISO_OK;
 }
 
@@ -162,7 +160,7 @@ iso_status iso_render_take_options(const iso_render_arguments *a, int threads, i
         opt->isosurface = true;
         opt->iso = value[0];
     }
-    if (a->step != ISO_STEP_OF_SCENE) /* else the row's of a renderers.json, or the renderer's own */
+    if (a->step != ISO_STEP_OF_SCENE) /* otherwise the step of renderers.json, or the renderer's own */
         opt->step_voxels = a->step;
     opt->intervals = (size_t)a->intervals;
     opt->planes = (size_t)a->planes;

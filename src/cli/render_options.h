@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* render_options.h - the options of `isoshade render`: which go together, and what a renderer is asked for by them. */
+/* render_options.h - checks the options of `isoshade render`, and turns them into options of the renderer. */
 #ifndef ISO_RENDER_OPTIONS_H
 #define ISO_RENDER_OPTIONS_H
 
@@ -11,11 +11,11 @@
 #include "options/roi.h"
 #include "renderers/renderers.h"
 
-/* What --memory and --cache-bytes are where they are not given: 0 is refused. */
+/* Value of --memory and --cache-bytes if not given: 0 is refused. */
 #define ISO_ALL_IN_MEMORY (-INFINITY)
 #define ISO_NO_CACHE (-INFINITY)
 
-/* As given; 0 and NULL: not given. */
+/* Options as given; 0 and NULL: not given. */
 typedef struct iso_render_arguments {
     iso_volume_input input;
     iso_cli_adapted adapted;
@@ -32,14 +32,13 @@ typedef struct iso_render_arguments {
     const char *shader_dir;
 } iso_render_arguments;
 
-/* Bricks of several levels, by --cache-bytes or --plan-error. */
+/* True if bricks of several levels are rendered, by --cache-bytes or --plan-error. */
 bool iso_render_is_in_bricks(const iso_render_arguments *a);
 
-/* ISO_E_USAGE: options that exclude each other, or that the renderer would pass over; ISO_E_RANGE. */
+/* Fills *opt. ISO_E_USAGE, ISO_E_RANGE: options that exclude each other, or that the renderer would ignore. */
 iso_status iso_render_take_options(const iso_render_arguments *a, int threads, iso_render_options *opt, iso_error *err);
 
-/* "midpoint or preintegrated": what the renderer can be asked for. Its default is marked where mark is true. Returns
- * text. */
+/* Writes the renderer's quadratures, such as "midpoint or preintegrated". mark: True to mark the default. Returns text. */
 const char *iso_render_list_quadratures(const iso_renderer_info *renderer, bool mark, char text[160]);
 
 #endif

@@ -21,7 +21,8 @@ static iso_status check(const iso_render_arguments *a, const iso_cli *cli, iso_e
     if (!iso_path_exists(cli->arguments[0]))
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", cli->arguments[0], strerror(errno));
     if (!iso_pyramid_is_one(cli->arguments[0]))
-        return iso_fail(err, ISO_E_USAGE, "--memory is for pyramids on disk: isoshade build %s -o NAME.iso makes one",
+        return iso_fail(err, ISO_E_USAGE,
+                        "--memory needs a pyramid on disk: make one with isoshade build %s -o NAME.iso",
                         cli->arguments[0]);
     if ((a->with && strcmp(a->with, "cpu") != 0) || a->frames || a->source || a->palette || a->shade_table ||
         a->exact_lookups || a->isosurface || a->quadrature || a->limit || a->code || a->estimator ||
@@ -29,28 +30,27 @@ static iso_status check(const iso_render_arguments *a, const iso_cli *cli, iso_e
         iso_render_is_in_bricks(a))
         return iso_fail(
             err, ISO_E_USAGE,
-            "--memory is for --with cpu, without --frames, --shading-from, --palette, --shade-table, "
+            "--memory needs --with cpu, without --frames, --shading-from, --palette, --shade-table, "
             "--exact-lookups, --isosurface, --quadrature, --limit, --code, --estimator, --direction-filter, "
             "--adapt, --extinction-scale, --roi, --cache-bytes and --plan-error");
     const iso_status status = iso_render_check_output(a, err);
     return status == ISO_OK ? iso_words_check_range("--memory", a->memory_mb, 1, 1e9, err) : status;
 }
 
-/* A transfer function that follows the values would need all of them. */
+/* Makes the view. A transfer function that depends on all values would need to read them all. */
 static iso_status make_view(const iso_render_arguments *a, const iso_cli *cli, const iso_pyramid *p, iso_view *view,
                             iso_error *err)
 {
     iso_subject_look look;
     iso_status status = iso_cli_look_check(&a->look, cli->threads, &look, err);
     if (status == ISO_OK && iso_subject_look_needs_values(&look))
-        status =
-            iso_fail(err, ISO_E_USAGE,
-                     "--memory needs a transfer function from a file, by --scene or --tf: one that is made from all "
-                     "values would read them all (isoshade tf suggest writes one)");
+        status = iso_fail(err, ISO_E_USAGE,
+                          "--memory needs a transfer function from a file, by --scene or --tf; write one "
+                          "with isoshade tf suggest");
     return status == ISO_OK ? iso_subject_make_view(&look, p, view, err) : status;
 }
 
-/* "out_level_2.exr" of "out.exr"; the last frame has the name itself. */
+/* Returns "out_level_2.exr" for "out.exr", or the name itself for the last frame. */
 static char *name_of(const char *path, size_t level, bool is_last)
 {
     const char *dot = strrchr(iso_path_base(path), '.');

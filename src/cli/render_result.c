@@ -12,7 +12,7 @@
 iso_status iso_render_check_output(const iso_render_arguments *a, iso_error *err)
 {
     return a->output ? iso_image_check_name("-o", a->output, err)
-                     : iso_fail(err, ISO_E_USAGE, "-o is missing: the image to write, .exr or .png");
+                     : iso_fail(err, ISO_E_USAGE, "-o is missing: image to write, .exr or .png");
 }
 
 iso_status iso_render_save(const iso_render_arguments *a, const iso_cli *cli, const iso_image *image,

@@ -19,7 +19,7 @@
 enum { USUAL_STEPS = 4, USUAL_LEVELS = 4 };
 static const char scene_ending[] = ".scene.json";
 
-/* What is written, to where. */
+/* State of writing requests. */
 typedef struct writing {
     const iso_scenes_write *asked;
     iso_output out;
@@ -33,7 +33,7 @@ static char *name_of_scene(const char *path)
     return strndup(base, length > ending && iso_path_ends_with(base, scene_ending) ? length - ending : length);
 }
 
-/* A scene for a pyramid, of the size that was asked for. */
+/* Writes the request of a scene for a pyramid, in the size that the options give. */
 static iso_status write_scene(const writing *w, iso_scene *scene, const iso_pyramid *p, const char *name,
                               iso_error *err)
 {
@@ -62,7 +62,7 @@ static bool has_own_scene(const iso_cli_look *look)
     return !look->scene || look->tf || look->view || look->zoom;
 }
 
-/* The scene that there is no file of, as DIR/scene.scene.json, and read again so that both are the same. */
+/* Saves a scene without a file as DIR/scene.scene.json, and reads it again so that both are equal. */
 static iso_status keep_scene(const writing *w, iso_scene *scene, iso_error *err)
 {
     json_t *root = iso_scene_to_json(scene);
@@ -115,7 +115,7 @@ static iso_status write_suite_scene(const writing *w, const char *file, const ch
     char *path = iso_path_join(w->asked->suite, file), *name = name_of_scene(file);
     iso_status status = path && name ? iso_scene_load(path, &scene, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK && !scene.suite_make)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", so nothing says what volume it is of", path);
+        status = iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", which names its volume", path);
     if (status == ISO_OK && (status = iso_cli_make_volume(scene.suite_make, volume, err)) != ISO_OK)
         status = iso_fail_in(err, status, "%s", path);
     TRY(status, iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err));
@@ -136,7 +136,7 @@ static iso_status write_suite(const writing *w, iso_error *err)
     char *scratch = iso_make_temp_dir(), *volume = scratch ? iso_path_join(scratch, "volume.nrrd") : NULL;
     iso_status status = volume ? ISO_OK : iso_temp_dir_fail(err);
     if (status == ISO_OK && count == 0)
-        status = iso_fail(err, ISO_E_USAGE, "%s: holds no .scene.json", w->asked->suite);
+        status = iso_fail(err, ISO_E_USAGE, "%s: the folder has no .scene.json", w->asked->suite);
     for (int i = 0; i < count; ++i) {
         TRY(status, write_suite_scene(w, entries[i]->d_name, volume, err));
         free(entries[i]);
@@ -149,9 +149,9 @@ static iso_status write_suite(const writing *w, iso_error *err)
     return status;
 }
 
-/* ---- all of it ---- */
+/* ---- all requests ---- */
 
-/* The line that compares the pictures; to be freed. */
+/* Returns the command that compares the pictures; to be freed. */
 static char *validate_line(const iso_scenes_write *a)
 {
     char *line = NULL;
@@ -193,12 +193,13 @@ static iso_status check(const iso_scenes_write *a, iso_error *err)
     if (!known)
         return iso_fail(err, ISO_E_USAGE, "--tier is \"%s\", wanted samples, limit or \"8 bits\"", a->tier);
     if (a->tier && strcmp(a->tier, "limit") == 0 && a->steps >= 0 && a->steps < 2)
-        return iso_fail(err, ISO_E_USAGE, "--steps %d: a limit is made of two steps at least", a->steps);
+        return iso_fail(err, ISO_E_USAGE, "--steps is %d, a limit needs at least 2", a->steps);
     if (a->tier && strcmp(a->tier, "8 bits") == 0 && a->steps > 0)
-        return iso_fail(err, ISO_E_USAGE, "--steps: integers of 8 bits have no limit of small steps");
+        return iso_fail(err, ISO_E_USAGE,
+                        "--steps has no effect for --tier \"8 bits\", which has no limit of small steps");
     if ((a->suite ? 0 : 1) != a->cli->argument_count)
         return iso_fail(err, ISO_E_USAGE,
-                        a->suite ? "--suite makes its own volumes" : "wanted a volume or a pyramid, or --suite");
+                        a->suite ? "--suite makes its own volumes" : "a volume, a pyramid or --suite is missing");
     if (a->suite && (a->look.scene || a->look.tf || a->look.view || a->look.zoom))
         return iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other, --tf, --view and --zoom too");
     return ISO_OK;

@@ -14,7 +14,7 @@
 #include "tf/format.h"
 #include "tf/ghost.h"
 
-/* FILE for one level, NAME_level_K.tf.json for all; to be freed. */
+/* Returns FILE for one level, or NAME_level_K.tf.json for all; to be freed. */
 static char *adapted_path(const iso_tf_arguments *a, size_t level)
 {
     char *path = NULL;
@@ -26,7 +26,7 @@ static char *adapted_path(const iso_tf_arguments *a, size_t level)
     return asprintf(&path, "%.*s_level_%zu.tf.json", (int)length, a->output, level) < 0 ? NULL : path;
 }
 
-/* As this command writes them. */
+/* True for a transfer function as this command writes it. */
 static bool is_tf(const char *path)
 {
     iso_tf tf = {0};
@@ -37,7 +37,7 @@ static bool is_tf(const char *path)
     return is_one;
 }
 
-/* A name that was made from -o may be somebody's. */
+/* Refuses to replace a foreign file whose name was made from -o. */
 static iso_status guard_level(const iso_tf_arguments *a, size_t level, iso_error *err)
 {
     char *path = adapted_path(a, level);
@@ -72,22 +72,23 @@ static void print_level(size_t level, const char *path, const iso_adapt_judgment
         printf("  error at the voxels %.5f, adapted %.5f", v->rms_original, v->rms_adapted);
     printf("%s\n", v->use_original ? "  original kept" : "");
     if (v->given_back > 0)
-        printf("         a ghost of %.1f %% is left out with the values that draw it; --extinction-scale of render and "
-               "export shows both in their places\n",
-               100 * v->ghost);
+        printf(
+            "         a ghost of %.1f %% is left out with its values; --extinction-scale of render and export avoids ghosts\n",
+            100 * v->ghost);
     else if (!v->seen && v->ghost > ISO_GHOST_LIMIT)
-        printf("         draws a ghost of %.1f %%: --adapt of render and export, without --always, leaves it out, "
-               "--extinction-scale shows it in its place\n",
-               100 * v->ghost);
+        printf(
+            "         draws a ghost of %.1f %%; omit --always to leave it out, or avoid ghosts with --extinction-scale of render "
+            "and export\n",
+            100 * v->ghost);
 }
 
-/* The levels of one pyramid. */
+/* A run over the levels of a pyramid. */
 typedef struct adapt_run {
     const iso_tf_arguments *a;
     const iso_pyramid *p;
     const iso_tf_table *tf;
     json_t *levels;
-    iso_small_views_fine level_0; /* drawn for the first level that is adapted */
+    iso_small_views_fine level_0; /* drawn when the first level is adapted */
 } adapt_run;
 
 static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
@@ -104,7 +105,7 @@ static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
     opt.folder = iso_pyramid_is_one(input) ? input : NULL;
     opt.level_0 = &run->level_0;
     TRY(status, iso_adapt_level(run->p, level, run->tf, &opt, &table, &v, err));
-    if (status == ISO_OK && level > 0 && !opt.fall_back) /* no small views have looked for one */
+    if (status == ISO_OK && level > 0 && !opt.fall_back) /* not yet measured by small views */
         status = iso_ghost_measure(run->p, level, run->tf, &table, NULL, a->cli->threads, &v.ghost, err);
     TRY(status, iso_tf_from_table(&table, &file, err));
     TRY(status, iso_tf_save(&file, path, err));
@@ -153,13 +154,13 @@ void iso_cli_tf_expect_levels(const iso_cli *cli)
     iso_cli_expect(cli, stages + is_built, 2 - (size_t)is_built);
 }
 
-/* Names of levels are made of it: "", "x/" and ".tf.json" leave none. */
+/* Refuses an output that leaves no name for the levels' files, such as "", "x/" and ".tf.json". */
 static iso_status check_output_name(const iso_tf_arguments *a, iso_error *err)
 {
     const char *name = iso_path_base(a->output);
     if (*name && strcmp(name, ".tf.json") != 0)
         return ISO_OK;
-    return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", wanted the name of a file", a->output);
+    return iso_fail(err, ISO_E_USAGE, "-o is \"%s\", must be the name of a file", a->output);
 }
 
 static iso_status adapt_levels(adapt_run *run, iso_error *err)
@@ -188,7 +189,7 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     json_t *levels = json_array();
     if (cli->argument_count != 2 || !a->output) {
         json_decref(levels);
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf adapt VOLUME|PYRAMID.iso [--tf FILE|PRESET] -o OUT");
+        return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf adapt VOLUME|PYRAMID.iso [--tf FILE|PRESET] -o OUT");
     }
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* tf_adapt.h - `isoshade tf adapt`: the transfer function of each coarse level, and whether it is used. */
+/* tf_adapt.h - `isoshade tf adapt`: adapts a transfer function to each coarse level, and decides whether to use it. */
 #ifndef ISO_CLI_TF_ADAPT_H
 #define ISO_CLI_TF_ADAPT_H
 
@@ -8,7 +8,7 @@
 #include "options/input.h"
 #include "options/look.h"
 
-/* What the actions of `isoshade tf` are given. */
+/* Arguments of the actions of `isoshade tf`. */
 typedef struct iso_tf_arguments {
     iso_volume_input input;
     iso_cli_adapted adapted;
@@ -18,17 +18,17 @@ typedef struct iso_tf_arguments {
     const iso_cli *cli;
 } iso_tf_arguments;
 
-/* The stage of work on one level after the other, and its part in the time: a pyramid may have to be built first. */
+/* Stage of the work on levels, and its part of the time: a pyramid may have to be built first. */
 #define ISO_TF_LEVELS_STAGE "levels"
 void iso_cli_tf_expect_levels(const iso_cli *cli);
 
 iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err);
 
-/* The pyramid that arguments[1] is, or is built into. Of a stored one, which keeps its histograms, the samples are read
- * for small views and for a transfer function that is made from values, and where a histogram is missing. */
+/* Loads the pyramid arguments[1], or builds it from a volume. A stored pyramid, which keeps its histograms, is read
+ * with samples only for small views, for transfer functions made from values, and if a histogram is missing. */
 iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_look *look, bool small_views,
                                    const iso_pyramid_options *build, iso_pyramid *p, iso_error *err);
-/* The transfer function of what is looked at. */
+/* Makes the table of the look's transfer function. */
 iso_status iso_cli_tf_tabulate(const iso_subject_look *look, const iso_pyramid *p, iso_tf_table *table, iso_error *err);
 
 #endif

@@ -9,7 +9,7 @@
 #include "render/image_bound.h"
 #include "options/visible.h"
 
-/* The bounds of one level, through the scene's transfer function and through the one that --adapt takes. */
+/* Computes the bounds of one level for the scene's transfer function and for the adapted one. */
 static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid *p, const iso_view *view, size_t level,
                               double rmse[2], iso_error *err)
 {
@@ -72,7 +72,7 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
     iso_status status = a->cli->argument_count == 2
                             ? ISO_OK
                             : iso_fail(err, ISO_E_USAGE,
-                                       "wanted: isoshade tf bound VOLUME|PYRAMID.iso [--scene FILE.scene.json]");
+                                       "usage: isoshade tf bound VOLUME|PYRAMID.iso [--scene FILE.scene.json]");
     TRY(status, iso_cli_look_check(a->look, a->cli->threads, &look, err));
     TRY(status, iso_cli_adapt_options(a->adapted, a->cli->threads, &checked, err));
     TRY(status, iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err));

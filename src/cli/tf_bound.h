@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* tf_bound.h - `isoshade tf bound`: how far the images of a scene's coarse levels can be from level 0's. */
+/* tf_bound.h - `isoshade tf bound`: bounds the error of images of coarse levels. */
 #ifndef ISO_TF_BOUND_H
 #define ISO_TF_BOUND_H
 
@@ -13,7 +13,7 @@ typedef struct iso_tf_bound_arguments {
     const iso_volume_input *input;
     const iso_cli_adapted *adapted; /* how to adapt */
     const iso_cli_look *look;
-    int level, level_count; /* level 0: each coarse one; level_count: of a volume's pyramid */
+    int level, level_count; /* level: 0 for all coarse levels; level_count: for a volume */
 } iso_tf_bound_arguments;
 
 iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err);

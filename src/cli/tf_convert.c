@@ -18,7 +18,7 @@ void iso_cli_tf_table_destroy(iso_cli_tf_table *t)
     iso_tf_table_destroy(&t->table);
 }
 
-/* Range and length of the volume's own, where the TF left them to it. */
+/* Sets the volume's range and unit length if the TF left them open. */
 static void resolve(iso_tf *tf, const iso_tf_table *table, double unit_mm)
 {
     if (tf->fit_range)
@@ -30,13 +30,12 @@ static void resolve(iso_tf *tf, const iso_tf_table *table, double unit_mm)
     tf->unit_distance = unit_mm;
 }
 
-/* Before the volume is read. Presets lie on its values. */
+/* Checks a name before the volume is read, whose values presets need. */
 static iso_status check_name(const iso_tf_arguments *a, const char *name, const iso_tf_request *request, iso_error *err)
 {
     size_t row;
     if (iso_tf_preset_find(name, &row) && !a->volume)
-        return iso_fail(err, ISO_E_USAGE, "%s is a preset, which is laid on a volume's values: say --volume FILE",
-                        name);
+        return iso_fail(err, ISO_E_USAGE, "%s: a preset needs a volume's values; give --volume FILE", name);
     return iso_tf_check_name(name, request, err);
 }
 
@@ -44,7 +43,7 @@ iso_status iso_cli_tf_load_volume(const iso_tf_arguments *a, iso_volume *v, iso_
 {
     *v = (iso_volume){0};
     if (a->volume && iso_pyramid_is_one(a->volume))
-        return iso_fail(err, ISO_E_USAGE, "--volume is %s, a pyramid, must be a volume, such as %s/level_0.nrrd",
+        return iso_fail(err, ISO_E_USAGE, "--volume is %s, a pyramid; give a volume, such as %s/level_0.nrrd",
                         a->volume, a->volume);
     return a->volume ? iso_volume_input_load(a->volume, &a->input, v, err) : ISO_OK;
 }
@@ -78,14 +77,14 @@ iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, is
 
 /* ---- convert ----------------------------------------------------------------------------------------------------- */
 
-/* What is written: behind the file, or by -o; NULL where neither or both are there. */
+/* Returns the output: the argument after the file, or -o. NULL if neither or both are given. */
 static const char *output_of(const iso_tf_arguments *a)
 {
     const size_t count = a->cli->argument_count;
     return count == 2 ? a->output : count == 3 && !a->output ? a->cli->arguments[2] : NULL;
 }
 
-/* How far table b is from a at a's entries, in display color and in opacity of unit_mm. */
+/* Returns the largest difference of table b from a at a's entries, in display color and in opacity of unit_mm. */
 static iso_tf_loss distance(const iso_tf_table *a, const iso_tf_table *b, double unit_mm)
 {
     iso_tf_loss loss = {.measured = true};
@@ -101,7 +100,7 @@ static iso_tf_loss distance(const iso_tf_table *a, const iso_tf_table *b, double
     return loss;
 }
 
-/* What was written, as it is read again. */
+/* Reads the written file again, and compares. */
 static iso_status read_again(const iso_tf_format *format, const char *path, double unit_mm, const iso_cli_tf_table *t,
                              iso_tf_loss *loss, iso_error *err)
 {
@@ -136,7 +135,7 @@ static void print_loss(const char *of_what, const iso_tf_loss *loss)
         return;
     printf("%s: color within %.2f/255, opacity within %.2f/255", of_what, 255 * loss->color, 255 * loss->opacity);
     if (255 * loss->between > 1)
-        printf("; between two entries of the table, where the curves are steep, %.0f/255", 255 * loss->between);
+        printf("; at steep curves, between two entries of the table, %.0f/255", 255 * loss->between);
     putchar('\n');
 }
 
@@ -162,16 +161,16 @@ static void report(const iso_tf_arguments *a, const iso_cli_tf_table *t, const i
     else
         printf("%s: %zu points from %g to %g, opacities for %g mm\n", output_of(a), t->tf.point_count, t->table.lo,
                t->table.hi, unit_mm);
-    print_loss("read: against what its program shows", &t->tf.loss);
+    print_loss("read: against the other program", &t->tf.loss);
     print_loss("written: read again", written);
 }
 
-/* Files whose places are the volume's values need them, and files with an opacity a voxel the voxel. */
+/* Refuses formats that store values if the range is an unknown volume's. */
 static iso_status check_known(const iso_tf_arguments *a, const iso_tf_format *format, const iso_tf *tf, iso_error *err)
 {
     if (format->needs_range && tf->fit_range)
         return iso_fail(err, ISO_E_USAGE,
-                        "%s: its range is the volume's, and %s files hold values: say --volume FILE or --range LO,HI",
+                        "%s: its range is the volume's, and %s files hold values; give --volume FILE or --range LO,HI",
                         a->cli->arguments[1], format->suffix);
     return ISO_OK;
 }
@@ -183,7 +182,7 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
     iso_tf_loss loss = {0};
     const char *output = output_of(a);
     if (!output)
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf convert FILE|PRESET OUT, a name that ends with %s",
+        return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf convert FILE|PRESET OUT, where OUT ends in %s",
                         iso_tf_format_written(written, sizeof written));
     iso_status status = iso_cli_refuse_same_file(output, a->cli->arguments[1], err);
     TRY(status, iso_inputs_announce(output, err));
@@ -209,7 +208,7 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
 
-/* text: a name a line */
+/* Prints names as JSON. text: one name per line. */
 static void print_names_as_json(const iso_cli *cli, char *text)
 {
     json_t *root = iso_cli_json(cli), *list = json_array();
@@ -225,7 +224,7 @@ iso_status iso_cli_tf_names(const iso_tf_arguments *a, iso_error *err)
     char *names = NULL;
     iso_tf tf = {0};
     if (a->cli->argument_count != 2)
-        return iso_fail(err, ISO_E_USAGE, "wanted: isoshade tf names FILE");
+        return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf names FILE");
     iso_status status = iso_tf_load_as(a->cli->arguments[1], &(iso_tf_request){.names = &names}, &tf, err);
     if (names) {
         if (a->cli->json)
@@ -234,7 +233,7 @@ iso_status iso_cli_tf_names(const iso_tf_arguments *a, iso_error *err)
             fputs(names, stdout);
         status = ISO_OK;
     } else if (status == ISO_OK) {
-        status = iso_fail(err, ISO_E_FORMAT, "%s: its format has no names, it holds one transfer function",
+        status = iso_fail(err, ISO_E_FORMAT, "%s: holds a single transfer function, without a name",
                           a->cli->arguments[1]);
     }
     free(names);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A panel a TF: opacity over value, filled with the colors, after Figure 4 of [diaz-garcia-2016]; behind it the histogram
- * of the volume. The panel is gray, so that white is seen; a strip below has the colors where nothing is opaque. */
+/* tf_show.c - draws one panel per TF: opacity over value, filled with the colors, after Figure 4 of [diaz-garcia-2016], in
+ * front of the volume's histogram. Panels are gray to make white visible; a strip below also has transparent colors. */
 #include "cli/tf_show.h"
 
 #include <math.h>
@@ -17,9 +17,9 @@ enum { BINS = 256 };
 
 typedef struct show_picture {
     const iso_tf_arguments *arguments;
-    const iso_volume *volume; /* NULL: none is given */
+    const iso_volume *volume; /* or NULL */
     iso_volume_stats stats;
-    double unit_mm; /* the first one's for all, so that the panels can be compared */
+    double unit_mm; /* unit of the first TF, for all panels to be comparable */
 } show_picture;
 
 static int srgb_byte(double linear)
@@ -27,7 +27,7 @@ static int srgb_byte(double linear)
     return (int)lrint(255 * iso_linear_to_srgb(fmin(fmax(linear, 0), 1)));
 }
 
-/* Value and opacity of the table's entries, and of what holds beyond its ends. */
+/* Writes value and opacity of the table's entries, and constant ends beyond them. */
 static void put_curve(FILE *gp, size_t panel, const iso_tf_table *t, double unit_mm, const double range[2])
 {
     fprintf(gp, "$curve%zu << EOD\n", panel);
@@ -38,7 +38,7 @@ static void put_curve(FILE *gp, size_t panel, const iso_tf_table *t, double unit
     fprintf(gp, "%.9g %.6g\nEOD\n", range[1], -expm1(-(double)t->entries[4 * t->count - 1] * unit_mm));
 }
 
-/* Columns of color: from, to, opacity, color. Each reaches a little below the next one: no seams are seen between them. */
+/* Writes columns of color: from, to, opacity, color. Each overlaps the next to avoid visible seams. */
 static void put_colors(FILE *gp, size_t panel, const iso_tf_table *t, double unit_mm, const double range[2])
 {
     enum { COLUMNS = 600 };
@@ -135,7 +135,7 @@ iso_status iso_cli_tf_show(const iso_tf_arguments *a, iso_error *err)
     show_picture p = {.arguments = a};
     if (a->cli->argument_count < 2 || !a->output)
         return iso_fail(err, ISO_E_USAGE,
-                        "wanted: isoshade tf show FILE|PRESET... [--volume VOLUME] -o OUT.png|.svg|.pdf");
+                        "usage: isoshade tf show FILE|PRESET... [--volume VOLUME] -o OUT.png|.svg|.pdf");
     iso_status status = iso_cli_tf_load_volume(a, &volume, err);
     if (status == ISO_OK && a->volume) {
         p.volume = &volume;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* tf_show.h - `isoshade tf show`: a picture of transfer functions, over the histogram of a volume. */
+/* tf_show.h - `isoshade tf show`: draws transfer functions over the histogram of a volume. */
 #ifndef ISO_CLI_TF_SHOW_H
 #define ISO_CLI_TF_SHOW_H
 

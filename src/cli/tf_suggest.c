@@ -11,7 +11,7 @@
 #include "tf/presets.h"
 #include "tf/suggest.h"
 
-/* Rounds x for a person who edits it, to so many digits after the first one of x, or of `span` if that is smaller. */
+/* Rounds x for editing, to `digits` digits after the first one of x, or of `span` if that is smaller. */
 static double rounded(double x, double span, int digits)
 {
     const double size = span > 0 ? fmin(fabs(x), span) : fabs(x);
@@ -19,7 +19,7 @@ static double rounded(double x, double span, int digits)
     return digit > 0 && isfinite(x / digit) ? round(x / digit) * digit : x;
 }
 
-/* The file's form with display colors, which people pick. */
+/* Returns the TF as JSON with display colors, which are easier to edit. */
 static json_t *editable(const iso_tf *tf, const char *comment)
 {
     json_t *root = iso_tf_to_json(tf), *points = json_object_get(root, "points");
@@ -38,7 +38,7 @@ static json_t *editable(const iso_tf *tf, const char *comment)
     return root;
 }
 
-/* What was found, for --json. */
+/* Returns the materials for --json. */
 static json_t *materials_of(const iso_suggestion *s)
 {
     json_t *list = json_array();
@@ -94,7 +94,7 @@ static iso_status report(const iso_tf_arguments *a, const iso_survey *survey, co
         print_survey(survey, found);
         print_points(tf);
         if (a->output)
-            printf("%s: %zu points, to be edited\n", a->output, tf->point_count);
+            printf("%s: %zu points to edit\n", a->output, tf->point_count);
     }
     json_decref(file);
     return status;
@@ -112,9 +112,9 @@ iso_status iso_cli_tf_suggest(const iso_tf_arguments *a, iso_error *err)
     size_t row = 0;
     if (a->cli->argument_count != 2)
         return iso_fail(err, ISO_E_USAGE,
-                        "wanted: isoshade tf suggest VOLUME|PYRAMID.iso [--tf PRESET] [-o FILE.tf.json]");
+                        "usage: isoshade tf suggest VOLUME|PYRAMID.iso [--tf PRESET] [-o FILE.tf.json]");
     if (a->look.scene)
-        return iso_fail(err, ISO_E_USAGE, "--scene %s: a transfer function is suggested by the volume alone",
+        return iso_fail(err, ISO_E_USAGE, "--scene %s has no effect: suggestions depend only on the volume",
                         a->look.scene);
     build.threads = a->cli->threads;
     build.level_count = 1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* tf_suggest.h - `isoshade tf suggest`: a transfer function for a volume, to be edited. */
+/* tf_suggest.h - `isoshade tf suggest`: writes a transfer function for a volume, to edit. */
 #ifndef ISO_CLI_TF_SUGGEST_H
 #define ISO_CLI_TF_SUGGEST_H
 

@@ -22,7 +22,7 @@ size_t iso_validate_limit_size(const iso_validate_arguments *a)
                          : ISO_VALIDATE_LIMIT_PIXELS;
 }
 
-/* The report's, which may not be there yet. */
+/* True if dir is the report's folder, which may not exist yet. */
 static bool is_report(const char *dir, const char *report)
 {
     size_t length = strlen(report);
@@ -31,13 +31,13 @@ static bool is_report(const char *dir, const char *report)
     return strlen(dir) == length && strncmp(dir, report, length) == 0;
 }
 
-/* Before the work, not after it. */
+/* Checks the folder of an output before the work. */
 static iso_status check_folder(const char *option, const char *path, const char *report, iso_error *err)
 {
     char *dir = path ? iso_path_dir(path) : NULL;
     iso_status status = ISO_OK;
     if (path && (!dir || !(iso_path_is_dir(dir) || is_report(dir, report))))
-        status = iso_fail(err, ISO_E_IO, "%s %s: there is no folder %s", option, path, dir ? dir : "");
+        status = iso_fail(err, ISO_E_IO, "%s %s: the folder %s does not exist", option, path, dir ? dir : "");
     free(dir);
     return status;
 }
@@ -53,21 +53,21 @@ iso_status iso_validate_check_arguments(const iso_validate_arguments *a, const i
     if (status == ISO_OK && a->level_size)
         status = iso_words_check_range("--level-size", a->level_size, 16, 1024, err);
     if (status == ISO_OK && a->budget != ISO_NO_BUDGET && !(a->budget > 0 && isfinite(a->budget)))
-        status = iso_fail(err, ISO_E_USAGE, "--budget is %g, must be seconds above 0", a->budget);
+        status = iso_fail(err, ISO_E_USAGE, "--budget is %g, must be above 0 seconds", a->budget);
     if (status == ISO_OK && a->limit_size)
         status = iso_words_check_range("--limit-size", a->limit_size, 8, 65536, err);
     if (status == ISO_OK && !a->output)
-        status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the report");
+        status = iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the report");
     if (status == ISO_OK && (a->suite ? 0 : 1) != cli->argument_count)
         status = iso_fail(err, ISO_E_USAGE,
-                          a->suite ? "--suite makes its own volumes, \"%s\" is one too many"
-                                   : "wanted a volume or a pyramid, or --suite",
+                          a->suite ? "--suite makes its own volumes; remove \"%s\""
+                                   : "a volume, a pyramid or --suite is missing",
                           a->suite ? cli->arguments[0] : "");
     if (status == ISO_OK && a->suite && (a->look.scene || a->look.tf || a->look.view || a->look.zoom))
         status = iso_fail(err, ISO_E_USAGE, "--scene and --suite exclude each other, --tf, --view and --zoom too");
     if (status == ISO_OK && a->suite && a->extinction_scale)
         status = iso_fail(err, ISO_E_USAGE,
-                          "--extinction-scale is for the levels of a volume, which --suite does not judge");
+                          "--extinction-scale has no effect with --suite, which does not judge levels");
     if (status == ISO_OK && a->code)
         status = iso_code_from_name(a->code, &build->code, err);
     TRY(status, check_folder("--junit", a->junit, a->output, err));

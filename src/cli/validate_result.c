@@ -7,8 +7,6 @@
 
 #include "cli/cycles_options.h"
 
-/* What the exit code says: nothing differed; a difference, of renderers or of levels; or a renderer that could not be
- * compared. */
 iso_status iso_cli_validate_verdict(const iso_validation *v, const iso_report_summary *summary,
                                     const iso_levels_summary *levels, iso_error *err)
 {
@@ -17,7 +15,7 @@ iso_status iso_cli_validate_verdict(const iso_validation *v, const iso_report_su
     for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (v->refused[i].status != ISO_OK)
             return iso_fail(err, v->refused[i].status, "%s %s", iso_renderer_at(i)->name, v->refused[i].why);
-    if (summary->refused > 0) /* it answered at first */
+    if (summary->refused > 0) /* it answered at the start */
         return iso_validate_refused_later(v, err);
     if (!summary->good)
         return iso_fail(err, ISO_E_DIFFERS, "%s", summary->sentence);
@@ -40,7 +38,7 @@ static void print_uncompared(const json_t *row)
                (long long)json_integer_value(json_object_get(row, "level")), name, iso_row_text(row, "why"));
 }
 
-/* What was asked for and not compared, with the reason, whole stages first; the page has all of them. */
+/* Prints requested comparisons that were skipped, with the reason, whole stages first; the page has all. */
 static void print_not_compared(const iso_report *r)
 {
     enum { most = 6 };
@@ -51,10 +49,10 @@ static void print_not_compared(const iso_report *r)
             if (is_stage(row) == stages && iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED && ++count <= most)
                 print_uncompared(row);
     if (count > most)
-        printf("not compared: %zu more, which the report lists\n", count - most);
+        printf("not compared: %zu more, listed in the report\n", count - most);
 }
 
-/* Checks that a renderer could not be asked for, with what stays open. */
+/* Prints calibration checks that a renderer cannot do, with the consequence. */
 static void print_not_calibrated(const iso_report *r)
 {
     size_t i;
@@ -65,7 +63,7 @@ static void print_not_calibrated(const iso_report *r)
                iso_row_text(row, "detail"));
 }
 
-/* What was asked of scenes that do not say it. */
+/* Prints the assumed limits of scenes that set none. */
 static void print_assumed(const iso_report *r)
 {
     const char *scene;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* validate_result.h - what `isoshade validate` says at its end: on the console, and by its exit code. */
+/* validate_result.h - the final output and exit code of `isoshade validate`. */
 #ifndef ISO_VALIDATE_RESULT_H
 #define ISO_VALIDATE_RESULT_H
 
@@ -7,12 +7,11 @@
 #include "report/levels.h"
 #include "validate/validate.h"
 
-/* What the exit code says: nothing differed; a difference, of renderers or of levels; or a renderer that could not be
- * compared. */
+/* Returns the exit code: nothing differs; a difference of renderers or levels; or a renderer could not be compared. */
 iso_status iso_cli_validate_verdict(const iso_validation *v, const iso_report_summary *summary,
                                     const iso_levels_summary *levels, iso_error *err);
 
-/* The sentences, what was not compared and why, and where the report is; or the report itself with --json. */
+/* Prints the verdicts, skipped comparisons with reasons, and the report's path; with --json the report itself. */
 void iso_cli_validate_print(const char *output, const iso_cli *cli, const iso_validation *v,
                             const iso_report_summary *s, const iso_levels_summary *levels);
 

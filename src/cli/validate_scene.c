@@ -12,7 +12,8 @@
 #include "base/inputs.h"
 #include "base/json.h"
 
-/* What the comment of a scene has to be, to be freed; NULL: no memory. A number that is read back is written the same. */
+/* Returns the expected comment of a scene, to be freed; NULL: no memory. Reading and writing a number does not change
+ * its text. */
 static char *comment_of(const json_t *scene)
 {
     json_t *rest = json_copy((json_t *)scene);
@@ -27,7 +28,7 @@ static char *comment_of(const json_t *scene)
     return comment;
 }
 
-/* What stands at path: nothing (NULL), or its comment as it is and as it has to be. */
+/* Scene file at a path (NULL: none), with its actual and its expected comment. */
 typedef struct standing {
     json_t *scene;
     char *wanted;      /* owned */
@@ -53,7 +54,7 @@ static void forget(standing *s)
 static iso_status refuse(const char *path, iso_error *err)
 {
     return iso_fail(err, ISO_E_IO,
-                    "%s: was changed since isoshade wrote it, or is not from isoshade, and the report's scene would "
+                    "%s: was changed after isoshade wrote it, or is not from isoshade, and the report's scene would "
                     "replace it; move it away, or choose another output",
                     path);
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* validate_viewer.h - the viewer's page beside a report (validate --viewer). */
+/* validate_viewer.h - writes a viewer page next to a report (validate --viewer). */
 #ifndef ISO_CLI_VALIDATE_VIEWER_H
 #define ISO_CLI_VALIDATE_VIEWER_H
 
 #include "validate/validate.h"
 
-/* DIR/viewer-SCENE.html, and "viewers" in the report, by which rows link to it at their level. Levels of more voxels than
- * a page holds are left out. */
+/* Writes DIR/viewer-SCENE.html, and "viewers" in the report, to link rows to their level in the page. Levels with more
+ * voxels than a page may hold are left out. */
 iso_status iso_validate_save_viewer(const iso_validation *v, iso_error *err);
 
 #endif

@@ -6,7 +6,7 @@
 #include "base/json.h"
 #include "base/provenance.h"
 
-/* What the planner predicted and measured; plans of other hands may say nothing. */
+/* Reads the planner's predicted and measured errors, which other plans may omit. */
 static iso_status read_errors(const char *path, iso_viewer_plan *page, iso_error *err)
 {
     json_t *root = NULL;

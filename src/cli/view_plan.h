@@ -8,11 +8,12 @@
 
 typedef struct iso_view_plan {
     iso_planned planned;
-    iso_view view; /* of the scene, whose transfer function the plan has to be for */
+    iso_view view; /* view of the scene; the plan must be for its transfer function */
     iso_viewer_plan page;
 } iso_view_plan;
 
-/* ISO_E_RANGE: the plan is of another volume or transfer function. Release with iso_view_plan_close() in any case. */
+/* Opens a plan. ISO_E_RANGE: it is for another volume or transfer function. Release with iso_view_plan_close() in any
+ * case. */
 iso_status iso_view_plan_open(iso_view_plan *plan, const char *path, const iso_viewer *v, iso_error *err);
 void iso_view_plan_close(iso_view_plan *plan); /* accepts empty */
 

@@ -38,26 +38,26 @@ iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value
     return ISO_OK;
 }
 
-/* How to adapt, said without asking for it, would be passed over in silence. */
-static bool is_told_how(const iso_cli_adapted *a)
+/* True if an option says how to adapt; without --adapt it would have no effect. */
+static bool has_method(const iso_cli_adapted *a)
 {
     return a->tf_2d || a->always || a->bits != iso_adapt_defaults().bits;
 }
 
-/* One line: what is left out, or that it is drawn. */
-static void tell_of_ghost(const iso_cli_adapted *a, size_t level, double ghost, bool is_left_out)
+/* Reports a ghost in one line: drawn, or left out. */
+static void report_ghost(const iso_cli_adapted *a, size_t level, double ghost, bool is_left_out)
 {
     if (!a->cli)
         return;
     iso_progress_line_hide(a->cli->progress);
     fprintf(stderr,
-            "isoshade %s: %s: level %zu: the adapted transfer function %s a ghost, %.1f %% of what level 0 shows, where "
-            "level 0 shows nothing%s; --extinction-scale shows each in its place\n",
+            "isoshade %s: %s: level %zu: the adapted transfer function %s a ghost, %.1f %% of level 0's opacity, where "
+            "level 0 is empty%s; --extinction-scale avoids ghosts\n",
             a->cli->command->name, is_left_out ? "note" : "warning", level, is_left_out ? "would draw" : "draws",
-            100 * ghost, is_left_out ? ", so the values that draw it are left as they were" : "");
+            100 * ghost, is_left_out ? ", so its values keep the original transfer function" : "");
 }
 
-/* What small views said, or, where nothing was to be refused, what the level shows. */
+/* Measures the ghost of a level without small views, and reports it if it is above the limit. */
 static iso_status look_for_ghost(const iso_cli_adapted *a, const iso_pyramid *p, size_t level, const iso_tf_table *original,
                                  const iso_tf_table *tf, const iso_tf_2d *tf_2d, iso_error *err)
 {
@@ -65,11 +65,12 @@ static iso_status look_for_ghost(const iso_cli_adapted *a, const iso_pyramid *p,
     const iso_status status = iso_ghost_measure(p, level, original, tf, tf_2d, a->cli ? a->cli->threads : 0, &ghost,
                                                 err);
     if (status == ISO_OK && ghost > ISO_GHOST_LIMIT)
-        tell_of_ghost(a, level, ghost, false);
+        report_ghost(a, level, ghost, false);
     return status;
 }
 
-/* The 1D transfer function stands beside the 2D one for what can show no other: a ColorRamp, an isosurface. */
+/* Adapts the view's 1D transfer function; with a second value makes the 2D one, too: a ColorRamp and an isosurface take
+ * only 1D. */
 static iso_status adapt(const iso_cli_adapted *a, const iso_pyramid *p, size_t level, iso_second_value second,
                         iso_adapt_options *opt, iso_view *view, iso_error *err)
 {
@@ -85,7 +86,7 @@ static iso_status adapt(const iso_cli_adapted *a, const iso_pyramid *p, size_t l
     }
     TRY(status, iso_adapt_level(p, level, &view->tf, opt, &table, &judgment, err));
     if (status == ISO_OK && judgment.given_back > 0)
-        tell_of_ghost(a, level, judgment.ghost, true);
+        report_ghost(a, level, judgment.ghost, true);
     if (status == ISO_OK && a->cli && level > 0 && !opt->fall_back && !a->extinction_scale)
         status = look_for_ghost(a, p, level, &view->tf, &table, tf_2d, err);
     if (status != ISO_OK) {
@@ -117,11 +118,10 @@ static iso_status adapt_view(const iso_cli_adapted *a, const char *path, const i
 
 static iso_status check_together(const iso_cli_adapted *a, iso_error *err)
 {
-    if (!a->wanted && is_told_how(a))
+    if (!a->wanted && has_method(a))
         return iso_fail(err, ISO_E_USAGE, "--tf-2d, --bits and --always go with --adapt");
     if (a->extinction_scale && a->tf_2d)
-        return iso_fail(err, ISO_E_USAGE,
-                        "--extinction-scale is made for a transfer function of one value, not --tf-2d");
+        return iso_fail(err, ISO_E_USAGE, "--extinction-scale needs a 1D transfer function, without --tf-2d");
     return ISO_OK;
 }
 

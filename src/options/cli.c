@@ -35,7 +35,7 @@ void iso_cli_print_names(FILE *f, const iso_names *names)
 
 /* ---- --help: at most 20 options; --help=all has all of them ---- */
 
-/* Subjects of options that --help names in a line each. An option that is in no row belongs to the last one. */
+/* Subjects under which --help lists rare options. An option in no row belongs to the last one. */
 static const struct {
     const char *subject, *names;
 } subjects[] = {
@@ -52,7 +52,7 @@ static const struct {
 };
 enum { SUBJECTS = sizeof subjects / sizeof *subjects };
 
-/* True if `names`, which blanks surround, has the name. */
+/* True if `names`, with a blank around each, has the name. */
 static bool has_name(const char *names, const char *name)
 {
     const size_t length = strlen(name);
@@ -78,7 +78,7 @@ static size_t subject_of(const char *name)
     return i;
 }
 
-/* Hides the options that only --help=all shows; their names go to the lines of their subjects. */
+/* Hides the options that only --help=all shows, and writes their names to the lines of their subjects. */
 static void hide_rare(const iso_command *command, struct poptOption *o, FILE *lines[SUBJECTS])
 {
     for (; o->longName || o->shortName || o->arg; ++o)
@@ -115,7 +115,7 @@ static void print_names_short(const iso_names *names)
     free(text);
 }
 
-/* Prints the options, all of them or the common ones, and the names that they choose from. */
+/* Prints all options or the common ones, and the names that they choose from. */
 static void print_options(const iso_command *command, struct poptOption *table, poptContext context, bool all)
 {
     char *lines[SUBJECTS] = {NULL}, *text = NULL;
@@ -126,7 +126,7 @@ static void print_options(const iso_command *command, struct poptOption *table, 
         files[i] = open_memstream(&lines[i], &sizes[i]);
     if (!all)
         hide_rare(command, table, files);
-    /* popt prints its own "Usage:" line first; only the table below it is wanted. */
+    /* Skip popt's own "Usage:" line. */
     poptPrintHelp(context, memory, 0);
     fclose(memory);
     char *options = strchr(text, '\n');
@@ -166,7 +166,7 @@ static void print_help(const iso_command *command, struct poptOption *table, pop
         printf("\nexamples:\n%s", command->examples);
 }
 
-/* popt names a bad value but not its option, when they are two words. */
+/* Returns the option before a bad value in another word, which popt does not name; "" if there is none. */
 static const char *option_before(const char *bad, int argc, const char **argv, char text[64])
 {
     for (int i = 2; i < argc; ++i)
@@ -190,7 +190,7 @@ static bool is_numeric(const struct poptOption *o)
     }
 }
 
-/* popt reads a number out of an empty word: 0. Infinite ones are no limit; -inf is an option that is not given. */
+/* Refuses an empty word, which popt reads as 0, and infinite numbers: -inf marks an option that is not given. */
 static iso_status check_number(const struct poptOption *o, const char *text, iso_error *err)
 {
     const char *option = o->longName;
@@ -224,7 +224,7 @@ static iso_status check_numbers(const struct poptOption *o, int argc, const char
     return status;
 }
 
-/* While options are visited: commands keep their tables on the stack of run(), so iso_cli_parse() shows them from there. */
+/* Set while options are visited. Commands keep their tables on the stack of run(), so iso_cli_parse() passes them on. */
 static struct {
     iso_cli_option_visitor visit;
     void *user;
@@ -249,7 +249,7 @@ void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor vi
     visiting.visit = NULL;
 }
 
-/* Only what is said: what is set is of the whole process, and may have been set by the environment. */
+/* Applies the options that are given. The others keep the process's settings, which the environment may have changed. */
 static iso_status take_common(double timeout, bool no_sandbox, bool full_paths, bool no_provenance, iso_error *err)
 {
     if (no_sandbox)
@@ -268,7 +268,7 @@ static iso_status take_common(double timeout, bool no_sandbox, bool full_paths, 
 
 /* ---- the values of all options, for keys ---- */
 
-/* One text of all words of a list, each in quotes. */
+/* Returns the words of a list as one text, each in quotes. NULL: no memory. */
 static json_t *words_json(char **words)
 {
     char *text = NULL;
@@ -301,7 +301,7 @@ static json_t *value_json(const struct poptOption *o)
     }
 }
 
-/* False: no memory. */
+/* Adds the texts of all options to `given`. False: no memory. */
 static bool keep_values(const struct poptOption *o, json_t *given)
 {
     bool good = true;
@@ -352,7 +352,7 @@ iso_key *iso_cli_key(const iso_cli *cli, const char *const *without)
     return key;
 }
 
-/* popt takes no value that may be missing: --help=all becomes --help. True if it was there. */
+/* Replaces --help=all by --help, because popt has no optional values. True if it was there. */
 static bool take_help_all(int argc, const char **argv)
 {
     bool found = false;
@@ -385,7 +385,7 @@ static iso_status fail_option(const iso_command *command, poptContext context, c
     return iso_fail(err, ISO_E_USAGE, "%s%s: %s%s; %s %s --help lists the options%s",
                     option_before(bad, argc, argv, option), bad, poptStrerror(result),
                     iso_guess_text(&guess, "--", text), program, command->name,
-                    command->is_inner ? ", of which a file may name those of this command alone" : "");
+                    command->is_inner ? "; a file may name only options of this command" : "");
 }
 
 iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
@@ -394,16 +394,17 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     *cli = (iso_cli){.argc = argc, .argv = argv, .command = command, .quiet = command->is_inner};
     *next = ISO_CLI_RUN;
     int help = 0, no_sandbox = 0, no_provenance = 0, full_paths = 0;
-    double timeout = -HUGE_VAL; /* not said */
+    double timeout = -HUGE_VAL; /* not given */
     struct poptOption common[] = {
-        {"json", 0, POPT_ARG_NONE, &cli->json, 0, "one JSON object on stdout", NULL},
-        {"quiet", 'q', POPT_ARG_NONE, &cli->quiet, 0, "no progress", NULL},
-        {"threads", 0, POPT_ARG_INT, &cli->threads, 0, "threads; 0: all cores", "N"},
-        {"timeout", 0, POPT_ARG_DOUBLE, &timeout, 0, "limit of each run of another program; 0: none", "SECONDS"},
-        {"no-sandbox", 0, POPT_ARG_NONE, &no_sandbox, 0, "other programs may write anywhere and use the network", NULL},
-        {"full-paths", 0, POPT_ARG_NONE, &full_paths, 0, "outputs name files with their folders", NULL},
-        {"no-provenance", 0, POPT_ARG_NONE, &no_provenance, 0, "outputs hold no command and no input's name", NULL},
-        {"help", 'h', POPT_ARG_NONE, &help, 0, "this text; --help=all has all options", NULL},
+        {"json", 0, POPT_ARG_NONE, &cli->json, 0, "print one JSON object on stdout", NULL},
+        {"quiet", 'q', POPT_ARG_NONE, &cli->quiet, 0, "print no progress", NULL},
+        {"threads", 0, POPT_ARG_INT, &cli->threads, 0, "number of threads; 0: all cores", "N"},
+        {"timeout", 0, POPT_ARG_DOUBLE, &timeout, 0, "time limit of each external program; 0: none", "SECONDS"},
+        {"no-sandbox", 0, POPT_ARG_NONE, &no_sandbox, 0, "let other programs write anywhere and use the network", NULL},
+        {"full-paths", 0, POPT_ARG_NONE, &full_paths, 0, "write full paths into outputs", NULL},
+        {"no-provenance", 0, POPT_ARG_NONE, &no_provenance, 0, "write no command and no input names into outputs",
+         NULL},
+        {"help", 'h', POPT_ARG_NONE, &help, 0, "show this text; --help=all: with all options", NULL},
         POPT_TABLEEND,
     };
     struct poptOption table[] = {
@@ -424,7 +425,7 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     if (status != ISO_OK)
         return status;
     cli->context = poptGetContext(program, argc, argv, table, 0);
-    /* popt writes through POPT_ARG_* pointers, and stops at options that have a val. */
+    /* popt stores values through POPT_ARG_* pointers, and stops at options that have a val. */
     int result;
     do
         result = poptGetNextOpt(cli->context);
@@ -445,11 +446,11 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     while (cli->arguments && cli->arguments[cli->argument_count])
         ++cli->argument_count;
     if (cli->argument_count < command->min_arguments || cli->argument_count > command->max_arguments)
-        return iso_fail(err, ISO_E_USAGE, "%zu arguments, wanted: %s %s %s", cli->argument_count, program,
-                        command->name, command->usage);
+        return iso_fail(err, ISO_E_USAGE, "%zu arguments; usage: %s %s %s", cli->argument_count, program, command->name,
+                        command->usage);
     status = iso_words_check_range("--threads", cli->threads, 0, 1024, err);
     TRY(status, keep_given(cli, table, err));
-    /* What tf writes has names of its own beside -o; it looks for itself. */
+    /* tf checks its own outputs, whose names it makes. */
     return status == ISO_OK && strcmp(command->name, "tf") != 0
                ? iso_cli_refuse_overwriting(options, cli->arguments, err)
                : status;
@@ -496,7 +497,7 @@ char *iso_cli_command_line(const iso_cli *cli)
     if (!memory)
         return NULL;
     if (iso_provenance_kept() != ISO_PROVENANCE_NONE) {
-        fprintf(memory, "%s %s", program, cli->command->name); /* which may be two words, such as "isoshade-lab encode" */
+        fprintf(memory, "%s %s", program, cli->command->name); /* a name may be two words */
         for (int i = 1; i < cli->argc; ++i) {
             fputc(' ', memory);
             iso_provenance_put_word(memory, cli->argv[i]);

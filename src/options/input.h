@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* input.h - the options by which every command reads a volume.
+/* input.h - options for reading a volume, shared by all commands.
  *
  *     iso_volume_input input;
  *     struct poptOption options[] = {ISO_CLI_INPUT_OPTIONS(&input), ..., POPT_TABLEEND};
@@ -16,19 +16,19 @@
 
 /* clang-format off */
 #define ISO_CLI_INPUT_OPTIONS(in)                                                                              \
-    {"raw-size", 0, POPT_ARG_STRING, &(in)->raw_size, 0, "the volume is a file without a header, of this size", "NXxNYxNZ"}, \
+    {"raw-size", 0, POPT_ARG_STRING, &(in)->raw_size, 0, "read a file without a header, of this size", "NXxNYxNZ"}, \
     {"raw-type", 0, POPT_ARG_STRING, &(in)->raw_type, 0, "its type: uint8, int16, float, ...", "TYPE"},        \
-    {"raw-spacing", 0, POPT_ARG_STRING, &(in)->raw_spacing, 0, "its spacing (1), in mm where --unit names no other", "SXxSYxSZ"},           \
-    {"raw-big-endian", 0, POPT_ARG_NONE, &(in)->raw_big_endian, 0, "its bytes are big-endian", NULL},          \
-    {"raw-skip", 0, POPT_ARG_LONG, &(in)->raw_skip_bytes, 0, "bytes before its samples", "BYTES"},      \
-    {"spacing", 0, POPT_ARG_STRING, &(in)->spacing, 0, "the volume's spacing, where its file has none or a wrong one", "SXxSYxSZ"}, \
-    {"unit", 0, POPT_ARG_STRING, &(in)->unit, 0, "unit of lengths, in the file and here: " ISO_UNIT_NAMES, "UNIT"}, \
-    {"series", 0, POPT_ARG_STRING, &(in)->series, 0, "which of a folder's series: its number, or its name", "N|NAME"}, \
-    {"frame", 0, POPT_ARG_STRING, &(in)->frame, 0, "which of a file's time steps, or of numbered files, from 0; which layer of segments, by a name, too", "K"}, \
-    {"channel", 0, POPT_ARG_STRING, &(in)->channel, 0, "which of a voxel's numbers, from 0, or its name; colors: luminance", "K|NAME"}, \
-    {"stored", 0, POPT_ARG_NONE, &(in)->stored, 0, "values as they are stored, without the file's slope and intercept", NULL}, \
-    {"labels", 0, POPT_ARG_NONE, &(in)->labels, 0, "the volume is a label map, whatever its samples look like", NULL}, \
-    {"no-labels", 0, POPT_ARG_NONE, &(in)->no_labels, 0, "the volume has intensities, which are interpolated", NULL}, \
+    {"raw-spacing", 0, POPT_ARG_STRING, &(in)->raw_spacing, 0, "its spacing, in mm or --unit (1)", "SXxSYxSZ"},           \
+    {"raw-big-endian", 0, POPT_ARG_NONE, &(in)->raw_big_endian, 0, "read its samples as big-endian", NULL},          \
+    {"raw-skip", 0, POPT_ARG_LONG, &(in)->raw_skip_bytes, 0, "bytes before its samples (0)", "BYTES"},      \
+    {"spacing", 0, POPT_ARG_STRING, &(in)->spacing, 0, "replace the spacing of the file", "SXxSYxSZ"}, \
+    {"unit", 0, POPT_ARG_STRING, &(in)->unit, 0, "unit of lengths in the file and in options: " ISO_UNIT_NAMES, "UNIT"}, \
+    {"series", 0, POPT_ARG_STRING, &(in)->series, 0, "series of a folder, by number or name", "N|NAME"}, \
+    {"frame", 0, POPT_ARG_STRING, &(in)->frame, 0, "time step, numbered file or segment layer, from 0; layers also by name", "K"}, \
+    {"channel", 0, POPT_ARG_STRING, &(in)->channel, 0, "channel of a voxel, from 0, or its name (colors: luminance)", "K|NAME"}, \
+    {"stored", 0, POPT_ARG_NONE, &(in)->stored, 0, "ignore the file's slope and intercept", NULL}, \
+    {"labels", 0, POPT_ARG_NONE, &(in)->labels, 0, "read the volume as a label map", NULL}, \
+    {"no-labels", 0, POPT_ARG_NONE, &(in)->no_labels, 0, "read the volume as intensities, which are interpolated", NULL}, \
     {"physical", 0, POPT_ARG_NONE | POPT_ARGFLAG_DOC_HIDDEN, NULL, 0, "the default", NULL}
 /* clang-format on */
 

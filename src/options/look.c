@@ -13,7 +13,7 @@ bool iso_cli_look_is_empty(const iso_cli_look *a)
     return !a->scene && !a->tf && !a->view && !a->size && !a->zoom;
 }
 
-/* They say what a file leaves open; of anything else they would be passed over. */
+/* Refuses options for transfer function files if --tf names no file: they would have no effect. */
 static iso_status check_transfer(const iso_cli_look *a, iso_error *err)
 {
     const iso_cli_transfer *t = &a->transfer;
@@ -24,8 +24,8 @@ static iso_status check_transfer(const iso_cli_look *a, iso_error *err)
                                            : NULL;
     size_t row;
     if (given && (!a->tf || iso_tf_preset_find(a->tf, &row)))
-        return iso_fail(err, ISO_E_USAGE, "%s is for a file that --tf names%s%s", given,
-                        a->tf ? ", not for the preset " : "", a->tf ? a->tf : "");
+        return iso_fail(err, ISO_E_USAGE, "%s needs a file as --tf%s%s", given, a->tf ? ", not the preset " : "",
+                        a->tf ? a->tf : "");
     return ISO_OK;
 }
 

@@ -19,7 +19,7 @@ static bool is_output(const struct poptOption *o)
     return false;
 }
 
-/* Tables that --csv goes on with. */
+/* True for tables that --csv extends. */
 static bool is_continued(const struct poptOption *o)
 {
     return o->longName && strcmp(o->longName, "have") == 0;
@@ -31,7 +31,7 @@ iso_status iso_cli_refuse_same_file(const char *output, const char *input, iso_e
     if (!output || !input || stat(output, &a) != 0 || stat(input, &b) != 0 || !S_ISREG(a.st_mode) ||
         a.st_dev != b.st_dev || a.st_ino != b.st_ino)
         return ISO_OK;
-    return iso_fail(err, ISO_E_USAGE, "the output %s is the input %s, which would be lost", output, input);
+    return iso_fail(err, ISO_E_USAGE, "the output %s would overwrite the input %s; choose another name", output, input);
 }
 
 /* Calls `visit` for each text that an option of the table was given, until one fails. */
@@ -39,7 +39,7 @@ typedef struct visitor {
     iso_status (*visit)(struct visitor *self, const struct poptOption *option, const char *text);
     const struct poptOption *all;
     const char *const *arguments;
-    const char *output; /* that is compared */
+    const char *output; /* compared with the other texts */
     iso_error *err;
 } visitor;
 
@@ -59,7 +59,7 @@ static iso_status visit_texts(const struct poptOption *o, visitor *v)
     return status;
 }
 
-/* Whether two paths name one file or folder, be it there or not. */
+/* True if two paths name the same file or folder, existing or not. */
 static bool is_one_place(const char *a, const char *b)
 {
     struct stat x, y;
@@ -80,8 +80,8 @@ static iso_status compare_text(visitor *v, const struct poptOption *o, const cha
     if (!is_output(o))
         return iso_cli_refuse_same_file(v->output, text, v->err);
     return is_one_place(v->output, text)
-               ? iso_fail(v->err, ISO_E_USAGE, "the outputs %s and %s (--%s) are one, and one would be lost", v->output,
-                          text, o->longName)
+               ? iso_fail(v->err, ISO_E_USAGE, "the outputs %s and %s (--%s) are the same file; choose another name",
+                          v->output, text, o->longName)
                : ISO_OK;
 }
 

@@ -24,13 +24,13 @@ static iso_status parse_box(const char *text, double lo[3], double hi[3], iso_er
     return ISO_OK;
 }
 
-/* The scene's table, or the adapted one of the level inside. */
+/* Makes the table for the level inside: the scene's, or adapted to the level. */
 static iso_status roi_tf(const iso_cli_roi_place *at, size_t level, const iso_tf_table *tf, iso_tf_table *table,
                          iso_error *err)
 {
     iso_adapt_options opt;
     if (!at->adapted->wanted)
-        level = 0; /* a copy */
+        level = 0; /* copies the table */
     iso_status status = iso_cli_adapt_options(at->adapted, at->threads, &opt, err);
     opt.folder = iso_pyramid_is_one(at->path) ? at->path : NULL;
     return status == ISO_OK ? iso_adapt_level(at->pyramid, level, tf, &opt, table, NULL, err) : status;
@@ -42,13 +42,13 @@ iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_roi_place *at, i
     iso_roi_options opt = iso_roi_defaults();
     iso_tf_table table = {0};
     if (!r->box && (r->level != 0 || r->band != opt.band))
-        return iso_fail(err, ISO_E_USAGE, "--roi-level and --roi-band go with --roi");
+        return iso_fail(err, ISO_E_USAGE, "--roi-level and --roi-band need --roi");
     if (!r->box)
         return ISO_OK;
     iso_status status = parse_box(r->box, opt.lo, opt.hi, err);
     TRY(status, iso_words_check_range("--roi-band", r->band, 0, 64, err));
     if (status == ISO_OK && level < 1)
-        status = iso_fail(err, ISO_E_USAGE, "--roi needs a coarser level around it: --level 1 or more");
+        status = iso_fail(err, ISO_E_USAGE, "--roi needs a coarser level around the box: --level 1 or more");
     TRY(status, iso_words_check_range("--roi-level", r->level, 0, (double)level - 1, err));
     opt.level = (size_t)r->level;
     opt.band = r->band;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* "A" or "A,B" of numbers in [lo, hi]; how many, 0 where it is neither. */
+/* Reads "A" or "A,B", numbers in [lo, hi]. Returns their count; 0 if the text is neither. */
 static int read_pair(const char *text, double lo, double hi, double values[2])
 {
     int count = 0;

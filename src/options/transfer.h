@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* transfer.h - the options for what a transfer function of another program leaves open, alike in every command that takes
- * one.
+/* transfer.h - options that complete transfer functions of other programs, shared by all commands that take one.
  *
  *     iso_cli_transfer transfer = {0};
  *     struct poptOption options[] = {ISO_CLI_TRANSFER_OPTIONS(&transfer), ..., POPT_TABLEEND};
@@ -19,13 +18,13 @@ typedef struct iso_cli_transfer {
 
 /* clang-format off */
 #define ISO_CLI_TRANSFER_OPTIONS(a)                                                                                            \
-    {"name", 0, POPT_ARG_STRING, &(a)->name, 0, "of a file with several transfer functions, this one", "NAME"},                \
-    {"unit-distance", 0, POPT_ARG_STRING, &(a)->unit_distance, 0, "the length that opacities of the file are for, where it does not say", "MM"}, \
-    {"opacity", 0, POPT_ARG_STRING, &(a)->opacity, 0, "of a file with colors alone: at the range's start and end", "A[,B]"},      \
-    {"range", 0, POPT_ARG_STRING, &(a)->range, 0, "put the file's range here instead; fit: the volume's range", "fit|LO,HI"}
+    {"name", 0, POPT_ARG_STRING, &(a)->name, 0, "transfer function of a file that holds several", "NAME"},                \
+    {"unit-distance", 0, POPT_ARG_STRING, &(a)->unit_distance, 0, "length that the opacities are for, if the file lacks it", "MM"}, \
+    {"opacity", 0, POPT_ARG_STRING, &(a)->opacity, 0, "opacity at both ends of the range, for files of colors only", "A[,B]"},      \
+    {"range", 0, POPT_ARG_STRING, &(a)->range, 0, "replace the file's range; fit: use the volume's range", "fit|LO,HI"}
 /* clang-format on */
 
-/* ISO_E_USAGE with option and value. */
+/* ISO_E_USAGE names the option and its value. */
 iso_status iso_cli_transfer_request(const iso_cli_transfer *a, iso_tf_request *request, iso_error *err);
 iso_status iso_cli_transfer_load(const iso_cli_transfer *a, const char *path, iso_tf *tf, iso_error *err);
 
