@@ -12,7 +12,7 @@ check the_verdict_stands_in_the_summary grep -q '^The renderers agree' one.md
 check versions_are_in_it grep -q '^| OpenGL ray caster | ' one.md
 check it_links_to_the_page grep -qF '[one/index.html](one/index.html)' one.md
 check nothing_failed_so_there_is_no_table_of_it test -z "$(grep 'at most' one.md)"
-refuse a_summary_needs_a_folder 3 'there is no folder' "$ISOSHADE" validate v.nrrd --quick --summary-md nowhere/one.md -o two
+refuse a_summary_needs_a_folder 3 'the folder nowhere does not exist' "$ISOSHADE" validate v.nrrd --quick --summary-md nowhere/one.md -o two
 # In the report's folder, which is not there yet at first, and is replaced with it.
 within() { "$ISOSHADE" validate v.nrrd --scene '<b>|x.scene.json' --quick --levels 1 --with cpu --size 16 -q -o in "$@"; }
 check other_forms_may_lie_in_the_report within --summary-md in/one.md --junit in/j.xml
@@ -23,7 +23,7 @@ refuse one_that_was_edited_stays 3 'one.md in it was changed' within
 
 cp -r one two
 refuse two_reports_are_wanted 2 'diff needs two reports' "$ISOSHADE" report diff one
-refuse other_words_are_refused 2 '"draw" is nothing' "$ISOSHADE" report draw one two
+refuse other_words_are_refused 2 'unknown subcommand "draw"' "$ISOSHADE" report draw one two
 refuse another_file_is_no_report 4 'must be isoshade.validate/1: not a report.json of isoshade validate' "$ISOSHADE" report diff one shells.tf.json
 expect the_same_report_twice 0 "$ISOSHADE" report diff one two -o same
 check is_said_to_be_no_difference grep -qE '^No difference in [0-9]+ rows and [1-9][0-9]* pictures\.$' "$dir/out"

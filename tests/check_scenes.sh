@@ -35,7 +35,7 @@ check picture_of_the_scene_is_its_commands python3 "$top/tests/sheet_panel.py" s
 refuse all_empty 5 'none of the transfer functions shows anything' "$ISOSHADE" scenes "a volume.nrrd" --tf $far --size 32 -q -o no.png
 refuse an_unknown_preset 2 'must be' "$ISOSHADE" scenes "a volume.nrrd" --tf bones --size 32 -q -o no.png
 refuse an_unknown_view 2 'bottomless' "$ISOSHADE" scenes "a volume.nrrd" --view bottomless --size 32 -q -o no.png
-refuse another_ending 2 'must end with .png' "$ISOSHADE" scenes "a volume.nrrd" -q -o no.jpg
+refuse another_ending 2 'must end in .png' "$ISOSHADE" scenes "a volume.nrrd" -q -o no.jpg
 refuse too_many_views 2 'at most 32' "$ISOSHADE" scenes "a volume.nrrd" $(printf -- '--view 0,%d ' $(seq 33)) -q -o no.png
 refuse too_small 2 '--size' "$ISOSHADE" scenes "a volume.nrrd" --size 8 -q -o no.png
 exit $failed

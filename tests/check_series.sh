@@ -61,8 +61,8 @@ else
 fi
 
 # ---- what is refused ----
-refuse one_adapted_table 2 '--frames all and --adapt' "$ISOSHADE" export 'f_%d.nrrd' --frames all --adapt --to povray -o x
-refuse one_level_a_frame 2 '--frames all and --levels' "$ISOSHADE" export 'f_%d.nrrd' --frames all --levels 2 --to blender -o x.blend
+refuse one_adapted_table 2 '--frames all excludes --adapt' "$ISOSHADE" export 'f_%d.nrrd' --frames all --adapt --to povray -o x
+refuse one_level_a_frame 2 '--frames all excludes --levels' "$ISOSHADE" export 'f_%d.nrrd' --frames all --levels 2 --to blender -o x.blend
 refuse all_or_nothing 2 '--frames is "2", must be all' "$ISOSHADE" render 'f_%d.nrrd' --frames 2 -o x.png
 refuse a_pyramid_has_one 2 'is a pyramid, which has one frame' "$ISOSHADE" render all_0000.iso --frames all -o x.png
 sed 's/sizes: 8 8 8/sizes: 8 4 16/' f_2.nrrd >f_3.nrrd

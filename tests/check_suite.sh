@@ -97,7 +97,7 @@ for words in --no-sandbox '--timeout 0' --full-paths --json --help --quiet '-o e
 done
 refuse an_empty_folder_is_refused 2 "holds no .scene.json" validate --suite few/.. -o no
 refuse a_suite_takes_no_volume 2 "remove \"x.nrrd\"" validate x.nrrd --suite few -o no
-refuse a_junit_file_without_a_folder_is_told_before_the_work 3 "there is no folder nowhere" validate --suite few -o no --junit nowhere/no.xml
+refuse a_junit_file_without_a_folder_is_told_before_the_work 3 "the folder nowhere does not exist" validate --suite few -o no --junit nowhere/no.xml
 render() { "$ISOSHADE" render few/no.nrrd --scene "$suite/step.scene.json" -q -o no.exr "$@"; }
 refuse seeds_are_of_limits 2 "--seeds needs --limit" render --with cycles --seeds 3
 refuse the_reference_has_no_limit 2 "--limit needs --with gl, cpu, cycles or povray" render --with reference --limit

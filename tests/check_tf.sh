@@ -85,7 +85,7 @@ check an_extinction_scale_renders "$ISOSHADE" render shells.iso --level 1 --size
 check the_scene_without_it "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt -o unscaled.exr -q
 "$ISOSHADE" compare scaled.exr unscaled.exr --json >scaled.json
 holds a_scale_changes_the_picture "$(json_number scaled.json max_abs) > 0.01"
-refuse a_scale_for_a_2d_tf 2 "of one value" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d deviation --extinction-scale -o z.exr -q
+refuse a_scale_for_a_2d_tf 2 "needs a 1D transfer function" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d deviation --extinction-scale -o z.exr -q
 refuse a_scale_in_bricks 2 "extinction-scale" "$ISOSHADE" render shells.iso --size 48 --scene own.scene.json --extinction-scale --cache-bytes 1e6 -o z.exr -q
 check a_scaled_grid_is_exported "$ISOSHADE" export shells.iso --to vdb --level 1 --scene own.scene.json --adapt --extinction-scale -o scaled.vdb -q
 check a_scene_without_a_scale_for_vdb "$ISOSHADE" export shells.iso --to vdb --level 1 --scene own.scene.json -o z.vdb -q

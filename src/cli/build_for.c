@@ -77,7 +77,7 @@ static iso_status warn(const iso_build_for *b, const iso_pyramid *p, const iso_s
     const iso_level *level0 = &p->levels[0];
     iso_status status = iso_scene_resolve(scene, &level0->geometry, level0->min, level0->max, &view, err);
     if (status == ISO_OK)
-        iso_cli_warn_of_view(b->cli, p, &view, NULL, &(bool){false});
+        iso_cli_warn_view(b->cli, p, &view, NULL, &(bool){false});
     iso_view_destroy(&view);
     return status;
 }

@@ -381,7 +381,7 @@ static iso_status open_bench(chart_run *run, iso_error *err)
     run->bench.hasty = a->budget_seconds > 0 && a->budget_seconds < ISO_CHART_HASTY_SECONDS;
     run->bench.needs_visual = a->metric != ISO_CHART_RMSE;
     for (size_t i = 0; i < run->bench.scene_count && status == ISO_OK; ++i)
-        iso_cli_warn_of_view(run->cli, &run->bench.first, &run->bench.scenes[i].view, NULL, &(bool){false});
+        iso_cli_warn_view(run->cli, &run->bench.first, &run->bench.scenes[i].view, NULL, &(bool){false});
     TRY(status, find_renderers(run, err));
     return status;
 }

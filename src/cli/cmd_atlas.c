@@ -136,7 +136,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         if (!wanted)
             status = iso_fail(err, ISO_E_MEMORY, "out of memory");
         else if (!output)
-            status = iso_fail(err, ISO_E_USAGE, "-o is missing: the folder for the atlas");
+            status = iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the atlas");
         else
             status = choose(cases, wanted, err);
         TRY(status, make_atlas(&cli, wanted, output, root, err));

@@ -382,7 +382,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     return status;
 }
 
-/* Reports errors only from rank 0: mpirun ends all ranks when one fails, perhaps before rank 0 has reported why. */
+/* Only rank 0 returns an error: mpirun ends all ranks when one fails, perhaps before rank 0 has reported why. */
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_ranks *ranks = NULL;

@@ -113,7 +113,7 @@ const iso_command iso_command_chart = {
     .usage = "VOLUME|PYRAMID.iso -o DIR [--scene SCENE.scene.json] [--want 1/255] [options]",
     .details =
         "Renders the scene with every renderer, step, quadrature, estimator, level, direction filter, code, other source of\n"
-        "directions (floats, flipped, palettes, on the fly), transfer function and plan of mixed resolution. All errors are\n"
+        "directions (floats, flipped, palettes, on the fly), transfer function and plan of mixed resolution. Errors are measured\n"
         "against one reference: level 0, converged, under the scene's own transfer function, with the directions of\n"
         "the first estimator as floats. The usual choices come first at every level and step, then settings that differ in one\n"
         "axis, in two, and so on; skipped ones are listed, and --budget 0 measures all. A setting is on the\n"

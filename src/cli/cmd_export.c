@@ -83,9 +83,9 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
         status = iso_subject_make_view(look, p, view, err);
     if (status == ISO_OK && view->width > 0) { /* a scene is given */
         if (narrow)
-            iso_cli_warn_of(a->cli, &sight.visible);
+            iso_cli_warn_visible(a->cli, &sight.visible);
         else
-            iso_cli_warn_of_view(a->cli, p, view, a->isosurface ? iso : NULL, &(bool){false});
+            iso_cli_warn_view(a->cli, p, view, a->isosurface ? iso : NULL, &(bool){false});
     }
     return status;
 }
@@ -205,7 +205,7 @@ static iso_status make_series_view(const iso_export_arguments *a, const iso_subj
     if (status == ISO_OK && frames->has_scene)
         status = iso_subject_frames_view(frames, &first, view, err);
     if (status == ISO_OK && frames->has_scene)
-        iso_cli_warn_of_view(a->cli, &first, view, a->isosurface ? iso : NULL, &(bool){false});
+        iso_cli_warn_view(a->cli, &first, view, a->isosurface ? iso : NULL, &(bool){false});
     iso_pyramid_destroy(&first);
     return status;
 }
@@ -344,19 +344,18 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "STEP"},
         {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0,
          "povray: export the surface of this value instead of the volume", "VALUE"},
-        {"plan", 0, POPT_ARG_STRING, &a.plan, 0,
-         "export only the bricks of this plan (isoshade plan -o), with its --scene", "PLAN.json"},
+        {"plan", 0, POPT_ARG_STRING, &a.plan, 0, "export only the bricks of this plan, with its --scene", "PLAN.json"},
         {"grids", 0, POPT_ARG_STRING, &a.grids, 0,
          "vdb, nanovdb with --plan: merged (default) grid, or one per level: levels", "GRIDS"},
-        {"force", 0, POPT_ARG_NONE, &a.force, 0,
-         "replace changed or foreign .blend, .usda and grids, kept as NAME.blend1 and so on", NULL},
+        {"force", 0, POPT_ARG_NONE, &a.force, 0, "replace changed or foreign files, kept as NAME.blend1 and so on",
+         NULL},
         {"material", 0, POPT_ARG_STRING, &a.material, 0, "blender: material that the file opens with", "MATERIAL"},
         ISO_CLI_CYCLES_OPTIONS(&cycles, "blender: Blender program to use, a path or a name in PATH", "PROGRAM"),
         {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb, blender: write half floats, smaller and less exact", NULL},
         {"dense", 0, POPT_ARG_NONE, &a.dense, 0,
          "vdb, nanovdb, blender: keep invisible voxels, to edit the transfer function later", NULL},
         {"background", 0, POPT_ARG_STRING, &a.background_text, 0,
-         "vdb, nanovdb: value of omitted voxels; without a scene, omits voxels of this value", "VALUE"},
+         "vdb, nanovdb: value of omitted voxels; without a scene omits these", "VALUE"},
         ISO_BAKE_OPTIONS(&a.bake_words),
         ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
         ISO_CLI_ROI_OPTIONS(&a.roi),

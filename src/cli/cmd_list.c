@@ -95,7 +95,7 @@ static iso_status list(const iso_cli *cli, bool markdown)
     return ISO_OK;
 }
 
-/* ---- devices of OpenGL: what this machine has, so that they are no table ---- */
+/* ---- devices of OpenGL, which depend on the machine ---- */
 
 static json_t *device_json(const char *choice, const iso_gl_info *info, const char *why)
 {

@@ -334,7 +334,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"per-level", 0, POPT_ARG_NONE, &a.per_level, 0, "pyramids: one palette per level, in files NAME_level_K",
          NULL},
         {"ellipsoid", 0, POPT_ARG_INT, &a.ellipsoid, ISO_CLI_NOT_ZERO,
-         "instead of a volume: N gradients of x^2 + 15 y^2 + 15 z^2 in the ball", "N"},
+         "gradients of x^2 + 15 y^2 + 15 z^2 in the ball, without a volume", "N"},
         {"on-surface", 0, POPT_ARG_NONE, &a.on_surface, 0, "with --ellipsoid: take points on its surface", NULL},
         {"swap-trials", 0, POPT_ARG_INT | shown, &a.swap_trials, 0, "kmeans: swaps tried per entry", "N"},
         {"start-prob", 0, POPT_ARG_DOUBLE | shown, &a.start_prob, 0, "anneal: START_PROB", "P"},

@@ -123,7 +123,7 @@ static void print_report(const iso_planner *p, const plan_arguments *a, const pl
 {
     const iso_plan_trial *t = &p->best;
     const double full_bytes = ISO_BYTES_A_NODE * (double)p->full_node_count;
-    printf("bricks   %zu of %zu shown, of %zu voxels a side\n"
+    printf("bricks   %zu of %zu shown, of %zu voxels per side\n"
            "model    %.3g of %.3g bytes (%.1f %%)\n"
            "error    RMSE %.3g predicted, %.3g measured, largest %.3g; %zu view%s, %d renders\n",
            t->drawn_count, p->plan.brick_count, p->nodes->brick_voxels, iso_plan_trial_bytes(t), full_bytes,
@@ -198,7 +198,7 @@ static void warn_of_views(const iso_cli *cli, const iso_pyramid *p, const iso_vi
 {
     bool warned = false;
     for (size_t i = 0; i < count && !warned; ++i)
-        iso_cli_warn_of_view(cli, p, &views[i], NULL, &warned);
+        iso_cli_warn_view(cli, p, &views[i], NULL, &warned);
 }
 
 static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *err)

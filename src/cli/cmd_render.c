@@ -190,7 +190,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
         status = of->series ? iso_subject_frames_view(of->series, &pyramid, &view, err)
                             : iso_subject_make_view(&look, &pyramid, &view, err);
     if (status == ISO_OK)
-        visible = iso_cli_warn_of_view(cli, &pyramid, &view, opt.isosurface ? &opt.iso : NULL, &warned);
+        visible = iso_cli_warn_view(cli, &pyramid, &view, opt.isosurface ? &opt.iso : NULL, &warned);
     if (status == ISO_OK)
         status = iso_cli_roi_view(&a->roi,
                                   &(iso_cli_roi_place){&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level,
@@ -213,7 +213,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     if (status == ISO_OK) {
         iso_visible_take_image(&visible, &image, view.background);
         if (!warned)
-            iso_cli_warn_of(cli, &visible);
+            iso_cli_warn_visible(cli, &visible);
         iso_render_report(a, cli, &pyramid, &view, &visible,
                           &(iso_rendered){opt.renderer->name, version, seconds,
                                           iso_render_device_seconds(&opt, &renderers), taken_step(a, &request),

@@ -352,8 +352,8 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     scenes_arguments a = {.steps = -1};
     iso_volume_input_defaults(&a.input);
     struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0,
-         "sheet to write, .png, .svg or .pdf; its commands go into a .json", "FILE"},
+        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "sheet to write: .png, .svg or .pdf, and commands in a .json",
+         "FILE"},
         ISO_CLI_SCENE_OPTION(&a),
         {"tf", 0, POPT_ARG_ARGV, &a.tfs, 0,
          "transfer function: a file or preset; repeatable (the scene's and all presets)", "FILE|PRESET"},

@@ -231,7 +231,7 @@ static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *
     const iso_visible v = iso_visible_measure(&p->levels[0], view, NULL, cli->threads);
     char text[900];
     if (a->anyway) {
-        iso_cli_warn_of(cli, &v);
+        iso_cli_warn_visible(cli, &v);
         return ISO_OK;
     }
     return iso_visible_complaint(&v, cli->arguments[0], text, sizeof text)
@@ -463,8 +463,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
         {"anyway", 0, POPT_ARG_NONE, &a.anyway, 0, "validate even a scene that shows almost nothing, or only a box",
          NULL},
-        {"viewer", 0, POPT_ARG_NONE, &a.viewer, 0,
-         "add a viewer page of the volume (isoshade view), to which rows link", NULL},
+        {"viewer", 0, POPT_ARG_NONE, &a.viewer, 0, "add a viewer page (isoshade view), to which rows link", NULL},
         {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "also write the results as JUnit XML", "FILE.xml"},
         {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0, "write a Markdown summary, for a CI page", "FILE.md"},
         ISO_CLI_INPUT_OPTIONS(&a.input),

@@ -110,7 +110,7 @@ static void report(const view_arguments *a, const iso_cli *cli, const iso_viewer
         printf("%s: %zu of %zu bricks in %.3g million texels, of %.3g million voxels\n", v->plan->name, size->plan_bricks,
                iso_brick_count(v->plan->nodes), 1e-6 * (double)size->plan_texels,
                1e-6 * (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry));
-        printf("RMSE of its pictures from level 0's in the views of the plan: %.3g predicted, %.3g measured\n",
+        printf("RMSE %.3g predicted, %.3g measured, against pictures of level 0 in the views of the plan\n",
                v->plan->predicted_rmse, v->plan->measured_rmse);
         return;
     }

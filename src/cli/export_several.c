@@ -182,7 +182,7 @@ static iso_status load(void *user, size_t i, iso_pyramid *p, iso_view *view, cha
     return status;
 }
 
-static void tell(const several_job *job)
+static void print_summary(const several_job *job)
 {
     const iso_export_several *a = job->asked;
     if (a->cli->json) {
@@ -223,7 +223,7 @@ iso_status iso_export_several_volumes(const iso_export_several *a, iso_error *er
         status = a->target->write_volumes(&export_job, err);
     }
     if (status == ISO_OK)
-        tell(&job);
+        print_summary(&job);
     for (size_t i = 0; i < job.count; ++i) {
         free(job.volumes[i].path);
         free(job.volumes[i].tf);

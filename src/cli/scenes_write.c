@@ -205,7 +205,7 @@ static iso_status check(const iso_scenes_write *a, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status tell(const writing *w, iso_error *err)
+static iso_status print_summary(const writing *w, iso_error *err)
 {
     const iso_cli *cli = w->asked->cli;
     size_t i, k, count = 0;
@@ -253,7 +253,7 @@ iso_status iso_scenes_write_all(const iso_scenes_write *a, iso_error *err)
     TRY(status, iso_elsewhere_write_calibrations(&w.elsewhere, err));
     TRY(status, iso_elsewhere_finish(&w.elsewhere, line, validate, err));
     TRY(status, iso_output_commit(&w.out, err));
-    TRY(status, tell(&w, err));
+    TRY(status, print_summary(&w, err));
     iso_output_abandon(&w.out);
     json_decref(w.elsewhere.pictures);
     json_decref(w.elsewhere.left_out);

@@ -80,7 +80,7 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
     TRY(status, iso_pyramid_check_level(&p, a->cli->arguments[1], (size_t)a->level, err));
     TRY(status, iso_subject_make_view(&look, &p, &view, err));
     if (status == ISO_OK)
-        iso_cli_warn_of_view(a->cli, &p, &view, NULL, &(bool){false});
+        iso_cli_warn_view(a->cli, &p, &view, NULL, &(bool){false});
     TRY(status, bound_levels(a, &p, &view, levels, err));
     if (status == ISO_OK && a->cli->json) {
         json_t *root = iso_cli_json(a->cli);

@@ -54,7 +54,7 @@ static void forget(standing *s)
 static iso_status refuse(const char *path, iso_error *err)
 {
     return iso_fail(err, ISO_E_IO,
-                    "%s: was changed after isoshade wrote it, or is not from isoshade, and the report's scene would "
+                    "%s: was changed since isoshade wrote it, or is not from isoshade, and the report's scene would "
                     "replace it; move it away, or choose another output",
                     path);
 }

@@ -20,7 +20,7 @@
 
 typedef struct iso_cli_adapted {
     int wanted;                     /* --adapt */
-    char *tf_2d;                    /* by popt; lives until the process ends */
+    char *tf_2d;                    /* set by popt, lives until the process ends */
     int bits, always, extinction_scale;
     const iso_cli *cli; /* reports ghosts; or NULL */
 } iso_cli_adapted;
@@ -33,7 +33,7 @@ typedef struct iso_cli_adapted {
 
 #define ISO_CLI_ADAPTED_OPTIONS(a)                                                                                             \
     {"adapt", 0, POPT_ARG_NONE, &(a)->wanted, 0, "adapt the transfer function to the level", NULL},                      \
-    {"extinction-scale", 0, POPT_ARG_NONE, &(a)->extinction_scale, 0, "scale each coarse voxel's extinction to match the opacity of its fine voxels", NULL}, \
+    {"extinction-scale", 0, POPT_ARG_NONE, &(a)->extinction_scale, 0, "scale coarse voxels' extinction to match the opacity of fine ones", NULL}, \
     {"tf-2d", 0, POPT_ARG_STRING, &(a)->tf_2d, 0, "use a 2D transfer function with this second value", "deviation|gradient"}, \
     ISO_CLI_ADAPT_METHOD_OPTIONS(a)
 /* clang-format on */

@@ -17,7 +17,7 @@
 #include "scene/subject.h"
 
 typedef struct iso_cli_look {
-    char *scene, *tf, *view, *size, *zoom; /* by popt; live until the process ends */
+    char *scene, *tf, *view, *size, *zoom; /* set by popt, live until the process ends */
     iso_cli_transfer transfer;
 } iso_cli_look;
 
@@ -26,16 +26,16 @@ typedef struct iso_cli_look {
     {"scene", 0, POPT_ARG_STRING, &(a)->scene, 0, "camera, lights, shading and transfer function (a first picture)", "SCENE.scene.json"}
 
 #define ISO_CLI_TF_OPTIONS(a)                                                                                               \
-    {"tf", 0, POPT_ARG_STRING, &(a)->tf, 0, "transfer function: a file, or a preset of isoshade list (the scene's; auto)", "FILE|PRESET"}, \
+    {"tf", 0, POPT_ARG_STRING, &(a)->tf, 0, "transfer function, a file or preset (the scene's; auto)", "FILE|PRESET"}, \
     ISO_CLI_TRANSFER_OPTIONS(&(a)->transfer)
 
 #define ISO_CLI_ZOOM_OPTION(a)                                                                                              \
-    {"zoom", 0, POPT_ARG_STRING, &(a)->zoom, 0, "enlarge the middle of the picture by this factor (1)", "X"}
+    {"zoom", 0, POPT_ARG_STRING, &(a)->zoom, 0, "factor to enlarge the middle of the picture (1)", "X"}
 
 #define ISO_CLI_LOOK_OPTIONS(a)                                                                                             \
     ISO_CLI_SCENE_OPTION(a),                                                                                                \
     ISO_CLI_TF_OPTIONS(a),                                                                                                  \
-    {"view", 0, POPT_ARG_STRING, &(a)->view, 0, "view direction: a name of isoshade list, or degrees (the scene's; front or iso)", "NAME|AZ,EL"}, \
+    {"view", 0, POPT_ARG_STRING, &(a)->view, 0, "view direction, a name or degrees (the scene's; front or iso)", "NAME|AZ,EL"}, \
     ISO_CLI_ZOOM_OPTION(a),                                                                                                 \
     {"size", 0, POPT_ARG_STRING, &(a)->size, 0, "image size in pixels (the scene's, or 512x512)", "WxH"}
 /* clang-format on */

@@ -13,7 +13,7 @@
 #include "tf/tf.h"
 
 typedef struct iso_cli_transfer {
-    char *name, *unit_distance, *opacity, *range; /* by popt; live until the process ends */
+    char *name, *unit_distance, *opacity, *range; /* set by popt, live until the process ends */
 } iso_cli_transfer;
 
 /* clang-format off */

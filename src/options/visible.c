@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "options/visible.h"
 
-bool iso_cli_warn_of(const iso_cli *cli, const iso_visible *visible)
+bool iso_cli_warn_visible(const iso_cli *cli, const iso_visible *visible)
 {
     char text[1024];
     if (!iso_visible_complaint(visible, cli->arguments[0], text, sizeof text))
@@ -11,11 +11,11 @@ bool iso_cli_warn_of(const iso_cli *cli, const iso_visible *visible)
     return true;
 }
 
-iso_visible iso_cli_warn_of_view(const iso_cli *cli, const iso_pyramid *p, const iso_view *view,
-                                 const double *isosurface, bool *warned)
+iso_visible iso_cli_warn_view(const iso_cli *cli, const iso_pyramid *p, const iso_view *view, const double *isosurface,
+                              bool *warned)
 {
     const iso_visible v = iso_visible_measure(&p->levels[0], view, isosurface, cli->threads);
-    *warned = iso_cli_warn_of(cli, &v);
+    *warned = iso_cli_warn_visible(cli, &v);
     return v;
 }
 
