@@ -262,10 +262,10 @@ check a_pipe_is_no_scene ends 3 'not a regular file' isoshade render s.nrrd --sc
 
 # ---- an output that is the input ----
 cp s.nrrd own.nrrd && ln own.nrrd linked.nrrd && cp "${shells%.scene.json}.tf.json" own.tf.json
-check a_volume_is_no_output ends 2 'which would be lost' isoshade palette own.nrrd --entries 4 -o ./own.nrrd -q
-check of_several_outputs_none_is ends 2 'which would be lost' isoshade palette own.nrrd --entries 4 -o a.csv -o own.nrrd -q
-check by_another_name_it_is_not_either ends 2 'which would be lost' isoshade render linked.nrrd --scene "$shells" --with reference --size 4 -o a.exr --png own.nrrd -q
-check a_converted_file_is_not_itself ends 2 'which would be lost' isoshade tf convert own.tf.json ./own.tf.json
+check a_volume_is_no_output ends 2 'would overwrite the input' isoshade palette own.nrrd --entries 4 -o ./own.nrrd -q
+check of_several_outputs_none_is ends 2 'would overwrite the input' isoshade palette own.nrrd --entries 4 -o a.csv -o own.nrrd -q
+check by_another_name_it_is_not_either ends 2 'would overwrite the input' isoshade render linked.nrrd --scene "$shells" --with reference --size 4 -o a.exr --png own.nrrd -q
+check a_converted_file_is_not_itself ends 2 'would overwrite the input' isoshade tf convert own.tf.json ./own.tf.json
 check the_input_is_whole cmp own.nrrd s.nrrd
 
 # ---- nor one that gets a name of its own, or is read by another name: by a header, a scene, a number, a folder ----
@@ -275,7 +275,7 @@ stays() { # name, file, command ...: the file is an input that the command would
     shift 2
     [ "$1" != isoshade-lab ] || { program=$1; shift; }
     cp -r "$file" ../copy
-    refuse "$name" 2 "which would be lost" $program "$@" -q
+    refuse "$name" 2 "would overwrite the input" $program "$@" -q
     check "${name}_and_stays" diff -r "$file" ../copy
     rm -rf ../copy
 }

@@ -81,7 +81,8 @@ static known *find_or_add(const known *file)
 
 static iso_status refuse(const known *file, iso_error *err)
 {
-    return iso_fail(err, ISO_E_USAGE, "the output %s is the input %s, which would be lost", file->output, file->input);
+    return iso_fail(err, ISO_E_USAGE, "the output %s would overwrite the input %s; choose another name", file->output,
+                    file->input);
 }
 
 static const folder *noted_folder(const char *path)
@@ -110,8 +111,8 @@ static const folder *folder_of(const char *path)
 static iso_status check_folders(const char *output, iso_error *err)
 {
     const folder *of = folder_of(output);
-    return of ? iso_fail(err, ISO_E_USAGE, "the output %s is inside the input %s, part of which would be lost", output,
-                         of->name)
+    return of ? iso_fail(err, ISO_E_USAGE, "the output %s would overwrite the input %s in part; choose another folder",
+                         output, of->name)
               : ISO_OK;
 }
 
