@@ -60,7 +60,7 @@ refuse() {
     check "$1_is_said" grep -qF -- "$2" err
 }
 refuse unknown_preset 'unknown transfer function preset "bone", must be one of: auto, ct-bone' "$ISOSHADE" render nothing.nrrd --tf bone -o x.png
-refuse unknown_view '--view is "frnt", wanted iso, front' "$ISOSHADE" export nothing.nrrd --to blender --view frnt -o x.blend
+refuse unknown_view '--view is "frnt", must be iso, front' "$ISOSHADE" export nothing.nrrd --to blender --view frnt -o x.blend
 refuse zoom_of_nothing '--zoom is -1, must be 0.01 to 1000' "$ISOSHADE" render nothing.nrrd --zoom -1 -o x.png
 refuse zoom_of_0 '--zoom is 0, must be 0.01 to 1000' "$ISOSHADE" render nothing.nrrd --zoom 0 -o x.png
 refuse zoom_of_0_of_a_figure '--zoom is 0, must be 0.01 to 1000' "$ISOSHADE" figure nothing.nrrd --zoom 0 -o x
