@@ -23,6 +23,7 @@ command() {
     build) set -- build ../s.nrrd --levels $((2 + b)) -o o ;;
     build-resume) set -- build ../s.nrrd --levels $((2 + b)) --resume -o o ;;
     chart) set -- "${charted[@]}" --size $((8 + b)) -o o ;;
+    chart-resume) set -- "${charted[@]}" --size $((8 + b)) --resume -o o ;;
     validate) set -- "${validated[@]}" --size $((8 + b)) -o o --junit o/junit.xml ;;
     validate-resume) set -- "${validated[@]}" --size $((8 + b)) --resume -o o ;;
     validate-suite) set -- validate --suite ../suite --with cpu --quick --size $((8 + b)) -o o ;;
@@ -44,9 +45,9 @@ command() {
     exec "$ISOSHADE" "$@" -q --threads 1
 }
 usual="build chart validate to-povray make"
-all="$usual build-resume to-pbrt scenes-write render to-vdb tf validate-resume validate-suite to-paraview to-mitsuba atlas figure report to-nanovdb view plan palette histogram"
+all="$usual build-resume chart-resume to-pbrt scenes-write render to-vdb tf validate-resume validate-suite to-paraview to-mitsuba atlas figure report to-nanovdb view plan palette histogram"
 # Their outputs have dates and times, so that two runs of one setting differ.
-dated=" chart validate validate-resume validate-suite atlas figure report to-vdb "
+dated=" chart chart-resume validate validate-resume validate-suite atlas figure report to-vdb "
 
 # is_listed FOLDER: all that is in it stands in its list of files, and nothing is missing
 is_listed() {

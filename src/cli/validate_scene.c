@@ -12,13 +12,12 @@
 #include "base/inputs.h"
 #include "base/json.h"
 
-/* Returns the expected comment of a scene, to be freed; NULL: no memory. Reading and writing a number does not change
- * its text. */
+/* Returns the comment of a scene that a file holds, to be freed: a hash of all but the comment. NULL: out of memory. */
 static char *comment_of(const json_t *scene)
 {
     json_t *rest = json_copy((json_t *)scene);
     json_object_del(rest, "comment");
-    char *text = rest ? json_dumps(rest, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(9)) : NULL;
+    char *text = rest ? json_dumps(rest, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17)) : NULL;
     char *comment = NULL;
     if (text && asprintf(&comment, "As isoshade validate wrote it: xxh3_64 %016" PRIx64,
                          (uint64_t)XXH3_64bits(text, strlen(text))) < 0)
@@ -28,7 +27,17 @@ static char *comment_of(const json_t *scene)
     return comment;
 }
 
-/* Scene file at a path (NULL: none), with its actual and its expected comment. */
+/* Returns the scene with the numbers that a file of it gives when read, which may have fewer digits. */
+static json_t *as_read(json_t *scene)
+{
+    char *text = scene ? iso_json_text(scene, JSON_COMPACT) : NULL;
+    json_t *read = text ? json_loads(text, 0, NULL) : NULL;
+    free(text);
+    json_decref(scene);
+    return read;
+}
+
+/* The scene file at path, or NULL; its comment, and the comment of a file that nobody changed. */
 typedef struct standing {
     json_t *scene;
     char *wanted;      /* owned */
@@ -80,7 +89,7 @@ iso_status iso_validate_scene_guard(const char *path, iso_error *err)
 
 iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso_error *err)
 {
-    json_t *root = iso_scene_to_json(scene);
+    json_t *root = as_read(iso_scene_to_json(scene));
     char *comment = root ? comment_of(root) : NULL;
     iso_status status = ISO_OK;
     if (!comment || json_object_set_new(root, "comment", json_string(comment)) != 0)
