@@ -168,10 +168,12 @@ typedef struct iso_build_options {
 /* Returns the defaults: four levels, "fit", "central", "mean", "moments". */
 iso_build_options iso_build_defaults(void);
 
-/* Builds a pyramid. ISO_E_USAGE: unknown name; ISO_E_RANGE: option outside its limits, NaN or infinity; ISO_E_MEMORY. */
+/* Builds a pyramid. ISO_E_USAGE: unknown name; ISO_E_RANGE: option outside its limits, NaN or infinity;
+ * ISO_E_MEMORY. */
 iso_status iso_build(const iso_volume *volume, const iso_build_options *options, iso_pyramid **pyramid, iso_error *err);
 
-/* Opens a folder NAME.iso (doc/reference/files-pyramid.md) and checks its checksums. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
+/* Opens a folder NAME.iso (doc/reference/files-pyramid.md) and checks its checksums. ISO_E_IO, ISO_E_FORMAT,
+ * ISO_E_MEMORY. */
 iso_status iso_pyramid_open(const char *folder, iso_pyramid **pyramid, iso_error *err);
 /* Writes a folder NAME.iso, which appears when it is complete. ISO_E_IO. */
 iso_status iso_pyramid_save(const iso_pyramid *pyramid, const char *folder, iso_error *err);
@@ -225,7 +227,8 @@ typedef struct iso_tf_point {
  * or a unit length, which options of `isoshade tf convert` supply. */
 iso_status iso_tf_open(const char *path, iso_tf **tf, iso_error *err);
 /* Makes a TF from at least two points of rising values; between them color and opacity are linear. Opacity refers to
- * unit_mm millimeters: extinction = -ln(1 - opacity) / unit_mm. ISO_E_RANGE, with the number of the point; ISO_E_MEMORY. */
+ * unit_mm millimeters: extinction = -ln(1 - opacity) / unit_mm. ISO_E_RANGE, with the number of the point;
+ * ISO_E_MEMORY. */
 iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double unit_mm, iso_tf **tf, iso_error *err);
 /* Adapts a TF to a level, so that the level looks like the volume. Returns a copy at level 0, and if adapting would not
  * be closer. ISO_E_RANGE: no such level; ISO_E_MEMORY. */
@@ -272,9 +275,9 @@ void iso_image_destroy(iso_image *image); /* accepts empty and NULL */
 /* Writes OpenEXR, 32-bit float, channels A B G R. The notes end with a NULL key, or are NULL.
  * ISO_E_IO. */
 iso_status iso_image_save_exr(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err);
-/* Reads a flat single-part EXR with R, G, B or gray Y (A = 1 if absent). Other primaries become those of Rec. 709. The picture is the
- * file's display window: pixels of it that are outside the data window are 0 in all channels, and data outside it are
- * left out. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
+/* Reads a flat single-part EXR with R, G, B or gray Y (A = 1 if absent). Other primaries become those of Rec. 709. The
+ * picture is the file's display window: pixels of it that are outside the data window are 0 in all channels, and data
+ * outside it are left out. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
 iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err);
 /* Writes 8-bit sRGB, opaque, with colors multiplied by exposure. ISO_E_IO. */
 iso_status iso_image_save_png(const iso_image *image, const char *path, double exposure, iso_error *err);
@@ -338,10 +341,10 @@ typedef struct iso_export_options {
 iso_export_options iso_export_defaults(void);
 
 /* Exports levels. Target "vdb": a file NAME.vdb with the grids "density" and "gradient"; scene may be NULL. "nanovdb":
- * NAME.nvdb, the same grids. "blender": NAME.blend, and its grids next to it; needs Blender. "povray": a folder with scene and densities.
- * "pbrt", "mitsuba": a folder with a scene whose medium is baked for that scene. ISO_E_USAGE: an unknown target, no
- * scene although one is needed, an option that the target does not have; ISO_E_RANGE; ISO_E_IO; ISO_E_MISSING;
- * ISO_E_PROGRAM. */
+ * NAME.nvdb, the same grids. "blender": NAME.blend, and its grids next to it; needs Blender. "povray": a folder with
+ * scene and densities. "pbrt", "mitsuba": a folder with a scene whose medium is baked for that scene. ISO_E_USAGE: an
+ * unknown target, no scene although one is needed, an option that the target does not have; ISO_E_RANGE; ISO_E_IO;
+ * ISO_E_MISSING; ISO_E_PROGRAM. */
 iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,
                       const iso_export_options *options, iso_error *err);
 

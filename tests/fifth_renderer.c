@@ -27,7 +27,8 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     return iso_reference_render(&level, q->pyramid->options.code, q->view, &o, image, q->progress, err);
 }
 
-/* The reference's own midpoints, in its arithmetic: only the rounding of where the volume stands may tell them apart. */
+/* The reference's own midpoints, in its arithmetic: only the rounding of where the volume stands may tell them
+ * apart. */
 static const iso_lock_step lock_step = {
     .quadrature = ISO_QUADRATURE_MIDPOINT,
     .why = "the same samples in the same arithmetic",

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* property.h - what holds for any case: cases drawn by chance, and of one that fails the smallest that fails too.
  *
- * A case is a list of numbers, each drawn from 0 to its limit; a property turns them into volumes, points and sizes, and
- * returns NULL, or what is wrong. Shrinking makes numbers smaller, one after the other, for as long as the property fails:
- * so 0 has to be the simplest of each. ISO_PROPERTY_SEED=n and ISO_PROPERTY_CASES=n repeat a run and go on for longer. */
+ * A case is a list of numbers, each drawn from 0 to its limit; a property turns them into volumes, points and sizes,
+ * and returns NULL, or what is wrong. Shrinking makes numbers smaller, one after the other, for as long as the property
+ * fails: so 0 has to be the simplest of each. ISO_PROPERTY_SEED=n and ISO_PROPERTY_CASES=n repeat a run and go on for
+ * longer. */
 #ifndef ISO_TEST_PROPERTY_H
 #define ISO_TEST_PROPERTY_H
 

@@ -333,8 +333,8 @@ static void a_tissue_that_shares_a_value_with_a_plate_stays_dark(void **state)
         assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &out, NULL, &err));
         assert_true((out.entries[4 * 50 + 3] > 0.01f) == !with_block);
         iso_tf_table_destroy(&out);
-        /* The planted fault: a wide window shows the block. Its error at the voxels is the smaller one all the same, small
-         * views refuse it. */
+        /* The planted fault: a wide window shows the block. Its error at the voxels is the smaller one all the same,
+         * small views refuse it. */
         iso_adapt_judgment v;
         opt.window = 3;
         assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &out, NULL, &err));
@@ -352,7 +352,8 @@ static void a_tissue_that_shares_a_value_with_a_plate_stays_dark(void **state)
 static void a_larger_error_at_the_voxels_keeps_the_original_tf(void **state)
 {
     (void)state;
-    /* The window cuts off the entry at 14, three deviations away: TF_0(6) is left, and TF_0(7) at the row is closer to all. */
+    /* The window cuts off the entry at 14, three deviations away: TF_0(6) is left, and TF_0(7) at the row is closer to
+     * all. */
     static const entry tail[] = {{7, 6, 90}, {7, 14, 10}};
     iso_joint j = make_joint(tail, 2);
     iso_tf_table tf = make_tf();

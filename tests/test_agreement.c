@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Which direction filter a level gets by itself: closed forms of the figures, and that a level is that of the filter named. */
+/* Which direction filter a level gets by itself: closed forms of the figures, and that a level is that of the filter
+ * named. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* test_artefact.c - what is exported is moved, opened by the program itself, and shows what was validated; planted faults
- * of an export are seen. */
+/* test_artefact.c - what is exported is moved, opened by the program itself, and shows what was validated; planted
+ * faults of an export are seen. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdlib.h>
@@ -123,8 +123,8 @@ static void lose_grids(const char *blend)
     free(dir);
 }
 
-/* The nodes read the values' grid for the directions and the directions' for the values, as a file would have it whose grids
- * were written under each other's name. Blender itself changes and saves it. */
+/* The nodes read the values' grid for the directions and the directions' for the values, as a file would have it whose
+ * grids were written under each other's name. Blender itself changes and saves it. */
 static void swap_grids(const char *blend)
 {
     char *command = NULL;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Baked grids hold the optical depth, the colors and the place of what they are baked from, in every unit and on both axes. */
+/* Baked grids hold the optical depth, the colors and the place of what they are baked from, in every unit and on both
+ * axes. */
 #define _GNU_SOURCE
 #include "test.h"
 
@@ -225,8 +226,8 @@ static void a_point_stays_at_its_place(void **state)
     }
 }
 
-/* A red point: all 26 neighbors are red without extinction, and half way there the color is still red, neither half black
- * nor the green that the transfer function has where it is transparent. */
+/* A red point: all 26 neighbors are red without extinction, and half way there the color is still red, neither half
+ * black nor the green that the transfer function has where it is transparent. */
 static void transparent_neighbors_do_not_bleed(void **state)
 {
     (void)state;
@@ -295,8 +296,8 @@ static void grids_agree_and_are_never_negative(void **state)
     iso_baked_destroy(&b);
 }
 
-/* A clip plane through the middle of a voxel leaves half of what it had; a coarse level's last voxel that overhangs the box
- * by half likewise. */
+/* A clip plane through the middle of a voxel leaves half of what it had; a coarse level's last voxel that overhangs the
+ * box by half likewise. */
 static void cut_cells_keep_their_part(void **state)
 {
     (void)state;
@@ -318,7 +319,8 @@ static void cut_cells_keep_their_part(void **state)
     iso_baked_destroy(&b);
 }
 
-/* The picture of a baked slab, 1 - exp(-sigma d) in its middle, and an error that is measured as 0 where nothing is lost. */
+/* The picture of a baked slab, 1 - exp(-sigma d) in its middle, and an error that is measured as 0 where nothing is
+ * lost. */
 static void the_picture_of_a_slab_is_exact(void **state)
 {
     (void)state;

@@ -296,7 +296,8 @@ static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
     close_subject(&s);
 }
 
-/* Cycles takes seeds that differ in their last bit alone for the same one: what is given to it differs elsewhere too. */
+/* Cycles takes seeds that differ in their last bit alone for the same one: what is given to it differs elsewhere
+ * too. */
 static void each_seed_has_a_noise_of_its_own(void **state)
 {
     (void)state;

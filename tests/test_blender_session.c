@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* One Blender for several scenes: its pictures are those of a Blender for each, and a scene that it fails at takes no other
- * one along. */
+/* One Blender for several scenes: its pictures are those of a Blender for each, and a scene that it fails at takes no
+ * other one along. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>

@@ -446,8 +446,8 @@ static size_t bricks_made_otherwise(narrow_case *c, const iso_node_levels *all, 
     return different;
 }
 
-/* The planted faults: another filter; and a plane of voxels that other bricks have, as far from a brick of level 3 as its
- * nodes reach: 2 (1 + 2 + 4) voxels, by the smooth filter 1 + 2 + 4 and a gradient's one. */
+/* The planted faults: another filter; and a plane of voxels that other bricks have, as far from a brick of level 3 as
+ * its nodes reach: 2 (1 + 2 + 4) voxels, by the smooth filter 1 + 2 + 4 and a gradient's one. */
 static void bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit(void **state)
 {
     (void)state;

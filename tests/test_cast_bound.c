@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What leaving out empty space can give at most: samples are counted where the answer is known, and times that are made of
- * known costs give the bound of these costs. */
+/* What leaving out empty space can give at most: samples are counted where the answer is known, and times that are made
+ * of known costs give the bound of these costs. */
 #include <math.h>
 #include <string.h>
 
@@ -21,8 +21,8 @@ static void make_slab(iso_level *level, float values[SIDE * SIDE * SIDE])
     *level = (iso_level){.geometry = iso_geometry_axis_aligned(size, spacing), .scalar = values, .max = 1};
 }
 
-/* Along z, from whole millimeters: samples of a step of a voxel stand in the middles of voxels. Values above 1/2 have an
- * extinction. */
+/* Along z, from whole millimeters: samples of a step of a voxel stand in the middles of voxels. Values above 1/2 have
+ * an extinction. */
 static iso_view view_along_z(float entries[8])
 {
     return (iso_view){.width = PIXELS,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The order in which a chart tries its settings, under a clock and errors that are made up: a small budget has the front, and
- * a large one everything. */
+/* The order in which a chart tries its settings, under a clock and errors that are made up: a small budget has the
+ * front, and a large one everything. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,8 +9,8 @@
 #include "chart/pareto.h"
 #include "tests/pyramids.h"
 
-/* What a volume might give: a level has an error of its own, lower under its own transfer function, to which the step adds
- * by its square; a frame takes what the grid says. */
+/* What a volume might give: a level has an error of its own, lower under its own transfer function, to which the step
+ * adds by its square; a frame takes what the grid says. */
 static double made_error(const void *user, const iso_chart_case *c)
 {
     (void)user;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Mixed resolution by the CPU ray caster against the reference on the same bricks; the same bits from each instruction set,
- * each number of threads, and with empty space left out. */
+/* Mixed resolution by the CPU ray caster against the reference on the same bricks; the same bits from each instruction
+ * set, each number of threads, and with empty space left out. */
 #include "brick_scene.h"
 
 #include <string.h>
 
 #include "render/cpu/mixed.h"
 
-/* Causes: floats of the filter's sums, of a place in the table, of colors and normals, as in test_cpu_caster.c; 2e-8 and 2e-7
- * were seen. A brick on another level is off by 1e-3 and more. */
+/* Causes: floats of the filter's sums, of a place in the table, of colors and normals, as in test_cpu_caster.c; 2e-8
+ * and 2e-7 were seen. A brick on another level is off by 1e-3 and more. */
 #define RMSE 1e-7
 #define MAX_ABS 2e-6
 

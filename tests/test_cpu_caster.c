@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The CPU ray caster against the reference with the same samples, over all sources of directions, volumes and views; and the
- * same bits from each instruction set, each number of threads, and with empty space left out. */
+/* The CPU ray caster against the reference with the same samples, over all sources of directions, volumes and views;
+ * and the same bits from each instruction set, each number of threads, and with empty space left out. */
 #include "rendered.h"
 #include "test.h"
 
@@ -12,8 +12,9 @@
 #include "render/cpu/caster.h"
 #include "render/reference.h"
 
-/* Causes: floats of the filter's sums (6e-8 of the largest value), of the entry's place in the table (its value times 64
- * entries), of colors and of the shading normal. A ray's sum has its rest beside it. 3e-8 and 4e-7 were seen; 1e-7 and 2.5e-6 of segments 37 voxels long. */
+/* Causes: floats of the filter's sums (6e-8 of the largest value), of the entry's place in the table (its value times
+ * 64 entries), of colors and of the shading normal. A ray's sum has its rest beside it. 3e-8 and 4e-7 were seen; 1e-7
+ * and 2.5e-6 of segments 37 voxels long. */
 #define RMSE 3e-7
 #define MAX_ABS 5e-6
 
@@ -181,8 +182,8 @@ static void it_has_clip_planes_cameras_inside_and_any_step(void **state)
     iso_pyramid_destroy(&p);
 }
 
-/* Along z, a ray through each voxel's center and one between every two: on faces of cells all along, where a place in floats
- * does not tell the cell. */
+/* Along z, a ray through each voxel's center and one between every two: on faces of cells all along, where a place in
+ * floats does not tell the cell. */
 static void look_along_z(iso_pyramid *p, iso_view *view, double tilt)
 {
     const size_t *size = p->levels[0].geometry.size;
@@ -211,8 +212,8 @@ static void rays_on_faces_of_cells_miss_nothing(void **state)
     iso_pyramid_destroy(&p);
 }
 
-/* Next to a face behind which all is empty, so near that a float is on the other side: 301 - 1.2e-5 is 301. What is empty is
- * so by five thousandths of the table's entry, and the rays' samples are seven into the next one. */
+/* Next to a face behind which all is empty, so near that a float is on the other side: 301 - 1.2e-5 is 301. What is
+ * empty is so by five thousandths of the table's entry, and the rays' samples are seven into the next one. */
 static void rays_next_to_what_is_empty_miss_nothing(void **state)
 {
     const volume_case of = {ISO_F32, ISO_CODE_FIT, {600, 5, 4}, false};
@@ -233,8 +234,8 @@ static void rays_next_to_what_is_empty_miss_nothing(void **state)
     iso_pyramid_destroy(&p);
 }
 
-/* A camera's axes are sines and cosines: one that should be 0 is 1e-17. Below 0, that was a step of a whole voxel in numbers
- * of 32 bits before and 32 bits behind the point. */
+/* A camera's axes are sines and cosines: one that should be 0 is 1e-17. Below 0, that was a step of a whole voxel in
+ * numbers of 32 bits before and 32 bits behind the point. */
 static void a_direction_just_below_zero_is_next_to_zero(void **state)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
@@ -248,8 +249,8 @@ static void a_direction_just_below_zero_is_next_to_zero(void **state)
     iso_pyramid_destroy(&p);
 }
 
-/* The box cuts the first and the last segment, and the middle of what is left is moved along the ray: by next to nothing across
- * it. Next to nothing below 0 was a whole voxel. */
+/* The box cuts the first and the last segment, and the middle of what is left is moved along the ray: by next to
+ * nothing across it. Next to nothing below 0 was a whole voxel. */
 static void what_the_box_cuts_moves_nothing_across_the_ray(void **state)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Renderers that a renderers.json names: what it says wrong is refused with the file, the row and the key; the program that
- * doc/guide/numpy_renderer.py passes every calibration; and each fault that is planted into its text fails the one that is made
- * for it. */
+/* Renderers that a renderers.json names: what it says wrong is refused with the file, the row and the key; the program
+ * that doc/guide/numpy_renderer.py passes every calibration; and each fault that is planted into its text fails the one
+ * that is made for it. */
 #define _GNU_SOURCE
 #include <stdlib.h>
 #include <string.h>

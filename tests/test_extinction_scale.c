@@ -166,9 +166,9 @@ static double checkered(size_t x, size_t y, size_t z)
     return (x + y + z) % 2 ? 100 : 0;
 }
 
-/* Half of the fine voxels have opacity 1/2, and the level shows 50 everywhere, with opacity 1/2 as well. Opacity 1/4 needs
- * q = log(3/4) / log(1/2). Rounds approach it from 1 by a factor of six: 0.4 % remain after three, and half a byte is
- * 1.2 %. At the grid's faces differences are one-sided, and not 0: what they reach is left out. */
+/* Half of the fine voxels have opacity 1/2, and the level shows 50 everywhere, with opacity 1/2 as well. Opacity 1/4
+ * needs q = log(3/4) / log(1/2). Rounds approach it from 1 by a factor of six: 0.4 % remain after three, and half a
+ * byte is 1.2 %. At the grid's faces differences are one-sided, and not 0: what they reach is left out. */
 static void a_checkerboard_needs_one_number(void **state)
 {
     (void)state;

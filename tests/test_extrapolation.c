@@ -16,8 +16,8 @@ static iso_image uniform(double value)
     return image;
 }
 
-/* The reference is .5. The error of the step is 4e at the double step and e at the step, in every value; the two seeds are n
- * above and below it at the step, in all channels or in alpha alone. */
+/* The reference is .5. The error of the step is 4e at the double step and e at the step, in every value; the two seeds
+ * are n above and below it at the step, in all channels or in alpha alone. */
 static iso_extrapolated extrapolate(double e, double n, bool alpha_alone, double factor)
 {
     iso_image images[2 * seeds], reference = uniform(0.5);
@@ -52,8 +52,8 @@ static void the_bar_is_what_the_step_leaves_times_the_factor(void **state)
     iso_extrapolated_destroy(&l);
 }
 
-/* A seed's limit is 4/3 of the fine image less 1/3 of the coarse one, so that two seeds n above and below have limits 4n/3 off,
- * which is the standard error of the mean of two. */
+/* A seed's limit is 4/3 of the fine image less 1/3 of the coarse one, so that two seeds n above and below have limits
+ * 4n/3 off, which is the standard error of the mean of two. */
 static void noise_is_part_of_the_bar(void **state)
 {
     (void)state;
@@ -80,8 +80,8 @@ static void what_is_no_number_has_an_infinite_bar(void **state)
 
 enum { compared_seeds = 4 };
 
-/* Images of 0.5 with the same error of the step and noise of 1e-4, other noise for another `which`; and what is added to the
- * red of a pixel, and to all values, of a limit. */
+/* Images of 0.5 with the same error of the step and noise of 1e-4, other noise for another `which`; and what is added
+ * to the red of a pixel, and to all values, of a limit. */
 static iso_extrapolated version(unsigned which, double of_pixel, double of_all)
 {
     iso_image images[2 * compared_seeds], reference = uniform(0.5);

@@ -176,7 +176,8 @@ static void the_scale_bar_has_its_length(void **state)
     free(out);
 }
 
-/* Where the scale bar stands on a picture of 40 x 30 mm whose pixels are opaque where `is_shown` says so: its middle. */
+/* Where the scale bar stands on a picture of 40 x 30 mm whose pixels are opaque where `is_shown` says so: its
+ * middle. */
 typedef bool shown_at(size_t x, size_t y);
 static bool nowhere(size_t x, size_t y)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* First-hit isosurfaces by OpenGL: the reference's hits, on one texture and on bricks, and no steps where bricks meet. */
+/* First-hit isosurfaces by OpenGL: the reference's hits, on one texture and on bricks, and no steps where bricks
+ * meet. */
 #include "test.h"
 #include "gl.h"
 

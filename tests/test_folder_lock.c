@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Two processes at one folder. The other one acts at a chosen moment: inside of the system's calls that a lock or a commit
- * makes, which this program replaces. So each order of events comes every time. */
+/* Two processes at one folder. The other one acts at a chosen moment: inside of the system's calls that a lock or a
+ * commit makes, which this program replaces. So each order of events comes every time. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a level shows where level 0 shows nothing: where that is, how much of it is seen, and that adapting leaves it out. */
+/* What a level shows where level 0 shows nothing: where that is, how much of it is seen, and that adapting leaves it
+ * out. */
 #include "test.h"
 
 #include <math.h>
@@ -35,8 +36,8 @@ static double radius(const double at[3])
     return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
-/* Bone in tissue in air, and beside the head thin rests, half of whose coarse voxels are air: their mean is what the skin's
- * coarse voxels have. */
+/* Bone in tissue in air, and beside the head thin rests, half of whose coarse voxels are air: their mean is what the
+ * skin's coarse voxels have. */
 static double head(const double at[3])
 {
     const double r = radius(at);
@@ -87,7 +88,8 @@ static double level_at(const iso_level *l, size_t level, const double at[3])
     return sum;
 }
 
-/* Mean opacity along z beside bone and rests by two voxels of the level and more, where level 0 shows nothing at all. */
+/* Mean opacity along z beside bone and rests by two voxels of the level and more, where level 0 shows nothing at
+ * all. */
 static double opacity_beside(const iso_pyramid *p, size_t level, const iso_tf_table *tf)
 {
     double sum = 0, rgbs[4];

@@ -245,7 +245,8 @@ static void cubic_fields_are_exact_for_the_estimator_of_fourth_order(void **stat
     iso_volume_destroy(&v);
 }
 
-/* The border's weights sum to 8 at most, of values up to 300, each rounded to 2^-24: below 2e-4, over half a step 4e-4. */
+/* The border's weights sum to 8 at most, of values up to 300, each rounded to 2^-24: below 2e-4, over half a step
+ * 4e-4. */
 static void cubic_fields_are_exact_for_the_spline_up_to_the_border(void **state)
 {
     (void)state;
@@ -289,7 +290,8 @@ static void spline_by_recursion(const double *f, size_t n, double *d)
         d[i] = (c[i + 1] - c[i - 1]) / 2;
 }
 
-/* 12 taps end at .268^12 = 1.4e-7 of the samples, some times more with what the last two take up; floats add 24 x 2^-24. */
+/* 12 taps end at .268^12 = 1.4e-7 of the samples, some times more with what the last two take up; floats add 24 x
+ * 2^-24. */
 static void the_spline_is_that_of_the_recursive_pre_filter_along_each_axis(void **state)
 {
     (void)state;
@@ -355,7 +357,8 @@ static void names_lead_back_to_their_methods(void **state)
     assert_status(iso_gradient_from_name("best", &method, &err), ISO_E_USAGE);
 }
 
-/* x^degree along one axis, x whole numbers from the middle, so that floats hold the samples: the largest error for |x| <= 4. */
+/* x^degree along one axis, x whole numbers from the middle, so that floats hold the samples: the largest error for |x|
+ * <= 4. */
 static double polynomial_error(iso_gradient_method method, int degree, int axis)
 {
     enum { N = 32 };
@@ -379,8 +382,9 @@ static double polynomial_error(iso_gradient_method method, int degree, int axis)
     return largest;
 }
 
-/* Exact but for the rounding of the sums, whose terms are below 8^order where weights count. Of the next degree each errs
- * by a constant: half the second derivative (intermediate), a sixth of the third (central), 120 / 30 and 120 / 180 of x^5. */
+/* Exact but for the rounding of the sums, whose terms are below 8^order where weights count. Of the next degree each
+ * errs by a constant: half the second derivative (intermediate), a sixth of the third (central), 120 / 30 and 120 / 180
+ * of x^5. */
 static void each_estimator_has_the_order_that_its_row_says(void **state)
 {
     (void)state;

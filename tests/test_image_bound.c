@@ -146,9 +146,9 @@ static void level_0_against_itself_is_0_and_threads_change_nothing(void **state)
     iso_pyramid_destroy(&p);
 }
 
-/* One value everywhere, clear at level 0 and of a small extinction at the "level": C = (g - B)(1 - exp(-tau)). Nothing is
- * lost but that slabs are as bright at their end as at their beginning, and that blocks are whole: the bound is tight, and
- * half of it, the planted fault, would be exceeded. */
+/* One value everywhere, clear at level 0 and of a small extinction at the "level": C = (g - B)(1 - exp(-tau)). Nothing
+ * is lost but that slabs are as bright at their end as at their beginning, and that blocks are whole: the bound is
+ * tight, and half of it, the planted fault, would be exceeded. */
 static void a_thin_fog_has_a_tight_bound(void **state)
 {
     (void)state;

@@ -106,9 +106,10 @@ static void free_slab(iso_level *level)
     free(level->codes);
 }
 
-/* The reference: to its own tolerance. The ray caster: segments of half a voxel, each in one label, so that its sums are
- * exact but for floats, some 32 of them. Cycles: 16 steps a voxel, of which 16 are in each wherever they begin, in floats
- * too. POV-Ray: intervals of an eighth and a quarter of a voxel, extrapolated; 16 bits a channel, twice 7.6e-6. */
+/* The reference: to its own tolerance. The ray caster: segments of half a voxel, each in one label, so that its sums
+ * are exact but for floats, some 32 of them. Cycles: 16 steps a voxel, of which 16 are in each wherever they begin, in
+ * floats too. POV-Ray: intervals of an eighth and a quarter of a voxel, extrapolated; 16 bits a channel, twice
+ * 7.6e-6. */
 static void a_slab_of_two_labels_has_its_closed_form(void **state)
 {
     (void)state;
@@ -293,7 +294,8 @@ static int falling(int x, int y, int z)
     (void)y, (void)z;
     return 2 - x / 8;
 }
-/* Any of sixteen values in any voxel: hardly a change goes to the next one, but hardly a voxel is like its neighbors. */
+/* Any of sixteen values in any voxel: hardly a change goes to the next one, but hardly a voxel is like its
+ * neighbors. */
 static int random_values(int x, int y, int z)
 {
     return (int)(((unsigned)(x * 73 + y * 179 + z * 283) * 2654435761u) >> 28) * 3;

@@ -128,9 +128,9 @@ static void gross_faults_are_seen_in_pictures(void **state)
     assert_false(both.pictures[2]);
 }
 
-/* In tubes as thin as a voxel the adapted TF alone brings a level so much nearer to level 0 that wrong directions do not put
- * it behind gradients on the fly under the original TF; another volume does. The comparison with levels that are built
- * again finds the directions. */
+/* In tubes as thin as a voxel the adapted TF alone brings a level so much nearer to level 0 that wrong directions do
+ * not put it behind gradients on the fly under the original TF; another volume does. The comparison with levels that
+ * are built again finds the directions. */
 static void wrong_directions_of_thin_tubes_are_not_those_of_level_0(void **state)
 {
     (void)state;

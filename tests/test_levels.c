@@ -220,8 +220,9 @@ static void one_value_that_is_slightly_off_fails(void **state)
     close_subject(&s);
 }
 
-/* A thin plate whose first level got the tensor filter, which shades it worse than moments: pictures say that the choice is
- * wrong, and with which option it is right. Nothing fails, as the level is still nearer than gradients on the fly. */
+/* A thin plate whose first level got the tensor filter, which shades it worse than moments: pictures say that the
+ * choice is wrong, and with which option it is right. Nothing fails, as the level is still nearer than gradients on the
+ * fly. */
 static void a_wrong_choice_of_auto_is_named(void **state)
 {
     (void)state;
@@ -277,8 +278,8 @@ static double bound_of(const subject *s, size_t level, size_t views)
     return sum;
 }
 
-/* The bound is of the level that is drawn and knows nothing of the pictures: what is measured is below it, and a figure above
- * it, planted, fails by itself. */
+/* The bound is of the level that is drawn and knows nothing of the pictures: what is measured is below it, and a figure
+ * above it, planted, fails by itself. */
 static void what_is_measured_is_held_to_its_bound(void **state)
 {
     (void)state;
@@ -311,8 +312,8 @@ static void what_is_measured_is_held_to_its_bound(void **state)
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_DIFFER);
 }
 
-/* The gate by pictures alone: with the original TF, directions that point anywhere look less like level 0 than gradients on
- * the fly. The rebuilt levels are made equal to the stored ones by judging numbers that were measured. */
+/* The gate by pictures alone: with the original TF, directions that point anywhere look less like level 0 than
+ * gradients on the fly. The rebuilt levels are made equal to the stored ones by judging numbers that were measured. */
 static iso_report_level row_with(const double own[], const double fly[], size_t views, double asked)
 {
     iso_report_level row = {.shown = true,
@@ -377,8 +378,8 @@ static void a_level_is_held_to_its_limit_and_to_the_simple_way(void **state)
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_NOT_COMPARED);
 }
 
-/* The sentence names the figure that fails a level. Figures that contradict each other fail none: SSIM takes structures that
- * do not match for worse than none, so that a level that shows less may be nearer by it. */
+/* The sentence names the figure that fails a level. Figures that contradict each other fail none: SSIM takes structures
+ * that do not match for worse than none, so that a level that shows less may be nearer by it. */
 static void figures_that_contradict_each_other_decide_nothing(void **state)
 {
     (void)state;
@@ -570,8 +571,8 @@ static void angles_are_those_of_the_place_and_in_degrees(void **state)
 
 /* ---- more views where these leave a level open ---- */
 
-/* The interval of two views is 12.7 standard errors to each side: turned directions are behind by the mean, and not beyond
- * that. Twenty views tell. */
+/* The interval of two views is 12.7 standard errors to each side: turned directions are behind by the mean, and not
+ * beyond that. Twenty views tell. */
 static void a_level_that_few_views_leave_open_is_judged_by_twenty(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The library's interface: what its header promises, by that header alone. Errors come back as a status and a sentence, and
- * leave nothing behind (the sanitizers see to that). */
+/* The library's interface: what its header promises, by that header alone. Errors come back as a status and a sentence,
+ * and leave nothing behind (the sanitizers see to that). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -521,8 +521,9 @@ static double length_of(const float *d)
     return sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1] + (double)d[2] * (double)d[2]);
 }
 
-/* Of three bytes all 2^24, of six (half floats) each number in each place. No direction is longer than it may be, and each
- * is one that can be encoded again; what is no lattice vector's own code may come back as another that is as near. */
+/* Of three bytes all 2^24, of six (half floats) each number in each place. No direction is longer than it may be, and
+ * each is one that can be encoded again; what is no lattice vector's own code may come back as another that is as
+ * near. */
 static void each_code_decodes_to_a_direction(void **state)
 {
     (void)state;

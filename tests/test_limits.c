@@ -326,8 +326,8 @@ static void halving_goes_on_until_a_person_would_not_see_it(void **state)
     close_subject(&s);
 }
 
-/* Where nothing rounds by more than 7.6e-6 of the peak, 1.8e-5 in every pixel is a fault, though it would be none in one. A
- * white background doubles what is rounded; what POV-Ray draws before it is right. */
+/* Where nothing rounds by more than 7.6e-6 of the peak, 1.8e-5 in every pixel is a fault, though it would be none in
+ * one. A white background doubles what is rounded; what POV-Ray draws before it is right. */
 static void an_offset_of_the_whole_image_fails_povrays_lock_step(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is exported of a pyramid without level 0 is what is exported of a whole one, byte for byte, and does not depend on
- * threads. */
+/* What is exported of a pyramid without level 0 is what is exported of a whole one, byte for byte, and does not depend
+ * on threads. */
 #define _GNU_SOURCE
 #include "test.h"
 
@@ -133,8 +133,8 @@ static void codes_of_a_box_are_those_of_the_level(void **state)
     }
 }
 
-/* What a scene shows of samples is what it shows of their floats: the transfer function that is suggested, the camera, and
- * what is warned of. */
+/* What a scene shows of samples is what it shows of their floats: the transfer function that is suggested, the camera,
+ * and what is warned of. */
 static void samples_are_seen_as_their_floats(void **state)
 {
     (void)state;

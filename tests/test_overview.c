@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A volume that is read slab by slab has the same range, percentiles and histograms as one that is kept, and a changed voxel
- * changes them. */
+/* A volume that is read slab by slab has the same range, percentiles and histograms as one that is kept, and a changed
+ * voxel changes them. */
 #include <math.h>
 #include <string.h>
 

@@ -76,7 +76,8 @@ static size_t count_wrong(const double *cost, const double *error, const bool *f
     return wrong;
 }
 
-/* Planted faults: a front that takes no notice of ties in cost, one that lets the infinite in, one that drops a point. */
+/* Planted faults: a front that takes no notice of ties in cost, one that lets the infinite in, one that drops a
+ * point. */
 static void plant(int fault, const double *cost, const double *error, size_t count, bool *front)
 {
     for (size_t i = 0; i < count; ++i) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Pixels beyond chance, with synthetic frames of a random renderer: blocks that are wrong are rejected, of whatever part of
- * an image; frames whose noise is as uneven as that of Cycles pass; and only what the reference excuses is excused. */
+/* Pixels beyond chance, with synthetic frames of a random renderer: blocks that are wrong are rejected, of whatever
+ * part of an image; frames whose noise is as uneven as that of Cycles pass; and only what the reference excuses is
+ * excused. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -15,8 +16,8 @@ static double uniform01(uint64_t *state)
     return (double)(*state >> 11) / 9007199254740992.0;
 }
 
-/* Square pictures. step: what the finer step is off in one row of them; block: so many pixels squared, off by amount in all
- * frames; shift: what every value is off in all frames. */
+/* Square pictures. step: what the finer step is off in one row of them; block: so many pixels squared, off by amount in
+ * all frames; shift: what every value is off in all frames. */
 typedef struct frames {
     size_t side, seeds, block;
     double step, noise, amount, shift;
@@ -132,7 +133,8 @@ static void uneven_noise_alone_is_not_rejected(void **state)
         }
 }
 
-/* One pixel is off by 2e-3. It is excused where the reference moves there, up to a step of 8 bits, and where few are. */
+/* One pixel is off by 2e-3. It is excused where the reference moves there, up to a step of 8 bits, and where few
+ * are. */
 static void only_what_the_reference_moves_is_excused(void **state)
 {
     (void)state;
@@ -169,7 +171,8 @@ static void only_what_the_reference_moves_is_excused(void **state)
     }
 }
 
-/* As much as most pixels' noise: the mean of 8 frames shows it in few single pixels, a channel's mean shows it surely. */
+/* As much as most pixels' noise: the mean of 8 frames shows it in few single pixels, a channel's mean shows it
+ * surely. */
 static void a_shift_that_no_pixel_shows_is_a_bias(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a plan leaves of a volume of bytes: the same from samples as from floats, and files that hold it without a loss. */
+/* What a plan leaves of a volume of bytes: the same from samples as from floats, and files that hold it without a
+ * loss. */
 #include "test.h"
 
 #include <jansson.h>
@@ -167,8 +168,8 @@ static void a_lattice_depends_neither_on_threads_nor_on_how_level_0_is_stored(vo
     iso_planned_destroy(&bytes);
 }
 
-/* The largest difference of a grid's directions, once they are divided by what they were multiplied by, from the lattice's;
- * scalars are compared by their bits. */
+/* The largest difference of a grid's directions, once they are divided by what they were multiplied by, from the
+ * lattice's; scalars are compared by their bits. */
 static double largest_loss(const fixture *f, const iso_lattice *l)
 {
     char *path = iso_path_join(f->dir, "v.vdb");

@@ -326,8 +326,8 @@ static double largest_color_difference(const iso_image *png, const iso_image *im
     return most;
 }
 
-/* Half a step of 16 bits, 7.6e-6 as sRGB, is 2.27 times that in linear light where it is brightest; and half a step of both
- * of the passes that a render is made of. */
+/* Half a step of 16 bits, 7.6e-6 as sRGB, is 2.27 times that in linear light where it is brightest; and half a step of
+ * both of the passes that a render is made of. */
 static const double png_max = 4e-5;
 
 static void an_exported_folder_renders_where_it_lies(void **state)

@@ -5,7 +5,8 @@
 
 #include "povray_scenes.h"
 
-/* Where a ray along `forward` enters and leaves the box, in mm behind the plane through the box's center; false: it misses. */
+/* Where a ray along `forward` enters and leaves the box, in mm behind the plane through the box's center; false: it
+ * misses. */
 static bool through_box(const iso_geometry *g, iso_vec3 aside, iso_vec3 forward, double *enters, double *leaves)
 {
     const iso_vec3 start = iso_add(iso_geometry_box_center_mm(g), aside), from = iso_geometry_to_index(g, start);
@@ -20,8 +21,8 @@ static bool through_box(const iso_geometry *g, iso_vec3 aside, iso_vec3 forward,
     return *enters < *leaves;
 }
 
-/* Along camera->right from the center, the ray that enters at the depth of the center: how far aside, and what of it is in
- * the box; 0 where none does. */
+/* Along camera->right from the center, the ray that enters at the depth of the center: how far aside, and what of it is
+ * in the box; 0 where none does. */
 static double entry_beside_the_center(const iso_geometry *g, const iso_camera *camera, double *aside)
 {
     double low = 0, high = iso_geometry_box_radius_mm(g), enters, leaves, chord = 0;

@@ -189,8 +189,8 @@ static iso_image render_gl(iso_gl *gl, const scene_of_field *s, size_t level, bo
 }
 
 /* 5e-5: texture coordinates and filter weights are floats, and a thin shell turns 1e-6 of a value into as much more
- * opacity as it is steep. Skipping changes nothing but rounding, though segments reach out of their bricks. The midpoint
- * rule, and sums without what floats leave of them, would be caught. */
+ * opacity as it is steep. Skipping changes nothing but rounding, though segments reach out of their bricks. The
+ * midpoint rule, and sums without what floats leave of them, would be caught. */
 static void the_ray_caster_agrees_with_the_reference(void **state)
 {
     (void)state;

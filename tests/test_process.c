@@ -149,7 +149,8 @@ static void nothing_that_it_started_outlives_it(void **state)
     assert_non_null(strstr(err.text, "exit code 5"));
     assert_true(pid > 1);
     assert_int_equal(kill((pid_t)pid, 0), -1);
-    /* Children that ended before it, and that it did not wait for, come to the supervisor with it: their codes are not its. */
+    /* Children that ended before it, and that it did not wait for, come to the supervisor with it: their codes are not
+     * its. */
     const char *careless[] = {"/bin/sh", "-c", "for i in 1 2 3 4 5 6 7 8; do (exit 9) & done; exec timeout 0.1 sleep 60", NULL};
     for (int i = 0; i < 5; ++i) {
         assert_int_equal(iso_process_run(careless, NULL, &err), ISO_E_PROGRAM);
@@ -160,7 +161,8 @@ static void nothing_that_it_started_outlives_it(void **state)
     assert_non_null(strstr(err.text, "ended by signal 11"));
 }
 
-/* What cannot be started is told as such, with the system's reason: not as an exit code, which a program may have too. */
+/* What cannot be started is told as such, with the system's reason: not as an exit code, which a program may have
+ * too. */
 static void one_that_cannot_be_started_says_why(void **state)
 {
     (void)state;
@@ -182,8 +184,8 @@ static void one_that_cannot_be_started_says_why(void **state)
     free(script);
 }
 
-/* As a user whose processes are as many as may be: root may have any number. A process of its own, since rights do not come
- * back. The supervisor may be there and the program not, or neither. */
+/* As a user whose processes are as many as may be: root may have any number. A process of its own, since rights do not
+ * come back. The supervisor may be there and the program not, or neither. */
 static void where_no_process_can_be_had_it_is_told_so(void **state)
 {
     (void)state;
@@ -241,8 +243,8 @@ static void one_whose_output_cannot_be_read_is_ended_and_not_to_blame(void **sta
 }
 
 #ifdef __x86_64__
-/* io_uring_setup(), socket() and socketpair() as programs of 32 bits call them, which a process of 64 bits may do as well.
- * Returns the errors that are not those of the sandbox, as bits. */
+/* io_uring_setup(), socket() and socketpair() as programs of 32 bits call them, which a process of 64 bits may do as
+ * well. Returns the errors that are not those of the sandbox, as bits. */
 static int call_as_32_bits(void)
 {
     static const long calls[][2] = {{425, -ENOSYS}, {359, -EACCES}, {360, -EACCES}}; /* number, wanted */

@@ -151,8 +151,8 @@ static size_t outside_cone(const iso_level *l, double cosine)
     return count;
 }
 
-/* Vectors of a cone, weighed by positive numbers, stay in it; so does the main axis of their tensor where the cone's half
- * angle is below 45 degrees, as T then maps the cone into itself (Perron and Frobenius). */
+/* Vectors of a cone, weighed by positive numbers, stay in it; so does the main axis of their tensor where the cone's
+ * half angle is below 45 degrees, as T then maps the cone into itself (Perron and Frobenius). */
 static void directions_stay_in_the_cone_of_their_children(void **state)
 {
     (void)state;
@@ -478,8 +478,8 @@ static void shifting_by_whole_coarse_voxels_shifts_the_codes(void **state)
 
 /* ---- linearity and locality ---- */
 
-/* Levels of moments from what is stored of the next finer one: N = (d / |d|) L S with L = sqrt |d|, S = magnitude^2; or,
- * which is the fault, from its directions alone. The largest distance from what the build gave. */
+/* Levels of moments from what is stored of the next finer one: N = (d / |d|) L S with L = sqrt |d|, S = magnitude^2;
+ * or, which is the fault, from its directions alone. The largest distance from what the build gave. */
 static double moments_from_below(const iso_pyramid *p, bool directions_alone)
 {
     double largest = 0;

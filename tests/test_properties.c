@@ -49,7 +49,8 @@ static const char *geometry_fails(const unsigned *n)
         return err.text[0] ? "it is refused" : "it is refused without a word";
     const iso_vec3 index = iso_v3(0.25 * (double)n[12], -3.5, (double)n[14] + 0.125),
                    back = iso_geometry_to_index(&g, iso_geometry_to_world(&g, index));
-    /* Rounding of 16 digits, times the condition of a matrix that is not flat: 1e6 by is_flat(), and the corner's distance. */
+    /* Rounding of 16 digits, times the condition of a matrix that is not flat: 1e6 by is_flat(), and the corner's
+     * distance. */
     const double off = iso_norm(iso_sub(index, back));
     if (!(off <= 1e-6 * (1 + iso_norm(index))))
         return because("a place comes back %g from where it was", off, 0);

@@ -46,7 +46,8 @@ static void a_saved_pyramid_is_loaded_as_it_was(void **state)
     free(dir);
 }
 
-/* Files of more than one of the pieces of 256 kB that are read at a time, none of which they fill at their end: 98153 voxels. */
+/* Files of more than one of the pieces of 256 kB that are read at a time, none of which they fill at their end: 98153
+ * voxels. */
 static void files_of_several_pieces_are_loaded_as_they_were(void **state)
 {
     (void)state;
@@ -105,7 +106,8 @@ static void truncated_tampered_and_missing_files_are_refused(void **state)
     refuse("pyramid.json", 0, 30, ISO_E_FORMAT); /* the schema's name */
 }
 
-/* As a careful forger leaves it: of the text with zeros in the checksum's place, which is the last word of 16 digits. */
+/* As a careful forger leaves it: of the text with zeros in the checksum's place, which is the last word of 16
+ * digits. */
 static void put_fitting_checksum(char *text, size_t size)
 {
     char *place = NULL, digits[17];

@@ -19,8 +19,8 @@ static void fill_table(iso_tf_table *t, size_t count, size_t knots)
     }
 }
 
-/* Knots at multiples of 15 entries: at i / 255 Cycles bakes them all; at i / 256 it cuts them, by a quarter of a step of the
- * slopes' difference at most. */
+/* Knots at multiples of 15 entries: at i / 255 Cycles bakes them all; at i / 256 it cuts them, by a quarter of a step
+ * of the slopes' difference at most. */
 static void ramps_of_knots_lose_what_baking_cuts(void **state)
 {
     (void)state;

@@ -217,9 +217,9 @@ static iso_image render_exactly(const iso_level *level, const iso_view *view, is
     return image;
 }
 
-/* A table whose entries jump between nothing and opaque multiplies what a texture coordinate rounds. Looked up exactly, the
- * same samples meet half the limits of smooth tables, so that what the filter's image is off (the planted fault) is the
- * coordinates' alone. */
+/* A table whose entries jump between nothing and opaque multiplies what a texture coordinate rounds. Looked up exactly,
+ * the same samples meet half the limits of smooth tables, so that what the filter's image is off (the planted fault) is
+ * the coordinates' alone. */
 static void exact_lookups_leave_out_what_texture_coordinates_round(void **state)
 {
     (void)state;
@@ -516,8 +516,9 @@ static void shader_folder_of_the_sources_gives_the_same_image(void **state)
     iso_pyramid_destroy(&p);
 }
 
-/* In a process of its own, as libEGL looks for its vendors once; a fresh program, not a mere fork, since libraries' threads
-   and their locks do not come along into a fork. */
+/* In a process of its own, as libEGL looks for its vendors once; a fresh program, not a mere fork, since libraries'
+ * threads
+ *    and their locks do not come along into a fork. */
 #define WITHOUT_VENDORS "--without-vendors"
 extern char **environ;
 static int status_without_vendors = -1;

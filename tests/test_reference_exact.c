@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* test_reference_exact.c - the reference's error bound and what it passes over, on random scenes and on closed forms. */
+/* test_reference_exact.c - the reference's error bound and what it passes over, on random scenes and on closed
+ * forms. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -115,8 +116,8 @@ static double largest_difference(const double *a, const double *b, size_t count)
     return most;
 }
 
-/* At loose tolerances rules of few points are off by much, and never by more than what is stated; and the bound is no idle
- * one: it comes near the error somewhere. */
+/* At loose tolerances rules of few points are off by much, and never by more than what is stated; and the bound is no
+ * idle one: it comes near the error somewhere. */
 static void no_pixel_is_farther_off_than_its_bound(void **state)
 {
     (void)state;
@@ -162,7 +163,8 @@ static void halving_gives_the_same_pictures(void **state)
     print_message("the largest difference was %.3g\n", worst);
 }
 
-/* The defaults: 1e-9 for every pixel. Values, spacings and the table are exact in floats, so that nothing else is off. */
+/* The defaults: 1e-9 for every pixel. Values, spacings and the table are exact in floats, so that nothing else is
+ * off. */
 static void closed_forms_hold_to_a_billionth(void **state)
 {
     (void)state;
@@ -357,9 +359,9 @@ static void one_voxel_is_never_passed_over(void **state)
     iso_shown_destroy(&shown);
 }
 
-/* A few voxels are shown, and rays go through edges of blocks that show nothing, where a place is rounded to either side of
- * both faces: they end, and with what they have where no block is passed over. The walk once went to and fro at some of
- * these without end, which the alarm tells. */
+/* A few voxels are shown, and rays go through edges of blocks that show nothing, where a place is rounded to either
+ * side of both faces: they end, and with what they have where no block is passed over. The walk once went to and fro at
+ * some of these without end, which the alarm tells. */
 static void rays_along_edges_of_empty_blocks_end(void **state)
 {
     (void)state;

@@ -361,7 +361,8 @@ static void junit_counts_failures_and_escapes(void **state)
     iso_report_destroy(r);
 }
 
-/* All green where nothing was compared would read as agreement: a scene whose rows are all refused or not compared fails. */
+/* All green where nothing was compared would read as agreement: a scene whose rows are all refused or not compared
+ * fails. */
 static void junit_fails_a_scene_of_which_nothing_was_compared(void **state)
 {
     (void)state;

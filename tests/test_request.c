@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a program is asked to render: matrices that project as our rays look, samples and directions as they are, and what
- * the format has no words for is refused. */
+/* What a program is asked to render: matrices that project as our rays look, samples and directions as they are, and
+ * what the format has no words for is refused. */
 #include <math.h>
 #include <string.h>
 

@@ -120,7 +120,8 @@ static void change_shaders(const char *dir, const char *old, const char *new)
     }
 }
 
-/* Faults in what exact lookups do not use are not excused by their agreement; faults in what both use are no rounding. */
+/* Faults in what exact lookups do not use are not excused by their agreement; faults in what both use are no
+ * rounding. */
 static void a_fault_is_no_rounding(void **state)
 {
     (void)state;

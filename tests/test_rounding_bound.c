@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What single precision may change of a picture: the bound is the closed form's, holds for the ray caster, and rejects what is no
- * rounding. */
+/* What single precision may change of a picture: the bound is the closed form's, holds for the ray caster, and rejects
+ * what is no rounding. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,8 +27,8 @@ typedef struct subject {
     iso_view view;
 } subject;
 
-/* Seen along z, orthographic, the whole picture within the box; a TF of two slopes: 0 up to entry `from`, and `extinction` at
- * entry `to` and beyond it. One color, ambient light alone unless it is lit. */
+/* Seen along z, orthographic, the whole picture within the box; a TF of two slopes: 0 up to entry `from`, and
+ * `extinction` at entry `to` and beyond it. One color, ambient light alone unless it is lit. */
 static subject open_subject(const iso_volume *volume, size_t entries, size_t from, size_t to, double extinction, bool lit)
 {
     subject s = {.view = {.width = pixels,
@@ -80,9 +80,9 @@ static iso_sample_error bound_of(const subject *s)
     return most;
 }
 
-/* Extinction grows with z from 0 to S, so little that T is 1. Its slope is S / (n - 1) per voxel. Rounding moves a sample by
- * n 2^-24 voxels, but not in the half voxels at both faces, where the value is constant; and the value by 4 x 2^-24 of n - 1.
- * The opacity is off by the integral of both, a color of 1/2 by half of that. */
+/* Extinction grows with z from 0 to S, so little that T is 1. Its slope is S / (n - 1) per voxel. Rounding moves a
+ * sample by n 2^-24 voxels, but not in the half voxels at both faces, where the value is constant; and the value by 4 x
+ * 2^-24 of n - 1. The opacity is off by the integral of both, a color of 1/2 by half of that. */
 static void the_bound_of_a_ramp_is_the_closed_form(void **state)
 {
     (void)state;
@@ -155,8 +155,8 @@ static iso_volume sampled(iso_field_kind kind)
     return v;
 }
 
-/* From smooth to one entry wide: what the ray caster does with the same samples is within the bound, or within what the rest of
- * its arithmetic is allowed, 5e-7 and 1e-5. */
+/* From smooth to one entry wide: what the ray caster does with the same samples is within the bound, or within what the
+ * rest of its arithmetic is allowed, 5e-7 and 1e-5. */
 static void the_ray_caster_is_within_the_bound(void **state)
 {
     (void)state;
@@ -180,8 +180,9 @@ static void the_ray_caster_is_within_the_bound(void **state)
         }
 }
 
-/* Ordinary tables keep their limit, so that what it finds is as small as before. Steep ones have a wider one: the smallest
- * shift of the table that is rejected is still less than a tenth of the half entry that a wrong lookup is off by. */
+/* Ordinary tables keep their limit, so that what it finds is as small as before. Steep ones have a wider one: the
+ * smallest shift of the table that is rejected is still less than a tenth of the half entry that a wrong lookup is off
+ * by. */
 static void what_is_no_rounding_is_rejected(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Extinction scales in the renderers: one definition for all (fit/extinction_scale.h). Sizes and spacings are unequal, the
- * grid is rotated. */
+/* Extinction scales in the renderers: one definition for all (fit/extinction_scale.h). Sizes and spacings are unequal,
+ * the grid is rotated. */
 #include "rendered.h"
 #include "test.h"
 #include "cycles.h"

@@ -71,8 +71,8 @@ static iso_tf_table shell(const iso_level *level0)
 static void a_cube_covers_three_fifths_of_a_view(void **state)
 {
     (void)state;
-    /* Along (2, 2, -1) / 3 a cube of edge a covers a^2 (2 + 2 + 1) / 3, and the frame is 5/3 a wide, in each of the twelve
-     * views: an opaque cube against nothing has the mean square 3/5. */
+    /* Along (2, 2, -1) / 3 a cube of edge a covers a^2 (2 + 2 + 1) / 3, and the frame is 5/3 a wide, in each of the
+     * twelve views: an opaque cube against nothing has the mean square 3/5. */
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){40, 40, 40}, (double[]){1.5, 1.5, 1.5});
     iso_pyramid p = pyramid_of(&g, flat, 1);
     iso_tf_table opaque = uniform(1e3), clear = uniform(0);

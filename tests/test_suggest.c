@@ -187,7 +187,8 @@ static void the_object_is_shown_and_the_faces_are_no_wall(void **state)
     }
 }
 
-/* The check itself: a transfer function that begins in the background makes a wall, one beyond all values shows nothing. */
+/* The check itself: a transfer function that begins in the background makes a wall, one beyond all values shows
+ * nothing. */
 static void a_wall_and_nothing_are_told(void **state)
 {
     (void)state;

@@ -301,7 +301,8 @@ static void the_reference_scenes_load(void **state)
     }
 }
 
-/* The densest that a file can state is read back from what is written of its table; a table that is denser is refused. */
+/* The densest that a file can state is read back from what is written of its table; a table that is denser is
+ * refused. */
 static void the_densest_table_is_read_back_and_a_denser_one_refused(void **state)
 {
     (void)state;

@@ -19,8 +19,8 @@ static iso_geometry unit_voxels(void)
     return iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
 }
 
-/* The largest difference of the TF `name` of `file` from the case's table, whose places are the entries. Colors that cannot
- * be seen are not compared: a range begins where something is seen. */
+/* The largest difference of the TF `name` of `file` from the case's table, whose places are the entries. Colors that
+ * cannot be seen are not compared: a range begins where something is seen. */
 static double difference(const char *file, const char *name, const json_t *vtk_case)
 {
     const json_t *table = json_object_get(vtk_case, "table"), *range = json_object_get(vtk_case, "range");

@@ -18,8 +18,8 @@ typedef struct subject {
     iso_view view;
 } subject;
 
-/* All values 0; the TF is a line of extinction from 0 at 0 to `extinction` at 1. The camera looks along y and frames the
- * box with as much again around it, along its side of 40 mm: it is 1/8 of the picture. */
+/* All values 0; the TF is a line of extinction from 0 at 0 to `extinction` at 1. The camera looks along y and frames
+ * the box with as much again around it, along its side of 40 mm: it is 1/8 of the picture. */
 static void set_up(subject *s, double extinction)
 {
     *s = (subject){.entries = {1, 1, 1, 0, 1, 1, 1, (float)extinction}};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Least-squares directions: against the dense system in double precision, and by what they promise. Slabs, resumed builds
- * and ranks: test_stream.c, check_ranks.sh. */
+/* Least-squares directions: against the dense system in double precision, and by what they promise. Slabs, resumed
+ * builds and ranks: test_stream.c, check_ranks.sh. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

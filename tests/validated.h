@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* validated.h - a volume, its levels and a scene as `isoshade validate` has them when it measures how levels stand to level 0;
- * for tests in a folder of their own (folder.h). */
+/* validated.h - a volume, its levels and a scene as `isoshade validate` has them when it measures how levels stand to
+ * level 0; for tests in a folder of their own (folder.h). */
 #ifndef ISO_TESTS_VALIDATED_H
 #define ISO_TESTS_VALIDATED_H
 

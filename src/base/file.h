@@ -60,8 +60,8 @@ iso_status iso_output_commit(iso_output *out, iso_error *err);
  * processes do not mix. All outputs have begun. */
 iso_status iso_output_commit_all(iso_output *outs, size_t count, iso_error *err);
 
-/* Renames a folder into place and keeps it locked, so that files can be added. *lock is a descriptor to be closed; below 0:
- * no lock. */
+/* Renames a folder into place and keeps it locked, so that files can be added. *lock is a descriptor to be closed;
+ * below 0: no lock. */
 iso_status iso_output_commit_locked(iso_output *out, int *lock, iso_error *err);
 
 /* Removes the temporary. Safe after commit, on an empty struct and on NULL. */
@@ -85,10 +85,10 @@ typedef struct iso_folder_lock {
     bool made; /* True if the folder is new */
 } iso_folder_lock;
 
-/* Opens a folder, which is made first if `make` is set, and locks it. No link is followed. The folder that is locked is the
- * one that has the name: whoever had the lock before may have renamed or removed the folder, and then its new bearer is
- * locked. A lock of another process is waited for, two seconds at most: programs that a killed run had started may hold
- * its lock until they end. */
+/* Opens a folder, which is made first if `make` is set, and locks it. No link is followed. The folder that is locked is
+ * the one that has the name: whoever had the lock before may have renamed or removed the folder, and then its new
+ * bearer is locked. A lock of another process is waited for, two seconds at most: programs that a killed run had
+ * started may hold its lock until they end. */
 iso_folder_lock iso_folder_lock_take(const char *folder, bool make);
 
 /* "dir/name", to be freed. NULL only when memory ends. */

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* key.h - all dependencies of a result, so that stored work is reused for the same inputs alone.
  *
- * A key has named parts, each with a hash of its value. Stored work keeps the parts. A later run makes a key of its own,
- * and iso_key_differs() names the first part that is not the same. The parts are
+ * A key has named parts, each with a hash of its value. Stored work keeps the parts. A later run makes a key of its
+ * own, and iso_key_differs() names the first part that is not the same. The parts are
  *
  *     all that the caller adds      such as each option of a command (options/cli.h)
  *     "input ..."                   each file and folder that was read (inputs.h)
  *     "the program"                 the program's own file, and the programs and libraries that lie next to it
  *     "$NAME"                       each variable of the environment by which a driver or a renderer chooses
  *
- * Files are hashed whole, up to ISO_KEY_WHOLE_BYTES of all of them. Beyond that a file stands for itself by size, inode,
- * its times in nanoseconds and samples of its content. Its device is left out: a file system that is mounted again may have
- * another number. A part holds no path and no value, only hashes, since outputs may keep it (provenance.h). */
+ * Files are hashed whole, up to ISO_KEY_WHOLE_BYTES of all of them. Beyond that a file stands for itself by size,
+ * inode, its times in nanoseconds and samples of its content. Its device is left out: a file system that is mounted
+ * again may have another number. A part holds no path and no value, only hashes, since outputs may keep it
+ * (provenance.h). */
 #ifndef ISO_KEY_H
 #define ISO_KEY_H
 
@@ -38,8 +39,8 @@ void iso_key_add_all(iso_key *key, const iso_key *other);
 /* The inputs, the program and the environment. Call it after all inputs were opened. ISO_E_IO: one cannot be read. */
 iso_status iso_key_add_surroundings(iso_key *key, iso_error *err);
 
-/* A file that a renderer depends on: a program as iso_process_find() takes it, a path, or "~/FILE" in the home folder. One
- * that is not there is a part, too. Links are followed; a file that is replaced or rewritten has another hash. */
+/* A file that a renderer depends on: a program as iso_process_find() takes it, a path, or "~/FILE" in the home folder.
+ * One that is not there is a part, too. Links are followed; a file that is replaced or rewritten has another hash. */
 iso_status iso_key_add_dependency(iso_key *key, const char *name, iso_error *err);
 
 /* All parts, as a new object. NULL: memory ended, here or in an earlier call. */

@@ -19,8 +19,8 @@
  * (iso_output_resume_dir()). */
 iso_status iso_manifest_write(const char *folder, const char *const *own, iso_error *err);
 
-/* Adds a file that was put into a folder later, if the folder has a list. Several processes may do so at once. false: it is
- * not listed, and should go. */
+/* Adds a file that was put into a folder later, if the folder has a list. Several processes may do so at once. false:
+ * it is not listed, and should go. */
 bool iso_manifest_add(const char *folder, const char *name);
 
 /* Does the same for another output of the command that wrote the folder, if its path leads into the folder.

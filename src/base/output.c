@@ -105,8 +105,8 @@ static bool has_marker(const char *folder, const char *marker)
     return found;
 }
 
-/* Who looks at a finished folder, or replaces it, holds its lock: nobody else puts another in its place meanwhile. fd is
- * below 0 without an error if nothing, or no folder, has the name. */
+/* Who looks at a finished folder, or replaces it, holds its lock: nobody else puts another in its place meanwhile. fd
+ * is below 0 without an error if nothing, or no folder, has the name. */
 static iso_status lock_final(const char *final_path, iso_folder_lock *lock, iso_error *err)
 {
     *lock = iso_folder_lock_take(final_path, false);
@@ -350,8 +350,8 @@ static void forget_temporary(iso_output *out)
     out->temp_path = NULL;
 }
 
-/* The replaced folder has the temporary's name. The name of a partial one is known to others, who may take it as soon as
- * that folder is gone: it is removed under a name of our own. */
+/* The replaced folder has the temporary's name. The name of a partial one is known to others, who may take it as soon
+ * as that folder is gone: it is removed under a name of our own. */
 static void move_replaced_aside(iso_output *out)
 {
     char *dir = iso_path_dir(out->final_path),
@@ -366,8 +366,8 @@ static void move_replaced_aside(iso_output *out)
         free(aside);
 }
 
-/* A finished folder has the name already, locked: it is looked at again, since a person may have put something there in the
- * meantime. *done stays false if others have replaced or removed it. */
+/* A finished folder has the name already, locked: it is looked at again, since a person may have put something there in
+ * the meantime. *done stays false if others have replaced or removed it. */
 static iso_status replace(iso_output *out, bool *done, iso_error *err)
 {
     iso_folder_lock lock;
@@ -385,8 +385,8 @@ static iso_status replace(iso_output *out, bool *done, iso_error *err)
     return status;
 }
 
-/* A directory takes the place of an empty one by a rename, of a full one only by an exchange. Others may put theirs there
- * at any time. */
+/* A directory takes the place of an empty one by a rename, of a full one only by an exchange. Others may put theirs
+ * there at any time. */
 static iso_status put_in_place(iso_output *out, iso_error *err)
 {
     enum { TRIES = 1000 };

@@ -415,7 +415,8 @@ void iso_process_say(iso_process *p, const char *line)
         }
 }
 
-/* Signals are watched while there is something to wait for. In between they end this process, and the program with it. */
+/* Signals are watched while there is something to wait for. In between they end this process, and the program with
+ * it. */
 iso_status iso_process_listen(iso_process *p, const char *until, const iso_process_options *options, bool *ended,
                               iso_error *err)
 {

@@ -18,9 +18,9 @@ typedef struct iso_progress_line iso_progress_line;
 iso_progress_line *iso_progress_line_create(const char *command); /* the name is copied; NULL: no memory */
 void iso_progress_line_destroy(iso_progress_line *line);
 
-/* Adds a step. Call it in the order of the steps, before any is reported. The name is not copied. Only the ratios of costs
- * matter. A report with the step's name begins the step and sets its fraction; a report with another name is only shown.
- * Without steps the percent is that of the latest report. */
+/* Adds a step. Call it in the order of the steps, before any is reported. The name is not copied. Only the ratios of
+ * costs matter. A report with the step's name begins the step and sets its fraction; a report with another name is only
+ * shown. Without steps the percent is that of the latest report. */
 void iso_progress_line_expect(iso_progress_line *line, const char *step, double cost);
 /* Adds a part, from 0 to 1, to the fraction of the current step. */
 void iso_progress_line_add(iso_progress_line *line, double part);

@@ -37,8 +37,8 @@ void iso_provenance_put_word(FILE *f, const char *word);
 /* A command line that iso_words_put_quoted() and spaces made, as an output has it; to be freed. NULL: out of memory. */
 char *iso_provenance_line(const char *line);
 
-/* Words of another program or of an error, as an output has them: absolute paths in the text, which may not hold spaces,
- * lose their folders, in place; not where whole paths are kept. Returns text. */
+/* Words of another program or of an error, as an output has them: absolute paths in the text, which may not hold
+ * spaces, lose their folders, in place; not where whole paths are kept. Returns text. */
 char *iso_provenance_shorten(char *text);
 
 #endif

@@ -30,8 +30,8 @@ static inline size_t iso_random_below(iso_random *r, size_t n)
     return (size_t)(iso_random_unit(r) * (double)n);
 }
 
-/* In [0, 1), by Xorshift64 [marsaglia-2003], which the recorded figures of the direction codes were made with. *state is
- * the seed, not 0. */
+/* In [0, 1), by Xorshift64 [marsaglia-2003], which the recorded figures of the direction codes were made with. *state
+ * is the seed, not 0. */
 static inline double iso_xorshift_unit(uint64_t *state)
 {
     *state ^= *state << 13, *state ^= *state >> 7, *state ^= *state << 17;

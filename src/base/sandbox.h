@@ -53,8 +53,8 @@ void iso_sandbox_release(iso_sandbox *box);
 /* By the process that becomes the program; makes system calls alone. false: a part that the kernel has was refused. */
 bool iso_sandbox_enter(const iso_sandbox *box);
 
-/* false: programs are started as if all wishes were ISO_SANDBOX_NONE; so do programs of isoshade that these start. At the
- * start it is true unless the environment variable ISOSHADE_SANDBOX is "off". */
+/* false: programs are started as if all wishes were ISO_SANDBOX_NONE; so do programs of isoshade that these start. At
+ * the start it is true unless the environment variable ISOSHADE_SANDBOX is "off". */
 void iso_sandbox_set(bool on);
 bool iso_sandbox_is_on(void);
 

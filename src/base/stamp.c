@@ -55,8 +55,8 @@ static bool give_name(const char *path, const char *name)
     return errno != EEXIST && errno != ENOENT && renameat2(AT_FDCWD, path, AT_FDCWD, name, RENAME_NOREPLACE) == 0;
 }
 
-/* Keeps a file as PATH1, or PATH2 and so on if that is taken: no backup replaces another, also if two processes make them.
- * ENOENT: another process has moved the file away, and keeps it. */
+/* Keeps a file as PATH1, or PATH2 and so on if that is taken: no backup replaces another, also if two processes make
+ * them. ENOENT: another process has moved the file away, and keeps it. */
 static iso_status keep_backup(const char *path, iso_error *err)
 {
     enum { MOST_BACKUPS = 9999 };

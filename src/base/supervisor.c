@@ -72,7 +72,8 @@ static void run_program(const order *o)
     give_up(o->told);
 }
 
-/* SIGKILL for each child that the kernel lists, in decimal numbers with spaces between them. false: it does not list all. */
+/* SIGKILL for each child that the kernel lists, in decimal numbers with spaces between them. false: it does not list
+ * all. */
 static bool kill_children(void)
 {
     const int list = open("/proc/thread-self/children", O_RDONLY);
@@ -100,7 +101,8 @@ static void end_all(pid_t program, int *result)
     for (;;) {
         int how;
         kill(-program, SIGKILL);
-        /* Where children are not listed, those that left the program's group are not waited for: they may stay for ever. */
+        /* Where children are not listed, those that left the program's group are not waited for: they may stay for
+         * ever. */
         const bool all_are_killed = kill_children();
         const pid_t pid = waitpid(all_are_killed ? -1 : -program, &how, 0);
         if (pid < 0 && errno != EINTR)

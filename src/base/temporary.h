@@ -12,8 +12,8 @@
 
 #include "base/status.h"
 
-/* "DIR/.isoshade-...-NAME", to be freed; nothing has that name yet. The end of a long NAME is kept, since libraries choose
- * a format by it. NULL only when memory ends. */
+/* "DIR/.isoshade-...-NAME", to be freed; nothing has that name yet. The end of a long NAME is kept, since libraries
+ * choose a format by it. NULL only when memory ends. */
 char *iso_temporary_path(const char *dir, const char *name);
 
 /* Removes temporaries that dead processes of this machine and user left in dir, of outputs and of $TMPDIR. Once per

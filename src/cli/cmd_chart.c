@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_chart.c - charts speed against accuracy: measures a grid of settings, and finds the front and the cheapest one. */
+/* cmd_chart.c - charts speed against accuracy: measures a grid of settings, and finds the front and the cheapest
+ * one. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

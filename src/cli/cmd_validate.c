@@ -224,7 +224,8 @@ static iso_status finish(const iso_validate_arguments *a, const iso_cli *cli, is
     return iso_cli_validate_verdict(v, &summary, &levels, err);
 }
 
-/* Refuses a scene that shows almost nothing: all renderers and levels would agree, so a verdict would be meaningless. */
+/* Refuses a scene that shows almost nothing: all renderers and levels would agree, so a verdict would be
+ * meaningless. */
 static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *cli, const iso_pyramid *p,
                                 const iso_view *view, iso_error *err)
 {

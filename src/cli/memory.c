@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* memory.c - ends the program if small allocations fail.
  *
- * Small allocations that fail, and all of other libraries, end the program with one line and ISO_E_MEMORY after removing
- * unfinished files. Libraries (popt, jansson, teem, OpenEXR, Mesa) would otherwise crash, hang, or silently lose data.
- * Large allocations of our own code, such as samples and pictures, fail normally, with a message of the caller. Threads
- * that cannot be started end the program, too: Mesa would wait for them forever. For this, malloc() and related functions
- * here replace glibc's. The library isoshade does not: programs that use it decide for themselves. */
+ * Small allocations that fail, and all of other libraries, end the program with one line and ISO_E_MEMORY after
+ * removing unfinished files. Libraries (popt, jansson, teem, OpenEXR, Mesa) would otherwise crash, hang, or silently
+ * lose data. Large allocations of our own code, such as samples and pictures, fail normally, with a message of the
+ * caller. Threads that cannot be started end the program, too: Mesa would wait for them forever. For this, malloc() and
+ * related functions here replace glibc's. The library isoshade does not: programs that use it decide for themselves. */
 #define _GNU_SOURCE
 #include "cli/memory.h"
 

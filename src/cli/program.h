@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* program.h - main() of programs with commands, isoshade and isoshade-lab: finds and runs a command, prints its error and
- * returns its exit code (base/status.h). */
+/* program.h - main() of programs with commands, isoshade and isoshade-lab: finds and runs a command, prints its error
+ * and returns its exit code (base/status.h). */
 #ifndef ISO_CLI_PROGRAM_H
 #define ISO_CLI_PROGRAM_H
 

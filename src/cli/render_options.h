@@ -38,7 +38,8 @@ bool iso_render_is_in_bricks(const iso_render_arguments *a);
 /* Fills *opt. ISO_E_USAGE, ISO_E_RANGE: options that exclude each other, or that the renderer would ignore. */
 iso_status iso_render_take_options(const iso_render_arguments *a, int threads, iso_render_options *opt, iso_error *err);
 
-/* Writes the renderer's quadratures, such as "midpoint or preintegrated". mark: True to mark the default. Returns text. */
+/* Writes the renderer's quadratures, such as "midpoint or preintegrated". mark: True to mark the default. Returns
+ * text. */
 const char *iso_render_list_quadratures(const iso_renderer_info *renderer, bool mark, char text[160]);
 
 #endif

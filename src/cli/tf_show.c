@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* tf_show.c - draws one panel per TF: opacity over value, filled with the colors, after Figure 4 of [diaz-garcia-2016], in
- * front of the volume's histogram. Panels are gray to make white visible; a strip below also has transparent colors. */
+/* tf_show.c - draws one panel per TF: opacity over value, filled with the colors, after Figure 4 of [diaz-garcia-2016],
+ * in front of the volume's histogram. Panels are gray to make white visible; a strip below also has transparent
+ * colors. */
 #include "cli/tf_show.h"
 
 #include <math.h>

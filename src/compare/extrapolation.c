@@ -169,8 +169,8 @@ static void measure_tolerances(const iso_extrapolation_input *of, const iso_imag
     }
 }
 
-/* Each seed's limit is one sample. A systematic difference is allowed as far as the step's own error goes around a pixel;
- * the mean over the image hides no single pixel, and is held to the step's difference itself. */
+/* Each seed's limit is one sample. A systematic difference is allowed as far as the step's own error goes around a
+ * pixel; the mean over the image hides no single pixel, and is held to the step's difference itself. */
 static iso_status test_noise(const iso_extrapolation_input *of, const iso_image *limits, iso_extrapolated *out,
                              iso_error *err)
 {

@@ -82,9 +82,9 @@ typedef struct iso_extrapolated {
 
 void iso_extrapolated_destroy(iso_extrapolated *limit); /* accepts a zeroed one */
 
-/* Where the reference itself moves with the last bit of single precision of its eye, to and fro, a renderer is not asked to be
- * more exact than that. The excuse goes no farther than a step of 8 bits, and where more than half a percent of all values
- * would need one, none is given. */
+/* Where the reference itself moves with the last bit of single precision of its eye, to and fro, a renderer is not
+ * asked to be more exact than that. The excuse goes no farther than a step of 8 bits, and where more than half a
+ * percent of all values would need one, none is given. */
 #define ISO_EXTRAPOLATION_EXCUSE_MOST (1.0 / 255)
 #define ISO_EXTRAPOLATION_EXCUSE_PART 5e-3
 

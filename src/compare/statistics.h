@@ -8,13 +8,13 @@
  * threads.
  *
  * Sensitivity of n images: Student's t has n - 1 degrees of freedom, whose tails are long if n is small. In a picture
- * of 32 x 32 pixels (4096 tests at 1e-3 together) a single one, by its own spread alone, is beyond chance when it is off
- * by 2023 standard errors for n = 3, by 208 for 4, 19.4 for 8, 8.85 for 16. So a pixel borrows from its neighbors: with
- * ISO_NOISE_NEIGHBORS more degrees of freedom, and the larger of its own variance and the mean of those around it, 25.4,
- * 19.4, 11.2 and 7.80 are enough. A bias (4 tests) needs 63.2, 20.6, 6.81 and 4.77 of its own standard errors, which
- * are smaller by the root of the number of pixels. The test assumes normal noise. With bounded noise (a step of random
- * phase) n values are equal more often, and false alarms are 2.7 times as frequent for n = 3 and 4.9 times for n = 4 by
- * the own spread; the neighbors, and the tolerance for the error of the step, cover that. */
+ * of 32 x 32 pixels (4096 tests at 1e-3 together) a single one, by its own spread alone, is beyond chance when it is
+ * off by 2023 standard errors for n = 3, by 208 for 4, 19.4 for 8, 8.85 for 16. So a pixel borrows from its neighbors:
+ * with ISO_NOISE_NEIGHBORS more degrees of freedom, and the larger of its own variance and the mean of those around it,
+ * 25.4, 19.4, 11.2 and 7.80 are enough. A bias (4 tests) needs 63.2, 20.6, 6.81 and 4.77 of its own standard errors,
+ * which are smaller by the root of the number of pixels. The test assumes normal noise. With bounded noise (a step of
+ * random phase) n values are equal more often, and false alarms are 2.7 times as frequent for n = 3 and 4.9 times for n
+ * = 4 by the own spread; the neighbors, and the tolerance for the error of the step, cover that. */
 #ifndef ISO_STATISTICS_H
 #define ISO_STATISTICS_H
 

@@ -5,18 +5,19 @@
  *     sigma(x) = q(x) sigma_TF(s(x)),    q(x) = 2^((b(x) - 168) / 28)
  *
  * b(x) is the bytes' trilinear interpolation between voxel centers, clamped at the edge, as the scalar's is; the power
- * is taken after it. Colors are the transfer function's own. Bytes are 0 to 252: q is 2^-6 to 2^3 in steps of 2.5 %, and
- * the byte 168 is 1 exactly. All renderers follow this definition: texture units, OpenVDB and DF3 files filter the byte.
+ * is taken after it. Colors are the transfer function's own. Bytes are 0 to 252: q is 2^-6 to 2^3 in steps of 2.5 %,
+ * and the byte 168 is 1 exactly. All renderers follow this definition: texture units, OpenVDB and DF3 files filter the
+ * byte.
  *
  * A transfer function adapted to a level (tf/adapt.h) is right in the mean over all voxels of one value; q is right in
  * each neighborhood. It is made for one transfer function, by rounds over the fine voxels that it shows:
  *
  *     q_j <- q_j  sum_x hat_j(x) a_0(x) / sum_x hat_j(x) a(x),    a(x) = 1 - exp(-q(x) m_k(x) h)
  *
- * hat_j: the weight of coarse voxel j at the fine voxel's center x (interpolation.h), a_0 the fine voxel's opacity under
- * the original transfer function, h the spacing of level 0, m_k the mean extinction under the level's transfer function
- * of the values within half a gradient's length of s(x): the mean over a fine voxel's content, as a_0 is for level 0. Sums
- * that are nearly 0 leave q as it is.
+ * hat_j: the weight of coarse voxel j at the fine voxel's center x (interpolation.h), a_0 the fine voxel's opacity
+ * under the original transfer function, h the spacing of level 0, m_k the mean extinction under the level's transfer
+ * function of the values within half a gradient's length of s(x): the mean over a fine voxel's content, as a_0 is for
+ * level 0. Sums that are nearly 0 leave q as it is.
  *
  * In: the scalars of level 0 and of the level, in memory. Out: the bytes, x fastest. They depend on no thread count.
  * Cost: doc/results/extinction-scale.md. */

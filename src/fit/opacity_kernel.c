@@ -6,7 +6,8 @@
 
 #include "base/simd.h"
 
-/* 2^x for |x| < 126, relative error below 2e-7: the nearest whole power and a polynomial of the rest (Cephes' exp2f). */
+/* 2^x for |x| < 126, relative error below 2e-7: the nearest whole power and a polynomial of the rest (Cephes'
+ * exp2f). */
 static inline __attribute__((always_inline)) float power_of_two(float x)
 {
     const int32_t biased = (int32_t)(x + 127.5f);

@@ -5,16 +5,16 @@
 
 #include <stddef.h>
 
-/* A transfer function's optical depth over one length, in powers of two: opacity = 1 - 2^-depth. Linear between entries,
- * constant beyond them. */
+/* A transfer function's optical depth over one length, in powers of two: opacity = 1 - 2^-depth. Linear between
+ * entries, constant beyond them. */
 typedef struct iso_depth_table {
     float lo, entries_per_value, last; /* the value of entry 0; and the number of the last entry */
     const float *depth, *slope;        /* of an entry; to the next one */
     const float *sum, *rest;           /* the integral up to an entry, and its remainder after rounding to a float */
 } iso_depth_table;
 
-/* The opacity of n voxels, each of which holds the values from value - width / 2 to value + width / 2 in equal parts: its
- * depth is the mean over them. */
+/* The opacity of n voxels, each of which holds the values from value - width / 2 to value + width / 2 in equal parts:
+ * its depth is the mean over them. */
 void iso_opacity_row(const iso_depth_table *table, const float *restrict value, const float *restrict width, size_t n,
                      float *restrict alpha);
 /* The same with 2^octaves times the depth. */

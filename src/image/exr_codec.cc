@@ -238,8 +238,8 @@ iso_status check_window(const char *path, const char *name, const Box2i &window,
     return ISO_OK;
 }
 
-/* Refuses pictures that the file cannot hold. Constant pictures of PIZ and DWA have 42,000 times their bytes; the two windows
- * are separate, so that a short file may name a display window of gigabytes. */
+/* Refuses pictures that the file cannot hold. Constant pictures of PIZ and DWA have 42,000 times their bytes; the two
+ * windows are separate, so that a short file may name a display window of gigabytes. */
 iso_status check_bytes(const char *path, const Box2i &window, size_t size, iso_error *err)
 {
     const uint64_t bytes = pixel_bytes * static_cast<uint64_t>(width_of(window)) * static_cast<uint64_t>(height_of(window));

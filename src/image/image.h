@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* image.h - float images: RGBA, linear light, premultiplied alpha, row 0 on top. iso_image, and how it is created, saved
- * as OpenEXR and PNG and loaded, stand in the library's header. */
+/* image.h - float images: RGBA, linear light, premultiplied alpha, row 0 on top. iso_image, and how it is created,
+ * saved as OpenEXR and PNG and loaded, stand in the library's header. */
 #ifndef ISO_IMAGE_H
 #define ISO_IMAGE_H
 

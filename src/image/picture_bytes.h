@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* picture_bytes.h - the kind of a picture's file by its first bytes, and readers of bytes in memory; private to this folder. */
+/* picture_bytes.h - the kind of a picture's file by its first bytes, and readers of bytes in memory; private to this
+ * folder. */
 #ifndef ISO_PICTURE_BYTES_H
 #define ISO_PICTURE_BYTES_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* png_read.c - PNG of all bits and kinds as linear light of Rec. 709. libpng expands the samples to RGBA of 16 bits; colors
- * are decoded here, since libpng replaces the curve of sRGB by a power of 2.2. */
+/* png_read.c - PNG of all bits and kinds as linear light of Rec. 709. libpng expands the samples to RGBA of 16 bits;
+ * colors are decoded here, since libpng replaces the curve of sRGB by a power of 2.2. */
 #include <math.h>
 #include <png.h>
 #include <setjmp.h>

@@ -238,8 +238,8 @@ typedef struct outcome {
     json_t *alarm;          /* or NULL */
 } outcome;
 
-/* Judges the levels by another sample: the volume is turned, so that all views and lights differ, and 20 views of 64 pixels are
- * drawn. *holds: True if a level is worse there, too. */
+/* Judges the levels by another sample: the volume is turned, so that all views and lights differ, and 20 views of 64
+ * pixels are drawn. *holds: True if a level is worse there, too. */
 static iso_status ask_again(const char *folder, const words *made, const words *validated, bool *holds, iso_error *err)
 {
     words *make = malloc(2 * sizeof *make), *validate = make + 1;

@@ -224,7 +224,8 @@ static iso_status check_numbers(const struct poptOption *o, int argc, const char
     return status;
 }
 
-/* Set while options are visited. Commands keep their tables on the stack of run(), so iso_cli_parse() passes them on. */
+/* Set while options are visited. Commands keep their tables on the stack of run(), so iso_cli_parse() passes them
+ * on. */
 static struct {
     iso_cli_option_visitor visit;
     void *user;
@@ -249,7 +250,8 @@ void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor vi
     visiting.visit = NULL;
 }
 
-/* Applies the options that are given. The others keep the process's settings, which the environment may have changed. */
+/* Applies the options that are given. The others keep the process's settings, which the environment may have
+ * changed. */
 static iso_status take_common(double timeout, bool no_sandbox, bool full_paths, bool no_provenance, iso_error *err)
 {
     if (no_sandbox)

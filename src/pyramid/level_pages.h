@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* level_pages.h - boxes of a level's samples, read from its files when they are needed.
  *
- * For levels that are larger than memory: nothing is kept. Sizes and headers of the files are checked, their checksums are
- * not, since that would mean to read all of them (`isoshade info NAME.iso --verify` does). Any thread may read. */
+ * For levels that are larger than memory: nothing is kept. Sizes and headers of the files are checked, their checksums
+ * are not, since that would mean to read all of them (`isoshade info NAME.iso --verify` does). Any thread may read. */
 #ifndef ISO_PYRAMID_LEVEL_PAGES_H
 #define ISO_PYRAMID_LEVEL_PAGES_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* stream_choose.c - a pass over the volume that only sums up how gradients agree (agreement.h): which filter a level gets
- * has to be known before its first row is written. */
+/* stream_choose.c - a pass over the volume that only sums up how gradients agree (agreement.h): which filter a level
+ * gets has to be known before its first row is written. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -24,8 +24,8 @@ ISO_LANES_INLINE int plane_at(const cell_walk *k, int a, double t)
     return k->step[a] > 0 ? (int)floor(q) : (int)ceil(q) - 1;
 }
 
-/* Never back: at an edge of two blocks a place may be rounded to before a plane that was passed, and the walk would go to
- * and fro between them without end. */
+/* Never back: at an edge of two blocks a place may be rounded to before a plane that was passed, and the walk would go
+ * to and fro between them without end. */
 ISO_LANES_INLINE void go_on_to(cell_walk *k, int a, double t)
 {
     const int plane = plane_at(k, a, t);
@@ -82,8 +82,8 @@ ISO_LANES_INLINE double leave_block(cell_walk *k, const int lo[3], const int hi[
     return until;
 }
 
-/* The value on the transfer function's table, in entries, and the directions, along [a, b] of the ray, which lies in one
- * cell. False: nothing is shown there. */
+/* The value on the transfer function's table, in entries, and the directions, along [a, b] of the ray, which lies in
+ * one cell. False: nothing is shown there. */
 ISO_LANES_INLINE bool read_cell(cell_pieces *w, const cell_walk *k, const int cell[3], double a, double b)
 {
     const iso_cell_scene *c = w->scene;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* lanes.h - eight doubles at a time, for whichever instruction set the function is compiled for. Sums and products stand
- * in one order and are not fused, so all of them give the same bits. */
+/* lanes.h - eight doubles at a time, for whichever instruction set the function is compiled for. Sums and products
+ * stand in one order and are not fused, so all of them give the same bits. */
 #ifndef ISO_RENDER_LANES_H
 #define ISO_RENDER_LANES_H
 

@@ -4,8 +4,8 @@
  *
  * Each start has its own folder, which holds the request and is the working directory. There is no shell. The last
  * argument is the path of request.json. The time limit is that of the row or of --timeout, whichever is less. All child
- * processes end with it (base/supervisor.h). It runs in a sandbox that allows a graphics device (base/sandbox.h), unless
- * the row turns that off.
+ * processes end with it (base/supervisor.h). It runs in a sandbox that allows a graphics device (base/sandbox.h),
+ * unless the row turns that off.
  *
  * Errors name the cause: a missing program, an exit code other than 0, a signal, the time limit; a picture that is
  * missing, not a regular file, older than the request, not OpenEXR, of another size, without one of the four

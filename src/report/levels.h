@@ -77,8 +77,8 @@ typedef struct iso_report_level {
     /* Compared with a level made of level 0: the scalar's largest difference as a part of the range, the mean angle
      * between directions, and the limits of both. */
     double scalar_off, scalar_limit, direction_off_deg, direction_limit_deg;
-    /* The mean angle to level 0's directions at voxels that the scene's TF shows, of the default and of the simple way, and
-     * their difference with its interval; NaN if nothing has a direction. Reported, but pictures decide. */
+    /* The mean angle to level 0's directions at voxels that the scene's TF shows, of the default and of the simple way,
+     * and their difference with its interval; NaN if nothing has a direction. Reported, but pictures decide. */
     double angle_deg, simple_angle_deg;
     iso_paired angle_deficit;
     iso_report_bound bound;

@@ -54,8 +54,8 @@ iso_status iso_validate_judge_scale(iso_validation *v, const iso_pyramid *rebuil
 /* View i of a level of p, by the renderer that draws all views. */
 iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, const iso_measured_level *shown, size_t i,
                                      iso_image *image, iso_error *err);
-/* Fills row->bound for the pictures of `own`, which are drawn again with smaller steps if their RMSE is above the bound.
- * Sets *late if the budget is over. */
+/* Fills row->bound for the pictures of `own`, which are drawn again with smaller steps if their RMSE is above the
+ * bound. Sets *late if the budget is over. */
 iso_status iso_validate_bound_level(iso_validation *v, const iso_measured_level *own, iso_report_level *row, bool *late,
                                     iso_error *err);
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* scales.c - levels that are handed over with extinction scales (fit/extinction_scale.h): made, and held to two questions
- * that pictures alone leave open. Are the bytes those that level 0 makes: of this level, for this transfer function? And does
- * the renderer that draws the views use them? One that passes them over shows what would be shown without. */
+/* scales.c - levels that are handed over with extinction scales (fit/extinction_scale.h): made, and held to two
+ * questions that pictures alone leave open. Are the bytes those that level 0 makes: of this level, for this transfer
+ * function? And does the renderer that draws the views use them? One that passes them over shows what would be shown
+ * without. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -216,7 +216,8 @@ public:
 
 /* ---- the whole ---- */
 
-/* Limits for a small file. A plane may need all of a file again, where its parts reach through many. Tests have less. */
+/* Limits for a small file. A plane may need all of a file again, where its parts reach through many. Tests have
+ * less. */
 #ifndef ISO_OPEN_SECONDS
 #define ISO_OPEN_SECONDS 4
 #define ISO_PLANE_SECONDS 20
@@ -258,7 +259,8 @@ inline int write_volume(const ChildProgram &program, const char *path, const Wan
     return answer.status;
 }
 
-/* PROGRAM PATH PART FRAME CHANNEL: only isoshade starts it. Its output is ours alone: libraries that print do so elsewhere. */
+/* PROGRAM PATH PART FRAME CHANNEL: only isoshade starts it. Its output is ours alone: libraries that print do so
+ * elsewhere. */
 inline int run_child(const ChildProgram &program, int argc, char **argv)
 {
     FILE *out = fdopen(dup(STDOUT_FILENO), "wb");

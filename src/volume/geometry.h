@@ -24,10 +24,10 @@
 #include "base/linalg.h"
 #include "base/status.h"
 
-/* The ranges of all lengths and places, of files, options and the library: readers and writers share them. They follow from
- * the number formats alone. The cube of a length, its inverse and an extinction of 10 per length fit single precision's
- * range or double's, whichever stores it; a place is far from overflowing in single precision.
- * A voxel's edge, a length that opacities are for, the height of a picture: */
+/* The ranges of all lengths and places, of files, options and the library: readers and writers share them. They follow
+ * from the number formats alone. The cube of a length, its inverse and an extinction of 10 per length fit single
+ * precision's range or double's, whichever stores it; a place is far from overflowing in single precision. A voxel's
+ * edge, a length that opacities are for, the height of a picture: */
 #define ISO_LEAST_MM 1e-30
 #define ISO_MOST_MM 1e30
 /* Each coordinate of a point: */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* nifti_open.c - headers of NIfTI-1, NIfTI-2 and Analyze 7.5, whose fields NIfTI-1 keeps. The header is read and checked
- * here, since libnifti prints, and trusts its input; it computes only the affine of a qform. */
+/* nifti_open.c - headers of NIfTI-1, NIfTI-2 and Analyze 7.5, whose fields NIfTI-1 keeps. The header is read and
+ * checked here, since libnifti prints, and trusts its input; it computes only the affine of a qform. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
@@ -266,8 +266,8 @@ static iso_status check_header(const nifti_header *h, const char *path, iso_erro
     return ISO_OK;
 }
 
-/* Returns a name with its ending replaced, ".hdr" by ".img" or back, with or without .gz; to be freed. NULL: it has no such
- * ending. */
+/* Returns a name with its ending replaced, ".hdr" by ".img" or back, with or without .gz; to be freed. NULL: it has no
+ * such ending. */
 static char *other_of_pair(const char *path, const char *ending, const char *other)
 {
     const size_t n = strlen(ending), tail = iso_path_ends_with(path, ".gz") ? 3 : 0, length = strlen(path);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* npy_open.c - arrays that numpy.save() wrote: a Python dictionary of type, order and shape, then the samples [NEP 1].
  *
- * Axes: (z, y, x) in C order, (x, y, z) in Fortran order, so that x runs fastest; a slowest fourth axis is time. The format
- * has no spacing: --spacing gives it. */
+ * Axes: (z, y, x) in C order, (x, y, z) in Fortran order, so that x runs fastest; a slowest fourth axis is time. The
+ * format has no spacing: --spacing gives it. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdlib.h>

@@ -114,8 +114,8 @@ static iso_status add_numbered(look *l, char *pattern, iso_error *err)
     return status;
 }
 
-/* Up to the end of a line as teem has it: \n, \r, or both. Its length without them; below 0: there is none, since the file
- * ends. *ended: it has an end. */
+/* Up to the end of a line as teem has it: \n, \r, or both. Its length without them; below 0: there is none, since the
+ * file ends. *ended: it has an end. */
 static ssize_t read_line(FILE *file, char **line, size_t *room, bool *ended)
 {
     size_t length = 0;

@@ -280,8 +280,8 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
 /* Returns the most bytes of samples per byte of the file. */
 static double most_of(const NrrdEncoding *encoding)
 {
-    /* The shortest text is a digit and a space for a double. A block of bzip2 takes more than 32 bytes, and holds 900 000
-     * after a first pass that makes 5 of 255 equal ones. */
+    /* The shortest text is a digit and a space for a double. A block of bzip2 takes more than 32 bytes, and holds 900
+     * 000 after a first pass that makes 5 of 255 equal ones. */
     return encoding == nrrdEncodingAscii || encoding == nrrdEncodingHex ? 4.0
            : encoding == nrrdEncodingBzip2                              ? 900000.0 / 5 * 255 / 32
            : encoding == nrrdEncodingGzip                               ? ISO_SOURCE_DEFLATE_MOST

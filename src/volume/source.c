@@ -528,7 +528,8 @@ iso_status iso_source_open_with(const char *path, const iso_volume_hints *hints,
     return ISO_OK;
 }
 
-/* Unpacks a raw file that a packer's first bytes begin, unless it has the bytes of the layout: then these are samples. */
+/* Unpacks a raw file that a packer's first bytes begin, unless it has the bytes of the layout: then these are
+ * samples. */
 static iso_status unpack_raw(iso_volume_source *s, const iso_raw_layout *layout, iso_error *err)
 {
     unsigned char head[8];

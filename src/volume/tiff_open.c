@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* tiff_open.c - TIFF and BigTIFF, a slice a page, by libtiff. TIFF itself does not say how far slices are apart: ImageJ's
- * description and OME's XML do, and nothing else is trusted. */
+/* tiff_open.c - TIFF and BigTIFF, a slice a page, by libtiff. TIFF itself does not say how far slices are apart:
+ * ImageJ's description and OME's XML do, and nothing else is trusted. */
 #define _GNU_SOURCE
 #include <assert.h>
 #include <errno.h>

@@ -19,8 +19,8 @@ typedef struct iso_unpacked {
     char *path;
 } iso_unpacked;
 
-/* Unpacks a whole file. ISO_E_FORMAT: it is damaged or cut. ISO_E_RANGE: it would fill more than half of the free space of
- * the temporary folder ($TMPDIR), or is packed more than 1,032 times, which no volume is. */
+/* Unpacks a whole file. ISO_E_FORMAT: it is damaged or cut. ISO_E_RANGE: it would fill more than half of the free space
+ * of the temporary folder ($TMPDIR), or is packed more than 1,032 times, which no volume is. */
 iso_status iso_unpack(const char *path, iso_unpacked *file, iso_error *err);
 /* Accepts an empty struct. */
 void iso_unpacked_remove(iso_unpacked *file);

@@ -6,10 +6,10 @@
  *     isoshade-fuzz --seeds FOLDER NAME ...                the seeds of several, FOLDER/NAME, in a process each that this
  *                                                          one forks: for what starts slowly (tests/check_memcheck.sh)
  *
- * It ends after COUNT mutations or SECONDS of processor time, whichever is first, but not before the first 8, which are the
- * same on any machine; and prints how many it was, and how many seeds and mutations the reader took as good files. An input
- * at which it is stopped stays as crash-NAME in the current folder. Where the reader may end its program (fuzz.h), the last
- * one that did by an assertion stays there, too. */
+ * It ends after COUNT mutations or SECONDS of processor time, whichever is first, but not before the first 8, which are
+ * the same on any machine; and prints how many it was, and how many seeds and mutations the reader took as good files.
+ * An input at which it is stopped stays as crash-NAME in the current folder. Where the reader may end its program
+ * (fuzz.h), the last one that did by an assertion stays there, too. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <errno.h>
@@ -72,7 +72,8 @@ static void keep_input(void)
         fprintf(stderr, "fuzz: %s: the input is kept as %s\n", running->name, crash_path);
 }
 
-/* What lines were reached, where they are counted (make fuzz-coverage): a process that ends at once leaves them unsaid. */
+/* What lines were reached, where they are counted (make fuzz-coverage): a process that ends at once leaves them
+ * unsaid. */
 void __gcov_dump(void) __attribute__((weak));
 static void keep_lines(void)
 {
@@ -231,7 +232,8 @@ static void run_next_mutation(tally *t)
     t->mutations_read += run(current, current_size);
 }
 
-/* The clock is looked at after each mutation where they take a millisecond and more, as those do that start a program. */
+/* The clock is looked at after each mutation where they take a millisecond and more, as those do that start a
+ * program. */
 static void run_here(tally *t, uint64_t count, double seconds)
 {
     while (t->seeds < seed_count)
@@ -253,7 +255,8 @@ static void run_here(tally *t, uint64_t count, double seconds)
 
 enum { INPUTS_OF_ONE_PROCESS = 1 << 14, ASSERTIONS_OF_ONE_PROCESS = 32 };
 
-/* Inputs until the run's end, or so many that what libraries lose does not add up. What an assertion left is counted. */
+/* Inputs until the run's end, or so many that what libraries lose does not add up. What an assertion left is
+ * counted. */
 static void run_some(tally *t, uint64_t count, double seconds)
 {
     const struct rlimit none = {0, 0};

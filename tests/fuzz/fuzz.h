@@ -55,10 +55,11 @@ const char *fuzz_beside(const char *name);
 extern bool fuzz_has_failed;
 /* Whether the reader took the input of the last fuzz_run(). */
 extern bool fuzz_was_read;
-/* Where it is defined, the reader's libraries may end their program, as they end a program of their own when isoshade runs
- * (in_process.cc): that is counted, and the run goes on. */
+/* Where it is defined, the reader's libraries may end their program, as they end a program of their own when isoshade
+ * runs (in_process.cc): that is counted, and the run goes on. */
 extern const bool fuzz_reader_may_end __attribute__((weak));
-/* How many of these ends were assertions and the like that this process went on from; what such a reader held is lost. */
+/* How many of these ends were assertions and the like that this process went on from; what such a reader held is
+ * lost. */
 extern unsigned fuzz_assertions;
 
 const fuzz_target *fuzz_find(const char *name);

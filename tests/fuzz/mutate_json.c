@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* mutate_json.c - changes of values, members and elements of a JSON text, in the text itself: to make a tree of it for each
- * change, and a text of that again, took three quarters of the time of a reader of scenes. */
+/* mutate_json.c - changes of values, members and elements of a JSON text, in the text itself: to make a tree of it for
+ * each change, and a text of that again, took three quarters of the time of a reader of scenes. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <math.h>

@@ -68,7 +68,8 @@ static iso_status load_tf(const char *path, const iso_tf_request *request, bool 
 }
 
 /* Without a name, then by the first name that the file has, and by what it leaves open. What a conversion loses is
- * measured for one file in sixteen and one in four is written and read again: both take several times as long as to read. */
+ * measured for one file in sixteen and one in four is written and read again: both take several times as long as to
+ * read. */
 void fuzz_tf(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
 {
     (void)target;

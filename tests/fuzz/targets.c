@@ -107,8 +107,8 @@ void fuzz_check_read(iso_status status, const iso_error *err)
         fuzz_note_read();
 }
 
-/* A direction that is normalized twice may differ by some roundings: three squares and two sums, a root and a division, each
- * of 1.1e-16, twice over, and what a square below the smallest normal number loses. */
+/* A direction that is normalized twice may differ by some roundings: three squares and two sums, a root and a division,
+ * each of 1.1e-16, twice over, and what a square below the smallest normal number loses. */
 static bool is_about(double a, double b)
 {
     return fabs(a - b) <= 1e-14 * fmax(fabs(a), fabs(b)) + DBL_MIN;
@@ -197,8 +197,8 @@ static void write_file(const char *path, const void *data, size_t size)
     close(fd);
 }
 
-/* The input's own file stays open: to open it again for each input, and to give its pages back, took a third of the time of
- * the quickest readers. */
+/* The input's own file stays open: to open it again for each input, and to give its pages back, took a third of the
+ * time of the quickest readers. */
 static void write_first(const uint8_t *data, size_t size)
 {
     static int fd = -1;

@@ -122,8 +122,8 @@ static bool find_part(uint8_t *data, size_t size, const char *name, uint8_t **co
     return true;
 }
 
-/* The checksum of each level's file, and then pyramid.json's of itself, as isoshade writes them: what is then refused is
- * refused for what it says. */
+/* The checksum of each level's file, and then pyramid.json's of itself, as isoshade writes them: what is then refused
+ * is refused for what it says. */
 void fuzz_repair_pyramid(uint8_t *data, size_t size)
 {
     uint8_t *text, *content;

@@ -103,7 +103,8 @@ static double mean_angle(const iso_field *field, const iso_volume *v, iso_gradie
     return sum / count;
 }
 
-/* The noise of the sum: weights' squares are .156 * .273^2 against .5 of central differences, a sixth of the deviation. */
+/* The noise of the sum: weights' squares are .156 * .273^2 against .5 of central differences, a sixth of the
+ * deviation. */
 static void smooth_gradients_hold_noise_down(void **state)
 {
     (void)state;

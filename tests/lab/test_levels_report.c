@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What `isoshade-lab levels` counts: ratios to the base, cases that are worse, cases left out, and errors over what is shown. */
+/* What `isoshade-lab levels` counts: ratios to the base, cases that are worse, cases left out, and errors over what is
+ * shown. */
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The methods of the literature that `isoshade-lab levels` compares with, on fields for which each has an answer in closed form. */
+/* The methods of the literature that `isoshade-lab levels` compares with, on fields for which each has an answer in
+ * closed form. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,7 +90,8 @@ static void a_homogeneous_volume_is_what_level_0_is(void **state)
     iso_pyramid_destroy(&p);
 }
 
-/* Every voxel of level 1 is half 0 and half 100, side by side along x: all voxels are alike, so filtering does nothing. */
+/* Every voxel of level 1 is half 0 and half 100, side by side along x: all voxels are alike, so filtering does
+ * nothing. */
 static void half_and_half_voxels_have_their_means(void **state)
 {
     (void)state;
@@ -177,7 +179,8 @@ static void the_tf_under_a_gaussian_is_its_closed_form(void **state)
     iso_tf_table_destroy(&tf);
 }
 
-/* Half 0 and half 100: mean and deviation are 50. 1e-4: the table over means and deviations is linear between entries. */
+/* Half 0 and half 100: mean and deviation are 50. 1e-4: the table over means and deviations is linear between
+ * entries. */
 static void mean_and_deviation_are_put_under_one_gaussian(void **state)
 {
     (void)state;
@@ -232,7 +235,8 @@ static void one_direction_of_microflakes_is_a_surface(void **state)
     }
 }
 
-/* All directions alike: the visible ones have the density of the cosine, and the mean of the cosine is 2/3. 18 points: .01. */
+/* All directions alike: the visible ones have the density of the cosine, and the mean of the cosine is 2/3. 18 points:
+ * .01. */
 static void a_ball_of_microflakes_has_two_thirds(void **state)
 {
     (void)state;

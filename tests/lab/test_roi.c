@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A region of interest: no seam, measured, with a hard edge and a foreign TF planted; and one definition in every renderer. */
+/* A region of interest: no seam, measured, with a hard edge and a foreign TF planted; and one definition in every
+ * renderer. */
 #include "tests/rendered.h"
 #include "tests/test.h"
 #include "tests/cycles.h"
@@ -154,8 +155,8 @@ static void no_step_is_left_at_the_faces_of_box_and_band(void **state)
     iso_pyramid_destroy(&p);
 }
 
-/* Thin flanks: the original TF shows less of them at a coarse level, all round the box. An adapted one keeps the mean but
- * for what its window leaves out. */
+/* Thin flanks: the original TF shows less of them at a coarse level, all round the box. An adapted one keeps the mean
+ * but for what its window leaves out. */
 static void both_sides_are_equally_bright(void **state)
 {
     (void)state;
@@ -189,8 +190,8 @@ static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own,
     return image;
 }
 
-/* A smooth field, a column of it at full resolution, seen along its faces: the pixels on both sides of a face differ by no
- * more than at level 0, to a tenth; those of a hard edge by twice as much at least. */
+/* A smooth field, a column of it at full resolution, seen along its faces: the pixels on both sides of a face differ by
+ * no more than at level 0, to a tenth; those of a hard edge by twice as much at least. */
 static void an_image_has_no_step_where_the_box_ends(void **state)
 {
     (void)state;
@@ -303,8 +304,8 @@ static void povray_blends_as_the_reference(void **state)
 }
 
 /* Cycles begins a new phase of its steps where a ray meets the second volume: an error of the first order in the step
- * that is random, so the mean of pictures with several seeds is compared: of 8 it is off by 1.9e-4 in Blender 3.4 and 2.1e-4
- * in 4.3, of 16 by 1.4e-4 and 1.6e-4. */
+ * that is random, so the mean of pictures with several seeds is compared: of 8 it is off by 1.9e-4 in Blender 3.4 and
+ * 2.1e-4 in 4.3, of 16 by 1.4e-4 and 1.6e-4. */
 static void cycles_blends_as_the_reference(void **state)
 {
     (void)state;

@@ -114,7 +114,8 @@ static void angles_are_those_by_which_directions_were_turned(void **state)
 
 enum { edge = 20, cells = edge * edge * edge };
 
-/* A cube of the values that a function of the distance to the middle, 0 to about 17, gives; the function may take noise. */
+/* A cube of the values that a function of the distance to the middle, 0 to about 17, gives; the function may take
+ * noise. */
 static iso_level level_of(float values[cells], double (*value)(double distance, double x, iso_random *random))
 {
     iso_level level = {.geometry = iso_geometry_axis_aligned((size_t[]){edge, edge, edge}, (double[]){1, 1, 1}),
@@ -190,7 +191,8 @@ static void the_surface_lies_in_the_middle_of_a_gap(void **state)
     const iso_otsu_surface s = iso_surface_find(&level);
     assert_null(s.left_out);
     assert_false(s.below);
-    /* the gap is .004 to .60 of the range; the first threshold in it, .004, would leave its ramp in what air is filtered to */
+    /* the gap is .004 to .60 of the range; the first threshold in it, .004, would leave its ramp in what air is
+     * filtered to */
     assert_within(s.fraction, 0.3, 0.01);
     assert_within(s.border, 0, 0);
     assert_within(s.ramp, 0, 0);

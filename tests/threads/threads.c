@@ -2,7 +2,7 @@
 /* threads.c - what works with several threads, small, to be watched by the sanitizer of threads (tests/threads/run.sh).
  *
  *     isoshade-threads PART        build, stream, reference, cast, bricks, progress, programs, signal; race: a fault that is planted
- */
+ * / */
 #define _GNU_SOURCE
 #include "tests/folder.h"
 #include "tests/test.h"

@@ -135,8 +135,8 @@ static void read_block(const iso_level *level, const size_t b[3], float *out)
         }
 }
 
-/* Turns values into the least and the largest one of each and of the next along an axis: three times, and they are those of
- * the cells. */
+/* Turns values into the least and the largest one of each and of the next along an axis: three times, and they are
+ * those of the cells. */
 static void reach_next(float *min, float *max, size_t step)
 {
     for (size_t i = 0; i + step < ALL; ++i) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* netcdf_header.h - the header of a classic netCDF file, before netCDF's library sees it: the library copies names and lists
- * of dimensions of any length into its callers' buffers (nc_inq_var() and the like of 4.9), which its documentation lets be
- * of NC_MAX_NAME and NC_MAX_VAR_DIMS. */
+/* netcdf_header.h - the header of a classic netCDF file, before netCDF's library sees it: the library copies names and
+ * lists of dimensions of any length into its callers' buffers (nc_inq_var() and the like of 4.9), which its
+ * documentation lets be of NC_MAX_NAME and NC_MAX_VAR_DIMS. */
 #ifndef ISO_VOLUME_NETCDF_HEADER_H
 #define ISO_VOLUME_NETCDF_HEADER_H
 

@@ -5,7 +5,8 @@
 
 #include "volume/arrays/store.h"
 
-/* space: which axes of the array are its grid's, the fastest first. Fills in all of the header but its size and type. */
+/* space: which axes of the array are its grid's, the fastest first. Fills in all of the header but its size and
+ * type. */
 void place(Store &store, const Array &array, const size_t (&space)[3], const std::string &path,
            iso_child_header &header);
 
