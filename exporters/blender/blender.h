@@ -2,8 +2,8 @@
 /* blender.h - Blender scenes of a volume, and Cycles as a renderer.
  *
  * Blender itself makes the .blend: it runs the embedded scripts on a JSON description. The .blend has a volume object
- * with a relative path to its VDB, the TF as a packed N x 1 float image, a material in the node group "isoshade" with
- * shading constants and lights as group inputs, camera and render settings. Cycles renders the same scene.
+ * with a relative path to its VDB, the TF as a packed N x 1 float image, camera and render settings. Its material uses
+ * the node group "isoshade", with shading constants and lights as group inputs. Cycles renders the same scene.
  *
  * A region of interest is a second volume object, "NAME roi", with its own VDB. The two overlap, and the material
  * weighs each by its part (scene/roi.h). At the border of the second object Cycles draws a new random offset for its

@@ -143,7 +143,7 @@ static void depths_of_box(const iso_camera *c, iso_vec3 position, const iso_geom
 /* EEVEE computes a sample's position in a volume from its depth as a depth buffer stores it. In single precision that
  * has an error of about 1e-7 z z / near, z away from the camera: ten voxels and more, with rings and holes, if the near
  * plane is a thousandth of a voxel away. So the plane is placed for an error of a quarter voxel at the far side of the
- * box, which leaves space to move the camera closer, but never so far away that it cuts the volume. */
+ * box. This leaves space to move the camera closer. It is never placed so far away that it cuts the volume. */
 static double clip_start(const iso_camera *c, iso_vec3 position, const iso_geometry *g)
 {
     const double least = 1e-3 * iso_geometry_min_spacing_mm(g);

@@ -2,8 +2,8 @@
 /* povray.h - POV-Ray scenes of a level, and POV-Ray as a renderer.
  *
  * A scene is a folder: NAME.pov (camera, background), NAME.inc (the volume: declared names, the TF as color_maps, the
- * media), NAME.ini ("povray NAME.ini" in that folder renders it) and DF3 files, big endian, with a rim of one voxel of
- * edge values, which makes `interpolate 1` equal to clamping.
+ * media), NAME.ini ("povray NAME.ini" in that folder renders it) and DF3 files, big endian. These have a rim of one
+ * voxel of edge values, which makes `interpolate 1` equal to clamping.
  *
  * The media use method 2: N equal intervals of the ray inside the box (or of its pieces between cutting planes),
  * samples at the midpoints,

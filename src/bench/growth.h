@@ -5,9 +5,9 @@
 
 #include <stddef.h>
 
-/* Largest start-up share of a point's time; points above it are left out. Start-up time varies between runs by a third,
- * so at this share it changes a time by at most a thirtieth, and the slope of two sizes, a factor of 8 apart, by at
- * most .016. */
+/* Largest start-up share of a point's time; points above it are left out. Start-up time varies between runs by a third:
+ * at this share it changes a time by at most a thirtieth. The slope of two sizes, a factor of 8 apart, then changes by
+ * at most .016. */
 #define ISO_GROWTH_MOST_START 0.1
 
 /* Fits the slope of log(seconds - start) over log(voxels) by least squares, over the points with a small share of

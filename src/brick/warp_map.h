@@ -14,8 +14,8 @@
  * coarse ones at 2 j. `coarse` has a bit for each of the 26 neighbors that is
  * coarse, iso_warp_bit(). The value at p is
  *     (1 - part) F(top) + part C(foot)
- * with F trilinear among the brick's own samples and their border (in mode written, with
- * coarse border samples), and C among the samples of the coarse neighbor at `step`. */
+ * F is trilinear among the brick's own samples and their border, which has coarse samples
+ * in mode written. C is trilinear among the samples of the coarse neighbor at `step`. */
 #ifndef __STDC__ /* GLSL */
 #ifndef ISO_REAL
 #define ISO_REAL float

@@ -14,10 +14,13 @@
  *
  *     q_j <- q_j  sum_x hat_j(x) a_0(x) / sum_x hat_j(x) a(x),    a(x) = 1 - exp(-q(x) m_k(x) h)
  *
- * hat_j: the weight of coarse voxel j at the fine voxel's center x (interpolation.h), a_0 the fine voxel's opacity
- * under the original transfer function, h the spacing of level 0, m_k the mean extinction under the level's transfer
- * function of the values within half a gradient's length of s(x): the mean over a fine voxel's content, as a_0 is for
- * level 0. Sums that are nearly 0 leave q as it is.
+ *     hat_j   weight of coarse voxel j at the fine voxel's center x (interpolation.h)
+ *     a_0     opacity of the fine voxel under the original transfer function
+ *     h       spacing of level 0
+ *     m_k     mean extinction under the level's transfer function of the values within half a gradient's length of
+ *             s(x): the mean over a fine voxel's content, as a_0 is for level 0
+ *
+ * Sums that are nearly 0 leave q as it is.
  *
  * In: the scalars of level 0 and of the level, in memory. Out: the bytes, x fastest. They depend on no thread count.
  * Cost: doc/results/extinction-scale.md. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* exr_codec.h - OpenEXR files as bytes. A C interface to OpenEXR's C++ library; no exception leaves it.
  *
- * The C library of Debian 12 (OpenEXRCore 3.1.5) decodes four half channels in reverse order and B44 wrongly, refuses
- * DWAA and DWAB, and writes a ZIP chunk wrongly if its compressed size is its raw size. The C++ library does none of
- * that: tests/pictures_in.py holds its results against other programs, over all forms. */
+ * The C library of Debian 12 (OpenEXRCore 3.1.5) decodes four half channels in reverse order and B44 wrongly, and
+ * refuses DWAA and DWAB. It writes a ZIP chunk wrongly if its compressed size is its raw size. The C++ library does
+ * none of that: tests/pictures_in.py holds its results against other programs, over all forms. */
 #ifndef ISO_EXR_CODEC_H
 #define ISO_EXR_CODEC_H
 

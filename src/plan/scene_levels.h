@@ -36,8 +36,9 @@ typedef struct iso_scene_level {
     double seconds; /* with looking */
 } iso_scene_level;
 
-/* A candidate replaces one before it in the enum only if its 1 - SSIM is less by this part of it, its RMSE is not more
- * by ISO_SCENE_RMSE_LOSS, and no view is farther by ISO_ADAPT_WORST_VIEW. Smaller differences are not significant. */
+/* A candidate replaces one before it in the enum under three conditions: its 1 - SSIM is less by this part of it, its
+ * RMSE is not more by ISO_SCENE_RMSE_LOSS, and no view is farther by ISO_ADAPT_WORST_VIEW. Smaller differences are not
+ * significant. */
 #define ISO_SCENE_LEVELS_GAIN 0.02
 #define ISO_SCENE_RMSE_LOSS 0.15
 iso_level_scalar iso_scene_level_choose(const iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT]);

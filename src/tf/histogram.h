@@ -21,8 +21,8 @@
  * Counts are integers, so the result does not depend on threads or slabs.
  *
  * For a 2D transfer function (tf_2d.h) each row of the histogram is divided into
- * ISO_TF_2D_ROWS bins of a second value, so that a homogeneous tissue and the
- * partial voxels of a thin structure that share a value s are counted apart. The bin is
+ * ISO_TF_2D_ROWS bins of a second value. A homogeneous tissue and the partial voxels
+ * of a thin structure may share a value s: they are counted apart. The bin is
  * (ISO_TF_2D_ROWS - 1) sqrt(q / (range / 2)), looked up like s, then rounded; q is
  *   deviation   standard deviation of the fine values in the coarse voxel, at most half the range
  *   gradient    magnitude of the level's central differences, in value per voxel,

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* rounding.h - bound of the difference between pictures of the same samples if textures are read in single precision.
  *
- * With s the extinction, g the color times the shade, L the radiance that arrives from beyond a point and T the
- * transmittance in front of it, a change of s and g changes a color by (render/image_bound.h)
+ * Let s be the extinction, g the color times the shade, L the radiance that arrives from beyond a point, and T the
+ * transmittance in front of it. A change of s and g changes a color by (render/image_bound.h)
  *
  *     dC = integral of T [ ds (g - L) + s dg ] dt,      |dC| <= integral of T ( |ds| G + s |dg| ) dt,   G >= g, L
  *
  * and the opacity by at most the integral of T |ds| dt. Single precision moves a sample by 2^-24 of the volume along
  * each axis, and its value by 4 x 2^-24 of the largest one. ds and dg are the differences of the scene's own lookups
  * there: the slope of the transfer function times that of the values, with tables' bends, 2D tables, extinction scales
- * and directions. The integral is that of an emitter, by the reference's midpoints: (1 - exp(-s dt)) / s >= dt exp(-s
- * dt), so that the sum bounds the change of the midpoints' sum to first order.
+ * and directions. The integral is that of an emitter, by the reference's midpoints. There
+ * (1 - exp(-s dt)) / s >= dt exp(-s dt), so the sum bounds the change of the midpoints' sum to first order.
  *
  * It excludes the rounding of gradients on the fly that are nearly zero. */
 #ifndef ISO_VALIDATE_ROUNDING_H

@@ -40,9 +40,7 @@ static double half_shortest_edge_mm(const iso_geometry *g)
     return 0.5 * shortest;
 }
 
-/* Each field below takes the normalized position p and gives its value in
- * [0, 1] and its gradient by p. */
-
+/* Each field from here on takes the normalized position p and gives its value in [0, 1] and its gradient by p. */
 static double ramp(iso_vec3 p, double extent, iso_vec3 *d)
 {
     /* Slopes differ by axis; scaled so that the whole box, `extent` half-edges

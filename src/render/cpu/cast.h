@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* cast.h - input of the CPU ray caster's packets of rays (cast_packet.h), made once per picture by caster.c.
  *
- * Scalar, codes and the other channels lie in bricks of 16^3 cells, each with the voxels of its cells' far faces, so
- * that the eight voxels of a cell are at fixed offsets from the first. A cell is the cube between eight voxel centers;
+ * Scalar, codes and the other channels lie in bricks of 16^3 cells. A brick has the voxels of its cells' far faces,
+ * too, so the eight voxels of a cell are at fixed offsets from the first. A cell is the cube between eight voxel centers;
  * the grid has one more voxel at each end, a copy of the outermost, so that clamping at the edge needs no test:
  *
  *     voxel    -1     0     1            N-1    N
