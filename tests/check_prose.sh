@@ -35,6 +35,6 @@ plant a_long_line "long line of C" "$(for _ in {1..200}; do echo "$long"; done)"
 plant a_detached_comment "detached comment" $'\n\n\n/* Returns the row of a file. */\n\nint row(void);'
 rm -rf bad && mkdir -p bad/src && printf 'const char *m = "%%s: is what is written there, and has no end";\n' >bad/src/a.c
 check a_message_is_read_too is_found "what for a noun"
-rm -rf bad && mkdir -p bad/doc && echo 'The rows behind the table are of the first file.' >bad/doc/a.md
+rm -rf bad && mkdir bad && echo 'The rows behind the table are of the first file.' >bad/a.md
 check a_page_is_read_too is_found "behind, beside"
 exit $failed
