@@ -32,7 +32,7 @@ typedef struct iso_bigfile_tail {
     size_t end;                                 /* bytes of the file so far */
     unsigned char bytes[ISO_BIGFILE_ALIGNMENT]; /* the last end % ISO_BIGFILE_ALIGNMENT of them */
 } iso_bigfile_tail;
-/* The tail so far. To be called only after open, go_on or flush. */
+/* Returns the tail so far. Call it only after open, go_on or flush. */
 void iso_bigfile_get_tail(const iso_bigfile *file, iso_bigfile_tail *tail);
 /* Changes the tail to its state after writing `bytes` more bytes, at data. */
 void iso_bigfile_tail_after(iso_bigfile_tail *tail, const void *data, size_t bytes);

@@ -22,7 +22,8 @@ static bool is_named(int fd, const char *folder)
            opened.st_dev == named.st_dev;
 }
 
-/* cause is ESTALE if the name meant another folder when the lock was there. */
+/* Tries to lock a folder, which it creates first if `make`. cause is ESTALE if the name meant another folder once it
+ * was locked. */
 static iso_folder_lock try_lock(const char *folder, bool make)
 {
     iso_folder_lock lock = {.fd = -1, .made = make && mkdir(folder, 0777) == 0};

@@ -47,7 +47,7 @@ bool iso_output_is_own(const char *const *own, const char *name);
 /* Replaces the temporary name in an error message by the final one, which the user gave. */
 void iso_output_rename_in(const char *temp_path, const char *final_path, iso_error *err);
 
-/* The same for all temporaries of iso_output_begin() and iso_output_begin_dir(). main() calls it. */
+/* Replaces in it the names of all temporaries of iso_output_begin() and iso_output_begin_dir(). main() calls it. */
 void iso_output_rename_all_in(iso_error *err);
 
 /* Removes the command's own files from a directory of iso_output_resume_dir(). */
@@ -67,7 +67,7 @@ iso_status iso_output_commit_locked(iso_output *out, int *lock, iso_error *err);
 /* Removes the temporary. Safe after commit, on an empty struct and on NULL. */
 void iso_output_abandon(iso_output *out);
 
-/* As abandon, but keeps the temporary, so that the work can be resumed. */
+/* Abandons, but keeps the temporary, so that the work can be resumed. */
 void iso_output_keep(iso_output *out);
 
 /* Closes a stream of open_memstream(), which may be NULL. Not 0 if a write found no memory; the buffer is then not
@@ -91,11 +91,11 @@ typedef struct iso_folder_lock {
  * started may hold its lock until they end. */
 iso_folder_lock iso_folder_lock_take(const char *folder, bool make);
 
-/* "dir/name", to be freed. NULL only when memory ends. */
+/* Returns "dir/name", to be freed. NULL only when memory ends. */
 char *iso_path_join(const char *dir, const char *name);
-/* The folder of path, "." when it has none; to be freed. */
+/* Returns the folder of path, "." when it has none; to be freed. */
 char *iso_path_dir(const char *path);
-/* The last part of path without its folder; points into path. */
+/* Returns the last part of path without its folder; points into path. */
 const char *iso_path_base(const char *path);
 bool iso_path_exists(const char *path);
 bool iso_path_is_dir(const char *path);

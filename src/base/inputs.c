@@ -37,7 +37,8 @@ static int compare(uint64_t a, uint64_t b)
     return (a > b) - (a < b);
 }
 
-/* The time of birth, if the file system keeps it: an inode's number goes to another file when its own is removed. */
+/* Compares by inode, device and, if the file system keeps it, time of birth: a removed file's inode number is
+ * reused. */
 static int compare_files(const struct statx *x, const struct statx *y)
 {
     int order = compare(x->stx_ino, y->stx_ino);
@@ -116,7 +117,7 @@ static iso_status check_folders(const char *output, iso_error *err)
               : ISO_OK;
 }
 
-/* is_input: path is one, else an output. */
+/* Records path as an input or as an output. ISO_E_USAGE if it is both. */
 static iso_status take(const char *path, bool is_input, iso_error *err)
 {
     known file;

@@ -23,14 +23,14 @@ void iso_inputs_watch(void);
  * left to their reader to refuse. */
 iso_status iso_inputs_note(const char *path, iso_error *err);
 
-/* A folder that is about to be read as one thing. ISO_E_USAGE: an output that was announced stands in it. */
+/* Notes a folder that is about to be read as one thing. ISO_E_USAGE: it holds an announced output. */
 iso_status iso_inputs_note_folder(const char *path, iso_error *err);
 
 /* Announces an output that will be written. ISO_E_USAGE: it is an input. A file that does not exist yet is an input
  * only in such a folder. */
 iso_status iso_inputs_announce(const char *output, iso_error *err);
 
-/* The same for one that is written now. */
+/* Checks an output that is written now by the same rules, without recording it. */
 iso_status iso_inputs_check(const char *output, iso_error *err);
 
 /* Calls visit for each file and folder that was noted, in the order of their names, until one fails. */

@@ -40,8 +40,8 @@ iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
     return status;
 }
 
-/* Computed values are off by some last places: 6.5 stands for 6.500000000000001. For values that are floats a float is
- * enough: 0.1f stays short. */
+/* True if a number reads back as the value. Computed values are off by some last places: 6.5 stands for
+ * 6.500000000000001. For values that are floats a float is enough: 0.1f stays short. */
 static bool comes_back(const char *number, double value)
 {
     return fabs(strtod(number, NULL) - value) <= 4 * DBL_EPSILON * fabs(value) ||

@@ -13,7 +13,7 @@
 
 #include "base/status.h"
 
-/* The object that a text is; path is the file that messages name. ISO_E_FORMAT with line and column. */
+/* Returns the object that a text describes; messages name the file `path`. ISO_E_FORMAT with line and column. */
 iso_status iso_json_parse(const char *path, const char *text, size_t size, json_t **root, iso_error *err);
 /* Loads an object. ISO_E_IO, or ISO_E_FORMAT with line and column. */
 iso_status iso_json_load(const char *path, json_t **root, iso_error *err);
@@ -46,9 +46,9 @@ typedef struct iso_json_list {
 void iso_json_get_numbers(iso_json_reader *r, const json_t *object, const char *key, bool required,
                           const iso_json_list *list);
 void iso_json_get_bool(iso_json_reader *r, const json_t *object, const char *key, bool required, bool *value);
-/* The string is borrowed from the object. */
+/* Reads a string, which the object keeps. */
 void iso_json_get_string(iso_json_reader *r, const json_t *object, const char *key, bool required, const char **value);
-/* A word of a NULL-terminated list; *index is its place. */
+/* Reads a word of a NULL-terminated list; *index is its place. */
 void iso_json_get_word(iso_json_reader *r, const json_t *object, const char *key, bool required,
                        const char *const words[], int *index);
 /* Objects and arrays, borrowed; NULL when absent and not required. */
@@ -60,9 +60,9 @@ void iso_json_check_texts(iso_json_reader *r, const char *key, const json_t *val
 /* Refuses keys that are not in the NULL-terminated list: a misspelt option must not be ignored. */
 void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[]);
 
-/* null for NaN and infinities, which JSON has no word for. */
+/* Returns a number, or null for NaN and infinities, which JSON cannot hold. */
 json_t *iso_json_number(double value);
-/* [a, b, c] */
+/* Returns the list [a, b, c]. */
 json_t *iso_json_numbers(const double *values, size_t count);
 
 #endif

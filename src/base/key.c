@@ -122,7 +122,7 @@ static bool hash_samples(XXH3_state_t *state, int fd, const struct stat *st)
     return good;
 }
 
-/* whole_left: bytes of files that may still be hashed whole. */
+/* Hashes a file. *whole_left: bytes of files that may still be hashed whole. */
 static iso_status hash_file(XXH3_state_t *state, const char *path, size_t *whole_left, iso_error *err)
 {
     struct stat st;
@@ -244,7 +244,7 @@ static struct {
     uint64_t hash;
 } program = {.once = PTHREAD_ONCE_INIT};
 
-/* Whole: a version or a build id may stay while the file changes. */
+/* Hashes the program and its helpers whole: a version or a build id may stay while the file changes. */
 static void hash_program(void)
 {
     static const char *const names[] = {"isoshade-itk", "isoshade-arrays", "isoshade-vdb", "isoshade_openvdb.so"};

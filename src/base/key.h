@@ -26,24 +26,25 @@
 
 typedef struct iso_key iso_key;
 
-/* NULL: no memory. */
+/* Returns a key without parts. NULL: no memory. */
 iso_key *iso_key_create(void);
 void iso_key_destroy(iso_key *key); /* accepts NULL */
 
-/* A part that is there already gets the new value. */
+/* Adds a part, or gives an existing part the new value. */
 void iso_key_add(iso_key *key, const char *part, const void *value, size_t bytes);
 void iso_key_add_text(iso_key *key, const char *part, const char *text);
-/* All parts of another key. */
+/* Adds all parts of another key. */
 void iso_key_add_all(iso_key *key, const iso_key *other);
 
-/* The inputs, the program and the environment. Call it after all inputs were opened. ISO_E_IO: one cannot be read. */
+/* Adds the inputs, the program and the environment. Call it after all inputs were opened. ISO_E_IO: one cannot be
+ * read. */
 iso_status iso_key_add_surroundings(iso_key *key, iso_error *err);
 
-/* A file that a renderer depends on: a program as iso_process_find() takes it, a path, or "~/FILE" in the home folder.
- * One that is not there is a part, too. Links are followed; a file that is replaced or rewritten has another hash. */
+/* Adds a file that a renderer depends on: a program as iso_process_find() takes it, a path, or "~/FILE" in the home
+ * folder. A missing file is a part, too. Links are followed; a file that is replaced or rewritten has another hash. */
 iso_status iso_key_add_dependency(iso_key *key, const char *name, iso_error *err);
 
-/* All parts, as a new object. NULL: memory ended, here or in an earlier call. */
+/* Returns all parts, as a new object. NULL: memory ended, here or in an earlier call. */
 json_t *iso_key_to_json(const iso_key *key);
 
 /* Hash of all parts. False: as above. */

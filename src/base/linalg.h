@@ -47,7 +47,7 @@ static inline iso_vec3 iso_cross(iso_vec3 a, iso_vec3 b)
 {
     return iso_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
-/* Zero stays zero. */
+/* Scales a vector to length 1. Zero stays zero. */
 static inline iso_vec3 iso_normalize(iso_vec3 a)
 {
     double n = iso_norm(a);
@@ -82,7 +82,7 @@ static inline double iso_mat3_det(iso_mat3 a)
 {
     return iso_dot(iso_column(a, 0), iso_cross(iso_column(a, 1), iso_column(a, 2)));
 }
-/* The caller has checked that the determinant is not zero. */
+/* Returns the inverse. The caller has checked that the determinant is not zero. */
 static inline iso_mat3 iso_mat3_inverse(iso_mat3 a)
 {
     iso_vec3 c0 = iso_column(a, 0), c1 = iso_column(a, 1), c2 = iso_column(a, 2);

@@ -85,7 +85,7 @@ static iso_status walk_entry(const char *folder, const char *name, visitor *visi
     return status;
 }
 
-/* below: a path in folder; "": folder itself. */
+/* Visits the entries of a folder. below: a path in folder; "": folder itself. */
 static iso_status walk_below(const char *folder, const char *below, visitor *visit, void *user, iso_error *err)
 {
     struct dirent **entries = NULL;
@@ -202,7 +202,7 @@ typedef struct listed {
     struct timespec written;
 } listed;
 
-/* Of a text that begins with a line feed: is there this line, which ends with one? */
+/* True if a text that begins with a line feed has this line, which ends with one. */
 static bool has_line(const char *text, const char *line)
 {
     for (const char *at = strstr(text, line); at; at = strstr(at + 1, line))

@@ -6,8 +6,8 @@
 #include <jansson.h>
 #include <stdio.h>
 
-/* The text with & < > " ' as entities, and spaces for control characters other than line feeds and tabs, which XML has
- * not. NULL writes nothing. */
+/* Writes the text with & < > " ' as entities. Control characters that XML lacks, all but line feeds and tabs, become
+ * spaces. NULL writes nothing. */
 void iso_markup_put(FILE *f, const char *text);
 
 /* Writes JSON inside <script>: "<" becomes an escape, so that no text ends the element. Numbers are those of files. */

@@ -53,7 +53,7 @@ const char *iso_names_name(const iso_names *names, size_t row);
 /* Returns a row's summary. NULL if the table has none. */
 const char *iso_names_summary(const iso_names *names, size_t row);
 
-/* The row that is called `name`. ISO_E_USAGE: unknown WHAT "NAME", must be one of: all names. */
+/* Finds the row that is called `name`. ISO_E_USAGE: unknown WHAT "NAME", must be one of: all names. */
 iso_status iso_names_find(const iso_names *names, const char *name, size_t *row, iso_error *err);
 
 /* Writes "a, b or c" into text, which it returns, cut if it does not fit. last: "or"; NULL for "a, b, c". */

@@ -17,7 +17,8 @@
 #include "base/temporary.h"
 #include "base/unfinished.h"
 
-/* path without slashes at its end. A link is followed: the file or folder that it names is replaced, the link stays. */
+/* Returns path without slashes at its end. A link is followed: the file or folder that it names is replaced, the link
+ * stays. */
 static iso_status find_target(const char *path, char **target, iso_error *err)
 {
     struct stat st;
@@ -105,8 +106,8 @@ static bool has_marker(const char *folder, const char *marker)
     return found;
 }
 
-/* Who looks at a finished folder, or replaces it, holds its lock: nobody else puts another in its place meanwhile. fd
- * is below 0 without an error if nothing, or no folder, has the name. */
+/* Locks the finished folder while it is checked or replaced, so that no other process replaces it meanwhile. fd is
+ * below 0 without an error if no folder has the name. */
 static iso_status lock_final(const char *final_path, iso_folder_lock *lock, iso_error *err)
 {
     *lock = iso_folder_lock_take(final_path, false);
@@ -172,7 +173,7 @@ bool iso_output_is_own(const char *const *own, const char *name)
     return fnmatch(".isoshade-*", name, 0) == 0;
 }
 
-/* The descriptor is the output's lock. To be closed. */
+/* Opens the partial folder for listing. Its descriptor is the output's lock. To be closed. */
 static DIR *list_partial(const iso_output *out)
 {
     const int fd = openat(out->lock - 1, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -235,7 +236,7 @@ static iso_status lock_partial(iso_output *out, const char *path, bool *is_new, 
     return lock.made ? ISO_OK : check_own(out, path, err);
 }
 
-/* Instead of the temporary's name, which is not known beforehand. */
+/* Replaces the temporary's name, which is not known beforehand, by the partial name. */
 static iso_status name_partial(iso_output *out, const char *path, iso_error *err)
 {
     char *dir = iso_path_dir(out->final_path), *temp = NULL;
@@ -342,7 +343,8 @@ static void flush_folder_of(const char *path)
     free(dir);
 }
 
-/* The finished folder has its name. The partial name is free for other runs, so we no longer clean it up. */
+/* Forgets the temporary once it has its final name. The partial name is then free for other runs, so we no longer clean
+ * it up. */
 static void forget_temporary(iso_output *out)
 {
     iso_unfinished_drop(out->temp_path);
@@ -350,8 +352,8 @@ static void forget_temporary(iso_output *out)
     out->temp_path = NULL;
 }
 
-/* The replaced folder has the temporary's name. The name of a partial one is known to others, who may take it as soon
- * as that folder is gone: it is removed under a name of our own. */
+/* Gives the replaced folder, which has the temporary's name, a name of our own until it is removed. Other runs know a
+ * partial name, and may take it as soon as that folder is gone. */
 static void move_replaced_aside(iso_output *out)
 {
     char *dir = iso_path_dir(out->final_path),
@@ -366,8 +368,8 @@ static void move_replaced_aside(iso_output *out)
         free(aside);
 }
 
-/* A finished folder has the name already, locked: it is looked at again, since a person may have put something there in
- * the meantime. *done stays false if others have replaced or removed it. */
+/* Replaces a finished folder that has the name already. It is locked and checked again, since a person may have added
+ * something in the meantime. *done stays false if another process has replaced or removed it. */
 static iso_status replace(iso_output *out, bool *done, iso_error *err)
 {
     iso_folder_lock lock;
@@ -385,8 +387,8 @@ static iso_status replace(iso_output *out, bool *done, iso_error *err)
     return status;
 }
 
-/* A directory takes the place of an empty one by a rename, of a full one only by an exchange. Others may put theirs
- * there at any time. */
+/* Renames the temporary into place. A directory replaces an empty one by a rename, a full one only by an exchange.
+ * Other processes may put theirs there at any time. */
 static iso_status put_in_place(iso_output *out, iso_error *err)
 {
     enum { TRIES = 1000 };

@@ -7,22 +7,22 @@
 
 #include <stdbool.h>
 
-/* wanted > 0: that many; 0: as many as OpenMP offers (all cores, or OMP_NUM_THREADS). */
+/* Returns the number of threads: `wanted`, or as many as OpenMP offers (all cores, or OMP_NUM_THREADS) if it is 0. */
 int iso_threads(int wanted);
 
-/* The number of the calling thread within its parallel region, from 0. */
+/* Returns the number of the calling thread within its parallel region, from 0. */
 int iso_thread_index(void);
 
-/* Whether the calling thread is one of several already: loops that it begins have one thread. */
+/* True if the calling thread is one of several already: loops that it begins have one thread. */
 bool iso_is_in_parallel(void);
 
-/* Wall clock in seconds, for benchmarks and reports. */
+/* Returns wall clock time in seconds, for benchmarks and reports. */
 double iso_clock_seconds(void);
 
-/* Processor time of this process, summed over its threads, in seconds. */
+/* Returns the processor time of this process, summed over its threads, in seconds. */
 double iso_cpu_seconds(void);
 
-/* Peak resident memory of this process in bytes. */
+/* Returns the peak resident memory of this process in bytes. */
 double iso_peak_rss_bytes(void);
 
 #endif

@@ -137,7 +137,7 @@ bool iso_process_was_stopped(void)
     return was_stopped != 0;
 }
 
-/* Signals that are ignored (nohup) or handled by others stay so. */
+/* Watches stop_signals. Those that are ignored (nohup) or handled by other code stay so. */
 static void watch_signals(void)
 {
     const struct sigaction watch = {.sa_handler = note_signal};
@@ -216,13 +216,15 @@ static void close_both(const int fds[2])
             close(fds[i]);
 }
 
-/* ENOENT for an existing file: the file's interpreter, or another file that it names, is missing. */
+/* Returns the status for errno. ENOENT for an existing file: its interpreter, or another file that it names, is
+ * missing. */
 static iso_status failure(void)
 {
     return errno == ENOMEM ? ISO_E_MEMORY : errno == ENOENT ? ISO_E_MISSING : errno == EIO ? ISO_E_IO : ISO_E_PROGRAM;
 }
 
-/* talks: it accepts lines. A socket, since writing to a pipe without a reader would end this process. */
+/* Starts a program. talks: it accepts lines, by a socket, since writing to a pipe without a reader would end this
+ * process. */
 static iso_status begin_in(const char *const argv[], const char *directory, const iso_sandbox *box, bool talks,
                            iso_process *p, iso_error *err)
 {
@@ -415,8 +417,7 @@ void iso_process_say(iso_process *p, const char *line)
         }
 }
 
-/* Signals are watched while there is something to wait for. In between they end this process, and the program with
- * it. */
+/* Watches signals only while it waits. In between they end this process, and the program with it. */
 iso_status iso_process_listen(iso_process *p, const char *until, const iso_process_options *options, bool *ended,
                               iso_error *err)
 {

@@ -41,7 +41,7 @@ typedef struct iso_process_options {
 void iso_process_set_limit(double seconds);
 /* Returns the smaller of this limit and the caller's own, 0 being none. Infinite if there is neither. */
 double iso_process_limit(double own_seconds);
-/* No program goes on longer than that, by iso_clock_seconds(); 0: without end, as at the start. */
+/* Sets the time, by iso_clock_seconds(), at which every program is ended; 0, as at the start: never. */
 void iso_process_set_deadline(double clock_seconds);
 
 /* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is captured. On a non-zero exit, a signal or

@@ -59,14 +59,14 @@ void iso_progress_text(char *text, size_t size, const char *command, const char 
         text[cut(text, columns)] = 0;
 }
 
-/* Asked each time: a window that changes its size needs no signal. */
+/* Returns the width of the terminal. It is asked each time, so a window that changes its size needs no signal. */
 static size_t terminal_columns(void)
 {
     struct winsize size;
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
 }
 
-/* The caller holds the lock, except in functions of the header. */
+/* Clears the line. The caller holds the lock, except in functions of the header. */
 static void wipe(iso_progress_line *line)
 {
     if (line->shown)
@@ -102,7 +102,7 @@ static void *tick(void *user)
     return NULL;
 }
 
-/* Signals are for the threads that work. */
+/* Starts the ticker with signals blocked: they are for the threads that work. */
 static void start_ticker(iso_progress_line *line)
 {
     sigset_t all, before;
@@ -129,7 +129,7 @@ static void set_done(iso_progress_line *line, double done)
     line->fraction = all > 0 ? fmax(line->fraction, sum / all) : line->done;
 }
 
-/* Steps before the named one are over. A name that is not a later step leaves the total unchanged. */
+/* Ends the steps before the named one. A name that is not a later step leaves the total unchanged. */
 static void go_on(iso_progress_line *line, const char *name, double fraction)
 {
     size_t i = line->current;

@@ -108,7 +108,7 @@ static const char *end_of_word(const char *word)
     return word;
 }
 
-/* A word without its quotes, in its own place. */
+/* Removes a word's quotes, in place. */
 static void unquote(char *word)
 {
     char *to = word;

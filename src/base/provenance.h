@@ -15,11 +15,11 @@ typedef enum iso_provenance {
     ISO_PROVENANCE_NONE,  /* neither */
 } iso_provenance;
 
-/* Of this process: set once, before anything is written. At the start it is ISO_PROVENANCE_NAMES. */
+/* Sets what outputs keep, once per process, before anything is written. At the start it is ISO_PROVENANCE_NAMES. */
 void iso_provenance_set(iso_provenance kept);
 iso_provenance iso_provenance_kept(void);
 
-/* How an output names the file at path, which may be NULL: a part of path, or "". */
+/* Returns how an output names the file at path, which may be NULL: a part of path, or "". */
 const char *iso_provenance_name(const char *path);
 
 /* Returns the title of the volume at path in outputs: its last name, or "a volume". */
@@ -34,11 +34,11 @@ char *iso_provenance_scene(const char *path, size_t number);
  * iso_provenance_name(), also in "--option=path". A quotient such as 1/255 is not a path. */
 void iso_provenance_put_word(FILE *f, const char *word);
 
-/* A command line that iso_words_put_quoted() and spaces made, as an output has it; to be freed. NULL: out of memory. */
+/* Returns a command line of iso_words_put_quoted() and spaces as outputs show it; to be freed. NULL: out of memory. */
 char *iso_provenance_line(const char *line);
 
-/* Words of another program or of an error, as an output has them: absolute paths in the text, which may not hold
- * spaces, lose their folders, in place; not where whole paths are kept. Returns text. */
+/* Shortens words of another program or of an error for outputs, in place: absolute paths without spaces lose their
+ * folders, unless whole paths are kept. Returns text. */
 char *iso_provenance_shorten(char *text);
 
 #endif

@@ -19,19 +19,19 @@ static inline uint64_t iso_random_next(iso_random *r)
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return z ^ (z >> 31);
 }
-/* In [0, 1). */
+/* Returns a number in [0, 1). */
 static inline double iso_random_unit(iso_random *r)
 {
     return (double)(iso_random_next(r) >> 11) * 0x1p-53;
 }
-/* In [0, n), n > 0. */
+/* Returns a number in [0, n), n > 0. */
 static inline size_t iso_random_below(iso_random *r, size_t n)
 {
     return (size_t)(iso_random_unit(r) * (double)n);
 }
 
-/* In [0, 1), by Xorshift64 [marsaglia-2003], which the recorded figures of the direction codes were made with. *state
- * is the seed, not 0. */
+/* Returns a number in [0, 1), by Xorshift64 [marsaglia-2003], with which the recorded figures of the direction codes
+ * were made. *state is the seed, not 0. */
 static inline double iso_xorshift_unit(uint64_t *state)
 {
     *state ^= *state << 13, *state ^= *state >> 7, *state ^= *state << 17;

@@ -16,7 +16,8 @@ struct iso_ranks {
     int index, count;
 };
 
-/* Of Open MPI; of MPICH, Slurm and others with a PMI. */
+/* Reads a number from the environment of Open MPI, or of MPICH, Slurm and others with a PMI. `missing`: it is in
+ * neither. */
 static int from_environment(const char *open_mpi, const char *pmi, int missing)
 {
     const char *text = getenv(open_mpi);
@@ -30,7 +31,7 @@ int iso_ranks_is_other(void)
     return from_environment("OMPI_COMM_WORLD_RANK", "PMI_RANK", 0) > 0;
 }
 
-/* MPI's own libraries need its symbols. */
+/* Loads isoshade_mpi.so, with its symbols visible to MPI's own libraries. */
 static void *load_library(iso_error *err)
 {
     char *path = iso_helper_find("isoshade_mpi.so");

@@ -14,8 +14,8 @@
 
 typedef struct iso_ranks iso_ranks;
 
-/* *ranks is NULL when mpirun did not start the program. ISO_E_MISSING when it did and isoshade_mpi.so cannot be
- * loaded. */
+/* Opens the job. *ranks is NULL if mpirun did not start the program. ISO_E_MISSING if it did and isoshade_mpi.so cannot
+ * be loaded. */
 iso_status iso_ranks_open(iso_ranks **ranks, iso_error *err);
 void iso_ranks_close(iso_ranks *ranks); /* waits for the others; accepts NULL */
 
@@ -28,7 +28,7 @@ int iso_ranks_is_other(void);
 iso_status iso_ranks_agree(iso_ranks *ranks, iso_status status, iso_error *err);
 /* Copies the data of rank 0 to all ranks. */
 void iso_ranks_broadcast(iso_ranks *ranks, void *data, size_t bytes);
-/* Each value becomes the largest of all ranks' values. */
+/* Replaces each value by the largest of all ranks' values. */
 void iso_ranks_largest(iso_ranks *ranks, double *values, size_t count);
 /* Copies the data and returns; one message at a time to each rank. */
 void iso_ranks_send(iso_ranks *ranks, int to, const void *data, size_t bytes);

@@ -45,7 +45,7 @@ typedef struct __attribute__((packed)) path_rule {
     int32_t folder;
 } path_rule;
 
-/* 0: the kernel has no Landlock, or it is switched off. */
+/* Returns Landlock's version; 0: the kernel has none, or it is switched off. */
 static int landlock_version(void)
 {
     const long version = syscall(LANDLOCK_CREATE, NULL, 0, ASK_VERSION);
@@ -59,7 +59,7 @@ static uint64_t handled(int version)
            (version >= 5 ? DEVICE_CONTROLS : 0);
 }
 
-/* false: it is not there, or no rule can be made. */
+/* Allows rights in a path. False: it is missing, or no rule can be made. */
 static bool allow(int rules, const char *path, uint64_t rights)
 {
     struct stat st;
@@ -81,7 +81,7 @@ static void allow_in_home(int rules, const char *name, uint64_t rights)
         allow(rules, path, rights);
 }
 
-/* Those of them that this machine has. */
+/* Allows those devices and caches that this machine has. */
 static void allow_devices(int rules, uint64_t rights)
 {
     static const char *const devices[] = {"/dev/dri", "/dev/shm", "/dev/kfd", "/dev/udmabuf", "/var/tmp"};
@@ -147,8 +147,8 @@ static bool take_filter(const struct sock_filter *filter, size_t count)
     return syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, 0, &program) == 0;
 }
 
-/* A pair of sockets is connected with each other, and stays allowed if it is a stream. A pair of datagrams may send
- * to any other socket of this machine that has a path. */
+/* Refuses sockets. A pair of sockets is connected with each other, and stays allowed if it is a stream. A pair of
+ * datagrams may send to any other socket of this machine that has a path. */
 static bool refuse_sockets(bool but_of_this_machine)
 {
     /* The bits of a pair's kind to test, and their required values: a program with such sockets may have such pairs. */
@@ -212,7 +212,7 @@ static size_t put_refusals(const uint16_t *calls, size_t count, struct sock_filt
     return 2 * count;
 }
 
-/* Landlock does not look at these. */
+/* Refuses calls that change attributes, which Landlock does not check. */
 static bool refuse_attributes(void)
 {
     enum { HERE = COUNT(attribute_calls), OF_32_BITS = COUNT(attribute_calls_of_32_bits) };
@@ -335,7 +335,7 @@ static char **make_environment(const iso_sandbox_wish *wish, const char *folder,
     return all;
 }
 
-/* Who has no folder of its own keeps names that point to folders. */
+/* Sets the program's environment. Without a folder of its own, names that point to folders stay. */
 static iso_status set_environment(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err)
 {
     if (!folder && !wish->first_in_path && !wish->without)

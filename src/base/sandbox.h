@@ -50,11 +50,12 @@ typedef struct iso_sandbox {
 iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err);
 void iso_sandbox_release(iso_sandbox *box);
 
-/* By the process that becomes the program; makes system calls alone. false: a part that the kernel has was refused. */
+/* Enters the sandbox in the process that becomes the program; makes system calls alone. False: a part that the kernel
+ * has was refused. */
 bool iso_sandbox_enter(const iso_sandbox *box);
 
-/* false: programs are started as if all wishes were ISO_SANDBOX_NONE; so do programs of isoshade that these start. At
- * the start it is true unless the environment variable ISOSHADE_SANDBOX is "off". */
+/* Switches sandboxes on or off. Off: programs start as if all wishes were ISO_SANDBOX_NONE, and so do programs of
+ * isoshade that they start. At the start it is on unless the environment variable ISOSHADE_SANDBOX is "off". */
 void iso_sandbox_set(bool on);
 bool iso_sandbox_is_on(void);
 

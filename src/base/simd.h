@@ -21,7 +21,7 @@
 #define ISO_SIMD
 #endif
 
-/* memcpy past the caches, for results that are not read again soon. */
+/* Copies as memcpy does, past the caches, for results that are not read again soon. */
 void iso_copy_streaming(void *restrict to, const void *restrict from, size_t bytes);
 
 #endif

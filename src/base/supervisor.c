@@ -50,7 +50,7 @@ typedef struct order {
     sigset_t mask; /* the caller's */
 } order;
 
-/* The program itself. */
+/* Becomes the program. */
 static void run_program(const order *o)
 {
     setpgid(0, 0);
@@ -72,8 +72,8 @@ static void run_program(const order *o)
     give_up(o->told);
 }
 
-/* SIGKILL for each child that the kernel lists, in decimal numbers with spaces between them. false: it does not list
- * all. */
+/* Sends SIGKILL to each child that the kernel lists, in decimal numbers with spaces between them. False: it does not
+ * list all. */
 static bool kill_children(void)
 {
     const int list = open("/proc/thread-self/children", O_RDONLY);
@@ -95,7 +95,8 @@ static bool kill_children(void)
     return n == 0;
 }
 
-/* Until nothing is left: who loses its parent becomes our child, and may have started others in the meantime. */
+/* Ends all processes until none is left: one that loses its parent becomes our child, and may have started others in
+ * the meantime. */
 static void end_all(pid_t program, int *result)
 {
     for (;;) {

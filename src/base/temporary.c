@@ -33,8 +33,8 @@ static struct {
     char mine[80]; /* "isoshade-HOST-PID-START-" */
 } identity = {.once = PTHREAD_ONCE_INIT};
 
-/* When a process began, in ticks since the boot: the 22nd word of /proc/PID/stat; 0: not known. The second word is a
- * program's name in parentheses, which may hold spaces and parentheses itself. */
+/* Returns when a process began, in ticks since the boot: the 22nd word of /proc/PID/stat; 0: not known. The second word
+ * is a program's name in parentheses, which may hold spaces and parentheses itself. */
 static unsigned long long start_of(long pid)
 {
     char path[64], text[1024];
@@ -168,7 +168,8 @@ static bool is_dead(long pid, unsigned long long start)
     return start != 0 && now != 0 && now != start;
 }
 
-/* Other users' entries in a shared folder are left alone: they may change while we remove them. */
+/* Removes an entry of a dead process. Other users' entries in a shared folder stay: they may change while we remove
+ * them. */
 static void sweep_entry(const char *dir, const char *name)
 {
     const char *mark = name + (name[0] == '.');

@@ -12,16 +12,16 @@
 
 #include "base/status.h"
 
-/* "DIR/.isoshade-...-NAME", to be freed; nothing has that name yet. The end of a long NAME is kept, since libraries
- * choose a format by it. NULL only when memory ends. */
+/* Returns "DIR/.isoshade-...-NAME", to be freed; nothing has that name yet. The end of a long NAME is kept, since
+ * libraries choose a format by it. NULL only when memory ends. */
 char *iso_temporary_path(const char *dir, const char *name);
 
 /* Removes temporaries that dead processes of this machine and user left in dir, of outputs and of $TMPDIR. Once per
  * folder and process. */
 void iso_temporary_sweep(const char *dir);
 
-/* A fresh private directory under $TMPDIR or /tmp, by its whole path, since programs run elsewhere; the caller frees
- * the path and removes the tree. NULL when none can be made. */
+/* Makes a private directory under $TMPDIR or /tmp. Returns its whole path, since programs run elsewhere; the caller
+ * frees the path and removes the tree. NULL when none can be made. */
 char *iso_make_temp_dir(void);
 
 /* Fails with the folders that were tried and the cause, by errno, if no temporary folder can be made. */

@@ -114,7 +114,7 @@ static void say_last_words(int number)
     }
 }
 
-/* The signal comes again when the handler returns, and then ends the process. */
+/* Removes unfinished files and raises the signal again, which ends the process when the handler returns. */
 static void end_by(int number)
 {
     const int cause = errno;

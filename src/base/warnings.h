@@ -7,7 +7,7 @@
 
 typedef void iso_warning_print(const char *text);
 
-/* Before threads start. */
+/* Sets the function that prints warnings. Call it before threads start. */
 void iso_warnings_print_by(iso_warning_print *print);
 /* Prints a text the first time that it is given: an input may be opened several times. Threads may warn at once. */
 void iso_warn(const char *text);

@@ -78,7 +78,7 @@ void iso_words_put_quoted(FILE *f, const char *word)
     fputc('\'', f);
 }
 
-/* One or three values separated by x. */
+/* Reads one or three values separated by x. Returns 0, or -1 if the text is neither. */
 static int split_three(const char *text, double out[3])
 {
     int count = 0;

@@ -40,17 +40,17 @@ void iso_guess_try(iso_guess *guess, const char *word, const char *name);
 /* Writes " (did you mean NAME?)" with the prefix before the name, or "" without a guess. Returns text. */
 const char *iso_guess_text(const iso_guess *guess, const char *prefix, char text[80]);
 
-/* "" for one, otherwise "s": the ending of a plural. */
+/* Returns the ending of a plural: "" for one, otherwise "s". */
 const char *iso_words_plural(size_t count);
 
-/* "40x56x33", "1x1x2.5", or one number for all three. ISO_E_USAGE with the text. */
+/* Reads "40x56x33", "1x1x2.5", or one number for all three. ISO_E_USAGE with the text. */
 iso_status iso_words_parse_sizes(const char *text, const char *option, size_t out[3], iso_error *err);
 iso_status iso_words_parse_numbers(const char *text, const char *option, double out[3], iso_error *err);
-/* A number, or a quotient such as "1/255"; *end as strtod has it. */
+/* Reads a number, or a quotient such as "1/255"; *end as strtod has it. */
 double iso_words_read_quotient(const char *text, char **end);
-/* An image error, "1/255" or "0.004": above 0, at most 1. ISO_E_USAGE with the text. */
+/* Reads an image error, "1/255" or "0.004": above 0, at most 1. ISO_E_USAGE with the text. */
 iso_status iso_words_parse_error(const char *option, const char *text, double *error, iso_error *err);
-/* ISO_E_USAGE "--option is VALUE, must be LO to HI". NaN fails. */
+/* Checks that a value is in [lo, hi]. ISO_E_USAGE "--option is VALUE, must be LO to HI". NaN fails. */
 iso_status iso_words_check_range(const char *option, double value, double lo, double hi, iso_error *err);
 
 #endif

@@ -26,7 +26,7 @@ typedef struct iso_work_total {
 } iso_work_total;
 iso_work_total iso_work_sum(void);
 
-/* A new object, "work" of doc/reference/files-report.md. */
+/* Returns a new object, "work" of doc/reference/files-report.md. */
 json_t *iso_work_to_json(void);
 
 #endif

@@ -192,7 +192,7 @@ static bool takes_part(const iso_validation *v, size_t i, bool programs)
            !(v->variant[0] && iso_renderer_has(renderer, ISO_IS_OF_PICTURES));
 }
 
-/* Every wanted renderer whose samples are known, but for programs where only those of this process are asked. */
+/* Compares every wanted renderer whose samples are known. programs: false leaves out renderers outside this process. */
 static iso_status lock_steps(iso_validation *v, size_t level, bool programs, iso_error *err)
 {
     iso_status status = ISO_OK;

@@ -23,7 +23,7 @@ static void keep_limit(const iso_validation *v, size_t level, const iso_renderer
     snprintf(kept->about.options, sizeof kept->about.options, "%s", with->options);
 }
 
-/* kept: takes the limit, if it is compared; or NULL. */
+/* Compares a renderer's limit with the reference. kept: takes the limit, if it is compared; or NULL. */
 iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso_renderer_info *renderer,
                                       const iso_level_truths *t, version_limit *kept, iso_error *err)
 {
@@ -93,7 +93,7 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
     return status;
 }
 
-/* Every wanted renderer that has a limit; then what differs between versions of one. */
+/* Compares every wanted renderer that has a limit; then the versions of one with each other. */
 static iso_status compare_limits(iso_validation *v, size_t level, const iso_level_truths *t, iso_error *err)
 {
     version_limit kept[ISO_MAX_RENDERERS] = {{.about.renderer = NULL}};

@@ -11,7 +11,8 @@
 #include "base/parallel.h"
 #include "validate/closed_form.h"
 
-/* The exports carry decoded directions, so the reference takes the same; for linear codes nothing changes. */
+/* Returns the source of exported directions. They are decoded, so the reference takes the same; for linear codes
+ * nothing changes. */
 iso_direction_source iso_validate_exported_source(const iso_validation *v)
 {
     return iso_code_describe(v->pyramid->options.code)->is_linear ? ISO_FROM_CODES : ISO_FROM_DECODED;
@@ -40,9 +41,9 @@ void iso_validate_begin_row(iso_validation *v, size_t level, const char *what)
     v->row_start = iso_clock_seconds();
 }
 
-/* Limit for the image as a whole. For first hits it is the difference that 99 % of the pixels stay below, since their
- * RMSE depends on the few rays that graze the surface. Otherwise it is the RMSE, or the largest difference if only that
- * is requested. */
+/* Returns the limit for the image as a whole. For first hits it is the difference that 99 % of the pixels stay below,
+ * since their RMSE depends on the few rays that graze the surface. Otherwise it is the RMSE, or the largest difference
+ * if only that is requested. */
 static double limit_of_the_picture(const iso_report_agreement *row, const iso_compared *with,
                                    iso_signal_measure *measure)
 {
@@ -54,8 +55,8 @@ static double limit_of_the_picture(const iso_report_agreement *row, const iso_co
                                       : row->tolerances.max_abs;
 }
 
-/* Images that show little compared with their limits prove nothing. But if a formula predicts an empty image, emptiness
- * is the scene's point: then every bit of the image has to equal the background. */
+/* Marks a row as uncompared if its images show little compared with their limits, which would prove nothing. But if a
+ * formula predicts an empty image, emptiness is the scene's point: then every bit has to equal the background. */
 static iso_status ask_for_a_signal(const iso_validation *v, const iso_truth *a, const iso_compared *with,
                                    iso_report_agreement *row, char why[512], iso_error *err)
 {
@@ -127,7 +128,7 @@ bool iso_validate_cannot_compare(const iso_validation *v, const iso_renderer_inf
     return refusal->status != ISO_OK || lacks || late;
 }
 
-/* A row without images: *row has its comparison, its tier and what iso_validate_cannot_compare() said. */
+/* Adds a row without images: *row has its comparison, its tier and the reason of iso_validate_cannot_compare(). */
 iso_status iso_validate_add_without_images(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
                                            const iso_renderer_info *renderer, iso_error *err)
 {
@@ -142,8 +143,8 @@ iso_status iso_validate_add_without_images(iso_validation *v, size_t level, iso_
     return iso_report_add_agreement(v->report, &row, err);
 }
 
-/* A program that failed by itself is refused from here on: one that hangs would take its time limit again. The others
- * go on. */
+/* Refuses a program that failed by itself from here on: one that hangs would take its time limit again. The others go
+ * on. */
 iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_report_agreement row, const char *a,
                                       const iso_renderer_info *renderer, iso_status status, const iso_error *why,
                                       iso_error *err)
@@ -170,7 +171,7 @@ iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_repor
 
 /* ---- truths ---- */
 
-/* intervals: of a quadrature that has them. */
+/* Renders the reference. intervals: of a quadrature that has them. */
 iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, size_t intervals,
                                          iso_direction_source source, iso_image *image, iso_error *err)
 {
@@ -194,7 +195,7 @@ iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_qu
     return status;
 }
 
-/* The reference itself is held to the formula. Its tolerance is 1e-6 a pixel, and images are float. */
+/* Compares the reference, whose own tolerance is 1e-6 per pixel, with the formula. Images are float. */
 static iso_status check_reference(iso_validation *v, size_t level, const iso_truth *formula, iso_error *err)
 {
     iso_image image = {0};

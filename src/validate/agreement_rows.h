@@ -28,10 +28,10 @@ typedef struct iso_compared {
     double held_to;      /* what holds the image as a whole, of an extrapolated limit; 0: the row's tolerances */
 } iso_compared;
 
-/* From what exports take their directions: the reference then takes the same. */
+/* Returns the source of the directions that exports take, so that the reference takes the same. */
 iso_direction_source iso_validate_exported_source(const iso_validation *v);
 
-/* The name of an image of the report. */
+/* Writes the name of an image of the report. */
 void iso_validate_name_image(const iso_validation *v, size_t level, const char *what, char name[96]);
 iso_status iso_validate_add_image(iso_validation *v, const char *name, const iso_image *image, const char *caption,
                                   iso_error *err);
@@ -53,7 +53,7 @@ iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_repor
                                       const iso_renderer_info *renderer, iso_status status, const iso_error *why,
                                       iso_error *err);
 
-/* intervals: of a quadrature that has them. */
+/* Renders the reference. intervals: of a quadrature that has them. */
 iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, size_t intervals,
                                          iso_direction_source source, iso_image *image, iso_error *err);
 /* True if no formula holds for the level. A formula of level 0 need not hold for coarser levels: voxels at the faces of
@@ -68,7 +68,7 @@ iso_status iso_validate_find_truths(iso_validation *v, size_t level, iso_level_t
 
 struct iso_version_limit_kept; /* a limit that stays until the versions of its program are compared */
 
-/* kept: takes the limit, if it is compared; or NULL. */
+/* Compares a renderer's limit with the reference. kept: takes the limit, if it is compared; or NULL. */
 iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso_renderer_info *renderer,
                                       const iso_level_truths *t, struct iso_version_limit_kept *kept, iso_error *err);
 /* Compares all selected renderers, with at most v->limit_size pixels. */

@@ -31,7 +31,7 @@ static iso_status create_angles(angles *a, const iso_geometry *g, size_t level, 
     return a->deg && a->block ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for the angles of %zu voxels", room);
 }
 
-/* The voxel's block; x fastest. */
+/* Returns the index of the voxel's block; x fastest. */
 static size_t block_of(const iso_geometry *g, size_t level, const size_t at[3])
 {
     const size_t shift = level + 1, nx = (g->size[0] >> shift) + 1, ny = (g->size[1] >> shift) + 1;
@@ -59,7 +59,7 @@ static void collect_angles(const iso_validation *v, size_t level, const iso_samp
     }
 }
 
-/* To be destroyed, also after a failure. */
+/* Measures the angles. *out has to be destroyed, also after a failure. */
 static iso_status measure(const iso_validation *v, size_t level, iso_angles_of of, angles *out, iso_error *err)
 {
     iso_sampler fine, coarse = {0};

@@ -14,7 +14,7 @@ enum { MOST_PIXELS = 64 }; /* along a side of the picture in a report */
 
 /* ---- an export that moves ---- */
 
-/* A copy that owns its table. Validation has neither 2D transfer functions nor extinction scales nor regions of
+/* Copies a view with its table. Validation has neither 2D transfer functions nor extinction scales nor regions of
  * interest. */
 static iso_status copy_view(const iso_view *from, iso_view *to, iso_error *err)
 {
@@ -162,7 +162,8 @@ static iso_status add_result(iso_validation *v, const iso_artefact *a, const iso
     return status == ISO_OK ? iso_report_add_calibration(v->report, &row, err) : status;
 }
 
-/* late: the budget ended the program, which proves nothing about the export. */
+/* Compares an export with the validated picture. *late: the budget ended the program, which proves nothing about the
+ * export. */
 static iso_status examine(iso_validation *v, const iso_artefact *a, bool *late, iso_error *err)
 {
     iso_artefact_result r;

@@ -62,7 +62,7 @@ static void add_pair(const iso_tf_table *tf, const pair *p, squares *s)
     s->eighth += square_between(fine, eighth);
 }
 
-/* At most about 10000 pairs along each axis, evenly strided. */
+/* Adds up at most about 10000 pairs along each axis, evenly strided. */
 static squares add_up(const iso_level *level, const iso_tf_table *tf)
 {
     enum { wanted = 10000 };

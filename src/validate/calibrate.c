@@ -19,7 +19,8 @@ static double blob(const iso_geometry *g, iso_vec3 index)
     return fmax(0, 1 - r2 / 12); /* ends inside the grid: the border is zero */
 }
 
-/* Trilinear hats have their centroid at the voxel's center, and projection is linear. */
+/* Projects the volume's centroid, at[2] in pixels. Trilinear hats have theirs at the voxel's center, and projection is
+ * linear. */
 static void expected_centroid(const iso_calibration_stage *s, double at[2])
 {
     const iso_level *level = &s->pyramid.levels[0];
@@ -53,7 +54,7 @@ static iso_status prepare_placement(iso_calibration_stage *s, iso_error *err)
     return ISO_OK;
 }
 
-/* Distance of the centroid of the optical depth from its expected place. */
+/* Returns the distance of the centroid of the optical depth from its expected place. */
 static double judge_placement(iso_calibration_stage *s, const iso_renderer_info *which)
 {
     (void)which;
@@ -90,7 +91,7 @@ static iso_status prepare_slab(iso_calibration_stage *s, iso_error *err)
     return ISO_OK;
 }
 
-/* 16 intervals between the first and the last voxel center: every TF entry is met. */
+/* Returns the value of a ramp with 16 intervals between the first and the last voxel center: every TF entry is met. */
 static double ramp_along_x(const iso_geometry *g, iso_vec3 index)
 {
     return (index.x - 0.5) / (double)(g->size[0] - 1);
@@ -121,15 +122,16 @@ static iso_status prepare_transfer_function(iso_calibration_stage *s, iso_error 
 
 /* ---- order: the color and nothing else changes along the ray ---- */
 
-/* Integral of sigma exp(-sigma t) (from + (to - from) t / length) dt over a piece, times the transmittance at its
- * start. */
+/* Returns the integral of sigma exp(-sigma t) (from + (to - from) t / length) dt over a piece, times the transmittance
+ * at its start. */
 static double colored_piece(double through, double sigma, double length, double from, double to)
 {
     const double slope = length > 0 ? (to - from) / length : 0;
     return through * (from + slope / sigma - exp(-sigma * length) * (to + slope / sigma));
 }
 
-/* The value is a ramp along x, clamped half a voxel before both faces: at most three pieces, linear each. */
+/* Adds a pixel's expected color. The value is a ramp along x, clamped half a voxel before both faces: at most three
+ * pieces, linear each. */
 static void expect_colors(iso_calibration_stage *s, size_t column, size_t row, const double first[3],
                           const double last[3], double sigma)
 {
@@ -237,7 +239,7 @@ static iso_status prepare_light(iso_calibration_stage *s, iso_error *err)
     return prepare_linear_field(s, &camera, &shading, err);
 }
 
-/* Camera so near that the highlight differs in each pixel. */
+/* Places the camera so near that the highlight differs in each pixel. */
 static iso_status prepare_view_vector(iso_calibration_stage *s, iso_error *err)
 {
     const iso_shading shading = {.ambient = 0.1, .diffuse = 0.2, .specular = 0.9, .power = 6};
@@ -246,7 +248,7 @@ static iso_status prepare_view_vector(iso_calibration_stage *s, iso_error *err)
     return prepare_linear_field(s, &camera, &shading, err);
 }
 
-/* Two directions at right angles take turns along x, one of them half as long; columns of pixels show the way from one
+/* Alternates two directions at right angles along x, one of them half as long. Columns of pixels show the way from one
  * to the next, each a single shade along its ray. */
 static iso_status prepare_interpolation(iso_calibration_stage *s, iso_error *err)
 {

@@ -37,17 +37,17 @@ typedef struct iso_calibration {
     const char *lacks; /* feature that the check needs and the renderer lacks: the check is skipped; or NULL */
 } iso_calibration;
 
-/* ISO_OK when all checks could be made, whether they passed or not. A renderer that fails itself, such as a program
- * that crashes, ends it: *made is how many were made before, and the next one is that in which it failed. planted: a
- * fault that is put into the renderer; NULL: none. */
+/* Runs all checks. ISO_OK if all could be made, passed or not. A renderer that fails itself, such as a program that
+ * crashes, ends the run: *made checks were made before, and it failed in the next one. planted: a fault that is put
+ * into the renderer; NULL: none. */
 iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
                          iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, iso_error *err);
 
-/* The place of a check in the list above, and its name. */
+/* Returns the place of a check in the list above. */
 int iso_calibration_number(const char *check);
 const char *iso_calibration_name(int check);
 
-/* One check alone, by its place. */
+/* Runs one check alone, by its place. */
 iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,
                                iso_calibration *out, iso_error *err);
 

@@ -8,7 +8,7 @@
 #include "compare/statistics.h"
 #include "render/sampler.h"
 
-/* A grid turned about an oblique axis, with three different spacings. */
+/* Returns a grid turned about an oblique axis, with three different spacings. */
 iso_geometry iso_calibration_turned_grid(size_t nx, size_t ny, size_t nz)
 {
     const size_t size[3] = {nx, ny, nz};

@@ -16,7 +16,7 @@ typedef struct iso_calibration_stage {
     double centroid[2]; /* of the optical depth, where the picture itself has no formula; in pixels */
 } iso_calibration_stage;
 
-/* A grid turned about an oblique axis, with three different spacings. */
+/* Returns a grid turned about an oblique axis, with three different spacings. */
 iso_geometry iso_calibration_turned_grid(size_t nx, size_t ny, size_t nz);
 /* Looks from 60 mm before the origin. */
 iso_camera iso_calibration_look(iso_vec3 forward, double half_height, bool orthographic);
@@ -36,7 +36,7 @@ void iso_calibration_expect_pixel(iso_calibration_stage *s, size_t column, size_
  * or NULL. */
 iso_status iso_calibration_render(iso_calibration_stage *stages, size_t count, iso_renderers *r,
                                   const iso_renderer_info *which, const iso_planted *planted, iso_error *err);
-/* Largest difference between rendered and expected image. */
+/* Returns the largest difference between rendered and expected image. */
 double iso_calibration_largest_difference(iso_calibration_stage *s, const iso_renderer_info *which);
 
 #endif

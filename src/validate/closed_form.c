@@ -39,7 +39,7 @@ static iso_status fit_linear(const iso_level *level, linear_field *f, iso_error 
     return ISO_OK;
 }
 
-/* The color of the entries that show something. */
+/* Finds the color of the visible entries. ISO_E_RANGE: they have several. */
 static iso_status single_color(const iso_tf_table *tf, double color[3], iso_error *err)
 {
     const float *found = NULL;
@@ -55,7 +55,7 @@ static iso_status single_color(const iso_tf_table *tf, double color[3], iso_erro
     return ISO_OK;
 }
 
-/* Normal of the field's one gradient after coding, zero for a constant. */
+/* Returns the normal of the field's one gradient after coding, zero for a constant. */
 static iso_vec3 coded_normal(const iso_level *level, const linear_field *f, iso_code code)
 {
     iso_mat3 to_world = iso_mat3_transpose(iso_mat3_inverse(level->geometry.index_to_world));
@@ -85,7 +85,7 @@ static double shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
     return sum;
 }
 
-/* Integral of the table's extinction from lo to s: trapezia, exact. */
+/* Returns the integral of the table's extinction from lo to s: trapezia, exact. */
 static double antiderivative(const iso_tf_table *tf, double s)
 {
     const double width = (tf->hi - tf->lo) / (double)(tf->count - 1), x = (s - tf->lo) / width;

@@ -58,7 +58,7 @@ iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, co
     return status;
 }
 
-/* A picture of the first view. */
+/* Adds a picture of the first view to the report. */
 static iso_status add_picture(const iso_validation *v, const char *name, const iso_image *image, const char *caption,
                               iso_error *err)
 {
@@ -81,14 +81,14 @@ typedef struct levels_run {
     iso_measured measured;
 } levels_run;
 
-/* The pictures of one more view are to be made: the budget is asked. */
+/* True if time is left for the pictures of one more view. */
 static bool may_draw(const iso_validation *v, levels_run *run)
 {
     run->late = run->late || iso_validate_is_out_of_time(v);
     return !run->late;
 }
 
-/* The figures of all views, and the picture row->image of the first. */
+/* Measures the figures of all views, and adds the picture row->image of the first. */
 static iso_status measure_images(iso_validation *v, levels_run *run, const iso_pyramid *p, iso_report_consistency *row,
                                  iso_measured_level *views, iso_error *err)
 {
@@ -134,8 +134,8 @@ static iso_status keep(iso_validation *v, levels_run *run, iso_report_consistenc
     return iso_report_add_consistency(v->report, row, err);
 }
 
-/* The row of the level's own TF after that of the original one: directions are the same, and where adapting is refused
- * the images are as well. */
+/* Adds the row of the level's own TF after that of the original one: directions are the same. If adapting is refused,
+ * images are the same, too. */
 static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_pyramid *p, iso_report_consistency row,
                                   iso_measured_level views, iso_error *err)
 {
@@ -249,7 +249,7 @@ static iso_status measure_method(iso_validation *v, levels_run *run, const iso_m
     return status;
 }
 
-/* The methods of the table; own: where the pyramid's filter is none of them. */
+/* Measures the methods of the table, and `own` if none of them has the pyramid's filter. */
 static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_method *own, iso_error *err)
 {
     iso_measured *all = &run->measured;
@@ -278,7 +278,7 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
 
 /* ---- levels that the views leave open ---- */
 
-/* The default and the simple way again, in twenty views. */
+/* Measures the default and the simple way again, in twenty views. */
 static iso_status measure_more(iso_validation *v, levels_run *run, size_t level, iso_error *err)
 {
     iso_measured *all = &run->measured;
@@ -296,7 +296,7 @@ static iso_status measure_more(iso_validation *v, levels_run *run, size_t level,
     return status;
 }
 
-/* The quick run only confirms what would fail. */
+/* True if a level needs more views to be judged. The quick run only confirms failures. */
 static bool is_open(const iso_validation *v, const iso_measured *all, size_t level)
 {
     const iso_measured_level *own = iso_measured_find(all, level, all->own, iso_measured_own_use(v, level)),
@@ -324,7 +324,8 @@ static void forget_finest(iso_image *finest)
         iso_image_destroy(&finest[i]);
 }
 
-/* If the budget ends before that, levels are judged by the views that there are, and the report states it. */
+/* Measures open levels in more views. If the budget ends before that, levels are judged by the views so far, and the
+ * report states it. */
 static iso_status measure_open_levels(iso_validation *v, levels_run *run, iso_error *err)
 {
     const size_t views = v->consistency_views, levels = v->pyramid->level_count;
@@ -352,14 +353,15 @@ static iso_status measure_open_levels(iso_validation *v, levels_run *run, iso_er
     return status;
 }
 
-/* All views are of one renderer. */
+/* True if the one renderer that draws all views is wanted and not refused. */
 static bool is_possible(const iso_validation *v)
 {
     const size_t usual = iso_renderer_index(iso_renderers_usual());
     return v->refused[usual].status == ISO_OK && v->wanted[usual];
 }
 
-/* One level alone has nothing to be consistent with, so that nothing is missing then. */
+/* Reports why the views cannot be drawn. One level alone has nothing to be consistent with, so nothing is missing
+ * then. */
 static iso_status not_possible(const iso_validation *v, iso_error *err)
 {
     const iso_renderer_info *usual = iso_renderers_usual();

@@ -44,7 +44,7 @@ static json_t *wanted_json(const wanted *w, const iso_view *view, const iso_leve
     return files;
 }
 
-/* The folder of a scene's level, with its request. */
+/* Writes the folder of a scene's level, with its request. */
 static iso_status write_request(const iso_elsewhere *e, const iso_pyramid *p, size_t level, const iso_view *view,
                                 const char *scene, const wanted *w, iso_error *err)
 {
@@ -67,7 +67,7 @@ static iso_status write_request(const iso_elsewhere *e, const iso_pyramid *p, si
     return status;
 }
 
-/* The first two of the steps are those that the search for a limit begins with. */
+/* Requests steps, each half the one before. The first two are those with which the search for a limit begins. */
 static void want_steps(const iso_elsewhere *e, const iso_scene_agreement *asked, wanted *w)
 {
     const iso_renderer_info any = {.step_count = e->steps};

@@ -17,11 +17,12 @@ typedef struct iso_elsewhere {
     json_t *left_out; /* scenes for which a request has no words: each "scene", "why" */
 } iso_elsewhere;
 
-/* The levels of a scene. view: the scene resolved for the pyramid. */
+/* Writes the levels of a scene. view: the scene resolved for the pyramid. */
 iso_status iso_elsewhere_write_scene(const iso_elsewhere *e, const iso_pyramid *p, const iso_scene *scene,
                                      const iso_view *view, const char *name, iso_error *err);
 iso_status iso_elsewhere_write_calibrations(const iso_elsewhere *e, iso_error *err);
-/* pictures.json and README.txt. command: that wrote it; validate: the line that compares the pictures. */
+/* Writes pictures.json and README.txt. command: the line that made them; validate: the line that compares the
+ * pictures. */
 iso_status iso_elsewhere_finish(const iso_elsewhere *e, const char *command, const char *validate, iso_error *err);
 
 #endif

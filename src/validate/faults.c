@@ -70,7 +70,7 @@ static iso_vec3 swap_xy(const void *user, iso_vec3 d)
     return iso_v3(d.y, d.x, d.z);
 }
 
-/* Back to the index, and out again by the wrong matrix. The length stays: it is not at fault. */
+/* Transforms a direction back to the index, and out again by the wrong matrix. The length stays: it is not at fault. */
 static iso_vec3 send_by_the_matrix(const void *user, iso_vec3 d)
 {
     const iso_mat3 *m = user;
@@ -99,7 +99,7 @@ static iso_vec3 turn_by(const void *user, iso_vec3 v)
     return iso_madd(out, t->axis, (1 - c) * iso_dot(t->axis, v));
 }
 
-/* The world direction of a light. */
+/* Returns the world direction of a light. */
 static iso_vec3 light_in_world(const iso_view *view, const iso_light *light)
 {
     const iso_camera *c = &view->camera;
@@ -120,7 +120,7 @@ static void reverse_scalar(iso_level *level)
     }
 }
 
-/* In its own box, so that nothing but the order of the voxels tells. */
+/* Mirrors the grid in its own box, so that it differs only in the order of the voxels. */
 static void mirror_x(iso_geometry *g)
 {
     g->origin_mm = iso_geometry_to_world(g, iso_v3((double)g->size[0], 0, 0));

@@ -78,17 +78,17 @@ typedef struct iso_planted {
     double amount;
 } iso_planted;
 
-/* The deviation that undoes *planted. Exact, except that directions are encoded again. */
+/* Returns the deviation that undoes *planted. It is exact, except that directions are encoded again. */
 iso_planted iso_planted_inverse(const iso_planted *planted);
 
 /* Puts the fault into a renderer's input: level `level` of p, and the view. planted NULL: no fault. */
 void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_view *view);
-/* The level that is rendered instead of `level`. */
+/* Returns the level that is rendered instead of `level`. */
 size_t iso_planted_level(const iso_planted *planted, size_t level);
-/* A hook that puts faults of images into each image that is rendered; *planted has to outlive it. */
+/* Returns a hook that puts faults of images into each image that is rendered; *planted has to outlive it. */
 iso_image_hook iso_planted_hook(const iso_planted *planted);
 
-/* iso_plant() of a fault alone. */
+/* Plants a fault alone, as iso_plant() does. */
 void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t level, iso_view *view);
 
 #endif

@@ -37,8 +37,8 @@ static iso_vec3 direction_of(const iso_level *l, iso_code code, size_t voxel)
     return iso_v3(d[0], d[1], d[2]);
 }
 
-/* Mean over the voxels that have a direction in either, weighted by how long the longer one is: short ones are
- * grain. */
+/* Returns the mean angle in degrees over the voxels that have a direction in either level. The longer direction is the
+ * weight: short ones are grain. */
 static double direction_difference_deg(const iso_level *a, const iso_level *b, iso_code code)
 {
     double sum = 0, weights = 0;
@@ -165,7 +165,7 @@ static iso_status compare_directions(const iso_validation *v, const iso_measured
     return iso_validate_compare_angles(v, row->level, stored, simple, confidence, &row->angle_deficit, err);
 }
 
-/* late: the level is judged without its bound, because time has run out. */
+/* Judges a level. *late: it is judged without its bound, because time has run out. */
 static iso_status judge(iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt, size_t level,
                         bool *late, iso_error *err)
 {

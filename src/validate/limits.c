@@ -107,14 +107,14 @@ iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_i
     return status;
 }
 
-/* Finer steps make the bar narrower, down to what noise and rounding leave. */
+/* True if the bar is narrow enough. Finer steps make it narrower, down to noise and rounding. */
 static bool is_narrow(const iso_extrapolated *l, const iso_limit_options *opt)
 {
     const bool possible = opt->wanted_held_to > fmax(ISO_EXTRAPOLATION_ROUNDING, opt->factor * l->noise_bar / 10);
     return !possible || iso_extrapolated_held_to(l) <= opt->wanted_held_to;
 }
 
-/* One bit of single precision at the distance from the eye to the farthest corner of the box. */
+/* Returns one bit of single precision at the distance from the eye to the farthest corner of the box, in mm. */
 static double eye_step_mm(const iso_geometry *g, const iso_camera *camera)
 {
     const iso_vec3 way = iso_sub(iso_geometry_box_center_mm(g), camera->position);
@@ -122,9 +122,9 @@ static double eye_step_mm(const iso_geometry *g, const iso_camera *camera)
     return ldexp(1, ilogb(distance) - 23);
 }
 
-/* How far each value of the reference moves when its eye moves by so much, to and fro along three axes: the largest
- * less the least. Along an edge of an opaque box it is many times as much as elsewhere, and a renderer in single
- * precision cannot be asked for more. */
+/* Measures how far each value of the reference moves when its eye moves by eye_step_mm(), to and fro along three axes:
+ * the largest less the least. Along an edge of an opaque box it is many times as much as elsewhere. A renderer in
+ * single precision cannot be asked for more. */
 static iso_status measure_unsteadiness(const iso_render_request *what, const iso_render_options *truth,
                                        iso_image *unsteady, iso_error *err)
 {
@@ -187,8 +187,8 @@ static bool is_good(const iso_extrapolated *l, const iso_limit_options *opt)
            (opt->wanted_flip <= 0 || l->flip_mean <= opt->wanted_flip);
 }
 
-/* Where samples have random phases a single halving can leave more of the error than it should by chance, above all
- * with few pixels: in a limit that meets all else, one halving more tells chance from a fault, which stays. */
+/* True if one halving more has to tell chance from a fault, which stays: a limit meets all but wanted_left. With random
+ * phases, a single halving can leave too much error by chance, above all with few pixels. */
 static bool is_to_be_confirmed(const iso_extrapolated *l, const iso_limit_options *opt)
 {
     iso_limit_options rest = *opt;

@@ -41,7 +41,8 @@ typedef struct iso_limit_options {
         *truth; /* of the reference; with it, pixels are excused where the reference itself moves with
                                       * its eye by single precision. NULL: none is */
 } iso_limit_options;
-/* h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving; nothing is hopeless. */
+/* Returns the defaults: h = 1/4 and not below 1/64, 4 seeds, bars of 1/2550, a factor of 2; 0.354 left by halving;
+ * nothing is hopeless. */
 iso_limit_options iso_limit_defaults(void);
 
 /* Renders and extrapolates until the limit is good enough, hopeless, or the step would be below finest_voxels. what: a
@@ -50,8 +51,8 @@ iso_limit_options iso_limit_defaults(void);
 iso_status iso_limit_find(const iso_render_request *what, const iso_image *reference, const iso_renderer_info *which,
                           const iso_limit_options *opt, iso_extrapolated *out, iso_error *err);
 
-/* The image of a limit alone, from opt->step_voxels and its double, created. With the step, seeds, planes and intervals
- * of a limit that iso_limit_find() gave, it is the same image. */
+/* Renders the image of a limit alone, from opt->step_voxels and its double, and creates *image. With the step, seeds,
+ * planes and intervals of a limit of iso_limit_find(), it is the same image. */
 iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_info *which,
                             const iso_limit_options *opt, iso_image *image, iso_error *err);
 

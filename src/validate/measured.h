@@ -34,7 +34,7 @@ typedef struct iso_measured {
     iso_measured_level *more;
 } iso_measured;
 
-/* The use of a transfer function by which a level is judged. */
+/* Returns the use of a transfer function by which a level is judged. */
 iso_level_tf_use iso_measured_own_use(const iso_validation *v, size_t level);
 const iso_measured_level *iso_measured_find(const iso_measured *all, size_t level, const iso_method *method,
                                             iso_level_tf_use use);
@@ -45,13 +45,13 @@ bool iso_measured_is_open(const iso_measured_level *own, const iso_measured_leve
  * beyond an interval of 95 % by chance more often than once in twenty. */
 bool iso_measured_is_behind(const iso_measured_level *own, const iso_measured_level *simple, size_t views);
 
-/* View i of the levels: the scene's, from another side, of the size of v->consistency_size. */
+/* Makes view i of the levels: the scene's, from another side, of the size of v->consistency_size. */
 iso_status iso_validate_level_view(const iso_validation *v, size_t i, iso_view *view, iso_error *err);
 /* Fills row->scale: are the bytes those that level 0 makes, and do they change a picture? Nothing where v->scales is
  * none. */
 iso_status iso_validate_judge_scale(iso_validation *v, const iso_pyramid *rebuilt, iso_report_level *row,
                                     iso_error *err);
-/* View i of a level of p, by the renderer that draws all views. */
+/* Renders view i of a level of p, by the renderer that draws all views. */
 iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, const iso_measured_level *shown, size_t i,
                                      iso_image *image, iso_error *err);
 /* Fills row->bound for the pictures of `own`, which are drawn again with smaller steps if their RMSE is above the
@@ -59,7 +59,7 @@ iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, co
 iso_status iso_validate_bound_level(iso_validation *v, const iso_measured_level *own, iso_report_level *row, bool *late,
                                     iso_error *err);
 
-/* rebuilt: of level 0, with the pyramid's own options. */
+/* Judges all levels. rebuilt: made of level 0, with the pyramid's own options. */
 iso_status iso_validate_judge_levels(iso_validation *v, const iso_measured *all, const iso_pyramid *rebuilt,
                                      iso_error *err);
 

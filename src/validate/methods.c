@@ -56,7 +56,7 @@ static const used_tf original_tf = {"", "", ""}, adapted_tf = {", adapted TF", "
                      scaled_tf = {", extinction scale", "scaled-", " --adapt --extinction-scale"},
                      gradient_tf = {", 2D TF (gradient)", "gradient-", " --adapt --tf-2d gradient"};
 
-/* The validation of one row's kind: copy of v with another pyramid, view and name. */
+/* Validates one row's kind: a copy of v with another pyramid, view and name. */
 static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level, iso_view *view,
                           const used_tf *tf, iso_error *err)
 {
@@ -76,7 +76,7 @@ static iso_status compare(iso_validation *v, const iso_pyramid *p, const iso_met
     return status;
 }
 
-/* The same of a 2D transfer function. */
+/* Compares with a 2D transfer function. */
 static iso_status compare_tf_2d(iso_validation *v, const iso_pyramid *p, const iso_method *m, size_t level,
                                 iso_view *view, iso_second_value second, iso_error *err)
 {

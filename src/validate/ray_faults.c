@@ -78,7 +78,7 @@ static double shade(const iso_view *view, iso_vec3 n, iso_vec3 v)
     return sum;
 }
 
-/* Without the background, which no fault here changes: neither does alpha. */
+/* Marches along a ray. The background is left out, since no fault here changes it or alpha. */
 static void march(const marcher *m, iso_ray_fault fault, const iso_ray *ray, double color[3])
 {
     const iso_geometry *g = &m->sampler.level->geometry;

@@ -31,7 +31,7 @@ typedef struct examination {
     iso_error why;
 } examination;
 
-/* A renderer that fails itself is refused, with the check in which it did. */
+/* Refuses a renderer that fails itself, with the check in which it did. */
 static iso_status note_failure(fitness *f, iso_status status, const iso_error *why, iso_error *err)
 {
     if (status == ISO_E_MISSING) {
@@ -102,7 +102,7 @@ static size_t list_examinations(const iso_validation *v, fitness *all, size_t co
     return n;
 }
 
-/* In the order of the checks: those before the first that failed count. */
+/* Counts each renderer's checks, in their order, up to its first failure, which it notes. */
 static iso_status sum_up(const examination *list, size_t count, iso_error *err)
 {
     iso_status status = ISO_OK;

@@ -50,7 +50,7 @@ static void widen(const emission *a, const emission *b, double *extinction, doub
         *radiance = fmax(*radiance, fabs(a->radiance[c] - b->radiance[c]));
 }
 
-/* The emitter's color is the source of the error: first of colors, second of opacity. */
+/* Emits the source of the error: first of colors, second of opacity. */
 static double emit(const iso_emitter *e, const iso_emitter_place *at, double color[3])
 {
     const medium *m = e->field;
@@ -88,7 +88,7 @@ static void shift_tables(iso_view *view, iso_tf_2d *tf_2d, double by)
     view->tf_2d = tf_2d;
 }
 
-/* Brightest color of the tables under all lights at once, or of the background. */
+/* Returns the brightest color of the tables under all lights at once, or of the background. */
 static double brightest_of(const iso_view *view)
 {
     double light = view->shading.ambient, color = 0, most;

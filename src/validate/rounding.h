@@ -18,7 +18,7 @@
 
 #include "renderers/renderers.h"
 
-/* RMSE and largest difference, at most, of the view's midpoints. Zeros of a view with a region of interest. */
+/* Bounds the RMSE and the largest difference of the view's midpoints. Zeros for a view with a region of interest. */
 iso_status iso_rounding_bound(const iso_level *level, iso_code code, const iso_view *view, iso_direction_source source,
                               int threads, iso_sample_error *most, iso_error *err);
 

@@ -31,7 +31,7 @@ iso_status iso_validate_scale(iso_validation *v, iso_error *err)
     return status;
 }
 
-/* Voxels whose byte is not the one that level 0 makes. */
+/* Counts voxels whose byte differs from the one that level 0 makes. */
 static iso_status compare_with_made(const iso_validation *v, const iso_pyramid *rebuilt, iso_report_level *row,
                                     iso_error *err)
 {
@@ -48,7 +48,7 @@ static iso_status compare_with_made(const iso_validation *v, const iso_pyramid *
     return status;
 }
 
-/* The same view with a scale of 1 everywhere, which is none. */
+/* Sets *effect if view i differs from the same view without a scale, which is a scale of 1 everywhere. */
 static iso_status has_effect(iso_validation *v, size_t level, size_t i, bool *effect, iso_error *err)
 {
     const iso_method stored = {"stored", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES};

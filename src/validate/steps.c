@@ -8,7 +8,7 @@ static double row_cost(const iso_renderer_info *r, bool limit)
     return (iso_renderer_has(r, ISO_IS_PROGRAM) ? 5 : 1) * (limit ? 4 : 1);
 }
 
-/* Cost of the rows of a level. */
+/* Returns the cost of the rows of a level. */
 static double rows_cost(const bool *wanted, bool samples, bool limits)
 {
     double sum = 0;

@@ -93,7 +93,7 @@ static iso_status load_and_validate(iso_validation *v, const suite_run *run, siz
     return status;
 }
 
-/* Each scene is one step: progress within a scene is not shown. */
+/* Validates a scene as one step: progress within a scene is not shown. */
 static iso_status one_scene(iso_validation *mine, size_t i, void *user, iso_error *err)
 {
     const suite_run *run = user;

@@ -35,7 +35,7 @@ static void run_part(team *t, iso_validation *mine, size_t first, size_t i, iso_
         end_part(t, part(mine, i, user, &err), &err);
 }
 
-/* A share of the parts, one after the other. A context of OpenGL belongs to a thread, so each has its own. */
+/* Runs a share of the parts, one after the other. A context of OpenGL belongs to a thread, so each has its own. */
 static void work(team *t, const iso_validation *v, int threads, iso_validation_part part, void *user)
 {
     iso_validation mine = *v;

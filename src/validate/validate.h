@@ -80,7 +80,7 @@ typedef struct iso_validation {
     const iso_progress *progress; /* the same, for what reports */
 } iso_validation;
 
-/* Rows of calibration, one a level, by the name of "pyramid". Nothing where the pyramid was not loaded. */
+/* Adds a row of calibration per level, by the name of "pyramid". Without a loaded pyramid it adds none. */
 iso_status iso_validate_levels(iso_validation *v, iso_error *err);
 
 /* Versions and calibration of the wanted renderers; fills refusal and refused. A missing
@@ -89,26 +89,27 @@ iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
 
 /* True if a program failed by itself, so that it is refused and the others go on. */
 bool iso_validate_is_its_fault(const iso_renderer_info *which, iso_status status);
-/* ISO_E_UNTRUSTED, with the first row that was refused of a renderer that had passed its calibration; or ISO_OK. */
+/* Returns ISO_E_UNTRUSTED, with the first refused row of a renderer that had passed its calibration; or ISO_OK. */
 iso_status iso_validate_refused_later(const iso_validation *v, iso_error *err);
-/* Into the report's "programs": how each of them was run. */
+/* Writes how each program was run into the report's "programs". */
 void iso_validate_describe_programs(const iso_validation *v);
 
 /* True if the time of --budget has run out; for rows, the reason of skipped checks. */
 bool iso_validate_is_out_of_time(const iso_validation *v);
 void iso_validate_explain_budget(const iso_validation *v, char why[512]);
 
-/* v->agreement_part of it. */
+/* Compares all levels of v->pyramid, by v->agreement_part. */
 iso_status iso_validate_agreement(iso_validation *v, iso_error *err);
 
-/* Parts 0 to count - 1, which do not depend on each other, as many at a time as there are threads: programs that start,
+/* Returns how many of `count` parts run at a time. */
+size_t iso_validate_workers(const iso_validation *v, size_t count);
+typedef iso_status (*iso_validation_part)(iso_validation *mine, size_t part, void *user, iso_error *err);
+/* Runs parts 0 to count - 1, which do not depend on each other, iso_validate_workers() at a time: programs that start,
  * read and write leave a core idle. Each part gets a copy of *v with renderers of its own; the report lists their rows
  * in the order of the parts. The first failure ends the run. */
-size_t iso_validate_workers(const iso_validation *v, size_t count); /* how many at a time */
-typedef iso_status (*iso_validation_part)(iso_validation *mine, size_t part, void *user, iso_error *err);
 iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_part part, void *user, iso_error *err);
 
-/* Agreement of one level of v->pyramid: in lock-step, or by extrapolated limits where the samples are not known. */
+/* Compares one level of v->pyramid: in lock-step, or by extrapolated limits if the samples are not known. */
 iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err);
 
 /* The ways to make directions. */
@@ -119,7 +120,7 @@ typedef struct iso_method {
 } iso_method;
 extern const iso_method iso_methods[];
 extern const size_t iso_method_count;
-/* Level 0's scalar, built again with another direction filter. */
+/* Builds level 0's scalar again with another direction filter. */
 iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter filter, iso_pyramid *p,
                                    iso_error *err);
 
@@ -131,9 +132,9 @@ void iso_validate_forget_tfs(iso_validation *v);
  * level_tfs. */
 iso_status iso_validate_scale(iso_validation *v, iso_error *err);
 
-/* The view with at most `pixels` pixels along its longer edge (0: any), of the same scene; borrowed, so not to be
- * destroyed. A limit is judged by ratios of means over pixels, which a regular subset shows as well: isoshade-lab power
- * --sensitivity has both. */
+/* Returns the view with at most `pixels` pixels along its longer edge (0: any), of the same scene; borrowed, so not to
+ * be destroyed. A limit is judged by ratios of means over pixels, which a regular subset shows as well: isoshade-lab
+ * power --sensitivity has both. */
 iso_view iso_validate_small_view(const iso_view *view, size_t pixels);
 enum { ISO_VALIDATE_LIMIT_PIXELS = 96, ISO_VALIDATE_LIMIT_PIXELS_QUICK = 64 };
 
@@ -146,14 +147,14 @@ iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 /* Assumes the tier of a scene that states none: smooth or sharp, by the error of a ray step through the TF on this
  * level. */
 void iso_validate_assume(const iso_level *level0, const iso_view *view, iso_scene_agreement *agreement);
-/* Into the report's "asked", by the scene's name: what all rows of the scene are held to, and why. */
+/* Writes the limits of all rows of the scene, and why, into the report's "asked", by the scene's name. */
 void iso_validate_report_asked(const iso_validation *v);
 
-/* A row of the report for a stage that compared nothing, and why. */
+/* Adds a row of the report for a stage that compared nothing, and why. */
 iso_status iso_validate_stage_not_run(const iso_validation *v, const char *stage, const char *why, iso_error *err);
-/* The same for one that the budget left out. */
+/* Adds a row for a stage that the budget left out. */
 iso_status iso_validate_stage_left_out(const iso_validation *v, const char *stage, iso_error *err);
-/* Rows of agreement so far. */
+/* Returns the number of rows of agreement so far. */
 size_t iso_validate_row_count(const iso_validation *v);
 
 /* Compares two versions of a program by their limits of a level: the row that shows what changed between them. */
@@ -165,11 +166,11 @@ typedef struct iso_version_limit {
 } iso_version_limit;
 iso_status iso_validate_versions(iso_validation *v, size_t level, const iso_version_limit *first,
                                  const iso_version_limit *other, iso_error *err);
-/* Whether a limit of this renderer is compared with that of another version. */
+/* True if a limit of this renderer is compared with that of another version. */
 bool iso_validate_has_versions(const iso_validation *v, const iso_renderer_info *renderer);
 
-/* A command line that renders image b of a row again and compares it with the report's image a; to be freed. NULL if no
- * command does that. options: of `isoshade render`, besides v's own. */
+/* Returns a command line that renders image b of a row again and compares it with the report's image a; to be freed.
+ * NULL if no command does that. options: of `isoshade render`, besides v's own. */
 char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_renderer_info *renderer,
                              const char *options, const char *image_a, const iso_tolerances *tolerances);
 
@@ -179,16 +180,16 @@ char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_re
  * instead of double arithmetic, or from the integers of its images, which are coarser the brighter the view can be; a
  * steep (sharp) TF multiplies them. */
 iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const iso_view *view, bool sharp);
-/* The options for iso_limit_find(): the first step, and what ends the halving. */
+/* Returns the options for iso_limit_find(): the first step, and the end of the halving. */
 iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer,
                                              size_t seeds, int threads);
-/* The error bar that the scene asks of a limit, RMSE. */
+/* Returns the error bar that the scene asks of a limit, RMSE. */
 double iso_validate_error_bar(const iso_scene_agreement *asked);
 
 /* Fills tolerances, gates and error_bar of *row for a limit. It has to meet the reference within its bars, the bars
  * have to be narrow, and the error has to fall at its order. Neither a pixel nor a bias may be beyond chance. */
 void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapolated *limit, iso_report_agreement *row);
-/* The statistics of a limit, for its row of the report. */
+/* Returns the statistics of a limit, for its row of the report. */
 json_t *iso_validate_limit_to_json(const iso_extrapolated *limit);
 
 /* Adds a row of calibration for each program renderer: its export shows the validated picture (artefact.h). */
