@@ -116,7 +116,7 @@ static void mean_of(const iso_image *images, size_t count, iso_image *mean)
     }
 }
 
-/* The means over the seeds of each half of images, created. */
+/* Creates the means over the seeds of each half of images. */
 static iso_status mean_pair(const iso_image *images, size_t seeds, iso_image *coarse, iso_image *fine, iso_error *err)
 {
     iso_status status = iso_image_create(coarse, images[0].width, images[0].height, err);
@@ -169,8 +169,8 @@ static void measure_tolerances(const iso_extrapolation_input *of, const iso_imag
     }
 }
 
-/* Each seed's limit is one sample. A systematic difference is allowed as far as the step's own error goes around a
- * pixel; the mean over the image hides no single pixel, and is held to the step's difference itself. */
+/* Tests each seed's limit as one sample. A systematic difference is allowed as far as the step's own error goes around
+ * a pixel; the mean over the image hides no single pixel, and is held to the step's difference itself. */
 static iso_status test_noise(const iso_extrapolation_input *of, const iso_image *limits, iso_extrapolated *out,
                              iso_error *err)
 {
@@ -280,7 +280,7 @@ iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_imag
 
 /* ---- two limits ---------------------------------------------------------------- */
 
-/* b - a of a seed. */
+/* Computes b - a of a seed. */
 static void subtract(const iso_image *a, const iso_image *b, iso_image *difference)
 {
     for (size_t i = 0; i < 4 * a->width * a->height; ++i)

@@ -21,13 +21,13 @@ typedef struct iso_extrapolation {
     double error_bar_max; /* the largest of it */
 } iso_extrapolation;
 
-/* limit = fine + (fine - coarse) / (ratio^order - 1), created; ratio: coarse step over fine step, above 1.
- * ISO_E_RANGE: sizes, ratio or order. Non-finite pixels make the bar infinite. */
+/* Creates limit = fine + (fine - coarse) / (ratio^order - 1); ratio: coarse step over fine step, above 1. ISO_E_RANGE:
+ * sizes, ratio or order. Non-finite pixels make the bar infinite. */
 iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double ratio, double order, iso_image *limit,
                           iso_extrapolation *out, iso_error *err);
 
-/* The order that three images at steps h, h / ratio, h / ratio^2 show: log |a - b| / |b - c| to that base,
- * in RMSE. NaN when the finer two are equal. */
+/* Computes the order that images at steps h, h / ratio, h / ratio^2 show: log |a - b| / |b - c| to that base, in RMSE.
+ * NaN if the finer two are equal. */
 iso_status iso_observed_order(const iso_image *a, const iso_image *b, const iso_image *c, double ratio, double *order,
                               iso_error *err);
 
@@ -102,7 +102,7 @@ typedef struct iso_extrapolation_input {
 /* Fills *out but for step_voxels, planes, intervals and seeds, which the caller sets. */
 iso_status iso_extrapolate(const iso_extrapolation_input *of, iso_extrapolated *out, iso_error *err);
 
-/* The image of the limit alone, created: the mean over the seeds. */
+/* Creates the image of the limit alone: the mean over the seeds. */
 iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_image *limit, iso_error *err);
 
 /* The differences between two kept limits of several seeds, by the same tests as one and a reference. */
@@ -111,7 +111,7 @@ typedef struct iso_extrapolated_change {
     size_t column, row, channel;    /* where */
     iso_noise_test test;            /* of the differences seed by seed: those of equal images are 0 */
 } iso_extrapolated_change;
-/* ISO_E_RANGE: not kept, or of other sizes or numbers of seeds. */
+/* Compares two limits. ISO_E_RANGE: not kept, or of other sizes or numbers of seeds. */
 iso_status iso_extrapolated_compare(const iso_extrapolated *a, const iso_extrapolated *b, iso_extrapolated_change *out,
                                     iso_error *err);
 

@@ -58,7 +58,7 @@ static double clip(double x)
     return x > 0 ? (x < 1 ? x : 1) : 0; /* NaN becomes 0 */
 }
 
-/* The linear opponent space YyCxCz (sec. 4.1.1). */
+/* Converts to the linear opponent space YyCxCz (sec. 4.1.1). */
 static void opponent_from_rgb(const double rgb[3], double out[3])
 {
     double xyz[3];
@@ -82,7 +82,7 @@ static double lab_curve(double t)
     return t > d * d * d ? cbrt(t) : t / (3 * d * d) + 4.0 / 29;
 }
 
-/* L*a*b*, a* and b* scaled by lightness: the Hunt effect (sec. 4.1.2). */
+/* Converts to L*a*b*, a* and b* scaled by lightness: the Hunt effect (sec. 4.1.2). */
 static void adapted_lab(const double rgb[3], double lab[3])
 {
     double xyz[3];
@@ -98,7 +98,7 @@ static double hyab(const double a[3], const double b[3])
     return fabs(a[0] - b[0]) + hypot(a[1] - b[1], a[2] - b[2]);
 }
 
-/* The largest color difference in the gamut: green against blue. */
+/* Returns the largest color difference in the gamut: green against blue. */
 static double largest_color_difference(void)
 {
     double green[3], blue[3];
@@ -114,7 +114,7 @@ static double spread(double difference, double largest)
     return d < knee ? p_top / knee * d : p_top + (d - knee) / (largest - knee) * (1 - p_top);
 }
 
-/* out[x] += w * in[x + shift], where x + shift outside the row repeats its end. */
+/* Adds w * in[x + shift] to out[x]; beyond the row its end repeats. */
 static void add_shifted_row(const double *restrict in, size_t width, long shift, double w, double *restrict out)
 {
     size_t before = shift < 0 ? (size_t)-shift : 0, behind = shift > 0 ? (size_t)shift : 0;
@@ -134,7 +134,7 @@ typedef struct separable {
     double weight;
 } separable;
 
-/* out += the filtered in; edges repeat. The rows pass through scratch. */
+/* Adds the filtered in to out; edges repeat. The rows pass through scratch. */
 static void add_separable(const double *restrict in, const planes *size, const separable *filter,
                           double *restrict scratch, double *restrict out)
 {
@@ -158,7 +158,7 @@ static void add_separable(const double *restrict in, const planes *size, const s
         }
 }
 
-/* exp(-x^2 factor) at the taps -radius .. radius, unit apart; returns their sum. */
+/* Fills the taps -radius .. radius, unit apart, with exp(-x^2 factor); returns their sum. */
 static double gaussian(double factor, size_t radius, double *taps)
 {
     double sum = 0;
@@ -169,7 +169,7 @@ static double gaussian(double factor, size_t radius, double *taps)
     return sum;
 }
 
-/* The eye's filter of one channel (sec. 4.1.1), normalized to keep a constant. */
+/* Applies the eye's filter of one channel (sec. 4.1.1), normalized to keep a constant. */
 static void filter_channel(const double *in, const planes *size, int channel, double ppd, size_t radius,
                            double *scratch, double *out)
 {
@@ -195,7 +195,7 @@ static void balance(double *taps, size_t radius)
         taps[k] /= taps[k] > 0 ? positive : negative > 0 ? negative : 1;
 }
 
-/* The length of (filter along x, filter along y) of the luminance; the other axis is smoothed. */
+/* Computes the length of (filter along x, filter along y) of the luminance; the other axis is smoothed. */
 static void detect(const double *luminance, const planes *size, const separable *along, double *scratch,
                    double *along_y, double *out)
 {
@@ -235,7 +235,7 @@ static void percept_destroy(percept *p)
     free(p->points);
 }
 
-/* scale, then the tone curve when tone is set, then clipped. */
+/* Scales, then applies the tone curve if tone is set, then clips. */
 static void display_color(const float *rgba, double scale, bool tone, double rgb[3])
 {
     for (int c = 0; c < 3; ++c) {
@@ -345,7 +345,7 @@ iso_status iso_flip_ldr(const iso_image *a, const iso_image *b, double pixels_pe
     return flip_at(a, b, pixels_per_degree, 1, false, map, err);
 }
 
-/* [andersson-2021] sec. 3.2: the tone curve reaches 0.85 at `bright`. */
+/* Computes the exposures of [andersson-2021] sec. 3.2: the tone curve reaches 0.85 at `bright`. */
 iso_status iso_flip_exposures(const iso_image *reference, double *start, double *stop, size_t *count, iso_error *err)
 {
     size_t pixels = reference->width * reference->height;

@@ -8,7 +8,7 @@
 #include "compare/flip.h"
 #include "compare/ssim.h"
 
-/* The k-th smallest (k from 0) of values, which are reordered: selection, not a sort. */
+/* Returns the k-th smallest (k from 0) of values, which it reorders: selection, not a sort. */
 static float select_smallest(float *values, size_t count, size_t k)
 {
     size_t lo = 0, hi = count - 1;
@@ -46,7 +46,7 @@ static size_t count_nonfinite(const iso_image *a, const iso_image *b)
     return bad;
 }
 
-/* rmse, max, worst pixel; largest[i] is the difference of pixel i. */
+/* Measures rmse, max and worst pixel; largest[i] gets the difference of pixel i. */
 static void measure_differences(const iso_image *a, const iso_image *b, float *largest, iso_metrics *m)
 {
     size_t count = a->width * a->height;

@@ -19,20 +19,20 @@ typedef struct iso_tolerances {
     double rmse, max_abs, p99_abs, ssim_dissimilarity, flip_mean;
 } iso_tolerances;
 
-/* iso_metrics_measure() without SSIM and FLIP, which are NaN: they take most of its time. */
+/* Measures as iso_metrics_measure(), without SSIM and FLIP, which are NaN: they take most of its time. */
 iso_status iso_metrics_measure_differences(const iso_image *a, const iso_image *b, iso_metrics *metrics, iso_error *err);
 
 /* Returns the RMSE of red, green and blue alone. Values of a above `most`, the most that b can hold, count as
  * `most`; it may be INFINITY. The images have the same size. */
 double iso_metrics_rmse_of_colors(const iso_image *a, const iso_image *b, double most);
 
-/* NaN is never within tolerances; without any tolerance only equal images are. */
+/* True if m is within the tolerances. NaN never is; without any tolerance only equal images are. */
 bool iso_metrics_within(const iso_metrics *m, const iso_tolerances *tolerances);
 
-/* Keys: rmse, max_abs, p99_abs, psnr_db, ssim, flip_mean, nonfinite_count. */
+/* Returns an object of rmse, max_abs, p99_abs, psnr_db, ssim, flip_mean, nonfinite_count. */
 json_t *iso_metrics_to_json(const iso_metrics *m);
 
-/* |a - b| of the colors, scaled: an image to look at. scale 0: the largest difference becomes 1. */
+/* Creates an image of |a - b| of the colors, scaled. scale 0: the largest difference becomes 1. */
 iso_status iso_image_difference(const iso_image *a, const iso_image *b, double scale, iso_image *out, iso_error *err);
 
 #endif

@@ -18,16 +18,16 @@ typedef struct iso_paired {
 } iso_paired;
 
 iso_paired iso_paired_compare(const double *a, const double *b, size_t count, double confidence);
-/* The mean of differences that scatter together within groups, such as those of neighboring voxels: only the groups
- * count as independent. The variance is the cluster-robust one, n / (n - 1) sum over n groups of (sum of d - mean)^2 /
- * count^2, with n - 1 degrees of freedom. group[i] < group_count is that of difference[i]. Infinite of one group;
+/* Averages differences that scatter together within groups, such as those of neighboring voxels: only the groups count
+ * as independent. The variance is the cluster-robust one, n / (n - 1) sum over n groups of (sum of d - mean)^2 /
+ * count^2, with n - 1 degrees of freedom. group[i] < group_count is that of difference[i]. Infinite for one group;
  * ISO_E_MEMORY. */
 iso_status iso_paired_of_groups(const double *difference, const size_t *group, size_t count, size_t group_count,
                                 double confidence, iso_paired *paired, iso_error *err);
-/* a is larger than b by more than the interval and more than the margin. NaN counts as larger. */
+/* True if a is larger than b by more than the interval and more than the margin. NaN counts as larger. */
 bool iso_paired_is_larger(iso_paired p, double margin);
 
-/* t with P(|T| <= t) = confidence. */
+/* Returns t with P(|T| <= t) = confidence. */
 double iso_student_quantile(double confidence, double degrees_of_freedom);
 
 #endif

@@ -8,14 +8,14 @@
 #include "base/order.h"
 #include "compare/statistics.h"
 
-/* The value that 99 % of the pixels stay below. */
+/* Sorts values and returns the one that 99 % of the pixels stay below. */
 static double p99_of(double *values, size_t count)
 {
     qsort(values, count, sizeof *values, iso_order_doubles);
     return values[(size_t)ceil(0.99 * (double)count) - 1];
 }
 
-/* The largest difference of the color from the background, and alpha; NaN stays NaN. */
+/* Measures the color's largest difference from the background, and alpha; NaN stays NaN. */
 static void measure_pixel(const float *rgba, const double background[3], double *color, double *alpha)
 {
     *color = 0;

@@ -28,10 +28,10 @@ typedef struct iso_signal {
 iso_status iso_signal_of(const iso_image *image, const double background[3], double limit, iso_signal_measure measure,
                          iso_signal *signal, iso_error *err);
 bool iso_signal_suffices(const iso_signal *signal);
-/* Why it does not suffice, with its numbers. */
+/* Explains why the signal does not suffice, with its numbers. */
 void iso_signal_explain(const iso_signal *signal, char *text, size_t size);
 
-/* Equals the background in every bit, with alpha 0. */
+/* True if all pixels equal the background in every bit, with alpha 0. */
 bool iso_image_is_empty(const iso_image *image, const double background[3]);
 
 #endif

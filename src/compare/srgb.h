@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* Linear light to sRGB; NaN becomes 0. */
+/* Encodes linear light as sRGB; NaN becomes 0. */
 static inline double iso_srgb_encode(double linear)
 {
     if (!(linear > 0))

@@ -21,7 +21,7 @@ static double *luma(const iso_image *image)
     return out;
 }
 
-/* Weighted sums of one window centered at (x, y), cut by the image: w, x, y, xx, yy, xy. */
+/* Returns the SSIM of one window centered at (x, y), cut by the image, from weighted sums of 1, x, y, xx, yy, xy. */
 static double window(const double *restrict a, const double *restrict b, size_t width, size_t height, size_t x,
                      size_t y, const double taps[TAPS])
 {

@@ -9,8 +9,8 @@
 
 #include "image/image.h"
 
-/* The mean over all windows, of Rec. 601 luma of sRGB-encoded colors clipped to
- * [0, 1]. ISO_E_RANGE: empty or different sizes; ISO_E_MEMORY. */
+/* Computes the mean over all windows, of Rec. 601 luma of sRGB-encoded colors clipped to [0, 1]. ISO_E_RANGE: empty or
+ * different sizes; ISO_E_MEMORY. */
 iso_status iso_ssim_mean(const iso_image *a, const iso_image *b, double *mean, iso_error *err);
 
 /* Measures only windows whose center has an alpha of at least ISO_SSIM_FOREGROUND in either image. So a large empty

@@ -8,8 +8,8 @@
 
 /* ---- Student's distribution ----------------------------------------------- */
 
-/* The continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), by the method of
- * Lentz in Thompson and Barnett's form; converges fast for x < (a + 1) / (a + b + 2). */
+/* Returns the continued fraction of the incomplete beta function (Abramowitz and Stegun 26.5.8), by the method of Lentz
+ * in Thompson and Barnett's form; converges fast for x < (a + 1) / (a + b + 2). */
 static double beta_fraction(double a, double b, double x)
 {
     const double tiny = 1e-300;
@@ -34,7 +34,7 @@ static double beta_fraction(double a, double b, double x)
     return value;
 }
 
-/* The regularised incomplete beta function I_x(a, b). */
+/* Returns the regularized incomplete beta function I_x(a, b). */
 static double incomplete_beta(double a, double b, double x)
 {
     if (!(x > 0))
@@ -81,7 +81,7 @@ void iso_samples_destroy(iso_samples *s)
     *s = (iso_samples){0};
 }
 
-/* The n-th. */
+/* Adds the n-th value to a mean and a sum of squared deviations. */
 static void add_sample(double x, double n, double *mean, double *squares)
 {
     double d = x - *mean;

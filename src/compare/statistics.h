@@ -34,10 +34,10 @@ typedef struct iso_samples {
     const iso_image *reference; /* borrowed; must outlive the samples */
 } iso_samples;
 
-/* reference: the image that the mean is tested against. ISO_E_RANGE: empty; ISO_E_MEMORY. */
+/* Creates empty samples. reference: the image that the mean is tested against. ISO_E_RANGE: empty; ISO_E_MEMORY. */
 iso_status iso_samples_create(iso_samples *s, const iso_image *reference, iso_error *err);
 void iso_samples_destroy(iso_samples *s);
-/* ISO_E_RANGE: another size, or pixels that are not finite. */
+/* Adds an image. ISO_E_RANGE: another size, or pixels that are not finite. */
 iso_status iso_samples_add(iso_samples *s, const iso_image *image, iso_error *err);
 
 /* Weight of the neighbors in a pixel's variance, in degrees of freedom. They are 24, in 5 x 5 pixels, but noise
@@ -80,7 +80,7 @@ typedef struct iso_noise_test {
  * ISO_E_RANGE: fewer than 2 images, significance not in (0, 1), a tolerance negative or NaN. ISO_E_MEMORY. */
 iso_status iso_samples_test(const iso_samples *s, const iso_noise_options *opt, iso_noise_test *out, iso_error *err);
 
-/* P(|T| >= t) of Student's distribution. */
+/* Returns P(|T| >= t) of Student's distribution. */
 double iso_student_two_sided(double t, double degrees_of_freedom);
 
 /* Returns the larger of two differences; NaN stays NaN in all later comparisons. */

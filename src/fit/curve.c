@@ -39,7 +39,7 @@ void iso_fit_curve_destroy(iso_fit_curve *curve)
         *curve = (iso_fit_curve){0};
 }
 
-/* Extent of a channel over its largest slope, in values. */
+/* Returns the extent of a channel over its largest slope, in values. */
 static double channel_width(const iso_fit_curve *curve, size_t c, double *extent)
 {
     double lo = INFINITY, hi = -INFINITY, steepest = 0;
@@ -69,7 +69,7 @@ double iso_fit_curve_ramp_width(const iso_fit_curve *curve)
     return width;
 }
 
-/* Integral of a channel from entry 0 to position x in entries; sums: of whole entries up to each. */
+/* Integrates a channel from entry 0 to position x in entries; sums: the integral up to each entry. */
 static double integral(const iso_fit_curve *curve, const double *sums, size_t c, double x)
 {
     const double last = (double)(curve->count - 1);

@@ -17,18 +17,18 @@ typedef struct iso_fit_curve {
     float *entries;  /* 4 each: r, g, b premultiplied, opacity */
 } iso_fit_curve;
 
-/* Over the transfer function's range and half of it more at each end. ISO_E_MEMORY. */
+/* Creates the curve over the transfer function's range and half of it more at each end. ISO_E_MEMORY. */
 iso_status iso_fit_curve_create(const iso_tf_table *tf, double length_mm, iso_fit_curve *curve, iso_error *err);
 void iso_fit_curve_destroy(iso_fit_curve *curve); /* accepts empty and NULL */
 
-/* Over how many values the curve's steepest part would go from its least to its largest opacity; for a ramp its width.
- * Where opacity is constant, of the channel that changes most. 0: the curve is constant. */
+/* Returns over how many values the curve's steepest part would go from its least to its largest opacity; for a ramp its
+ * width. If opacity is constant, the channel that changes most counts. 0: the curve is constant. */
 double iso_fit_curve_ramp_width(const iso_fit_curve *curve);
 
-/* The mean of `curve` over [s - width / 2, s + width / 2], into `wide`, which has the same entries. */
+/* Fills `wide`, which has the same entries, with the mean of `curve` over [s - width / 2, s + width / 2]. */
 void iso_fit_curve_widen(const iso_fit_curve *curve, double width, iso_fit_curve *wide);
 
-/* Where a value lies: its lower entry, and the fraction of the way to the next. */
+/* Finds the place of a value: returns its lower entry, and the fraction of the way to the next. */
 static inline size_t iso_fit_curve_find(const iso_fit_curve *curve, float value, float *fraction)
 {
     const float last = (float)(curve->count - 1);

@@ -55,7 +55,7 @@ static const float *fine_row(const iso_extinction_scaler *s, const iso_fine_row 
     return s->fine->scalar + row->x + a[0].fine_size * (row->y + a[1].fine_size * row->z);
 }
 
-/* Rows next to a row of a level. At the grid's faces one of the two is the row itself. */
+/* Returns the rows next to a row of a level. At the grid's faces one of the two is the row itself. */
 static iso_stencil_rows stencil_of(const iso_level *l, size_t y, size_t z)
 {
     const size_t *n = l->geometry.size, row = n[0], plane = row * n[1];
@@ -210,7 +210,7 @@ static size_t entry_of(const iso_depth_table *t, float value)
     return x > 0 ? (size_t)(x < t->last ? x : t->last) : 0;
 }
 
-/* Whether any value of the range has opacity: of the entries that its values lie between. */
+/* True if any value of the range has opacity, by the entries that its values lie between. */
 static bool shows(const shown_tf *t, range r)
 {
     const size_t first = entry_of(&t->table, r.min), last = entry_of(&t->table, r.max);
@@ -252,7 +252,7 @@ static void add_square(const round_context *c, const iso_fine_row *row, const fl
     c->sums[row->thread].square += llround((double)iso_square_distance(a, b, row->count) * square_unit);
 }
 
-/* With q = 1: the level's opacities and the fine voxels'. */
+/* Compares the level's opacities with q = 1 to the fine voxels'. */
 static void first_round(void *context, const iso_fine_row *row)
 {
     const round_context *c = context;
@@ -269,7 +269,7 @@ static void later_round(void *context, const iso_fine_row *row)
     iso_opacity_row_scaled(&c->own->table, row->values[0], row->values[1], row->values[2], row->count, row->results[0]);
 }
 
-/* How far the opacities are that the bytes give. */
+/* Compares the opacities that the bytes give to the fine voxels'. */
 static void last_look(void *context, const iso_fine_row *row)
 {
     const round_context *c = context;
@@ -317,7 +317,7 @@ static void quantize(iso_extinction_scaler *s, uint8_t *bytes)
     }
 }
 
-/* The sum of all threads, which then begin at 0 again. */
+/* Returns the sum of all threads, which then begin at 0 again. */
 static double take_sum(thread_sum *sums, int threads)
 {
     int64_t sum = 0;

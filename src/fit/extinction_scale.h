@@ -52,8 +52,8 @@ static inline double iso_extinction_scale_of(double byte)
  * visible voxels. */
 typedef struct iso_extinction_scaler iso_extinction_scaler;
 
-/* level: of coarse, as the number of halvings of fine, at least 1. Both keep their scalars while the scaler lives.
- * ISO_E_RANGE: a size that is not that of the level; a level without scalars. ISO_E_MEMORY. */
+/* Prepares a level. level: halvings from fine to coarse, at least 1. Both must keep their scalars while the scaler
+ * lives. ISO_E_RANGE: a size that is not that of the level; a level without scalars. ISO_E_MEMORY. */
 iso_status iso_extinction_scaler_create(const iso_level *fine, const iso_level *coarse, size_t level, int threads,
                                         iso_extinction_scaler **out, iso_error *err);
 void iso_extinction_scaler_destroy(iso_extinction_scaler *s); /* accepts NULL */
@@ -64,12 +64,12 @@ typedef struct iso_extinction_scale_cost {
     double error;     /* with the bytes */
 } iso_extinction_scale_cost;
 
-/* original: of level 0; own: of the level, adapted or not. bytes: a voxel of the level each. Where the bytes would not
- * bring the fine voxels' opacities nearer (rms), all of them are 168. cost may be NULL. ISO_E_MEMORY. */
+/* Makes the bytes, one per voxel of the level. original: of level 0; own: of the level, adapted or not. If they bring
+ * the fine voxels' opacities no nearer (rms), all are 168. cost may be NULL. ISO_E_MEMORY. */
 iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_table *original, const iso_tf_table *own,
                                        uint8_t *bytes, iso_extinction_scale_cost *cost, iso_error *err);
 
-/* All of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0, which needs none. */
+/* Does all of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0, which needs none. */
 iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const iso_tf_table *original,
                                       const iso_tf_table *own, int threads, uint8_t **bytes, iso_error *err);
 

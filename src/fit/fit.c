@@ -126,7 +126,7 @@ static iso_status go(fit *f, iso_fine_row_function *function, const float *coars
     return iso_interpolation_run(f->problem->map, &pass, f->threads, err);
 }
 
-/* The sums of the rows, in their order. */
+/* Adds up the sums of the rows, in their order. */
 static double total(const fit *f, size_t which)
 {
     double sum = 0;
@@ -143,14 +143,14 @@ static double dot(const float *a, const float *b, size_t count)
     return sum;
 }
 
-/* to += factor * from */
+/* Adds factor * from to `to`. */
 static void add(float *to, double factor, const float *from, size_t count)
 {
     for (size_t i = 0; i < count; ++i)
         to[i] += (float)factor * from[i];
 }
 
-/* f->step: of A^T W A step = -gradient, from 0. */
+/* Solves A^T W A step = -gradient for f->step, from 0. */
 static iso_status solve(fit *f, size_t rounds, iso_error *err)
 {
     const size_t n = f->coarse_count;

@@ -44,11 +44,11 @@ typedef struct iso_fit_problem {
 /* Returns the bytes that a fit needs besides its problem: 5 per fine voxel, and 7 floats per coarse one. */
 size_t iso_fit_bytes(size_t fine_count, size_t coarse_count);
 
-/* E under the curve widened to `width` ramps, and its gradient by the coarse values (or NULL). ISO_E_MEMORY. */
+/* Computes E under the curve widened to `width` ramps, and its gradient by coarse values (or NULL). ISO_E_MEMORY. */
 iso_status iso_fit_error(const iso_fit_problem *problem, const iso_fit_options *opt, double width, const float *coarse,
                          double *error, float *gradient, iso_error *err);
 
-/* coarse: the start, then the result. ISO_E_MEMORY. */
+/* Fits a level's scalars. coarse: the start, then the result. ISO_E_MEMORY. */
 iso_status iso_fit_scalar(const iso_fit_problem *problem, const iso_fit_options *opt, float *coarse,
                           iso_fit_report *report, iso_error *err);
 

@@ -19,7 +19,7 @@ typedef struct iso_fit_row {
 void iso_fit_row_errors(const iso_fit_row *r, const iso_fit_curve *wide, const iso_fit_curve *curve, double sums[2]);
 /* Fills the weights, and result = p' . (p - p(v)); returns the squared error. */
 double iso_fit_row_linearize(const iso_fit_row *r, const iso_fit_curve *curve);
-/* result = weight shown */
+/* Sets result = weight shown. */
 void iso_fit_row_weigh(const iso_fit_row *r);
 
 #endif

@@ -9,7 +9,7 @@
 
 /* ---- weights --------------------------------------------------------------------------------------------------- */
 
-/* Where fine voxel i lies between coarse ones: as the sampler has it, position and clamping. */
+/* Sets the place of fine voxel i between coarse ones, with the sampler's position and clamping. */
 static void set_weights(iso_interpolation_axis *a, size_t i, double step)
 {
     const double last = (double)(a->coarse_size - 1), p = ((double)i + 0.5) / step - 0.5;
@@ -19,7 +19,7 @@ static void set_weights(iso_interpolation_axis *a, size_t i, double step)
     a->weight[i] = (float)(q - (double)a->low[i]);
 }
 
-/* The same weights by coarse voxels. Those of a coarse voxel are neighbors, since positions ascend. */
+/* Sets the same weights by coarse voxels. Those of a coarse voxel are neighbors, since positions ascend. */
 static void set_taps(iso_interpolation_axis *a)
 {
     uint32_t tap = 0;
@@ -181,7 +181,7 @@ static void add_to(row_set *s, size_t j, size_t length, size_t x, const float *r
     s->used[j] = 1;
 }
 
-/* Voxels x to x + count - 1 of the row y: gather, the function, scatter along y. */
+/* Gathers voxels x to x + count - 1 of the row y, calls the function, and scatters along y. */
 static void run_row(const work *w, size_t x, size_t y, size_t count)
 {
     scratch *s = w->scratch;
@@ -209,7 +209,7 @@ static size_t runs_in_row(const iso_interpolation *map)
     return (map->axis[0].fine_size + ISO_FIT_RUN - 1) / ISO_FIT_RUN;
 }
 
-/* The wanted runs of a row, those that follow each other at once. */
+/* Runs the wanted runs of a row; adjacent ones together. */
 static void run_wanted(const work *w, size_t y)
 {
     const size_t runs = runs_in_row(w->map), length = w->map->axis[0].fine_size;
@@ -245,7 +245,7 @@ static void add_slice(const work *w, size_t o)
     }
 }
 
-/* The sum for a coarse plane is complete but for the neighbor's part: along x, into the output. */
+/* Contracts a coarse plane's sum, complete but for the neighbor's part, along x into the output, and clears it. */
 static void finish_plane(const work *w, size_t o, row_set *sum, size_t plane)
 {
     const iso_interpolation_axis *x = &w->map->axis[0], *y = &w->map->axis[1];
@@ -259,7 +259,7 @@ static void finish_plane(const work *w, size_t o, row_set *sum, size_t plane)
     }
 }
 
-/* The fine slices between the coarse planes p and p + 1. */
+/* Runs the fine slices between the coarse planes p and p + 1. */
 static void run_interval(work *w, size_t p)
 {
     const iso_interpolation_axis *z = &w->map->axis[2];

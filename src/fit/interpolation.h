@@ -43,10 +43,10 @@ typedef struct iso_interpolation {
 iso_status iso_interpolation_create(iso_interpolation *map, const size_t fine_size[3], size_t level, iso_error *err);
 void iso_interpolation_destroy(iso_interpolation *map); /* accepts empty and NULL */
 
-/* fine = A coarse: fine_count floats from coarse_count. threads: 0 = all cores. ISO_E_MEMORY. */
+/* Computes fine = A coarse: fine_count floats from coarse_count. threads: 0 = all cores. ISO_E_MEMORY. */
 iso_status iso_interpolation_gather(const iso_interpolation *map, const float *coarse, float *fine, int threads,
                                     iso_error *err);
-/* coarse = A^T fine. */
+/* Computes coarse = A^T fine. */
 iso_status iso_interpolation_scatter(const iso_interpolation *map, const float *fine, float *coarse, int threads,
                                      iso_error *err);
 
@@ -81,7 +81,7 @@ typedef struct iso_interpolation_pass {
 
 size_t iso_interpolation_run_count(const iso_interpolation *map);
 
-/* ISO_E_RANGE: more grids than ISO_FIT_GRIDS. ISO_E_MEMORY. */
+/* Runs a pass. ISO_E_RANGE: more grids than ISO_FIT_GRIDS. ISO_E_MEMORY. */
 iso_status iso_interpolation_run(const iso_interpolation *map, const iso_interpolation_pass *pass, int threads,
                                  iso_error *err);
 

@@ -5,13 +5,13 @@
 
 #include "fit/interpolation.h"
 
-/* out = (1 - w) a + w b, n floats. Equal values are kept exactly. */
+/* Computes out = (1 - w) a + w b, n floats. Equal values are kept exactly. */
 void iso_interpolation_blend(const float *restrict a, const float *restrict b, float w, size_t n, float *restrict out);
-/* sum += w row, n floats. */
+/* Adds w row to sum, n floats. */
 void iso_interpolation_add(const float *restrict row, float w, size_t n, float *restrict sum);
-/* A coarse row at the fine voxels of its axis. */
+/* Interpolates a coarse row at the fine voxels of its axis. */
 void iso_interpolation_expand(const iso_interpolation_axis *axis, const float *restrict row, float *restrict fine);
-/* The transpose: fine voxels' sums are added to a coarse row. */
+/* Adds fine voxels' sums to a coarse row: the transpose. */
 void iso_interpolation_contract(const iso_interpolation_axis *axis, const float *restrict fine, float *restrict row);
 
 #endif

@@ -21,7 +21,7 @@ const char *iso_level_scalar_name(iso_level_scalar s)
     return kinds_of_scalar[s].name;
 }
 
-/* c = (A^T A)^-1 c, in place: the grid's system is a product of one an axis. */
+/* Computes c = (A^T A)^-1 c, in place: the grid's system is a product of one system per axis. */
 static iso_status solve_axes(const iso_interpolation *map, size_t level, float *c, iso_error *err)
 {
     const size_t n[3] = {map->axis[0].coarse_size, map->axis[1].coarse_size, map->axis[2].coarse_size};

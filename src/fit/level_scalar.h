@@ -32,19 +32,19 @@ typedef struct iso_level_scalar_input {
     int threads;
 } iso_level_scalar_input;
 
-/* least_squares, fitted: as many floats as the level has voxels; fitted may be NULL. report: of the fit, or NULL.
- * ISO_E_MEMORY. */
+/* Makes a level's scalars. least_squares, fitted: as many floats as the level has voxels; fitted may be NULL. report:
+ * of the fit, or NULL. ISO_E_MEMORY. */
 iso_status iso_level_scalars_make(const iso_level_scalar_input *in, float *least_squares, float *fitted,
                                   iso_fit_report *report, iso_error *err);
 
-/* Bytes of buffers while a level is made. */
+/* Returns the bytes of buffers while a level is made. */
 size_t iso_level_scalar_bytes(const size_t level0_size[3]);
 
 /* Reads pyramid.made_for (pyramid.h), and the reverse: the transfer function, resolved for the pyramid, and each
  * level's kind of scalars. ISO_E_FORMAT. */
 iso_status iso_level_scalars_read(const iso_pyramid *p, iso_tf_table *tf, iso_level_scalar kinds[32], iso_error *err);
 
-/* iso_pyramid_verify() of any pyramid: levels that were made for a scene are made again for its transfer function. */
+/* Verifies any pyramid (iso_pyramid_verify); levels made for a scene are made again for its transfer function. */
 iso_status iso_fit_verify(const iso_pyramid *p, int threads, iso_level_check *checks, const iso_progress *progress,
                           iso_error *err);
 

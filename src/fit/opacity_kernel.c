@@ -6,7 +6,7 @@
 
 #include "base/simd.h"
 
-/* 2^x for |x| < 126, relative error below 2e-7: the nearest whole power and a polynomial of the rest (Cephes'
+/* Returns 2^x for |x| < 126, relative error below 2e-7: the nearest whole power and a polynomial of the rest (Cephes'
  * exp2f). */
 static inline __attribute__((always_inline)) float power_of_two(float x)
 {
@@ -39,7 +39,7 @@ static inline __attribute__((always_inline)) place place_of(const iso_depth_tabl
     return (place){i, f * 0.5f * (t->depth[i] + depth) + (x - inside) * depth};
 }
 
-/* Narrow ranges are taken a little wider: their integral would be all rounding. */
+/* Returns the mean depth over a range. Narrow ranges are widened a little: their integral would be all rounding. */
 static inline __attribute__((always_inline)) float depth_of(const iso_depth_table *t, float value, float width)
 {
     const float narrow = 1.0f / 64, wide = width * t->entries_per_value;
@@ -84,7 +84,7 @@ ISO_SIMD static void slope_inside(const iso_stencil_rows *r, size_t first, size_
     }
 }
 
-/* At an end of a row: from this voxel to that one. */
+/* Returns the slope at an end of a row; along x it is the difference between the voxels `from` and `to`. */
 static float slope_at_end(const iso_stencil_rows *r, size_t at, size_t from, size_t to)
 {
     const float x = r->middle[to] - r->middle[from], y = r->y_scale * (r->y[1][at] - r->y[0][at]),

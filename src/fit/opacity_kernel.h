@@ -13,11 +13,11 @@ typedef struct iso_depth_table {
     const float *sum, *rest;           /* the integral up to an entry, and its remainder after rounding to a float */
 } iso_depth_table;
 
-/* The opacity of n voxels, each of which holds the values from value - width / 2 to value + width / 2 in equal parts:
- * its depth is the mean over them. */
+/* Computes the opacity of n voxels, each of which holds the values from value - width / 2 to value + width / 2 in equal
+ * parts: its depth is the mean over them. */
 void iso_opacity_row(const iso_depth_table *table, const float *restrict value, const float *restrict width, size_t n,
                      float *restrict alpha);
-/* The same with 2^octaves times the depth. */
+/* Computes the same with 2^octaves times the depth. */
 void iso_opacity_row_scaled(const iso_depth_table *table, const float *restrict value, const float *restrict width,
                             const float *restrict octaves, size_t n, float *restrict alpha);
 
@@ -30,7 +30,7 @@ typedef struct iso_stencil_rows {
 } iso_stencil_rows;
 void iso_slope_row(const iso_stencil_rows *rows, size_t first, size_t count, size_t row_length, float *restrict slope);
 
-/* sum (a - b)^2 */
+/* Returns sum (a - b)^2. */
 float iso_square_distance(const float *restrict a, const float *restrict b, size_t n);
 
 #endif

@@ -41,10 +41,10 @@ void iso_agreement_add(iso_agreement *a, const iso_agreement *more);
  * measured level. */
 void iso_agreement_choose(const iso_agreement levels[], size_t measured, iso_direction_choice *choice);
 
-/* Options for a cascade that only sums the agreement; the sums of that cascade. */
+/* Returns options for a cascade that only sums the agreement. */
 iso_pyramid_options iso_agreement_options(const iso_pyramid_options *opt);
-/* Of a volume in memory: sets opt->choice where opt->direction_filter is ISO_DIRECTION_AUTO, else does nothing. scale:
- * of the cascade. */
+/* Sets opt->choice from a volume in memory if opt->direction_filter is ISO_DIRECTION_AUTO, otherwise does nothing.
+ * scale: of the cascade. */
 iso_status iso_agreement_choose_for(const iso_planes *planes, const iso_geometry *g, double scale,
                                     iso_pyramid_options *opt, const iso_progress *progress, iso_error *err);
 

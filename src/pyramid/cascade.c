@@ -40,7 +40,7 @@ void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, si
     iso_gradient_row(in, c->opt.gradient.method, &c->matrix, y, z, r->gradient, r->g);
 }
 
-/* Straight from the rows, for the codes that can. */
+/* Encodes r->d straight from its rows. False if the code has no function for that. */
 static bool encode_rows(iso_code code, size_t n, emit_rows *r)
 {
     const iso_code_info *info = iso_code_describe(code);
@@ -51,7 +51,7 @@ static bool encode_rows(iso_code code, size_t n, emit_rows *r)
     return true;
 }
 
-/* The row of directions r->d: their codes and what else is kept of them. */
+/* Stores the row of directions r->d: its codes, and floats and magnitudes if they are kept. */
 static void store_codes(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, emit_rows *r)
 {
     const size_t n = c->size[k][0], at = ((z - out->first) * c->size[k][1] + y) * n;
@@ -109,7 +109,7 @@ typedef struct tile {
     iso_agreement agreement[MAX_LEVELS];
 } tile;
 
-/* Place of a row's scalars among the sums of two rows. Labels are not added: the second row follows the first. */
+/* Returns where a row's scalars stand in the sums of two rows. Labels are not added: the second row follows. */
 static float *scalar_of(const iso_cascade *c, float *acc, size_t stride, bool add)
 {
     return acc + (c->state_count + (c->majority && add ? 1 : 0)) * stride;
@@ -142,7 +142,7 @@ static size_t carry_plane_floats(const iso_cascade *c)
     return carry_row_floats(c) * c->size[c->tile_top][1] + iso_cascade_cells_floats(c);
 }
 
-/* Between the carry and a row of the level that it holds. */
+/* Returns row (y, z) of the level that the carry holds. */
 static float *carry_row(const iso_cascade *c, size_t y, size_t z)
 {
     return c->carry + z * carry_plane_floats(c) + y * carry_row_floats(c);
@@ -185,7 +185,7 @@ static void store_coarse(tile *t, size_t k, size_t y, size_t z, float *own)
             memcpy(carry_row(c, y, z) + i * n, own + i * stride, n * sizeof *own);
 }
 
-/* The row (y, z) of level k: made, stored, and put into acc or added to it. */
+/* Makes and stores row (y, z) of level k, and sets acc to it or adds it to acc. */
 static void make_row(tile *t, size_t k, size_t y, size_t z, float *acc, bool add)
 {
     const iso_cascade *c = t->c;
@@ -409,7 +409,7 @@ size_t iso_cascade_capacity(const iso_cascade *c, size_t level, size_t plane_cou
     return planes < c->size[level][2] ? planes : c->size[level][2];
 }
 
-/* Through the filters: the planes of the next level that n planes complete. */
+/* Returns how many planes of a level are complete after z planes of level 0, through the Gaussian filters. */
 static size_t gauss_complete(const iso_cascade *c, size_t level, size_t z)
 {
     for (size_t k = 0; k < level; ++k) {
@@ -428,7 +428,7 @@ static size_t tile_complete(const iso_cascade *c, size_t level, size_t z)
     return level > c->tile_top ? 0 : z >> level;
 }
 
-/* A plane of a level is complete when all of its files' rows are. */
+/* Counts a plane of a level as complete when all of its files' rows are. */
 size_t iso_cascade_complete(const iso_cascade *c, size_t level, size_t z)
 {
     size_t near = level == 0 || c->scalar_means || c->state_count > 0 ? tile_complete(c, level, z) : SIZE_MAX;
@@ -454,7 +454,7 @@ size_t iso_cascade_warm_up(const iso_cascade *c, size_t z)
     return from / iso_cascade_step(c) * iso_cascade_step(c);
 }
 
-/* Where tiles begin when the planes before have been stored, and are fed for the wider filters alone. */
+/* Returns the first tile to make. Planes before it are stored already, and are fed for the wider filters alone. */
 static size_t first_tile(const iso_cascade *c, size_t z0, size_t z1, const iso_cascade_out *out)
 {
     size_t stored = SIZE_MAX;

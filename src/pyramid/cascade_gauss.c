@@ -116,8 +116,8 @@ static const float *fine_row(const gauss_run *r, block *b, size_t k, size_t y, s
     return b->state;
 }
 
-/* Coarse rows j0 .. j1 - 1 of the fine plane z of level k: along x into
- * b->narrow, along y into b->filtered, along z into the open planes. */
+/* Filters coarse rows j0 .. j1 - 1 of the fine plane z of level k: along x into b->narrow, along y into b->filtered,
+ * along z into the open planes. */
 static void filter_block(const gauss_run *r, block *b, size_t k, size_t z, size_t j0, size_t j1)
 {
     const gauss_channel *w = r->channel;
@@ -153,7 +153,7 @@ static void filter_block(const gauss_run *r, block *b, size_t k, size_t z, size_
         }
 }
 
-/* Coarse planes z0 .. z1 - 1 are whole: what Eq. 1 still does to them, and storing them. */
+/* Finishes the whole coarse planes z0 .. z1 - 1: applies the last part of Eq. 1 and stores them. */
 static void finish_planes(const gauss_run *r, size_t k, size_t z0, size_t z1)
 {
     iso_cascade *c = r->c;
@@ -189,7 +189,7 @@ static void store_level0_only(const gauss_run *r, size_t z0, size_t z1)
     }
 }
 
-/* Fine planes z0 .. z1 - 1 of level k, and all coarser planes that they complete. */
+/* Feeds the fine planes z0 .. z1 - 1 of level k, and all coarser planes that they complete. */
 static void feed_planes(const gauss_run *r, size_t k, size_t z0, size_t z1)
 {
     const iso_cascade *c = r->c;

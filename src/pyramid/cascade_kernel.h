@@ -58,7 +58,7 @@ static inline float *take(scratch *s, size_t count)
     s->at += (count + 15) / 16 * 16;
     return piece;
 }
-/* Floats from one row of level k to the next: one more than the row has, rounded up to 16. */
+/* Returns the floats from one row of level k to the next: one more than the row has, rounded up to 16. */
 static inline size_t row_stride(const iso_cascade *c, size_t k)
 {
     return (c->size[k][0] + 1 + 15) / 16 * 16;
@@ -72,7 +72,7 @@ typedef struct emit_rows {
 size_t iso_emit_rows_count(const iso_cascade *c);
 emit_rows iso_take_emit_rows(const iso_cascade *c, scratch *s);
 
-/* The gradients of a row of level 0, to rows->g. */
+/* Computes the gradients of a row of level 0, to rows->g. */
 void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *rows);
 /* Stores the directions of the row's gradients. */
 void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *rows);
@@ -89,25 +89,25 @@ iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err);
 void iso_cascade_gauss_destroy(iso_cascade *c);
 iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
                                   const iso_cascade_out *out, iso_error *err);
-/* The first plane of level 0 that planes not yet complete after z planes depend on, through the Gaussian filters. */
+/* Returns the first plane of level 0 that planes incomplete after z planes depend on, through the Gaussian filters. */
 size_t iso_cascade_gauss_from(const iso_cascade *c, size_t z);
 
-/* cascade_spline.c; all but create, floats, cells_floats and destroy only where c->spline is set. */
+/* cascade_spline.c. Only create, floats, cells_floats and destroy may be called if c->spline is NULL. */
 iso_status iso_cascade_spline_create(iso_cascade *c, iso_error *err);
 void iso_cascade_spline_destroy(iso_cascade *c);
 size_t iso_cascade_spline_floats(const iso_cascade *c);
-/* Floats of a plane of the carry that are this filter's, at its end (cascade_spline_top.c). */
+/* Returns the floats at the end of a plane of the carry that this filter uses (cascade_spline_top.c). */
 size_t iso_cascade_cells_floats(const iso_cascade *c);
-/* Planes of a level that are complete after feeding up to z, and how many fewer they may be than without this
- * filter. */
+/* Returns how many planes of a level are complete after feeding up to z, and how many fewer they may be than without
+ * this filter. */
 size_t iso_cascade_spline_complete(const iso_cascade *c, size_t level, size_t z);
 size_t iso_cascade_spline_lag(void);
-/* The first plane of level 0 that planes of the level from `complete` on depend on. */
+/* Returns the first plane of level 0 that planes of the level from `complete` on depend on. */
 size_t iso_cascade_spline_from(const iso_cascade *c, size_t level, size_t complete);
 iso_status iso_cascade_spline_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
                                    const iso_cascade_out *out, iso_error *err);
 
-/* cascade_weighted.c; as those of cascade_spline.c. Its levels have moments until they are made. */
+/* cascade_weighted.c: functions as in cascade_spline.c. Its levels have moments until they are made. */
 iso_status iso_cascade_weighted_create(iso_cascade *c, iso_error *err);
 void iso_cascade_weighted_destroy(iso_cascade *c);
 size_t iso_cascade_weighted_floats(const iso_cascade *c);

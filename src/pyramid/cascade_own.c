@@ -175,7 +175,7 @@ void iso_own_cells(const spline_level *s, size_t size, size_t cell_y, size_t cel
 
 /* ---- damping ---- */
 
-/* The mean counted voxels beyond the volume: what to multiply it by along an axis. */
+/* Returns the factor along an axis that makes up for voxels beyond the volume, which the mean counted. */
 static double refill(const iso_spline_axis *a, size_t j)
 {
     const size_t left = a->fine - j * a->ratio;

@@ -18,7 +18,7 @@
 
 /* ---- which planes ---- */
 
-/* Coarse planes whose fine planes are all below z. */
+/* Returns the number of coarse planes whose fine planes are all below z. */
 static size_t summed_planes(const spline_level *s, size_t z)
 {
     const iso_spline_axis *a = &s->axis[2];
@@ -27,7 +27,7 @@ static size_t summed_planes(const spline_level *s, size_t z)
     return z >= a->ratio / 2 ? (z - a->ratio / 2) / a->ratio : 0;
 }
 
-/* The blocks whose window is in these planes: as planes. */
+/* Returns the number of planes in the blocks whose window lies in the summed planes. */
 static size_t solved_planes(const spline_level *s, size_t summed)
 {
     if (summed == s->axis[2].coarse)
@@ -35,7 +35,7 @@ static size_t solved_planes(const spline_level *s, size_t summed)
     return summed >= SPLINE_APRON ? (summed - SPLINE_APRON) / SPLINE_BLOCK * SPLINE_BLOCK : 0;
 }
 
-/* Made at the end. */
+/* True if the level is made at the end, from the carry. */
 static bool is_top(const iso_cascade *c, size_t level)
 {
     return c->carry && level > c->tile_top;
@@ -159,7 +159,7 @@ static size_t scratch_floats(const iso_cascade *c)
     return (most + 15) / 16 * 16;
 }
 
-/* sum = weight * row, or is increased by it. */
+/* Sets sum to weight * row if is_first, otherwise adds it. */
 static void weigh_row(float weight, const float *row, size_t n, float *sum, bool is_first)
 {
     if (is_first)
@@ -167,7 +167,7 @@ static void weigh_row(float weight, const float *row, size_t n, float *sum, bool
     iso_add_weighted_row(weight, row, n, sum);
 }
 
-/* The coarse rows of `own` of a fine plane: sums along y, `padded` floats apart and ready to be reduced along x. */
+/* Sums a fine plane along y into the coarse rows of `own`, `padded` floats apart and ready to be reduced along x. */
 static void sum_rows(const spline_run *r, const spline_level *s, own_rows *own, float *row, float *sums)
 {
     const size_t z = own->z, j0 = own->j0, j1 = own->j1;
@@ -187,7 +187,7 @@ static void sum_rows(const spline_run *r, const spline_level *s, own_rows *own, 
     }
 }
 
-/* The fine plane z into the coarse planes that it has a part in: the rows of one task. */
+/* Adds the fine plane z to the coarse planes that it contributes to: the rows of one task. */
 static void sum_plane(const spline_run *r, const spline_level *s, size_t task, size_t z)
 {
     const size_t nx = s->axis[0].coarse, ny = s->axis[1].coarse, padded = iso_spline_padded(&s->axis[0]);
@@ -245,7 +245,7 @@ static spline_range completed(const spline_run *r, size_t k, size_t z0, size_t z
     return (spline_range){needed, largest(needed, p1), block0, largest(block0, block1)};
 }
 
-/* A plane along x and y. */
+/* Solves a plane along x and y. */
 static void solve_plane(const spline_run *r, const spline_level *s, size_t p)
 {
     enum { N = ISO_SPLINE_LANES, CHUNK = 64 };

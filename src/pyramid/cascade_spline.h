@@ -60,16 +60,16 @@ size_t iso_own_scratch(const spline_level *s);
 void iso_own_begin(const spline_level *s, size_t z, size_t j0, size_t j1, float *memory, own_rows *t);
 void iso_own_row(const spline_level *s, size_t y, const float *row, own_rows *t);
 void iso_own_end(const spline_level *s, own_rows *t);
-/* Of levels above the carry: a row of cells' means, `size` voxels an edge. */
+/* Adds a row of cells' means, for a level above the carry; a cell has `size` voxels along an edge. */
 void iso_own_cells(const spline_level *s, size_t size, size_t cell_y, size_t cell_z, const float *means, size_t cells);
 /* Turns a row of the least-squares solution into a damped row to store. */
 void iso_own_damp(const spline_level *s, size_t y, size_t z, float *row);
 
 /* cascade_spline_top.c */
 size_t iso_cascade_cells_scratch(const iso_cascade *c);
-/* The fine planes z0 .. z1 - 1 into the moments that the carry holds. */
+/* Adds the fine planes z0 .. z1 - 1 to the moments in the carry. */
 void iso_cascade_cells_feed(const spline_run *r, size_t z0, size_t z1);
-/* A^T v of a level above the carry, from them, into the level's slots. */
+/* Computes A^T v of a level above the carry from these moments, into the level's slots. */
 void iso_cascade_cells_gather(const spline_run *r, spline_level *s);
 
 #endif

@@ -15,7 +15,8 @@ static size_t cell_size(const iso_cascade *c)
     return (size_t)1 << c->tile_top;
 }
 
-/* Rows of a cell, its sums along y, and their moments along x. */
+/* Returns the floats of a fine row of whole cells. Scratch has such a row, its two sums along y, and their moments
+ * along x. */
 static size_t padded_row(const iso_cascade *c)
 {
     return c->size[c->tile_top][0] * cell_size(c);
@@ -33,7 +34,7 @@ size_t iso_cascade_cells_floats(const iso_cascade *c)
                : 0;
 }
 
-/* The moments of number m of a row of cells. */
+/* Returns moment m of a row of cells. */
 static float *cell_row(const iso_cascade *c, size_t y, size_t z, size_t m)
 {
     const size_t *n = c->size[c->tile_top];
@@ -42,7 +43,7 @@ static float *cell_row(const iso_cascade *c, size_t y, size_t z, size_t m)
     return carry + (z + 1) * plane - iso_cascade_cells_floats(c) + (m * n[1] + y) * n[0];
 }
 
-/* A fine plane into the moments of a row of cells. */
+/* Adds the fine plane z to the moments of a row of cells. */
 static void sum_cells(const spline_run *r, size_t cell_y, size_t z)
 {
     const iso_cascade *c = r->c;
@@ -76,7 +77,7 @@ void iso_cascade_cells_feed(const spline_run *r, size_t z0, size_t z1)
             sum_cells(r, y, z);
 }
 
-/* A row of cells into coarse rows: reduced along x, for each pair of moments along y and z. */
+/* Adds a row of cells to coarse rows: reduced along x, for each pair of moments along y and z. */
 static void gather_row(const spline_run *r, spline_level *s, size_t cell_y, size_t cell_z)
 {
     const iso_cascade *c = r->c;

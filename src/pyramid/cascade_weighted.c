@@ -55,7 +55,7 @@ static size_t top_level(const iso_cascade *c)
     return c->tile_top < c->level_count - 1 ? c->tile_top : c->level_count - 1;
 }
 
-/* Coarse planes whose fine planes are all below z. */
+/* Returns the number of coarse planes whose fine planes are all below z. */
 static size_t summed_planes(const weighted_level *s, size_t z)
 {
     const iso_spline_axis *a = &s->axis[2];
@@ -64,7 +64,7 @@ static size_t summed_planes(const weighted_level *s, size_t z)
     return z >= a->ratio / 2 ? (z - a->ratio / 2) / a->ratio : 0;
 }
 
-/* The blocks whose window is in these planes: as planes. */
+/* Returns the number of planes in the blocks whose window lies in the summed planes. */
 static size_t solved_planes(const weighted_level *s, size_t summed)
 {
     if (summed == s->axis[2].coarse)
@@ -105,7 +105,7 @@ static size_t plane_floats(const weighted_level *s)
     return s->axis[0].coarse * s->axis[1].coarse;
 }
 
-/* Row `row` of one of the quantities of a coarse plane. */
+/* Returns row `row` of one of the quantities of a coarse plane. */
 static float *slot_row(const weighted_level *s, size_t plane, size_t quantity, size_t row)
 {
     return s->slots + (plane % s->slot_count * ISO_WEIGHTED_PLANES + quantity) * plane_floats(s) +
@@ -201,7 +201,7 @@ static weighted_place place_of(const iso_spline_axis *a, size_t i)
     return (weighted_place){j, {(float)(1 - f), (float)f}, f > 0};
 }
 
-/* A fine row, reduced along x, into one coarse row of one coarse plane; y, z: 0 for the lower of the two, 1 for the
+/* Adds a fine row, reduced along x, to one coarse row of one coarse plane; y, z: 0 for the lower of the two, 1 for the
  * next. */
 static void add_reduced(const weighted_level *s, const float *reduced, const weighted_place at[2], size_t y, size_t z)
 {
@@ -218,14 +218,14 @@ static void add_reduced(const weighted_level *s, const float *reduced, const wei
         }
 }
 
-/* The first fine plane of a coarse plane empties its slot: the rows of one task. */
+/* Clears rows j0 .. j1 - 1 of a coarse plane's slot, before its first fine plane. */
 static void begin_plane(const weighted_level *s, size_t plane, size_t j0, size_t j1)
 {
     for (size_t q = 0; q < ISO_WEIGHTED_PLANES; ++q)
         memset(slot_row(s, plane, q, j0), 0, (j1 - j0) * s->axis[0].coarse * sizeof(float));
 }
 
-/* The fine plane z into the coarse planes that it has a part in: the rows of one task. */
+/* Adds the fine plane z to the coarse planes that it contributes to: the rows of one task. */
 static void sum_plane(const weighted_run *r, const weighted_level *s, size_t task, size_t z)
 {
     const size_t ny = s->axis[1].coarse, n = s->axis[0].fine;
@@ -280,7 +280,7 @@ static float *value_row(const weighted_level *s, float *values, size_t plane, si
     return values + plane * 3 * plane_floats(s) + row * s->axis[0].coarse;
 }
 
-/* b - M D of the row. */
+/* Computes b - M D of the row. */
 static void row_residual(const weighted_level *s, const weighted_round *of, size_t plane, size_t row, float *residual)
 {
     const size_t n = row_floats(s), area = plane_floats(s);
@@ -295,7 +295,7 @@ static void row_residual(const weighted_level *s, const weighted_round *of, size
         }
 }
 
-/* D, or b / W where is_first. */
+/* Computes D of row i after this round; b / W if is_first. */
 static void round_row(const weighted_run *r, const weighted_level *s, const weighted_round *of, bool is_first, size_t i)
 {
     const size_t plane = of->p0 + i / s->axis[1].coarse, row = i % s->axis[1].coarse, n = row_floats(s);

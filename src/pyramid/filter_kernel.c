@@ -44,7 +44,7 @@ iso_taps iso_taps_gauss(size_t radius, double sigma)
 
 /* ---- level 0 ---- */
 
-/* d = g / |g|, zero for a gradient whose square vanishes. */
+/* Returns 1 / |g|, for d = g / |g|; zero for a gradient whose square vanishes. */
 static inline float inverse_length(float m2, float m)
 {
     float inverse = 1 / m;
@@ -124,7 +124,7 @@ ISO_SIMD static void products(const float *restrict a, const float *restrict b, 
         acc[i] = add ? acc[i] + a[i] * b[i] : a[i] * b[i];
 }
 
-/* Where T begins in a state. */
+/* Returns the component at which T begins in a state. */
 static size_t tensor_row(iso_direction_filter f)
 {
     return f == ISO_DIRECTION_AUTO ? 4 : 3;

@@ -29,7 +29,7 @@ typedef struct iso_taps {
 iso_taps iso_taps_mean(void);
 iso_taps iso_taps_gauss(size_t radius, double sigma);
 
-/* The fine voxel of tap t of coarse voxel i; the edge voxel is repeated. */
+/* Returns the fine voxel of tap t of coarse voxel i; the edge voxel is repeated. */
 static inline size_t iso_taps_source(const iso_taps *taps, size_t i, size_t t, size_t fine_size)
 {
     size_t at = 2 * i + t + 1; /* shifted by the radius, to stay unsigned */
@@ -39,30 +39,30 @@ static inline size_t iso_taps_source(const iso_taps *taps, size_t i, size_t t, s
 
 /* ---- level 0 ---- */
 
-/* The states of a row of gradients are stored in acc, or added to it (not with eq1). */
+/* Stores the states of a row of gradients in acc, or adds them to it (not with eq1). */
 void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, float *const g[3], size_t n,
                               float *restrict acc, size_t stride, bool add);
-/* Unit vectors, zero where the gradient is, and lengths (NULL: not wanted). */
+/* Computes unit vectors, zero for a gradient of zero, and lengths (NULL: not needed). */
 void iso_unit_rows(float *const g[3], size_t n, float *const d[3], float *restrict length);
-/* Samples as floats are stored in acc, or added to it; lowest and highest in range are extended to theirs. */
+/* Stores samples as floats in acc, or adds them to it; extends range, lowest and highest, to theirs. */
 void iso_scalar_row(const iso_planes *p, size_t y, size_t z, float *restrict row, float *restrict acc, bool add,
                     float range[2]);
 
 /* ---- from level to level ---- */
 
-/* acc = row, or acc += row */
+/* Sets acc to row, or adds row to it. */
 void iso_accumulate_row(const float *restrict row, size_t n, float *restrict acc, bool add);
 void iso_double_row(float *row, size_t n);
-/* The 2x2x2 mean: a and b hold n sums of two rows each, and capacity for one more float. */
+/* Computes the 2x2x2 mean: a and b hold n sums of two rows each, and capacity for one more float. */
 void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restrict out);
-/* The label that most of 2x2x2 have, the largest of several: four rows of n labels; a last one of an odd n counts
+/* Gets the label that most of 2x2x2 have, the largest of several: four rows of n labels; a last one of an odd n counts
  * twice. */
 void iso_majority_row(const float *const rows[4], size_t n, float *restrict out);
 /* Reduces n fine values to (n + 1) / 2 weighted sums; the edge value is repeated. `padded` holds n + 2 radius
  * floats. */
 void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded,
                   float *restrict out);
-/* Eq. 1: sums of m^p G g and m^p g to the filtered gradient's own state, in place. */
+/* Turns Eq. 1's sums of m^p G g and m^p g into the filtered gradient's own state, in place. */
 void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t exponent);
 
 /* ---- from states to stored values ---- */
@@ -75,8 +75,8 @@ typedef struct iso_state_row {
 } iso_state_row;
 
 
-/* Directions of a coarse level, and magnitudes (NULL: not wanted). f: moments or tensor where the state is that of
- * auto. */
+/* Computes directions of a coarse level, and magnitudes (NULL: not needed). f: moments or tensor if the state is that
+ * of auto. */
 void iso_direction_rows(iso_direction_filter f, const iso_state_row *state, size_t n, float *const d[3],
                         float *restrict magnitude);
 void iso_interleave_rows(const float *dx, const float *dy, const float *dz, size_t n, float *restrict out);

@@ -7,7 +7,7 @@
 
 #include "pyramid/pyramid.h"
 
-/* As iso_pyramid_build(), but levels[0] has neither scalars nor codes. */
+/* Builds as iso_pyramid_build() does, but levels[0] has neither scalars nor codes. */
 iso_status iso_pyramid_build_narrow(const iso_volume *v, const char *source, const iso_pyramid_options *opt,
                                     iso_pyramid *out, const iso_progress *progress, iso_error *err);
 
@@ -42,14 +42,14 @@ typedef struct iso_narrow_codes {
     size_t codes_bytes;       /* allocated bytes of `codes` */
 } iso_narrow_codes;
 
-/* p: as iso_pyramid_build_narrow() made it of v. No codes are made yet. */
+/* Begins without codes. p: made from v by iso_pyramid_build_narrow(). */
 iso_status iso_narrow_codes_begin(iso_narrow_codes *c, const iso_pyramid *p, const iso_volume *v, iso_error *err);
-/* From voxel `first` to `end`, which is not included; those made before are gone. By several threads; not to be called
- * by several. ISO_E_MEMORY. */
+/* Makes the codes from voxel `first` to `end` (not included); earlier ones are gone. Uses several threads; only one
+ * thread may call it at a time. ISO_E_MEMORY. */
 iso_status iso_narrow_codes_make(iso_narrow_codes *c, const size_t first[3], const size_t end[3], iso_error *err);
 void iso_narrow_codes_destroy(iso_narrow_codes *c); /* accepts empty */
 
-/* Of a voxel within the box, counted in level 0; those of its row follow. */
+/* Returns the code of a voxel within the box, counted in level 0; the rest of its row follows. */
 static inline const uint8_t *iso_narrow_codes_at(const iso_narrow_codes *c, size_t x, size_t y, size_t z)
 {
     return c->codes + 3 * (x - c->first[0] + c->size[0] * (y - c->first[1] + c->size[1] * (z - c->first[2])));

@@ -14,7 +14,7 @@ iso_status iso_level_directions(const iso_level *level, iso_code code, const flo
 iso_status iso_level_attach_palette(iso_level *level, iso_code code, const iso_palette *palette, iso_error *err);
 void iso_level_detach_palette(iso_level *level); /* frees the indices; accepts a level without */
 
-/* A palette of `directions` entries for the level's directions, each of which counts 1. */
+/* Fits a palette of `directions` entries to the level's directions, each of which counts 1. */
 iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials,
                                  int threads, iso_palette *palette, iso_error *err);
 

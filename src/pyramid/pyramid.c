@@ -159,7 +159,7 @@ iso_status iso_pyramid_sample_range(const iso_volume *v, const char *source, dou
     return iso_pyramid_check_values(stats.min, stats.max, source, err);
 }
 
-/* narrow: without scalars and codes. */
+/* Allocates a level; narrow: without scalars and codes. False if memory runs out. */
 static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, bool narrow,
                          const iso_pyramid_options *opt)
 {
@@ -183,7 +183,7 @@ __attribute__((noinline)) static float nearest_float(double value)
     return (float)value;
 }
 
-/* Of a level that keeps nothing: as the cascade has them, which takes samples for floats. */
+/* Fills a level that keeps no data. Its range is of samples as floats, as in the cascade. */
 static void measure_level0(const iso_volume *v, const iso_pyramid_options *opt, iso_level *l)
 {
     const iso_volume_stats stats = iso_volume_measure(v);
@@ -194,7 +194,7 @@ static void measure_level0(const iso_volume *v, const iso_pyramid_options *opt, 
                      .max = (double)nearest_float(stats.max)};
 }
 
-/* narrow: level 0 has no scalars and codes. */
+/* Builds all levels; narrow: level 0 has no scalars and codes. */
 static iso_status build_levels(const iso_volume *v, double scale, bool narrow, iso_pyramid *p,
                                const iso_progress *progress, iso_error *err)
 {

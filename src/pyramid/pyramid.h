@@ -86,13 +86,13 @@ typedef struct iso_pyramid_options {
 } iso_pyramid_options;
 iso_pyramid_options iso_pyramid_defaults(void);
 
-/* ISO_E_RANGE with the value and its limits. */
+/* Checks the options. ISO_E_RANGE with the value and its limits. */
 iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *err);
 
-/* ISO_E_RANGE if values from lo to hi are so large that sums of them could overflow floats in coarse levels. */
+/* Returns ISO_E_RANGE if sums of values from lo to hi could overflow floats in coarse levels. */
 iso_status iso_pyramid_check_values(double lo, double hi, const char *source, iso_error *err);
-/* The largest difference that the samples can have: from the type if that is narrow, otherwise measured. ISO_E_RANGE:
- * values that are not finite, or too large. source: for messages. */
+/* Gets the largest difference that the samples can have: from the type if that is narrow, otherwise measured.
+ * ISO_E_RANGE: values that are not finite, or too large. source: for messages. */
 iso_status iso_pyramid_sample_range(const iso_volume *v, const char *source, double *range, iso_error *err);
 
 extern const iso_names iso_scalar_filter_names, iso_direction_filter_names;
@@ -102,7 +102,7 @@ static inline bool iso_scalar_filter_is_spline(iso_scalar_filter f)
     return f == ISO_SCALAR_LEAST_SQUARES || f == ISO_SCALAR_DAMPED;
 }
 const char *iso_direction_filter_name(iso_direction_filter f);
-/* The filter of a coarse level: the one that was asked for, or chosen. */
+/* Returns the filter of a coarse level: by the options, or chosen. */
 iso_direction_filter iso_direction_filter_of(const iso_pyramid_options *opt, size_t level);
 iso_status iso_scalar_filter_from_name(const char *name, iso_scalar_filter *f, iso_error *err);
 iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter *f, iso_error *err);
@@ -143,29 +143,29 @@ typedef struct iso_pyramid {
     json_t *made_for;  /* owned: the scene that levels were made for, and how (doc/reference/files-pyramid.md); or NULL */
 } iso_pyramid;
 
-/* That of a volume's notes. */
+/* Returns the unit in a volume's notes. */
 iso_pyramid_unit iso_pyramid_unit_of(const iso_volume_notes *notes);
 
-/* ISO_E_RANGE: options outside their limits, non-finite voxels. */
+/* Builds all levels. ISO_E_RANGE: options outside their limits, non-finite voxels. */
 iso_status iso_pyramid_build(const iso_volume *v, const char *source, const iso_pyramid_options *opt, iso_pyramid *out,
                              const iso_progress *progress, iso_error *err);
 void iso_pyramid_destroy(iso_pyramid *p);
 
-/* The range that a fitted TF follows: of the series, or of level 0. */
+/* Returns an end of the range that a fitted TF follows: of the series, or of level 0. */
 double iso_pyramid_lo(const iso_pyramid *p);
 double iso_pyramid_hi(const iso_pyramid *p);
 
-/* ISO_E_RANGE unless the pyramid has the level. path: starts the message, or NULL. */
+/* Returns ISO_E_RANGE unless the pyramid has the level. path: starts the message, or NULL. */
 iso_status iso_pyramid_check_level(const iso_pyramid *p, const char *path, size_t level, iso_error *err);
 
 /* iso_pyramid_save() writes a directory NAME.iso, complete or absent: in the library's header. */
-/* Checks the sizes and the checksums that pyramid.json states. */
+/* Loads all files and checks the sizes and the checksums that pyramid.json states. */
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err);
 /* Loads pyramid.json without samples: levels' scalar, codes and the rest are NULL. */
 iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err);
-/* The outline and the levels' scalars: what transfer functions need. */
+/* Loads the outline and the levels' scalars, which transfer functions need. */
 iso_status iso_pyramid_load_scalars(const char *dir, iso_pyramid *out, iso_error *err);
-/* True when path is a directory with a pyramid.json. */
+/* True if path is a directory with a pyramid.json. */
 bool iso_pyramid_is_one(const char *path);
 
 #endif

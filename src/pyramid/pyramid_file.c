@@ -119,7 +119,7 @@ iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *er
     return status;
 }
 
-/* A file's size follows from its header and its samples: what pyramid.json says is for people and other programs. */
+/* Checks "bytes", which is for people and other programs: a file's size follows from its header and its samples. */
 static iso_status check_bytes(iso_json_reader *r, const json_t *entry, const char *name, size_t bytes)
 {
     size_t said = 0;

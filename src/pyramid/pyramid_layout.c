@@ -135,7 +135,7 @@ iso_status iso_layout_save_json(const char *dir, const char *name, const json_t 
 static const char no_checksum[] = "0000000000000000";
 enum { CHECKSUM_DIGITS = sizeof no_checksum - 1 };
 
-/* The last place in text where the digits stand as a word of JSON. */
+/* Returns the last place in text where the digits stand as a word of JSON; or NULL. */
 static char *find_digits(char *text, const char *digits)
 {
     char word[CHECKSUM_DIGITS + 3], *found = NULL;

@@ -24,20 +24,20 @@ typedef struct level_file {
 enum { FILE_SCALAR, FILE_CODES, FILE_DIRECTIONS, FILE_MAGNITUDE, FILE_COUNT };
 
 void iso_layout_files(const iso_pyramid_options *opt, iso_type scalar_type, level_file files[FILE_COUNT]);
-/* "level_K_dir.nrrd" */
+/* Writes a name such as "level_K_dir.nrrd". */
 void iso_layout_name(const level_file *f, size_t level, char name[64]);
-/* The type that the scalars of level 0 are stored in. */
+/* Returns the type that the scalars of level 0 are stored in. */
 iso_type iso_layout_type(iso_type input);
-/* The text before the samples: NRRD0004, raw, little-endian. Space origin is the
- * center of the first voxel. A comment fills it up to a multiple of 64 bytes, so
- * that a mapped file has its samples aligned. To be freed. */
+/* Returns the text before the samples: NRRD0004, raw, little-endian. Space origin is the center of the first
+ * voxel. A comment fills it up to a multiple of 64 bytes, so that a mapped file has its samples aligned. To be
+ * freed. */
 char *iso_layout_header(const iso_geometry *g, const level_file *f);
 
-/* A level's file: `count` samples as floats, codes as bytes; to be freed. ISO_E_FORMAT if its size, header or checksum
- * differ from pyramid.json; ISO_E_IO, ISO_E_MEMORY. */
+/* Reads a level's file: `count` samples as floats, codes as bytes; to be freed. ISO_E_FORMAT if its size, header or
+ * checksum differ from pyramid.json; ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_layout_read(const char *path, const char *header, const level_file *f, const char *digest, size_t count,
                            void **data, iso_error *err);
-/* Samples of the scalar's file as floats. */
+/* Converts samples of the scalar's file to floats. */
 void iso_layout_to_floats(const void *in, iso_type type, size_t count, float *out);
 
 json_t *iso_layout_options(const iso_pyramid_options *opt);
@@ -50,7 +50,7 @@ void iso_layout_choice(const iso_pyramid_options *opt, size_t level, json_t *obj
  * segments; or NULL. */
 iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_unit *unit,
                            const iso_pyramid_options *opt, json_t *levels, const iso_pyramid *of, iso_error *err);
-/* Each level borrows the pyramid's. */
+/* Gives each level the pyramid's segments, borrowed. */
 void iso_pyramid_share_segments(iso_pyramid *p);
 /* Writes numbers with 17 digits, so that they are read back exactly. */
 iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err);

@@ -47,7 +47,7 @@ static iso_status set_up(pyramid_build *s, double *scale, const iso_progress *pr
     return iso_stream_choose_slab(s, err);
 }
 
-/* Where the build begins: 0, or where a killed one stood. */
+/* Begins the build at plane *done: 0, or where a killed build stopped. */
 static iso_status begin(pyramid_build *s, size_t *done, iso_error *err)
 {
     bool same = false;
@@ -79,7 +79,7 @@ static iso_status begin(pyramid_build *s, size_t *done, iso_error *err)
 static const char *const own_names[] = {ISO_PYRAMID_MARKER, "level_*.nrrd", STREAM_PROGRESS_NAME, STREAM_CARRY_NAME,
                                         NULL};
 
-/* Rank 0 makes the folder, then the other ranks open its files. */
+/* Makes the folder on rank 0, then opens its files on the other ranks. */
 static iso_status begin_all(pyramid_build *s, const char *dir, double scale, json_t **job, size_t *done, iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -105,7 +105,7 @@ static iso_status begin_all(pyramid_build *s, const char *dir, double scale, jso
     return iso_ranks_agree(s->how->ranks, status, err);
 }
 
-/* The description, last of all; then the folder gets its name. */
+/* Writes the description, last of all; then gives the folder its name. */
 static iso_status describe_and_commit(pyramid_build *s, iso_error *err)
 {
     json_t *levels = json_array();

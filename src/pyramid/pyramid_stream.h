@@ -55,8 +55,8 @@ typedef struct iso_stream_report {
     double seconds_reading, seconds_writing; /* of these threads, summed, with hashing */
 } iso_stream_report;
 
-/* ISO_E_MEMORY if memory_bytes is too little; the message has the minimum. All ranks get the same status and message;
- * the report is rank 0's. */
+/* Builds in slabs. ISO_E_MEMORY if memory_bytes is too little; the message has the minimum. All ranks get the same
+ * status and message; the report is rank 0's. */
 iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_options *opt,
                               const iso_stream_options *stream, const char *dir, iso_stream_report *report,
                               const iso_progress *progress, iso_error *err);

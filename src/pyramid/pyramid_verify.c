@@ -83,7 +83,7 @@ static const char *difference(const iso_level *l, const iso_cascade_out *o, size
     return NULL;
 }
 
-/* The planes of a level that are complete, up to `end`. */
+/* Compares the complete planes of a level, up to `end`. */
 static void compare_planes(rebuild *r, size_t k, size_t end)
 {
     const iso_level *l = &r->p->levels[k];

@@ -25,9 +25,9 @@ typedef struct iso_spline_axis {
     size_t fine, coarse, ratio; /* voxels of level 0, voxels of level k, 2^k */
 } iso_spline_axis;
 
-/* The coarse voxel j below the center of fine voxel i, and the weight f of the next one; f is 0 where j is the last. */
+/* Returns the coarse voxel j below the center of fine voxel i; f: weight of the next one, 0 if j is the last. */
 size_t iso_spline_lookup(const iso_spline_axis *a, size_t i, double *f);
-/* The first fine voxel that the tent of coarse voxel j covers, and the one after the last. */
+/* Returns the first fine voxel that the tent of coarse voxel j covers, and the one after the last. */
 size_t iso_spline_first(const iso_spline_axis *a, size_t j);
 size_t iso_spline_end(const iso_spline_axis *a, size_t j);
 
@@ -37,8 +37,8 @@ typedef struct iso_spline_row {
     float below, inverse, above;
 } iso_spline_row;
 
-/* The equations of coarse voxels j0 .. j1 - 1. If the range ends inside the volume, the coefficients beyond are taken
- * to equal the last one. That error decays to a third per voxel or faster. */
+/* Eliminates the equations of coarse voxels j0 .. j1 - 1. If the range ends inside the volume, the coefficients beyond
+ * are taken to equal the last one. That error decays to a third per voxel or faster. */
 void iso_spline_factorize(const iso_spline_axis *a, size_t j0, size_t j1, iso_spline_row *rows);
 
 /* Solves for `lanes` columns at once, in place: equation i of them stands at values + i * stride. */
@@ -48,7 +48,8 @@ enum { ISO_SPLINE_LANES = 16 };
 void iso_spline_solve_rows(const iso_spline_row *rows, size_t count, float *values, size_t stride, size_t row_count,
                            float *scratch);
 
-/* Mean T and first moment U, of places from 0 to 1, of n / ratio intervals of the row; *t and *u point into scratch. */
+/* Computes mean T and first moment U (places from 0 to 1) of n / ratio intervals of the row; *t, *u point into
+ * scratch. */
 void iso_spline_moments(const float *restrict row, size_t n, size_t ratio, float *restrict scratch, const float **t,
                         const float **u);
 
@@ -60,7 +61,7 @@ typedef struct iso_spline_part {
 } iso_spline_part;
 int iso_spline_cell(const iso_spline_axis *a, size_t s, size_t cell, iso_spline_part parts[2]);
 
-/* A^T v / r along x. padded: iso_spline_padded() floats, v from padded + ratio / 2 on, else zeros; scratch as many. */
+/* Computes A^T v / r along x. padded, scratch: iso_spline_padded() floats; padded: v from ratio / 2 on, else zeros. */
 size_t iso_spline_padded(const iso_spline_axis *a);
 void iso_spline_reduce_row(const iso_spline_axis *a, const float *restrict padded, float *restrict scratch,
                            float *restrict out);

@@ -81,16 +81,16 @@ static inline size_t stream_plane_bytes(const pyramid_build *s)
 
 /* ---- slabs ---- */
 
-/* The range of the input: that of the type for integers of 8 and 16 bits, else by reading all samples, each rank its
- * share. */
+/* Gets the range of the input: that of the type for integers of 8 and 16 bits, otherwise by reading all samples, each
+ * rank its share. */
 iso_status iso_stream_input_range(pyramid_build *s, double *range, iso_error *err);
-/* Where s->opt leaves the direction filters to the build: reads all samples, each rank its share, and chooses. */
+/* Chooses direction filters if s->opt leaves them to the build: reads all samples, each rank its share. */
 iso_status iso_stream_choose(pyramid_build *s, double scale, const iso_progress *progress, iso_error *err);
-/* The most planes that are fed twice when a rank does not have the slab before. */
+/* Returns the most planes that are fed twice when a rank does not have the slab before. */
 size_t iso_stream_longest_warm_up(const pyramid_build *s);
 /* Sets plan.slab to as many planes as are fast and as memory allows. */
 iso_status iso_stream_choose_slab(pyramid_build *s, iso_error *err);
-/* Bytes of all buffers for slabs of this many planes; planes of the input that are in memory at once. */
+/* Returns bytes of all buffers for slabs of this many planes; planes of the input that are in memory at once. */
 size_t iso_stream_buffer_bytes(const pyramid_build *s, size_t slab);
 size_t iso_stream_planes_capacity(const pyramid_build *s, size_t slab);
 
@@ -102,32 +102,32 @@ iso_status iso_stream_wait_for_planes(pyramid_build *s, const stream_planes **pl
 iso_status iso_stream_feed_slab(pyramid_build *s, const stream_slab *b, const stream_planes *planes, iso_error *err);
 void iso_stream_list_slab(pyramid_build *s, const stream_slab *b, const stream_planes *planes);
 iso_status iso_stream_wait_for_writers(pyramid_build *s, iso_error *err);
-/* All slabs, without other ranks. done: planes that are in the files already. */
+/* Builds all slabs, without other ranks. done: planes that are in the files already. */
 iso_status iso_stream_run_alone(pyramid_build *s, json_t *job, size_t done, const iso_progress *progress,
                                 iso_error *err);
 
 /* ---- turns ---- */
 
-/* Memory for what goes from rank to rank. False when there is none. */
+/* Allocates the message between ranks. False if memory runs out. */
 bool iso_stream_turn_create(pyramid_build *s);
-/* All slabs, in turns with the other ranks. */
+/* Builds all slabs, in turns with the other ranks. */
 iso_status iso_stream_run_in_turns(pyramid_build *s, json_t *job, const iso_progress *progress, iso_error *err);
-/* The rank of the last slab closes the files and sends their sizes and checksums to rank 0. */
+/* Closes the files on the rank of the last slab and sends their sizes and checksums to rank 0. */
 iso_status iso_stream_close_in_turns(pyramid_build *s, iso_error *err);
 
 /* ---- progress.json ---- */
 
 /* Makes s->key. The inputs are open. */
 iso_status iso_stream_make_key(pyramid_build *s, double scale, iso_error *err);
-/* A new progress.json of this key; NULL: no memory. */
+/* Creates a new progress.json of this key; NULL: no memory. */
 json_t *iso_stream_describe_job(const pyramid_build *s);
 /* Tests whether an earlier build in the folder had the same key, and how many planes it finished. ISO_E_IO: its notes
  * cannot be read. */
 iso_status iso_stream_read_progress(pyramid_build *s, bool *is_same, size_t *planes, iso_error *err);
 /* Reads the cascade's carry up to plane z from the folder's file. */
 iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t z, iso_error *err);
-/* Whether to write progress.json now. Not after every slab, because each time the last blocks of the files are written
- * too, and the disk is waited for. */
+/* True if progress.json is to be written now. Not after every slab, because each time the last blocks of the files are
+ * written too, and the disk is waited for. */
 bool iso_stream_progress_is_due(pyramid_build *s);
 /* Notes in progress.json that a build can be resumed at plane z. */
 iso_status iso_stream_note_progress(pyramid_build *s, json_t *job, size_t z, iso_error *err);

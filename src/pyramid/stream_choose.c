@@ -33,7 +33,7 @@ static size_t planes_at_a_time(const pyramid_build *s, const iso_cascade *c)
     return planes > step ? planes : step;
 }
 
-/* The planes [z0, z1), z0 a multiple of the cascade's step. */
+/* Sums up the agreement of the planes [z0, z1); z0 is a multiple of the cascade's step. */
 static iso_status sum_up(pyramid_build *s, iso_cascade *c, size_t z0, size_t z1, const iso_progress *progress,
                          iso_error *err)
 {
@@ -58,7 +58,7 @@ static iso_status sum_up(pyramid_build *s, iso_cascade *c, size_t z0, size_t z1,
     return status;
 }
 
-/* Rank 0 adds up what all have, and tells them. */
+/* Adds up all ranks' sums on rank 0 and sends its choice to the others. */
 static void add_shares(pyramid_build *s, iso_cascade *c)
 {
     iso_agreement sums[STREAM_MAX_LEVELS] = {0};

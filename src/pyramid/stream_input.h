@@ -28,7 +28,7 @@ typedef struct stream_input {
     double seconds_busy;
 } stream_input;
 
-/* Memory for sets of `capacity` planes. False when there is none. */
+/* Allocates sets of `capacity` planes. False if memory runs out. */
 bool iso_stream_input_create(stream_input *in, iso_volume_source *source, size_t capacity);
 void iso_stream_input_destroy(stream_input *in); /* accepts an empty one */
 

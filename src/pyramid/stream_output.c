@@ -102,7 +102,7 @@ static iso_status write_and_hash(stream_level *l, int i, const char *data, size_
     return status;
 }
 
-/* The first `bytes` of a file of an earlier build, into its checksum. */
+/* Adds the first `bytes` of a file of an earlier build to its checksum. */
 static iso_status hash_file(const char *path, XXH3_state_t *hash, size_t bytes, iso_error *err)
 {
     enum { CHUNK = 1 << 20 };
@@ -292,7 +292,7 @@ iso_status iso_stream_output_wait(stream_output *o, iso_error *err)
 
 /* ---- in turns ---- */
 
-/* The place of a file among those that are stored. */
+/* Returns the tail of a file; only stored files have one. */
 static stream_tail *tail_of(const stream_output *o, void *tails, const stream_level *level, int file)
 {
     stream_tail *tail = tails;

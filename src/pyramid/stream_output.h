@@ -55,14 +55,14 @@ typedef struct stream_output {
     double seconds_busy;
 } stream_output;
 
-/* Levels as the options and the size give them; no memory yet. */
+/* Describes the levels by the options and the size; allocates no memory yet. */
 void iso_stream_output_describe(stream_output *o, const iso_geometry *g, iso_type input,
                                 const iso_pyramid_options *opt);
-/* Bytes of one plane of a level in each set; bytes of one plane of a file. */
+/* Returns the bytes of one plane of a level in each set; the bytes of one plane of a file. */
 size_t iso_stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt);
 size_t iso_stream_file_plane_bytes(const stream_level *l, int file);
 
-/* Memory for slabs of this many planes. False when there is none. */
+/* Allocates buffers for slabs of this many planes. False if memory runs out. */
 bool iso_stream_output_create(stream_output *o, const iso_cascade *c, size_t slab, const iso_pyramid_options *opt);
 void iso_stream_output_destroy(stream_output *o); /* waits; leaves the files as they are */
 
@@ -74,7 +74,7 @@ iso_status iso_stream_output_join(stream_output *o, const char *dir, iso_error *
 
 /* Copies planes that the last slab began and did not complete to the active set. */
 void iso_stream_output_copy_begun(stream_output *o);
-/* The buffers for the planes of the slab. */
+/* Gets the buffers for the planes of the slab. */
 void iso_stream_output_targets(const stream_output *o, iso_cascade_out out[STREAM_MAX_LEVELS]);
 /* Lists the planes that the slab completed: level k up to plane complete[k]; level 0's scalars may stand in the input's
  * planes. */
@@ -83,14 +83,14 @@ void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_L
 /* Starts to write the listed planes; the other set becomes active. */
 void iso_stream_output_start(stream_output *o);
 iso_status iso_stream_output_wait(stream_output *o, iso_error *err);
-/* Returns when all that was written is on the disk. */
+/* Waits until all written data is on the disk. */
 iso_status iso_stream_output_sync(stream_output *o, iso_error *err);
 /* Cuts and closes; levels[].files have their sizes and checksums. */
 iso_status iso_stream_output_close(stream_output *o, iso_error *err);
 
-/* For turns: tails as bytes, aligned to 64, that can be sent to any rank. */
+/* Returns the bytes of the tails, for turns: aligned to 64, they can be sent to any rank. */
 size_t iso_stream_tails_bytes(const stream_output *o);
-/* The tails of the files that iso_stream_output_open() has opened. */
+/* Gets the tails of the files that iso_stream_output_open() has opened. */
 void iso_stream_tails_get(const stream_output *o, void *tails);
 /* Continues writing after these tails. To be called while nothing is being written. */
 void iso_stream_tails_set(stream_output *o, const void *tails);

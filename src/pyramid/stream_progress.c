@@ -103,7 +103,7 @@ iso_status iso_stream_read_progress(pyramid_build *s, bool *is_same, size_t *pla
     return status == ISO_E_IO ? iso_fail(err, status, "%s", failure.text) : ISO_OK;
 }
 
-/* Up to plane z of the input. */
+/* Writes the carry up to plane z of the input. */
 static iso_status write_carry(pyramid_build *s, size_t z, iso_error *err)
 {
     size_t plane_floats;

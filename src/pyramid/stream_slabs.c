@@ -22,7 +22,7 @@ static iso_status measure_planes(const iso_volume *plane, const char *path, doub
     return ISO_OK;
 }
 
-/* Of narrow integers by their type; of others by reading them all, each rank its share. */
+/* Gets the range of narrow integers from their type; of others by reading them all, each rank its share. */
 iso_status iso_stream_input_range(pyramid_build *s, double *range, iso_error *err)
 {
     const size_t bytes = iso_type_bytes(s->header.type), nz = s->header.geometry.size[2];
@@ -75,7 +75,7 @@ size_t iso_stream_buffer_bytes(const pyramid_build *s, size_t slab)
     return bytes;
 }
 
-/* Planes that are fed twice if slabs do not follow each other. */
+/* Returns the most planes that are fed twice if slabs do not follow each other. */
 size_t iso_stream_longest_warm_up(const pyramid_build *s)
 {
     size_t longest = 0;
@@ -179,7 +179,7 @@ iso_status iso_stream_wait_for_planes(pyramid_build *s, const stream_planes **pl
 
 /* ---- alone ---- */
 
-/* All planes before z are written; the last blocks of the files may not be. */
+/* Notes progress if it is due. All planes before z are written; the last blocks of the files may not be. */
 static iso_status note_if_due(pyramid_build *s, json_t *job, size_t z, size_t done, iso_error *err)
 {
     if (z <= done || !iso_stream_progress_is_due(s))

@@ -35,7 +35,7 @@ static float *turn_carry(const pyramid_build *s)
     return (float *)(void *)(turn_tails(s) + iso_stream_tails_bytes(&s->out));
 }
 
-/* The ranges so far, and the carry's planes from slab `oldest` on, into the turn. */
+/* Copies the ranges so far, and the carry's planes from slab `oldest` on, into the turn. */
 static void fill_turn(pyramid_build *s, size_t oldest, size_t z)
 {
     size_t plane_floats;
@@ -96,7 +96,7 @@ static void pass_turn(pyramid_build *s, size_t i, iso_status status, const iso_e
                        status == ISO_OK ? turn_bytes(s) : sizeof *s->turn);
 }
 
-/* The top levels are made from the carry with the last slab, which then needs all of it before. */
+/* True for the last slab if there is a carry: the top levels are then made from it, and need all of it before. */
 static bool needs_turn_first(const pyramid_build *s, const stream_slab *b)
 {
     size_t plane_floats;
@@ -127,9 +127,9 @@ static iso_status do_slab_in_turn(pyramid_build *s, size_t i, iso_status status,
     return status;
 }
 
-/* Slab i is rank i mod count's. When rank 0 has the turn of slab i, slabs up to i - count are written: whoever had
- * the turn has waited for its own writers. Their end stands in the first block of the next slab, so one slab less is
- * safe. */
+/* Builds slab i on rank i mod count. When rank 0 has the turn of slab i, slabs up to i - count are written: each rank
+ * waits for its own writers in its turn. The end of a slab stands in the first block of the next one, so one slab less
+ * is safe. */
 iso_status iso_stream_run_in_turns(pyramid_build *s, json_t *job, const iso_progress *progress, iso_error *err)
 {
     const size_t count = (size_t)iso_ranks_count(s->how->ranks), rank = (size_t)iso_ranks_index(s->how->ranks);

@@ -19,28 +19,28 @@
 
 enum { ISO_WEIGHTED_W = 0, ISO_WEIGHTED_B = 1, ISO_WEIGHTED_M = 4, ISO_WEIGHTED_PLANES = 12 };
 
-/* Row of M: whether the two voxels differ along x, y, z (0 or 1 each). */
+/* Returns the row of M by whether the two voxels differ along x, y, z (0 or 1 each). */
 static inline size_t iso_weighted_m(size_t dx, size_t dy, size_t dz)
 {
     return ISO_WEIGHTED_M + 4 * dz + 2 * dy + dx;
 }
 
-/* Of a row of n gradients: their squares, and gradients times lengths, which are weighted unit directions. */
+/* Computes, for a row of n gradients, squares, and gradients times lengths, which are weighted unit directions. */
 void iso_weighted_row(float *const g[3], size_t n, float *restrict w, float *const wd[3]);
 
 /* Sums of a fine row, reduced along x: W, b (3), and M without and with a difference along x. */
 enum { ISO_WEIGHTED_REDUCED = 6 };
-/* lookup, part: of each fine voxel, the coarse voxel below its center and the weight of the next one, 0 if there is
- * none (iso_spline_lookup). out: ISO_WEIGHTED_REDUCED rows, `coarse` floats apart. */
+/* Reduces a fine row. lookup, part: for each fine voxel, the coarse voxel below its center and the weight of the next
+ * one, 0 if there is none (iso_spline_lookup). out: ISO_WEIGHTED_REDUCED rows, `coarse` floats apart. */
 void iso_weighted_reduce_row(const unsigned *lookup, const float *part, size_t fine, size_t coarse,
                              const float *restrict w, float *const wd[3], float *restrict out);
 
-/* b - M D of a row of n: residual (3 rows, `stride` apart) is lessened by what one neighboring row gives; same: M of no
- * difference along x, next: of a difference. values: the 3 rows of D, `value_stride` apart. */
+/* Subtracts one neighboring row's part of M D from residual: b - M D of a row of n, 3 rows `stride` apart. same, next:
+ * M without and with a difference along x. values: the 3 rows of D, `value_stride` apart. */
 void iso_weighted_subtract(const float *restrict same, const float *restrict next, const float *restrict values,
                            size_t value_stride, size_t n, float *restrict residual, size_t stride);
 
-/* step = keep * step + gain * residual / W, and D = before + step; 0 where W is none. */
+/* Sets step = keep * step + gain * residual / W, and D = before + step. The term with W is 0 if W vanishes. */
 void iso_weighted_step(float keep, float gain, const float *restrict weight, const float *restrict residual, size_t n,
                        float *restrict step, const float *before, float *after);
 /* Shortens D of length L to the stored D L: at most 1, and shorter if gradients disagree, as with moments. */
