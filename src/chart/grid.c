@@ -95,7 +95,7 @@ static iso_status take_estimator(const char *word, bool *flags, iso_error *err)
     return status;
 }
 
-/* flags[0]: midpoint rule; flags[1]: pre-integration. */
+/* Sets flags[0] for the midpoint rule, flags[1] for pre-integration. */
 static iso_status take_quadrature(const char *word, bool *flags, iso_error *err)
 {
     bool midpoint = strcmp(word, "midpoint") == 0;
@@ -105,7 +105,7 @@ static iso_status take_quadrature(const char *word, bool *flags, iso_error *err)
     return ISO_OK;
 }
 
-/* flags[0]: the scene's; flags[1]: the level's own; flags[2]: 2D ones of the level. */
+/* Sets flags[0] for the scene's transfer function, flags[1] for the level's own, flags[2] for the level's 2D ones. */
 static iso_status take_tf(const char *word, bool *flags, iso_error *err)
 {
     static const char *const names[] = {"original", "adapted", "tf-2d"};
@@ -232,8 +232,8 @@ void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size)
 
 /* ---- the grid --------------------------------------------------------------- */
 
-/* Bytes in files: scalars as stored; per direction 3 bytes, 3 floats, an index of whole bytes, or none; and the second
- * value of a 2D transfer function. */
+/* Returns the bytes in files: scalars as stored, directions, and the second value of a 2D transfer function. A
+ * direction takes 3 bytes, 3 floats, an index of whole bytes, or nothing. */
 static double stored_bytes(const iso_level *level, const iso_chart_case *c)
 {
     double direction = c->source == ISO_FROM_ON_THE_FLY ? 0 : c->source == ISO_FROM_FLOAT ? 12 : 3;
@@ -244,8 +244,8 @@ static double stored_bytes(const iso_level *level, const iso_chart_case *c)
            ((double)iso_type_bytes(level->stored_type) + direction + second);
 }
 
-/* Fetches per sample: 1 scalar, 1 code, 8 to flip codes, 6 more scalars on the fly. sample_seconds covers renderers
- * that are slower in every sample. */
+/* Estimates the cost of a ray by its fetches. Per sample: 1 scalar, 1 code, 8 to flip codes, 6 more scalars on the fly.
+ * sample_seconds covers renderers that are slower in every sample. */
 static double relative_cost(const iso_level *level, const iso_chart_case *c)
 {
     const size_t *n = level->geometry.size;
@@ -290,8 +290,9 @@ static bool is_power_of_two(double x)
     return frexp(x, &exponent) == 0.5;
 }
 
-/* An adapted transfer function brings a coarse level nearer to level 0 at no cost, so it comes before other departures.
- * A step between the usual ones, or above them, only makes an existing front denser. */
+/* Returns the rank of a case in the order of measuring. An adapted transfer function comes before other departures: at
+ * no cost it brings a coarse level nearer to level 0. A step between or above the usual ones comes later: it only makes
+ * an existing front denser. */
 static size_t turn_of(const iso_chart_case *c)
 {
     const bool own_tf = c->adapted && c->second == ISO_SECOND_VALUE_NONE;

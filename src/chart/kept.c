@@ -39,7 +39,7 @@ static iso_status complete_key(iso_key *key, const iso_chart_bench *b, iso_error
     return iso_key_add_surroundings(key, err);
 }
 
-/* Makes the first line. */
+/* Makes the first line of the file of measurements. */
 static json_t *head_json(const iso_key *key, const iso_chart_bench *b)
 {
     json_t *parts = iso_key_to_json(key);

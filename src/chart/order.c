@@ -36,7 +36,7 @@ static coarser_steps find_coarser(const iso_chart_case *cases, size_t count, con
     return s;
 }
 
-/* Lower bound of the error at finer steps: extrapolates e = f + a h^2 through two steps. */
+/* Returns a lower bound of the error at finer steps: extrapolates e = f + a h^2 through two steps. */
 static double floor_of(const coarser_steps *s, const iso_chart_outlook *o)
 {
     if (!s->coarse)

@@ -31,7 +31,7 @@ static bool is_on_front(const iso_chart_case *c)
            c->number > 0;
 }
 
-/* Keys are case numbers. */
+/* Collects the pictures; the keys are case numbers. */
 static json_t *pictures_json(const iso_chart_result *r)
 {
     json_t *pictures = json_object();

@@ -6,7 +6,7 @@
 
 #include "chart/result.h"
 
-/* json: from iso_chart_result_json(). */
+/* Writes the page. json: from iso_chart_result_json(). */
 iso_status iso_chart_page_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err);
 
 #endif

@@ -15,7 +15,7 @@ static unsigned char srgb(double linear)
     return (unsigned char)lrint(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055));
 }
 
-/* A pixel of the small picture is the mean of the pixels that it covers. */
+/* Shrinks an image: a small pixel is the mean of the pixels that it covers. */
 static void shrink(const iso_image *image, size_t width, size_t height, unsigned char *rgb)
 {
     for (size_t y = 0; y < height; ++y)

@@ -80,8 +80,8 @@ static double bytes_of(const iso_chart_result *r, const iso_chart_case *c)
     return iso_chart_bytes_of(c, r->bytes);
 }
 
-/* Largest value over all scenes. Measured cases come first in the order of the grid, where the scenes of a setting are
- * neighbors. */
+/* Returns the largest value over all scenes. Measured cases come first, in the order of the grid: the scenes of a
+ * setting are neighbors. */
 static double worst(const iso_chart_result *r, const iso_chart_case *c,
                     double (*of)(const iso_chart_result *, const iso_chart_case *))
 {
@@ -139,7 +139,7 @@ static size_t number_fronts(iso_chart_result *r, size_t scene, size_t number, do
     return number;
 }
 
-/* Plans for several errors may be identical: among equal bytes and errors keeps only the fastest. */
+/* Drops all but the fastest of equal bytes and errors: plans for several errors may be identical. */
 static void drop_ties(iso_chart_result *r)
 {
     for (size_t i = 0; i < r->done_count; ++i)
@@ -213,7 +213,7 @@ static void choose(iso_chart_result *r, front_arrays *a)
     r->best = iso_pareto_choose(a->error, seconds, a->error, r->done_count, INFINITY);
 }
 
-/* Keeps the order within both groups. */
+/* Moves measured settings to the front; keeps the order within both groups. */
 static iso_status move_done_first(iso_chart_result *r, iso_error *err)
 {
     iso_chart_case *skipped = malloc((r->count + 1) * sizeof *skipped);

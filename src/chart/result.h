@@ -21,9 +21,9 @@ typedef enum iso_chart_metric {
     ISO_CHART_SSIM,
     ISO_CHART_METRIC_COUNT
 } iso_chart_metric;
-/* "rmse", "flip", "ssim" */
+/* Returns "rmse", "flip" or "ssim". */
 const char *iso_chart_metric_name(iso_chart_metric m);
-/* Title of an axis: "RMSE", "mean FLIP", "1 - SSIM". */
+/* Returns an axis title: "RMSE", "mean FLIP" or "1 - SSIM". */
 const char *iso_chart_metric_title(iso_chart_metric m);
 iso_status iso_chart_metric_from_name(const char *name, iso_chart_metric *m, iso_error *err);
 double iso_chart_error(const iso_chart_case *c, iso_chart_metric m);
@@ -60,7 +60,7 @@ typedef struct iso_chart_result {
 
 /* Returns "brain.scene.json", or "first picture". */
 const char *iso_chart_scene_title(const iso_chart_result *r, size_t scene);
-/* Largest value of the setting over all scenes; NaN if a scene was not measured. */
+/* Returns a setting's largest error (below: seconds) over all scenes; NaN if a scene was not measured. */
 double iso_chart_worst_error(const iso_chart_result *r, const iso_chart_case *c);
 double iso_chart_worst_seconds(const iso_chart_result *r, const iso_chart_case *c);
 
@@ -68,7 +68,8 @@ double iso_chart_worst_seconds(const iso_chart_result *r, const iso_chart_case *
  * smallest and best. */
 iso_status iso_chart_result_sort(iso_chart_result *r, iso_error *err);
 
-/* Bytes of a setting in the second chart; kinds of bytes ("device", "stored") and of time ("processor", "clock"). */
+/* Returns a setting's bytes in the second chart. Below: the kinds of bytes ("device", "stored") and of time
+ * ("processor", "clock"). */
 double iso_chart_bytes_of(const iso_chart_case *c, iso_chart_bytes b);
 const char *iso_chart_bytes_kind(const iso_chart_result *r);
 const char *iso_chart_time_kind(const iso_chart_result *r);

@@ -25,7 +25,7 @@ static void put_field(FILE *f, const char *text)
     fputc('"', f);
 }
 
-/* Flags: 1 fastest within the wanted error, 2 smallest; in every scene. */
+/* Returns flags, the same in every scene: 1 for the fastest within the wanted error, 2 for the smallest. */
 static int chosen(const iso_chart_result *r, const iso_chart_case *c)
 {
     const size_t which[] = {r->fastest, r->smallest};
@@ -36,7 +36,7 @@ static int chosen(const iso_chart_result *r, const iso_chart_case *c)
     return flags;
 }
 
-/* pareto.gp finds the columns by their names. */
+/* Writes the results as CSV; pareto.gp finds the columns by their names. */
 static char *result_csv(const iso_chart_result *r)
 {
     char *text = NULL, machine[320];

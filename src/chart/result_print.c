@@ -91,7 +91,7 @@ static void print_fronts(const iso_chart_result *r, size_t scene)
                 print_named(r, &r->cases[i]);
 }
 
-/* Counts, per renderer, its settings and those on its own fronts; nothing if there is one renderer. */
+/* Prints the number of settings of each renderer, and of those on its own fronts; nothing if there is one renderer. */
 static void print_renderers(const iso_chart_result *r)
 {
     size_t tried[ISO_MAX_RENDERERS] = {0}, time[ISO_MAX_RENDERERS] = {0}, bytes[ISO_MAX_RENDERERS] = {0}, count = 0;

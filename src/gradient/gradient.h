@@ -60,11 +60,11 @@ iso_gradient_options iso_gradient_defaults(void);
 const char *iso_gradient_name(iso_gradient_method method);
 iso_status iso_gradient_from_name(const char *name, iso_gradient_method *method, iso_error *err);
 
-/* The slab of planes [z0, z1) of the gradient; out holds 3 nx ny (z1 - z0) floats. */
+/* Computes the gradients of planes [z0, z1); out holds 3 nx ny (z1 - z0) floats. */
 iso_status iso_gradient_slab(const iso_volume *v, const iso_gradient_options *opt, size_t z0, size_t z1,
                              float *restrict out, iso_error *err);
 
-/* The whole volume: 3 * iso_geometry_voxel_count() floats. */
+/* Computes the gradients of the whole volume: 3 * iso_geometry_voxel_count() floats. */
 iso_status iso_gradient_compute(const iso_volume *v, const iso_gradient_options *opt, float *restrict out,
                                 iso_error *err);
 

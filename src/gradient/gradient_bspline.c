@@ -35,7 +35,8 @@ static void interior_weights(float w[REACH])
         w[k] = (float)exact[k];
 }
 
-/* A sample `beyond` (1, 2 ...) voxels outside, from the first EDGE inside, counted from the border: Lagrange's. */
+/* Computes Lagrange weights of a sample `beyond` (1, 2 ...) voxels outside, from the first EDGE inside, counted from
+ * the border. */
 static void outside_weights(size_t beyond, size_t n, double e[EDGE])
 {
     const size_t count = n < EDGE ? n : EDGE;
@@ -47,7 +48,7 @@ static void outside_weights(size_t beyond, size_t n, double e[EDGE])
     }
 }
 
-/* Weights of the samples i - REACH .. i + REACH for the derivative at sample i of n; those outside are 0. */
+/* Computes weights of the samples i - REACH .. i + REACH for the derivative at sample i of n; 0 for those outside. */
 static void folded_weights(size_t i, size_t n, float out[2 * REACH + 1])
 {
     float w[REACH];
@@ -110,7 +111,7 @@ static void inside_across(const iso_planes *p, bool along_z, size_t y, size_t z,
     }
 }
 
-/* The derivative along y or z at the row (y, z). */
+/* Computes the derivative along y or z at the row (y, z). */
 static void across(const iso_planes *p, bool along_z, size_t y, size_t z, float *row, float *restrict out)
 {
     const size_t i = along_z ? z : y, n = p->size[along_z ? 2 : 1];

@@ -25,7 +25,7 @@ typedef struct iso_planes {
     X(ISO_F32, f32, float, float) \
     X(ISO_F64, f64, double, float)
 
-/* The samples of the row (y, z), in their type. */
+/* Returns the samples of the row (y, z), in their type. */
 static inline const void *iso_planes_row_at(const iso_planes *p, size_t y, size_t z)
 {
     const size_t row = (z - p->first) * p->size[1] + y;
@@ -39,7 +39,7 @@ typedef struct iso_gradient_matrix {
 } iso_gradient_matrix;
 iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world);
 
-/* Floats of scratch that iso_gradient_row needs for rows of nx voxels. */
+/* Returns the floats of scratch that iso_gradient_row needs for rows of nx voxels. */
 size_t iso_gradient_scratch_count(size_t nx);
 
 /* Computes gradients of the row (y, z), times the matrix, into the planar rows g. The volume's planes within reach
@@ -58,10 +58,10 @@ enum { ISO_GRADIENT_MOST_REACH = 12 };
 void iso_gradient_to_world(const iso_gradient_matrix *matrix, size_t n, float *restrict gx, float *restrict gy,
                            float *restrict gz);
 
-/* sum += weight * row */
+/* Adds a row: sum += weight * row. */
 void iso_add_weighted_row(float weight, const float *restrict row, size_t n, float *restrict sum);
 
-/* The row (y, z) as floats. */
+/* Reads the row (y, z) as floats. */
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row);
 
 #endif

@@ -8,8 +8,8 @@
 
 enum { OFFSETS = 5, MIDDLE = 2 }; /* -2 .. 2 */
 
-/* Weights of the samples i - 2 .. i + 2 for the derivative at sample i of n.
- * Every one is exact on linear data, borders included. */
+/* Computes weights of the samples i - 2 .. i + 2 for the derivative at sample i of n. All are exact on linear data,
+ * borders included. */
 static void derivative_weights(iso_gradient_method method, size_t i, size_t n, float w[OFFSETS])
 {
     memset(w, 0, OFFSETS * sizeof *w);
@@ -41,7 +41,7 @@ static bool smooths(iso_gradient_method method)
     return method == ISO_GRADIENT_SOBEL || method == ISO_GRADIENT_CORNERS || method == ISO_GRADIENT_SMOOTH;
 }
 
-/* 1 2 1 across, 1 4 6 4 1 of the 5x5x5 operator; at an edge the sample that is missing is the edge's own. */
+/* Computes the weights across: 1 2 1, or 1 4 6 4 1 of the 5x5x5 operator. The edge's sample replaces a missing one. */
 static void smoothing_weights(iso_gradient_method method, size_t i, size_t n, float w[OFFSETS])
 {
     static const float wide[OFFSETS] = {1 / 16.0f, 4 / 16.0f, 6 / 16.0f, 4 / 16.0f, 1 / 16.0f};
@@ -57,7 +57,7 @@ static void smoothing_weights(iso_gradient_method method, size_t i, size_t n, fl
 
 static const float only_middle[OFFSETS] = {0, 0, 1, 0, 0};
 
-/* sum = the rows around (y, z), weighted along both axes. */
+/* Sums the rows around (y, z), weighted along both axes. */
 static void sum_rows(const iso_planes *p, size_t y, size_t z, const float wy[OFFSETS], const float wz[OFFSETS],
                      float *row, float *restrict sum)
 {
@@ -107,10 +107,9 @@ static void along_x(iso_gradient_method method, bool derivative, const float *re
     }
 }
 
-/* The 8 corners of the voxel, half a step away along each axis, are the means
- * of 8 samples, as a trilinear fetch returns them [sigg-2005]. At
- * voxel centers their differences are those of the 3x3x3 Sobel operator: two
- * halves (1 1) make (1 2 1). Rows first: sums of the corners' rows, signed. */
+/* Sums the rows of a voxel's corners, signed. The 8 corners, half a step away along each axis, are means of 8 samples,
+ * as a trilinear fetch returns them [sigg-2005]. At voxel centers their differences are those of the 3x3x3 Sobel
+ * operator: two halves (1 1) make (1 2 1). */
 static void corner_rows(const iso_planes *p, size_t y, size_t z, float sign_y, float sign_z, float *row,
                         float *restrict sum)
 {

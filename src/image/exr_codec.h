@@ -13,11 +13,11 @@ extern "C" {
 
 #include "image/image.h"
 
-/* path: for messages. Messages begin with it. */
+/* Decodes OpenEXR data. path: for messages, which begin with it. */
 iso_status iso_exr_decode(const char *path, const char *data, size_t size, iso_image_choice *choice, iso_image *image,
                           iso_error *err);
 iso_status iso_exr_decode_header(const char *path, const char *data, size_t size, iso_exr_header *header, iso_error *err);
-/* *data is to be freed. */
+/* Encodes an image. The caller frees *data. */
 iso_status iso_exr_encode(const char *path, const iso_image *image, const iso_image_note *notes, char **data, size_t *size,
                           iso_error *err);
 

@@ -119,7 +119,7 @@ static iso_status check_attribute(reader *r, extents *e, iso_error *err)
     return ISO_OK;
 }
 
-/* Divides upward. */
+/* Returns the number of tiles, rounded up. */
 static uint64_t count_tiles(uint64_t window, uint64_t tile)
 {
     return (window - 1) / tile + 1;

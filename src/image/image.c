@@ -44,7 +44,7 @@ void iso_image_add_background(iso_image *image, const double background[3])
     }
 }
 
-/* IEC 61966-2-1; NaN becomes magenta at the caller. */
+/* Converts a linear value to an sRGB byte (IEC 61966-2-1); the caller turns NaN into magenta. */
 static uint8_t srgb_byte(double linear)
 {
     double c = fmin(fmax(linear, 0), 1);
@@ -108,7 +108,7 @@ iso_status iso_image_save(const iso_image *image, const char *path, const iso_im
                                     : iso_image_save_exr(image, path, notes, err);
 }
 
-/* The next number of a PPM header; # starts a comment that ends with the line. */
+/* Reads the next number of a PPM header; a comment runs from # to the end of the line. */
 static bool ppm_number(const char **at, const char *end, size_t *number)
 {
     while (*at < end && (isspace((unsigned char)**at) || **at == '#')) {

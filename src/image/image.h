@@ -15,7 +15,7 @@ iso_status iso_image_check_name(const char *option, const char *path, iso_error 
 /* Saves in the format of the name. notes: for OpenEXR, or NULL. */
 iso_status iso_image_save(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err);
 
-/* POV-Ray writes 16-bit PPM (P6, maxval 65535): linear values / 65535, A = 1. */
+/* Loads POV-Ray's 16-bit PPM (P6, maxval 65535): linear values / 65535, A = 1. */
 iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err);
 
 /* The picture to take from OpenEXR files that hold several. Zeros: the only part, its channels R, G, B and A. */
@@ -40,13 +40,13 @@ iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, i
 /* Compares an OpenEXR file with the image that was written to it, bit by bit. ISO_E_IO: they differ. */
 iso_status iso_exr_verify(const char *path, const iso_image *image, iso_error *err);
 
-/* color += (1 - alpha) * background: for images of renderers that do not draw the background. */
+/* Adds (1 - alpha) * background to the color, for images of renderers that do not draw the background. */
 void iso_image_add_background(iso_image *image, const double background[3]);
 
 /* Returns the share of the pixels that show the volume: those with an alpha of at least 1/255. */
 double iso_image_shown_share(const iso_image *image);
 
-/* Values above it become `most`. Returns whether there were any. */
+/* Lowers values above `most` to it. True if there were any. */
 bool iso_image_clip(iso_image *image, float most);
 
 /* True if all values are finite. */

@@ -61,7 +61,7 @@ static int take_unknown(png_structp png, png_unknown_chunkp chunk)
     return 1;
 }
 
-/* The color space is that of the first of cICP, iCCP, sRGB, gAMA with cHRM counts (PNG 3, section 4.3). */
+/* Reads the color space from the first of cICP, iCCP, sRGB, gAMA with cHRM (PNG 3, section 4.3). */
 static void read_color_space(png_job *job)
 {
     /* libpng's own tolerance: programs that mean sRGB write gAMA as 45455, 45450 or 45500. */
@@ -86,7 +86,7 @@ static void read_color_space(png_job *job)
                                       &c[2][0], &c[2][1]) != 0;
 }
 
-/* False: the error has the reason. */
+/* Reads the file's header and pixels. False: the error has the reason. */
 static bool decode(png_job *job, png_source *source)
 {
     if (setjmp(png_jmpbuf(job->png)))
@@ -120,7 +120,7 @@ static bool decode(png_job *job, png_source *source)
     return true;
 }
 
-/* IEC 61966-2-1. */
+/* Converts an sRGB value to a linear one (IEC 61966-2-1). */
 static double linear_of_srgb(double c)
 {
     return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);

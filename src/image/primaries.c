@@ -45,7 +45,7 @@ static bool invert(double m[3][3], double inverse[3][3])
     return fabs(determinant) > 1e-9 && isfinite(determinant);
 }
 
-/* XYZ of a chromaticity with Y = 1. */
+/* Computes XYZ of a chromaticity with Y = 1. False: it has no finite XYZ. */
 static bool xyz_of(const double xy[2], double xyz[3])
 {
     xyz[0] = xy[0] / xy[1];
@@ -54,7 +54,7 @@ static bool xyz_of(const double xy[2], double xyz[3])
     return fabs(xy[1]) > 1e-9 && isfinite(xyz[0]) && isfinite(xyz[2]);
 }
 
-/* RGB to XYZ: columns are the primaries, scaled so that (1, 1, 1) is white (SMPTE RP 177). */
+/* Computes the matrix from RGB to XYZ: columns are the primaries, scaled so that (1, 1, 1) is white (SMPTE RP 177). */
 static bool rgb_to_xyz(const iso_primaries *p, double matrix[3][3])
 {
     double columns[3][3], inverse[3][3], white[3];
@@ -71,7 +71,7 @@ static bool rgb_to_xyz(const iso_primaries *p, double matrix[3][3])
     return true;
 }
 
-/* XYZ under one white point to XYZ under the other: a diagonal in Bradford's space of cone responses. */
+/* Computes the matrix from XYZ under one white point to another: a diagonal in Bradford's space of cone responses. */
 static bool adapt(const double from[2], const double to[2], double matrix[3][3])
 {
     double cones[3][3] = {{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}};

@@ -17,7 +17,8 @@ typedef struct iso_primaries {
     double xy[4][2];
 } iso_primaries;
 
-/* The identity for Rec. 709 itself, within the digits of its standards. False: the primaries span no colors. */
+/* Computes the matrix to Rec. 709; for Rec. 709 itself the identity, within the digits of its standards. False: the
+ * primaries span no colors. */
 bool iso_primaries_matrix(const iso_primaries *from, double matrix[3][3]);
 
 /* Converts an image's colors to Rec. 709; those of Rec. 709 keep each bit. path: for the message. ISO_E_FORMAT: the

@@ -3,7 +3,7 @@
 
 #include "brick/pack.h"
 
-/* The clip planes leave some of it: a brick's box, that of outer ones to the volume's faces. */
+/* True if the clip planes leave a part of brick i's box. Boxes of outer bricks end at the volume's faces. */
 static bool is_kept(const iso_node_levels *n, const iso_view *view, size_t i)
 {
     const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};

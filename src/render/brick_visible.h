@@ -6,8 +6,9 @@
 #include "brick/bricks.h"
 #include "scene/scene.h"
 
-/* visible[b]: True if the transfer function shows something of the brick, the clip planes leave some of it, and it is
- * wanted (one byte per brick; NULL: all are). Returns the part of all bricks that the transfer function shows. */
+/* Marks visible bricks in visible[b]: the transfer function shows a part, the clip planes leave a part, and wanted[b]
+ * is set. wanted: one byte per brick; NULL: all bricks. Returns the share of all bricks that the transfer function
+ * shows. */
 double iso_brick_visible(const iso_brick_field *f, const iso_view *view, const iso_tf_table *tf, const uint8_t *wanted,
                          int threads, uint8_t *restrict visible);
 

@@ -84,11 +84,11 @@ ISO_LANES_INLINE void cubic_of_corners(cell_pieces *w, const four corner[8], con
         }
 }
 
-/* Directions at the corners of a cell into the fields 1 to 3; cell as in empty_space.h. */
+/* Writes the directions at a cell's corners to fields 1 to 3 of corner; cell as in empty_space.h. */
 void iso_cell_directions(const iso_cell_scene *c, const size_t voxel[8], const int cell[3], four corner[8]);
-/* Places in (0, 1) where a cubic's slope is zero, ascending; how many. */
+/* Finds the places in (0, 1) with zero slope of a cubic, ascending. Returns their number. */
 int iso_cubic_extremes(const double p[4], double u[2]);
-/* Places in (0, 1) where a cubic changes its sign, ascending; how many. */
+/* Finds the places in (0, 1) where a cubic changes its sign, ascending. Returns their number. */
 int iso_cubic_zeros(const double p[4], double u[3]);
 /* Solves for the place where a cubic that is monotone on [a, b] takes a value between those at its ends. */
 double iso_cubic_solve(const double p[4], double value, double a, double b);

@@ -71,7 +71,7 @@ int iso_cubic_zeros(const double p[4], double u[3])
 
 /* ---- directions ---- */
 
-/* Index of the next voxel along an axis, clamped. */
+/* Returns the index of the next voxel along an axis, clamped to the level. */
 static size_t beside(const size_t n[3], const int at[3], int axis, int by)
 {
     size_t voxel = 0;
@@ -82,7 +82,7 @@ static size_t beside(const size_t n[3], const int at[3], int axis, int by)
     return voxel;
 }
 
-/* Central differences of the filtered scalar are the filtered central differences. */
+/* Writes the gradients at a cell's corners. Filtered central differences equal those of the filtered scalar. */
 static void gradients(const iso_cell_scene *c, const int cell[3], four corner[8])
 {
     const float *scalar = c->sampler->level->scalar;

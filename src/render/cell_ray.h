@@ -47,7 +47,7 @@ typedef struct iso_cell_scene {
     double brightest; /* color times shade, at most */
 } iso_cell_scene;
 
-/* Whether this way is for a view and a sampler; others are integrated as reference_ray.c has it. */
+/* True if this method supports the view and the sampler; reference_ray.c integrates all others. */
 bool iso_cell_scene_is_for(const iso_sampler *s, const iso_view *view);
 iso_status iso_cell_scene_create(iso_cell_scene *c, const iso_sampler *s, const iso_view *view, const iso_shown *shown,
                                  const iso_empty_space *empty, iso_error *err);

@@ -29,7 +29,7 @@ void iso_shown_destroy(iso_shown *s)
     *s = (iso_shown){0};
 }
 
-/* The least and the largest value of each column of the rows that a row of blocks touches. */
+/* Widens the range lo to hi of each column by a row of voxels. */
 static void widen_columns(const float *restrict voxels, size_t count, float *restrict lo, float *restrict hi)
 {
     for (size_t x = 0; x < count; ++x) {
@@ -38,7 +38,7 @@ static void widen_columns(const float *restrict voxels, size_t count, float *res
     }
 }
 
-/* One row of the finest blocks; lo and hi: capacity for a row of voxels each. */
+/* Fills one row of the finest blocks. lo, hi: buffers for a row of voxels each. */
 static void look_at_blocks(iso_empty_space *e, const iso_level *level, const iso_shown *shown, size_t by, size_t bz,
                            float *lo, float *hi)
 {
@@ -76,7 +76,7 @@ static void keep_box(iso_empty_space *e, const double lo[3], const double hi[3])
                 e->seen[0][(z * e->blocks[0][1] + y) * e->blocks[0][0] + x] = 1;
 }
 
-/* Blocks of level l from those that are four times finer. */
+/* Fills the blocks of level l from those four times finer. */
 static void gather_blocks(iso_empty_space *e, int l)
 {
     const size_t *n = e->blocks[l - 1], *m = e->blocks[l];

@@ -25,11 +25,11 @@ typedef struct iso_shown {
     size_t *before;   /* owned; before[i]: how many of the entries below i have an extinction above zero */
 } iso_shown;
 
-/* tf_2d: or NULL; an entry counts where any row has it. ISO_E_MEMORY. */
+/* Counts the visible entries; with tf_2d (or NULL), entries that any row shows. ISO_E_MEMORY. */
 iso_status iso_shown_create(iso_shown *s, const iso_tf_table *tf, const iso_tf_2d *tf_2d, iso_error *err);
 void iso_shown_destroy(iso_shown *s); /* accepts empty */
 
-/* Whether entries from x0 to x1, counted as places on the table that may lie outside of it, show anything. */
+/* True if any entry from x0 to x1 is visible. Places on the table, in entries; they may lie outside of it. */
 static inline bool iso_shown_entries(const iso_shown *s, double x0, double x1)
 {
     const double last = (double)(s->tf->count - 1);
@@ -38,7 +38,7 @@ static inline bool iso_shown_entries(const iso_shown *s, double x0, double x1)
     return s->before[end + ((double)end < hi ? 2 : 1)] > s->before[first];
 }
 
-/* Whether any value from lo to hi is shown. */
+/* True if any value from lo to hi is visible. */
 static inline bool iso_shown_values(const iso_shown *s, double lo, double hi)
 {
     const double widen = 0x1p-49 * ((lo < 0 ? -lo : lo) + (hi < 0 ? -hi : hi));
@@ -60,7 +60,7 @@ iso_status iso_empty_space_create(iso_empty_space *e, const iso_level *level, co
                                   const double keep_lo[3], const double keep_hi[3], int threads, iso_error *err);
 void iso_empty_space_destroy(iso_empty_space *e); /* accepts empty */
 
-/* The largest block round a cell that shows nothing: cells lo to hi - 1. False: there is none. */
+/* Finds the largest empty block around a cell: cells lo to hi - 1. False: there is none. */
 static inline bool iso_empty_space_at(const iso_empty_space *e, const int cell[3], int lo[3], int hi[3])
 {
     if (!e->seen[0])

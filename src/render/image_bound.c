@@ -46,7 +46,7 @@ typedef struct bound {
     bool late;                              /* the deadline came before all points were looked up */
 } bound;
 
-/* Column and row of the pixel, which may be fractions, and depth along the camera's axis. */
+/* Writes the pixel's column and row, as fractions, and the depth along the camera's axis. */
 static void project(const bound *b, iso_vec3 world, double at[3])
 {
     const iso_camera *c = &b->in->view->camera;
@@ -103,8 +103,8 @@ void iso_bound_look_up(const iso_bound_field *field, iso_vec3 index, iso_vec3 to
     }
 }
 
-/* Point number n of a fine voxel: the corners of a cubic lattice, moved by a step of the golden ratio's sequence in
- * three dimensions, so that no plane of the grid is met more often than others. */
+/* Makes point n of a fine voxel: a corner of a cubic lattice, moved by a step of the 3D golden ratio sequence. So no
+ * plane of the grid gets more points than others. */
 static point make_point(const bound *b, const size_t voxel[3], size_t n)
 {
     static const double golden[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
@@ -154,7 +154,7 @@ static void widen(const point *p, region *r)
     r->any = true;
 }
 
-/* sup over L of |s_k (g_k - L) - s_0 (g_0 - L)|, which is linear in L, for L_0 and for L_k. */
+/* Adds the sup over L of |s_k (g_k - L) - s_0 (g_0 - L)|, which is linear in L, for L_0 and for L_k. */
 static void add_integrand(const point *p, region *r)
 {
     for (int i = 0; i < 2; ++i)
@@ -175,7 +175,8 @@ static bool is_late(bound *b)
     return b->late;
 }
 
-/* All points, a plane of voxels at a time: made by threads, taken in order, so that sums do not depend on them. */
+/* Passes all points to take(), a plane of voxels at a time. Threads make them; they are taken in order, so that sums do
+ * not depend on threads. */
 static iso_status for_points(bound *b, void (*take)(const point *p, region *r), iso_error *err)
 {
     const size_t *n = b->in->fine->geometry.size, a = b->points_an_axis, of_voxel = a * a * a;
@@ -213,7 +214,7 @@ static void pass_slab(const side *s, double slab_mm, bool whole, double lo[CHANN
     }
 }
 
-/* Ranges of L within the regions of a block, from the back; lo and hi end as those of the pixels. */
+/* Computes the ranges of L in a block's regions, from the back; lo and hi end as those of the pixels. */
 static void follow_back_to_front(const bound *b, region *block, int i, double lo[CHANNELS], double hi[CHANNELS])
 {
     for (int c = 0; c < CHANNELS; ++c)
@@ -231,7 +232,7 @@ static void follow_back_to_front(const bound *b, region *block, int i, double lo
     }
 }
 
-/* The integral along the rays of a block, their mean and at most: of T_k and L_0 (i = 0), or of T_0 and L_k (i = 1). */
+/* Integrates along the rays of a block, as mean and maximum: T_k and L_0 (i = 0), or T_0 and L_k (i = 1). */
 static void integrate(const bound *b, const region *block, int i, double mean[CHANNELS], double most[CHANNELS])
 {
     double through = 1;
@@ -248,7 +249,7 @@ static void integrate(const bound *b, const region *block, int i, double mean[CH
     }
 }
 
-/* The sum of squares over the pixels of a block, at most. */
+/* Returns an upper bound of the sum of squares over a block's pixels. */
 static double bound_block(const bound *b, const region *block, const double range[2][2][CHANNELS], double pixels)
 {
     double mean[2][CHANNELS], most[2][CHANNELS], squares = 0;
@@ -262,7 +263,7 @@ static double bound_block(const bound *b, const region *block, const double rang
     return squares;
 }
 
-/* Whether the box holds all corners of a region, and so, both being convex, the region. */
+/* True if the box holds all corners of a region, and so the region: both are convex. */
 static bool lies_inside(const bound *b, size_t x, size_t y, size_t slab)
 {
     const iso_view *v = b->in->view;
@@ -291,8 +292,8 @@ static size_t points_an_axis(const iso_image_bound_input *in)
     return iso_geometry_voxel_count(&in->fine->geometry) <= DENSE_VOXELS ? DENSE_POINTS : 1;
 }
 
-/* Blocks and slabs of REGION_POINTS points along an edge: smaller ones would not hold the ranges, larger ones would be
- * more unlike within. */
+/* Cuts the image into blocks and slabs with edges of REGION_POINTS points. Smaller regions would not hold the ranges;
+ * larger ones would vary more inside. */
 static iso_status cut_image(bound *b, iso_error *err)
 {
     const iso_view *v = b->in->view;
@@ -335,7 +336,7 @@ static double pixels_of(const bound *b, size_t x, size_t y)
     return (double)(w < b->block_pixels ? w : b->block_pixels) * (double)(h < b->block_pixels ? h : b->block_pixels);
 }
 
-/* Ranges of L for all regions, then the integrand, then the blocks. */
+/* Computes the ranges of L for all regions, then the integrand, then the sum over the blocks. */
 static iso_status sum_squares(bound *b, double (*ranges)[2][2][CHANNELS], double *squares, iso_error *err)
 {
     const size_t count = b->blocks[0] * b->blocks[1];

@@ -31,11 +31,11 @@ typedef struct iso_image_bound_input {
     double deadline; /* by iso_clock_seconds(): a bound that takes longer is INFINITY, which is one; 0: none */
 } iso_image_bound_input;
 
-/* Whether there is a bound for the view: none with clip planes, a 2D transfer function or a region of interest. */
+/* True if the view has a bound: no clip planes, 2D transfer function, extinction scale or region of interest. */
 bool iso_image_bound_is_for(const iso_view *view);
-/* Number of sampled points per voxel in a volume of `voxels` voxels; the time is proportional to it. */
+/* Returns the number of sampled points per voxel in a volume of `voxels` voxels; the time is proportional to it. */
 size_t iso_image_bound_points(double voxels);
-/* ISO_E_RANGE: a view with clip planes, a 2D transfer function or a region of interest; ISO_E_MEMORY. */
+/* Bounds the RMSE. ISO_E_RANGE: a view without a bound (see above). ISO_E_MEMORY. */
 iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, iso_error *err);
 
 /* Computes the same integral along the rays themselves, of absolute values as in the bound, but of the actual T and L.

@@ -14,7 +14,7 @@ typedef struct iso_bound_field {
     bool lit;
 } iso_bound_field;
 
-/* Destroy it even where creating it failed. */
+/* Creates the field; destroy it after a failure, too. */
 iso_status iso_bound_field_create(iso_bound_field *field, const iso_image_bound_input *in, iso_error *err);
 void iso_bound_field_destroy(iso_bound_field *field);
 
@@ -22,7 +22,7 @@ void iso_bound_field_destroy(iso_bound_field *field);
 typedef struct iso_bound_values {
     double sigma[2], g[2][ISO_BOUND_CHANNELS];
 } iso_bound_values;
-/* index: of level 0. */
+/* Samples both levels at a point. index: coordinates of level 0. */
 void iso_bound_look_up(const iso_bound_field *field, iso_vec3 index, iso_vec3 to_viewer, iso_bound_values *values);
 
 #endif

@@ -30,7 +30,8 @@ static void follow_light(const iso_view *view, ray_samples *s)
     }
 }
 
-/* The integral of T_k |...| with L_0, and that of T_0 |...| with L_k: the smaller one, squared, over the channels. */
+/* Returns the sum over the channels of the smaller integral's square: of T_k |...| with L_0, or of T_0 |...| with
+ * L_k. */
 static double squares_of_ray(const ray_samples *s)
 {
     double integral[2][ISO_BOUND_CHANNELS] = {{0}}, through[2] = {1, 1}, squares = 0;

@@ -35,7 +35,8 @@ static void mark_bends(const iso_tf_table *tf, size_t *bends)
     }
 }
 
-/* bends[i]: how many of the TF's entries below i are bends, in any row of a 2D transfer function. To be freed. */
+/* Counts bends: bends[i] is their number below entry i, in any row of a 2D transfer function. The caller frees it;
+ * NULL: out of memory. */
 static size_t *bends_create(const iso_tf_table *tf, const iso_tf_2d *tf_2d)
 {
     size_t *bends = calloc(tf->count + 1, sizeof *bends);
@@ -59,7 +60,7 @@ typedef struct picture {
     iso_image *image;
 } picture;
 
-/* Returns the error of a converged one. */
+/* Renders a pixel. Returns its error if the quadrature is the converged one. */
 static double render_pixel(const picture *p, size_t column, size_t row)
 {
     const iso_view *view = p->view;
@@ -147,8 +148,8 @@ static bool is_worth_a_tree(const picture *p)
     return 50 * met > (double)iso_geometry_voxel_count(g);
 }
 
-/* Finds the empty space, and decides whether rays go by cells. Bricks and emitters have no tree: no part of them is
- * passed over. */
+/* Finds the empty space, and decides whether rays go by cells. Bricks and emitters have no tree: rays skip no part of
+ * them. */
 static iso_status find_empty_space(picture *p, iso_error *err)
 {
     const iso_sampler *s = p->layers[0].sampler;
@@ -170,7 +171,7 @@ static iso_status find_empty_space(picture *p, iso_error *err)
     return iso_cell_scene_create(&p->cells, s, p->view, &p->shown, &p->empty, err);
 }
 
-/* roi: of the region of interest, or NULL. */
+/* Renders all pixels. roi: sampler of the region of interest, or NULL. */
 static iso_status render_all(const iso_sampler *sampler, const iso_sampler *roi, const iso_view *view,
                              const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                              iso_error *err)

@@ -76,9 +76,8 @@ typedef struct iso_reference_result {
                     * change by halving */
 } iso_reference_result;
 
-/* Linear color and extinction per mm that the view shows at a point of the sampler's level, in its index coordinates:
- * by its transfer function or 2D transfer function, and its extinction scale. A region of interest has no say. Returns
- * the scalar there. */
+/* Returns the scalar at a point of the sampler's level (index coordinates). rgbs: linear color and extinction per mm,
+ * by the view's 1D or 2D transfer function and extinction scale. A region of interest is ignored. */
 double iso_reference_classify(const struct iso_sampler *sampler, const iso_view *view, iso_vec3 index, double rgbs[4]);
 
 /* Creates *image (view->width x view->height, RGBA, premultiplied, background
@@ -87,14 +86,13 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
                                 const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                 iso_error *err);
 
-/* The same of bricks of mixed resolution, with their own directions; opt->source
- * is ignored. */
+/* Renders bricks of mixed resolution, with their own directions; opt->source is ignored. */
 iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
                                        const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                        iso_error *err);
 
-/* The same of bricks with the transitions of [beyer-2008], of four channels; level: whose field this is, for
- * its geometry and range. */
+/* Renders bricks of four channels with the transitions of [beyer-2008]. level: the field's level, for geometry and
+ * range. */
 iso_status iso_reference_render_warp(const iso_warp_field *field, const iso_level *level, const iso_view *view,
                                      const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                      iso_error *err);

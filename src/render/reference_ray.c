@@ -9,7 +9,7 @@
 #include "render/cell_ray.h"
 #include "scene/roi.h"
 
-/* The vectors between lights and viewer. */
+/* Computes the half vectors between lights and viewer. */
 static void find_halves(const iso_view *view, iso_vec3 to_viewer, iso_vec3 half[ISO_MAX_LIGHTS])
 {
     for (size_t i = 0; i < view->light_count; ++i)
@@ -29,7 +29,7 @@ static double shade(const iso_view *view, iso_vec3 n, const iso_vec3 half[ISO_MA
     return sum;
 }
 
-/* shade(d) of scene/scene.h */
+/* Computes shade(d) of scene/scene.h. */
 double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
 {
     iso_vec3 half[ISO_MAX_LIGHTS];
@@ -37,7 +37,7 @@ double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer)
     return shade(view, n, half);
 }
 
-/* q of fit/extinction_scale.h */
+/* Returns q(x) of fit/extinction_scale.h, or 1 without a scale. */
 static double extinction_scale_at(const layer *l, iso_vec3 p)
 {
     return l->extinction_scale ? iso_extinction_scale_of(iso_sample_bytes(l->sampler, l->extinction_scale, p)) : 1;
@@ -71,7 +71,7 @@ static iso_vec3 layer_point(const ray_state *ray, const layer *l, double t)
     return iso_v3(l->scale * p.x - l->offset[0], l->scale * p.y - l->offset[1], l->scale * p.z - l->offset[2]);
 }
 
-/* Emission sigma c shade and extinction sigma per mm of one layer at t. */
+/* Computes one layer's emission sigma c shade at t. Returns extinction sigma per mm. */
 static double layer_emission(const ray_state *ray, const layer *l, double t, double color[3])
 {
     iso_vec3 p = layer_point(ray, l, t);
@@ -85,7 +85,7 @@ static double layer_emission(const ray_state *ray, const layer *l, double t, dou
     return rgbs[3];
 }
 
-/* The same of all layers: two media in one place (roi.h). */
+/* Computes the same for all layers: two media in one place (roi.h). */
 static double emission(const ray_state *ray, double t, double color[3])
 {
     if (ray->emitter)
@@ -103,7 +103,7 @@ static double emission(const ray_state *ray, double t, double color[3])
     return sigma + around;
 }
 
-/* The place where the ray leaves the largest empty block round its place at t; t if there is none. */
+/* Returns the t at which the ray leaves the largest empty block around it; t itself if there is none. */
 static double leave_empty_block(const ray_state *ray, double t)
 {
     if (!ray->empty->seen[0])
@@ -123,7 +123,7 @@ static double leave_empty_block(const ray_state *ray, double t)
     return fmax(end, t);
 }
 
-/* front over back */
+/* Composes front over back. */
 static stretch compose(stretch front, stretch back)
 {
     double t = exp(-front.depth);
@@ -133,7 +133,7 @@ static stretch compose(stretch front, stretch back)
     return front;
 }
 
-/* n equal intervals, samples in the middle, weight ds exp(-sigma ds / 2): POV-Ray's method 2. */
+/* Sums n equal intervals, samples in the middle, weight ds exp(-sigma ds / 2): POV-Ray's method 2. */
 static stretch sum_intervals(const ray_state *ray, double a, double b, size_t n)
 {
     stretch s = {{0}, 0};
@@ -149,7 +149,7 @@ static stretch sum_intervals(const ray_state *ray, double a, double b, size_t n)
     return s;
 }
 
-/* (4 fine - coarse) / 3 removes the error's term in ds^2. */
+/* Returns (4 fine - coarse) / 3, which removes the error's term in ds^2. */
 static stretch extrapolate(stretch fine, stretch coarse)
 {
     for (int c = 0; c < 3; ++c)
@@ -166,7 +166,7 @@ static double distance(stretch a, stretch b)
     return d;
 }
 
-/* Where on the layer's table the ray is at t, in entries. */
+/* Returns the ray's place at t on the layer's table, in entries. */
 static double entry_at(const ray_state *ray, const layer *l, double t)
 {
     const iso_tf_table *tf = l->tf;
@@ -174,9 +174,8 @@ static double entry_at(const ray_state *ray, const layer *l, double t)
     return (s - tf->lo) / (tf->hi - tf->lo) * (double)(tf->count - 1);
 }
 
-/* Where to cut [a, b] for a bend of the TF inside it, or a when there is none:
- * at the bend itself once it is singled out, before that in the middle. A shell
- * of opacity between the samples of a piece would leave no trace in them. */
+/* Returns the place to cut [a, b] for a bend of the TF inside it; a if there is none. The cut is in the middle until
+ * one bend is singled out, then at the bend. Otherwise samples could miss a shell of opacity between them. */
 static double cut_at_bend(const ray_state *ray, const layer *l, double a, double b)
 {
     enum { few = 4, bisections = 40 };
@@ -231,7 +230,7 @@ static stretch integrate_piece(const ray_state *ray, double a, double b, double 
     return compose(front, back);
 }
 
-/* The first plane of voxel centers (i + 1/2) beyond index position p, as t from there. */
+/* Returns t from index position p to the next plane of voxel centers (i + 1/2). */
 static double to_next_plane(double p, double d)
 {
     if (d == 0)
@@ -241,7 +240,7 @@ static double to_next_plane(double p, double d)
     return (plane - q) / d;
 }
 
-/* The first face of the region of interest or of its band, in the same way. */
+/* Returns t to the next face of the region of interest or of its band. */
 static double to_next_face(const iso_roi *f, iso_vec3 index, iso_vec3 direction)
 {
     const double p[3] = {index.x, index.y, index.z}, d[3] = {direction.x, direction.y, direction.z};
@@ -256,13 +255,13 @@ static double to_next_face(const iso_roi *f, iso_vec3 index, iso_vec3 direction)
     return least;
 }
 
-/* Labels change at the faces of voxels, between the centers where directions bend. */
+/* Returns t to the next face of a voxel: labels change there, between the centers where directions bend. */
 static double to_next_voxel(iso_vec3 p, iso_vec3 d)
 {
     return fmin(to_next_plane(p.x + 0.5, d.x), fmin(to_next_plane(p.y + 0.5, d.y), to_next_plane(p.z + 0.5, d.z)));
 }
 
-/* The end of the piece of the ray that starts at a and stays in one cell of each layer. */
+/* Returns the end of the ray's piece that starts at a and stays in one cell of each layer. */
 static double cell_end(const ray_state *ray, double a, double least, double t1)
 {
     iso_vec3 p = iso_madd(ray->origin, ray->direction, a + least);
@@ -309,8 +308,8 @@ static double value_at(const ray_state *ray, double t)
     return iso_sample_scalar(ray->layer->sampler, iso_madd(ray->origin, ray->direction, t));
 }
 
-/* The first t in [a, b], a piece inside one cell, at which the value is at least iso; infinite if there is none. The
- * value is a cubic of t there: its Bezier points bound it, and intervals that they cannot exclude are halved. */
+/* Returns the first t in [a, b], inside one cell, with a value of at least iso; infinite if there is none. The value is
+ * a cubic of t: its Bezier points bound it, and intervals that they cannot exclude are halved. */
 static double first_hit(const ray_state *ray, double iso, double a, double b, int depth)
 {
     enum { max_depth = 44 };
@@ -352,7 +351,8 @@ static stretch hit_surface(const ray_state *ray, double t0, double t1, double is
     return s;
 }
 
-/* Segments [k ds, (k+1) ds] clipped to the box, midpoint, 1 - exp(-sigma length): the ray caster's. */
+/* Integrates segments [k ds, (k+1) ds], clipped to the box, by the ray caster's midpoint rule: 1 - exp(-sigma
+ * length). */
 static stretch integrate_midpoint(const ray_state *ray, double t0, double t1, double ds)
 {
     /* Beyond optical depth 40 transmittance is below 4.3e-18. */
@@ -377,7 +377,7 @@ static stretch integrate_midpoint(const ray_state *ray, double t0, double t1, do
     return s;
 }
 
-/* The midpoint's segments with the TF's means between the values at their ends. */
+/* Integrates the midpoint rule's segments with the TF's means between the values at their ends. */
 static stretch integrate_means(const ray_state *ray, double t0, double t1, double ds)
 {
     stretch s = {{0}, 0};
@@ -404,7 +404,7 @@ static stretch integrate_means(const ray_state *ray, double t0, double t1, doubl
     return s;
 }
 
-/* The same piece by piece, between planes that stand across the view at equal distances through the box. */
+/* Sums opt->intervals per piece. Planes across the view, at equal distances through the box, cut the pieces. */
 static stretch integrate_pieces(const ray_state *ray, const iso_reference_options *opt, double t0, double t1)
 {
     const iso_geometry *g = &ray->layer->sampler->level->geometry;

@@ -36,10 +36,11 @@ typedef struct stretch {
     double color[3], depth;
 } stretch;
 
-/* shade(d) of scene/scene.h: n, |n| <= 1, and to_viewer in world axes. */
+/* Computes shade(d) of scene/scene.h: n, |n| <= 1, and to_viewer in world axes. */
 double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer);
 
-/* Integrates from t0 to t1, by the quadrature of opt. *error: converged: the sum of the changes by halving. */
+/* Integrates from t0 to t1 by opt's quadrature. *error: the sum of the changes by halving, if that is the converged
+ * one. */
 stretch iso_reference_integrate(ray_state *ray, const iso_reference_options *opt, double t0, double t1, double *error);
 
 #endif

@@ -20,8 +20,8 @@ static void read_bytes(iso_sampler *s)
     }
 }
 
-/* e of n = g / sqrt(|g|^2 + e^2). In a constant level, which has no range, differences are rounding errors and give no
- * direction: e is tiny compared with the value, but above these. */
+/* Returns e of n = g / sqrt(|g|^2 + e^2). A constant level has no range, and its differences are rounding errors
+ * without direction: e is tiny compared with the value, but above them. */
 static double on_the_fly_eps(const iso_level *level)
 {
     const double range = level->max - level->min, scale = range > 0 ? range : fmax(fabs(level->max), 1);
@@ -87,7 +87,7 @@ void iso_sampler_destroy(iso_sampler *s)
     *s = (iso_sampler){0};
 }
 
-/* All channels, where the sampler stands on bricks. */
+/* Samples all channels of bricks. False: the sampler is not on bricks. */
 static bool sample_bricks(const iso_sampler *s, iso_vec3 index, double channels[ISO_NODE_CHANNELS])
 {
     _Static_assert(ISO_NODE_CHANNELS == ISO_WARP_CHANNELS, "both are a scalar and a direction");
@@ -125,7 +125,7 @@ static stencil stencil_at(const iso_geometry *g, iso_vec3 index)
     return s;
 }
 
-/* The voxel that holds the point, the nearest one outside of the grid. */
+/* Returns the voxel that holds the point, or the nearest one if it is outside of the grid. */
 static size_t voxel_at(const iso_geometry *g, iso_vec3 index)
 {
     const double p[3] = {index.x, index.y, index.z};
@@ -170,7 +170,7 @@ void iso_sample_floats(const iso_sampler *s, const float *values, size_t channel
             out[k] += at.weight[c] * (double)values[at.voxel[c] * channels + k];
 }
 
-/* Central differences of the filtered scalar, one voxel apart to each side. */
+/* Computes the normal by central differences of the filtered scalar, one voxel to each side. */
 static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
 {
     iso_vec3 index_gradient = {
@@ -191,7 +191,7 @@ static iso_vec3 normal_of_voxel(const iso_sampler *s, size_t voxel)
     return iso_v3(n[0], n[1], n[2]);
 }
 
-/* Directions that oppose the one that counts most are turned. */
+/* Filters directions, with those flipped that oppose the one of the largest weight times length. */
 static iso_vec3 flipped_direction(const iso_sampler *s, const stencil *at)
 {
     iso_vec3 d[8], pivot = {0, 0, 0}, sum = {0, 0, 0};

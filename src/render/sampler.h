@@ -32,14 +32,14 @@ typedef struct iso_sampler {
     const iso_warp_field *warp;    /* the same, of four channels */
 } iso_sampler;
 
-/* ISO_E_RANGE when the level holds no floats and they are asked for. */
+/* Creates a sampler. ISO_E_RANGE if floats are requested and the level has none. */
 iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code code, iso_direction_source source,
                               iso_error *err);
 /* Makes a sampler of bricks. *level gets the members of a level that the sampler uses, and has to outlive it. */
 void iso_sampler_of_bricks(iso_sampler *s, const iso_brick_field *bricks, iso_level *level);
 void iso_sampler_destroy(iso_sampler *s);
 
-/* The vector of a voxel that lookups filter; not for gradients on the fly. */
+/* Reads the vector of a voxel that lookups filter; not for gradients on the fly. */
 static inline void iso_sampler_vector(const iso_sampler *s, size_t voxel, float v[3])
 {
     for (size_t a = 0; a < 3; ++a)
@@ -47,12 +47,12 @@ static inline void iso_sampler_vector(const iso_sampler *s, size_t voxel, float 
 }
 
 double iso_sample_scalar(const iso_sampler *s, iso_vec3 index);
-/* The same for bytes, one for each voxel of the level. */
+/* Filters bytes, one per voxel of the level. */
 double iso_sample_bytes(const iso_sampler *s, const uint8_t *bytes, iso_vec3 index);
 /* The same for floats, `channels` for each voxel (at most ISO_SAMPLE_CHANNELS), into out. */
 enum { ISO_SAMPLE_CHANNELS = 8 };
 void iso_sample_floats(const iso_sampler *s, const float *values, size_t channels, iso_vec3 index, double *out);
-/* World axes, |n| <= 1, zero if the point has no direction. */
+/* Returns the normal in world axes, |n| <= 1; zero if the point has no direction. */
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index);
 
 #endif

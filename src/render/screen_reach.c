@@ -49,14 +49,14 @@ static block_shape shape_of(const iso_geometry *g, const iso_camera *c, const is
     return s;
 }
 
-/* The least and the greatest of [lo, hi] / [near, far], near above 0. */
+/* Divides [lo, hi] by [near, far], near above 0: the least and the greatest quotient. */
 static void divide(double *lo, double *hi, double near, double far)
 {
     *lo /= *lo < 0 ? near : far;
     *hi /= *hi < 0 ? far : near;
 }
 
-/* Tiles [first, last] that hold the pixels of [lo, hi], -1 to 1 being the image; none where last < first. */
+/* Finds the tiles [first, last] that hold the pixels of [lo, hi]; the image is -1 to 1. None: last < first. */
 static void tiles_of(double lo, double hi, size_t pixels, size_t tiles, long *first, long *last)
 {
     const double per_unit = 0.5 * (double)pixels, tile = ISO_SCREEN_TILE;
@@ -64,7 +64,7 @@ static void tiles_of(double lo, double hi, size_t pixels, size_t tiles, long *fi
     *last = (long)fmin(floor(((hi + 1) * per_unit + 1) / tile), (double)tiles - 1);
 }
 
-/* Along the ray that meets it. */
+/* Returns the distance to a point along its ray. */
 static double way_to(const iso_camera *c, seen at)
 {
     return c->orthographic ? at.forward : sqrt(at.right * at.right + at.up * at.up + at.forward * at.forward);
@@ -100,7 +100,7 @@ static void add_block(iso_screen_reach *r, const iso_view *view, const block_sha
         }
 }
 
-/* Whether a block that shows has a neighbor that does not, or none. */
+/* True if a visible block has an empty neighbor, or lies at the border of the grid. */
 static bool is_outermost(const iso_screen_blocks *b, size_t x, size_t y, size_t z, size_t i)
 {
     const size_t at[3] = {x, y, z}, stride[3] = {1, b->count[0], b->count[0] * b->count[1]};

@@ -35,7 +35,7 @@ typedef struct iso_screen_reach {
     float *mm;
 } iso_screen_reach;
 
-/* ISO_E_MEMORY. */
+/* Finds the reach of the blocks on the screen. ISO_E_MEMORY. */
 iso_status iso_screen_reach_create(iso_screen_reach *r, const iso_geometry *g, const iso_view *view,
                                    const iso_screen_blocks *blocks, iso_error *err);
 void iso_screen_reach_destroy(iso_screen_reach *r); /* accepts empty and NULL */

@@ -122,7 +122,7 @@ enum {
     WORD = BLOCK * BLOCK * 2
 };
 
-/* The voxels that block b's cells are made of, VOXELS a side. */
+/* Reads the voxels at the corners of block b's cells, VOXELS along each axis. */
 static void read_block(const iso_level *level, const size_t b[3], float *out)
 {
     const size_t *size = level->geometry.size;
@@ -135,7 +135,7 @@ static void read_block(const iso_level *level, const size_t b[3], float *out)
         }
 }
 
-/* Turns values into the least and the largest one of each and of the next along an axis: three times, and they are
+/* Replaces each value by the least and the largest of it and the next along an axis. After all three axes they are
  * those of the cells. */
 static void reach_next(float *min, float *max, size_t step)
 {
@@ -145,7 +145,7 @@ static void reach_next(float *min, float *max, size_t step)
     }
 }
 
-/* The bits of the cells that show. */
+/* Sets the bits of the visible cells. */
 static void find_cells(const iso_tf_table *tf, const uint32_t *next, const float *voxels, uint32_t words[2])
 {
     float min[ALL], max[ALL];

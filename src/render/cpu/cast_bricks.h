@@ -18,13 +18,13 @@ typedef struct iso_cast_grid {
 } iso_cast_grid;
 iso_cast_grid iso_cast_grid_of(const iso_geometry *g, int threads);
 
-/* The voxel of the level that stands at `at` of the grid with its copies of the outermost ones. */
+/* Returns the level's voxel at position `at` of the grid, which repeats the outermost voxels. */
 static inline size_t iso_cast_inner(size_t at, size_t size)
 {
     return at == 0 ? 0 : at <= size ? at - 1 : size - 1;
 }
 
-/* Three bytes of code in a word; signed, -128 stands for -127. */
+/* Packs a code's three bytes into a word; in signed codes -128 becomes -127. */
 static inline uint32_t iso_cast_code_word(const uint8_t *code, bool is_signed)
 {
     uint32_t word = 0;
@@ -57,12 +57,12 @@ static inline uint32_t iso_cast_scalar_word(const iso_cast_scalars *s, float sca
     return word;
 }
 
-/* Each makes a new array of grid->voxels elements and a few bytes more, which a fetch may reach; NULL: no
- * memory. */
+/* Creates an array of grid->voxels elements, and a few bytes more that a fetch may reach; NULL: out of memory. So do
+ * the functions down to iso_cast_brick_component(). */
 uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar);
 float *iso_cast_brick_floats(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar);
 uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes);
-/* Two words per voxel, code and scalar. */
+/* Creates two words per voxel: code and scalar. */
 uint32_t *iso_cast_brick_voxels(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar,
                                 const uint8_t *codes, bool is_signed);
 float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sampler, int component);
@@ -75,7 +75,7 @@ typedef struct iso_cast_blocks {
     double occupied; /* which part of the blocks shows */
 } iso_cast_blocks;
 
-/* ISO_E_MEMORY. Destroy after a failure, too. */
+/* Creates the blocks. ISO_E_MEMORY. Destroy them after a failure, too. */
 iso_status iso_cast_blocks_create(iso_cast_blocks *b, const iso_level *level, const iso_tf_table *tf, int threads,
                                   iso_error *err);
 void iso_cast_blocks_destroy(iso_cast_blocks *b); /* accepts empty */

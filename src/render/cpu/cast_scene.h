@@ -20,25 +20,26 @@ struct iso_cpu_scene {
     iso_screen_reach reach;
 };
 
-/* An empty scene for a width and threads, to be released after a failure, too: ISO_E_MEMORY, ISO_E_RANGE. */
+/* Creates an empty scene for a width and threads. Release it after a failure, too. ISO_E_MEMORY, ISO_E_RANGE. */
 iso_status iso_cast_begin(iso_cpu_scene **scene, iso_cpu_width width, int threads, iso_error *err);
-/* The scene takes and frees the array. ISO_E_MEMORY if it is NULL. */
+/* Passes the array to the scene, which frees it. ISO_E_MEMORY if it is NULL. */
 iso_status iso_cast_own(iso_cpu_scene *s, void *array, size_t bytes, iso_error *err);
-/* Leaves out the blocks that are empty, and takes their arrays. After the camera. ISO_E_MEMORY. */
+/* Leaves out empty blocks, and takes the arrays of b. Call it after iso_cast_set_camera(). ISO_E_MEMORY. */
 iso_status iso_cast_use_blocks(iso_cpu_scene *s, const iso_geometry *g, const iso_view *view, iso_cast_blocks *b,
                                iso_error *err);
-/* iso_cast_set_tf() of a scene. */
+/* Calls iso_cast_set_tf(); the scene owns the entries. */
 iso_status iso_cast_own_tf(iso_cpu_scene *s, const iso_view *view, double min, double unit, iso_error *err);
 
 void iso_cast_set_camera(iso_cast *c, const iso_geometry *g, const iso_view *view, double step_mm);
 void iso_cast_set_light(iso_cast *c, const iso_view *view);
-/* unit: what one of the bricks' values is; they begin at min, the level's least one. After the camera. Returns the
- * entries, to be freed, and their bytes; NULL when memory ends. */
+/* Sets the transfer function; call it after iso_cast_set_camera(). unit: value of one step of the bricks' scalars,
+ * which begin at min, the level's least value. Returns the entries, which the caller frees, and their bytes; NULL: out
+ * of memory. */
 float *iso_cast_set_tf(iso_cast *c, const iso_view *view, double min, double unit, size_t *bytes);
-/* The format of the level's scalars in the caster, and the size of one unit. */
+/* Returns the format of the level's scalars in the caster, or the size of one unit. */
 iso_cast_scalars iso_cast_scalars_of(const iso_level *level);
 double iso_cast_unit(const iso_cast_scalars *scalars);
-/* NULL if this machine does not support that width. */
+/* Returns the function of a width; NULL if this machine does not support it. */
 iso_cast_paged_tile *iso_cast_paged_tile_of(iso_cpu_width width);
 
 #endif

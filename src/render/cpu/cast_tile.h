@@ -300,7 +300,7 @@ CAST void shade_finds(const iso_cast *c, walk *w)
 
 /* ---- add ---- */
 
-/* Sums with their rests, as add_to() makes them. */
+/* Adds the finds to their rays, with the sums' remainders, as add_to() does. */
 static inline void add_finds(walk *w)
 {
     const finds *f = &w->finds;

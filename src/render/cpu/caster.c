@@ -214,7 +214,7 @@ static iso_status set_directions(iso_cpu_scene *s, const iso_cast_grid *grid, co
     return status;
 }
 
-/* n = g / sqrt(|g|^2 + e^2), e = ISO_ON_THE_FLY_EPS range / spacing: both are divided by range / spacing. */
+/* Sets n = g / sqrt(|g|^2 + e^2), e = ISO_ON_THE_FLY_EPS range / spacing. g and e are divided by range / spacing. */
 static void set_gradient(iso_cast *c, const iso_level *level, double unit)
 {
     const double range = level->max - level->min;
@@ -276,8 +276,8 @@ float *iso_cast_set_tf(iso_cast *c, const iso_view *view, double min, double uni
     return entries;
 }
 
-/* Margin for five roundings of floats along the way to a place and nine to the exit of a ray from a cube of blocks.
- * Each is relative to the volume's length or that of the largest cube: 16 are enough. */
+/* Returns a margin for float roundings: five along the way to a place, nine to a ray's exit from a cube of blocks. Each
+ * is relative to the volume's length or that of the largest cube: 16 are enough. */
 static float margin_of(const iso_geometry *g)
 {
     double most = ISO_OCTANT_MOST << ISO_CAST_BLOCK_SHIFT;

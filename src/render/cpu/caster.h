@@ -38,34 +38,33 @@ typedef struct iso_cpu_options {
 } iso_cpu_options;
 iso_cpu_options iso_cpu_defaults(void);
 
-/* The widest of this machine. */
+/* Returns the widest that this machine supports. */
 iso_cpu_width iso_cpu_widest(void);
-/* "AVX-512, 16 rays at a time" */
+/* Returns a name such as "AVX-512, 16 rays at a time". */
 const char *iso_cpu_width_name(iso_cpu_width width);
 
-/* Whether the bricks of such a level can be counted in 31 bits: 1200^3 voxels can. */
+/* True if 31 bits can count the voxels of such a level's bricks: 1200^3 voxels fit. */
 bool iso_cpu_takes(const iso_geometry *g);
 
 /* A level and a view, ready to be drawn as often as one likes. */
 typedef struct iso_cpu_scene iso_cpu_scene;
 
-/* level and view have to outlive it. ISO_E_USAGE: a region of interest; ISO_E_RANGE: a step of 0 or less, a volume of
- * more than 2^31 voxels in bricks, a width that this machine does not support, a source missing in the level.
- * ISO_E_MEMORY. */
+/* Creates a scene; level and view must outlive it. ISO_E_USAGE: a region of interest. ISO_E_RANGE: a step of 0 or less,
+ * more than 2^31 voxels in bricks, an unsupported width, or a source missing in the level. ISO_E_MEMORY. */
 iso_status iso_cpu_prepare(iso_cpu_scene **scene, const iso_level *level, iso_code code, const iso_view *view,
                            const iso_cpu_options *opt, iso_error *err);
 void iso_cpu_release(iso_cpu_scene *scene); /* accepts NULL */
-/* Bytes that a picture reads. */
+/* Returns the bytes that drawing a picture reads. */
 double iso_cpu_bytes(const iso_cpu_scene *scene);
 /* Fills an image of the view's size. */
 void iso_cpu_draw(const iso_cpu_scene *scene, iso_image *image);
 
-/* Draws it `most` times at least once, until `enough` seconds (0: no limit) have gone by; seconds[] by the clock, or of
- * the processor, holds `most` entries. Returns the number of draws. */
+/* Draws the scene at least once and at most `most` times, until `enough` seconds have passed (0: no limit). seconds[]:
+ * `most` entries, by the clock or of the processor. Returns the number of draws. */
 size_t iso_cpu_draw_repeatedly(const iso_cpu_scene *scene, iso_image *image, size_t most, double enough,
                                bool processor_time, double *seconds);
 
-/* All of it. */
+/* Prepares, draws and releases a scene. */
 iso_status iso_cpu_render(const iso_level *level, iso_code code, const iso_view *view, const iso_cpu_options *opt,
                           iso_image *image, iso_error *err);
 

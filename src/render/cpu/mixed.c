@@ -118,8 +118,8 @@ static void keep_nodes(const mixed *m, size_t first, size_t count, float *baked)
 
 /* ---- empty space ---- */
 
-/* The number of a block, and which bit of its words a cell is: cells are counted with those in front of the first
- * node. */
+/* Returns the index of a cell's block; word_of() and bit_of() find the cell in it. Counts include the cells before the
+ * first node. */
 static size_t block_of(const iso_cast_blocks *b, const size_t cell[3])
 {
     return (cell[0] >> ISO_CAST_BLOCK_SHIFT) +
@@ -141,7 +141,7 @@ static void show_cell(const iso_cast_blocks *b, const size_t cell[3])
     *word |= bit_of(cell);
 }
 
-/* The cells of level 0 that a brick's cell `at` is made of, as far as the volume goes. */
+/* Marks the cells of level 0 within a brick's cell `at`, clipped at the end of the volume. */
 static void show_cells(const mixed *m, const size_t brick[3], const size_t at[3], size_t level)
 {
     const iso_node_levels *n = m->field->nodes;
@@ -179,8 +179,8 @@ static void show_brick(const mixed *m, size_t i, const float *baked)
             }
 }
 
-/* Shows the layers of outer cells, whose positions are clamped to the outermost nodes: cells before the first one and
- * after the last along each axis, those along the axes before included. */
+/* Marks the layers of outer cells, whose positions are clamped to the outermost nodes: cells before the first node and
+ * after the last along each axis, including those of earlier axes. */
 static void show_outer_cells(const mixed *m)
 {
     const int32_t *last = m->scene->cast.last_cell;
@@ -308,7 +308,7 @@ static iso_status check(const mixed *m, double step_voxels, iso_error *err)
     return ISO_OK;
 }
 
-/* The least b for which 2^b >= n. */
+/* Returns the least b with 2^b >= n. */
 static int32_t bits_for(size_t n)
 {
     int32_t bits = 0;

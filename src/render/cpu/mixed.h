@@ -20,14 +20,14 @@ typedef struct iso_cpu_brick_options {
 } iso_cpu_brick_options;
 iso_cpu_brick_options iso_cpu_brick_defaults(void);
 
-/* To be drawn and released like another scene (caster.h). Of the field and the view nothing is needed afterwards. With
- * 16 bits the nodes must have been rounded (iso_node_levels_round). ISO_E_RANGE: a 2D transfer function, an extinction
- * scale, a region of interest, a step that is not above 0, other bits than 16 and 32, more than 2^28 nodes, a width
- * that this machine has not; ISO_E_MEMORY. */
+/* Creates a scene; draw and release it as in caster.h. Field and view are not needed afterwards. For 16 bits, round
+ * the nodes first (iso_node_levels_round). ISO_E_RANGE: a 2D transfer function, an extinction scale, a region of
+ * interest, a step that is not above 0, bits other than 16 and 32, more than 2^28 nodes, or an unsupported width.
+ * ISO_E_MEMORY. */
 iso_status iso_cpu_prepare_bricks(iso_cpu_scene **scene, const iso_brick_field *field, const iso_view *view,
                                   const iso_cpu_brick_options *opt, iso_error *err);
 
-/* All of it. */
+/* Prepares, draws and releases a scene. */
 iso_status iso_cpu_render_bricks(const iso_brick_field *field, const iso_view *view, const iso_cpu_brick_options *opt,
                                  iso_image *image, iso_error *err);
 

@@ -182,7 +182,7 @@ static bool block_shows(const iso_tf_table *tf, const float *rows, size_t nx, si
     return iso_tf_shows(tf, (double)min, (double)max);
 }
 
-/* Blocks b[1], b[2] of y and z, all along x. rows: buffer for BLOCK_ROWS^2 of them. */
+/* Finds the visible blocks of a row along x; b[1], b[2]: its place in y and z. rows: buffer for BLOCK_ROWS^2 rows. */
 static iso_status find_row_of_blocks(paged *p, const iso_tf_table *tf, const size_t b[3], float *rows, iso_error *err)
 {
     const size_t *size = p->level->geometry.size;
@@ -198,7 +198,7 @@ static iso_status find_row_of_blocks(paged *p, const iso_tf_table *tf, const siz
     return status;
 }
 
-/* One failure of several threads is enough. */
+/* Keeps the first failure of several threads. */
 static void keep_first(iso_status found, const iso_error *what, iso_status *status, iso_error *err)
 {
     if (found == ISO_OK)
@@ -211,7 +211,7 @@ static void keep_first(iso_status found, const iso_error *what, iso_status *stat
     }
 }
 
-/* Bricks of which no block shows. */
+/* Marks bricks without a visible block as empty, all others as missing. */
 static void mark_empty_bricks(paged *p)
 {
     enum { BLOCKS = ISO_CAST_BRICK / BLOCK };
@@ -273,7 +273,7 @@ static brick_box box_of(const paged *p, size_t brick)
     return box;
 }
 
-/* Where voxel i of the page is in the box. */
+/* Returns the index within the box of the page's voxel i. */
 static size_t in_box(const paged *p, const brick_box *box, const size_t i[3])
 {
     size_t at[3];

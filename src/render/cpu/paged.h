@@ -29,9 +29,9 @@ typedef struct iso_paged_options {
     int threads;
 } iso_paged_options;
 
-/* level: of the outline that pages were opened with; with its codes if the view is lit. Shaded from codes. ISO_E_USAGE:
- * a region of interest, a 2D transfer function, scales of extinction; ISO_E_RANGE: too little memory, with the needed
- * size; ISO_E_IO, ISO_E_MEMORY. */
+/* Renders a level that is shaded from codes. level: of the outline that the pages were opened with; with codes if the
+ * view is lit. ISO_E_USAGE: a region of interest, a 2D transfer function or extinction scales. ISO_E_RANGE: too little
+ * memory; the message gives the needed size. ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_cpu_render_paged(const iso_level *level, iso_code code, const iso_level_pages *pages,
                                 const iso_view *view, const iso_paged_options *opt, iso_image *image,
                                 iso_paged_stats *stats, const iso_progress *progress, iso_error *err);

@@ -16,7 +16,7 @@
 enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT, UNIT_PAGES };
 enum { MORE_PAGES = ISO_BRICK_MAX_PAGES - 1 };
 
-/* Of page k: the first has the units of an unpaged cache. */
+/* Returns the texture unit of page k; the first page uses that of an unpaged cache. */
 static GLenum unit_of_scalar(size_t k)
 {
     return (GLenum)(k == 0 ? UNIT_SCALAR : UNIT_PAGES + k - 1);
@@ -72,7 +72,7 @@ static void free_staging(staging *s)
     free(s->texels);
 }
 
-/* Values become parts of the range, directions stay; in 16 bits or in floats. */
+/* Converts values to parts of the range, in 16 bits or floats; copies directions. */
 static void convert(const iso_node_levels *n, int bits, size_t count, staging *s)
 {
     uint16_t *codes = s->scalars;
@@ -154,7 +154,7 @@ static iso_status fill_cache(const iso_gl *gl, const iso_brick_field *f, const i
     return status == ISO_OK ? iso_gl_check("filling the brick cache", err) : status;
 }
 
-/* Offsets become texture coordinates of node centers. */
+/* Uploads the layout, with offsets as texture coordinates of node centers. */
 static iso_status upload_layout(const iso_gl *gl, const iso_node_levels *n, const iso_brick_pack *pack,
                                 brick_textures *t, iso_error *err)
 {
@@ -177,7 +177,7 @@ static iso_status upload_layout(const iso_gl *gl, const iso_node_levels *n, cons
     return status;
 }
 
-/* visible[b] becomes the distance to the nearest brick that shows. */
+/* Uploads the distances to the nearest visible brick; they replace visible[b]. */
 static iso_status upload_occupancy(const iso_gl *gl, const iso_node_levels *n, uint8_t *visible, double shown,
                                    const iso_gl_brick_options *opt, brick_textures *t, iso_error *err)
 {

@@ -11,7 +11,7 @@
 
 /* ---- context --------------------------------------------------------------- */
 
-/* epoxy ends the program when a library is missing, so look first. */
+/* Reports missing libraries: without this check, epoxy would end the program. */
 static iso_status find_libraries(iso_error *err)
 {
     static const char *const libraries[][2] = {{"libEGL.so.1", "libegl1"}, {"libGL.so.1", "libgl1"}};
@@ -29,8 +29,8 @@ static iso_status find_libraries(iso_error *err)
 
 enum { PROBE_COUNT = 1021 }; /* prime: its fractions fall on no power of two */
 
-/* Bits that linear filtering between a texel 0 and a texel 1 keeps: an error of
- * at most 2^-(b+1) is b bits, rounded to nearest. 23: all that a float has. */
+/* Measures the bits that linear filtering keeps between a texel 0 and a texel 1: an error of at most 2^-(b+1) is b
+ * bits, rounded to nearest. 23 is all that a float has. */
 static iso_status probe_filter(iso_gl *gl, GLenum format, int *bits, iso_error *err)
 {
     static const size_t size[3] = {2, 1, 1};
@@ -114,7 +114,7 @@ iso_status iso_gl_create_on(iso_gl **out, const char *device, const char *shader
     return ISO_OK;
 }
 
-/* The display is not terminated: another iso_gl of the process may stand on it. */
+/* Destroys the context, not the display: another iso_gl of the process may use it. */
 void iso_gl_destroy(iso_gl *gl)
 {
     if (!gl)

@@ -38,23 +38,22 @@ struct iso_gl {
 /* Makes the context current on this thread. */
 iso_status iso_gl_bind(iso_gl *gl, iso_error *err);
 
-/* The program that draws a triangle over the whole target with the fragment
- * shader `fragment` (a name under shaders/, such as "raycast.glsl"), preceded by
- * the direction decoders and by `defines` (lines "#define NAME VALUE\n").
- * Compiled once, kept by the context. ISO_E_PROGRAM with the compiler's log. */
+/* Returns a program that draws a triangle over the whole target. fragment: a fragment shader's name under shaders/,
+ * such as "raycast.glsl"; direction decoders and `defines` (lines "#define NAME VALUE\n") precede it. The context
+ * compiles it once and keeps it. ISO_E_PROGRAM with the compiler's log. */
 iso_status iso_gl_get_program(iso_gl *gl, const char *fragment, const char *defines, GLuint *program, iso_error *err);
 
-/* A 3D texture, linear, clamped to the edge, storage only. ISO_E_RANGE with
- * size and limit when it is too large for this GL, ISO_E_MEMORY. */
+/* Creates a 3D texture without texels: linear, clamped to the edge. ISO_E_RANGE with size and limit if it is too large
+ * for this GL; ISO_E_MEMORY. */
 iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, const size_t size[3], const char *what,
                                     GLuint *texture, iso_error *err);
 /* Sets all texels of the bound texture to 0, if it is not written as a whole. A filter may reach beyond the written
  * texels, by a rounding: a NaN there would be a NaN in the picture. */
 iso_status iso_gl_clear_texture_3d(const size_t size[3], iso_error *err);
-/* One texel a brick, nearest: its distance to the nearest occupied one (brick/occupancy.h). */
+/* Creates a texture of one texel per brick, nearest: the distance to the nearest occupied brick (brick/occupancy.h). */
 iso_status iso_gl_create_occupancy(const iso_gl *gl, const size_t count[3], const uint8_t *distance, GLuint *texture,
                                    iso_error *err);
-/* A 2D texture, nearest, from floats in RGBA. */
+/* Creates a 2D texture, nearest, from floats in RGBA. */
 iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t height, const float *rgba,
                                          GLuint *texture, iso_error *err);
 
@@ -82,13 +81,13 @@ typedef struct iso_gl_repeats {
 iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, const iso_gl_repeats *repeats, iso_image *image,
                                   double *least, iso_gl_stats *stats, iso_error *err);
 
-/* Whether the shader filters textures itself: where the device's filter is coarse, unless it is to be fast. */
+/* True if the shader filters textures itself: the device's filter is coarse and fast_filter is not set. */
 bool iso_gl_filters_by_hand(const iso_gl *gl, bool fast_filter);
 
-/* Bytes of a texture by the bits that GL says its format has; 0 for the name 0. */
+/* Returns a texture's bytes, from the bits that GL reports for its format; 0 for the name 0. */
 double iso_gl_texture_bytes(GLenum target, GLuint texture);
 
-/* ISO_E_PROGRAM or ISO_E_MEMORY when GL has an error pending; `what` was done. */
+/* Returns ISO_E_PROGRAM or ISO_E_MEMORY if GL has an error pending. what: the work done, for the message. */
 iso_status iso_gl_check(const char *what, iso_error *err);
 
 #endif

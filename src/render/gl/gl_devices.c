@@ -49,7 +49,8 @@ static bool is_called(const char *choice)
     return false;
 }
 
-/* A current core 4.3 context on this display, or false with the reason noted. by_name: of that name alone. */
+/* Creates a current core 4.3 context on this display. False: the reason is noted. by_name: only a device of the chosen
+ * name. */
 static bool open_display(iso_gl *gl, EGLDisplay display, const char *name, bool by_name, trial *t)
 {
     static const EGLint attributes[] = {
@@ -81,7 +82,8 @@ static bool has(const char *extension)
     return epoxy_has_egl_extension(EGL_NO_DISPLAY, extension);
 }
 
-/* EGL_EXT_device_base is enumeration and query in one: Mesa names all three, NVIDIA's driver that one alone. */
+/* Lists the devices. EGL_EXT_device_base is enumeration and query in one: Mesa names all three, NVIDIA's driver only
+ * that one. */
 static bool list(EGLDeviceEXT devices[MOST_DEVICES], EGLint *count)
 {
     *count = 0;
@@ -95,7 +97,7 @@ static bool is_software(EGLDeviceEXT device)
     return extensions && strstr(extensions, "EGL_MESA_device_software");
 }
 
-/* A device that Mesa emulates is left to the surfaceless platform, unless it is asked for. */
+/* Opens the first usable device. Devices that Mesa emulates are left to the surfaceless platform, unless chosen. */
 static bool open_devices(iso_gl *gl, trial *t)
 {
     EGLDeviceEXT devices[MOST_DEVICES];

@@ -10,7 +10,7 @@
 #include "render/gl/gl_context.h"
 
 /* Makes gl->display and gl->context, current on this thread, and fills gl->info.device. choice: NULL or "": none.
- * ISO_E_MISSING, with all that was tried and why it was not taken. */
+ * ISO_E_MISSING lists the devices tried, with reasons. */
 iso_status iso_gl_open(iso_gl *gl, const char *choice, iso_error *err);
 
 #endif

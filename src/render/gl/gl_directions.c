@@ -99,7 +99,8 @@ iso_status iso_gl_upload_codes(const iso_gl *gl, const iso_level *level, iso_cod
     return iso_gl_check("uploading direction codes", err);
 }
 
-/* Unsigned as the scalar is, so that its texels are those that it has alone: signed numbers, -127 to 127, from 0 on. */
+/* Fills a plane with unsigned texels, so that the scalar's equal those of its own texture. Signed numbers -127 to 127
+ * are stored from 0 on. */
 static void fill_plane_with_scalar(const iso_level *level, bool is_signed, double multiple, size_t first, size_t count,
                                    uint16_t *plane)
 {
@@ -139,7 +140,7 @@ iso_status iso_gl_upload_codes_with_scalar(const iso_gl *gl, const iso_level *le
 
 /* ---- floats ----------------------------------------------------------------------------------------------------- */
 
-/* Directions with log2 of the scale as fourth. */
+/* Interleaves directions with log2 of the scale as fourth component. */
 static void interleave(const float *directions, const uint8_t *scale, size_t count, float *out)
 {
     for (size_t i = 0; i < count; ++i) {

@@ -14,20 +14,20 @@ typedef struct iso_gl_directions {
     double octaves, octaves_offset;
 } iso_gl_directions;
 
-/* Bytes a voxel, of which texture units filter no fewer bits than of floats: in 8 bits, or in 16 where 8 are filtered
- * in 8. Their red channel is byte / 255. */
+/* Uploads one byte per voxel: in 16 bits if the device filters 8-bit textures in 8 bits, otherwise in 8. Texture units
+ * then filter them in as many bits as floats. The red channel is byte / 255. */
 iso_status iso_gl_upload_bytes(const iso_gl *gl, const iso_level *level, const uint8_t *bytes, const char *what,
                                GLuint *texture, iso_error *err);
 
-/* The same from the level's codes. extinction_scale: one byte per voxel that goes into alpha, which the texture has
- * anyway; or NULL. */
+/* Uploads the level's codes, filtered as bytes are. extinction_scale: one byte per voxel for alpha, which the texture
+ * has anyway; or NULL. */
 iso_status iso_gl_upload_codes(const iso_gl *gl, const iso_level *level, iso_code code, const uint8_t *extinction_scale,
                                iso_gl_directions *d, iso_error *err);
-/* Codes in 16 bits with the scalar in alpha: (value - min) * multiple, which has to be a whole number of at most
+/* Uploads codes in 16 bits with the scalar in alpha: (value - min) * multiple, which must be a whole number up to
  * 65535. */
 iso_status iso_gl_upload_codes_with_scalar(const iso_gl *gl, const iso_level *level, iso_code code, double multiple,
                                            iso_gl_directions *d, iso_error *err);
-/* Floats: the level's own, or decoded ones. In alpha, log2 of the scale itself. */
+/* Uploads floats: the level's own, or decoded ones. With extinction_scale, alpha is log2 of the scale. */
 iso_status iso_gl_upload_vectors(const iso_gl *gl, const iso_level *level, iso_code code, iso_direction_source source,
                                  const uint8_t *extinction_scale, iso_gl_directions *d, iso_error *err);
 

@@ -98,7 +98,7 @@ iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t 
     return status;
 }
 
-/* Begins a query of the device time of the following commands; 0: it has no timer. */
+/* Begins a query of the device time of the following commands; 0: the device has no timer. */
 static GLuint begin_timer(const iso_gl *gl)
 {
     GLuint query = 0;
@@ -109,7 +109,7 @@ static GLuint begin_timer(const iso_gl *gl)
     return query;
 }
 
-/* Seconds; NaN without a timer. After glFinish(), so that nothing is waited for. */
+/* Returns the seconds; NaN without a timer. Call it after glFinish(), so that it need not wait. */
 static double end_timer(GLuint query)
 {
     GLuint64 nanoseconds = 0;
@@ -120,7 +120,7 @@ static double end_timer(GLuint query)
     return 1e-9 * (double)nanoseconds;
 }
 
-/* Each row of tiles, from the first one that can show anything to the last. */
+/* Draws each row of tiles from its first to its last visible tile. */
 static void draw_covered(const iso_gl_cover *cover)
 {
     const iso_screen_reach *r = cover->screen;

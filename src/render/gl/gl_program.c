@@ -36,8 +36,8 @@ static const struct {
     {"warp_map.h", iso_warp_map_glsl},
 };
 
-/* The text of a shader file: from the shader folder if one is named, otherwise the embedded text. *owned is to be
- * freed. */
+/* Reads a shader file from the shader folder, if one is set; otherwise returns the embedded text. The caller frees
+ * *owned. */
 static iso_status shader_text(const iso_gl *gl, const char *name, const char **text, char **owned, iso_error *err)
 {
     *owned = NULL;
@@ -124,7 +124,7 @@ static iso_status append_line_number(expansion *e, int line, int file, iso_error
     return append(e, text, (size_t)length, err);
 }
 
-/* Lines #include "NAME" are replaced by that file. GLSL has no includes of its own. */
+/* Replaces each line #include "NAME" by that file: GLSL has no includes of its own. */
 static iso_status expand(const iso_gl *gl, const char *name, int depth, expansion *e, iso_error *err)
 {
     enum { deepest = 8 };

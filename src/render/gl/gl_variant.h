@@ -21,10 +21,10 @@ typedef struct iso_gl_variant {
     const char *transition; /* a name of warp_map.h; NULL: bricks share the nodes of their faces */
 } iso_gl_variant;
 
-/* OUTPUT_HIT_... of a surface; OUTPUT_INTEGRAL without one. */
+/* Returns OUTPUT_HIT_... of a surface, or OUTPUT_INTEGRAL for NULL. */
 int iso_gl_output(const iso_surface *surface);
 
-/* Compiled once, kept by the context. */
+/* Returns the variant's program. The context compiles it once and keeps it. */
 iso_status iso_gl_get_variant(iso_gl *gl, const iso_gl_variant *v, GLuint *program, iso_error *err);
 
 #endif

@@ -57,8 +57,8 @@ static bool is_small_integer(iso_type type)
     return type == ISO_U8 || type == ISO_I8 || type == ISO_U16 || type == ISO_I16;
 }
 
-/* Integers of at most 16 bits are exact in R16: texel = (value - min) * m with the largest integer m that fits, so
- * that a signed type needs no special case and few digits are lost to an offset. */
+/* True if R16 stores the scalar exactly: integers of at most 16 bits. texel = (value - min) * m with the largest
+ * integer m that fits: signed types need no special case, and an offset costs few digits. */
 static bool is_whole_in_16_bits(const iso_gl *gl, const iso_level *level)
 {
     return is_small_integer(level->stored_type) && level->max - level->min <= 65535 &&
@@ -71,7 +71,8 @@ static double multiple_of(const iso_level *level)
     return range > 0 ? floor(65535 / range) : 1;
 }
 
-/* All else becomes (value - min) / (max - min) in float. Plane by plane: no second copy of the volume. */
+/* Uploads the scalar; other types than small integers become (value - min) / (max - min) in float. Converts plane by
+ * plane, without a second copy of the volume. */
 static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_textures *t, iso_error *err)
 {
     const size_t *size = level->geometry.size;
@@ -200,8 +201,8 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
     return status;
 }
 
-/* The rows of a 2D transfer function as rows of one texture, and one byte per voxel. Bricks are skipped by the
- * envelope. */
+/* Uploads a 2D transfer function as rows of one texture, and one byte per voxel. The envelope decides which bricks are
+ * skipped. */
 static iso_status upload_tf_2d(const iso_gl *gl, const iso_level *level, const iso_gl_options *opt,
                                const iso_view *view, level_textures *t, iso_error *err)
 {
@@ -231,13 +232,13 @@ static bool is_from_palette(iso_direction_source source)
     return source == ISO_FROM_PALETTE || source == ISO_FROM_PALETTE_NEAREST;
 }
 
-/* Whether directions are filtered by the texture unit as they are, so that a fourth channel comes with them. */
+/* True if the texture unit filters the directions themselves, so that a fourth channel can come with them. */
 static bool has_direction_texture(iso_direction_source source)
 {
     return source == ISO_FROM_CODES || source == ISO_FROM_DECODED || source == ISO_FROM_FLOAT;
 }
 
-/* The finer level of a region of interest. */
+/* Uploads the finer level of a region of interest. */
 static iso_status upload_roi(const iso_gl *gl, const iso_roi *f, iso_code code, iso_direction_source source,
                              level_textures *t, iso_error *err)
 {

@@ -33,24 +33,24 @@ typedef struct iso_gl_info {
 
 /* The device that iso_gl_create() takes where the user set one: see gl_devices.h. */
 #define ISO_GL_DEVICE_VARIABLE "ISOSHADE_GL_DEVICE"
-/* How many EGL lists; the n-th is called by its number. */
+/* Returns the number of EGL devices; the n-th is chosen by its number. */
 size_t iso_gl_device_count(void);
 /* True if a software renderer would draw: no device is set, and EGL lists only software renderers. No context is
  * made. */
 bool iso_gl_is_software(void);
 
-/* shader_dir: read the shaders there instead of the embedded ones; or NULL. ISO_E_MISSING with the devices tried if EGL
- * gives no context. The context is current on the calling thread only. */
+/* Creates a context, current on the calling thread only. shader_dir: folder that replaces the embedded shaders; or
+ * NULL. ISO_E_MISSING with the devices tried if EGL gives no context. */
 iso_status iso_gl_create(iso_gl **gl, const char *shader_dir, iso_error *err);
-/* Creates it on the chosen device; NULL or "": the first that is not a software renderer. */
+/* Creates a context on the chosen device; NULL or "": the first that is not a software renderer. */
 iso_status iso_gl_create_on(iso_gl **gl, const char *device, const char *shader_dir, iso_error *err);
 void iso_gl_destroy(iso_gl *gl);
 iso_gl_info iso_gl_describe(const iso_gl *gl);
-/* Seconds of the last drawing by the device's own timer, the fastest if it was repeated. Work of the driver and this
- * program is excluded. NaN: the device has no timer. */
+/* Returns the seconds of the last drawing by the device's timer, the fastest if it was repeated. Work of the driver and
+ * this program is excluded. NaN: the device has no timer. */
 double iso_gl_device_seconds(const iso_gl *gl);
-/* From now on times are processor time summed over all cores instead of wall-clock time: for software GL on a machine
- * that is also used by others. */
+/* Measures processor time summed over all cores from now on, instead of wall-clock time: for software GL on a shared
+ * machine. */
 void iso_gl_time_processor(iso_gl *gl, bool processor);
 
 /* Leaving out bricks that the TF does not show changes no pixel by more than

@@ -45,7 +45,7 @@ static void destroy_cache(warp_cache *c)
 
 /* ---- packing (section 3.2) ------------------------------------------------------ */
 
-/* Texel of each brick's first sample: a slot a fine brick, then slots of eight coarse ones. */
+/* Places each brick's first sample in the cache: one slot per fine brick, then slots of eight coarse ones. */
 static void place_bricks(warp_cache *c, const uint8_t *held, size_t (*at)[3])
 {
     const iso_warp_field *f = c->field;
@@ -135,7 +135,7 @@ typedef struct texel_format {
     GLenum stored, channels, type;
 } texel_format;
 
-/* One texel a brick, nearest. */
+/* Uploads one texel per brick, nearest. */
 static iso_status upload_table(const iso_gl *gl, const warp_cache *c, texel_format format, const void *texels,
                                GLuint *texture, iso_error *err)
 {
@@ -181,8 +181,8 @@ static iso_status upload_layout(const iso_gl *gl, warp_cache *c, const uint8_t *
 
 /* ---- culling ---------------------------------------------------------------------- */
 
-/* distance: of each brick to the nearest one that the TF shows; held: those, and their neighbors, whose samples their
- * transitions fetch. NULL: all. */
+/* Finds the visible bricks. distance: from each brick to the nearest visible one. held: visible bricks and their
+ * neighbors, whose samples their transitions fetch. */
 static iso_status cull(const warp_cache *c, const iso_level *level, const iso_tf_table *tf, uint8_t *distance,
                        uint8_t *held, double *shown, iso_error *err)
 {
@@ -197,7 +197,7 @@ static iso_status cull(const warp_cache *c, const iso_level *level, const iso_tf
     return ISO_OK;
 }
 
-/* Bricks that tf does not show are left out; NULL: none. */
+/* Creates the cache without the bricks that tf hides. NULL: all bricks. */
 static iso_status create_cache(warp_cache *c, const iso_tf_table *tf, iso_gl_brick_stats *stats, iso_error *err)
 {
     const iso_gl *gl = c->gl;
@@ -264,7 +264,7 @@ static void set_field(GLuint program, const warp_cache *c)
                     iso_v3((double)size[0] / side, (double)size[1] / side, (double)size[2] / side));
 }
 
-/* Without a view: the field at points. */
+/* Returns the program for a view, or without one (NULL) for the field at points. */
 static iso_status get_program(const warp_cache *c, const iso_view *view, GLuint *program, iso_error *err)
 {
     static const char *const transitions[ISO_WARP_MODE_COUNT] = {[ISO_WARP_NONE] = "ISO_TRANSITION_NONE",

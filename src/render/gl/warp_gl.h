@@ -24,8 +24,8 @@ iso_status iso_gl_render_warp(iso_gl *gl, const iso_gl_warp *warp, const iso_vie
                               const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
                               iso_error *err);
 
-/* The function of single bricks at places in their closed boxes, as the shader has it: for each of count places x, y, z
- * (index coordinates) and the brick's index, x fastest; out: the scalar and the direction. Caches are of 32 bits. */
+/* Samples single bricks with the shader, at places in their closed boxes. places: x, y, z (index coordinates) and the
+ * brick's index, x fastest, count times. out: scalar and direction. Caches have 32 bits. */
 iso_status iso_gl_sample_warp(iso_gl *gl, const iso_gl_warp *warp, const double *places, size_t count, float *out,
                               iso_error *err);
 
