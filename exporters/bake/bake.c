@@ -155,7 +155,7 @@ const float *iso_baked_point(const iso_baked *b, size_t x, size_t y, size_t z)
     return block ? within(block, x, y, z) : NULL;
 }
 
-/* [lo, hi) along one axis of the level: the voxels around the samples from a to b, and one more on each side. */
+/* Finds [lo, hi) along one axis of the level: the voxels around the samples from a to b, and one more on each side. */
 static void voxels_between(double a, double b, size_t size, size_t *lo, size_t *hi)
 {
     const double first = floor(fmin(a, b) - 0.5) - 1, past = floor(fmax(a, b) - 0.5) + 3, last = (double)size - 1;
@@ -198,7 +198,7 @@ static bool fill_block(const iso_baked *b, const iso_sampler *sampler, const blo
     return shows;
 }
 
-/* Mean color of the visible points among a point's 26 neighbors, weighted by extinction. Returns false if there is
+/* Computes the mean color of the visible points among a point's 26 neighbors, weighted by extinction. False if there is
  * none. Reads only visible points, which no thread changes meanwhile. */
 static bool color_of_neighbors(const iso_baked *b, const size_t at[3], float color[3])
 {
@@ -224,7 +224,7 @@ static bool color_of_neighbors(const iso_baked *b, const size_t at[3], float col
     return sum[3] > 0;
 }
 
-/* Colors the transparent points of a block. Returns true if it colored any. */
+/* Colors the transparent points of a block. True if it colored any. */
 static bool color_block(const iso_baked *b, const block_place *p, float *block)
 {
     bool any = false;

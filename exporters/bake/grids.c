@@ -83,7 +83,7 @@ static bool shows_in_column(const iso_baked *b, long rim, long x, long y, long z
     return any;
 }
 
-/* x, y, z count from the rim's first point; count is at most 8, a leaf's side. */
+/* Marks the active points of a row. x, y, z count from the rim's first point; count is at most 8, a leaf's side. */
 static void read_active(const void *user, size_t x, size_t y, size_t z, size_t count, unsigned char *out)
 {
     const grid_source *s = user;
@@ -132,7 +132,7 @@ iso_status iso_bake_guard_usda(const char *path, bool force, iso_error *err)
     return status;
 }
 
-/* People edit this file, so it ends in a stamp. */
+/* Writes the USD text file, with a stamp at its end because people edit it. */
 static iso_status save_usda(const iso_baked *b, const iso_bake_request *r, const char *path, iso_error *err)
 {
     iso_output out = {0};

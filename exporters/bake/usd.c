@@ -50,7 +50,7 @@ static void find_extent(const iso_baked *b, const iso_vdb_convention *c, double 
     }
 }
 
-/* '@' ends an asset's path; "@@@" does if the path contains '@'. */
+/* Writes an asset. Its path stands between '@', or between "@@@" if it contains '@'. */
 static void write_asset(FILE *f, const iso_bake_request *r, int grid, const char *file)
 {
     const bool color = grid == ISO_BAKE_CD || grid == ISO_BAKE_EMISSION;

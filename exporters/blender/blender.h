@@ -78,8 +78,8 @@ extern const iso_names iso_cycles_device_names;
 iso_status iso_cycles_set_device(const char *name, iso_error *err); /* NULL: the default */
 iso_status iso_cycles_device(const char **name, iso_error *err);
 
-/* Called before a .blend of levels [level, level + level_count) is made: announces its grids (base/inputs.h), and
- * refuses to overwrite other programs' files (base/stamp.h). roi: includes those of a region of interest. */
+/* Announces the grids of a .blend of levels [level, level + level_count) before it is made (base/inputs.h), and refuses
+ * to overwrite other programs' files (base/stamp.h). roi: includes the grids of a region of interest. */
 iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t level_count, bool roi, bool force,
                                    iso_error *err);
 

@@ -27,8 +27,7 @@ iso_status iso_blender_check(const iso_pyramid *p, size_t level, size_t count, c
  * common material. */
 char *iso_blender_vdb_path(const char *blend_path, size_t k, size_t count, bool roi);
 
-/* Called before a grid file is replaced: announces it. Refuses if it is not isoshade's; force keeps it aside
- * instead. */
+/* Announces a grid file before it is replaced. Refuses if another program made it; force keeps it aside instead. */
 iso_status iso_blender_guard_grid(const char *path, bool force, iso_error *err);
 
 /* ---- the description: all positions in Blender's space ---- */

@@ -140,10 +140,10 @@ static void depths_of_box(const iso_camera *c, iso_vec3 position, const iso_geom
     }
 }
 
-/* EEVEE computes a sample's position in a volume from its depth as a depth buffer stores it. In single precision that
- * has an error of about 1e-7 z z / near, z away from the camera: ten voxels and more, with rings and holes, if the near
- * plane is a thousandth of a voxel away. So the plane is placed for an error of a quarter voxel at the far side of the
- * box. This leaves space to move the camera closer. It is never placed so far away that it cuts the volume. */
+/* Places the near plane for EEVEE, which computes a sample's position in a volume from its depth as a depth buffer
+ * stores it. In single precision that has an error of about 1e-7 z z / near, z away from the camera: ten voxels and
+ * more, with rings and holes, if the near plane is a thousandth of a voxel away. So the plane is placed for an error of
+ * a quarter voxel at the far side of the box. This leaves space to move the camera closer. It never cuts the volume. */
 static double clip_start(const iso_camera *c, iso_vec3 position, const iso_geometry *g)
 {
     const double least = 1e-3 * iso_geometry_min_spacing_mm(g);
@@ -211,7 +211,7 @@ static size_t find_ramp(described_tf *d, const iso_tf_table *t, const char *name
     return i;
 }
 
-/* rows: those of a 2D transfer function, or a single one; flat: the 1D one, for the ramp. */
+/* Appends a table. rows: those of a 2D transfer function, or a single one; flat: the 1D one, for the ramp. */
 static void append_table(described_tf *d, const iso_tf_table *rows, int count, const iso_tf_table *flat,
                          const char *name)
 {

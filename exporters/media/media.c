@@ -49,7 +49,8 @@ static bool is_inside(const iso_geometry *g, iso_vec3 world)
     return inside;
 }
 
-/* pbrt and Mitsuba start rays about 1e-4 units off a surface. */
+/* Returns a power of ten that scales small and huge volumes: pbrt and Mitsuba start rays about 1e-4 units off a
+ * surface. */
 static double units_per_mm(double radius_mm)
 {
     const double least = 0.1, most = 1e5;

@@ -16,7 +16,7 @@
 
 #include "media/media.h"
 
-/* columns[3]: position of the origin */
+/* Prints a transform. columns[3]: position of the origin. */
 static void print_matrix(FILE *f, const char *indent, const iso_vec3 columns[4])
 {
     const iso_vec3 *c = columns;

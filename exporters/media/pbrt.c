@@ -18,7 +18,7 @@
 
 static const double le_scale = 1 / 106.856895;
 
-/* rows: of a 3 x 4 matrix */
+/* Prints a transform. rows: of a 3 x 4 matrix. */
 static void print_transform(FILE *f, const char *directive, double rows[3][4])
 {
     fprintf(f, "%s [", directive);

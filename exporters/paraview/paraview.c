@@ -46,7 +46,7 @@ static iso_status check(const iso_level *level, const iso_view *view, iso_error 
 
 /* ---- NAME.vti ---- */
 
-/* Coarse voxels that overhang the box are drawn whole. */
+/* Writes the header. Coarse voxels that overhang the box are drawn whole. */
 static void put_header(FILE *f, const iso_level *level)
 {
     const iso_geometry *g = &level->geometry;
@@ -112,7 +112,7 @@ static size_t steps_between(double first, double last, double unit_mm)
     return (size_t)fmin(ceil(sqrt(bend * bend * 3200)), 64) + (bend == 0);
 }
 
-/* bright: factor of the colors; the ambient light if the scene has no lights. */
+/* Returns the TF as JSON. bright: factor of the colors; the ambient light if the scene has no lights. */
 static json_t *tf_json(const iso_tf_table *tf, double bright)
 {
     const double unit_mm = unit_of(tf), width = (tf->hi - tf->lo) / (double)(tf->count - 1);

@@ -38,7 +38,7 @@ static iso_df3_coding label_coding(const iso_level *level)
     return level->max <= 32767 ? (iso_df3_coding){16, -32768, 32767} : (iso_df3_coding){32, -32768, 4294934527.0};
 }
 
-/* Coding of multiples of a quantum, if 16 bits hold them. */
+/* Finds a coding of multiples of a quantum. False if 16 bits do not hold them. */
 static bool quantum_coding(const iso_level *level, double quantum, iso_df3_coding *coding)
 {
     const double lo = quantum > 0 ? floor(level->min / quantum) * quantum : 0;
@@ -64,7 +64,7 @@ static iso_df3_coding scalar_coding(const iso_level *level, double quantum, unsi
     return (iso_df3_coding){bits, level->min, level->max > level->min ? level->max : level->min + 1};
 }
 
-/* Coding with a whole sample for 0: 128 of 255, 32768 of 65535, 2^31 of 2^32 - 1. */
+/* Returns a coding with a whole sample for 0: 128 of 255, 32768 of 65535, 2^31 of 2^32 - 1. */
 static iso_df3_coding direction_coding(unsigned bits)
 {
     double half = ldexp(1, (int)bits - 1);
@@ -77,7 +77,7 @@ static bool is_byte_lattice(iso_code code)
     return info->is_textured && info->is_signed && info->is_linear;
 }
 
-/* Upper bound of the slope of the trilinear field: in each cell, the steepest edge along each axis. */
+/* Returns an upper bound of the slope of the trilinear field: in each cell, the steepest edge along each axis. */
 static double steepest(const iso_level *level)
 {
     const size_t *n = level->geometry.size;
@@ -283,7 +283,8 @@ static iso_status write_text(const iso_povray_scene *s, const char *dir, const c
     return status;
 }
 
-/* level: voxels of the pyramid's level or of a region of interest; tf: the transfer function's table or envelope. */
+/* Describes a scene. level: voxels of the pyramid's level or of a region of interest; tf: the transfer function's table
+ * or envelope. */
 static iso_povray_scene describe(const iso_pyramid *p, size_t number, const iso_level *level, const iso_view *view,
                                  const iso_tf_table *tf, const char *name, const iso_povray_options *opt)
 {

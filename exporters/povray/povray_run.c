@@ -168,7 +168,7 @@ static iso_status write_frames(const render_job *job, iso_error *err)
     return status;
 }
 
-/* POV-Ray pads frame numbers to the width of the last one. */
+/* Returns the path of a pass's picture, to be freed. POV-Ray pads frame numbers to the width of the last one. */
 static char *pass_path(const render_job *job, size_t frame)
 {
     char name[64];
@@ -291,7 +291,7 @@ static iso_status render_pictures(const render_job *job, const iso_progress *pro
     return status;
 }
 
-/* The error of n intervals is of order 1 / n^2: image += (image - coarse) / ((n / m)^2 - 1). */
+/* Extrapolates the error of n intervals, of order 1 / n^2, to 0: image += (image - coarse) / ((n / m)^2 - 1). */
 static void extrapolate(iso_image *image, const iso_image *coarse, size_t n, size_t m)
 {
     const double ratio = (double)n / (double)m, factor = 1 / (ratio * ratio - 1);

@@ -8,20 +8,20 @@
 /* Returns the brightest possible highlight. */
 double iso_povray_specular_sum(const iso_view *view);
 
-/* transfer_text.c: the TF as density maps, or as lookups of DF3 tables. */
+/* Writes the TF as density maps, or as lookups of DF3 tables (transfer_text.c). */
 void iso_povray_write_transfer_function(FILE *f, const iso_povray_scene *s);
 
 /* Marks the entries that a color_map of channels [from, to) needs: entries between two kept ones lie on the line
  * between them, within `tolerance`. keep: tf->count, all false. Returns their number. */
 size_t iso_povray_mark_bends(const iso_tf_table *tf, const int channels[2], double tolerance, bool *keep);
 
-/* tf_text.c: NAME_tf.inc, the transfer function as an editable color_map; and the parts of NAME.inc that use an edited
- * map, or else the exact table. */
+/* True if NAME_tf.inc holds the TF as an editable color_map (tf_text.c). The others begin and end the part of NAME.inc
+ * that uses an edited map; if the map is as exported, the exact table is used. */
 bool iso_povray_has_editable_map(const iso_povray_scene *s);
 void iso_povray_begin_edited(FILE *f, const iso_povray_scene *s);
 void iso_povray_end_edited(FILE *f, const iso_povray_scene *s);
 
-/* shading_text.c: lights; diffuse light and highlights at a point; and the isosurface with this shading. */
+/* Writes lights; diffuse light and highlights at a point; the isosurface with this shading (shading_text.c). */
 void iso_povray_write_lights(FILE *f, const iso_view *view);
 void iso_povray_write_diffuse(FILE *f, const iso_povray_scene *s);
 void iso_povray_write_specular(FILE *f, const iso_povray_scene *s);

@@ -56,8 +56,8 @@ static iso_tf_table with_transparency(const iso_tf_table *tf, double unit_mm)
     return t;
 }
 
-/* For a table without points, such as an adapted one: selects few of its entries, so that lines between them are as
- * close to the table as possible. */
+/* Selects few entries of a table without points, such as an adapted one, so that lines between them are as close to the
+ * table as possible. */
 static void fit_points(const iso_povray_scene *s, editable_map *map)
 {
     const double densest = s->peak_extinction;

@@ -17,13 +17,14 @@ static double peak_color(const iso_tf_table *tf)
     return color;
 }
 
-/* A ray's weights sum to at most 1, and diffuse light is at most 1. */
+/* Returns the largest possible color: a ray's weights sum to at most 1, and diffuse light is at most 1. */
 double iso_povray_peak(const iso_view *view)
 {
     return peak_color(&view->tf) * (1 + iso_povray_specular_sum(view));
 }
 
-/* Density values above 1 wrap in POV-Ray, and colors above 1 are clipped, so both are divided by a peak. */
+/* Measures the peaks that densities and colors are divided by: POV-Ray wraps densities above 1 and clips colors above
+ * 1. */
 void iso_povray_measure_peaks(iso_povray_scene *s)
 {
     const iso_tf_table *tf = s->tf;
@@ -35,7 +36,7 @@ void iso_povray_measure_peaks(iso_povray_scene *s)
     s->peak = s->peak_color * (1 + iso_povray_specular_sum(s->view));
 }
 
-/* A cone of allowed slopes per channel narrows until an entry lies outside it. */
+/* Narrows a cone of allowed slopes per channel until an entry lies outside it. */
 size_t iso_povray_mark_bends(const iso_tf_table *tf, const int channels[2], double tolerance, bool *keep)
 {
     size_t kept = 1, from = 0;

@@ -16,7 +16,7 @@
  * NanoVDB. */
 iso_status iso_nanovdb_from_vdb(const char *vdb_path, const char *path, iso_error *err);
 
-/* Version of the file format, e.g. "32.4.2"; NULL: built without NanoVDB. */
+/* Returns the version of the file format, e.g. "32.4.2"; NULL: built without NanoVDB. */
 const char *iso_nanovdb_version(void);
 
 #endif

@@ -18,7 +18,7 @@ iso_vdb_options iso_vdb_defaults(void)
     return (iso_vdb_options){.half_float = false, .gradient = true, .pad_voxels = 0, .creator = "isoshade"};
 }
 
-/* World of a voxel's center: origin + index_to_world (ijk + 1/2). */
+/* Fills the transform to the world of a voxel's center: origin + index_to_world (ijk + 1/2). */
 static void center_transform(const iso_geometry *g, double m[3][4])
 {
     iso_vec3 first = iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5));

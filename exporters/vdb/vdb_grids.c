@@ -131,7 +131,7 @@ double iso_vdb_direction_scale(iso_code code)
     return info->is_linear && info->is_signed ? ISO_VDB_LINEAR_SCALE : 1;
 }
 
-/* Half floats hold 11 significant bits, from 2^-14 to 65504. */
+/* True if a half float holds the value: 11 significant bits, from 2^-14 to 65504. */
 static bool is_half(float value)
 {
     uint32_t bits;
@@ -157,7 +157,7 @@ static bool are_halves(const iso_level *level, const iso_volume *volume)
     return true;
 }
 
-/* Range of all grids but the first: 0 to 1, or that of the bytes. */
+/* Sets the range of all grids except the first: 0 to 1, or that of the bytes. */
 static void set_range(iso_vdb_source *s, bool is_log2_scale)
 {
     s->value_min = is_log2_scale ? iso_extinction_scale_log2(0) : 0;

@@ -79,7 +79,7 @@ static inline double within(double x, double last)
     return x > 0 ? (x < last ? x : last) : 0;
 }
 
-/* Like iso_tf_shows() for any of the tables, in constant time. */
+/* Does the work of iso_tf_shows() for any of the tables, in constant time. */
 static inline bool shows(const shown_test *t, float min, float max)
 {
     if (t->plain)
@@ -241,7 +241,7 @@ static void next_layer(const marker *m, planes *p, size_t z, uint8_t *seen)
     see_layer(m, p, seen);
 }
 
-/* As next_layer(), with plane z known from the layer before. */
+/* Does the work of next_layer(), with plane z known from the layer before. */
 static void following_layer(const marker *m, planes *p, size_t z, uint8_t *seen)
 {
     float *least = p->least[0], *most = p->most[0];

@@ -112,7 +112,7 @@ iso_status iso_atlas_coarse_vectors(const iso_atlas_scene *scene, iso_pyramid *p
 
 /* ---- lambda of Eq. 2 ---- */
 
-/* [diaz-garcia-2017] Eq. 2, for sorted lattice points e.x >= e.y >= e.z >= 0; not normalized. */
+/* Computes [diaz-garcia-2017] Eq. 2, for sorted lattice points e.x >= e.y >= e.z >= 0; not normalized. */
 static iso_vec3 equation2(double lambda, iso_vec3 e)
 {
     double t[3] = {1 - e.y / e.x, (e.y - e.z) / e.x, e.z / e.x};

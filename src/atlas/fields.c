@@ -15,7 +15,7 @@ double iso_atlas_ball(iso_vec3 p, iso_vec3 *n)
     return fmax(1 - iso_norm(p), 0);
 }
 
-/* A solid, gently curved roof with a surface 0.06 mm thick: one or two fine voxels, as in a well-taken scan. */
+/* Returns a solid, gently curved roof with a surface 0.06 mm thick: one or two fine voxels, as in a well-taken scan. */
 double iso_atlas_dome(iso_vec3 p, iso_vec3 *n)
 {
     const iso_vec3 center = {0.15, 0.1, -2};
@@ -30,14 +30,14 @@ double iso_atlas_plate(iso_vec3 p, iso_vec3 *n)
     return gauss(iso_dot(p, *n) / 0.04);
 }
 
-/* A shell about 0.1 mm thick. */
+/* Returns a shell about 0.1 mm thick. */
 double iso_atlas_shell(iso_vec3 p, iso_vec3 *n)
 {
     *n = iso_normalize(p);
     return gauss((iso_norm(p) - 0.7) / 0.04);
 }
 
-/* A helical vessel, about 0.1 mm across. The nearest turn is searched at the point's own azimuth. */
+/* Returns a helical vessel, about 0.1 mm across. Searches the nearest turn at the point's own azimuth. */
 double iso_atlas_vessel(iso_vec3 p, iso_vec3 *n)
 {
     const double turns = 7, tau = 6.283185307179586, radius = 0.5,
@@ -57,7 +57,7 @@ double iso_atlas_shells(iso_vec3 p, iso_vec3 *n)
     return gauss((r - 0.75) / 0.035) + 0.8 * gauss((r - 0.55) / 0.035);
 }
 
-/* Small balls next to each other: near every surface another one faces it. */
+/* Returns small balls next to each other: near every surface another one faces it. */
 double iso_atlas_balls(iso_vec3 p, iso_vec3 *n)
 {
     const double cell = 0.4;
@@ -66,8 +66,8 @@ double iso_atlas_balls(iso_vec3 p, iso_vec3 *n)
     return fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))) < 0.8 ? fmax(1 - iso_norm(q) / 0.2, 0) : 0;
 }
 
-/* A homogeneous block of 115/255, and next to it plates of twice that value, two fine voxels thick: one in each pair of
- * coarse voxels, whose mean is the block's value. For 48 voxels. */
+/* Returns a homogeneous block of 115/255, and next to it plates of twice that value, two fine voxels thick: one in each
+ * pair of coarse voxels, whose mean is the block's value. For 48 voxels. */
 double iso_atlas_block_and_plates(iso_vec3 p, iso_vec3 *n)
 {
     const long voxel = (long)floor((p.x + 1) * 24), in_turn = voxel % 8;
@@ -75,7 +75,8 @@ double iso_atlas_block_and_plates(iso_vec3 p, iso_vec3 *n)
     return voxel < 30 ? 115.0 / 255 : in_turn == 1 || in_turn == 2 ? 230.0 / 255 : 0;
 }
 
-/* Two textures of the same mean: gray, and alternating black and white cells of one fine voxel. For 48 voxels. */
+/* Returns two textures of the same mean: gray, and alternating black and white cells of one fine voxel. For 48
+ * voxels. */
 double iso_atlas_two_textures(iso_vec3 p, iso_vec3 *n)
 {
     const double voxels_per_mm = 24;

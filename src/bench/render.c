@@ -15,7 +15,8 @@ const char *const iso_bench_gradients_names[GRADIENTS_COUNT] = {"none", "codes",
 const char *const iso_bench_loop_names[LOOP_COUNT] = {"plain", "skipping", "auto"};
 static const iso_gl_skip loop_skips[LOOP_COUNT] = {ISO_GL_SKIP_NEVER, ISO_GL_SKIP_ALWAYS, ISO_GL_SKIP_AUTO};
 
-/* Dense: shows every value, too thin to end rays early. Sparse: shows the upper 40 % of the range, denser. */
+/* Makes a TF. Dense: shows every value, too thin to end rays early. Sparse: shows the upper 40 % of the range,
+ * denser. */
 static iso_tf make_tf(bench_tf kind)
 {
     static iso_tf_point dense[] = {{0, {0.2, 0.3, 0.9}, 0.002}, {1, {1, 0.9, 0.7}, 0.02}};

@@ -100,7 +100,7 @@ iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyram
 /* Rounds the nodes of all levels to the values of a 16-bit cache: scalars to 65535 steps of the range, directions to
  * 1/32767. Call it before faces are baked: fine face nodes are interpolated from rounded coarse ones. */
 void iso_node_levels_round(iso_node_levels *n);
-/* Convert to the values of such a cache: the scalar's part of the range, and a component of the direction. */
+/* Converts to the values of such a cache: the scalar's part of the range; a component of the direction. */
 static inline double iso_node_part(const iso_node_levels *n, float scalar)
 {
     return n->max > n->min ? ((double)scalar - n->min) * (1 / (n->max - n->min)) : 0;

@@ -9,7 +9,7 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* All bricks of the coarsest level agree at p, so the first one found is enough. */
+/* Finds a brick of that level at p. All bricks of the coarsest level agree there, so the first one is enough. */
 bool iso_brick_coarsest_at(const iso_brick_field *f, const size_t p[3], size_t level, size_t brick[3])
 {
     const iso_node_levels *n = f->nodes;
@@ -63,7 +63,7 @@ bool iso_brick_has_foreign_nodes(const iso_brick_field *f, const size_t brick[3]
     return any;
 }
 
-/* A coarser neighbor touches the parts on its side: along an axis the first of three, the last, or all. */
+/* Marks the parts that a coarser neighbor touches: along an axis the first of three, the last, or all. */
 void iso_brick_foreign_parts(const iso_brick_field *f, const size_t brick[3], bool parts[ISO_BRICK_PARTS])
 {
     const iso_node_levels *n = f->nodes;

@@ -210,7 +210,7 @@ static iso_status trim(iso_lattice *l, bool whole_box, iso_error *err)
     return ISO_OK;
 }
 
-/* Voxel (0, 0, 0) has its center at the first node, which is at index 2^level first + 1/2 of the volume. */
+/* Places the center of voxel (0, 0, 0) at the first node, which is at index 2^level first + 1/2 of the volume. */
 static void place(iso_lattice *l, const iso_geometry *g)
 {
     double step = ldexp(1, (int)l->level), corner[3];

@@ -51,9 +51,9 @@ static inline size_t iso_lattice_brick(const iso_lattice_builder *b, int axis, s
     return brick < last ? brick : last;
 }
 
-/* Sampled values have needless digits, which do not compress. Scalars are rounded to a power of two, 1/65536 of the
- * range, so that the last bits are 0; directions to 1/2032, which half floats represent after exporters scale them by
- * 127/128. One grid stays as continuous as before. */
+/* Rounds sampled values, whose needless digits do not compress. Scalars become multiples of a power of two, 1/65536 of
+ * the range, so that the last bits are 0; directions become multiples of 1/2032, which half floats represent after
+ * exporters scale them by 127/128. One grid stays as continuous as before. */
 static inline float iso_lattice_round_scalar(const iso_lattice_builder *b, double value)
 {
     return (float)(b->opt->merged ? b->step * rint(value / b->step) : value);

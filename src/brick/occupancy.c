@@ -100,8 +100,8 @@ bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, d
     return next[from] <= to;
 }
 
-/* The chessboard distance is the least of the 26 neighbors plus one: exact after a forward and a backward sweep, each
- * over the neighbors already visited [rosenfeld-1968]. */
+/* Updates each chessboard distance to the least of the 26 neighbors plus one. Exact after a forward and a backward
+ * sweep, each over the neighbors already visited [rosenfeld-1968]. */
 static void sweep(const size_t count[3], uint8_t *distance, int direction)
 {
     size_t n = count[0] * count[1] * count[2];
@@ -148,7 +148,8 @@ static void fill_octant_row(size_t n, bool down, const uint8_t *occupied, const 
     }
 }
 
-/* An empty cube of side n + 1 with corner b consists of b and the seven cubes of side n whose corners are next to b. */
+/* Fills in the sides of empty cubes. A cube of side n + 1 with corner b consists of b and the seven cubes of side n
+ * whose corners are next to b. */
 static void fill_octant(const size_t count[3], int octant, const uint8_t *occupied, uint8_t *out)
 {
     const size_t nx = count[0], ny = count[1], nz = count[2];

@@ -38,10 +38,10 @@ static inline size_t iso_brick_ranges_count(const iso_brick_ranges *r)
     return r->count[0] * r->count[1] * r->count[2];
 }
 
-/* False if the table's extinction is 0 on all of [min, max]. */
+/* True if the table's extinction is above 0 anywhere on [min, max]. */
 bool iso_tf_shows(const iso_tf_table *tf, double min, double max);
-/* The same for millions of queries. next: for each entry, the first one from there on with an extinction, tf->count if
- * there is none; iso_tf_next_shown() fills tf->count numbers. */
+/* Does the same for millions of queries. next: for each entry, the first one from there on with an extinction, or
+ * tf->count. iso_tf_next_shown() fills these tf->count numbers. */
 void iso_tf_next_shown(const iso_tf_table *tf, uint32_t *next);
 bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, double max);
 

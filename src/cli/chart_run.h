@@ -20,7 +20,7 @@ typedef struct iso_chart_arguments {
     iso_chart_bytes bytes;
 } iso_chart_arguments;
 
-/* ISO_E_DIFFERS: no measured setting has the wanted error. */
+/* Runs `isoshade chart`. ISO_E_DIFFERS: no measured setting has the wanted error. */
 iso_status iso_cli_chart(const iso_chart_arguments *a, const iso_cli *cli, iso_error *err);
 
 #endif

@@ -382,7 +382,8 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     return status;
 }
 
-/* Only rank 0 returns an error: mpirun ends all ranks when one fails, perhaps before rank 0 has reported why. */
+/* Returns an error on rank 0 only: mpirun ends all ranks when one fails, perhaps before rank 0 has reported the
+ * reason. */
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_ranks *ranks = NULL;

@@ -115,7 +115,7 @@ static void report_work(iso_report *r)
     json_decref(work);
 }
 
-/* DIR.work; to be freed. NULL: no memory. */
+/* Returns DIR.work, to be freed. NULL: no memory. */
 static char *store_folder(const iso_validate_arguments *a)
 {
     char *folder = NULL;

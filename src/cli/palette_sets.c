@@ -40,7 +40,8 @@ static iso_status opacity_weights(const iso_palette_arguments *a, const iso_tf *
     return status;
 }
 
-/* Plain counts need one pass over the file and little memory; weights first need the volume's range. */
+/* Reads the set of a volume's directions. Plain counts need one pass over the file and little memory; weights first
+ * need the volume's range. */
 iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *path, iso_direction_set *set,
                                   iso_error *err)
 {

@@ -89,7 +89,7 @@ static const char *name_of(const iso_command *command, int argc, const char **ar
     return inner ? inner->name : command->name;
 }
 
-/* With these variables popt accepts no option after the first file. */
+/* Unsets the variables with which popt accepts no option after the first file. */
 static void take_options_anywhere(void)
 {
     unsetenv("POSIXLY_CORRECT");

@@ -17,7 +17,7 @@ typedef struct iso_rendered {
     json_t *frames;
 } iso_rendered;
 
-/* ISO_E_USAGE: --output is missing, or is not the name of an image. */
+/* Fails with ISO_E_USAGE if --output is missing, or is not the name of an image. */
 iso_status iso_render_check_output(const iso_render_arguments *a, iso_error *err);
 
 /* Saves the image to --output and --png. An OpenEXR file gets the command, the renderer and the step. */

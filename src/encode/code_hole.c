@@ -10,7 +10,8 @@ static const double degree = 0.017453292519943295;
 
 typedef iso_vec3 decode_function(const void *user, iso_vec3 e);
 
-/* Longer multiples of a vector have the same direction, so vectors up to a third of the limit are left out. */
+/* Measures the hole of a lattice. Leaves out vectors up to a third of the limit: longer multiples have the same
+ * direction. */
 static iso_status hole_of_lattice(const iso_code_points *l, decode_function *decode, const void *user,
                                   double tolerance_deg, iso_hole *hole, iso_error *err)
 {

@@ -20,7 +20,7 @@ typedef struct iso_code_points {
 /* Measures the hole among the decoded points by branch and bound: *how is "exact". */
 iso_status iso_code_hole_of_points(const iso_code_info *code, const iso_code_points *points, double tolerance_deg,
                                    iso_hole *hole, const char **how, iso_error *err);
-/* The same for all signed, and for all unsigned lattice points. */
+/* Does the same for all signed lattice points; for all unsigned ones. */
 iso_status iso_code_hole_of_signed(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
                                    iso_error *err);
 iso_status iso_code_hole_of_unsigned(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,

@@ -20,7 +20,7 @@ static double fit_cost(const double e[3], const double u[3], double aim, double 
     return rr - along * along + mu * mu * along * along;
 }
 
-/* mu < 0: mu of the code, which depends on the length. */
+/* Finds the best fit of one direction. mu < 0: mu of the code, which depends on the length. */
 static void fit_one(const float *direction, double mu, uint8_t *bytes)
 {
     double u[3] = {direction[0], direction[1], direction[2]}, best = INFINITY, best_e[3] = {0};

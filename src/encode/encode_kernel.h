@@ -27,7 +27,7 @@ ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 
 void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
-/* Search exhaustively in double precision over every lattice point that could be best for fit and for region48. Slow;
+/* Searches exhaustively in double precision over every lattice point that could be best for fit and for region48. Slow;
  * for tests of the encoders above. */
 void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 /* Finds the best fit with another mu (fit.h), the same for all lengths. */

@@ -13,7 +13,7 @@ void iso_fit_rows(const float *restrict x, const float *restrict y, const float 
 /* Rounds each to 127 d, like the code "snorm". */
 void iso_snorm_rows(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
                     uint32_t *restrict words);
-/* iso_fit_rows without the instructions of newer machines. */
+/* Does the work of iso_fit_rows() without the instructions of newer machines. */
 void iso_fit_rows_baseline(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
                            uint32_t *restrict words);
 

@@ -124,7 +124,7 @@ static void find_ranges(const charted *c, axes *a)
         a->range[k][0] = least[k] / before[k], a->range[k][1] = most[k] * behind[k];
 }
 
-/* False if a number would overlap another, and is omitted. placed: positions of the others, in millimeters. */
+/* True if a number would overlap no other; false: it is omitted. placed: positions of the others, in millimeters. */
 static bool has_room(const axes *a, const double at[2], double (*placed)[2], size_t *count)
 {
     const double wide_mm = 3.2, high_mm = 2.4;

@@ -47,7 +47,7 @@ iso_status iso_figure_kind_from_name(const iso_names *kinds, const char *name, c
     return status;
 }
 
-/* A folder of `isoshade chart` shows only a chart. */
+/* Returns the usual kind of figure: a folder of `isoshade chart` shows only a chart. */
 const char *iso_figure_usual_kind(const char *input)
 {
     char *path = input ? iso_path_join(input, "chart.json") : NULL;

@@ -19,7 +19,7 @@
 #include "figure/job.h"
 
 bool iso_figure_is_of_report(const iso_figure_job *job);
-/* ISO_E_FORMAT: not a report; ISO_E_RANGE: nothing to show, or an unknown method. */
+/* Draws a report. ISO_E_FORMAT: not a report; ISO_E_RANGE: nothing to show, or an unknown method. */
 iso_status iso_figure_levels_of_report(const iso_figure_job *job, iso_page *page, iso_error *err);
 iso_status iso_figure_renderers_of_report(const iso_figure_job *job, iso_page *page, iso_error *err);
 

@@ -38,7 +38,7 @@ void iso_page_destroy(iso_page *page); /* accepts NULL */
 void iso_page_set_size(iso_page *page, double width_mm, double height_mm);
 double iso_page_width(const iso_page *page);
 double iso_page_height(const iso_page *page);
-/* Return the dots within a length, at least 1, and the length of a number of dots. */
+/* Returns the dots within a length, at least 1; the length of a number of dots. */
 size_t iso_page_dots(const iso_page *page, double mm);
 double iso_page_dots_mm(const iso_page *page, size_t dots);
 /* Returns the file of the caption. */
@@ -52,7 +52,7 @@ char *iso_page_file(const iso_page *page, const char *name);
 double iso_page_text_pt(const iso_page *page, iso_page_role role);
 /* Sets the size of all texts of a role: 6 to 9 points. */
 void iso_page_set_text_pt(iso_page *page, iso_page_role role, double pt);
-/* Return the width of a text, rather too wide than too narrow; and the distance between lines. */
+/* Returns the width of a text, rather too wide than too narrow; the distance between lines. */
 double iso_page_text_mm(const iso_page *page, iso_page_role role, const char *text);
 double iso_page_line_mm(const iso_page *page, iso_page_role role);
 
@@ -92,7 +92,7 @@ typedef struct iso_page_color_bar {
     const char *text; /* a '|' begins a new line; or NULL */
 } iso_page_color_bar;
 void iso_page_put_color_bar(iso_page *page, const iso_page_color_bar *bar);
-/* Return the width of the texts left and right of the bar. */
+/* Returns the width of the texts left of the bar; right of it. */
 double iso_page_color_bar_left_mm(const iso_page *page, const iso_page_color_bar *bar);
 double iso_page_color_bar_right_mm(const iso_page *page, const iso_page_color_bar *bar);
 
@@ -118,7 +118,7 @@ typedef struct iso_page_pen {
     int dashed;
 } iso_page_pen;
 void iso_page_put_line(iso_page *page, double x0, double y0, double x1, double y1, const iso_page_pen *pen);
-/* fill: "#rrggbb" or NULL; pen: or NULL. */
+/* Draws a rectangle. fill: "#rrggbb" or NULL; pen: or NULL. */
 void iso_page_put_rectangle(iso_page *page, const iso_page_box *box, const char *fill, const iso_page_pen *pen);
 
 /* ---- plots ---- */

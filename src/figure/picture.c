@@ -89,9 +89,9 @@ static double reach(const iso_view *view, const iso_geometry *g)
     return most;
 }
 
-/* A camera that frames the box from one side may cut it from another. Widens all frames equally, by the excess of
- * the worst frame over the first, with a margin of a twentieth. Parts of the box that the scene itself cuts off stay
- * cut off. */
+/* Widens all frames equally, by the excess of the worst frame over the first, with a margin of a twentieth: a camera
+ * that frames the box from one side may cut it from another. Parts of the box that the scene itself cuts off stay cut
+ * off. */
 static void widen_for_turns(iso_view *view, const iso_scene *scene, const iso_geometry *g, size_t turns)
 {
     const double first = reach(view, g);

@@ -23,7 +23,7 @@ typedef struct shown {
     size_t level_count;
 } shown;
 
-/* Colors a level; the finest one is the darkest. */
+/* Returns the color of a level; the finest one is the darkest. */
 static void color_of(const shown *s, size_t level, unsigned char rgb[3])
 {
     iso_colormap_lookup(s->job->map, 0.35 + 0.6 * (double)level / fmax((double)s->level_count - 1, 1), rgb);

@@ -12,16 +12,16 @@
 #include "options/input.h"
 #include "options/look.h"
 
-/* "table1": holes and their bound; "figure10": the hole over lambda. chart_dir may be NULL. */
+/* Adds "table1", holes and their bound, and "figure10", the hole over lambda. chart_dir may be NULL. */
 iso_status iso_lab_encode_holes(bool text, const char *chart_dir, json_t *root, iso_error *err);
 
-/* "convexity": angle by which interpolation in the paper's warp leaves the cone of the interpolated directions. */
+/* Adds "convexity": angle by which interpolation in the paper's warp leaves the cone of the interpolated directions. */
 iso_status iso_lab_encode_convexity(bool text, json_t *root, iso_error *err);
 
-/* "stiffness": error of the best fit between neighbors, by its mu. */
+/* Adds "stiffness": error of the best fit between neighbors, by its mu. */
 iso_status iso_lab_encode_stiffness(bool text, size_t count, json_t *root, iso_error *err);
 
-/* "coherence": directions with a weight as their length, by code. */
+/* Adds "coherence": directions with a weight as their length, by code. */
 iso_status iso_lab_encode_coherence(bool text, size_t count, json_t *root, iso_error *err);
 
 /* "images", "image_ratios": errors of codes in images of the command's volumes. */

@@ -35,7 +35,7 @@ typedef struct method {
 
 static const double degrees = 57.29577951308232;
 
-/* Default: opaque above the middle of the range, with a soft ramp, where most volumes have a surface. */
+/* Sets the default view: opaque above the middle of the range, with a soft ramp, where most volumes have a surface. */
 static iso_status default_view(stage *s, iso_error *err)
 {
     static iso_tf_point points[] = {{0, {0.9, 0.6, 0.4}, 0},

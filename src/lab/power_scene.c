@@ -149,7 +149,7 @@ static iso_render_options reference_options(const iso_power_case *c, iso_quadrat
     return opt;
 }
 
-/* Options of the reference image that a gate compares a renderer with. */
+/* Returns the options of the reference image that a gate compares a renderer with. */
 static iso_render_options gate_reference_options(const iso_power_case *c, iso_power_gate gate,
                                                  const iso_renderer_info *renderer)
 {
@@ -365,7 +365,7 @@ static iso_status test_group(const iso_image *limits, size_t count, const iso_im
     return status;
 }
 
-/* images: per group the seeds' at the double step, then at the step; limits: one per seed. */
+/* Tests each group. images: per group the seeds' at the double step, then at the step; limits: one per seed. */
 static iso_status test_groups(const iso_power_case *c, size_t groups, double factor, const iso_image *images,
                               iso_image *limits, iso_power_noise *out, iso_error *err)
 {
@@ -415,7 +415,7 @@ static iso_status see_block(const iso_extrapolation_input *of, size_t side, doub
     return status;
 }
 
-/* images: as in test_groups(); their seeds are joined. */
+/* Finds the weakest block that the test sees, per number of seeds and side. images: as in test_groups(), joined. */
 static iso_status measure_blocks(const iso_power_case *c, size_t groups, double factor, const iso_image *images,
                                  iso_power_noise *out, iso_error *err)
 {

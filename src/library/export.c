@@ -11,7 +11,7 @@ iso_export_options iso_export_defaults(void)
     return (iso_export_options){.level_count = 1};
 }
 
-/* The job's view is every level's: a copy with a table of its own. */
+/* Copies the job's view, which all levels share, with a table of its own. */
 static iso_status view_of_level(const iso_export_job *job, size_t level, iso_view *view, iso_error *err)
 {
     (void)level;

@@ -15,13 +15,13 @@
 iso_grid iso_grid_of_geometry(const iso_geometry *g);
 iso_geometry iso_geometry_of_grid(const iso_grid *grid);
 
-/* The progress of a function's options. */
+/* Returns the progress of a function's options. */
 static inline iso_progress iso_progress_of(iso_progress_callback report, void *user)
 {
     return (iso_progress){.report = report, .user = user};
 }
 
-/* The scene, resolved for the pyramid, with the TF and the image size that options ask for (NULL, 0: its own). */
+/* Resolves the scene for the pyramid, with the TF and image size of the options (NULL, 0: the scene's). */
 iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const iso_tf *tf, size_t width, size_t height,
                           iso_view *view, iso_error *err);
 

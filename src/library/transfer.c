@@ -80,7 +80,7 @@ iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double u
     return keep(iso_tf_copy(&borrowed, &copy, err), &copy, tf, err);
 }
 
-/* The table that renderers of the pyramid look up. */
+/* Makes the table that renderers of the pyramid look up. */
 static iso_status tabulate(const iso_tf *tf, const iso_pyramid *p, iso_tf_table *table, iso_error *err)
 {
     const iso_level *level0 = &p->levels[0];

@@ -39,7 +39,7 @@ typedef struct iso_cli_adapted {
 /* clang-format on */
 
 void iso_cli_adapted_defaults(iso_cli_adapted *a);
-/* ISO_E_USAGE names the option and its value. */
+/* Fills the options of the adaptation. ISO_E_USAGE names the option and its value. */
 iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err);
 
 /* Applies the options to a view. --adapt: replaces view->tf by the transfer function adapted to `level`. --tf-2d at a

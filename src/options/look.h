@@ -52,7 +52,7 @@ bool iso_cli_look_is_empty(const iso_cli_look *a);
 /* Fills `look` from the options, which it borrows, and checks them as far as possible without the volume. ISO_E_USAGE
  * names the option and its value; missing or damaged files have the statuses of their readers. */
 iso_status iso_cli_look_check(const iso_cli_look *a, int threads, iso_subject_look *look, iso_error *err);
-/* The same without opening files, for commands whose --scene is not a single file. */
+/* Does the same without opening files, for commands whose --scene is not a single file. */
 iso_status iso_cli_look_take(const iso_cli_look *a, int threads, iso_subject_look *look, iso_error *err);
 
 /* Returns the options that are given as in a command line, " --scene X --view front"; to be freed. NULL: no memory. */

@@ -12,7 +12,7 @@
  * regular file that is also read, under any name or link, or two outputs are the same. */
 iso_status iso_cli_refuse_overwriting(const struct poptOption *options, const char *const *arguments, iso_error *err);
 
-/* ISO_E_USAGE if both are the same regular file. Either may be NULL. */
+/* Fails with ISO_E_USAGE if both are the same regular file. Either may be NULL. */
 iso_status iso_cli_refuse_same_file(const char *output, const char *input, iso_error *err);
 
 #endif

@@ -24,7 +24,7 @@ typedef struct iso_cli_transfer {
     {"range", 0, POPT_ARG_STRING, &(a)->range, 0, "replace the file's range; fit: use the volume's range", "fit|LO,HI"}
 /* clang-format on */
 
-/* ISO_E_USAGE names the option and its value. */
+/* Fills a request; loads a file with it. ISO_E_USAGE names the option and its value. */
 iso_status iso_cli_transfer_request(const iso_cli_transfer *a, iso_tf_request *request, iso_error *err);
 iso_status iso_cli_transfer_load(const iso_cli_transfer *a, const char *path, iso_tf *tf, iso_error *err);
 

@@ -84,7 +84,7 @@ iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume 
 iso_status iso_palette_sample_source(iso_direction_pool *pool, iso_volume_source *source,
                                      const iso_gradient_options *gradient, const iso_palette_weighting *weighting,
                                      const iso_progress *progress, iso_error *err);
-/* The same from given directions and scalars, such as a level of a pyramid; magnitudes may be NULL: 1. */
+/* Does the same from given directions and scalars, such as a level of a pyramid; magnitudes may be NULL: 1. */
 iso_status iso_palette_sample_field(iso_direction_pool *pool, const float *vectors, const float *scalars,
                                     const float *magnitudes, size_t count, const iso_palette_weighting *weighting,
                                     iso_error *err);
@@ -182,7 +182,7 @@ size_t iso_palette_lookup_bytes(const iso_palette_lookup *lookup);
 /* Assigns count vectors of any length; zero, NaN and infinite ones get entry 0. */
 void iso_palette_assign(const iso_palette_lookup *lookup, const float *restrict vectors, uint16_t *restrict index,
                         size_t count);
-/* The same in bytes, for palettes of at most 256 entries. */
+/* Does the same in bytes, for palettes of at most 256 entries. */
 void iso_palette_assign8(const iso_palette_lookup *lookup, const float *restrict vectors, uint8_t *restrict index,
                          size_t count);
 /* Converts indices to directions. Indices beyond the palette give the zero vector. */
@@ -201,7 +201,7 @@ typedef struct iso_palette_error {
 iso_status iso_palette_measure(const iso_direction_set *set, const iso_palette *palette, iso_palette_error *error,
                                iso_error *err);
 
-/* Write files, complete or not at all; `note` becomes a comment.
+/* Writes files, complete or not at all; `note` becomes a comment.
  *   CSV     index,x,y,z with a header line
  *   POV     #declare NAME_Count and NAME = array[count] { <x, y, z>, ... }
  *   Python  NAME = [(x, y, z), ...], and a function that creates a float image of count x 1 in Blender */

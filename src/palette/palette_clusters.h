@@ -41,7 +41,7 @@ static inline float clusters_dot(const clusters *c, uint32_t k, const float *u)
 }
 void iso_clusters_set_entry(clusters *c, uint32_t k, const float *direction);
 
-/* Choose the first `count` entries and each item's owner. */
+/* Chooses the first `count` entries and each item's owner. */
 void iso_clusters_seed_random(clusters *c, iso_random *random);
 iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *err);
 

@@ -171,8 +171,8 @@ size_t iso_palette_grid(size_t directions, float *xyz)
     return count;
 }
 
-/* Equal areas of the disc: radius sqrt((i + 1/2) / n). The distance between turns is that of the steps along them, so
- * that the angle is 2 sqrt(pi (i + 1/2)). */
+/* Places directions on a spiral. Equal areas of the disc: radius sqrt((i + 1/2) / n). The distance between turns is
+ * that of the steps along them, so that the angle is 2 sqrt(pi (i + 1/2)). */
 void iso_palette_spiral(size_t directions, float *xyz)
 {
     const double pi = acos(-1);

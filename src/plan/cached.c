@@ -26,7 +26,7 @@ static size_t page_side(const iso_cached_options *o)
     return o->page_side > 0 && o->page_side < LARGEST_PAGE ? o->page_side : LARGEST_PAGE;
 }
 
-/* Nodes of the visible bricks at the plan's levels. */
+/* Returns the nodes of the visible bricks at the plan's levels. */
 static size_t count_nodes(const cache *c)
 {
     size_t nodes = 0;
@@ -37,7 +37,8 @@ static size_t count_nodes(const cache *c)
     return nodes;
 }
 
-/* Bytes of the textures, or of the CPU ray caster's nodes, at the plan's levels. */
+/* Returns the bytes of the textures, or of the CPU ray caster's nodes, at the plan's levels. Marks the visible
+ * bricks. */
 static double bytes_of(cache *c)
 {
     const iso_brick_field field = {.nodes = c->nodes, .levels = c->plan->levels, .faces = ISO_FACES_BAKED};
@@ -49,7 +50,8 @@ static double bytes_of(cache *c)
     return BYTES_A_TEXEL * (double)iso_brick_pack_texels(c->nodes, c->plan->levels, c->visible, page_side(c->opt));
 }
 
-/* The least predicted error whose bricks fit, in a hundredth of a decade; or the wanted one. */
+/* Chooses the wanted predicted error or, if none is given, the least one whose bricks fit, within a hundredth of a
+ * decade. */
 static iso_status fit(cache *c, double *predicted, iso_error *err)
 {
     double low = -9, high = 1; /* decades of the prediction: at 1 all is coarsest */

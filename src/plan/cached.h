@@ -27,14 +27,14 @@ typedef struct iso_cached_options {
     iso_cached_report *report; /* filled; or NULL */
 } iso_cached_options;
 
-/* gl NULL: renders with the CPU ray caster, whose bricks need no textures: they take 8 bytes per node, or 2 without
- * light. Levels are chosen as in plan.h, for the least predicted error that fits; nothing is rendered to choose them.
+/* Renders with OpenGL, or with the CPU ray caster if gl is NULL, whose bricks need no textures: 8 bytes per node, 2
+ * without light. Chooses levels as in plan.h, for the least predicted error that fits; renders nothing to choose them.
  * ISO_E_RANGE with the needed size if the coarsest levels do not fit. */
 iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view *view, const iso_cached_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err);
 
-/* The same with rounded nodes and a plan of this view that the caller has already; they replace the options for bricks
- * and levels. */
+/* Does the same with the caller's rounded nodes and plan of this view, which replace the options for bricks and
+ * levels. */
 iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan *plan, const iso_view *view,
                                    const iso_cached_options *opt, iso_image *image, iso_error *err);
 

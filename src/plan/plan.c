@@ -19,7 +19,7 @@ typedef struct estimator {
     double voxel_mm;
 } estimator;
 
-/* Emission rate of a table's entry: extinction times color, and its extinction. */
+/* Returns the emission rate of a table's entry, extinction times color; c 3: its extinction. */
 static double rate_of(const iso_tf_table *tf, size_t entry, int c)
 {
     const float *e = tf->entries + 4 * entry;
@@ -36,7 +36,7 @@ static double (*integrate_tf(const iso_tf_table *tf))[4]
     return integral;
 }
 
-/* The integral up to a position among the entries; beyond the table is what its end has. */
+/* Returns the integral up to a position among the entries; the first and last entry extend beyond the table. */
 static double integral_at(const estimator *e, double position, int c)
 {
     const iso_tf_table *tf = &e->view->tf;
@@ -46,8 +46,8 @@ static double integral_at(const estimator *e, double position, int c)
     return (1 - f) * e->integral[i][c] + f * e->integral[i + 1][c] + (position - inside) * rate_of(tf, end, c);
 }
 
-/* The mean entry of the values from a to b, colors weighted by their extinction: between two nodes may show what
- * neither does, where a transfer function shows few values alone. */
+/* Computes the mean entry of the values from a to b, colors weighted by their extinction. Between two nodes may be
+ * visible values that neither has, if a transfer function shows few values only. */
 static void mean_entry(const estimator *e, double a, double b, double entry[4])
 {
     const iso_tf_table *tf = &e->view->tf;
@@ -88,8 +88,8 @@ static double largest_difference(const double a[4], const double b[4])
     return worst;
 }
 
-/* The node of level 0 at p, moved outwards by one if it lies on a face of the brick. False inside the brick and at the
- * volume's end. */
+/* Reads the node of level 0 at p, moved outwards by one if it lies on a face of the brick. False inside the brick and
+ * at the volume's end. */
 static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const size_t local[3],
                         double value[ISO_NODE_CHANNELS])
 {
@@ -111,7 +111,7 @@ static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const s
  * to the brick's next node. */
 enum { AT_NODE, BEYOND_FACE, TO_NEXT, PLACES };
 
-/* The end of the way: along one axis a node, all of them in turn. False at the brick's end. */
+/* Moves q one node along an axis; the axes take turns by node. False at the brick's end. */
 static bool next_node(const iso_node_levels *n, const size_t local[3], double q[3])
 {
     const size_t axis = (local[0] + local[1] + local[2]) % 3;
@@ -182,8 +182,7 @@ static void estimate_brick(const estimator *e, uint8_t *levels, size_t index, fl
     levels[index] = 0;
 }
 
-/* Along one ray through the finest level, adds T^2 once to each brick that it passes, T the transmittance at its
- * entry. */
+/* Adds T^2 once to each brick that a ray through the finest level enters, where T is the transmittance there. */
 static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray *ray, const uint8_t *shown,
                   double *seen)
 {
@@ -312,7 +311,7 @@ void iso_plan_destroy(iso_plan *plan)
 
 /* ---- choice ------------------------------------------------------------------- */
 
-/* The levels for one lambda; returns the predicted RMSE. */
+/* Chooses the levels for one lambda; returns the predicted RMSE. */
 static double choose_for(iso_plan *plan, const iso_node_levels *n, double lambda)
 {
     double sum = 0;

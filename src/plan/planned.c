@@ -106,7 +106,7 @@ ISO_SIMD static void widen(const float *restrict row, size_t count, float *restr
     }
 }
 
-/* The ranges of the voxels that the bricks (., by, bz) are made of: two numbers each. columns: three rows. */
+/* Finds the range of the voxels of each brick (., by, bz): two numbers each. columns: space for three rows. */
 static void row_ranges(const iso_node_levels *n, size_t by, size_t bz, float *columns, float *ranges)
 {
     const size_t *size = n->geometry.size, side = n->brick_voxels;
@@ -130,7 +130,7 @@ static void row_ranges(const iso_node_levels *n, size_t by, size_t bz, float *co
     }
 }
 
-/* Two numbers per brick; to be freed. NULL: no memory. */
+/* Returns the range of each brick, two numbers, to be freed. NULL: no memory. */
 static float *find_ranges(const iso_node_levels *n, int threads)
 {
     float *ranges = malloc(2 * iso_brick_count(n) * sizeof *ranges);
@@ -165,7 +165,8 @@ static bool is_wrong(const iso_planned *p, const iso_tf_table *tf, size_t i, con
     return shows;
 }
 
-/* A plan for other transfer functions has bricks marked as hidden that these show. Rounding alone moves a few. */
+/* Checks the transfer functions: if the plan was made for others, these show bricks that it marks as hidden. Rounding
+ * alone affects only a few. */
 static iso_status check_match(const char *path, const iso_planned *p, int threads, iso_error *err)
 {
     const size_t count = iso_brick_count(&p->nodes);
@@ -189,7 +190,7 @@ static iso_status check_match(const char *path, const iso_planned *p, int thread
                                 path, count);
 }
 
-/* Before the nodes are made: a plan says how many bricks a volume of its size has. */
+/* Checks the number of bricks for the volume's size, before the nodes are made. */
 static iso_status check_bricks(const char *path, const iso_plan_file *plan, const iso_geometry *g, iso_error *err)
 {
     size_t have[3];
@@ -271,7 +272,7 @@ void iso_planned_lattices_destroy(iso_planned_lattices *lattices)
 
 /* ---- the crop ------------------------------------------------------------------ */
 
-/* Voxel v of the lattice stands at index step (first + v - 1/2) + 1/2 of the volume. */
+/* Finds the volume's box in the lattice: its voxel v is at the volume's index step (first + v - 1/2) + 1/2. */
 static void find_box(const iso_lattice *l, const iso_geometry *g, double box[2][3])
 {
     double step = (double)((size_t)1 << l->level);
@@ -283,7 +284,7 @@ static void find_box(const iso_lattice *l, const iso_geometry *g, double box[2][
     }
 }
 
-/* Greatest common step of all integer scalars, sampled ones included (lattice.h). */
+/* Returns the greatest common step of all integer scalars, sampled ones included (lattice.h); 0: there is none. */
 static double quantum_of(const iso_planned *p, const iso_level *level0)
 {
     const bool whole = level0->stored_type != ISO_F32 && level0->stored_type != ISO_F64;

@@ -21,7 +21,7 @@ typedef struct iso_plan_file {
 } iso_plan_file;
 
 iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *err);
-/* "levels" and "use" as an object; NULL when memory ends. */
+/* Returns an object with "levels" and "use"; NULL: no memory. */
 json_t *iso_plan_file_bricks(const uint8_t *levels, const uint8_t *drawn, const uint8_t *seen, size_t count);
 void iso_plan_file_destroy(iso_plan_file *plan); /* accepts empty and NULL */
 
@@ -41,7 +41,7 @@ typedef struct iso_planned_subject {
     const iso_tf_table *tfs; /* kept, not copied */
     size_t tf_count;
 } iso_planned_subject;
-/* ISO_E_RANGE when the plan was made for another volume or for other transfer functions. */
+/* Reduces the volume by the plan. ISO_E_RANGE: it was made for another volume or for other transfer functions. */
 iso_status iso_planned_create(const char *path, const iso_planned_subject *subject, int threads, iso_planned *p,
                               iso_error *err);
 void iso_planned_destroy(iso_planned *p);
@@ -51,7 +51,7 @@ typedef struct iso_planned_lattices {
     iso_lattice items[ISO_BRICK_MAX_LEVELS];
 } iso_planned_lattices;
 
-/* One merged lattice, or one a level that is in use, finest first. whole_box as in lattice.h. */
+/* Makes one merged lattice, or one per level in use, finest first. whole_box as in lattice.h. */
 iso_status iso_planned_lattices_create(const iso_planned *p, bool merged, bool whole_box, int threads,
                                        iso_planned_lattices *lattices, iso_error *err);
 void iso_planned_lattices_destroy(iso_planned_lattices *lattices);

@@ -18,7 +18,7 @@ static iso_vec3 turned(iso_vec3 v, iso_vec3 axis, double angle)
     return iso_add(along, iso_add(iso_scale(across, cos(angle)), iso_scale(iso_cross(axis, across), sin(angle))));
 }
 
-/* The scene from another side. Lights in camera space turn with it when it is resolved. */
+/* Turns the scene's camera. Lights in camera space turn with it when the scene is resolved. */
 static void turn_scene(iso_scene *s, double angle)
 {
     iso_vec3 up = iso_normalize(s->camera_up);
@@ -47,7 +47,7 @@ static iso_status load_scene_views(const iso_subject_look *look, size_t turns, c
     return status;
 }
 
-/* The names between commas; a look without a scene is one. */
+/* Returns the number of names between commas; 1 for a look without a scene. */
 static size_t count_scenes(const iso_subject_look *look)
 {
     size_t count = 1;
@@ -278,8 +278,8 @@ static bool is_good(const iso_planner *p, double error, double memory, const iso
     return iso_plan_trial_bytes(t) <= memory && (t->drawn_count > 0 || p->blank_rmse == 0);
 }
 
-/* The largest predicted error that is still good, by bisection of its logarithm. Both the measured error and the bytes
- * follow the prediction but for small steps, so the best good trial is kept, not the last one. */
+/* Finds the largest predicted error that is still good, by bisection of its logarithm. Measured error and bytes follow
+ * the prediction except for small steps, so it keeps the best good trial, not the last one. */
 iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress, iso_error *err)
 {
     enum { steps = 9 };

@@ -42,17 +42,17 @@ typedef struct iso_planner_options {
     iso_brick_faces faces;
     int threads; /* 0: all */
 } iso_planner_options;
-/* The views and nodes are kept, not copied. */
+/* Creates a planner, which keeps the views and nodes and does not copy them. */
 iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_planner_options *opt,
                               const iso_progress *progress, iso_error *err);
-/* memory 0: finds the least model whose measured RMSE is at most `error` in every view; ISO_E_RANGE if there is none.
- * Otherwise finds the model of the least RMSE within `memory` bytes. ISO_E_RANGE with the needed size if that is too
- * little to show anything. */
+/* Finds the least model with a measured RMSE of at most `error` in every view, if memory is 0; ISO_E_RANGE: none.
+ * Otherwise finds the model of the least RMSE within `memory` bytes. ISO_E_RANGE with the needed size if these are too
+ * few to show anything. */
 iso_status iso_planner_search(iso_planner *p, double error, double memory, const iso_progress *progress,
                               iso_error *err);
 void iso_planner_destroy(iso_planner *p); /* accepts empty */
 
-/* A picture of the planner's nodes at any levels, without the bricks that are not wanted (NULL: all are). */
+/* Renders the planner's nodes at any levels, only the wanted bricks (NULL: all). */
 iso_status iso_planner_draw(const iso_planner *p, const uint8_t *levels, const uint8_t *wanted, const iso_view *view,
                             iso_image *image, iso_error *err);
 

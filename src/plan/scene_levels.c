@@ -77,7 +77,7 @@ static iso_status look(const iso_pyramid *p, const iso_scene *scene, int threads
     return status;
 }
 
-/* A candidate is what p would show with this scalar at the level. */
+/* Judges a candidate, which renders p with this scalar at the level. */
 static iso_status judge(const iso_pyramid *p, size_t level, looks *l, float *scalar, int threads,
                         iso_level_candidate *c, iso_error *err)
 {

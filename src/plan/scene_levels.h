@@ -43,7 +43,7 @@ typedef struct iso_scene_level {
 #define ISO_SCENE_RMSE_LOSS 0.15
 iso_level_scalar iso_scene_level_choose(const iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT]);
 
-/* Pictures of `level` with the scalars of `candidates` (NULL: not tried), into the others' fields. */
+/* Renders `level` with the scalars of each candidate (NULL: skipped) and fills the candidate's other fields. */
 iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_scene *scene,
                                  float *const scalars[ISO_LEVEL_SCALAR_COUNT], int threads,
                                  iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT], iso_error *err);
@@ -54,7 +54,7 @@ iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_s
 iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene, int threads,
                                  iso_scene_level *levels, const iso_progress *progress, iso_error *err);
 
-/* Bytes that a build for a scene takes, volume of `type` and pyramid included. */
+/* Returns the bytes that a build for a scene needs, with the volume of `type` and the pyramid. */
 size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type);
 
 #endif

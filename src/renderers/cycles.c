@@ -197,7 +197,7 @@ static iso_status add_blender(const char *program, const char *found_version, is
     return iso_renderers_register(&b->info, err);
 }
 
-/* Also sets the Blender that exports and viewing commands use. */
+/* Sets the command of this renderer, and the Blender that exports and viewing commands use. */
 static iso_status take_first(const char *program, iso_error *err)
 {
     char *path = NULL;

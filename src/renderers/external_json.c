@@ -118,7 +118,7 @@ static bool is_color(const char *text)
 
 /* ---- limits ---- */
 
-/* "limits": {"rmse", "max_abs", "sharp_rmse", "sharp_max_abs"}; without the last two they equal the first two. */
+/* Reads "limits": {"rmse", "max_abs", "sharp_rmse", "sharp_max_abs"}; without the last two they equal the first two. */
 static void get_limits(iso_json_reader *r, row *to)
 {
     static const char *const keys[] = {"rmse", "max_abs", "sharp_rmse", "sharp_max_abs", NULL};

@@ -115,8 +115,8 @@ static void ask_steps(const iso_level *level, double finest_voxels, size_t count
     }
 }
 
-/* An image is made of two pictures, emission and transmittance. The integers of the first are parts of the brightest
- * possible color; those of the second weight the background. */
+/* Returns the largest possible color with the background. An image is made of two pictures, emission and transmittance.
+ * Integers of the first are parts of the brightest possible color; those of the second weight the background. */
 static double peak_with_background(const iso_view *view)
 {
     return iso_povray_peak(view) + fmax(view->background[0], fmax(view->background[1], view->background[2]));

@@ -28,7 +28,7 @@ static json_t *numbers_json(const double *values, size_t count)
 
 /* ---- the volume ---- */
 
-/* Checksum, also of a file that is left out: it binds a picture to its samples. */
+/* Returns the checksum, which binds a picture to its samples; also of a file that is left out. */
 static json_t *checksum_json(const void *values, size_t bytes, uint64_t seed)
 {
     char text[17];
@@ -117,7 +117,7 @@ static void find_depths(const iso_camera *c, const iso_geometry *g, double *near
     *near = c->orthographic ? fmax(*near - slack, 0) : fmax(*near - slack, 1e-3 * *far);
 }
 
-/* World to eye, which looks along -z; row-major. */
+/* Returns the matrix from world to eye, which looks along -z; row-major. */
 static json_t *view_matrix(const iso_camera *c)
 {
     const iso_vec3 axes[3] = {c->right, c->up, iso_scale(c->forward, -1)};
@@ -129,7 +129,7 @@ static json_t *view_matrix(const iso_camera *c)
     return rows;
 }
 
-/* Projection of OpenGL, row-major. */
+/* Returns the projection matrix of OpenGL, row-major. */
 static json_t *projection_matrix(const iso_camera *c, double aspect, double near, double far)
 {
     const double x = 1 / (c->half_height * aspect), y = 1 / c->half_height, depth = far - near;

@@ -116,7 +116,7 @@ static void compare_limit(const pair *p, const char *of, double a, double b, dou
     compare_numbers(p, what, a, b, (iso_tolerance){tolerance, tolerance > 0 ? "a tenth of it" : "stated"});
 }
 
-/* False for the RMSE of extrapolated limits, whose limit is the row's own error bar, a measured value. */
+/* True unless the limit is the row's own error bar, a measured value, as for the RMSE of extrapolated limits. */
 static bool limit_is_stated(const json_t *row, const char *metric)
 {
     const iso_comparison how = iso_row_identify(row).comparison;
@@ -370,8 +370,8 @@ static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *
     return count;
 }
 
-/* Sort key: changed verdicts first, the ones that became less certain before the others; then rows that disappeared,
- * appeared, and changed figures. */
+/* Returns the sort key: changed verdicts first, those that became less certain before the others; then rows that
+ * disappeared, appeared, and changed figures. */
 static int rank_of(const json_t *row)
 {
     const char *change = iso_row_text(row, "change");

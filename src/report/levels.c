@@ -141,7 +141,7 @@ static bool is_true(const json_t *row, const char *key)
     return json_is_true(json_object_get(row, key));
 }
 
-/* "naive directions under the adapted TF" */
+/* Appends "naive directions under the adapted TF". */
 static void add_way(iso_levels_summary *s, const json_t *way)
 {
     const char *method = iso_row_text(way, "method");
@@ -218,7 +218,7 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
         add_rival(s, row, json_object_get(row, "simple"));
 }
 
-/* "RMSE, and its bound: 0.039 of 0.21 at level 1, 0.055 of 0.3 at level 2." */
+/* Appends "RMSE, and its bound: 0.039 of 0.21 at level 1, 0.055 of 0.3 at level 2." */
 static void add_bounds(iso_levels_summary *s, const json_t *rows)
 {
     const char *before = " RMSE, and its bound: ";
@@ -292,7 +292,7 @@ static void add_near_ones(iso_levels_summary *s, const json_t *rows)
             all);
 }
 
-/* "Level 2 was undecided after 6 views: 20 were used." */
+/* Appends "Level 2 was undecided after 6 views: 20 were used." */
 static void add_added_views(iso_levels_summary *s, const json_t *rows)
 {
     json_t *row;

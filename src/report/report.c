@@ -368,7 +368,7 @@ static int worst_first(const void *a, const void *b)
     return (kx < ky) - (kx > ky);
 }
 
-/* Numbers the rows: the page keeps pictures of differences, and names of rows, under the number. */
+/* Sorts and numbers the rows: the page keeps pictures of differences, and names of rows, under the number. */
 static iso_status sort_rows(iso_report *r, iso_error *err)
 {
     json_t *rows = json_object_get(r->root, "agreement"), *words = json_object_get(r->inlined, "words");

@@ -101,7 +101,7 @@ const char *iso_row_comparison_words(const json_t *row);
 /* Writes a row's name in plain words: "gl, limit of halved steps, naive, adapted TF". */
 void iso_row_words_of(const json_t *row, char words[ISO_ROW_NAME_BYTES]);
 
-/* Return a value of a row; "" and NaN if there is none; gnuplot leaves NaN out. */
+/* Returns a value of a row; "" and NaN if there is none; gnuplot leaves NaN out. */
 const char *iso_row_text(const json_t *row, const char *key);
 double iso_row_number(const json_t *row, const char *key);
 

@@ -16,7 +16,7 @@ static size_t count_verdicts(const iso_report *r, const char *list, iso_verdict 
     return count;
 }
 
-/* "; not compared: 3 cases that show too little for their limits, 1 stage that did not run" */
+/* Appends "; not compared: 3 cases that show too little for their limits, 1 stage that did not run". */
 static void add_not_compared(iso_report_summary *s)
 {
     const char *before = "; not compared: ";

@@ -175,12 +175,12 @@ iso_ray iso_camera_ray(const iso_camera *camera, size_t width, size_t height, si
 
 /* Clips the ray to the box of g: [*t0, *t1] in mm, *t0 >= 0. False if it misses. */
 bool iso_ray_box(const iso_ray *ray, const iso_geometry *g, double *t0, double *t1);
-/* The same, clipped also to the kept side of all clip planes. */
+/* Does the same, and clips also to the kept side of all clip planes. */
 bool iso_view_ray(const iso_view *view, const iso_ray *ray, const iso_geometry *g, double *t0, double *t1);
 
 /* Converts a clip plane to index coordinates of g: keeps plane[0..2] . index >= plane[3]. */
 void iso_clip_in_index(const iso_clip_plane *clip, const iso_geometry *g, double plane[4]);
-/* False if the clip planes remove the whole box from lo to hi (index coordinates). May be True for a box that only
+/* True unless a clip plane removes the whole box from lo to hi (index coordinates). May be True for a box that only
  * several planes together remove. */
 bool iso_view_keeps(const iso_view *view, const iso_geometry *g, const double lo[3], const double hi[3]);
 

@@ -28,8 +28,8 @@ const char *iso_viewpoint_usual(const iso_geometry *g);
 iso_scene iso_scene_first(const iso_geometry *level0, const iso_viewpoint *viewpoint, size_t width, size_t height);
 /* The camera moves closer if the visible part needs at most this fraction of the distance for the box. */
 #define ISO_FRAME_VISIBLE_BELOW 0.7
-/* Frames the visible part of level 0: the planes across each axis without a thousandth of all opacity at each end. For
- * a first picture's camera. ISO_E_MEMORY. */
+/* Frames the visible part of level 0, without the planes at each end of an axis that hold a thousandth of all opacity.
+ * For a first picture's camera. ISO_E_MEMORY. */
 iso_status iso_scene_frame_visible(iso_scene *scene, const iso_level *level0, const iso_tf_table *tf, int threads,
                                    iso_error *err);
 /* Replaces the camera of a scene by one from this viewpoint, which frames the box of `level0`. */

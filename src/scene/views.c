@@ -6,7 +6,7 @@ static double golden_ratio(void)
     return 0.5 * (1 + sqrt(5));
 }
 
-/* The face centers of an icosahedron are the corners of a dodecahedron. */
+/* Returns face i's center of an icosahedron. The centers are the corners of a dodecahedron. */
 iso_vec3 iso_view_through_face(int i)
 {
     const double g = golden_ratio(), s[2] = {-1, 1};

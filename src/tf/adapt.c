@@ -38,14 +38,15 @@ size_t iso_adapter_entry_count(const iso_adapter *a)
     return a->s.count;
 }
 
-/* Flat: chosen from 1.5, 1.6, 1.75, 2 and 3: the least SSIM dissimilarity among those with no case worse than the
- * original TF on six of seven volumes. Each left-out volume gave the same choice and no worse case. */
+/* Returns the default width. Flat: chosen from 1.5, 1.6, 1.75, 2 and 3, as the least SSIM dissimilarity among those
+ * with no case worse than the original TF on six of seven volumes. Each left-out volume gave the same choice and no
+ * worse case. */
 static double default_window(iso_adapt_weight w)
 {
     return w == ISO_WEIGHT_FLAT ? 1.75 : w == ISO_WEIGHT_GAUSS ? 3 : 2.5;
 }
 
-/* The weight at x deviations from the mean, inside the window. */
+/* Returns the weight at x deviations from the mean, inside the window. */
 static double weight_at(const iso_adapt_options *opt, double x)
 {
     const double gauss = exp(-0.5 * x * x), triangle = fmax(0.4 * (1 - 0.4 * fabs(x)), 0);

@@ -69,7 +69,7 @@ static void xyz_of(const double rgb[3], double xyz[3])
         xyz[i] = (m[i][0] * linear[0] + m[i][1] * linear[1] + m[i][2] * linear[2]) / white[i];
 }
 
-/* Colors outside the display's gamut are scaled to its brightest, then clamped, as VTK does. */
+/* Converts XYZ to sRGB. Scales colors outside the display's gamut to its brightest, then clamps them, as VTK does. */
 static void rgb_of_xyz(const double xyz[3], double rgb[3])
 {
     static const double m[3][3] = {{3.2406, -1.5372, -0.4986}, {-0.9689, 1.8758, 0.0415}, {0.0557, -0.2040, 1.0570}};
@@ -105,7 +105,7 @@ static void rgb_of_lab(const double lab[3], double rgb[3])
     rgb_of_xyz(xyz, rgb);
 }
 
-/* ProLab: a projective map of XYZ; its matrix and the inverse as in vtkMath. */
+/* Converts to ProLab, a projective map of XYZ; its matrix and the inverse as in vtkMath. */
 static void prolab_of(const double rgb[3], double lab[3])
 {
     double v[3];

@@ -29,7 +29,7 @@ double iso_sharp_mix(double from, double to, double s, double sharpness);
 /* Converts to CIE L*a*b* with white point D65. */
 void iso_color_to_lab(const double rgb[3], double lab[3]);
 
-/* Transfer curve of IEC 61966-2-1. */
+/* Applies the transfer curve of IEC 61966-2-1; its inverse. */
 double iso_srgb_to_linear(double c);
 double iso_linear_to_srgb(double c);
 

@@ -78,7 +78,7 @@ void iso_tf_curve_sort(iso_tf_curve *curve) /* insertion sort: files are nearly 
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-/* VTK keeps midpoints off the nodes. */
+/* Returns the midpoint, kept off the nodes as in VTK. */
 static double midpoint_of(const iso_tf_node *node)
 {
     return fmin(fmax(node->midpoint, 0.00001), 0.99999);

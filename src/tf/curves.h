@@ -36,13 +36,13 @@ void iso_tf_curves_destroy(iso_tf_curves *curves);
 /* Appends a node. ISO_E_RANGE: a value is not finite, or a color, opacity, midpoint or sharpness is outside 0 to 1;
  * ISO_E_MEMORY. components: 3 for a color, 1 for an opacity. */
 iso_status iso_tf_curve_add(iso_tf_curve *curve, iso_tf_node node, int components, const char *path, iso_error *err);
-/* Append a node with midpoint 1/2 and sharpness 0. */
+/* Appends a node with midpoint 1/2 and sharpness 0. */
 iso_status iso_tf_curve_add_color(iso_tf_curve *curve, double x, const double rgb[3], const char *path, iso_error *err);
 iso_status iso_tf_curve_add_opacity(iso_tf_curve *curve, double x, double opacity, const char *path, iso_error *err);
 /* Sorts by x, stable. */
 void iso_tf_curve_sort(iso_tf_curve *curve);
 
-/* Return the curve's value at x. `inside` lies between the same nodes; at a step its side selects the value. */
+/* Returns the curve's value at x. `inside` lies between the same nodes; at a step its side selects the value. */
 void iso_tf_curve_color(const iso_tf_curve *curve, iso_color_space space, double x, double inside, double rgb[3]);
 double iso_tf_curve_opacity(const iso_tf_curve *curve, double x, double inside);
 

@@ -26,7 +26,7 @@ iso_status iso_tf_preset_apply(size_t row, const iso_survey *survey, const iso_g
 /* Loads a file of any input format or a preset; NULL: "auto". survey: of level 0; NULL: made if needed. */
 iso_status iso_tf_of_level(const char *name, const iso_tf_request *request, const iso_survey *survey,
                            const iso_level *level0, int threads, iso_tf *tf, iso_error *err);
-/* The same for a volume outside a pyramid. */
+/* Does the same for a volume outside a pyramid. */
 iso_status iso_tf_of_volume(const char *name, const iso_tf_request *request, const iso_volume *v, int threads,
                             iso_tf *tf, iso_error *err);
 /* Checks a name before the volume is read: unknown preset, missing or damaged file. */

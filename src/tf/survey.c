@@ -182,7 +182,7 @@ typedef struct neighbor_rows {
 
 enum { ROWS = 5 };
 
-/* buffer: space for ROWS rows, for levels whose floats are not in memory. */
+/* Finds the rows next to row (y, z). buffer: space for ROWS rows, for levels whose floats are not in memory. */
 static neighbor_rows find_rows(const iso_level *l, size_t y, size_t z, float *buffer)
 {
     const size_t *n = l->geometry.size, place[3] = {0, y, z}, step[3] = {0, n[0], n[0] * n[1]};

@@ -51,7 +51,7 @@ iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **su
 
 /* Returns the value below which that part, 0 to 1, of the voxels lies. */
 double iso_survey_quantile(const iso_survey *s, double part);
-/* Return the value at the middle of a bin, and the bin of a value. */
+/* Returns the value at the middle of a bin; the bin of a value. */
 double iso_survey_value(const iso_survey *s, double bin);
 int iso_survey_bin(const iso_survey *s, double value);
 /* Returns the magnitude, in value per voxel, of bin `slope` of the second axis. */

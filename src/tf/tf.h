@@ -72,7 +72,7 @@ typedef struct iso_tf_request {
 
 /* Loads a file of any input format (format.h). */
 iso_status iso_tf_load(const char *path, iso_tf *tf, iso_error *err);
-/* The same with a request. ISO_E_USAGE: a needed field is missing, or one is given that the file has. */
+/* Does the same with a request. ISO_E_USAGE: a needed field is missing, or one is given that the file has. */
 iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_tf *tf, iso_error *err);
 /* Reads a TF from an object inside another file; `path` is named in messages. */
 iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, iso_error *err);

@@ -23,7 +23,7 @@ char *iso_xml_text(const xmlNode *node, const char *attribute);
 /* Reads a number in [lo, hi]. ISO_E_FORMAT: missing or not a number; ISO_E_RANGE. */
 iso_status iso_xml_number(const iso_tf_file *file, const xmlNode *node, const char *attribute, const double limits[2],
                           double *value, iso_error *err);
-/* The same, but a missing attribute leaves *value unchanged. */
+/* Does the same, but a missing attribute leaves *value unchanged. */
 iso_status iso_xml_optional_number(const iso_tf_file *file, const xmlNode *node, const char *attribute,
                                    const double limits[2], double *value, iso_error *err);
 

@@ -160,7 +160,7 @@ static json_t *bins_json(const iso_bins *bins)
     return json_pack("{s:I, s:f, s:f}", "count", (json_int_t)bins->count, "lo", bins->lo, "step", bins->step);
 }
 
-/* Layout in words: the number of entries of each row, then each entry's bin, then its count. */
+/* Adds a joint histogram, in words: the number of entries of each row, then each entry's bin, then its count. */
 static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *contents, json_t *json, iso_error *err)
 {
     iso_joint joint = {0};

@@ -27,7 +27,7 @@ static bool starts_like_netcdf(const unsigned char *head, size_t size)
     return size >= 4 && memcmp(head, "CDF", 3) == 0 && (head[3] == 1 || head[3] == 2 || head[3] == 5);
 }
 
-/* A Zarr array or group, of version 2 or 3. */
+/* True if the folder is a Zarr array or group, of version 2 or 3. */
 static bool is_zarr(const char *path)
 {
     static const char *const files[] = {".zarray", ".zgroup", ".zattrs", "zarr.json"};

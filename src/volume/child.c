@@ -119,7 +119,7 @@ static void close_reader(iso_volume_source *source)
     source->reader = NULL;
 }
 
-/* Axes that differ in their units are the world's, of which the first is noted. */
+/* Finds the mm per unit of each world axis. If units differ, the notes keep the first one. */
 static iso_status take_units(iso_volume_source *source, const iso_child_header *h, double mm[3], iso_error *err)
 {
     iso_status status = ISO_OK;
@@ -185,7 +185,7 @@ static iso_status read_header(iso_volume_source *source, const iso_child_program
     return status == ISO_OK ? iso_child_check_header(h, source->path, p->library, err) : status;
 }
 
-/* The program gives one frame and channel alone: it is started again where these are not the first ones. */
+/* Chooses frame and channel. The program gives one of each: it is started again unless these are the first ones. */
 static iso_status choose(iso_volume_source *source, const iso_child_program *p, const char *part, iso_child_header *h,
                          iso_error *err)
 {
@@ -203,7 +203,7 @@ static iso_status choose(iso_volume_source *source, const iso_child_program *p, 
     return read_header(source, p, part, h, err);
 }
 
-/* The file names in it may hold anything. */
+/* Prints the header's warning as one line. It may contain any bytes, such as names from the file. */
 static void warn(const iso_child_header *h)
 {
     char text[sizeof h->warning];

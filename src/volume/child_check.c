@@ -56,7 +56,7 @@ static bool is_world(iso_child_world world)
     return world == ISO_CHILD_LPS || world == ISO_CHILD_RAS || world == ISO_CHILD_OWN || world == ISO_CHILD_CENTERED;
 }
 
-/* 0 is a box as the grid. */
+/* True if the box lies in the grid; 0 stands for the grid's size. */
 static bool has_box(const iso_child_header *h)
 {
     bool good = true;

@@ -15,8 +15,8 @@ void iso_child_end_text(iso_child_answer *answer);
 iso_status iso_child_check_answer(const iso_child_answer *answer, const char *path, const char *library,
                                   iso_error *err);
 
-/* ISO_E_FORMAT for a type or a world that there is not, numbers that are none, a box beyond the grid, or more frames
- * and channels than can be counted. The size itself is left to iso_geometry_check(). */
+/* Checks all but the size, which iso_geometry_check() checks. ISO_E_FORMAT: an unknown type or world, a number that is
+ * not finite, a box beyond the grid, or too many frames and channels to count. */
 iso_status iso_child_check_header(const iso_child_header *header, const char *path, const char *library,
                                   iso_error *err);
 

@@ -104,7 +104,7 @@ template <typename Work> iso_child_answer guarded(const ChildProgram &program, c
     return answer;
 }
 
-/* False when nobody reads any more. */
+/* Writes the bytes. False if the reader has closed the pipe. */
 inline bool put(FILE *out, const void *data, size_t bytes)
 {
     return fwrite(data, 1, bytes, out) == bytes;
@@ -112,7 +112,7 @@ inline bool put(FILE *out, const void *data, size_t bytes)
 
 /* ---- a limit of memory, which a damaged header may ask any amount of ---- */
 
-/* The bytes of a file, or of those in a folder until they are more than `most`. */
+/* Returns the bytes of a file, or of a folder's files; stops adding when the sum exceeds `most`. */
 inline double bytes_of_input(const std::string &path, double most)
 {
     namespace fs = std::filesystem;
@@ -144,7 +144,7 @@ inline rlim_t memory_for(const std::string &path)
 
 inline rlim_t memory_limit; /* 0: none was set */
 
-/* Of memory that can be written to: threads reserve more addresses than they use. */
+/* Limits writable memory, not addresses: threads reserve more of these than they use. */
 inline void limit_memory(rlim_t bytes)
 {
     rlimit limit{};
@@ -259,8 +259,8 @@ inline int write_volume(const ChildProgram &program, const char *path, const Wan
     return answer.status;
 }
 
-/* PROGRAM PATH PART FRAME CHANNEL: only isoshade starts it. Its output is ours alone: libraries that print do so
- * elsewhere. */
+/* Runs PROGRAM PATH PART FRAME CHANNEL, which only isoshade starts. Redirects what libraries print: the output carries
+ * samples. */
 inline int run_child(const ChildProgram &program, int argc, char **argv)
 {
     FILE *out = fdopen(dup(STDOUT_FILENO), "wb");

@@ -21,8 +21,8 @@ typedef struct iso_file_list {
 
 /* True if the path's name is that of a list. */
 bool iso_file_list_is_one(const char *path);
-/* ISO_E_FORMAT for a list that is damaged or empty, or that has several parts of a time step; ISO_E_IO; ISO_E_MEMORY.
- * To be destroyed in every case. */
+/* Reads a list, to be destroyed in every case. ISO_E_FORMAT: the list is damaged or empty, or has several parts of a
+ * time step; ISO_E_IO; ISO_E_MEMORY. */
 iso_status iso_file_list_read(const char *path, iso_file_list *list, iso_error *err);
 void iso_file_list_destroy(iso_file_list *list);
 

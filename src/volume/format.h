@@ -64,7 +64,8 @@ const iso_volume_format *iso_volume_format_at(size_t row);
  * Before threads open files. */
 iso_status iso_volume_format_add(const iso_volume_format *format, iso_error *err);
 
-/* The bytes of the longest suffix of any format that `name` ends with, 0: none, or nothing before it. */
+/* Returns the bytes of the longest suffix of any format that `name` ends with. 0: there is none, or nothing precedes
+ * it. */
 size_t iso_volume_format_suffix_bytes(const char *name);
 
 #endif

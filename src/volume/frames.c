@@ -29,7 +29,7 @@ static const char *channel_name(const iso_extra_axes *axes, size_t channel)
     return axes->is_color && channel < 4 ? color_names[channel] : "";
 }
 
-/* A whole number below `count`. */
+/* Reads a whole number below `count`. False if the text is another. */
 static bool read_index(const char *text, size_t count, size_t *index)
 {
     char *end;
@@ -38,7 +38,7 @@ static bool read_index(const char *text, size_t count, size_t *index)
     return isdigit((unsigned char)*text) && *end == 0 && value < count;
 }
 
-/* "steps of 2.5 s", or nothing. */
+/* Writes " (2.5 s apart)", or "" if the step is not known. */
 static void describe_step(double step, const char *unit, char *text, size_t size)
 {
     *text = 0;

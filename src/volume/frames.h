@@ -40,13 +40,13 @@ typedef struct iso_source_choice {
  * exist: one line that lists them. */
 iso_status iso_source_choose(iso_volume_source *source, const iso_extra_axes *axes, iso_error *err);
 
-/* The frame alone. */
+/* Does the same for the frame only. */
 iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, const iso_extra_axes *axes, size_t *frame,
                              iso_error *err);
 
 /* Converts `count` voxels of the file to the samples to read. */
 void iso_source_convert(const iso_volume_source *source, const void *cells, size_t count, void *out);
-/* Whether samples are those of the file, one after the other. */
+/* True if the samples to read are those of the file, in the same order. */
 bool iso_source_is_plain(const iso_volume_source *source);
 
 /* A frame in a file of its own. */
@@ -60,7 +60,8 @@ typedef struct iso_frame_file {
  * is a list of files. ISO_E_USAGE as above. */
 iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err);
 
-/* ISO_E_FORMAT if the names of a folder's files differ in one number, and one of a row of such numbers is missing. */
+/* Fails with ISO_E_FORMAT if the names of a folder's files differ in one number and a number of the sequence is
+ * missing. */
 iso_status iso_frames_check_numbers(const char *folder, iso_error *err);
 
 #endif

@@ -43,14 +43,14 @@ typedef struct iso_geometry {
     bool is_patient; /* the file names an anatomical space: the world is right, anterior, superior of a body */
 } iso_geometry;
 
-/* size, spacing along the world's axes, centered at the world's origin. */
+/* Returns a geometry with that spacing along the world's axes, centered at the world's origin. */
 iso_geometry iso_geometry_axis_aligned(const size_t size[3], const double spacing_mm[3]);
 
 /* Checks a geometry. ISO_E_RANGE: a size of 0, a product that overflows, an index_to_world that is singular or not
  * finite, a voxel's edge or an origin out of the ranges above. `name` stands in the message: the file, for instance. */
 iso_status iso_geometry_check(const iso_geometry *g, const char *name, iso_error *err);
 
-/* The geometry of the next coarser level: sizes (n + 1) / 2, the same box. */
+/* Returns the geometry of the next coarser level: sizes (n + 1) / 2, the same box. */
 iso_geometry iso_geometry_coarser(const iso_geometry *g);
 
 static inline size_t iso_geometry_voxel_count(const iso_geometry *g)
@@ -62,14 +62,14 @@ iso_vec3 iso_geometry_to_index(const iso_geometry *g, iso_vec3 world_mm);
 /* Lengths of the columns of index_to_world. */
 void iso_geometry_spacing_mm(const iso_geometry *g, double spacing_mm[3]);
 double iso_geometry_min_spacing_mm(const iso_geometry *g);
-/* The cube root of a voxel's volume. */
+/* Returns the cube root of a voxel's volume. */
 double iso_geometry_mean_spacing_mm(const iso_geometry *g);
-/* The center of the box, and half its diagonal. */
+/* Returns the center of the box; half its diagonal. */
 iso_vec3 iso_geometry_box_center_mm(const iso_geometry *g);
 double iso_geometry_box_radius_mm(const iso_geometry *g);
-/* transpose(inverse(index_to_world)): index gradients to world gradients. */
+/* Returns transpose(inverse(index_to_world)), which turns index gradients to world gradients. */
 iso_mat3 iso_geometry_gradient_to_world(const iso_geometry *g);
-/* No rotation, shear or reflection. */
+/* True if the axes have no rotation, shear or reflection. */
 bool iso_geometry_is_axis_aligned(const iso_geometry *g);
 
 #endif

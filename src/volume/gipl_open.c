@@ -59,7 +59,7 @@ static iso_status take_type(unsigned code, iso_volume_source *source, iso_error 
     }
 }
 
-/* As ITK and 3D Slicer take it: left, posterior, superior, along its axes. */
+/* Reads sizes and spacing; the axes point left, posterior, superior, as in ITK and 3D Slicer. */
 static iso_status take_geometry(const unsigned char *head, iso_volume_source *source, iso_error *err)
 {
     iso_geometry *g = &source->header.geometry;

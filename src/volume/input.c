@@ -49,7 +49,7 @@ static bool is_raw(const iso_volume_input *in)
     return in->raw_size || in->raw_type || in->raw_spacing || in->raw_big_endian || in->raw_skip_bytes;
 }
 
-/* In mm: the option's numbers are in the unit that --unit names. */
+/* Reads the option's three numbers, in the unit that --unit names, and converts them to mm. */
 static iso_status parse_spacing(const char *option, const char *text, double unit_mm, double spacing_mm[3],
                                 iso_error *err)
 {
@@ -131,7 +131,7 @@ static iso_status check_labels(const char *path, const iso_volume_input *in, con
     return ISO_OK;
 }
 
-/* said: the caller or the file marks it as a label map. */
+/* Sets the number of labels, 0: no label map. said: the caller or the file marks it as a label map. */
 static iso_status count_labels(const char *path, bool said, const iso_label_facts *facts, size_t *count, iso_error *err)
 {
     *count = facts->is_map || said ? facts->count : 0; /* 0 also if the samples were not examined */

@@ -16,7 +16,7 @@ typedef struct iso_volume_input {
 } iso_volume_input;
 
 void iso_volume_input_defaults(iso_volume_input *input);
-/* The options that were given, as a command line has them, each after a space; to be freed. */
+/* Returns the given options as on a command line, each after a space; to be freed. */
 char *iso_volume_input_line(const iso_volume_input *input);
 
 /* Loads a volume as iso_volume_load() does. ISO_E_USAGE also for raw options that are missing or contradict each

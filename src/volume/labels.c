@@ -97,7 +97,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The part of all changes that goes to the next value there is. */
+/* Returns the part of all changes that goes to the next existing value. */
 static double part_to_next(label_probe *p)
 {
     int32_t sorted[ROOM + 1];

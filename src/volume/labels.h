@@ -29,7 +29,7 @@ typedef struct iso_label_facts {
 /* Reads as many planes as needed for a decision, or all; none if the type is not an integer. The source may be closed
  * then. */
 iso_status iso_labels_look(iso_volume_source *source, bool all, iso_label_facts *facts, iso_error *err);
-/* The same for a volume in memory. */
+/* Does the same for a volume in memory. */
 iso_status iso_labels_look_at(const iso_volume *v, bool all, iso_label_facts *facts, iso_error *err);
 
 #endif

@@ -42,7 +42,7 @@ static int numbers(const char *text, double *out, int most)
     return count;
 }
 
-/* One line; keys that say nothing of the volume are passed over. */
+/* Reads one line of the header. Ignores keys that do not describe the volume. */
 static void take(metaimage *m, const char *key, const char *value)
 {
     static const char *const places[] = {"Offset", "Position", "Origin"};

@@ -70,7 +70,8 @@ static iso_status read_header(const char *path, mrc *m, iso_error *err)
                                       : iso_fail(err, ISO_E_FORMAT, "%s: a stack of volumes, must be one", path);
 }
 
-/* IMOD's bytes are unsigned until its version of 2012, which sets a bit if they are signed; MRC2014's are signed. */
+/* True if bytes are unsigned: IMOD's are, until its version of 2012, which sets a bit if they are signed. MRC2014's are
+ * signed. */
 static bool bytes_are_unsigned(const mrc *m)
 {
     return m->word[IMOD_STAMP] == 1146047817 && (m->word[IMOD_FLAGS] & 1) == 0;
@@ -91,7 +92,7 @@ static iso_status take_type(const mrc *m, iso_volume_source *source, iso_error *
     }
 }
 
-/* The edges of the unit cell: a along x, b in the plane of x and y. */
+/* Computes the edges of the unit cell: a along x, b in the plane of x and y. */
 static void cell_edges(const mrc *m, const double length[3], double edge[3][3])
 {
     double cosine[3];

@@ -25,7 +25,7 @@ typedef struct nifti_header {
     double least_offset; /* of the samples in one file: after the header and its extension flag */
 } nifti_header;
 
-/* NIfTI-1 or NIfTI-2 of either byte order. */
+/* True for NIfTI-1 or NIfTI-2 of either byte order. */
 static bool starts_like_nifti(const unsigned char *head, size_t size)
 {
     int32_t first = 0;
@@ -68,8 +68,8 @@ static nifti_header from_nifti_1(const nifti_1_header *h)
     return out;
 }
 
-/* Analyze has sizes, spacings and a type where NIfTI-1 has them, and SPM's factor of the samples. The bytes of NIfTI's
- * positions, units and intent mean other things in it. */
+/* Keeps the fields that Analyze shares with NIfTI-1: sizes, spacings, type, and SPM's factor of the samples. Clears
+ * positions, units and intent, whose bytes differ. */
 static void make_analyze(nifti_header *h)
 {
     h->version = "Analyze 7.5";
@@ -90,7 +90,7 @@ static void swap_each(void *values, size_t width, size_t count)
     }
 }
 
-/* The fields that are used. */
+/* Swaps the bytes of the fields that are used. */
 static void swap_nifti_2(nifti_2_header *h)
 {
     swap_each(&h->datatype, 2, 1);
@@ -152,7 +152,7 @@ static const char *unit_name(int units)
     }
 }
 
-/* Some writers store an sform of zeros, with a code above 0, next to a good qform. */
+/* True if an axis of the sform is zero. Some writers store such an sform, with a code above 0, next to a good qform. */
 static bool sform_is_empty(const nifti_header *h)
 {
     bool is_empty = false;
@@ -287,7 +287,7 @@ static bool is_image_of_pair(const char *path)
     return is_one;
 }
 
-/* The file of the samples, positioned at the first one. */
+/* Opens the file of the samples, positioned at the first one. */
 static iso_status open_samples(iso_volume_source *source, const nifti_header *h, iso_error *err)
 {
     char *image = h->one_file ? strdup(source->path) : other_of_pair(source->path, ".hdr", ".img");
@@ -333,7 +333,7 @@ static bool is_header_of_pair(const char *path)
     return is_one;
 }
 
-/* The header, in the machine's byte order. */
+/* Reads the header, in the machine's byte order. */
 static iso_status read_header(iso_volume_source *source, nifti_header *out, iso_error *err)
 {
     union {

@@ -77,7 +77,7 @@ static const char *number_place(const char *pattern)
     return NULL;
 }
 
-/* "NAME%03d.raw MIN MAX STEP". */
+/* Adds the files of a line "NAME%03d.raw MIN MAX STEP". */
 static iso_status add_numbered(look *l, char *pattern, iso_error *err)
 {
     int first, last, step;
@@ -114,8 +114,8 @@ static iso_status add_numbered(look *l, char *pattern, iso_error *err)
     return status;
 }
 
-/* Up to the end of a line as teem has it: \n, \r, or both. Its length without them; below 0: there is none, since the
- * file ends. *ended: it has an end. */
+/* Reads a line, which ends at \n, \r or both, as in teem. Returns its length without them; below 0: the file has ended,
+ * or memory has. *ended: the line has such an end. */
 static ssize_t read_line(FILE *file, char **line, size_t *room, bool *ended)
 {
     size_t length = 0;
@@ -150,7 +150,7 @@ static bool may_be_quoted(const char *line)
     return !key || (field && field < key);
 }
 
-/* The value of a field "data file"; NULL: the line is another. */
+/* Returns the value of a field "data file"; NULL: another line. */
 static char *data_file_of(char *line)
 {
     char *colon = line[0] == '#' ? NULL : strstr(line, ": ");
@@ -177,7 +177,7 @@ static iso_status take_line(look *l, char *line, bool *list, bool *any, iso_erro
     return *list ? ISO_OK : add_numbered(l, value, err);
 }
 
-/* A comment of bytes that teem leaves out, of which nothing is left: it would look before its begin. */
+/* True for a comment of bytes that teem removes all: teem would then read before the comment's first byte. */
 static bool is_unprintable_comment(const char *line)
 {
     const char *text = line + strspn(line, "# ");

@@ -57,8 +57,8 @@ static bool our_type(int teem_type, iso_type *type)
 
 typedef enum axis_use { AXIS_SPACE, AXIS_FRAMES, AXIS_CHANNELS } axis_use;
 
-/* Use of an axis: by its kind; if it has none, by its direction; if the file has no directions, by position. Of four
- * axes without kinds, the first has components if there are at most four; if not, the last has frames. */
+/* Returns the use of an axis: by its kind, or else by its direction, or by position if the file has no directions. Of
+ * four axes without kinds, the first has components if there are at most four; if not, the last has frames. */
 static axis_use use_of(const Nrrd *nrrd, unsigned a, unsigned dim)
 {
     const int kind = nrrd->axis[a].kind;
@@ -118,7 +118,7 @@ static iso_status sort_axes(const Nrrd *nrrd, const char *path, nrrd_axes *out, 
                       : iso_fail(err, ISO_E_FORMAT, "%s: %u axes, %u of space, a volume has 3", path, dim, found);
 }
 
-/* The signs that turn an anatomical space to right, anterior, superior. */
+/* Returns the signs that turn an anatomical space to right, anterior, superior. False for other spaces. */
 static bool ras_signs(int space, double sign[3])
 {
     sign[0] = sign[1] = sign[2] = 1;

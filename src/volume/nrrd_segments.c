@@ -24,7 +24,7 @@ static char *value_of(const Nrrd *nrrd, int number, const char *key)
     return nrrdKeyValueGet(nrrd, name);
 }
 
-/* A whole number that the file states, or `otherwise`. */
+/* Returns a whole number of the file, or `otherwise`. */
 static long number_of(const Nrrd *nrrd, int number, const char *key, long otherwise)
 {
     char *text = value_of(nrrd, number, key), *end = text;

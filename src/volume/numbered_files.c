@@ -35,7 +35,7 @@ static const char *find_place(const char *name, size_t *bytes)
     return NULL;
 }
 
-/* Whether `name` is `before`, digits, `after`; their number then. */
+/* True if `name` is `before` bytes of the pattern, digits and `after`; *number is then the digits' value. */
 static bool has_number(const char *name, const char *pattern, size_t before, const char *after,
                        unsigned long long *number)
 {

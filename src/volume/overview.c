@@ -53,7 +53,7 @@ static iso_status read_slabs(slab_reading *s, iso_volume_source *source, double 
     return status;
 }
 
-/* done: of all the work, before this half of it. */
+/* Visits each slab. done: part of all work before this half of it. */
 static iso_status each_slab(slab_reading *s, double done, slab_visitor *visit, iso_error *err)
 {
     iso_volume_source *source = NULL;
@@ -65,7 +65,7 @@ static iso_status each_slab(slab_reading *s, double done, slab_visitor *visit, i
     return status;
 }
 
-/* The samples of one slab of a volume that is too large to be kept. */
+/* Prepares the header and one slab of a volume that is too large to keep in memory. */
 static iso_status make_slab(slab_reading *s, const iso_volume *header, size_t plane_bytes, iso_error *err)
 {
     const size_t bytes = s->opt->slab_bytes ? s->opt->slab_bytes : USUAL_SLAB_BYTES, nz = header->geometry.size[2];

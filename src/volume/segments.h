@@ -25,14 +25,14 @@ json_t *iso_segments_text(const char *text);
  * ISO_E_RANGE. */
 void iso_segments_check(iso_json_reader *r, const json_t *segments);
 
-/* The first segment of that label, or NULL. segments may be NULL. */
+/* Returns the first segment of that label, or NULL. segments may be NULL. */
 const json_t *iso_segments_find(const json_t *segments, long label);
 /* Returns a label's name; "" if it has none. */
 const char *iso_segments_name(const json_t *segments, long label);
 /* Finds a label's display color; false if it has none. */
 bool iso_segments_color(const json_t *segments, long label, double srgb[3]);
 
-/* The layer of the segment of this name, letters' case aside; false: there is none. */
+/* Finds the layer of the segment of this name, not sensitive to case. False: there is none. */
 bool iso_segments_layer(const json_t *segments, const char *name, size_t *layer);
 /* Writes "0 (head), 1 (mass, vessel)", cut if the text is full. */
 void iso_segments_list_layers(const json_t *segments, size_t layer_count, char *text, size_t size);

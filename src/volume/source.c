@@ -13,7 +13,7 @@
 #include "volume/stream_kernel.h"
 #include "volume/unit.h"
 
-/* More than can be addressed: the largest number, which no file has. */
+/* Returns the bytes of all samples. If they cannot be addressed: a number larger than any file. */
 size_t iso_source_bytes(const iso_volume_source *source)
 {
     const iso_source_choice *c = &source->choice;
@@ -192,7 +192,7 @@ iso_status iso_source_check_geometry(iso_volume_source *source, iso_error *err)
     return status == ISO_OK ? iso_geometry_check(g, source->path, err) : status;
 }
 
-/* Each axis as long as the hint says, around the center that the box has. */
+/* Applies the hint's spacing to each axis and keeps the box's center. */
 static void apply_spacing(iso_volume_source *source)
 {
     iso_geometry *g = &source->header.geometry;
@@ -207,7 +207,7 @@ static void apply_spacing(iso_volume_source *source)
     g->origin_mm = iso_add(g->origin_mm, iso_sub(center, iso_geometry_box_center_mm(g)));
 }
 
-/* The bytes of what FILE:PART names before a colon; all of them where a file has the whole name, or none has a part. */
+/* Returns the bytes of FILE in FILE:PART; all bytes if a file has the whole name, or if no such FILE exists. */
 static size_t path_bytes(const char *path)
 {
     struct stat st;
@@ -295,7 +295,7 @@ static iso_status open_as(const iso_volume_format *f, iso_volume_source *s, iso_
     return f->open(s, err);
 }
 
-/* The file or folder that no format's first bytes name. */
+/* Opens a file or folder whose first bytes no format recognizes, by its path. */
 static iso_status open_by_path(iso_volume_source *s, bool *found, iso_error *err)
 {
     const iso_volume_format *f;
@@ -459,7 +459,7 @@ static iso_status open_as_stored(const char *path, const iso_volume_hints *hints
     return status;
 }
 
-/* The range of all samples, of a source of doubles that is read to its end. */
+/* Widens [lo, hi] by all samples of a source of doubles, which it reads to the end. */
 static iso_status find_range(iso_volume_source *source, double *lo, double *hi, iso_error *err)
 {
     const size_t *n = source->header.geometry.size, plane = n[0] * n[1];

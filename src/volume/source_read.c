@@ -100,8 +100,8 @@ static iso_status read_compressed(iso_volume_source *s, unsigned char *out, size
     return ISO_OK;
 }
 
-/* Compressed data must end with the last plane: more of it means wrong sizes,
- * and only the end shows a bad checksum. */
+/* Checks that compressed data ends with the last plane: more data means wrong sizes, and only the end shows a bad
+ * checksum. */
 static iso_status check_compressed_end(iso_volume_source *s, iso_error *err)
 {
     unsigned char extra;
@@ -137,7 +137,7 @@ static bool read_plain(iso_volume_source *s, char *out, size_t bytes)
     return true;
 }
 
-/* The next planes of the file, which are no more than it has. */
+/* Reads the next planes of the file, which must have as many. */
 static iso_status read_stored(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)
 {
     const size_t sample = iso_type_bytes(iso_source_stored_type(s)), plane = iso_source_plane_bytes(s),
@@ -200,7 +200,7 @@ static iso_status check_count(const iso_volume_source *s, size_t plane_count, is
                                                              s->path, s->planes_done + plane_count, planes);
 }
 
-/* Planes of the file, one by one, from which samples are picked or made. */
+/* Reads planes of the file one by one, and selects or converts their samples. */
 static iso_status read_converted(iso_volume_source *s, size_t plane_count, char *out, iso_error *err)
 {
     const size_t *n = s->header.geometry.size, plane = n[0] * n[1], bytes = iso_type_bytes(s->header.type);

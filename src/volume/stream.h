@@ -49,9 +49,8 @@ const iso_volume *iso_source_volume(const iso_volume_source *source);
  * is 1 and 0). No effect if the file has no scale. To be called before the first read. */
 void iso_source_apply_scale(iso_volume_source *source);
 
-/* The next plane_count planes, in the machine's byte order, into
- * plane_count * nx * ny * iso_type_bytes(type) bytes. With the last plane the
- * end of compressed data is checked too. NaN and Inf are not looked for. */
+/* Reads the next plane_count planes, in the machine's byte order, into plane_count * nx * ny * iso_type_bytes(type)
+ * bytes. With the last plane, also checks the end of compressed data. Does not look for NaN and Inf. */
 iso_status iso_source_read(iso_volume_source *source, size_t plane_count, void *out, iso_error *err);
 /* Skips planes: by a seek where samples are not compressed, else by unpacking them. */
 iso_status iso_source_skip(iso_volume_source *source, size_t plane_count, iso_error *err);
@@ -63,8 +62,8 @@ iso_status iso_volume_load_source(iso_volume_source *source, const char *path, i
 
 typedef struct iso_volume_sink iso_volume_sink;
 
-/* An NRRD file, header attached, raw or gzip; it appears when the sink is
- * committed. `like` gives geometry, type and notes; its data is not read. */
+/* Opens an NRRD file for writing, header attached, raw or gzip. It appears when the sink is committed. `like` gives
+ * geometry, type and notes; its data is not read. */
 iso_status iso_sink_open(const char *path, const iso_volume *like, bool gzip, iso_volume_sink **sink, iso_error *err);
 iso_status iso_sink_write(iso_volume_sink *sink, size_t plane_count, const void *planes, iso_error *err);
 /* Puts the file in place; ISO_E_RANGE when planes are missing. Frees the sink in every case. */

@@ -68,11 +68,12 @@ iso_status iso_source_need_spacing(const iso_volume_source *source, const char *
 /* Applies the rule of all formats for lengths in a header: each is finite and above 0. NAN: the header lacks it.
  * ISO_E_FORMAT for others, unless a hint gives the spacing: then they become 1. */
 iso_status iso_source_take_spacing(const iso_volume_source *source, double spacing[3], iso_error *err);
-/* The same of the steps of header.geometry, which may point anywhere; then iso_geometry_check(). */
+/* Applies the same rule to the axes of header.geometry, which may have any direction; then calls
+ * iso_geometry_check(). */
 iso_status iso_source_check_geometry(iso_volume_source *source, iso_error *err);
 /* Opens the file at its first sample, which stands at `offset`, and checks that the file ends with the last. */
 iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
-/* The same of a file in which other things follow. */
+/* Does the same for a file in which other data follows. */
 iso_status iso_source_take_part(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
 /* Does the same for samples that zlib packed, up to the end of the packed data. */
 iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, size_t offset, iso_error *err);
@@ -99,7 +100,7 @@ iso_status iso_source_check_packed(const iso_volume_source *source, const char *
 iso_status iso_source_check_regular(const char *path, iso_error *err);
 /* Does the work of iso_source_check_bytes() for the rest of the plain file. */
 iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err);
-/* Of all samples in the file, and of one of its planes: those of the frames and channels that are not read, too. */
+/* Returns the bytes of all samples in the file; of one of its planes. Both include frames and channels not read. */
 size_t iso_source_bytes(const iso_volume_source *source);
 size_t iso_source_plane_bytes(const iso_volume_source *source);
 /* Returns the number of planes in the file, of all consecutive volumes; the type of its samples. */
@@ -107,13 +108,13 @@ size_t iso_source_planes(const iso_volume_source *source);
 iso_type iso_source_stored_type(const iso_volume_source *source);
 /* Skips planes of the file. */
 iso_status iso_source_skip_stored(iso_volume_source *source, size_t plane_count, iso_error *err);
-/* Before the samples are looked at: the header's type becomes float, or double, which may become int32 or uint32. */
+/* Makes the header's type float, or double, which may become int32 or uint32. Called before samples are examined. */
 void iso_source_set_form(iso_volume_source *source, iso_form form);
-/* A value of the file that stands for none. */
+/* Notes a value of the file that stands for no data. */
 void iso_source_note_fill(iso_volume_source *source, double value);
 /* Looks at a plane of the file. */
 void iso_source_look_at(iso_volume_source *source, const void *cells, size_t count);
-/* ISO_E_RANGE if the values that stand for none would make the range, or if floats cannot hold the values. */
+/* Fails with ISO_E_RANGE if values for no data would dominate the range, or if floats cannot hold the values. */
 iso_status iso_source_check_look(const iso_volume_source *source, iso_error *err);
 /* Makes the source convert samples to floats from now on (iso_source_convert). */
 void iso_source_make_floats(iso_volume_source *source);

@@ -40,7 +40,7 @@ static double half_shortest_edge_mm(const iso_geometry *g)
     return 0.5 * shortest;
 }
 
-/* Each field from here on takes the normalized position p and gives its value in [0, 1] and its gradient by p. */
+/* Returns the value in [0, 1] and the gradient by p, a normalized position. All fields below do the same. */
 static double ramp(iso_vec3 p, double extent, iso_vec3 *d)
 {
     /* Slopes differ by axis; scaled so that the whole box, `extent` half-edges
@@ -86,7 +86,7 @@ static double plate(iso_vec3 p, iso_vec3 *d)
     return v;
 }
 
-/* [marschner-1994] Eq. 7, with alpha = .25 and fM = 6. */
+/* Returns the test signal of [marschner-1994] Eq. 7, with alpha = .25 and fM = 6. */
 static double marschner_lobb(iso_vec3 p, iso_vec3 *d)
 {
     const double pi = 3.14159265358979323846, alpha = 0.25, f = 6;
@@ -139,9 +139,8 @@ static double noise(iso_vec3 p, uint64_t seed, iso_vec3 *d)
     return 0.5 + sum / (2.0 * NOISE_WAVES);
 }
 
-/* A row of noise from p in steps of `step`: each wave turns by a constant angle
- * a voxel, so the sines follow by the addition theorem. Equal to noise() within
- * rounding that grows with the row, 1e-16 a voxel. */
+/* Computes a row of noise from p in steps of `step`. Each wave turns by a constant angle per voxel, so sines follow by
+ * the addition theorem. Equals noise() within rounding that grows along the row by 1e-16 per voxel. */
 static void noise_row(const noise_wave waves[NOISE_WAVES], iso_vec3 p, iso_vec3 step, size_t count, double *row)
 {
     double s[NOISE_WAVES], c[NOISE_WAVES], turn_s[NOISE_WAVES], turn_c[NOISE_WAVES];
@@ -232,7 +231,7 @@ typedef struct vessel {
     double length, radius;
 } vessel;
 
-/* Branch i grows from the end of branch (i - 1) / 2; thickness shrinks by a quarter at each fork. */
+/* Grows branch i from the end of branch (i - 1) / 2; thickness shrinks by a quarter at each fork. */
 static void grow_vessels(uint64_t seed, vessel tree[VESSEL_COUNT])
 {
     tree[0] = (vessel){{0.05, -0.05, -0.9}, {0, 0, 1}, 0.6, 0.1};
@@ -349,7 +348,7 @@ static void store_sample(void *data, iso_type type, size_t at, double value)
     }
 }
 
-/* Twelve uniform numbers have a variance of 1, and sums are the same on every machine, which logarithms are not. */
+/* Returns a sum of twelve uniform numbers, of variance 1. Unlike logarithms, sums are the same on every machine. */
 static double grain_of_voxel(uint64_t seed, size_t voxel)
 {
     iso_random random = {seed};

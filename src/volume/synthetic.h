@@ -49,7 +49,7 @@ const char *iso_field_name(iso_field_kind kind);
 extern const iso_names iso_field_names;
 iso_status iso_field_from_name(const char *name, iso_field_kind *kind, iso_error *err);
 
-/* Value in [0, 1], and its gradient per mm in world axes (gradient may be NULL). */
+/* Returns the value in [0, 1], and its gradient per mm in world axes (gradient may be NULL). */
 double iso_field_value(const iso_field *f, iso_vec3 world_mm, iso_vec3 *gradient);
 
 /* Samples the field at f->geometry's voxel centers: lo + value * (hi - lo), rounded for integer types. [lo, hi] is
@@ -59,8 +59,7 @@ iso_status iso_field_sample(const iso_field *f, iso_type type, iso_volume *v, is
 /* Returns the type's range; [0, 1] for float and double. */
 void iso_field_type_range(iso_type type, double *lo, double *hi);
 
-/* The planes [z0, z1) alone, for volumes larger than memory; the geometry has
- * been checked. ISO_E_MEMORY. */
+/* Samples only the planes [z0, z1), for volumes larger than memory; the geometry has been checked. ISO_E_MEMORY. */
 iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0, size_t z1, int threads, void *out,
                                    iso_error *err);
 

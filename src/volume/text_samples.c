@@ -11,7 +11,7 @@
 
 enum { WORD_BYTES = 64 };
 
-/* Fortran writes no letter before an exponent of three digits: 1.5-101. One is put there; returns how many were. */
+/* Inserts the letter that Fortran omits before an exponent of three digits: 1.5-101. Returns the number of letters. */
 static size_t put_exponent_letter(char *word)
 {
     char *sign = strchr(word, '.');

@@ -43,7 +43,7 @@ typedef struct tiff_notes {
     char unit[3][32];
 } tiff_notes;
 
-/* The preamble of a DICOM file may be a TIFF header (PS3.10 7.1). */
+/* True for a TIFF header that is not the preamble of a DICOM file (PS3.10 7.1). */
 static bool starts_like_tiff(const unsigned char *head, size_t size)
 {
     const bool is_dicom = size >= 132 && memcmp(head + 128, "DICM", 4) == 0;
@@ -130,8 +130,8 @@ static tiff_page read_page(TIFF *t)
     return p;
 }
 
-/* How many bytes of samples a byte of the file can hold, at most. PackBits repeats a byte 128 times by two. LZW's words
- * of 9 to 12 bits hold up to 4094 bytes. Of the others zstd packs most: a block of 128 kB of equal bytes into four. */
+/* Returns the most bytes of samples per byte of the file. PackBits repeats a byte 128 times by two. LZW's words of 9 to
+ * 12 bits hold up to 4094 bytes. Of the others zstd packs most: a block of 128 kB of equal bytes into four. */
 static double most_of(uint16_t compression)
 {
     switch (compression) {
@@ -187,7 +187,7 @@ static double find_number(const char *description, const char *key, const char *
     return find_text(description, key, ends, text, sizeof text) ? strtod(text, NULL) : 0;
 }
 
-/* Lines "key=value"; pixels' sizes are in TIFF's resolution, in pixels per unit. */
+/* Reads lines "key=value". The sizes of pixels are in TIFF's resolution, in pixels per unit. */
 static void read_imagej(TIFF *t, const char *description, tiff_notes *n)
 {
     float x = 0, y = 0;

@@ -29,7 +29,7 @@ typedef enum iso_type {
 
 const char *iso_type_name(iso_type type);
 size_t iso_type_bytes(iso_type type);
-/* ISO_E_USAGE with the list of names. */
+/* Finds a type by its name. ISO_E_USAGE lists the names. */
 iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err);
 
 #endif

@@ -23,7 +23,7 @@ static const struct {
     {"inch", 25.4, " in inches "},
 };
 
-/* Whether the list has the word. */
+/* True if the list has the word. */
 static bool has_word(const char *list, const char *word, size_t length)
 {
     for (const char *at = list; (at = strchr(at, ' ')) && at[1]; ++at)

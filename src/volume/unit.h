@@ -15,7 +15,7 @@
  * case. */
 bool iso_unit_find(const char *text, double *mm, const char **name);
 
-/* Of an option: ISO_E_USAGE with the names. */
+/* Does the same for the value of an option. ISO_E_USAGE lists the names. */
 iso_status iso_unit_parse(const char *option, const char *text, double *mm, const char **name, iso_error *err);
 
 #endif

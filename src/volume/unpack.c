@@ -106,7 +106,7 @@ static iso_status read_packer(const char *path, size_t *packer, iso_error *err)
     return *packer < PACKERS ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: is not packed", path);
 }
 
-/* The filter is named: one that libarchive chooses could unpack samples that look packed. */
+/* Opens the packed file with that filter: libarchive's own choice could unpack samples that look packed. */
 static bool begin(struct archive *a, const char *path, int filter)
 {
     struct archive_entry *entry;

@@ -15,12 +15,12 @@ typedef struct iso_value_histogram {
     double range[2];  /* that is counted */
 } iso_value_histogram;
 
-/* Values outside [lo, hi] are not counted; hi itself is. Where lo is hi there is one bin. ISO_E_MEMORY. */
+/* Counts the values in [lo, hi], both included; if lo is hi there is one bin. ISO_E_MEMORY. */
 iso_status iso_value_histogram_count(const iso_volume *v, double lo, double hi, size_t most_bins,
                                      iso_value_histogram *h, iso_error *err);
 
-/* Do the same in parts: create empty bins, a whole number wide if all values are whole numbers; add values, in any
- * order; add another histogram's counts of the same bins; finally find the fullest bin. */
+/* Counts in parts: creates empty bins, a whole number wide if all values are whole numbers; adds values, in any order;
+ * adds another histogram's counts of the same bins; finds the fullest bin. */
 iso_status iso_value_histogram_begin(bool are_whole, double lo, double hi, size_t most_bins, iso_value_histogram *h,
                                      iso_error *err);
 void iso_value_histogram_add(iso_value_histogram *h, const float *values, size_t count);

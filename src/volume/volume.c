@@ -160,7 +160,7 @@ iso_volume_stats iso_volume_measure(const iso_volume *v)
     return total;
 }
 
-/* All planes of a source, which is closed. */
+/* Reads all planes of a source, then closes it. */
 iso_status iso_volume_load_source(iso_volume_source *source, const char *path, iso_volume *v, iso_error *err)
 {
     const iso_volume *header = iso_source_volume(source);

@@ -41,9 +41,9 @@ typedef struct iso_volume {
 iso_status iso_volume_create(iso_volume *v, const iso_geometry *g, iso_type type, const char *name, iso_error *err);
 void iso_volume_destroy(iso_volume *v); /* accepts empty and NULL */
 
-/* nx floats of the row (y, z). */
+/* Copies the row (y, z) as nx floats. */
 void iso_volume_row(const iso_volume *v, size_t y, size_t z, float *restrict row);
-/* The whole volume as float, iso_geometry_voxel_count() of them. */
+/* Copies the whole volume as iso_geometry_voxel_count() floats. */
 void iso_volume_floats(const iso_volume *v, float *restrict out);
 
 typedef struct iso_volume_stats {

@@ -86,7 +86,7 @@ static const char *find_array(const char *section)
     return first;
 }
 
-/* Three or four bytes are taken for colors, as VTK maps them. */
+/* Reads the components. Three or four bytes count as colors, as VTK maps them. */
 static void take_channels(vti *v, const char *array, size_t count)
 {
     char type[16], key[32];
@@ -204,7 +204,7 @@ static iso_status take_geometry(const vti *v, iso_volume_source *source, iso_err
 
 /* ---- samples ---- */
 
-/* Bytes of base64, in several runs that each may end with =; NULL when memory ends. */
+/* Decodes base64, in several runs that may each end with =. NULL: no memory. */
 static unsigned char *decode_base64(const char *text, size_t *size)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -239,7 +239,7 @@ static uint64_t number_at(const vti *v, const unsigned char *at)
     return value;
 }
 
-/* [blocks][bytes of a block][of the last one, 0: as the others][packed bytes of each], then the blocks. */
+/* Unpacks [blocks][bytes per block][bytes of the last one, 0: the same][packed bytes of each], then the blocks. */
 static bool unpack(const vti *v, const unsigned char *data, size_t size, unsigned char *out, size_t bytes)
 {
     const size_t n = v->length_bytes;

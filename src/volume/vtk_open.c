@@ -22,7 +22,7 @@ static bool starts_like_vtk(const unsigned char *head, size_t size)
     return size >= 14 && memcmp(head, "# vtk DataFile", 14) == 0;
 }
 
-/* One line before the samples; found: they follow it, or the line LOOKUP_TABLE. */
+/* Reads one line before the samples. found: samples follow the line, or the line LOOKUP_TABLE. */
 static void take(vtk_header *h, const char *line)
 {
     double v[3];

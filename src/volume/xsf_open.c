@@ -16,7 +16,7 @@ static bool is_grid(const char *line)
     return strstr(line, "BEGIN_DATAGRID_3D") || strncmp(line + strspn(line, " \t"), "DATAGRID_3D", 11) == 0;
 }
 
-/* The line before the grid's sizes. */
+/* Reads up to the line before the grid's sizes. False: there is none. */
 static bool find_grid(FILE *f)
 {
     char line[LINE_BYTES];

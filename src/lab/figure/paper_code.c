@@ -9,7 +9,7 @@
 #include "lab/figure/paper_drawing.h"
 #include "lab/figure/paper_kinds.h"
 
-/* Diameter at which dots cover about half of an area. */
+/* Returns the diameter at which dots cover about half of an area. */
 static double dot_mm(double area_mm2, size_t count)
 {
     return fmin(fmax(0.62 * sqrt(area_mm2 / (double)count), 0.1), 0.7);
@@ -214,7 +214,7 @@ static void put_cube(const iso_paper *p, size_t column, const char *title, const
 /* Draws two panels of one code's dots and writes the caption. */
 typedef void (*two_panels)(const iso_paper *p, const iso_dots *dots, double hole_deg);
 
-/* with_hole: also finds the biggest hole. */
+/* Draws two panels of a code's dots. with_hole: also finds the biggest hole. */
 static iso_status draw_two(const iso_figure_job *job, iso_page *page, iso_code own, bool with_hole, two_panels put,
                            iso_error *err)
 {

@@ -5,7 +5,7 @@
 
 #include "encode/hole.h"
 
-/* Largest component of lattice points: -m to m for signed codes, only the odd numbers among them for unsigned ones. */
+/* Returns m, the largest component of lattice points: -m to m for signed codes, only odd numbers for unsigned ones. */
 static long largest(bool is_signed, int bits)
 {
     return is_signed ? (1L << (bits - 1)) - 1 : (1L << bits) - 1;
@@ -20,7 +20,7 @@ static long divisor(long a, long b)
     return labs(a);
 }
 
-/* Moebius function: 0 if a prime divides n twice, else -1 to the power of the number of its primes. */
+/* Returns the Moebius function: 0 if a prime divides n twice, else -1 to the power of the number of its primes. */
 static int moebius(long n)
 {
     int sign = 1;

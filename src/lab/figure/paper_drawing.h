@@ -26,7 +26,7 @@ void iso_drawing_put_dot(const iso_drawing *d, iso_vec3 p);
 void iso_drawing_put_line(const iso_drawing *d, iso_vec3 a, iso_vec3 b);
 void iso_drawing_put_triangle(const iso_drawing *d, const iso_vec3 corners[3]);
 
-/* Get and set a component by its index, 0 to 2. */
+/* Returns a component by its index, 0 to 2; the vector with that component replaced. */
 double iso_drawing_component(iso_vec3 v, int axis);
 iso_vec3 iso_drawing_with(iso_vec3 v, int axis, double value);
 

@@ -62,7 +62,7 @@ static const double foot_mm = 8, axis_room_mm = 9.5, bar_room_mm = 13;
 /* Least width of a figure with two panels next to each other; below it they are stacked. */
 static const double beside_from_mm = 100;
 
-/* Reversed color map, so that low counts are pale and high counts dark. part: 0 to 1. */
+/* Reverses the color map, so that low counts are pale and high counts dark. part: 0 to 1. */
 static void shade(const iso_figure_job *job, double part, unsigned char rgb[3])
 {
     iso_colormap_lookup(job->map, 0.94 * (1 - part), rgb);
@@ -241,7 +241,7 @@ static iso_status draw_histograms(const iso_figure_job *job, iso_page *page, con
     return status;
 }
 
-/* --levels includes level 0, as for the other kinds. */
+/* Draws a joint histogram per coarse level. --levels includes level 0, like the other kinds. */
 static iso_status joint_histogram(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     const int levels = job->levels ? job->levels - 1 : 2;

@@ -56,7 +56,7 @@ static double outside_section(const section *s, double y, double z)
     return inside ? -nearest : nearest;
 }
 
-/* Values fall from 1 inside to 0 outside over six voxels across the surface (value 1/2). */
+/* Makes a volume whose values fall from 1 inside to 0 outside over six voxels across the surface (value 1/2). */
 iso_status iso_paper_make_wing(iso_volume *v, iso_error *err)
 {
     const size_t size[3] = {160, 92, 36};

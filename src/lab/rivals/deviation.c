@@ -26,8 +26,8 @@ static void entry_rgba(const iso_tf_table *tf, size_t i, double length_mm, doubl
         rgba[c] = rgba[3] * (double)e[c];
 }
 
-/* Between two neighboring entries x0 and x1 the integral of (p + q (x - x0)) N(x) is, with u = (x - mean) / deviation,
- *     (p + q (mean - x0)) [Phi(u)] - q deviation [phi(u)]. */
+/* Integrates the TF under a Gaussian. Between two neighboring entries x0 and x1 the integral of (p + q (x - x0)) N(x)
+ * is, with u = (x - mean) / deviation, (p + q (mean - x0)) [Phi(u)] - q deviation [phi(u)]. */
 void iso_tf_under_gaussian(const iso_tf_table *tf, double length_mm, double mean, double deviation, double rgba[4])
 {
     const double step = (tf->hi - tf->lo) / (double)(tf->count - 1);

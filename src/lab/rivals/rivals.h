@@ -27,19 +27,19 @@ void iso_rival_destroy(iso_rival *r); /* accepts a zeroed struct */
 
 /* All functions below return ISO_E_MEMORY if out of memory. */
 
-/* Pre-classified colors: means over the fine voxels of premultiplied color and of opacity or extinction. */
+/* Averages pre-classified colors: means over the fine voxels of premultiplied color and of opacity or extinction. */
 iso_status iso_rival_opacity(const iso_level_subject *s, iso_rival *r, iso_error *err);    /* opacity per fine voxel */
 iso_status iso_rival_extinction(const iso_level_subject *s, iso_rival *r, iso_error *err); /* extinction */
-/* Extinction that keeps the mean transmittance through the voxel along each axis, and the visible color. */
+/* Keeps the mean transmittance through the voxel along each axis, and the visible color. */
 iso_status iso_rival_transmittance(const iso_level_subject *s, iso_rival *r, iso_error *err);
-/* Two Gaussians per voxel, fitted to its fine values; each is convolved with the TF. */
+/* Fits two Gaussians to the fine values of each voxel; each is convolved with the TF. */
 iso_status iso_rival_two_gaussians(const iso_level_subject *s, iso_rival *r, iso_error *err);
-/* Mean and deviation per voxel, filtered; then the TF is convolved with their Gaussian. */
+/* Filters mean and deviation per voxel; then the TF is convolved with their Gaussian. */
 iso_status iso_rival_deviation(const iso_level_subject *s, iso_rival *r, iso_error *err);
 /* Eq. 7 of [diaz-garcia-2016] for each brick of ISO_RIVAL_BRICK^3 coarse voxels, blended between their centers. */
 enum { ISO_RIVAL_BRICK = 16 };
 iso_status iso_rival_bricks(const iso_level_subject *s, iso_rival *r, iso_error *err);
-/* The original TF of the mean; directions are SGGX microflakes. */
+/* Uses the original TF of the mean; directions are SGGX microflakes. */
 iso_status iso_rival_sggx(const iso_level_subject *s, iso_rival *r, iso_error *err);
 
 /* ---- parts, for tests ---- */

@@ -44,8 +44,8 @@ static double quadratic(const double s[6], iso_vec3 a, iso_vec3 b)
            s[4] * (a.x * b.z + a.z * b.x) + s[5] * (a.y * b.z + a.z * b.y);
 }
 
-/* The paper's sampling of visible normals at fixed points of the unit disk, of equal area. Appendix: m = u M_k + v M_j
- * + w M_i of a point (u, v, w) of the hemisphere over the disk, M M^T = S. */
+/* Samples visible normals as the paper does, at fixed points of the unit disk, of equal area. Appendix: m = u M_k + v
+ * M_j + w M_i of a point (u, v, w) of the hemisphere over the disk, M M^T = S. */
 double iso_sggx_diffuse(const double s[6], iso_vec3 view, iso_vec3 light)
 {
     enum { rings = 3, spokes = 6 };

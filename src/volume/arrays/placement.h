@@ -5,8 +5,7 @@
 
 #include "volume/arrays/store.h"
 
-/* space: which axes of the array are its grid's, the fastest first. Fills in all of the header but its size and
- * type. */
+/* Fills the header of the array, except size and type. space: the array's axes of the grid, the fastest first. */
 void place(Store &store, const Array &array, const size_t (&space)[3], const std::string &path,
            iso_child_header &header);
 

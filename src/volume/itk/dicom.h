@@ -40,12 +40,12 @@ bool has_mark_of_dicom(const std::string &path);
  * samples are of a kind that is not read. */
 bool read_dicom(const std::string &path, DicomFile &file);
 
-/* GDCM reports some deflated files as damaged that it has read to their end. True if this is such a file. */
+/* True if the deflated file was read to its end. GDCM reports some of these as damaged. */
 bool is_whole_deflated(const std::string &path);
-/* All samples as they are stored, frame after frame, in the machine's byte order. */
+/* Returns all samples as stored, frame after frame, in the machine's byte order. */
 std::vector<char> stored_samples(const DicomFile &file);
 size_t stored_frame_bytes(const DicomFile &file);
-/* Type that holds the values of all frames: an integer if slopes and intercepts are. */
+/* Returns the type that holds the values of all frames: an integer if slopes and intercepts are. */
 iso_type type_of_values(const std::vector<DicomFile> &files);
 /* Converts a stored frame to values of that type. */
 void values_of_frame(const DicomFile &file, size_t frame, const char *stored, iso_type type, char *out);

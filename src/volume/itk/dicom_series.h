@@ -11,7 +11,7 @@ struct DicomSeries {
     std::string warning;          /* "", or which files are left out */
 };
 
-/* "a9" before "a10": runs of digits count as numbers. */
+/* Compares names, with runs of digits as numbers: "a9" is before "a10". */
 bool comes_before(const std::string &a, const std::string &b);
 
 /* Takes the series of this name or number; NULL: the only one that is more than one slice. Without files if the folder

@@ -22,7 +22,7 @@ struct Slice {
     std::array<size_t, 3> size{1, 1, 1};
 };
 
-/* Its header; throws Failure, or ITK's own. */
+/* Reads the header; throws Failure, or an exception of ITK. */
 Slice open_slice(const std::string &path);
 /* Reads all samples of the file; `bytes` is their size by the header. */
 void read_samples(const Slice &s, char *out, size_t bytes);
@@ -43,7 +43,7 @@ private:
 
 constexpr char deflated_syntax[] = "1.2.840.10008.1.2.1.99";
 
-/* The bytes of a file that GDCM parses; of a deflated one those that it may unpack to. */
+/* Returns the bytes of the file that GDCM parses; for a deflated file, the most that it may unpack to. */
 double bytes_to_parse(const std::string &path);
 
 /* Returns the text of an exception. */
