@@ -82,9 +82,9 @@ typedef struct iso_extrapolated {
 
 void iso_extrapolated_destroy(iso_extrapolated *limit); /* accepts a zeroed one */
 
-/* Where the reference itself moves with the last bit of single precision of its eye, to and fro, a renderer is not
- * asked to be more exact than that. The excuse goes no farther than a step of 8 bits, and where more than half a
- * percent of all values would need one, none is given. */
+/* The reference itself may move to and fro with the last bit of single precision of its eye. A renderer need not be
+ * more exact than that. The excuse is at most a step of 8 bits. If more than half a percent of all values would need
+ * one, none is given. */
 #define ISO_EXTRAPOLATION_EXCUSE_MOST (1.0 / 255)
 #define ISO_EXTRAPOLATION_EXCUSE_PART 5e-3
 
@@ -108,7 +108,7 @@ iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_imag
 /* The differences between two kept limits of several seeds, by the same tests as one and a reference. */
 typedef struct iso_extrapolated_change {
     double largest, noise;          /* of a value, and the standard error of the difference there */
-    size_t column, row, channel;    /* where */
+    size_t column, row, channel;    /* place of the largest */
     iso_noise_test test;            /* of the differences seed by seed: those of equal images are 0 */
 } iso_extrapolated_change;
 /* Compares two limits. ISO_E_RANGE: not kept, or of other sizes or numbers of seeds. */

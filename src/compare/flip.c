@@ -107,7 +107,7 @@ static double largest_color_difference(void)
     return pow(hyab(green, blue), q_color);
 }
 
-/* Differences up to p_color of the largest fill [0, p_top]; the rest is pressed above. */
+/* Maps differences up to p_color of the largest to [0, p_top], and presses the rest above. */
 static double spread(double difference, double largest)
 {
     double d = pow(difference, q_color), knee = p_color * largest;
@@ -366,7 +366,7 @@ iso_status iso_flip_exposures(const iso_image *reference, double *start, double 
     double a = 0.36 * (2.51 - 0.85 * 2.43), b = 0.6 * (0.03 - 0.85 * 0.59), c = -0.85 * 0.14;
     double bright = (-b + sqrt(b * b - 4 * a * c)) / (2 * a);
     *start = brightest > 0 ? log2(bright / brightest) : 0;
-    /* A black median (background) asks for no exposure at all; then the range stays at 8 stops. */
+    /* No exposure lifts a black median (background); the range then spans 8 stops. */
     *stop = median > 0 ? fmin(log2(bright / median), *start + 20) : *start + 8;
     *count = (size_t)fmax(2, ceil(*stop - *start));
     return ISO_OK;

@@ -2,7 +2,7 @@
 /* flip.h - the difference that a person sees when two images alternate.
  *
  * LDR: [andersson-2020]. HDR: [andersson-2021].
- * Colors are linear; alpha is not looked at. Borders repeat the edge pixel.
+ * Colors are linear; alpha is ignored. Borders repeat the edge pixel.
  * Values lie in [0, 1]: 0 where nobody sees a difference. Symmetric in the two
  * images (LDR); HDR takes its exposures from the first, the reference.
  * Threads do not change the result. */

@@ -50,7 +50,7 @@ typedef struct iso_noise_options {
     double tolerance; /* a systematic difference that is allowed (discretization, rounding) of every pixel ... */
     const double *tolerances; /* ... and more of each, 4 a pixel; or NULL */
     const double *excuses;    /* more still, of pixels that are beyond chance without it; or NULL: none is excused */
-    size_t most_excused;      /* where more would be, none is */
+    size_t most_excused;      /* if more would be, none is */
     double bias_tolerance;    /* of a channel's mean */
     double neighbors;         /* 0, or ISO_NOISE_NEIGHBORS */
 } iso_noise_options;
@@ -61,7 +61,7 @@ typedef struct iso_noise_test {
     double pixel_significance; /* Sidak: 1 - (1 - significance)^(1 / tests) */
     size_t rejected;           /* tests below it */
     size_t excused;            /* that would be, but for their excuses */
-    double largest_excused;    /* by how much such a one is beyond its tolerance */
+    double largest_excused;    /* largest excess of an excused test over its tolerance */
     double tolerance_median, tolerance_largest;
     size_t worst[2];         /* column, row of smallest_p */
     size_t bias_channel;     /* the one whose bias is least by chance; the largest if none exceeds the tolerance */

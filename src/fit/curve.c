@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Entries of the curve for one of the transfer function's, and at least and at most how many there are. */
+/* Entries of the curve per entry of the transfer function, and their least and greatest number. */
 enum { FINER = 4, LEAST = 4096, MOST = 16384 };
 
 static iso_status create(size_t count, double lo, double step, iso_fit_curve *curve, iso_error *err)

@@ -13,7 +13,7 @@ enum { ROUNDS = 3, SCRATCH_ROWS = 3 };
 /* Added to both sums, as a part of all weights of a coarse voxel: a trace of opacity says little about q. */
 static const float trace = 1e-3f;
 
-/* Between these values a run of fine voxels lies, both as it is and as the level shows it. */
+/* Range that a run of fine voxels lies in, both as it is and as the level shows it. */
 typedef struct range {
     float min, max;
 } range;

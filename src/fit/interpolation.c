@@ -156,7 +156,7 @@ typedef struct work {
     size_t z; /* of the fine slice at hand */
 } work;
 
-/* The coarse row j of input i in the plane of this z, at fine x. */
+/* Returns the coarse row j of input i in the plane of this z, at fine x. */
 static const float *shown_row(const work *w, size_t i, size_t j)
 {
     const iso_interpolation_axis *x = &w->map->axis[0], *y = &w->map->axis[1], *z = &w->map->axis[2];

@@ -27,8 +27,8 @@ typedef struct iso_interpolation_axis {
     size_t fine_size, coarse_size;
     uint32_t *low, *high;
     float *weight; /* of high; low has 1 - weight */
-    /* The same by coarse voxels: those of j have the fine voxels first[j] and up, with weights tap[tap_start[j]] and
-     * up. */
+    /* The same by coarse voxels: j has the fine voxels from first[j] on, with weights from tap[tap_start[j]]
+     * on. */
     uint32_t *first, *tap_start;
     float *tap;
 } iso_interpolation_axis;

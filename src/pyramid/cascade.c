@@ -346,7 +346,7 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
     TRY(status, iso_cascade_gauss_create(c, err));
     TRY(status, iso_cascade_spline_create(c, err));
     TRY(status, iso_cascade_weighted_create(c, err));
-    if (c->weighted) /* what tiles make of their levels, and of those above */
+    if (c->weighted) /* the filter of the tiles' levels, and of those above */
         c->opt.direction_filter = ISO_DIRECTION_MOMENTS;
     if (status != ISO_OK) {
         iso_cascade_destroy(c);

@@ -94,8 +94,8 @@ static block make_block(const gauss_run *r)
     return b;
 }
 
-/* Component rows of the fine row (y, z) of level k, `*stride` apart. Rows of
- * level 0 are made here, and stored when they are the block's own. */
+/* Returns component rows of the fine row (y, z) of level k, `*stride` apart. Makes rows of level 0 here, and stores
+ * them if they are the block's own. */
 static const float *fine_row(const gauss_run *r, block *b, size_t k, size_t y, size_t z, bool own, size_t *stride)
 {
     const iso_cascade *c = r->c;

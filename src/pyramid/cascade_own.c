@@ -18,7 +18,7 @@ ISO_SIMD static void halve_mean(const float *restrict v, size_t n, float *restri
         out[i] = 0.5f * (v[2 * i] + v[2 * i + 1]);
 }
 
-/* Pairs of voxels of two rows, a and b: half of their mean is added, their range extends that of the voxel. */
+/* Adds half of the mean of each pair of voxels of two rows, a and b, or extends the voxel's range by theirs. */
 ISO_SIMD static void add_mean(const float *restrict a, const float *restrict b, size_t n, float *restrict plane)
 {
     for (size_t i = 0; i < n; ++i) {

@@ -157,7 +157,7 @@ void iso_state_from_gradients(iso_direction_filter f, size_t eq1_exponent, float
     iso_accumulate_row(gz, n, acc + 2 * stride, add);
 }
 
-/* Eight parameters: each row that is written is a parameter of its own, because `restrict` counts for those. */
+/* Implements iso_unit_rows(). Each written row is a parameter of its own, because `restrict` counts for those. */
 ISO_SIMD static void unit_rows(const float *gx, const float *gy, const float *gz, size_t n, float *restrict dx,
                                float *restrict dy, float *restrict dz, float *restrict length)
 {
@@ -177,7 +177,7 @@ void iso_unit_rows(float *const g[3], size_t n, float *const d[3], float *restri
     unit_rows(g[0], g[1], g[2], n, d[0], d[1], d[2], length);
 }
 
-/* Samples are finite and the sign of zero does not matter: so told, the compiler vectorizes the comparisons. */
+/* Gets the range. Finite samples and a sign of zero that does not matter let the compiler vectorize the comparisons. */
 ISO_SIMD __attribute__((optimize("finite-math-only", "no-signed-zeros"))) void iso_row_range(const float *row, size_t n,
                                                                                              float *lo, float *hi)
 {
@@ -244,8 +244,7 @@ void iso_scale_row(float *row, size_t n, float factor)
         row[i] *= factor;
 }
 
-/* Pairs along x of pairs along z of pairs along y: mirrored input gives
- * mirrored output, bit for bit. */
+/* Averages pairs along x of pairs along z of pairs along y: mirrored input gives mirrored output, bit for bit. */
 ISO_SIMD static void mean_pairs(const float *restrict a, const float *restrict b, size_t half, float *restrict out)
 {
     for (size_t i = 0; i < half; ++i)
@@ -318,8 +317,8 @@ void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, flo
         weigh_pairs(taps->weight[t], padded + t, half, out);
 }
 
-/* [diaz-garcia-2017] Eq. 1: the sums of G m g and of m g have been taken; their
- * quotient is the filtered gradient, whose own length weighs the next level. */
+/* Divides the sums of G m g by those of m g of [diaz-garcia-2017] Eq. 1; the quotient is the filtered gradient, whose
+ * own length weighs the next level. */
 ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n, size_t exponent)
 {
     float *sx = state, *sy = state + stride, *sz = state + 2 * stride, *sw = state + 3 * stride,
@@ -339,7 +338,7 @@ ISO_SIMD void iso_eq1_finish(float *restrict state, size_t stride, size_t n, siz
 
 /* ---- from states to stored values ---- */
 
-/* (N / |N|) L^2 = (N / S) L: quotients before squares, so that small gradients do not underflow. */
+/* Computes (N / |N|) L^2 = (N / S) L: quotients before squares, so that small gradients do not underflow. */
 ISO_SIMD static void moment_directions(const float *restrict state, size_t stride, size_t n, float *restrict dx,
                                        float *restrict dy, float *restrict dz)
 {
@@ -355,8 +354,8 @@ ISO_SIMD static void moment_directions(const float *restrict state, size_t strid
     }
 }
 
-/* The main axis of T by squaring. T^64 is the axis alone, unless the two largest eigenvalues are within a few per cent
- * of each other and no axis is meaningful. The column of the largest diagonal element is the longest. */
+/* Finds the main axis of T by squaring. T^64 is the axis alone, unless the two largest eigenvalues are within a few per
+ * cent of each other and no axis is meaningful. The column of the largest diagonal element is the longest. */
 ISO_SIMD static void tensor_directions(const float *restrict state, const float *restrict tensor, size_t stride,
                                        size_t n, float *restrict dx, float *restrict dy, float *restrict dz)
 {

@@ -63,7 +63,7 @@ static void widen(const iso_narrow_codes *c, const size_t first[3], const size_t
     }
 }
 
-/* Samples of the box. Whole planes are used in place; other boxes are copied to `*own`. */
+/* Returns the samples of the box; NULL: no memory. Whole planes are used in place; other boxes are copied to `*own`. */
 static const void *box_samples(const iso_narrow_codes *c, void **own)
 {
     const size_t *n = c->volume->geometry.size, *size = c->size, bytes = iso_type_bytes(c->volume->type);

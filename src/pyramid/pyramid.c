@@ -177,7 +177,7 @@ static bool create_level(iso_level *l, const iso_geometry *g, iso_type type, boo
            (l->magnitude || !opt->keep_magnitude);
 }
 
-/* Not inline: from two adjacent conversions gcc 12 makes a vector and then rounds neither. */
+/* Rounds to a float. Not inline: from two adjacent conversions gcc 12 makes a vector and then rounds neither. */
 __attribute__((noinline)) static float nearest_float(double value)
 {
     return (float)value;

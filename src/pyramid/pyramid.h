@@ -69,7 +69,7 @@ typedef struct iso_direction_choice {
 } iso_direction_choice;
 
 typedef struct iso_pyramid_options {
-    size_t level_count; /* with level 0; fewer where a level would be a single voxel */
+    size_t level_count; /* with level 0; fewer if a level would be a single voxel */
     iso_scalar_filter scalar_filter;
     iso_direction_filter direction_filter;
     iso_gradient_options gradient;
@@ -110,7 +110,7 @@ iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter
 typedef struct iso_level {
     iso_geometry geometry;
     iso_type stored_type;      /* of the scalar on disk */
-    float *scalar;             /* NULL in an outline, and where `samples` has it */
+    float *scalar;             /* NULL in an outline, and if `samples` has it */
     const iso_volume *samples; /* borrowed: the volume that holds the level's scalars (narrow.h); NULL if the level
                                 * holds them */
     uint8_t *codes;            /* 3 bytes per voxel; NULL in an outline */
@@ -128,7 +128,7 @@ typedef struct iso_level {
 
 /* Unit of the lengths in a volume's file. All lengths in the pyramid are in mm. */
 typedef struct iso_pyramid_unit {
-    char name[16]; /* "" where the file names none */
+    char name[16]; /* "" if the file names none */
     double mm;
 } iso_pyramid_unit;
 

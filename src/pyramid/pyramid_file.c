@@ -41,7 +41,7 @@ void iso_layout_to_floats(const void *in, iso_type type, size_t count, float *ou
 
 enum { CHUNK = 1 << 16 }; /* values converted at a time */
 
-/* Writes header and samples; f->bytes and f->hash follow. data: floats, or bytes where f is of codes. */
+/* Writes header and samples, and sets f->bytes and f->hash. data: floats, or bytes if f is of codes. */
 static bool write_samples(FILE *file, const char *header, level_file *f, const void *data, size_t count)
 {
     const bool plain = f->type == ISO_F32 || f->components == 3;
@@ -130,8 +130,8 @@ static iso_status check_bytes(iso_json_reader *r, const json_t *entry, const cha
     return r->status;
 }
 
-/* Reads one file, checks it, and leaves its samples as float (codes: as bytes) in *data. NULL: its entry is checked
- * alone. */
+/* Reads one file, checks it, and leaves its samples as float (codes: as bytes) in *data. If data is NULL, only the
+ * entry is checked. */
 static iso_status load_file(const char *dir, const iso_geometry *g, const level_file *f, iso_json_reader *r,
                             const json_t *files, void **data, iso_error *err)
 {

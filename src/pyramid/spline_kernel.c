@@ -31,7 +31,7 @@ size_t iso_spline_end(const iso_spline_axis *a, size_t j)
 
 /* ---- the tridiagonal system ---- */
 
-/* Elements (j, j) and (j, j + 1) of A^T A / r. */
+/* Computes the elements (j, j) and (j, j + 1) of A^T A / r. */
 static void gram_row(const iso_spline_axis *a, size_t j, double *own, double *next)
 {
     *own = *next = 0;
@@ -91,7 +91,7 @@ void iso_spline_solve(const iso_spline_row *rows, size_t count, float *values, s
         substitute(rows[i], values + (i + 1) * stride, lanes, values + i * stride);
 }
 
-/* The lanes of one element of 16 rows: the same as iso_spline_solve, whose calls would cost more than their work. */
+/* Solves 16 rows, with the lanes of an element adjacent: calls of iso_spline_solve would cost more than their work. */
 ISO_SIMD static void solve_columns(const iso_spline_row *rows, size_t count, float *restrict v)
 {
     enum { N = ISO_SPLINE_LANES };
@@ -120,7 +120,7 @@ void iso_spline_solve_rows(const iso_spline_row *rows, size_t count, float *valu
 
 /* ---- along x ---- */
 
-/* Of an interval: T the mean of its values, U the mean of its values times t, their place in it from 0 to 1. */
+/* Computes T, the mean of an interval's values, and U, the mean of values times t, their place in it from 0 to 1. */
 ISO_SIMD static void first_halves(const float *restrict v, size_t n, float *restrict t, float *restrict u)
 {
     for (size_t i = 0; i < n; ++i) {
