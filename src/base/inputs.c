@@ -95,7 +95,7 @@ static const folder *noted_folder(const char *path)
     return f;
 }
 
-/* With the lock held: the noted folder that a path stands in, however deep; NULL: none. */
+/* Returns the noted folder that holds a path, however deep; NULL: none. The caller holds the lock. */
 static const folder *folder_of(const char *path)
 {
     char *parent = folders ? iso_path_dir(path) : NULL, *whole = parent ? realpath(parent, NULL) : NULL;

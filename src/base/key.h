@@ -47,8 +47,8 @@ iso_status iso_key_add_dependency(iso_key *key, const char *name, iso_error *err
 /* Returns all parts, as a new object. NULL: memory ended, here or in an earlier call. */
 json_t *iso_key_to_json(const iso_key *key);
 
-/* Hash of all parts. False: as above. */
 enum { ISO_KEY_DIGEST_BYTES = 33 };
+/* Writes the hash of all parts. False: memory ended, here or in an earlier call. */
 bool iso_key_digest(const iso_key *key, char digest[ISO_KEY_DIGEST_BYTES]);
 
 /* True if a part differs from the stored one, or only one of them has it. text: a clause that names it, such as "v.raw

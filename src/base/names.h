@@ -31,7 +31,7 @@ typedef struct iso_names {
 #define ISO_NAMES_COUNT(array) (sizeof(array) / sizeof((array)[0]))
 /* clang-format off */
 #define ISO_NAMES_OF_ROWS(what, array) ISO_NAMES_OF_ROWS_CALLED(what, what "s", array)
-/* Whose plural is not the name with an s. */
+/* Describes a table whose plural is not the name with an s. */
 #define ISO_NAMES_OF_ROWS_CALLED(what, plural, array)                                       \
     {what, plural, array, ISO_NAMES_COUNT(array), sizeof((array)[0]), offsetof(__typeof__((array)[0]), name), \
      offsetof(__typeof__((array)[0]), summary), false}

@@ -22,8 +22,8 @@ typedef struct iso_process_outcome {
     double peak_bytes;        /* the most memory that one of these processes had at once */
 } iso_process_outcome;
 
-/* Does the same for a program that a person names: a path (a name with a slash), or a name on PATH. what: a
- * description of the program, for the message. */
+/* Finds a program that a person names: a path (a name with a slash), or a name on PATH. what: a description of the
+ * program, for the message. */
 iso_status iso_process_find_named(const char *what, const char *name, char **path, iso_error *err);
 
 typedef struct iso_process_options {

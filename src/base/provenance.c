@@ -96,7 +96,7 @@ void iso_provenance_put_word(FILE *f, const char *word)
     iso_words_put_quoted(f, n < (int)sizeof text ? text : "...");
 }
 
-/* Where a word ends: at a space outside of quotes, or at the line's end. */
+/* Returns the end of a word: a space outside of quotes, or the line's end. */
 static const char *end_of_word(const char *word)
 {
     bool quoted = false;

@@ -107,7 +107,7 @@ static int make_rules(const iso_sandbox_wish *wish, const char *folder, iso_stat
     static const char *const streams[] = {"/dev/null", "/dev/zero", "/dev/full"};
     const int version = landlock_version();
     const uint64_t rights = handled(version);
-    /* An X server's socket is abstract, and who draws on a device may speak to it. */
+    /* An X server's socket is abstract, and programs that draw on a device may speak to it. */
     const uint64_t scopes = SIGNALS | (wish->kind == ISO_SANDBOX_DEVICE ? 0 : ABSTRACT_SOCKETS);
     const ruleset refused = {.files = rights, .scopes = version >= 6 ? scopes : 0};
     const size_t size = version >= 6 ? sizeof refused : version >= 4 ? 2 * sizeof(uint64_t) : sizeof(uint64_t);

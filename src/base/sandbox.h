@@ -23,14 +23,15 @@
 
 typedef enum iso_sandbox_kind {
     ISO_SANDBOX_CLOSED, /* no sockets at all, and no changes outside Landlock's scope, such as a file's rights */
-    ISO_SANDBOX_DEVICE, /* for who may draw on a graphics device: sockets of this machine (AF_UNIX), the devices of
-                         * graphics, and the folders in which drivers keep compiled programs (~/.cache, ~/.nv, /var/tmp) */
+    ISO_SANDBOX_DEVICE, /* for programs that draw on a graphics device: sockets of this machine (AF_UNIX), the devices
+                         * of graphics, and the folders in which drivers keep compiled programs (~/.cache, ~/.nv,
+                         * /var/tmp) */
     ISO_SANDBOX_NONE    /* as this process: for isoshade itself, which puts its own programs into sandboxes */
 } iso_sandbox_kind;
 
 typedef struct iso_sandbox_wish {
     iso_sandbox_kind kind;
-    const char *output; /* one more folder or file that is there, to write to; or NULL */
+    const char *output; /* one more existing folder or file to write to; or NULL */
     bool private_home;  /* HOME is its own folder, too: settings of the user change nothing */
     const char *first_in_path; /* a folder in front of all others in its PATH; or NULL */
     const char *without;       /* how the names of settings begin that it does not get, such as "PYTHON"; or NULL */

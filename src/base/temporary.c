@@ -25,7 +25,7 @@ enum {
     NAME_KEPT = 160
 };
 
-/* ---- who this process is ---- */
+/* ---- identity of this process ---- */
 
 static struct {
     pthread_once_t once;
@@ -87,7 +87,7 @@ static void draw_letters(char letters[RANDOM_LETTERS + 1])
     letters[RANDOM_LETTERS] = 0;
 }
 
-/* The last bytes of a name, from the start of a character of UTF-8 on. */
+/* Returns the last bytes of a name, from the start of a character of UTF-8 on. */
 static const char *end_of_name(const char *name)
 {
     const size_t length = strlen(name);

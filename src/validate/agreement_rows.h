@@ -19,13 +19,13 @@ typedef struct iso_level_truths {
     bool differ;
 } iso_level_truths;
 
-/* An image that is compared with a truth, and what made it. */
+/* An image that is compared with a truth, and its renderer. */
 typedef struct iso_compared {
     const char *what; /* in the image's name */
     const iso_image *image;
     const iso_renderer_info *renderer;
     const char *options; /* of the command that makes it again */
-    double held_to;      /* what holds the image as a whole, of an extrapolated limit; 0: the row's tolerances */
+    double held_to;      /* tolerance of an extrapolated limit's whole image; 0: the row's tolerances */
 } iso_compared;
 
 /* Returns the source of the directions that exports take, so that the reference takes the same. */

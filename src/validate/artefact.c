@@ -131,7 +131,7 @@ void iso_artefact_release(iso_artefact_result *result)
 
 /* ---- the stage ---- */
 
-/* The renderer that shows the target's exports, if it is compared at all. */
+/* Returns the renderer that shows the target's exports, if it is compared at all. */
 static const iso_renderer_info *renderer_of(const iso_validation *v, const iso_export_target *target)
 {
     for (size_t i = 0; target->open && i < iso_renderer_count(); ++i)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* elsewhere.h - what somebody has to render who has a renderer elsewhere: requests (renderers/request.h), a folder for
- * each scene and level and for each calibration, an index and a text that says which pictures are wanted
- * (renderers/pictures.h). */
+/* elsewhere.h - requests for a renderer on another machine (renderers/request.h): a folder for each scene and level and
+ * for each calibration, and an index and a text that list the wanted pictures (renderers/pictures.h). */
 #ifndef ISO_VALIDATE_ELSEWHERE_H
 #define ISO_VALIDATE_ELSEWHERE_H
 
@@ -10,7 +9,7 @@
 #include "scene/scene.h"
 
 typedef struct iso_elsewhere {
-    const char *dir;  /* that is there */
+    const char *dir;  /* an existing folder */
     const char *tier; /* "samples", "limit" or "8 bits" */
     size_t steps;     /* number of pictures, each at half the step of the one before, for the limit; 0: none */
     json_t *pictures; /* requested pictures, as in pictures.json; owned by the caller that began it */

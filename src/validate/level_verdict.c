@@ -75,7 +75,7 @@ static double mean(const double *values, size_t count)
     return sum;
 }
 
-/* Option that turns the judged pictures' transfer function into the rival's. */
+/* Returns the option that turns the judged pictures' transfer function into the rival's. */
 static const char *tf_option(const iso_measured_level *m, const iso_measured_level *own)
 {
     if (m->use == own->use)
@@ -144,7 +144,7 @@ bool iso_measured_is_behind(const iso_measured_level *own, const iso_measured_le
     return false;
 }
 
-/* In twenty views, where the others left the level open; two in a row, or NULL. */
+/* Returns the level's figures in twenty views, if the others left it open: two in a row, or NULL. */
 static const iso_measured_level *find_more(const iso_measured *all, size_t level)
 {
     for (size_t i = 0; i < all->more_count; i += 2)

@@ -153,7 +153,7 @@ static iso_status measure_unsteadiness(const iso_render_request *what, const iso
     return status;
 }
 
-/* Extrapolates the pair. Only where pixels are beyond chance, the reference is rendered again to see whether it moves
+/* Extrapolates the pair. Only if pixels are beyond chance, the reference is rendered again to see whether it moves
  * there; *unsteady is kept for the next step. */
 static iso_status extrapolate_pair(const iso_render_request *what, const step_pair *pair, const iso_image *reference,
                                    const iso_limit_options *opt, iso_image *unsteady, iso_extrapolated *out,

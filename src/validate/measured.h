@@ -71,7 +71,7 @@ typedef struct iso_level_angles {
 iso_status iso_validate_angles(const iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source,
                                iso_level_angles *angles, iso_error *err);
 
-/* Whose directions angles are of. */
+/* Pyramid and source of the directions that angles are measured of. */
 typedef struct iso_angles_of {
     const iso_pyramid *pyramid;
     iso_direction_source source;

@@ -21,7 +21,7 @@ typedef enum iso_ray_fault {
     ISO_RAY_NOT_NORMALIZED, /* n is the mean of the voxels' normals, which is shorter than 1 if they differ */
 } iso_ray_fault;
 
-/* Adds the effect of the fault to an image of the request. ISO_E_MEMORY; ISO_E_USAGE: not a scene as above. */
+/* Adds the effect of the fault to an image of the request. ISO_E_MEMORY; ISO_E_USAGE: a scene of another kind. */
 iso_status iso_ray_fault_add(const iso_render_request *request, iso_ray_fault fault, iso_image *image, iso_error *err);
 
 #endif

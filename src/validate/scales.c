@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* scales.c - levels that are handed over with extinction scales (fit/extinction_scale.h): made, and held to two
- * questions that pictures alone leave open. Are the bytes those that level 0 makes: of this level, for this transfer
- * function? And does the renderer that draws the views use them? One that passes them over shows what would be shown
- * without. */
+/* scales.c - levels that are handed over with extinction scales (fit/extinction_scale.h): made, and asked two
+ * questions that pictures alone leave open. Are the bytes those that level 0 makes, for this level and this transfer
+ * function? And does the renderer that draws the views use them? If not, it shows the same without them. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -20,7 +20,7 @@ static int is_scene(const struct dirent *entry)
     return entry->d_name[0] != '.' && iso_path_ends_with(entry->d_name, ".scene.json");
 }
 
-enum { most_levels = 16 }; /* whose rows come in a row */
+enum { most_levels = 16 }; /* of a scene, whose rows stand together */
 
 /* Data shared by the scenes. */
 typedef struct suite_run {

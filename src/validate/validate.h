@@ -49,7 +49,7 @@ typedef struct iso_validation {
     const iso_scene *scene;
     const iso_view *view;
     const char *volume_path, *scene_path, *scene_name;
-    const char *make;         /* of a scene of a suite: what `isoshade make` makes the volume of; or NULL */
+    const char *make;         /* of a scene of a suite: the argument of `isoshade make` for the volume; or NULL */
     const char *image_prefix; /* of the report's images: "" or "NAME-" */
     /* Names and options of rows with other directions or TFs; "" and ISO_FROM_CODES for the pyramid's own. */
     const char *variant, *build_options, *render_options;
@@ -77,14 +77,14 @@ typedef struct iso_validation {
     iso_report *report;
     iso_status (*save_viewer)(const struct iso_validation *v, iso_error *err); /* a page of the volume; or NULL */
     iso_progress_line *line;      /* progress line for the whole run; NULL: none */
-    const iso_progress *progress; /* the same, for what reports */
+    const iso_progress *progress; /* the same, for functions that report progress */
 } iso_validation;
 
 /* Adds a row of calibration per level, by the name of "pyramid". Without a loaded pyramid it adds none. */
 iso_status iso_validate_levels(iso_validation *v, iso_error *err);
 
-/* Versions and calibration of the wanted renderers; fills refusal and refused. A missing
- * program is a reason to refuse, not a failure. */
+/* Reports versions and calibration of the wanted renderers; fills refusal and refused. A missing program is a reason to
+ * refuse, not a failure. */
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
 
 /* True if a program failed by itself, so that it is refused and the others go on. */
@@ -138,10 +138,11 @@ iso_status iso_validate_scale(iso_validation *v, iso_error *err);
 iso_view iso_validate_small_view(const iso_view *view, size_t pixels);
 enum { ISO_VALIDATE_LIMIT_PIXELS = 96, ISO_VALIDATE_LIMIT_PIXELS_QUICK = 64 };
 
-/* Both need level_tfs. */
 /* Largest edge of images of other directions and transfer functions: there are many, and they test only arithmetic. */
 enum { ISO_VALIDATE_METHOD_PIXELS = 64 };
+/* Checks that renderers agree for all directions and transfer functions (methods.c). Needs level_tfs. */
 iso_status iso_validate_methods(iso_validation *v, iso_error *err);
+/* Measures each level against level 0 and judges it (consistency.c). Needs level_tfs. */
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err);
 
 /* Assumes the tier of a scene that states none: smooth or sharp, by the error of a ray step through the TF on this
