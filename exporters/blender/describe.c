@@ -124,8 +124,7 @@ static void describe_box(json_t *about, const iso_geometry *g)
     json_object_set_new(about, "world_to_box", rows_json((const double(*)[4])box, 3));
 }
 
-/* Depths of the nearest and the farthest corner of the box in front of the camera; negative if it is behind the
- * camera. */
+/* Computes the depths of the box's nearest and farthest corner in front of the camera; negative behind the camera. */
 static void depths_of_box(const iso_camera *c, iso_vec3 position, const iso_geometry *g, double depths[2])
 {
     depths[0] = INFINITY;

@@ -165,7 +165,7 @@ typedef struct blender_run {
     int threads;
 } blender_run;
 
-/* Drivers of graphics devices need more rights than the processor. */
+/* Returns the sandbox of the device: drivers of graphics devices need more rights than the processor. */
 static iso_sandbox_kind sandbox_kind(void)
 {
     const char *device = NULL;

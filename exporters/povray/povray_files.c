@@ -30,7 +30,7 @@ iso_status iso_povray_no_memory(iso_error *err)
     return iso_fail(err, ISO_E_MEMORY, "povray: no memory");
 }
 
-/* Labels are from -32768 to 65535 (volume/labels.h), in any type. */
+/* Returns the coding of labels, from -32768 to 65535 (volume/labels.h), in any type. */
 static iso_df3_coding label_coding(const iso_level *level)
 {
     if (level->min >= 0)

@@ -269,7 +269,7 @@ void write_run(std::ostream &out, const leaf_run<Leaf> &leaves, const iso_vdb_so
     ordered.rethrow();
 }
 
-/* The node above a leaf. The file has all leaves of a node, then those of the next. */
+/* Returns the node above a leaf. The file has all leaves of a node, then those of the next. */
 template <typename Leaf> openvdb::Coord node_of(const Leaf &leaf)
 {
     const int voxels = 128;

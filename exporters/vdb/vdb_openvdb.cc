@@ -61,7 +61,7 @@ void read_active_row(const iso_vdb_source &s, const long at[3], unsigned char *r
                       static_cast<size_t>(end - first), row + (first - x));
 }
 
-/* The active voxels of the leaf at `block`. */
+/* Returns the active voxels of the leaf at `block`. */
 openvdb::util::NodeMask<3> active_voxels(const iso_vdb_source &s, const long block[3])
 {
     openvdb::util::NodeMask<3> mask;

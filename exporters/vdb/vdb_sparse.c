@@ -332,8 +332,8 @@ static bool mark_chunk(const marker *m, size_t begin, size_t end, size_t counts[
     return true;
 }
 
-/* Cycles without NanoVDB fades a grid to 0 beyond its active voxels, and 0 may be visible: their box must equal that of
- * the level. */
+/* Keeps two opposite corners of the level active, so that the grid's box equals the level's. Cycles without NanoVDB
+ * fades a grid to 0 beyond its active voxels, and 0 may be visible. */
 static void keep_corners(iso_vdb_activity *a)
 {
     for (int end = 0; end < 2; ++end) {

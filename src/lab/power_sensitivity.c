@@ -329,7 +329,7 @@ static void print_json(const study *s, const iso_cli *cli)
     iso_cli_print_json(root);
 }
 
-/* Columns: deviation with its unit, gate, least, median, largest, color of the gate's renderer. */
+/* Draws a chart. Columns: deviation with its unit, gate, least, median, largest, color of the gate's renderer. */
 static iso_status draw(const study *s, iso_error *err)
 {
     char *csv = NULL;

@@ -90,8 +90,8 @@ iso_status iso_pyramid_level(const iso_pyramid *pyramid, size_t level, iso_level
     return ISO_OK;
 }
 
-/* Renderers take decoded vectors as they are, and divide by their length; here a length is how far a direction can be
- * trusted. Codes are on a lattice, of which some vectors are longer than 1. NaN becomes the zero vector. */
+/* Decodes vectors, and shortens those longer than 1. Here a length is the certainty of a direction; renderers only
+ * divide by it. Codes are on a lattice, whose longest vectors exceed 1. NaN becomes the zero vector. */
 static void decode_to_unit_ball(iso_code code, const uint8_t *bytes, float *directions, size_t count)
 {
     iso_code_decode_all(code, bytes, directions, count);

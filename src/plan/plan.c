@@ -212,8 +212,8 @@ static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray 
     }
 }
 
-/* Rays through every `stride`-th pixel, so that the smallest brick meets several. A brick that is passed is counted for
- * stride^2 pixels a ray. */
+/* Sends rays through every `stride`-th pixel, so that the smallest brick meets several. A brick counts stride^2 pixels
+ * per ray through it. */
 static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n, const iso_view *view,
                                   const uint8_t *shown, int threads, float *footprints, iso_error *err)
 {

@@ -61,8 +61,8 @@ static inline double iso_plan_trial_bytes(const iso_plan_trial *t)
     return ISO_BYTES_A_NODE * (double)t->node_count;
 }
 
-/* Looks whose scene may be several, "A.scene.json,B.scene.json", each from `turns` sides: turned round its "up" by
- * 360 / turns degrees. *views is to be released with iso_planner_destroy_views(). */
+/* Loads the views of a look whose scene may be several, "A.scene.json,B.scene.json", each from `turns` sides: turned
+ * round its "up" by 360 / turns degrees. *views is released with iso_planner_destroy_views(). */
 iso_status iso_planner_load_views(const iso_subject_look *look, size_t turns, const iso_pyramid *p, iso_view **views,
                                   size_t *count, iso_error *err);
 /* Checks the views before the volume is read. */

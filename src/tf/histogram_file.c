@@ -52,7 +52,7 @@ double iso_joint_stored_bytes(const iso_joint *j)
     return numbers * (fits_32_bits(j) ? 4 : 8);
 }
 
-/* Axis x steps through z, axis y through s; the first sample lies at (z.lo, s.lo). */
+/* Returns the geometry of bins. Axis x steps through z, axis y through s; the first sample is at (z.lo, s.lo). */
 static iso_geometry bins_geometry(const iso_joint *j, bool sparse)
 {
     size_t size[3] = {sparse ? 3 : j->z.count, sparse ? (j->entry_count ? j->entry_count : 1) : iso_joint_row_count(j),

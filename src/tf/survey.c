@@ -28,7 +28,8 @@ int iso_survey_bin(const iso_survey *s, double value)
     return x >= BINS ? BINS - 1 : x > 0 ? (int)x : 0;
 }
 
-/* Bins are spaced as squares: smooth volumes have small magnitudes. At most half the range per axis. */
+/* Returns a bin's magnitude. Bins are spaced as squares: smooth volumes have small magnitudes. At most half the range
+ * per axis. */
 double iso_survey_slope(const iso_survey *s, double slope)
 {
     const double root = (slope + 0.5) / SLOPES;

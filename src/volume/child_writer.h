@@ -70,7 +70,7 @@ struct ChildProgram {
 /* The program's own. */
 extern const ChildProgram child_program;
 
-/* A library's message may quote bytes of a damaged file: as one short line of plain text. */
+/* Returns a library's message as one short line of plain text: it may quote bytes of a damaged file. */
 inline std::string plain(const std::string &message)
 {
     const size_t most = 200;

@@ -46,7 +46,7 @@ static void describe_step(double step, const char *unit, char *text, size_t size
         snprintf(text, size, " (%g%s%s apart)", step, *unit ? " " : "", unit);
 }
 
-/* Layers of segments that overlap: chosen by number, or by a segment's name. */
+/* Chooses a layer of segments that overlap, by number or by a segment's name. */
 static iso_status choose_layer(const char *path, const iso_volume_hints *hints, const iso_extra_axes *axes,
                                size_t *layer, iso_error *err)
 {
@@ -265,7 +265,7 @@ static void look_at_value(iso_source_look *k, double slope, double intercept, do
     k->is_rounded = k->is_rounded || (double)(float)given != given;
 }
 
-/* Samples that are floats already need no look, unless some stand for none. */
+/* True if floats hold all samples exactly; these are examined only if some values stand for no data. */
 static bool is_exact(const iso_volume_source *s)
 {
     const iso_type stored = iso_source_stored_type(s);

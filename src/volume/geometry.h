@@ -59,7 +59,7 @@ static inline size_t iso_geometry_voxel_count(const iso_geometry *g)
 }
 iso_vec3 iso_geometry_to_world(const iso_geometry *g, iso_vec3 index);
 iso_vec3 iso_geometry_to_index(const iso_geometry *g, iso_vec3 world_mm);
-/* Lengths of the columns of index_to_world. */
+/* Returns the lengths of the columns of index_to_world; the least of them. */
 void iso_geometry_spacing_mm(const iso_geometry *g, double spacing_mm[3]);
 double iso_geometry_min_spacing_mm(const iso_geometry *g);
 /* Returns the cube root of a voxel's volume. */

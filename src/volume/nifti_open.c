@@ -225,7 +225,7 @@ static const char *time_unit(int units)
     }
 }
 
-/* Axis 4 is time, axis 5 of components; those of colors stand in a voxel. */
+/* Chooses a frame and a component. Axis 4 is time, axis 5 has components; colors have theirs in each voxel. */
 static iso_status choose(const nifti_header *h, iso_volume_source *source, iso_error *err)
 {
     const size_t frames = h->dim[0] >= 4 ? (size_t)h->dim[4] : 1, components = h->dim[0] >= 5 ? (size_t)h->dim[5] : 1;

@@ -28,7 +28,7 @@ typedef struct iso_overview_options {
     int threads;
 } iso_overview_options;
 
-/* Statuses as iso_volume_load(); ISO_E_RANGE: NaN or infinite voxels. */
+/* Surveys a volume. Statuses as iso_volume_load(); ISO_E_RANGE: NaN or infinite voxels. */
 iso_status iso_overview_run(const char *path, const iso_volume_input *input, const iso_overview_options *opt,
                             iso_overview *s, const iso_progress *progress, iso_error *err);
 void iso_overview_destroy(iso_overview *s); /* accepts empty */

@@ -214,7 +214,7 @@ static void read_imagej(TIFF *t, const char *description, tiff_notes *n)
         n->spacing[1] = 1 / (double)y;
 }
 
-/* Channels have elements of their own, each with a name or without. */
+/* Reads the names of channels, each in an element of its own; a name may be missing. */
 static void read_ome_channels(const char *pixels, tiff_notes *n)
 {
     const char *at = pixels;
@@ -225,7 +225,7 @@ static void read_ome_channels(const char *pixels, tiff_notes *n)
     }
 }
 
-/* Attributes of the element Pixels. */
+/* Reads the attributes of the element Pixels. */
 static void read_ome(const char *description, tiff_notes *n)
 {
     static const char *const sizes[] = {" PhysicalSizeX=\"", " PhysicalSizeY=\"", " PhysicalSizeZ=\""};
@@ -304,7 +304,7 @@ static iso_status check_order(const tiff_notes *n, const char *path, iso_error *
                     n->order);
 }
 
-/* Pages by their description's order; components of one page stand in its pixels. */
+/* Orders pages by their description. Components of one page are in its pixels. */
 static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_source *source, size_t *slices,
                          iso_error *err)
 {

@@ -50,7 +50,7 @@ static bool to_cube(const iso_drawing *d, iso_vec3 direction, iso_vec3 *dot)
     return seen;
 }
 
-/* Corners of one of the 48 regions of a face: the face's middle, an edge's middle, a corner. */
+/* Computes the corners of one of the 48 regions of a face: the face's middle, an edge's middle, a corner. */
 static void region(const iso_drawing *d, int face, int edge, double along, double beside, iso_vec3 corners[3])
 {
     const int other = 3 - face - edge;

@@ -37,7 +37,7 @@ bool is_grid(const Array &array)
     return array.size.size() >= 3;
 }
 
-/* For messages: the first dozen. */
+/* Lists the first dozen arrays, for messages. */
 std::string list_of(const std::vector<Array> &all)
 {
     std::string text;

@@ -47,7 +47,7 @@ bool is_minc(const Array &array, const size_t (&space)[3])
     return true;
 }
 
-/* "" in MINC 1; in MINC 2 the folder of the dimensions. */
+/* Returns the folder of the dimensions: "" in MINC 1. */
 std::string minc_dimensions(const Array &array)
 {
     return array.name.find('/') == std::string::npos ? "" : "minc-2.0/dimensions/";
@@ -80,7 +80,8 @@ void place_minc(Store &store, const Array &array, const size_t (&space)[3], cons
 
 /* ---- coordinates of netCDF's conventions, and of HDF5's dimension scales ---- */
 
-/* Equally far apart within 1 %: coordinates are often floats. */
+/* True if the coordinates are equally far apart within 1 %: they are often floats. Otherwise `uneven` gives the
+ * range. */
 bool take_steps(const std::vector<double> &at, double &step, std::string &uneven)
 {
     double least = INFINITY, most = -INFINITY;

@@ -39,7 +39,7 @@ private:
     gdcm::SmartPointer<gdcm::SequenceOfItems> items_;
 };
 
-/* Bytes of an element, without padding; empty if it is missing. */
+/* Returns the bytes of an element, without padding; empty if it is missing. */
 std::string bytes_in(const DataSet *set, const Tag &tag)
 {
     const gdcm::ByteValue *value = set && set->FindDataElement(tag) ? set->GetDataElement(tag).GetByteValue() : nullptr;
@@ -83,7 +83,7 @@ Numbers decimals_in(const DataSet *set, const Tag &tag)
     return decimals_of(text_in(set, tag));
 }
 
-/* Unit of the last digit of any of the decimals. */
+/* Returns the unit of the last digit of any of the decimals. */
 double last_digit_of(const std::string &text)
 {
     int most = 0;
@@ -97,7 +97,7 @@ double last_digit_of(const std::string &text)
     return std::pow(10, -most);
 }
 
-/* A binary number, which GDCM gives in the machine's byte order. */
+/* Returns a binary number, which GDCM gives in the machine's byte order; NAN: missing. */
 template <typename T> double binary_in(const DataSet *set, const Tag &tag)
 {
     const std::string bytes = bytes_in(set, tag);
@@ -146,7 +146,7 @@ const Tag pixel_measures(0x0028, 0x9110), plane_orientation(0x0020, 0x9116), pla
     value_transformation(0x0028, 0x9145), frame_content(0x0020, 0x9111), cardiac(0x0018, 0x9118), echo(0x0018, 0x9114),
     diffusion(0x0018, 0x9117);
 
-/* For each key of stack.h its value, by the frame's groups or by the file. */
+/* Returns the value of each key of stack.h, by the frame's groups or by the file. */
 std::vector<std::string> keys_of(const Sets &sets)
 {
     std::vector<std::string> keys;
@@ -200,7 +200,7 @@ Numbers pixel_spacing(const Sets &sets, DicomFile &file)
     return {};
 }
 
-/* Directions are unit vectors at right angles, up to the digits that the file has. */
+/* Reads directions, which must be unit vectors at right angles, up to the digits that the file has; and spacing. */
 void take_axes(const Sets &sets, DicomFile &file, DicomFrame &frame)
 {
     const std::string text = sets.text(plane_orientation, Tag(0x0020, 0x0037));
@@ -239,7 +239,7 @@ void take_place(const Sets &sets, DicomFrame &frame)
     frame.plane.digit = last_digit_of(text);
 }
 
-/* An element of the file that has to be a number if it is there; `none` if it is not. */
+/* Returns an element of the file, which must be a number; `none` if it is missing. */
 double number_or(const std::string &text, double none, const char *name, const DicomFile &file)
 {
     const Numbers value = decimals_of(text);
@@ -330,7 +330,7 @@ Numbers frame_offsets(const DataSet &all, const DicomFile &file, const Vector &n
     return offsets;
 }
 
-/* Frames of a file that gives but the first one's place, or none. */
+/* Places the frames of a file that gives only the first one's place, or none. */
 void place_frames(const DataSet &all, const DataSet *shared, DicomFile &file)
 {
     const DicomFrame &first = file.frames[0];

@@ -29,7 +29,7 @@ Tag tag_of_samples(const DicomFile &file)
     return Tag(0x7fe0, file.samples == Samples::float32 ? 0x0008 : file.samples == Samples::float64 ? 0x0009 : 0x0010);
 }
 
-/* Bytes of the words that GDCM swaps when it reads an element of a big-endian file. */
+/* Returns the bytes of the words that GDCM swaps when it reads an element of a big-endian file. */
 size_t swapped_bytes(const gdcm::DataElement &element, TransferSyntax syntax)
 {
     if (syntax == TransferSyntax::ExplicitVRBigEndian)
@@ -40,7 +40,7 @@ size_t swapped_bytes(const gdcm::DataElement &element, TransferSyntax syntax)
     return syntax == TransferSyntax::ImplicitVRBigEndianPrivateGE ? 1 : 0; /* 0: a little-endian file */
 }
 
-/* Samples longer than the words that were swapped have these in the wrong order still. */
+/* Corrects the order of swapped words within longer samples. */
 void turn_words(std::vector<char> &data, size_t sample, size_t word)
 {
     if (word == 0 || word >= sample)
@@ -53,8 +53,8 @@ void turn_words(std::vector<char> &data, size_t sample, size_t word)
     }
 }
 
-/* GDCM takes a file that breaks off within its samples, and gives zeros for the rest. So the element is looked for: its
- * tag, its type if that is written, and a length that would be right. */
+/* Checks the length of the samples. GDCM accepts a file that ends within them and fills in zeros. So this searches the
+ * element: its tag, its type if present, and a length that would be right. */
 void check_samples_are_there(const DicomFile &file)
 {
     const size_t need = all_bytes(file), size = std::filesystem::file_size(file.path);
@@ -82,7 +82,7 @@ void check_samples_are_there(const DicomFile &file)
                            " bytes of samples, needs " + std::to_string(all_bytes(file)));
 }
 
-/* Samples that are not compressed, in the machine's byte order. */
+/* Returns samples that are not compressed, in the machine's byte order. */
 std::vector<char> plain_samples(const DicomFile &file, const gdcm::ByteValue &value, size_t word)
 {
     const size_t bytes = all_bytes(file);
@@ -123,7 +123,7 @@ template <typename T> T sample_at(const char *stored, size_t i)
     return value;
 }
 
-/* The number of a sample: the stored bits below HighBit, with their sign. Other bits may hold overlays. */
+/* Returns a sample's number: the stored bits below HighBit, with their sign. Other bits may hold overlays. */
 double integer_of(const DicomFile &file, const char *stored, size_t i)
 {
     const unsigned bits = file.bits_stored;

@@ -84,7 +84,7 @@ std::string content_of(const std::string &path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/* The file of the series that is the same, byte by byte; or none. */
+/* Returns the file of the series with the same bytes; NULL: none. */
 const DicomFile *twin_in(const DicomSeries &series, const DicomFile &file)
 {
     for (const auto &other : series.files)
@@ -132,7 +132,7 @@ size_t slices_of(const DicomSeries &series)
     return count;
 }
 
-/* The only series of more than a slice; or none. */
+/* Returns the only series of more than one slice; NULL: none or several. */
 const DicomSeries *only_volume(const std::vector<DicomSeries> &all)
 {
     const DicomSeries *found = nullptr;

@@ -92,7 +92,7 @@ bool tells_apart(const std::vector<Plane> &planes, const Places &places, size_t 
     return true;
 }
 
-/* The value by which frames of a place are in order; after the last key, the number of the file. */
+/* Returns the value that orders frames of the same place; after the last key, the number of the file. */
 double order_value(const Plane &plane, size_t key)
 {
     return key < plane_keys.size() ? value_of(plane.keys[key], plane_keys[key].unit) : plane.number;
@@ -111,7 +111,7 @@ bool are_numbered(const std::vector<Plane> &planes, const Places &places)
     return true;
 }
 
-/* A key of as many values as there are frames comes before one by which each slice has its own time. */
+/* Chooses the key of frames. One with as many values as frames precedes one by which each slice has its own time. */
 size_t choose_key(const std::vector<Plane> &planes, const Places &places, const std::string &shown)
 {
     size_t found = plane_keys.size();
@@ -154,7 +154,7 @@ void take_frame_step(const std::vector<Plane> &planes, const std::vector<size_t>
     }
 }
 
-/* A missing slice. */
+/* Checks for a missing slice. */
 void check_steps(const std::vector<Plane> &planes, const Stack &stack, double same, const std::string &shown)
 {
     const Vector &mean = stack.step;
