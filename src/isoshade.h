@@ -3,11 +3,11 @@
  *
  * Where to start
  *   A *volume* is a grid of numbers: a scan, a simulation, an array that a program fills. A *pyramid* is that volume at
- *   several *levels*, each with half the voxels along an axis of the one before; level 0 is the volume itself. Next to
- *   each voxel's value a pyramid keeps a *direction*, which represents the local surface for shading.
- *   Directions of all levels come from level 0's gradients, and are stored in three bytes each (a *direction code*). A
- *   *transfer function* (TF) gives each value a color and an extinction; it can be adapted to a level, so that the
- *   level looks like the volume. A *scene* is a camera, lights, a background and a TF, and fits itself to any
+ *   several *levels*, each with half the voxels along an axis of the one before; level 0 is the volume itself. For
+ *   each voxel a pyramid keeps the value and a *direction*, the normal of the local surface, for shading. The
+ *   directions of all levels come from level 0's gradients, and are stored in three bytes each (a *direction code*). A
+ *   *transfer function* (TF) gives each value a color and an extinction. It can be adapted to a level, so that the
+ *   level looks like the volume. A *scene* is a camera, lights, a background and a TF. It can be used with any
  *   volume.
  *
  *       iso_volume_open()  or  iso_volume_from_memory()           a volume
@@ -102,12 +102,12 @@ typedef enum iso_choice {
     ISO_CHOICE_ESTIMATOR,        /* of gradients: "central", "sobel" ... */
     ISO_CHOICE_SCALAR_FILTER,    /* "mean" ... */
     ISO_CHOICE_DIRECTION_FILTER, /* "moments", "naive" ... */
-    ISO_CHOICE_SHADING,          /* where a renderer takes directions from: "codes", "float" ... */
+    ISO_CHOICE_SHADING,          /* sources of a renderer's directions: "codes", "float" ... */
     ISO_CHOICE_RENDERER,         /* "reference", "gl" ...: all renderers, installed or not */
     ISO_CHOICE_EXPORT            /* "vdb", "nanovdb", "blender", "povray", "pbrt", "mitsuba" */
 } iso_choice;
 
-/* Returns the name with that number, from 0; NULL after the last. */
+/* Returns name `number`, counted from 0; NULL after the last. */
 const char *iso_choice_name(iso_choice what, size_t number);
 
 /* ---- long work --------------------------------------------------------------------------------------------------- */
@@ -156,10 +156,10 @@ typedef struct iso_build_options {
     size_t levels;                  /* with level 0, 1 to 32; fewer if a level would be a single voxel */
     const char *code;               /* code of directions */
     const char *estimator;          /* of level 0's gradients */
-    const char *scalar_filter;      /* from eight values to a coarser one */
-    const char *direction_filter;   /* from eight directions to a coarser one */
-    bool keep_float;                /* also directions before encoding: 12 more bytes per voxel */
-    bool keep_magnitude;            /* also the gradients' magnitudes: 4 more bytes per voxel */
+    const char *scalar_filter;      /* makes one coarse value of eight */
+    const char *direction_filter;   /* makes one coarse direction of eight */
+    bool keep_float;                /* True to keep directions before encoding, too: 12 more bytes per voxel */
+    bool keep_magnitude;            /* True to keep gradient magnitudes, too: 4 more bytes per voxel */
     int threads;                    /* 0: all cores */
     iso_progress_callback progress; /* or NULL */
     void *progress_user;
@@ -168,8 +168,7 @@ typedef struct iso_build_options {
 /* Returns the defaults: four levels, "fit", "central", "mean", "moments". */
 iso_build_options iso_build_defaults(void);
 
-/* Builds a pyramid. ISO_E_USAGE: unknown name; ISO_E_RANGE: option outside its limits, NaN or infinity;
- * ISO_E_MEMORY. */
+/* Builds a pyramid. ISO_E_USAGE: unknown name; ISO_E_RANGE: option out of limits, NaN or infinity; ISO_E_MEMORY. */
 iso_status iso_build(const iso_volume *volume, const iso_build_options *options, iso_pyramid **pyramid, iso_error *err);
 
 /* Opens a folder NAME.iso (doc/reference/files-pyramid.md) and checks its checksums. ISO_E_IO, ISO_E_FORMAT,
@@ -180,12 +179,12 @@ iso_status iso_pyramid_save(const iso_pyramid *pyramid, const char *folder, iso_
 
 size_t iso_pyramid_level_count(const iso_pyramid *pyramid);
 
-/* A level in place: the arrays belong to the pyramid, and live as long as it. */
+/* A view of a level: the arrays belong to the pyramid and live as long as it does. */
 typedef struct iso_level_view {
     iso_grid grid;
     double min, max;         /* of the values */
     const float *values;     /* one per voxel */
-    const char *code;        /* of the bytes that follow */
+    const char *code;        /* direction code of `codes` */
     const uint8_t *codes;    /* 3 per voxel: the encoded directions */
     const float *directions; /* 3 per voxel, before encoding; NULL without keep_float */
     const float *magnitudes; /* one per voxel; NULL without keep_magnitude */
@@ -194,8 +193,8 @@ typedef struct iso_level_view {
 /* Gives access to one level. ISO_E_RANGE: no such level; the view is then empty. */
 iso_status iso_pyramid_level(const iso_pyramid *pyramid, size_t level, iso_level_view *view, iso_error *err);
 
-/* Decodes a level's directions: 3 floats per voxel. Their length, at most 1, is their reliability: 0 means that there
- * is none. ISO_E_RANGE. */
+/* Decodes a level's directions: 3 floats per voxel. The length, at most 1, is the reliability; 0: undefined.
+ * ISO_E_RANGE. */
 iso_status iso_pyramid_directions(const iso_pyramid *pyramid, size_t level, float *directions, iso_error *err);
 
 void iso_pyramid_free(iso_pyramid *pyramid);
@@ -263,7 +262,7 @@ typedef struct iso_image {
     const void *reserved[4];
 } iso_image;
 
-/* A text for the header of a file. */
+/* A key and a text for a file's header. */
 typedef struct iso_image_note {
     const char *key, *value;
 } iso_image_note;
@@ -275,9 +274,9 @@ void iso_image_destroy(iso_image *image); /* accepts empty and NULL */
 /* Writes OpenEXR, 32-bit float, channels A B G R. The notes end with a NULL key, or are NULL.
  * ISO_E_IO. */
 iso_status iso_image_save_exr(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err);
-/* Reads a flat single-part EXR with R, G, B or gray Y (A = 1 if absent). Other primaries become those of Rec. 709. The
- * picture is the file's display window: pixels of it that are outside the data window are 0 in all channels, and data
- * outside it are left out. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
+/* Reads a flat single-part EXR with R, G, B or gray Y (A = 1 if absent), converted to Rec. 709 primaries. The image is
+ * the file's display window: its pixels outside the data window are 0, and data outside the display window are dropped.
+ * ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
 iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err);
 /* Writes 8-bit sRGB, opaque, with colors multiplied by exposure. ISO_E_IO. */
 iso_status iso_image_save_png(const iso_image *image, const char *path, double exposure, iso_error *err);
@@ -286,10 +285,10 @@ iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err
 
 /* ---- comparison -------------------------------------------------------------------------------------------------- */
 
-/* Differences between two images, over the four channels of all pixels. FLIP (visible to a person when the images
- * alternate) and SSIM (equal structures: 1) compare the images as a screen would show them. */
+/* Differences between two images, over the four channels of all pixels. FLIP (how visible they are when the
+ * images alternate) and SSIM (structure; 1 if equal) compare the images as a screen would show them. */
 typedef struct iso_metrics {
-    double rmse, max_abs, p99_abs; /* p99: 99 % of the pixels differ by less, in their worst channel */
+    double rmse, max_abs, p99_abs; /* p99: 99 % of pixels differ by less in every channel */
     double psnr_db;                /* peak 1; infinite for equal images */
     double ssim, flip_mean;
     size_t nonfinite_count; /* pixels with NaN or infinity in either image; above 0 all metrics are NaN */
@@ -306,9 +305,9 @@ typedef struct iso_frame_options {
     size_t level;
     size_t width, height;           /* 0: the scene's */
     const iso_tf *tf;               /* NULL: the scene's */
-    const char *shading;            /* where directions come from; of "reference" and "gl" */
-    double step_voxels;             /* of rays, in the smallest spacing; 0: the renderer's most exact step */
-    int samples, seed;              /* of "cycles"; 0: its defaults */
+    const char *shading;            /* source of directions; for "reference" and "gl" */
+    double step_voxels;             /* step along rays, in smallest voxel spacings; 0: the renderer's most exact step */
+    int samples, seed;              /* for "cycles"; 0: its defaults */
     int threads;                    /* 0: all cores */
     iso_progress_callback progress; /* or NULL */
     void *progress_user;
@@ -327,11 +326,11 @@ iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const 
 /* ---- export ------------------------------------------------------------------------------------------------------ */
 
 typedef struct iso_export_options {
-    size_t level;                   /* the first, or the only one */
-    size_t level_count;             /* levels from there on in one file; of "vdb", "nanovdb" and "blender" */
+    size_t level;                   /* first level */
+    size_t level_count;             /* number of levels in one file; for "vdb", "nanovdb" and "blender" */
     size_t width, height;           /* of the scene's images; 0: the scene's */
     const iso_tf *tf;               /* NULL: the scene's */
-    bool half_float;                /* of "vdb": smaller and less exact */
+    bool half_float;                /* for "vdb": smaller and less exact */
     int threads;                    /* 0: all cores */
     iso_progress_callback progress; /* or NULL */
     void *progress_user;
@@ -343,8 +342,8 @@ iso_export_options iso_export_defaults(void);
 /* Exports levels. Target "vdb": a file NAME.vdb with the grids "density" and "gradient"; scene may be NULL. "nanovdb":
  * NAME.nvdb, the same grids. "blender": NAME.blend, and its grids next to it; needs Blender. "povray": a folder with
  * scene and densities. "pbrt", "mitsuba": a folder with a scene whose medium is baked for that scene. ISO_E_USAGE: an
- * unknown target, no scene although one is needed, an option that the target does not have; ISO_E_RANGE; ISO_E_IO;
- * ISO_E_MISSING; ISO_E_PROGRAM. */
+ * unknown target, a missing scene, an option that the target does not have; ISO_E_RANGE; ISO_E_IO; ISO_E_MISSING;
+ * ISO_E_PROGRAM. */
 iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,
                       const iso_export_options *options, iso_error *err);
 

@@ -202,7 +202,7 @@ def strip(ramp, table):
     return numpy.concatenate([found[0][:, :3], found[1][:, :1]], axis=1)
 
 
-# Stops between the 256 places that Cycles bakes: what that cuts is foreseen entry by entry.
+# Stops between the 256 places that Cycles bakes: its effect is predicted entry by entry.
 for i, place in enumerate((0.0, 0.3013, 0.4507, 0.6021, 1.0)):
     ramp.node.color_ramp.elements[i].position = place
 buttons.bake()

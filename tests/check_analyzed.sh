@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# clang's analyzer finds nothing in what reads files of strangers and starts programs, and a planted fault of each kind.
+# clang's analyzer finds nothing in code that reads untrusted files or starts programs, and each planted fault.
 # `make analyze` looks at all files.
 . "$(dirname "$0")/lib.sh"
 # Findings differ between versions; this one is Debian 12's.
@@ -26,5 +26,5 @@ END
 }
 plant a_null_pointer_is_found src/volume/child.c 'if (r && r->process.output >= 0)' 'if (!r && r->process.output >= 0)' core.NullDereference
 plant memory_that_is_freed_twice_is_found src/base/file.c 'free(*data);' 'free(*data), free(*data);' unix.Malloc
-plant a_value_that_nobody_set_is_found src/base/bigfile.c 'fstat(f->fd, &st) != 0' 'st.st_size == 4' core.UndefinedBinaryOperatorResult
+plant an_uninitialized_value_is_found src/base/bigfile.c 'fstat(f->fd, &st) != 0' 'st.st_size == 4' core.UndefinedBinaryOperatorResult
 exit $failed

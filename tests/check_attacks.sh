@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Files from strangers, outputs that are not files, programs that hang: a clear error, and nothing lost.
+# Untrusted files, outputs that are not files, programs that hang: a clear error, and nothing lost.
 . "$(dirname "$0")/lib.sh"
 isoshade() { "$ISOSHADE" "$@"; }
 isoshade-lab() { "$LAB" "$@"; }
@@ -114,7 +114,7 @@ limited() { (ulimit -f 2; exec "$ISOSHADE" "$@" -q); }
 check so_it_is_where_openvdb_writes ends 3 'writing failed' limited export s.iso --to vdb -o large.vdb
 check and_where_openexr_does ends 3 'too large' limited render s.iso --scene "$shells" --with reference --step 1 --size 40 -o large.exr
 check nothing_is_left_of_it test "$(temporaries)" = 0 -a "$(find . -name 'large.*' | grep -c .)" = 0
-# A killed run leaves its temporary; what lives is told from what is dead.
+# A killed run leaves its temporary; those of live processes stay.
 "$ISOSHADE" make noise --size 300 -o killed.nrrd -q &
 for _ in $(seq 3000); do [ "$(temporaries)" -gt 0 ] && break; sleep 0.01; done
 isoshade make sphere --size 4 -o other.nrrd -q
@@ -146,7 +146,7 @@ check what_can_be_resumed_stays test -d .large.iso.partial -o -d large.iso
 check and_nothing_else_is_left test "$(find . -name '.isoshade-*' -not -name .isoshade-files | grep -c .)" = 0
 check and_is_resumed isoshade build large.nrrd -o large.iso --resume -q
 
-# ---- words and files of strangers ----
+# ---- untrusted words and files ----
 check a_name_with_a_line_feed_is_refused ends 2 'control character' isoshade info $'a\nb.nrrd'
 check so_is_one_with_a_control_character_of_two_bytes ends 2 'control character' isoshade info $'a\xc2\x9b31mb.nrrd'
 check a_letter_of_two_bytes_is_none ends 3 'a.*b.nrrd' isoshade info $'a\xc2\xb5\xc3\x9bb.nrrd'

@@ -149,7 +149,7 @@ done
 for bad in 0 2 1/0 x 1/255, none,1/255; do
     expect "plans_$bad"_is_refused 2 chart --plans="$bad" -o "$dir/n"
 done
-# What the commands lean on, refused where it would be passed over.
+# Inputs that the commands need are refused, not ignored.
 render() { "$ISOSHADE" render "$@" --scene $scene --size 8 -o "$dir/r.exr" -q; }
 "$ISOSHADE" build "$dir/v.nrrd" --levels 1 -o "$dir/v.iso" -q >/dev/null
 expect another_code_needs_floats 2 render "$dir/v.iso" --code snorm

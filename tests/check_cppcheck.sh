@@ -28,7 +28,7 @@ plant an_index_beyond_its_array_is_found src/base/base64.c 'text[used++] = digit
 plant a_format_without_its_number_is_found src/cli/cmd_compare.c '"verdict   %s\n", agree ? "agree" : "differ"' '"verdict   %s\n"' wrongPrintfScanfArgNum
 plant an_element_that_is_not_there_is_found src/volume/itk/dicom.cc 'return value[0];' 'std::vector<double> empty; return empty[0];' containerOutOfBounds
 
-# A list of suppressions that explains what nobody finds, or does not say why, is refused.
+# A suppression that matches no finding, or has no reason, is refused.
 mkdir -p copy/tests copy/src/base copy/exporters && cp "$top"/tests/{cppcheck.sh,cppcheck.h,known.awk} copy/tests/ && cp "$top/src/base/"base64.[ch] copy/src/base/
 echo 'src/base/base64.c uninitvar text # as it is' >copy/tests/cppcheck.supp
 check what_is_explained_is_no_finding bash copy/tests/cppcheck.sh "$dir/other"

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# A volume alone is enough for a picture, an export and a report; what is wrong with options is said before any work.
+# A volume alone is enough for a picture, an export and a report; wrong options are reported before any work.
 . "$(dirname "$0")/lib.sh"
 "$ISOSHADE" make shells --size 24 -q -o v.nrrd
 "$ISOSHADE" make vessels --size 40 -q -o vessels.nrrd

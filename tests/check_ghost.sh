@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# A head whose rest and whose skin have the same means two levels down: what is said of the skin's ghost, and that it is not
+# A head whose rest and whose skin have the same means two levels down: the message about the skin's ghost, which is not
 # drawn. tests/test_ghost.c has the measure.
 . "$(dirname "$0")/lib.sh"
 python3 - <<'END' || exit 1

@@ -98,7 +98,7 @@ flock kept.work sleep 0.3 & # as what a killed run had started, until it is gone
 check a_lock_that_ends_soon_is_waited_for job --size 16 --levels 1 -o kept
 wait
 rm -rf kept.work
-# ---- an interruption: nothing more is begun, and how to go on is said ----
+# ---- an interruption: no further step starts, and the message has the command to continue ----
 cat >stopped <<'END'
 #!/bin/sh
 case "$*" in *-version*) echo "POV-Ray 3.7.0.10"; exit 0 ;; esac
@@ -139,7 +139,7 @@ assert sum(r["processor_seconds"].values()) <= 1.01 * work["processor_seconds"] 
 PY
 check sizes_and_work_are_in_the_report python3 small.py
 
-# ---- a budget: what is left out is said, and nothing is claimed of it ----
+# ---- a budget: skipped checks are listed, without a verdict ----
 expect nothing_is_compared_in_no_time 1 "$ISOSHADE" validate v.nrrd --scene "$scene" --with gl --quick --size 16 --levels 2 --budget 0.01 -q -o hurried
 check which_is_said grep -q "not compared: shells, level 0, gl: the budget of 0.01 s was over" out
 check whole_stages_first test "$(grep '^not compared' out | sed -n '1,5s/^not compared: stage, .*/stage/p' | wc -l)" = 5

@@ -9,7 +9,7 @@ swap() { # FROM.iso KEY:LEVEL ...: a.iso with these, as bad.iso
     shift
     rm -rf bad.iso && cp -r a.iso bad.iso && "$python" "$top/tests/swap_levels.py" "$from" bad.iso "$@"
 }
-# A mismatch: exit code 1, and what is said of it.
+# A mismatch: exit code 1, and the message.
 found() { # NAME WORDS COMMAND
     local name=$1 words=$2
     shift 2

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# valgrind's memcheck watches each reader on its seeds: nothing is decided by a value that nobody set, and nothing read beside
+# valgrind's memcheck watches each reader on its seeds: no uninitialized value is used, and nothing is read beside
 # what was allocated, in libraries of others either. Readers that are programs of their own are not watched.
 . "$(dirname "$0")/lib.sh"
 fuzz=$(dirname "$(readlink -f "$ISOSHADE")")/isoshade-fuzz
@@ -30,7 +30,7 @@ for program in isoshade-arrays:hdf5,netcdf,zarr isoshade-itk:dicom,slices isosha
     check "$name" memcheck_programs "$top/tests/fuzz/seeds" ${formats//,/ }
     check "${name}_is_watched" watched "$name"
 done
-# In the place of one, a program that decides by a value that nobody set.
+# Planted: a program that depends on an uninitialized value.
 mkdir -p beside && cp "$fuzz" beside/ && cat >unset.c <<'END'
 #include <stdlib.h>
 int main(void) { int *volatile unset = malloc(sizeof *unset); return unset && *unset == 12; }
@@ -40,9 +40,9 @@ if cc -g -o beside/isoshade-vdb unset.c; then
     notice what_a_planted_program_decides_by_is_found planted_program
     check and_nothing_else_failed test ! -s err
 fi
-# A value that nobody set decides; the same reader without it is quiet.
+# Planted: an uninitialized value; the same reader without it is quiet.
 mkdir -p planted quiet/planted && echo '{"level": 12}' >planted/a.json && cp "$top/tests/fuzz/seeds/planted/"* quiet/planted/
-notice a_planted_value_that_nobody_set_is_found memcheck "$dir" planted
+notice a_planted_uninitialized_value_is_found memcheck "$dir" planted
 check and_it_is_what_was_found grep -q 'uninitialised' err
 check what_is_set_is_not memcheck "$dir/quiet" planted
 exit $failed

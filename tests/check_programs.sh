@@ -99,7 +99,7 @@ blender python 'echo "Error: python is $PYTHONHOME$PYTHONPATH."; exit 9' a_blend
 export ISOSHADE_SANDBOX=off
 blender unboxed 'echo "Error: is ${PATH%%:*}$PYTHONHOME$PYTHONPATH"; exit 9' nor_without_a_sandbox "is $dir"
 unset PYTHONPATH PYTHONHOME ISOSHADE_SANDBOX
-# What it is told is read where it runs, although TMPDIR says from where isoshade runs where folders are to be.
+# Its input is read in its own folder, although TMPDIR is relative to the folder of isoshade.
 mkdir here
 export TMPDIR=here
 blender told 'test -s "${!#}" && echo "Error: it is there"; exit 9' a_tmpdir_that_is_no_whole_path "it is there"

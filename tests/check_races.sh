@@ -92,7 +92,7 @@ race() {
     [ $good -ge "$wanted" ] || { echo "$good of $# runs ended well: $(cat run0)"; return 1; }
     whole
 }
-# The first is killed at a moment that differs from round to round; the other has to go on, and whoever comes after them.
+# The first is killed at a moment that differs from round to round; the other, and later commands, have to go on.
 kill_one() {
     local first second
     (command "$of" 0) >run0 2>&1 &

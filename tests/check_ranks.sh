@@ -92,7 +92,7 @@ expect two_ranks_take_up_what_three_left 0 ranks 2 $big -o no.iso --resume --jso
 check from_where_they_stood grep -qE '"resumed_at_plane": [1-9]' out
 "$ISOSHADE" build $big -o one.iso >/dev/null
 check to_the_same_bytes same one.iso no.iso
-# Planted: a file that differs in one byte is told from the same.
+# Planted: a file that differs in one byte is found.
 printf 'x' | dd of=no.iso/level_1_dir.nrrd bs=1 seek=5000 conv=notrunc 2>/dev/null
 check one_byte_would_be_seen bash -c '! diff -rq one.iso no.iso >/dev/null'
 exit $failed

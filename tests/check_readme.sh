@@ -35,7 +35,7 @@ enter() { mkdir -p "$dir/$1" && cd "$dir/$1" && ln -sfn "$top/refscenes" refscen
 # page: each call of the program before PATH is set has to be ./isoshade
 called_too_early() { blocks "$1" | awk '/^export PATH=\$PWD:/ {exit} /^isoshade / {print}'; }
 
-# Planted: a page without commands, and one whose command fails, are told.
+# Planted: a page without commands, and one whose command fails.
 notice_lines() { [ -n "$(run_lines "$1" | grep '^not ok')" ]; }
 check a_page_without_commands_would_be_seen notice_lines planted </dev/null
 check a_command_that_fails_would_be_seen notice_lines planted <<<'isoshade info nothing.nrrd'

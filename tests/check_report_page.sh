@@ -3,7 +3,7 @@
 # The report in a browser, as its reader uses it: failed cases, A/B flip, threshold, zoom, no network, and a screenshot.
 . "$(dirname "$0")/lib.sh"
 cd "$top" || exit 1
-# A step of opacity 0.9999 that is said to be smooth, which floats do not meet, so that the page has a failed case.
+# A step of opacity 0.9999 in a scene declared smooth, whose limits floats exceed, so that the page has a failed case.
 mkdir "$dir/strict"
 sed 's/"tf": "sharp"/"tf": "smooth"/; s/"opacity": 0.7/"opacity": 0.9999/' refscenes/suite/step.scene.json >"$dir/strict/strict.scene.json"
 expect a_report_with_a_failed_case_is_exit_1 1 "$ISOSHADE" validate --suite "$dir/strict" --quick --size 12 --with gl,povray --quiet \
@@ -68,7 +68,7 @@ browse "$page" --screenshot="$dir/report.png" >/dev/null
 # A blank page of this size packs into a few kilobytes.
 check a_screenshot_is_no_blank_page test "$(stat -c %s "$dir/report.png")" -gt 40000
 
-# Levels under the original and the adapted transfer function. The renderers agree, so the rest is not asked of this page;
+# Levels under the original and the adapted transfer function. The renderers agree, so this page has no other failures;
 # its scene asks for a level that is nearer to level 0 than 8 x 9 x 7 voxels can be, so the level fails.
 "$ISOSHADE" make shells --size 16x18x14 -o "$dir/v.nrrd"
 cp refscenes/shells.tf.json "$dir"

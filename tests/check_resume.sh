@@ -23,7 +23,7 @@ other=$dir/other_program/isoshade
 
 # ---- build: killed in the middle, as by a crash ----
 tracing() { strace -f -qq -o /dev/null -e trace=/^rename true 2>/dev/null; }
-# killed NAME ARGUMENT...: leaves .NAME.iso.partial, as it is before its fourth note of how far it is
+# killed NAME ARGUMENT...: leaves .NAME.iso.partial, as it is before its fourth progress note
 killed() {
     local name=$1
     shift

@@ -100,7 +100,7 @@ chmod 755 . && mkdir -m 777 browser && cp "$top/tests/peers/chromium.py" browser
 cat >browser/chromium <<'END'
 #!/bin/sh
 case " $* " in *' --no-sandbox '*) echo without ;; *) echo within ;; esac >"$SAID"
-head -c 1 <&3 >/dev/null # what it is told first
+head -c 1 <&3 >/dev/null # the first byte that it is sent
 END
 chmod 755 browser/chromium
 browser() { # COMMAND ...: with or within its sandboxes, by what it is started with

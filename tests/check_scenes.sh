@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# A contact sheet: each picture is what its command makes, pixel by pixel; what shows nothing is left out with the reason.
+# A contact sheet: each picture is what its command makes, pixel by pixel; an empty picture is left out with the reason.
 . "$(dirname "$0")/lib.sh"
 "$ISOSHADE" make shells --size 20x24x18 --type uint8 -q -o "a volume.nrrd"
 far=far.tf.json # beyond the volume's values

@@ -3,7 +3,7 @@
 # Whoever reads a report handles every section of it: a section that is added to the table alone does not compile in any of them,
 # and is missing on the page.
 . "$(dirname "$0")/lib.sh"
-# compiles FILE [MORE]: with one more section, which nobody handles
+# compiles FILE [MORE]: with one more section, which no code handles
 compiles() {
     "${CC:-gcc}" -std=c11 -fsyntax-only -D_GNU_SOURCE -I "$top/src" -I "$top/exporters" -I "$top" \
         "-DISO_SECTION_MORE(X)=${2-}" "$top/src/report/$1"

@@ -69,7 +69,7 @@ check reproduce_commands_give_the_images_of_the_report run_commands < <(commands
 commands report 'gl, limit' | sed 's/ --limit//' >planted
 expect a_command_that_gives_another_image_is_noticed 1 run_commands <planted
 
-# The formula of a ramp does not hold for its coarse levels, which is said; all else is compared.
+# The formula of a ramp does not hold for its coarse levels, which the report lists; all else is compared.
 mkdir coarse && cp "$suite/negative-ramp.scene.json" coarse
 expect a_level_without_a_formula_does_not_end_a_suite 0 validate --suite coarse --levels 2 --size 8 -o coarse-report
 check it_is_said_of_the_level grep -q 'not compared: negative-ramp, level 1, gl, limit: the scene.s formula does not hold for this level: ' "$dir/out"
@@ -104,7 +104,7 @@ refuse the_reference_has_no_limit 2 "--limit needs --with gl, cpu, cycles or pov
 refuse a_limit_halves_intervals 2 "must be even" render --with povray --limit --intervals 7
 refuse one_seed_has_no_scatter 2 "--seeds" validate --suite few --seeds 1 -o no
 refuse a_suite_takes_no_scene 2 "exclude each other" validate --suite few --scene x.scene.json -o no
-# A step of opacity 0.9999 that is said to be smooth: a float sample falls on its other side, which is not forgiven then.
+# A step of opacity 0.9999 in a scene declared smooth: a float sample falls on its other side, which is an error then.
 mkdir sharp
 sed 's/"tf": "sharp"/"tf": "smooth"/; s/"opacity": 0.7/"opacity": 0.9999/' "$suite/step.scene.json" >sharp/sharp.scene.json
 expect a_row_outside_its_limits_is_exit_1 1 "$ISOSHADE" validate --with gl --quick -q --suite sharp --size 12 -o wide --junit wide.xml
@@ -160,7 +160,7 @@ check the_empty_scene_is_held_to_the_background_exactly python3 -c 'import json
 rows = [r for r in json.load(open("report/report.json"))["agreement"] if r["scene"] == "empty"]
 assert rows and all(r["limits"] == {"max_abs": 0} and r["gates"] == [] and r["verdict"] == "agree" for r in rows), rows'
 
-# What nobody takes part in is said.
+# A check without renderers is listed.
 expect a_run_without_the_ray_caster 0 "$ISOSHADE" validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --with povray --quick --levels 2 --size 8 -q -o alone
 check counts_what_was_not_compared grep -q '4 of 6 requested comparisons are within their limits; not compared: 2 stages that did not run' "$dir/out"
 check with_the_reason grep -q '^not compared: stage, consistency: the views of all levels are drawn by gl: it was not asked for' "$dir/out"

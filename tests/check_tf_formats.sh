@@ -142,7 +142,7 @@ refuse slicer_named_csv 4 'other.csv: its content is a volume property of 3D Sli
 cp map.json other.vp.json
 check json_is_told_by_its_content convert other.vp.json -o whole.tf.json -q
 [ ! -e z.tf.json ] && ok nothing_half_written || not_ok nothing_half_written "$(ls)"
-# What a file leaves open is said in a scene, and to palette, as to tf convert.
+# Settings that a file lacks are given in a scene, and to palette, as to tf convert.
 "$ISOSHADE" make shells --size 12 -q -o open.nrrd
 printf '0 0 0\n1 0.5 0\n1 1 1\n' >colors.csv
 scene_with() { sed "s|\"tf\": \"shells.tf.json\"|\"tf\": $1|" "$top/refscenes/shells.scene.json" >open.scene.json; }

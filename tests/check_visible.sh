@@ -57,6 +57,6 @@ refuse validate_refuses_another_view 5 "the camera looks past the volume" valida
 "$ISOSHADE" validate v.nrrd --scene away.scene.json --anyway --quick --levels 1 --size 16 --with gl -q -o report >out 2>err
 check anyway_it_is_validated test -s report/report.json
 check and_warned_of grep -q "isoshade validate: warning: the camera looks past" err
-# As of an older version's report, of which nobody was warned.
+# As in a report of an older version, without a warning.
 warns a_figure_of_nothing "pictures show the volume on less than .1 %" "$ISOSHADE" figure report --kind renderers -q -o figure
 exit $failed

@@ -33,7 +33,7 @@ END
 check it_draws_by_itself test -s as-is.exr
 notice by_itself_it_is_far_off "$ISOSHADE" compare clipped-reference.exr as-is.exr --max-abs 0.1
 
-# ---- what it cannot do is said by name ----
+# ---- unsupported features are refused by name ----
 printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspace: right-anterior-superior\nspace directions: (1,0,0) (0.5,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\nabcdefgh' > sheared.nrrd
 "$ISOSHADE" render sheared.nrrd --scene clipped.scene.json --with vtk -o x.exr -q >log 2>&1
 check a_sheared_grid grep -q "a sheared grid" log

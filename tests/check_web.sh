@@ -39,7 +39,7 @@ holds a_constant_is_right_within_eight_bits "length(\"$is\") && ${is:-1} < 0.008
 # One thing after another is taken away, and only what pow() of software GL rounds is left: 2e-4 was seen.
 is=$(picture and-canvas "$web/causes.json" 0.25)
 holds in_floats_it_is_the_reference "length(\"$is\") && ${is:-1} < 5e-4"
-# Planted: an extinction 2 % too strong, by the unit distance that is told.
+# Planted: an extinction 2 % too strong, by a wrong unit distance.
 mkdir wrong && cp "$web"/*.mjs "$web/renderers.json" wrong && mkdir -p wrong/node_modules/.isoshade
 cp "$web/node_modules/.isoshade/vtkjs.html" wrong/node_modules/.isoshade
 ln -s "$web/node_modules/@kitware" wrong/node_modules

@@ -110,7 +110,7 @@ signs = sign_vertices()
 tell("a_sign_where_it_is_missing", len(signs) == 1 and signs[0] > 100)
 bpy.ops.wm.save_mainfile()
 
-# The collection is what a person appends.
+# A user appends this collection.
 path = bpy.data.filepath
 bpy.ops.wm.read_factory_settings(use_empty=True)
 with bpy.data.libraries.load(path, link=False) as (there, taken):

@@ -153,7 +153,7 @@ class Runner:
         if code == "hangs":
             raise AssertionError(f"{right['step']}: hangs after {kind} {name_of(how)}")
         if how < 0 and code == -9:
-            # What has a name of its own is old or right; but for what validate keeps to go on from.
+            # A file with its final name is old or right, except for the work that validate continues from.
             files = listing(f"{here}/w")
             for n in files:
                 if not any(part.startswith((".", "report.work")) for part in n.split("/")) and \

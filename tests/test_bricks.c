@@ -84,7 +84,7 @@ static void a_face_of_own_nodes_is_found_out(void **state)
     iso_node_levels_destroy(&n);
 }
 
-/* Baking copies rows, and bricks are told by ranges of several; node by node gives the same. */
+/* Baking copies rows and finds bricks for ranges of nodes; node by node gives the same. */
 static size_t bricks_unlike_their_nodes(const iso_brick_field *told, const iso_brick_field *f, const iso_tf_table *tf)
 {
     const iso_node_levels *n = f->nodes;
@@ -121,7 +121,7 @@ static void bricks_are_baked_and_told_by_their_nodes(void **state)
         uint8_t levels[3 * 4 * 3];
         for (size_t i = 0; i < iso_brick_count(&n); ++i)
             levels[i] = (uint8_t)(4 * random_unit());
-        entries[4 * (size_t)(32 * random_unit()) + 3] = 1; /* what shows is a narrow band */
+        entries[4 * (size_t)(32 * random_unit()) + 3] = 1; /* only a narrow band is visible */
         const iso_tf_table tf = {.count = 32, .lo = n.min, .hi = n.max, .entries = entries};
         const iso_brick_field f = {&n, levels, ISO_FACES_BAKED}, own = {&n, levels, ISO_FACES_OWN};
         if (bricks_unlike_their_nodes(&f, &f, &tf) > 0)

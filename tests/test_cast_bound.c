@@ -77,14 +77,14 @@ static void known_costs_give_their_bound(void **state)
     assert_true(iso_bench_skipping_bound(&dense, seconds(&dense), &unlike, seconds(&unlike)) < 0.7 * bound);
 }
 
-static void what_shows_costs_no_less_than_what_does_not(void **state)
+static void visible_samples_cost_no_less_than_hidden_ones(void **state)
 {
     const bench_samples dense = {1000, 900}, sparse = {1200, 60};
     (void)state;
     assert_true(fabs(iso_bench_skipping_bound(&dense, 900, &sparse, 1200) - 1200.0 / 60) < 1e-9);
 }
 
-static void where_nothing_shows_there_is_no_bound(void **state)
+static void without_visible_samples_there_is_no_bound(void **state)
 {
     const bench_samples dense = {1000, 900}, none = {1200, 0};
     (void)state;
@@ -97,8 +97,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_in_a_slab_show_something),
         cmocka_unit_test(known_costs_give_their_bound),
-        cmocka_unit_test(what_shows_costs_no_less_than_what_does_not),
-        cmocka_unit_test(where_nothing_shows_there_is_no_bound),
+        cmocka_unit_test(visible_samples_cost_no_less_than_hidden_ones),
+        cmocka_unit_test(without_visible_samples_there_is_no_bound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -175,7 +175,7 @@ static void exchanged_tfs_are_seen_in_the_rows(void **state)
 }
 
 /* No table can be nearer to voxels that are all alike. */
-static void a_refused_adaptation_is_said_with_the_originals_figures(void **state)
+static void a_refused_adaptation_is_reported_with_the_originals_figures(void **state)
 {
     (void)state;
     subject s;
@@ -363,7 +363,7 @@ static void a_budget_ends_between_two_views(void **state)
     close_subject(&s);
 }
 
-/* What the verdict needs is there: it is given, and what it lacks is said. */
+/* With all that the verdict needs it is given; otherwise it names the missing part. */
 static void a_budget_leaves_out_bounds_and_more_views(void **state)
 {
     (void)state;
@@ -394,7 +394,7 @@ int main(void)
         cmocka_unit_test(every_method_has_a_row_under_either_tf_at_every_level),
         cmocka_unit_test(a_row_is_of_its_own_level_and_tf),
         cmocka_unit_test(exchanged_tfs_are_seen_in_the_rows),
-        cmocka_unit_test(a_refused_adaptation_is_said_with_the_originals_figures),
+        cmocka_unit_test(a_refused_adaptation_is_reported_with_the_originals_figures),
         cmocka_unit_test(levels_are_judged_with_their_extinction_scales),
         cmocka_unit_test(the_scale_of_another_level_is_rejected),
         cmocka_unit_test(a_scale_that_is_not_used_is_rejected),

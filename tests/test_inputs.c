@@ -36,7 +36,7 @@ static char *make_file(const char *name)
     return path;
 }
 
-/* The first test: nobody watches yet. */
+/* The first test: nothing is watched yet. */
 static void a_program_may_save_what_it_has_loaded(void **state)
 {
     (void)state;

@@ -108,8 +108,7 @@ static void large_ones_are_advised_to_be_of_huge_pages(void **state)
     assert_true(asks_for_huge_pages(iso_large_alloc));
 }
 
-/* A sanitizer's allocator ends the program where others return NULL, unless it is told not to; the rest of its options
- * stay. */
+/* A sanitizer's allocator ends the program instead of returning NULL, unless an option forbids it. */
 const char *__asan_default_options(void);
 const char *__asan_default_options(void)
 {

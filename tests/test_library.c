@@ -403,7 +403,7 @@ static void missing_files_are_named(void **state)
     assert_null(tf);
     assert_null(scene);
     assert_null(image.rgba);
-    assert_int_equal(iso_volume_open("/no/such.nrrd", &volume, NULL), ISO_E_IO); /* nobody wants the sentence */
+    assert_int_equal(iso_volume_open("/no/such.nrrd", &volume, NULL), ISO_E_IO); /* without a message */
 }
 
 static void bad_volumes_are_refused(void **state)

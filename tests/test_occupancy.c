@@ -152,8 +152,8 @@ static void octants_hold_the_largest_empty_cubes_ahead(void **state)
     free(occupied);
 }
 
-/* What is asked of the list is what the table says; planted: a list that forgets the last entry that shows. */
-static void a_list_of_what_shows_next_says_the_same(void **state)
+/* The list gives the answers of the table. Planted: a list without the last visible entry. */
+static void a_list_of_the_next_visible_entries_agrees(void **state)
 {
     float entries[4 * 40] = {0};
     uint32_t next[40];
@@ -181,7 +181,7 @@ int main(void)
         cmocka_unit_test(distance_is_to_the_nearest_occupied_brick),
         cmocka_unit_test(bricks_of_no_voxel_are_refused),
         cmocka_unit_test(octants_hold_the_largest_empty_cubes_ahead),
-        cmocka_unit_test(a_list_of_what_shows_next_says_the_same),
+        cmocka_unit_test(a_list_of_the_next_visible_entries_agrees),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -136,7 +136,7 @@ static void a_voxel_alone_is_not_overlooked(void **state)
 
 /* A step from 0 to 1 whose transfer function shows values near 1/4 alone: no voxel has one, and of level 1, whose value
  * half-way between its nodes is 1/2, none of level 0's places has one either. */
-static void what_shows_between_voxels_alone_is_not_overlooked(void **state)
+static void values_visible_only_between_voxels_are_not_overlooked(void **state)
 {
     (void)state;
     enum { SIDE = 17, STEP = 8 };
@@ -223,7 +223,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(prediction_bounds_the_model_and_is_near_the_measured_error),
         cmocka_unit_test(a_voxel_alone_is_not_overlooked),
-        cmocka_unit_test(what_shows_between_voxels_alone_is_not_overlooked),
+        cmocka_unit_test(values_visible_only_between_voxels_are_not_overlooked),
         cmocka_unit_test(plan_does_not_depend_on_threads),
         cmocka_unit_test(bricks_behind_the_opaque_and_outside_the_view_are_left_out),
     };

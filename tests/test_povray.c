@@ -252,7 +252,7 @@ enum { RUN_CHANNELS = 2, RUN_X = 37, RUN_Y = 3, RUN_Z = 2 };
 typedef struct run_source {
     float values[RUN_Z * RUN_Y * RUN_X][RUN_CHANNELS];
     size_t read;
-    bool lies; /* the planted fault: what differs is said to be alike, too */
+    bool lies; /* the planted fault: different values are reported as equal */
 } run_source;
 
 static bool is_even(size_t voxel)

@@ -161,8 +161,7 @@ static void nothing_that_it_started_outlives_it(void **state)
     assert_non_null(strstr(err.text, "ended by signal 11"));
 }
 
-/* What cannot be started is told as such, with the system's reason: not as an exit code, which a program may have
- * too. */
+/* A program that cannot be started is reported with the system's reason, not as an exit code of the program. */
 static void one_that_cannot_be_started_says_why(void **state)
 {
     (void)state;
@@ -359,7 +358,7 @@ static void a_program_that_stays_answers_line_by_line(void **state)
     assert_non_null(strstr(why.text, "exit code 3: an error is here"));
     iso_process_end(p);
 
-    /* Told nothing more, it ends by itself; one that has gone meanwhile is told of at the next line. */
+    /* Without more input it ends by itself; the next line finds that it has ended. */
     assert_ok(iso_process_start(answering, NULL, &(iso_sandbox_wish){0}, &p, &err));
     assert_ok(iso_process_listen(p, "done", NULL, &ended, &err));
     iso_process_end(p);

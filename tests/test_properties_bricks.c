@@ -282,7 +282,7 @@ static const char *choices_fail(const unsigned *n, iso_plan *p, const iso_node_l
     for (size_t e = 0; e < 4; allowed += 1e-3 * n[ERRORS + e], ++e) {
         size_t taken;
         const double predicted = iso_plan_choose(p, nodes, allowed);
-        for (size_t i = 0; coarser && i < p->brick_count; ++i) /* planted: levels that nobody asked for */
+        for (size_t i = 0; coarser && i < p->brick_count; ++i) /* planted: levels that were not requested */
             p->levels[i] = (uint8_t)(p->level_count - 1);
         const double counted = predicted_of(p, nodes, &taken);
         for (size_t i = 0; i < p->brick_count; ++i)
@@ -422,7 +422,7 @@ static void planted_faults_are_found_and_shrunk(void **state)
         "to 0 0 0 3 0 0 0 0 0 0 0 0 0 0",       /* two bricks */
         "to 0 0 0 0 1 0 0 0 1 0 0 0 0 0",       /* one voxel, whose brick changes its level */
         "to 0 0 0 1 1 0 0 0 0 0 0 0 0 0 0 0 1", /* two voxels, two levels, one opacity above 0 */
-        "to 0 0 0 0 0 0 1 0 0 0 0 0 0 0",       /* one brick, which nobody sees */
+        "to 0 0 0 0 0 0 1 0 0 0 0 0 0 0",       /* one brick, invisible */
     };
     for (size_t i = 0; i < sizeof planted / sizeof *planted; ++i)
         assert_shrunk(&planted[i], smallest[i]);

@@ -218,7 +218,7 @@ static void closed_forms_hold_to_a_billionth(void **state)
     free(s.level.scalar);
 }
 
-/* Samples at equal steps: what is passed over changes no bit. */
+/* Samples at equal steps: skipping changes no bit. */
 static void samples_in_lock_step_are_the_same_to_the_bit(void **state)
 {
     (void)state;
@@ -289,8 +289,8 @@ static void instruction_sets_give_the_same_bits(void **state)
     }
 }
 
-/* A block is passed over only where no value in it is shown, and one that holds nothing is. */
-static void only_what_shows_nothing_is_passed_over(void **state)
+/* A block is skipped only if no value in it is visible; an empty one is skipped. */
+static void only_blocks_without_visible_values_are_skipped(void **state)
 {
     (void)state;
     for (uint64_t seed = 300; seed < 340; ++seed) {
@@ -327,7 +327,7 @@ static void only_what_shows_nothing_is_passed_over(void **state)
     }
 }
 
-/* One voxel of a grid is shown, at every place in turn: no block that is passed over holds a cell that it touches. */
+/* One voxel of a grid is shown, at every place in turn: no skipped block holds a cell that it touches. */
 static void one_voxel_is_never_passed_over(void **state)
 {
     (void)state;
@@ -359,9 +359,9 @@ static void one_voxel_is_never_passed_over(void **state)
     iso_shown_destroy(&shown);
 }
 
-/* A few voxels are shown, and rays go through edges of blocks that show nothing, where a place is rounded to either
- * side of both faces: they end, and with what they have where no block is passed over. The walk once went to and fro at
- * some of these without end, which the alarm tells. */
+/* A few voxels are visible, and rays go through edges of invisible blocks, where a place is rounded to either side of
+ * both faces: they end, with the result of a ray that skips no block. A walk that goes to and fro without end raises
+ * the alarm. */
 static void rays_along_edges_of_empty_blocks_end(void **state)
 {
     (void)state;
@@ -461,7 +461,7 @@ int main(void)
         cmocka_unit_test(closed_forms_hold_to_a_billionth),
         cmocka_unit_test(samples_in_lock_step_are_the_same_to_the_bit),
         cmocka_unit_test(instruction_sets_give_the_same_bits),
-        cmocka_unit_test(only_what_shows_nothing_is_passed_over),
+        cmocka_unit_test(only_blocks_without_visible_values_are_skipped),
         cmocka_unit_test(one_voxel_is_never_passed_over),
         cmocka_unit_test(rays_along_edges_of_empty_blocks_end),
         cmocka_unit_test(intervals_end_at_the_entries_that_show_nothing),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What texture units round is told from faults: a smooth TF on values that are steep, as a CT beside its padding. */
+/* The rounding of texture units is distinguished from faults: a smooth TF on steep values, as of a CT next to its
+ * padding. */
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>

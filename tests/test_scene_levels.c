@@ -242,7 +242,7 @@ static void what_it_says_of_itself_is_held_to_it(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void memory_is_foreseen(void **state)
+static void memory_is_estimated(void **state)
 {
     (void)state;
     const size_t size[3] = {100, 100, 100};
@@ -261,7 +261,7 @@ int main(void)
         cmocka_unit_test(a_sharp_surface_gets_levels_of_its_own),
         cmocka_unit_test(it_is_made_again_from_level_0),
         cmocka_unit_test(what_it_says_of_itself_is_held_to_it),
-        cmocka_unit_test(memory_is_foreseen),
+        cmocka_unit_test(memory_is_estimated),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

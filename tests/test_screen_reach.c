@@ -84,7 +84,7 @@ static size_t count_missed(const scene_case *c, const iso_screen_reach *r, iso_r
     return missed;
 }
 
-static void what_shows_is_within_the_distances_of_its_tile(void **state)
+static void visible_points_are_within_the_distances_of_their_tile(void **state)
 {
     iso_random random = {11};
     (void)state;
@@ -100,7 +100,7 @@ static void what_shows_is_within_the_distances_of_its_tile(void **state)
     assert_true(seen > 5000);
 }
 
-/* The same with blocks of which each is thought to begin a block further: points are missed. */
+/* Planted: each block is taken to begin one block further, so points are missed. */
 static void blocks_that_stand_elsewhere_are_noticed(void **state)
 {
     iso_random random = {11};
@@ -118,7 +118,7 @@ static void blocks_that_stand_elsewhere_are_noticed(void **state)
     assert_true(missed > 0);
 }
 
-static void what_shows_nothing_is_in_no_tile(void **state)
+static void invisible_blocks_are_in_no_tile(void **state)
 {
     iso_random random = {5};
     scene_case c;
@@ -158,9 +158,9 @@ static void blocks_inside_others_are_passed_over_and_nothing_changes(void **stat
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_shows_is_within_the_distances_of_its_tile),
+        cmocka_unit_test(visible_points_are_within_the_distances_of_their_tile),
         cmocka_unit_test(blocks_that_stand_elsewhere_are_noticed),
-        cmocka_unit_test(what_shows_nothing_is_in_no_tile),
+        cmocka_unit_test(invisible_blocks_are_in_no_tile),
         cmocka_unit_test(blocks_inside_others_are_passed_over_and_nothing_changes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

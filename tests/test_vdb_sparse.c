@@ -192,7 +192,7 @@ static void a_left_handed_grid_is_as_sparse(void **state)
 }
 
 /* A band between two ranges that are not shown: values above it must not become the background below it. */
-static void voxels_beyond_what_shows_stay(void **state)
+static void voxels_beyond_visible_cells_stay(void **state)
 {
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
@@ -417,7 +417,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(every_cell_has_the_extinction_that_it_had, setup, teardown),
         cmocka_unit_test_setup_teardown(of_several_transfer_functions_any_shows, setup, teardown),
         cmocka_unit_test_setup_teardown(a_left_handed_grid_is_as_sparse, setup, teardown),
-        cmocka_unit_test_setup_teardown(voxels_beyond_what_shows_stay, setup, teardown),
+        cmocka_unit_test_setup_teardown(voxels_beyond_visible_cells_stay, setup, teardown),
         cmocka_unit_test_setup_teardown(a_voxel_too_few_is_found, setup, teardown),
         cmocka_unit_test_setup_teardown(directions_are_kept_where_something_is_seen, setup, teardown),
         cmocka_unit_test_setup_teardown(a_plain_background_changes_no_value, setup, teardown),

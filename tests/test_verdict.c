@@ -203,7 +203,7 @@ static void what_holds_a_limit_is_its_step_and_a_tenth_of_its_noise(void **state
 
 /* ---- verdicts ---- */
 
-static void what_shows_too_little_is_not_compared_unless_it_differs(void **state)
+static void a_faint_case_is_not_compared_unless_it_differs(void **state)
 {
     (void)state;
     iso_report_agreement row = {.error_bar = NAN,
@@ -374,7 +374,7 @@ int main(void)
         cmocka_unit_test(both_color_and_alpha_have_to_show),
         cmocka_unit_test(an_empty_image_is_its_background_in_every_bit),
         cmocka_unit_test(what_holds_a_limit_is_its_step_and_a_tenth_of_its_noise),
-        cmocka_unit_test(what_shows_too_little_is_not_compared_unless_it_differs),
+        cmocka_unit_test(a_faint_case_is_not_compared_unless_it_differs),
         cmocka_unit_test(two_empty_images_with_other_backgrounds_differ),
         cmocka_unit_test(without_limits_the_report_says_that_only_equal_images_agree),
         cmocka_unit_test(the_sentence_counts_what_was_asked_for),

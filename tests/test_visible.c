@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* test_visible.c - shares of voxels, faces and pictures whose values are known, and what is said of them. */
+/* test_visible.c - shares of voxels, faces and pictures with known values, and their messages. */
 #include "test.h"
 
 #include <math.h>
@@ -101,7 +101,7 @@ static void faces_count_by_their_area(void **state)
     s.scalar[index_of(2, 2, 0)] = 1;
     v = iso_visible_measure(&s.level, &s.view, NULL, 1);
     assert_true(iso_visible_complaint(&v, "the.nrrd", text, sizeof text));
-    s.view.clip_count = 1; /* whoever cuts the box open sees what is inside */
+    s.view.clip_count = 1; /* a clip plane shows the inside */
     s.view.clips[0] = (iso_clip_plane){{0, 1, 0}, 0};
     v = iso_visible_measure(&s.level, &s.view, NULL, 1);
     assert_false(iso_visible_complaint(&v, "the.nrrd", text, sizeof text));

@@ -48,9 +48,8 @@ typedef struct iso_blender_options {
     const char *command;      /* for exports: noted in the grid files; or NULL */
     const iso_volume *volume; /* for exports: scalars of level 0 if the pyramid has none (pyramid/narrow.h); or NULL */
     iso_cycles_stats *stats;  /* filled by renders for their first picture; or NULL */
-    iso_blender_session *
-        *session; /* for pictures: points to NULL at first; the caller ends the session. NULL: a fresh Blender per
-                   * call */
+    /* For pictures: points to NULL at first; the caller ends the session. NULL: a fresh Blender per call. */
+    iso_blender_session **session;
 } iso_blender_options;
 iso_blender_options iso_blender_defaults(void);
 
@@ -118,8 +117,8 @@ iso_status iso_blender_export_sequence(const iso_blender_sequence *sequence, con
 enum { ISO_BLENDER_VOLUME_NAME = 64 };
 typedef struct iso_blender_several {
     size_t level, count;
-    /* Loads volume i; the caller destroys p and view. name: of its box, and the end of its file's name; all are
-     * different. */
+    /* Loads volume i; the caller destroys p and view. name: the unique name of its box, also the end of its file's
+     * name. */
     iso_status (*load)(void *user, size_t i, iso_pyramid *p, iso_view *view, char name[ISO_BLENDER_VOLUME_NAME],
                        iso_error *err);
     void *user;

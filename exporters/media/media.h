@@ -18,8 +18,8 @@
 typedef struct iso_medium {
     const iso_baked *baked;
     size_t first[3]; /* in points of the lattice */
-    /* Unit of the grid and the camera: mm, unless absolute epsilons of the programs would show in so small or large a
-     * volume; then a power of ten of mm that makes it some tens of units across. */
+    /* Unit of the grid and the camera: mm. For very small or large volumes it is a power of ten of mm that makes them
+     * some tens of units across, so that absolute epsilons of the programs do not show. */
     double units_per_mm;
     char unit[24]; /* length of a unit, for comments */
     iso_geometry geometry;

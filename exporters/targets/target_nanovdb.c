@@ -11,7 +11,7 @@ extern const iso_export_target iso_export_target_vdb;
 
 static const char stage[] = "NanoVDB grids";
 
-static void tell(const iso_export_job *job)
+static void print_version(const iso_export_job *job)
 {
     if (job->results)
         json_object_set_new(job->results, "nanovdb", json_pack("{ss}", "format", iso_nanovdb_version()));
@@ -40,7 +40,7 @@ static iso_status write_nanovdb(const iso_export_job *job, iso_error *err)
     TRY(status, iso_nanovdb_from_vdb(vdb, job->output, err));
     iso_progress_report(job->progress, stage, 1);
     if (status == ISO_OK)
-        tell(job);
+        print_version(job);
     if (vdb)
         iso_remove_tree(vdb);
     free(vdb);

@@ -48,8 +48,8 @@ typedef struct iso_vdb_source {
     bool half_float, reversed_x; /* reversed_x: rows run against the volume's x */
     int threads; /* threads that read and compress values, at least 1; all call read() at the same time */
     const char *creator, *made_from, *meaning;
-    const char *labels; /* segments of a label map as JSON (volume/segments.h), "[]" if none has a name; NULL for other
-                  * volumes */
+    /* Segments of a label map as JSON (volume/segments.h), "[]" if none has a name; NULL for other volumes. */
+    const char *labels;
     int level;
     double value_min, value_max, box_index[3], spacing_mm[3];
     const char *unit; /* of the transform; "" if it has no name */

@@ -14,18 +14,16 @@
  *     | # | # |   |   | x |     cells marked # are seen
  *     o---o---o---.---.---O
  *
- * A seen cell keeps all eight values. In another cell, voxels may be replaced by the background b. Suppose that v is
- * replaced and w is not. Nothing between v and w shows, since the cell is not seen. Nothing between v and b shows,
- * since v was not kept. So nothing between w and b shows either: w is lit because of another cell, and this cell stays
- * unseen (so the cell marked x above cannot occur). Hence b must be a hidden value, and any hidden value is correct. It
- * is taken from the hidden range that holds most voxels, as far as possible from visible values, so that most voxels
- * are left out.
+ * A seen cell keeps all eight values. Another cell may lose voxels to the background b, but must stay unseen. Proof,
+ * for a lost voxel v and a kept voxel w of the cell: values between v and w are hidden, because the cell is not seen.
+ * Values between v and b are hidden, because v is not kept. So values between w and b are hidden, too: w is kept for
+ * another cell, and a cell like x above cannot occur. Any hidden value is a correct b. We take the hidden range that
+ * holds most voxels, and in it the value farthest from visible ones, so that most voxels are left out.
  *
- * This holds for the given transfer functions. After a later edit, voxels that it shows may be missing.
+ * This holds for the given transfer functions. If they are edited later, visible voxels may be missing.
  *
- * Without transfer functions, lit and kept are the corners of the cells whose eight values are not all the
- * background's. Then no transfer function loses anything, except directions inside a region of that value, which are
- * 0. */
+ * Without transfer functions, lit and kept are the corners of all cells that are not pure background. Then every
+ * transfer function gives the same picture, except that directions inside a region of the background's value are 0. */
 #ifndef ISO_VDB_SPARSE_H
 #define ISO_VDB_SPARSE_H
 

@@ -118,7 +118,7 @@ static int remove_entry(const char *path, const struct stat *st, int type, struc
     return remove(path);
 }
 
-/* Repeats if a step fails, such as an allocation: nobody finds the remains later. */
+/* Repeats if a step fails, such as an allocation: no later run would find the remains. */
 void iso_remove_tree(const char *path)
 {
     for (int tries = 0; tries < 3; ++tries)

@@ -81,14 +81,13 @@ void iso_remove_tree(const char *path);
 typedef struct iso_folder_lock {
     int fd;    /* of the folder; below 0: not locked */
     int cause; /* errno: EWOULDBLOCK, another process has the lock; ENOENT, the folder is missing. With an fd: 0, or
-                * the reason why this file system has no locks, so that nobody is kept out */
+                * the error if this file system has no locks, so that no process is kept out */
     bool made; /* True if the folder is new */
 } iso_folder_lock;
 
-/* Opens a folder, which is made first if `make` is set, and locks it. No link is followed. The folder that is locked is
- * the one that has the name: whoever had the lock before may have renamed or removed the folder, and then its new
- * bearer is locked. A lock of another process is waited for, two seconds at most: programs that a killed run had
- * started may hold its lock until they end. */
+/* Opens a folder, which is made first if `make` is set, and locks it. Follows no link. If the last holder of the lock
+ * renamed or removed the folder, the folder that has the name now is locked. Waits at most two seconds for a lock of
+ * another process: programs that a killed run had started may hold its lock until they end. */
 iso_folder_lock iso_folder_lock_take(const char *folder, bool make);
 
 /* Returns "dir/name", to be freed. NULL only when memory ends. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* json.h - reading and writing JSON files by jansson, with errors that name
- * the file and the key, and writing them whole or not at all.
+/* json.h - reads and writes JSON files with jansson. Errors name the file and the
+ * key; files are written completely or not at all.
  *
- * Readers go through an iso_json_reader: it remembers the first error, so that
- * a file is read key by key without a test after each. */
+ * An iso_json_reader remembers the first error, so that a file is read key by key
+ * with a single test at the end. */
 #ifndef ISO_JSON_H
 #define ISO_JSON_H
 
@@ -13,7 +13,7 @@
 
 #include "base/status.h"
 
-/* Returns the object that a text describes; messages name the file `path`. ISO_E_FORMAT with line and column. */
+/* Parses a text that is an object. path: name for messages. ISO_E_FORMAT with line and column. */
 iso_status iso_json_parse(const char *path, const char *text, size_t size, json_t **root, iso_error *err);
 /* Loads an object. ISO_E_IO, or ISO_E_FORMAT with line and column. */
 iso_status iso_json_load(const char *path, json_t **root, iso_error *err);
@@ -37,7 +37,7 @@ void iso_json_get_number(iso_json_reader *r, const json_t *object, const char *k
                          double *value);
 void iso_json_get_size(iso_json_reader *r, const json_t *object, const char *key, bool required, size_t lo, size_t hi,
                        size_t *value);
-/* Numbers of a list, each in [lo, hi]. */
+/* An array of `count` numbers, each in [lo, hi]. */
 typedef struct iso_json_list {
     double *values;
     size_t count;
@@ -46,23 +46,23 @@ typedef struct iso_json_list {
 void iso_json_get_numbers(iso_json_reader *r, const json_t *object, const char *key, bool required,
                           const iso_json_list *list);
 void iso_json_get_bool(iso_json_reader *r, const json_t *object, const char *key, bool required, bool *value);
-/* Reads a string, which the object keeps. */
+/* Reads a string, borrowed from the object. */
 void iso_json_get_string(iso_json_reader *r, const json_t *object, const char *key, bool required, const char **value);
-/* Reads a word of a NULL-terminated list; *index is its place. */
+/* Reads a word of a NULL-terminated list; *index: its position. */
 void iso_json_get_word(iso_json_reader *r, const json_t *object, const char *key, bool required,
                        const char *const words[], int *index);
-/* Objects and arrays, borrowed; NULL when absent and not required. */
+/* Return an object or array, borrowed; NULL if absent and not required. */
 json_t *iso_json_get_object(iso_json_reader *r, const json_t *object, const char *key, bool required);
 json_t *iso_json_get_array(iso_json_reader *r, const json_t *object, const char *key, bool required);
-/* Refuses a control character in each text of a value, at any depth. For kept JSON whose texts reach scripts and
- * terminals. key names the value. */
+/* Refuses control characters in all texts of a value, at any depth: some texts reach scripts and terminals. key: the
+ * name of the value. */
 void iso_json_check_texts(iso_json_reader *r, const char *key, const json_t *value);
 /* Refuses keys that are not in the NULL-terminated list: a misspelt option must not be ignored. */
 void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[]);
 
-/* Returns a number, or null for NaN and infinities, which JSON cannot hold. */
+/* Returns a number, or null for NaN and infinities, which JSON lacks. */
 json_t *iso_json_number(double value);
-/* Returns the list [a, b, c]. */
+/* Returns the array [a, b, c ...]. */
 json_t *iso_json_numbers(const double *values, size_t count);
 
 #endif

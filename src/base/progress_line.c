@@ -88,7 +88,7 @@ static void draw(iso_progress_line *line)
     line->drawn = now;
 }
 
-/* Lets the time be seen to pass while nobody reports. */
+/* Updates the elapsed time while no thread reports. */
 static void *tick(void *user)
 {
     iso_progress_line *line = user;

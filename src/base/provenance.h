@@ -15,30 +15,29 @@ typedef enum iso_provenance {
     ISO_PROVENANCE_NONE,  /* neither */
 } iso_provenance;
 
-/* Sets what outputs keep, once per process, before anything is written. At the start it is ISO_PROVENANCE_NAMES. */
+/* Sets the choice of this process, once, before the first output. The default is ISO_PROVENANCE_NAMES. */
 void iso_provenance_set(iso_provenance kept);
 iso_provenance iso_provenance_kept(void);
 
-/* Returns how an output names the file at path, which may be NULL: a part of path, or "". */
+/* Returns the name of a file for outputs: a part of path, or "". path may be NULL. */
 const char *iso_provenance_name(const char *path);
 
 /* Returns the title of the volume at path in outputs: its last name, or "a volume". */
 const char *iso_provenance_title(const char *path);
 
-/* Returns the name of the scene at path in outputs: "brain" of "dir/brain.scene.json". If names are left out it is
- * "scene", or "scene-N" of several, whose numbers begin at 1 (0: it is the only one). To be freed; NULL: out of
- * memory. */
+/* Returns the name of the scene at path in outputs: "brain" of "dir/brain.scene.json". With ISO_PROVENANCE_NONE
+ * it is "scene", or "scene-N" for a number N above 0. The caller frees it; NULL: out of memory. */
 char *iso_provenance_scene(const char *path, size_t number);
 
 /* Prints a word of a command line, quoted for a shell. The folders of a path are left out as by
  * iso_provenance_name(), also in "--option=path". A quotient such as 1/255 is not a path. */
 void iso_provenance_put_word(FILE *f, const char *word);
 
-/* Returns a command line of iso_words_put_quoted() and spaces as outputs show it; to be freed. NULL: out of memory. */
+/* Returns a command line, quoted by iso_words_put_quoted(), for outputs. The caller frees it. NULL: out of memory. */
 char *iso_provenance_line(const char *line);
 
-/* Shortens words of another program or of an error for outputs, in place: absolute paths without spaces lose their
- * folders, unless whole paths are kept. Returns text. */
+/* Prepares a message of an error or of another program for outputs: removes the folders of absolute paths without
+ * spaces, in place, unless whole paths are kept. Returns text. */
 char *iso_provenance_shorten(char *text);
 
 #endif

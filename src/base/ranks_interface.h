@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* ranks_interface.h - the interface of the library next to the program; private to ranks. */
+/* ranks_interface.h - functions that isoshade_mpi.so offers to the program (ranks.h); private to ranks. */
 #ifndef ISO_RANKS_INTERFACE_H
 #define ISO_RANKS_INTERFACE_H
 
@@ -10,7 +10,7 @@
 typedef struct iso_ranks_interface {
     void (*open)(int *index, int *count);
     void (*close)(void);
-    void (*gather)(const void *data, size_t bytes, void *all); /* to every rank */
+    void (*gather)(const void *data, size_t bytes, void *all); /* every rank gets the data of all */
     void (*broadcast)(void *data, size_t bytes);
     void (*largest)(double *values, size_t count);
     void (*send)(int to, const void *data, size_t bytes);

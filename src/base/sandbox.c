@@ -307,7 +307,8 @@ static bool is_kept(const char *setting, const iso_sandbox_wish *wish, size_t ch
     return kept;
 }
 
-/* Ours as it is wished; names that point to the folder and another PATH are copies, and come first. NULL: no memory. */
+/* Makes the program's environment. Variables that name its folder, and a changed PATH, are copies and come first.
+ * NULL: no memory. */
 static char **make_environment(const iso_sandbox_wish *wish, const char *folder, size_t changed)
 {
     const char *path = getenv("PATH");

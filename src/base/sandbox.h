@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* sandbox.h - limits of a started program: it may read its user's files, write into its own folder, use no network.
+/* sandbox.h - limits a started program: it may read its user's files and write to its own folder, without network.
  *
- * It uses only Linux features for any process, without a helper and without a namespace, so that it works in containers
- * and for root:
+ * It uses only Linux features that every process may use, without helpers or namespaces. So it works in containers and
+ * for root:
  *
- *   Landlock             writes, new files, removals and renames outside of the folders named here fail with EACCES or EXDEV;
+ *   Landlock             writes, new files, removals and renames outside of allowed folders fail with EACCES or EXDEV;
  *                        no signals to processes outside (from Linux 6.12 on)
- *   seccomp              sockets fail with EACCES, but for pairs of streams, io_uring with ENOSYS; without a graphics
- *                        device changes of rights, owners, times and extended attributes fail with EACCES, too
+ *   seccomp              sockets fail with EACCES (except pairs of streams), io_uring with ENOSYS; without a graphics
+ *                        device, changes of modes, owners, times and extended attributes also fail with EACCES
  *   PR_SET_NO_NEW_PRIVS  no program that it starts gets further rights
  *   the environment      TMPDIR is its own folder
  *
@@ -39,11 +39,11 @@ typedef struct iso_sandbox_wish {
 
 /* Prepared before the fork, entered after it. {0} is none. */
 typedef struct iso_sandbox {
-    bool closes;        /* it is one */
-    bool has_sockets;   /* those of this machine */
-    int rules;          /* of Landlock; below 0: none */
-    char **environment; /* of the program; NULL: as ours */
-    size_t copies;      /* its first settings, which are not ours */
+    bool closes;        /* False: no limits */
+    bool has_sockets;   /* True if local sockets are allowed */
+    int rules;          /* descriptor of Landlock's rules; below 0: none */
+    char **environment; /* of the program; NULL: ours */
+    size_t copies;      /* number of its first entries, which are owned */
 } iso_sandbox;
 
 /* Prepares a sandbox. folder: the program's own, which exists; NULL: it may write nowhere, and TMPDIR stays. Without
@@ -51,12 +51,11 @@ typedef struct iso_sandbox {
 iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder, iso_sandbox *box, iso_error *err);
 void iso_sandbox_release(iso_sandbox *box);
 
-/* Enters the sandbox in the process that becomes the program; makes system calls alone. False: a part that the kernel
- * has was refused. */
+/* Enters the sandbox. Called by the forked process; makes only system calls. False: the kernel refused a part. */
 bool iso_sandbox_enter(const iso_sandbox *box);
 
-/* Switches sandboxes on or off. Off: programs start as if all wishes were ISO_SANDBOX_NONE, and so do programs of
- * isoshade that they start. At the start it is on unless the environment variable ISOSHADE_SANDBOX is "off". */
+/* Turns sandboxes on or off, also for programs of isoshade that are started; off: every kind acts as
+ * ISO_SANDBOX_NONE. They are on by default, unless the environment variable ISOSHADE_SANDBOX is "off". */
 void iso_sandbox_set(bool on);
 bool iso_sandbox_is_on(void);
 

@@ -3,8 +3,8 @@
  *
  *     ISO_SIMD void kernel(const float *restrict in, size_t n, float *restrict out) ...
  *
- * Plain C loops that the compiler vectorizes for several instruction sets. Products and
- * sums are never fused (-ffp-contract=off), so that all of them give the same bits. */
+ * Kernels are plain C loops, which the compiler vectorizes. Products and sums are never
+ * fused (-ffp-contract=off), so that all instruction sets give the same bits. */
 #ifndef ISO_SIMD_H
 #define ISO_SIMD_H
 
@@ -21,7 +21,7 @@
 #define ISO_SIMD
 #endif
 
-/* Copies as memcpy does, past the caches, for results that are not read again soon. */
+/* Copies bytes past the caches, for results that are not read again soon. */
 void iso_copy_streaming(void *restrict to, const void *restrict from, size_t bytes);
 
 #endif

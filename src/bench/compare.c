@@ -152,7 +152,7 @@ static const json_t *find_row(const json_t *root, const char *name)
     return NULL;
 }
 
-/* Writes a factor, at most "100": intervals of few runs have such ends, and larger values tell nothing more. */
+/* Writes a factor, at most "100": intervals of few runs have such ends, and larger values mean no more. */
 static void write_times(char text[16], double times)
 {
     snprintf(text, 16, times <= 100 ? "%.3f" : "-", times);

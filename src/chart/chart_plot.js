@@ -6,7 +6,7 @@ const svg = (tag, attributes, ...children) => {
     e.append(...children.flat());
     return e;
 };
-// Colors that people with color blindness can tell apart (Okabe and Ito), ordered for light and dark themes.
+// Colors that people with color blindness can distinguish (Okabe and Ito), ordered for light and dark themes.
 const palette = ['#0072b2', '#d55e00', '#009e73', '#e69f00', '#cc79a7', '#56b4e9', '#8f8f8f', '#8c564b', '#8a9a00', '#7a6fd0'];
 const shapes = [
     s => `M${-s} 0a${s} ${s} 0 1 0 ${2 * s} 0a${s} ${s} 0 1 0 ${-2 * s} 0`, s => `M${-s} ${-s}h${2 * s}v${2 * s}h${-2 * s}z`,

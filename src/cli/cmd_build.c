@@ -144,7 +144,7 @@ static iso_status open_input(void *user, iso_volume_source **source, iso_error *
 /* Options that do not change the pyramid. */
 static const char *const not_in_key[] = {"threads", "memory", "save-every", NULL};
 
-static void warn_of_beginning_anew(const iso_cli *cli, const iso_stream_report *r)
+static void warn_of_new_start(const iso_cli *cli, const iso_stream_report *r)
 {
     if (!r->not_resumed[0] || cli->quiet)
         return;
@@ -176,7 +176,7 @@ static iso_status build_one(const build_job *job, const iso_pyramid_options *opt
     const iso_status status = iso_pyramid_stream(&source, opt, &stream, output, &report, &progress, err);
     iso_key_destroy(key);
     if (status == ISO_OK)
-        warn_of_beginning_anew(cli, &report);
+        warn_of_new_start(cli, &report);
     if (status == ISO_OK && cli->json)
         *json = to_json(cli, opt, &report, output);
     else if (status == ISO_OK)

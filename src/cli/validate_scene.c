@@ -37,7 +37,7 @@ static json_t *as_read(json_t *scene)
     return read;
 }
 
-/* The scene file at path, or NULL; its comment, and the comment of a file that nobody changed. */
+/* The scene file at path, or NULL; its comment, and the comment that an unchanged file has. */
 typedef struct standing {
     json_t *scene;
     char *wanted;      /* owned */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* validate_scene.h - DIR.scene.json, which validate writes next to its report if the scene has no file.
  *
- * Its comment has a checksum of the rest, so that the next run replaces it only if nobody has edited it. */
+ * Its comment has a checksum of the rest, so that the next run replaces it only if it is unchanged. */
 #ifndef ISO_CLI_VALIDATE_SCENE_H
 #define ISO_CLI_VALIDATE_SCENE_H
 

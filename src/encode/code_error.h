@@ -5,8 +5,8 @@
  * voxels are encoded, their lattice vectors are mixed with weights 1 - t and t, and
  * the result is decoded. The reference is the same mix of a and b themselves. At a
  * voxel t = 0. Means are over random directions (and t uniform in [0, 1]). The maximum
- * starts from the worst of these and climbs from there: it is attained, and a lower
- * bound of the supremum. */
+ * is found by a climb from the worst of these: some probe attains it, so it is a lower
+ * bound of the true maximum. */
 #ifndef ISO_CODE_ERROR_H
 #define ISO_CODE_ERROR_H
 
@@ -33,7 +33,7 @@ typedef struct iso_code_error_options {
     size_t count;      /* probes for the mean */
     double apart_deg;  /* angle between a and b; 0: at voxels */
     double min_length; /* lengths of a and b are uniform in [min_length, 1]; 1: unit vectors */
-    bool climb;        /* False: the maximum of the random probes */
+    bool climb;        /* True to climb; false: the maximum of the random probes */
     uint64_t seed;
 } iso_code_error_options;
 iso_code_error_options iso_code_error_defaults(void);

@@ -39,11 +39,10 @@ struct iso_gradient_matrix;
 typedef struct iso_gradient_info {
     const char *name;
     const char *summary;
-    int samples;  /* that a gradient is made of */
-    int order;    /* inside the volume the derivative of a polynomial of this degree along an axis is exact */
+    int samples;  /* per gradient */
+    int order;    /* polynomials of this degree along an axis have exact derivatives inside the volume */
     size_t reach; /* planes before and after a plane that its gradients read */
-    /* Gradients of the row (y, z), times the matrix, to the planar rows g; as iso_gradient_row() of
-     * gradient_kernel.h. */
+    /* Computes gradients of row (y, z), times the matrix, to the planar rows g, as iso_gradient_row() does. */
     void (*row)(const struct iso_planes *p, iso_gradient_method method, const struct iso_gradient_matrix *matrix,
                 size_t y, size_t z, float *scratch, float *const g[3]);
 } iso_gradient_info;

@@ -138,7 +138,7 @@ static bool wants_some(const power_options *o, unsigned traits)
     return some;
 }
 
-static void tell(const pace *p, const power_options *o, int i)
+static void report_progress(const pace *p, const power_options *o, int i)
 {
     char stage[160];
     const int planted_left = o->planted > i ? o->planted - i : 0, planted_done = o->planted < i ? o->planted : i;
@@ -159,7 +159,7 @@ static iso_status run_scene(iso_renderers *r, const power_options *o, int i, pow
                         .seeds = o->quick ? 3 : 4,
                         .threads = o->threads};
     const double start = iso_clock_seconds();
-    tell(p, o, i);
+    report_progress(p, o, i);
     iso_status status = iso_power_open(r, &c, err);
     for (int slow = 0; slow < 2 && status == ISO_OK; ++slow)
         status = run_gates(r, o, &c, ISO_FAULT_NONE, slow, out, err);

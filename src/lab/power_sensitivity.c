@@ -155,7 +155,7 @@ static iso_status find_smallest(study *s, const iso_power_case *c, const probe *
     return status;
 }
 
-static void tell(study *s, const probe *p, int scene)
+static void report_progress(study *s, const probe *p, int scene)
 {
     char stage[160];
     const double left = (iso_clock_seconds() - s->start) / s->done * (s->all - s->done);
@@ -172,7 +172,7 @@ static iso_status run_probe(study *s, const iso_power_case *c, size_t index, int
 {
     const probe *p = &s->probes[index];
     iso_status status = ISO_OK;
-    tell(s, p, scene);
+    report_progress(s, p, scene);
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT && status == ISO_OK; ++d) {
         threshold *t = &s->found[d][index];
         status = find_smallest(s, c, p, (iso_deviation)d, &t->amount[t->count], err);

@@ -45,8 +45,8 @@ extern const iso_command *const iso_commands[]; /* ends with NULL */
     }
 #define ISO_CLI_RENDERERS_OPTION(variable) \
     { \
-        "renderers", 0, POPT_ARG_STRING, variable, 0, "add render programs for --with (doc/extending.md)", \
-            "FILE.json,..." \
+        "renderers", 0, POPT_ARG_STRING, variable, 0, \
+            "add render programs for --with (doc/guide/judging-a-renderer.md)", "FILE.json,..." \
     }
 
 /* A parsed command line. */

@@ -49,7 +49,7 @@ iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_s
                                  iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT], iso_error *err);
 
 /* Replaces the scalars of levels first to p->level_count - 1 by those chosen, with their ranges, and sets p->made_for.
- * levels: as many as p has, or NULL. ISO_E_RANGE: the transfer function shows nothing that a fit could tell apart;
+ * levels: as many as p has, or NULL. ISO_E_RANGE: the transfer function shows nothing that a fit could improve;
  * ISO_E_MEMORY. */
 iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene, int threads,
                                  iso_scene_level *levels, const iso_progress *progress, iso_error *err);

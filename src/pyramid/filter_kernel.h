@@ -55,8 +55,8 @@ void iso_accumulate_row(const float *restrict row, size_t n, float *restrict acc
 void iso_double_row(float *row, size_t n);
 /* Computes the 2x2x2 mean: a and b hold n sums of two rows each, and capacity for one more float. */
 void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restrict out);
-/* Gets the label that most of 2x2x2 have, the largest of several: four rows of n labels; a last one of an odd n counts
- * twice. */
+/* Gets the majority label of each 2x2x2; ties go to the largest. Four rows of n labels; the last label of an odd n
+ * counts twice. */
 void iso_majority_row(const float *const rows[4], size_t n, float *restrict out);
 /* Reduces n fine values to (n + 1) / 2 weighted sums; the edge value is repeated. `padded` holds n + 2 radius
  * floats. */

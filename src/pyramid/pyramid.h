@@ -26,7 +26,7 @@
  * its size the one whose trilinear lookup is nearest to level 0 (doc/method/least-squares-levels.md); its values can
  * lie outside level 0's range. Damped: from the means ISO_DAMPED_PART of the way to it, where at level 1 it is first
  * held to the range of each voxel's own fine voxels. */
-/* Of a label map: the label that most of the 2x2x2 children have, of several such the largest. */
+/* Label maps: the majority label of the 2x2x2 children; ties go to the largest label. */
 #ifndef ISO_PYRAMID_H
 #define ISO_PYRAMID_H
 

@@ -55,7 +55,7 @@ typedef struct iso_reference_options {
     size_t planes;      /* povray: that cut the box across the view, each piece of a ray with its own intervals */
     double tolerance;   /* converged, per pixel value: of the parts that are halved until they stay, an estimate */
     double most_error;  /* the same, of the parts with a proved bound */
-    bool plain;         /* nothing is passed over, and every piece is halved: slow, for comparison */
+    bool plain;         /* True to skip nothing and halve every piece: slow, for comparison */
     double iso;         /* first hit: the value of the surface */
     iso_surface_output output; /* first hit: the property of the hit that the image shows */
     /* Converged and midpoint: instead of the level's scalar and the view's transfer function; or NULL. Converged: it is

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* external.h - renderers that are external programs, listed in a renderers.json. Such a program needs to know only the
- * request (request.h) and the pictures to write (doc/reference/files-request.md); doc/extending.md has a complete one.
+ * request (request.h) and the pictures to write (doc/reference/files-request.md). doc/guide/judging-a-renderer.md has a
+ * complete one.
  *
  * Each start has its own folder, which holds the request and is the working directory. There is no shell. The last
- * argument is the path of request.json. The time limit is that of the row or of --timeout, whichever is less. All child
- * processes end with it (base/supervisor.h). It runs in a sandbox that allows a graphics device (base/sandbox.h),
- * unless the row turns that off.
+ * argument is the path of request.json. The time limit is the smaller one of the row and of --timeout. All child
+ * processes end with the program (base/supervisor.h). It runs in a sandbox that allows a graphics device
+ * (base/sandbox.h), unless the row turns that off.
  *
  * Errors name the cause: a missing program, an exit code other than 0, a signal, the time limit; a picture that is
  * missing, not a regular file, older than the request, not OpenEXR, of another size, without one of the four

@@ -51,7 +51,7 @@ static bool is_own_name(const char *name)
                              strlen(name) == HASH_DIGITS + strlen(suffix)));
 }
 
-/* Handles an entry by the descriptor of the folder, so that nobody can put another folder in its place meanwhile. */
+/* Handles an entry by the descriptor of the folder, so that no other folder can take its place meanwhile. */
 typedef iso_status visitor(DIR *dir, const char *folder, const char *name, iso_error *err);
 
 static iso_status check_entry(DIR *dir, const char *folder, const char *name, iso_error *err)

@@ -159,7 +159,7 @@ struct iso_renderer_info {
                                   * iso_key_add_dependency() takes it; ends with NULL. NULL: none */
     const char *found_in;        /* of a user's program: the renderers.json that names it; or NULL */
 
-    const void *data; /* private to the file that defines it, to tell several renderers of that file apart; or NULL */
+    const void *data; /* private to the file that defines it, to distinguish its renderers; or NULL */
     const iso_renderer_info *beside; /* another version of the same program, to compare with; or NULL */
     /* Returns the argument of --with that selects it on a command line. NULL: its name. */
     const char *(*asked_by)(const iso_renderer_info *self);

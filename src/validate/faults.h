@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* faults.h - planted faults: known ways for a renderer or an exporter to be wrong. Tests and `isoshade-lab power` show
- * with them that each fault is rejected, by its check, from some amount on. */
+ * that the check of each fault rejects it, if its amount is large enough. */
 #ifndef ISO_VALIDATE_FAULTS_H
 #define ISO_VALIDATE_FAULTS_H
 
@@ -9,7 +9,7 @@
 #include "renderers/renderers.h"
 #include "scene/scene.h"
 
-/* enum, name, the check of calibrate.h that is made for it */
+/* enum, name, the check of calibrate.h that must find it */
 /* clang-format off */
 #define ISO_FAULT_LIST(X)                                                                    \
     X(ISO_FAULT_HALF_VOXEL, "the volume stands half a voxel off", "placement")               \
@@ -39,10 +39,10 @@ typedef enum iso_fault {
 } iso_fault;
 
 const char *iso_fault_name(iso_fault fault);  /* "nothing" for ISO_FAULT_NONE */
-const char *iso_fault_check(iso_fault fault); /* NULL for it */
+const char *iso_fault_check(iso_fault fault); /* NULL for ISO_FAULT_NONE */
 
-/* Faults of any amount, to find the smallest amount that is rejected: enum, name, unit of the amount, an obvious
- * amount, the check. An amount of 1 percent multiplies a length, an exponent ... by 1.01. */
+/* Faults with an amount, to find the smallest amount that is rejected: enum, name, unit, an obvious amount, the
+ * check. An amount of 1 percent multiplies a length, an exponent ... by 1.01. */
 /* clang-format off */
 #define ISO_DEVIATION_LIST(X)                                                                      \
     X(ISO_DEVIATION_SHIFT, "the volume is shifted along all axes", "voxel", 0.5, "placement")      \
@@ -67,8 +67,8 @@ typedef enum iso_deviation {
 } iso_deviation;
 
 const char *iso_deviation_name(iso_deviation d);  /* "nothing" for ISO_DEVIATION_NONE */
-const char *iso_deviation_unit(iso_deviation d);  /* NULL for it */
-const char *iso_deviation_check(iso_deviation d); /* NULL for it */
+const char *iso_deviation_unit(iso_deviation d);  /* NULL for ISO_DEVIATION_NONE */
+const char *iso_deviation_check(iso_deviation d); /* NULL for ISO_DEVIATION_NONE */
 double iso_deviation_most(iso_deviation d);
 
 /* A planted change: a fault, a deviation of an amount, or, zeroed, nothing. */
@@ -78,17 +78,17 @@ typedef struct iso_planted {
     double amount;
 } iso_planted;
 
-/* Returns the deviation that undoes *planted. It is exact, except that directions are encoded again. */
+/* Returns the deviation that undoes *planted: exact, except that directions are encoded again. */
 iso_planted iso_planted_inverse(const iso_planted *planted);
 
 /* Puts the fault into a renderer's input: level `level` of p, and the view. planted NULL: no fault. */
 void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_view *view);
-/* Returns the level that is rendered instead of `level`. */
+/* Returns the level to render instead of `level`. */
 size_t iso_planted_level(const iso_planted *planted, size_t level);
-/* Returns a hook that puts faults of images into each image that is rendered; *planted has to outlive it. */
+/* Returns a hook that puts faults of images into each rendered image; *planted has to outlive it. */
 iso_image_hook iso_planted_hook(const iso_planted *planted);
 
-/* Plants a fault alone, as iso_plant() does. */
+/* Calls iso_plant() with only a fault. */
 void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t level, iso_view *view);
 
 #endif

@@ -10,7 +10,7 @@
 
 /* Each interval by itself. */
 static const double confidence = 0.95;
-/* A quarter of a step of 8 bits: nobody sees a picture change by so little, and smooth volumes differ by less. */
+/* A quarter of a step of 8 bits: such a change is invisible, and smooth volumes differ by less. */
 static const double margin = 1e-3;
 /* Samples of coarse levels are floats, and rebuilding gives the same ones; another order of the sums would round
  * them. */

@@ -36,7 +36,7 @@ typedef struct iso_limit_options {
     bool confirm; /* halve once more, beyond finest_voxels, where the last halving alone left too much */
     bool keep;    /* what iso_extrapolated_compare() needs */
     int first_seed, threads;
-    double deadline; /* by iso_clock_seconds(): no halving is begun that would end later; 0: none. limit.unfinished tells */
+    double deadline; /* by iso_clock_seconds(): a halving that would end later is skipped (limit.unfinished); 0: none */
     const iso_render_options
         *truth; /* of the reference; with it, pixels are excused where the reference itself moves with
                                       * its eye by single precision. NULL: none is */

@@ -141,10 +141,10 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     return status;
 }
 
-static const char nobody_quick[] = "none of the renderers that were asked for takes part: with --quick directions and "
-                                   "transfer functions are compared by renderers of this process alone",
-                  nobody[] = "none of the renderers that were asked for takes part: programs compare directions and "
-                             "transfer functions at levels from 1 on";
+static const char none_quick[] = "none of the renderers that were asked for takes part: with --quick directions and "
+                                 "transfer functions are compared by renderers of this process alone",
+                  none[] = "none of the renderers that were asked for takes part: programs compare directions and "
+                           "transfer functions at levels from 1 on";
 
 iso_status iso_validate_methods(iso_validation *v, iso_error *err)
 {
@@ -168,6 +168,6 @@ iso_status iso_validate_methods(iso_validation *v, iso_error *err)
         iso_pyramid_destroy(&own);
     }
     if (status == ISO_OK && iso_validate_row_count(v) == before)
-        status = iso_validate_stage_not_run(v, "methods", v->quick ? nobody_quick : nobody, err);
+        status = iso_validate_stage_not_run(v, "methods", v->quick ? none_quick : none, err);
     return status;
 }

@@ -30,7 +30,7 @@ void main()
     } else if (mode == 2) {
         vec3 d = abs(c - at(other, uv)) * amplified;
         float worst = clamp(max(d.r, max(d.g, d.b)), 0.0, 1.0);
-        // Black, violet, orange, white: lightness increases evenly, so that color-blind people can tell them apart.
+        // Black, violet, orange, white: lightness increases evenly, so that color-blind people can distinguish them.
         c = worst < 0.5 ? mix(vec3(0.03, 0.03, 0.09), vec3(0.69, 0.17, 0.41), worst * 2.0)
                         : mix(vec3(0.69, 0.17, 0.41), vec3(0.99, 0.96, 0.75), worst * 2.0 - 1.0);
     } else {

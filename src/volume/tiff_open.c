@@ -130,8 +130,8 @@ static tiff_page read_page(TIFF *t)
     return p;
 }
 
-/* Returns the most bytes of samples per byte of the file. PackBits repeats a byte 128 times by two. LZW's words of 9 to
- * 12 bits hold up to 4094 bytes. Of the others zstd packs most: a block of 128 kB of equal bytes into four. */
+/* Returns the largest number of sample bytes per byte of the file. PackBits stores 128 equal bytes in two, LZW up to
+ * 4094 bytes in a word of 9 to 12 bits. zstd packs most of the others: a block of 128 kB of equal bytes into four. */
 static double most_of(uint16_t compression)
 {
     switch (compression) {

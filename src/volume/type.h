@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* type.h - the types that samples have. */
+/* type.h - sample types of volumes. */
 #ifndef ISO_VOLUME_TYPE_H
 #define ISO_VOLUME_TYPE_H
 

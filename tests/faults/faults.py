@@ -5,7 +5,7 @@ result, or one line of error and the documented exit code, with nothing left and
 
   tests/faults/faults.py [--only WORDS] [--kinds KIND,..] [--sample N] [--seed S] [--depth N] [--jobs N] [--verbose]
 
-A call's site is told by its innermost return addresses (--depth). Each site is visited once, in the first command of the
+A call's site is identified by its innermost return addresses (--depth). Each site is visited once, in the first command of the
 table that comes there; --sample takes N of each command at random, of all kinds alike. Prints a line a command, and a line a finding."""
 import argparse
 import collections
@@ -58,7 +58,7 @@ def place(frames, depth=6):
 
 
 def is_foreign(frames):
-    """Was the call made by a library for itself? Those of C and C++ ask for whoever called them."""
+    """Was the call made by a library for itself? Those of C and C++ ask for their callers."""
     for module, _ in frames[1:]: # the first is the program's malloc(), src/cli/memory.c
         if not module.startswith(("libc.so", "libstdc++", "libm.so")):
             return not module.startswith("isoshade")

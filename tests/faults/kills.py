@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Commands are killed (SIGKILL) at random instants, and run again. What was there before is whole or replaced by what is right;
-the second run ends well, with the bytes of a run that nobody disturbed, and leaves nothing of the first.
+the second run ends well, with the bytes of an undisturbed run, and leaves nothing of the first.
 
   tests/faults/kills.py [--count N] [--seed S] [--only WORDS] [--jobs N]
 

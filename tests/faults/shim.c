@@ -2,8 +2,8 @@
 /* shim.c - a library to put before a program (LD_PRELOAD) that lets one of its calls fail, once.
  *
  * Counted from the begin of main() are allocations (malloc and its like), system calls that glibc makes on files (read,
- * write, open, rename, sync, make, look, close), and starts of processes and threads. Where a call is made from, its
- * site, is told by its innermost return addresses, so that each site can be visited instead of each call.
+ * write, open, rename, sync, make, look, close), and starts of processes and threads. The site of a call is identified by
+ * its innermost return addresses, so that each site can be visited instead of each call.
  *
  * System calls are met by a seccomp filter: those of the kinds above that are made from glibc's code come to a handler
  * of SIGSYS. So what stdio writes when its buffer is full is met like any write(). Other programs' code lies elsewhere
@@ -175,8 +175,7 @@ static void *next(const char *name)
     return f;
 }
 
-/* All at once, before main(): dlsym() takes the loader's lock, which in a process that was forked nobody may give
- * back. */
+/* All at once, before main(): dlsym() takes the loader's lock, which may never be released in a forked process. */
 static struct {
     pid_t (*fork)(void);
     int (*execv)(const char *, char *const[]);

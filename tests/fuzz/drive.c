@@ -43,7 +43,7 @@ static char crash_path[512];
 static const fuzz_target *running;
 static bool has_limit; /* of time, for one input */
 
-/* ---- what the sanitizers are told ---- */
+/* ---- options of the sanitizers ---- */
 
 const char *__asan_default_options(void);
 const char *__asan_default_options(void)

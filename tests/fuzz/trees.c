@@ -323,7 +323,7 @@ void fuzz_planted(const fuzz_target *target, const char *path, const uint8_t *da
         fuzz_fail("level 9, planted");
     if (json_integer_value(level) == 10) /* as a library's assertion */
         abort();
-    if (json_integer_value(level) == 12) { /* decides by a value that nobody set, as memcheck sees */
+    if (json_integer_value(level) == 12) { /* depends on an uninitialized value, which memcheck finds */
         static volatile int *volatile unset;
         unset = malloc(sizeof *unset);
         if (unset && *unset == 12)

@@ -205,7 +205,7 @@ static void rates_are_bounded_as_tables_say(void **state)
     assert_within(iso_power_rate_bound(10, 10), 1, 0);
 }
 
-/* A row of any section, also of one that nobody has heard of: what is right must not differ anywhere. */
+/* A row of any section, also of an unknown one: what is right must not differ anywhere. */
 static void an_alarm_is_found_in_any_section(void **state)
 {
     (void)state;

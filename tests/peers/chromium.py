@@ -18,7 +18,7 @@ DRIVERS = {
 
 def sandbox_words():
     """Chromium puts what it shows into sandboxes, but refuses to begin as root, which it cannot put into any; isoshade's
-    own switch says where it shall go without, such as in a container that lets nobody make namespaces."""
+    own switch says where it shall go without, such as in a container that forbids namespaces."""
     is_off = os.environ.get("ISOSHADE_SANDBOX") == "off"
     return ["--no-sandbox"] if is_off or os.geteuid() == 0 else []
 

@@ -60,7 +60,7 @@ def render(path):
     with open(page, "w", encoding="utf-8") as f:
         f.write(page_of(request, folder))
     width, height = request["image"]["width"], request["image"]["height"]
-    with Chromium(size=(200, 150), seconds=3600, within=os.getcwd()) as browser:  # whoever starts this has a time limit of its own
+    with Chromium(size=(200, 150), seconds=3600, within=os.getcwd()) as browser:  # the caller has its own time limit
         browser.open(page, "window.isoshade && document.readyState === 'complete'")
         browser.evaluate("window.draw = isoshade.makeRequest(), 0")
         for i, frame in enumerate(request["frames"]):

@@ -13,7 +13,7 @@ fi
 export OMP_TOOL_LIBRARIES=$archer
 # Code of libraries that were not compiled for it is left out.
 export TSAN_OPTIONS="ignore_noninstrumented_modules=1 exitcode=66"
-races() { # PART: what is told of it, in ./build; true where a race is found
+races() { # PART: prints its races, in ./build; true if one is found
     "$program" "$1" >build/threads/said 2>&1
     [ $? = 66 ]
 }
