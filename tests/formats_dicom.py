@@ -178,7 +178,7 @@ def dicom_values():
     multiframe("wide.dcm", values, BitsAllocated=64, BitsStored=64, HighBit=63)
     refused("wide.dcm", 4, "BitsAllocated is 64")
     multiframe("colors.dcm", values, SamplesPerPixel=3, PhotometricInterpretation="RGB", PlanarConfiguration=1)
-    refused("colors.dcm", 4, "3 components a voxel (RGB)")
+    refused("colors.dcm", 4, "3 components per voxel (RGB)")
 
 
 # ---- spacings ----

@@ -16,7 +16,7 @@ else
     echo "    apt-get update && apt-get install --no-install-recommends -y$missing" >&2
     exit 1
 fi
-echo "installing Debian packages that are missing (SETUP=no: not, the log is build/apt.log):$missing"
+echo "installing Debian packages that are missing (skip with SETUP=no; log: build/apt.log):$missing"
 export DEBIAN_FRONTEND=noninteractive
 $as_root apt-get update -qq
 $as_root apt-get install -y -qq --no-install-recommends $missing </dev/null >build/apt.log 2>&1 || {

@@ -315,7 +315,7 @@ static void the_sentence_counts_what_was_asked_for(void **state)
         {{{"s", "gl", agree, 0}, {"s", "gl", none, faint}, {"s", "gl", none, faint}},
          true,
          "1 of 3 requested comparisons is within its limits; not compared: 2 cases that show too little"},
-        /* What shows too little leaves open whether the renderer is right, whatever others are. */
+        /* A faint case does not decide whether the renderer is right, even if others are right. */
         {{{"s", "povray", agree, 0}, {"s", "gl", none, faint}}, false, open_gl},
         {{{"t", "gl", agree, 0}, {"s", "gl", none, faint}}, false, "nothing was compared in the scene s"},
         /* What a renderer does not have is no failure of it, but nothing at all is none either. */

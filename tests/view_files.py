@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Untrusted files that are opened in the viewer's page: those that the page reads lie where `isoshade info` says and have
+"""Untrusted files in the viewer's page: those that the page reads lie where `isoshade info` says and have
 its values, all others are refused by a sentence that says why, and the page goes on.
 
 make_files(FOLDER)             writes them

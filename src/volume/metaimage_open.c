@@ -166,7 +166,7 @@ static iso_status check_header(metaimage *m, const char *path, iso_error *err)
     if (m->axes != 3 && m->axes != 4)
         return iso_fail(err, ISO_E_FORMAT, "%s: %d axes, a volume has 3, with time 4", path, m->axes);
     if (m->channels < 1)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %d components a voxel, must be at least 1", path, m->channels);
+        return iso_fail(err, ISO_E_FORMAT, "%s: %d components per voxel, must be at least 1", path, m->channels);
     if (m->is_text)
         return iso_fail(err, ISO_E_FORMAT, "%s: its samples are text (BinaryData = False), which is not read", path);
     if (strcmp(m->file, "LIST") == 0 || strchr(m->file, '%'))

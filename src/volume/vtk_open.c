@@ -65,7 +65,7 @@ static iso_status read_header(FILE *f, const char *path, vtk_header *h, iso_erro
     if (!h->found)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without SCALARS: no samples in a VTK file", path);
     if (h->components < 1)
-        return iso_fail(err, ISO_E_FORMAT, "%s: %d components a voxel, must be at least 1", path, h->components);
+        return iso_fail(err, ISO_E_FORMAT, "%s: %d components per voxel, must be at least 1", path, h->components);
     if (h->is_color && h->is_text)
         return iso_fail(err, ISO_E_FORMAT, "%s: its samples are bytes as text (COLOR_SCALARS), which is not read",
                         path);

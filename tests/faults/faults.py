@@ -5,7 +5,7 @@ result, or one line of error and the documented exit code, with nothing left and
 
   tests/faults/faults.py [--only WORDS] [--kinds KIND,..] [--sample N] [--seed S] [--depth N] [--jobs N] [--verbose]
 
-A call's site is identified by its innermost return addresses (--depth). Each site is visited once, in the first command of the
+A call has a site: its innermost return addresses (--depth). Each site is visited once, in the first command of the
 table that comes there; --sample takes N of each command at random, of all kinds alike. Prints a line a command, and a line a finding."""
 import argparse
 import collections

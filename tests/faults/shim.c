@@ -2,7 +2,7 @@
 /* shim.c - a library to put before a program (LD_PRELOAD) that lets one of its calls fail, once.
  *
  * Counted from the begin of main() are allocations (malloc and its like), system calls that glibc makes on files (read,
- * write, open, rename, sync, make, look, close), and starts of processes and threads. The site of a call is identified by
+ * write, open, rename, sync, make, look, close), and starts of processes and threads. A call has a site:
  * its innermost return addresses, so that each site can be visited instead of each call.
  *
  * System calls are met by a seccomp filter: those of the kinds above that are made from glibc's code come to a handler

@@ -75,7 +75,7 @@ bool type_of(hid_t stored, iso_type &type, std::string &refused)
     refused = kind == H5T_INTEGER    ? "integers of " + std::to_string(8 * bytes) + " bits"
               : kind == H5T_FLOAT    ? "floats of " + std::to_string(8 * bytes) + " bits"
               : kind == H5T_STRING   ? "text"
-              : kind == H5T_COMPOUND ? "several components a voxel"
+              : kind == H5T_COMPOUND ? "several components per voxel"
                                      : "a type that is no number";
     return false;
 }

@@ -271,8 +271,8 @@ void check_kind(const DataSet &all, const DicomFile &file)
     const double components = binary_in<uint16_t>(&all, Tag(0x0028, 0x0002));
     const std::string color = text_in(&all, Tag(0x0028, 0x0004));
     if (components > 1)
-        fail(ISO_E_FORMAT, file.path + ": " + binary_text(components) + " components a voxel (" + color +
-                               "), which is not read of this format");
+        fail(ISO_E_FORMAT, file.path + ": " + binary_text(components) + " components per voxel (" + color +
+                               "), not supported in this format");
     if (color == "PALETTE COLOR")
         fail(ISO_E_FORMAT, file.path + ": its samples are indices into a palette of colors, which is not read");
     if (text_in(&all, Tag(0x0008, 0x0008)).find("MOSAIC") != std::string::npos)

@@ -222,7 +222,7 @@ std::vector<char> stored_samples(const DicomFile &file)
         return plain_samples(file, *value,
                              swapped_bytes(element, reader.GetFile().GetHeader().GetDataSetTransferSyntax()));
     if (file.samples != Samples::integer)
-        fail(ISO_E_FORMAT, file.path + ": compressed floats, which are not read of this format");
+        fail(ISO_E_FORMAT, file.path + ": compressed floats, not supported in this format");
     return unpacked_samples(file);
 }
 

@@ -29,7 +29,7 @@ iso_type type_of(const itk::ImageIOBase &io, const std::string &path)
     using Type = itk::IOComponentEnum;
     if (io.GetNumberOfComponents() != 1)
         fail(ISO_E_FORMAT, path + ": " + std::to_string(io.GetNumberOfComponents()) +
-                               " components a voxel, which is not read of this format");
+                               " components per voxel, not supported in this format");
     switch (io.GetComponentType()) {
     case Type::UCHAR: return ISO_U8;
     case Type::CHAR: return ISO_I8;
@@ -105,7 +105,7 @@ Slice open_slice(const std::string &path)
     const unsigned axes = s.io->GetNumberOfDimensions();
     for (unsigned a = 3; a < axes; ++a)
         if (s.io->GetDimensions(a) != 1)
-            fail(ISO_E_FORMAT, path + ": " + std::to_string(axes) + " axes, which is not read of this format");
+            fail(ISO_E_FORMAT, path + ": " + std::to_string(axes) + " axes, not supported in this format");
     s.type = type_of(*s.io, path);
     for (unsigned a = 0; a < 3 && a < axes; ++a)
         s.size[a] = s.io->GetDimensions(a);
