@@ -22,19 +22,18 @@
 #include "base/status.h"
 
 typedef enum iso_sandbox_kind {
-    ISO_SANDBOX_CLOSED, /* no sockets at all, and no changes outside Landlock's scope, such as a file's rights */
-    ISO_SANDBOX_DEVICE, /* for programs that draw on a graphics device: sockets of this machine (AF_UNIX), the devices
-                         * of graphics, and the folders in which drivers keep compiled programs (~/.cache, ~/.nv,
-                         * /var/tmp) */
-    ISO_SANDBOX_NONE    /* as this process: for isoshade itself, which puts its own programs into sandboxes */
+    ISO_SANDBOX_CLOSED, /* no sockets, and no changes that Landlock does not cover, such as a file's mode */
+    ISO_SANDBOX_DEVICE, /* for programs that may draw on a GPU: allows local sockets (AF_UNIX), graphics devices, and
+                         * the folders in which drivers cache compiled programs (~/.cache, ~/.nv, /var/tmp) */
+    ISO_SANDBOX_NONE    /* no limits: for isoshade itself, which starts its programs in sandboxes */
 } iso_sandbox_kind;
 
 typedef struct iso_sandbox_wish {
     iso_sandbox_kind kind;
-    const char *output; /* one more existing folder or file to write to; or NULL */
-    bool private_home;  /* HOME is its own folder, too: settings of the user change nothing */
-    const char *first_in_path; /* a folder in front of all others in its PATH; or NULL */
-    const char *without;       /* how the names of settings begin that it does not get, such as "PYTHON"; or NULL */
+    const char *output;        /* another existing folder or file that it may write to; or NULL */
+    bool private_home;         /* True if HOME is its own folder, so that the user's settings have no effect */
+    const char *first_in_path; /* folder that comes first in its PATH; or NULL */
+    const char *without;       /* prefix of environment variables to remove, such as "PYTHON"; or NULL */
 } iso_sandbox_wish;
 
 /* Prepared before the fork, entered after it. {0} is none. */

@@ -3,7 +3,7 @@
  *
  * LDR: [andersson-2020]. HDR: [andersson-2021].
  * Colors are linear; alpha is ignored. Borders repeat the edge pixel.
- * Values lie in [0, 1]: 0 where nobody sees a difference. Symmetric in the two
+ * Values lie in [0, 1]; 0: no visible difference. Symmetric in the two
  * images (LDR); HDR takes its exposures from the first, the reference.
  * Threads do not change the result. */
 #ifndef ISO_FLIP_H
