@@ -9,6 +9,11 @@
 config ?= release
 build := build/$(config)
 
+# Builds use all cores unless -j says otherwise. Other targets start builds of their own.
+ifeq ($(filter-out all lab tests,$(MAKECMDGOALS))$(filter -j% --jobserver%,$(MAKEFLAGS)),)
+MAKEFLAGS += -j$(shell nproc)
+endif
+
 # ---- Debian packages -------------------------------------------------------
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev zlib1g-dev \
 	libdeflate-dev libarchive-dev libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
