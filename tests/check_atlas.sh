@@ -49,7 +49,7 @@ while read -r command option; do
     check "isoshade_${command}_has_$option" grep -qE -- "$option\b" <("$ISOSHADE" "$command" --help=all)
 done <advice
 
-refuse an_unknown_case_is_named 2 'no "vessels"; it has' "$ISOSHADE" atlas --case vessels -o two
+refuse an_unknown_case_is_named 2 'unknown case "vessels", must be one of' "$ISOSHADE" atlas --case vessels -o two
 refuse a_folder_is_needed 2 '-o is missing' "$ISOSHADE" atlas
 mkdir mine && touch mine/thesis.txt
 refuse a_folder_of_somebody_else_is_kept 3 mine "$ISOSHADE" atlas --case code-folds --quiet -o mine

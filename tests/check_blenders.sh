@@ -34,6 +34,6 @@ print(next(row['verdict'] for row in json.load(open('two/report.json'))['agreeme
 check the_first_agrees test "$(verdict 'cycles, limit')" = agree
 check the_other_differs test "$(verdict 'cycles-[0-9.]*, limit')" = differ
 check and_so_do_both_from_each_other test "$(verdict 'cycles-[0-9.]*, beside the first')" = differ
-check the_pixel_is_named grep -q 'beside cycles: largest change' out
+check the_pixel_is_named grep -q 'against cycles: largest change' out
 check the_device_is_in_the_report grep -q '"Blender Cycles": "Blender [0-9.]* on CPU"' two/report.json
 exit $failed

@@ -25,10 +25,10 @@ expect a_validation_finds_it_too 1 "$ISOSHADE" validate bad.iso --scene "$scene"
 expect it_validates 0 "$ISOSHADE" validate v.iso --scene "$scene" --quick --with gl,povray --size 24 -q -o report
 expect it_is_exported_as_any_pyramid 0 "$ISOSHADE" export v.iso --to povray --scene "$scene" --level 1 -o pov -q
 
-refuse a_pyramid_is_no_volume 2 "v.iso is a pyramid" "$ISOSHADE" build v.iso --for "$scene" -o x.iso
+refuse a_pyramid_is_no_volume 2 "v.iso: a pyramid" "$ISOSHADE" build v.iso --for "$scene" -o x.iso
 refuse too_little_memory_is_said_with_what_is_needed 6 "MB, --memory is 0.5" \
     "$ISOSHADE" build v.nrrd --for "$scene" --memory 0.5 -o x.iso
-refuse no_resuming 2 "in one go" "$ISOSHADE" build v.nrrd --for "$scene" --resume -o x.iso
+refuse no_resuming 2 "levels for a scene are made at once" "$ISOSHADE" build v.nrrd --for "$scene" --resume -o x.iso
 python3 - "$scene" <<'PY'
 import json, sys
 scene = json.load(open(sys.argv[1]))

@@ -137,9 +137,10 @@ closed stopped after 0.4 s, the time limit
 orphan half a voxel would be
 odd exit code 1: tab  ??? end
 END
-left() { grep -laz "^CHECK_EXTERNAL_MARK=$dir\$" /proc/[0-9]*/environ 2>/dev/null | grep -oE '[0-9]+' | while read -r pid; do tr '\0' ' ' <"/proc/$pid/cmdline"; echo; done | grep -aE '[s]leep 1000|^[y]es|[b]ad\.sh'; }
+left() { grep -laz "^CHECK_EXTERNAL_MARK=$dir\$" /proc/[0-9]*/environ 2>/dev/null | grep -oE '[0-9]+' | while read -r pid; do tr '\0' ' ' 2>/dev/null <"/proc/$pid/cmdline"; echo; done 2>/dev/null | grep -aE '[s]leep 1000|^[y]es|[b]ad\.sh'; }
 check nothing_that_they_began_is_alive bash -c "! { $(declare -f left); dir=$dir; left; }"
 sleep 1000 & # planted
+for _ in {1..200}; do left >/dev/null && break; sleep 0.05; done # until it has its own command line
 check a_process_that_is_left_is_found left
 kill $!
 wait $! 2>/dev/null

@@ -32,8 +32,8 @@ expect they_are_built 0 "$ISOSHADE" build labels.nrrd --levels 3 --memory 8 -o l
 check which_is_said grep -q 'label map, 6 labels: levels by majority' out
 check by_majority grep -q '"scalar_filter": "majority"' labels.iso/pyramid.json
 check as_verify_makes_them_again "$ISOSHADE" info labels.iso --verify
-refuse no_mean_of_labels 2 'is a label map of 6 labels, which --scalar-filter would interpolate' "$ISOSHADE" build labels.nrrd --scalar-filter mean -o x.iso
-refuse nor_levels_for_a_scene 2 'which --for would interpolate' "$ISOSHADE" build labels.nrrd --for "$scene" -o x.iso
+refuse no_mean_of_labels 2 'a label map of 6 labels, which --scalar-filter cannot interpolate' "$ISOSHADE" build labels.nrrd --scalar-filter mean -o x.iso
+refuse nor_levels_for_a_scene 2 'which --for cannot interpolate' "$ISOSHADE" build labels.nrrd --for "$scene" -o x.iso
 for level in 0 1; do
     for with in reference gl; do
         "$ISOSHADE" render labels.iso --scene "$scene" --with $with --level $level --size 24 --step 0.05 -q -o $with.exr >out 2>err || not_ok render "$(cat err)"

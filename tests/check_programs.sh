@@ -20,9 +20,9 @@ expect a_later_povray 0 with_povray later
 check is_named_as_it_says grep -q 'POV-Ray 3.8.0-alpha.10013324, ' out
 rm -f o.exr
 fake no_second_pass <<<"$povray \"\$@\" && rm pass2.ppm"
-refuse a_pass_that_writes_nothing 8 "left no picture" with_povray no_second_pass
+refuse a_pass_that_writes_nothing 8 "wrote no picture" with_povray no_second_pass
 fake no_pass <<<"exit 0"
-refuse a_program_that_writes_nothing 8 "left no picture" with_povray no_pass
+refuse a_program_that_writes_nothing 8 "wrote no picture" with_povray no_pass
 fake half_a_picture <<<"printf 'P6\n8 8\n65535\nabc' >pass1.ppm"
 refuse half_a_picture 8 "pass1.ppm" with_povray half_a_picture
 fake another_size <<<"{ printf 'P6\n4 8\n65535\n'; head -c 192 /dev/zero; } >pass1.ppm"
@@ -88,7 +88,7 @@ blender() {
     printf '%s\n' '#!/usr/bin/env bash' '[ "$1" = --version ] && { echo "Blender 4.0.0"; exit; }' "$2" >"$1" && chmod +x "$1"
     refuse "$3" 8 "$4" env ISOSHADE_BLENDER="$dir/$1" "$ISOSHADE" render s.nrrd --scene "$scene" --with cycles --size 8 -q -o o.exr
 }
-blender silent "exit 0" a_blender_that_writes_nothing "left no picture"
+blender silent "exit 0" a_blender_that_writes_nothing "wrote no picture"
 blender broken "echo no picture >picture-0.exr" a_broken_picture "picture-0.exr"
 blender nan "cp '$dir/nan.exr' picture-0.exr" a_picture_of_nans "not finite"
 # It looks for Python beside itself, whatever PATH names first; and why its script failed stands before that it did.
