@@ -36,7 +36,7 @@ iso_status iso_gradient_from_name(const char *name, iso_gradient_method *method,
     return status;
 }
 
-/* Three planar rows to triples, in the caches. */
+/* Interleaves three planar rows as triples, in the caches. */
 ISO_SIMD static void interleave(const float *restrict x, const float *restrict y, const float *restrict z, size_t n,
                                 float *restrict out)
 {

@@ -56,7 +56,7 @@ ISO_LANES_INLINE double cubic_at(const double p[4], double u)
     return ((p[3] * u + p[2]) * u + p[1]) * u + p[0];
 }
 
-/* Eight corners to the cubics along from + u way, four fields at a time. */
+/* Turns eight corners into the cubics along from + u way, four fields at a time. */
 ISO_LANES_INLINE void cubic_of_corners(cell_pieces *w, const four corner[8], const double from[3], const double way[3])
 {
     const four x = corner[1] - corner[0], y = corner[2] - corner[0], z = corner[4] - corner[0];
@@ -106,7 +106,7 @@ typedef struct cell_section {
     lanes rough;         /* ... highlights that are not analytic on the disc, at most within the section */
 } cell_section;
 
-/* A cubic's coefficients in z, u = middle + half z */
+/* Computes a cubic's coefficients in z, u = middle + half z. */
 ISO_LANES_INLINE void shift_cubic(const double p[4], double middle, double half, double z[4])
 {
     z[0] = cubic_at(p, middle);
@@ -115,7 +115,7 @@ ISO_LANES_INLINE void shift_cubic(const double p[4], double middle, double half,
     z[3] = half * half * half * p[3];
 }
 
-/* |p(z) - p(0)| for |z| <= R */
+/* Bounds |p(z) - p(0)| for |z| <= R. */
 ISO_LANES_INLINE lanes reach(const double z[4])
 {
     const lanes r = CELL_RADII;
@@ -185,8 +185,8 @@ ISO_LANES_INLINE cell_section make_section(const cell_pieces *w, double from, do
     return s;
 }
 
-/* The rule of the fewest points whose error on [from, from + width], inside the section, is at most `allowed`; its
- * bound. CELL_RULES: none. */
+/* Chooses the rule of fewest points with an error of at most `allowed` on [from, from + width], inside the section;
+ * *bound gets its bound. CELL_RULES: none. */
 ISO_LANES_INLINE int choose_rule(const cell_pieces *w, const cell_section *s, const cell_line *line, double width,
                                  double through, double allowed, double *bound)
 {
@@ -292,7 +292,7 @@ ISO_LANES_INLINE void add_piece(cell_pieces *w, int r, const cell_line *line, do
 
 /* ---- cutting ---- */
 
-/* The line of the table at X, and whether it shows anything. */
+/* Finds the table's line at X. True if it shows anything. */
 ISO_LANES_INLINE bool line_at(const iso_tf_table *tf, double x, cell_line *line)
 {
     const size_t last = tf->count - 1, i = x > 0 ? (x < (double)last ? (size_t)x : last) : 0;
@@ -306,7 +306,7 @@ ISO_LANES_INLINE bool line_at(const iso_tf_table *tf, double x, cell_line *line)
     return line->base[3] != 0 || line->slope[3] != 0;
 }
 
-/* [from, to], within which the table does not bend. whole: a section that holds it, or NULL. */
+/* Adds [from, to], within which the table does not bend. whole: a section that holds it, or NULL. */
 ISO_LANES_INLINE void add_stretch(cell_pieces *w, double from, double to, const cell_section *whole)
 {
     const double least_width = 0x1p-40, most_growth = 4;
@@ -343,7 +343,7 @@ ISO_LANES_INLINE void add_stretch(cell_pieces *w, double from, double to, const 
     w->left = lane_exp(-w->depth) * w->scene->brightest;
 }
 
-/* [from, to], within which X is monotone wherever the table bends: cut at the bends. */
+/* Adds [from, to], cut at the table's bends. X is monotone in it wherever the table bends. */
 ISO_LANES_INLINE void add_section(cell_pieces *w, double from, double to)
 {
     enum { FEW = 2 };
@@ -394,7 +394,7 @@ ISO_LANES_INLINE int sorted_cuts(const cell_pieces *w, bool bends, double cut[CE
     return count;
 }
 
-/* The cell that was read. */
+/* Adds the cell that read_cell() read. */
 ISO_LANES_INLINE void add_cell(cell_pieces *w)
 {
     const iso_cell_scene *c = w->scene;

@@ -17,15 +17,15 @@ ISO_LANES_INLINE void set_next(cell_walk *k, int a)
     k->next[a] = k->way[a] != 0 ? (plane - k->at[a]) * k->inverse[a] : INFINITY;
 }
 
-/* The plane before which the ray is at t, between two voxels or beyond the outermost. */
+/* Returns the plane before which the ray is at t, between two voxels or beyond the outermost. */
 ISO_LANES_INLINE int plane_at(const cell_walk *k, int a, double t)
 {
     const double q = (k->at[a] + t * k->way[a]) * k->per_cell;
     return k->step[a] > 0 ? (int)floor(q) : (int)ceil(q) - 1;
 }
 
-/* Never back: at an edge of two blocks a place may be rounded to before a plane that was passed, and the walk would go
- * to and fro between them without end. */
+/* Goes on to t, but never back. At an edge of two blocks rounding may move a place to before a plane that was passed:
+ * the walk would go to and fro without end. */
 ISO_LANES_INLINE void go_on_to(cell_walk *k, int a, double t)
 {
     const int plane = plane_at(k, a, t);
@@ -49,7 +49,7 @@ ISO_LANES_INLINE cell_walk start_walk(const iso_cell_scene *c, const iso_cell_ra
     return k;
 }
 
-/* Cells of empty_space.h. */
+/* Finds the cell, as counted in empty_space.h. */
 ISO_LANES_INLINE void cell_of(const cell_walk *k, int cell[3])
 {
     for (int a = 0; a < 3; ++a) {
@@ -58,7 +58,7 @@ ISO_LANES_INLINE void cell_of(const cell_walk *k, int cell[3])
     }
 }
 
-/* Past a block of cells that shows nothing. */
+/* Passes an empty block of cells. Returns the t at which the ray leaves it. */
 ISO_LANES_INLINE double leave_block(cell_walk *k, const int lo[3], const int hi[3], double t)
 {
     double until = INFINITY;
@@ -82,8 +82,8 @@ ISO_LANES_INLINE double leave_block(cell_walk *k, const int lo[3], const int hi[
     return until;
 }
 
-/* The value on the transfer function's table, in entries, and the directions, along [a, b] of the ray, which lies in
- * one cell. False: nothing is shown there. */
+/* Reads the value on the transfer function's table, in entries, and the directions, along [a, b] of the ray inside one
+ * cell. False: the cell is empty. */
 ISO_LANES_INLINE bool read_cell(cell_pieces *w, const cell_walk *k, const int cell[3], double a, double b)
 {
     const iso_cell_scene *c = w->scene;

@@ -28,7 +28,7 @@ typedef struct iso_image_bound_input {
     int points; /* along each axis of a voxel, 1 to 8; 0: 2, or 1 in volumes of more than 2^21 voxels. A region has four: more
                    of them make the bound closer, and take longer by their cube */
     int threads;
-    double deadline; /* by iso_clock_seconds(): a bound that takes longer is INFINITY, which is one; 0: none */
+    double deadline; /* by iso_clock_seconds(): later, the bound is INFINITY; 0: none */
 } iso_image_bound_input;
 
 /* True if the view has a bound: no clip planes, 2D transfer function, extinction scale or region of interest. */

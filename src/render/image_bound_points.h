@@ -18,7 +18,7 @@ typedef struct iso_bound_field {
 iso_status iso_bound_field_create(iso_bound_field *field, const iso_image_bound_input *in, iso_error *err);
 void iso_bound_field_destroy(iso_bound_field *field);
 
-/* Classified and lit: extinction, and color times shade, of which the opacity's is 1; by level. */
+/* Classified and lit values by level: extinction, and color times shade; that of opacity is 1. */
 typedef struct iso_bound_values {
     double sigma[2], g[2][ISO_BOUND_CHANNELS];
 } iso_bound_values;

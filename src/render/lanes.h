@@ -29,7 +29,7 @@ ISO_LANES_INLINE lanes lanes_sqrt(lanes x)
         x[i] = sqrt(x[i]);
     return x;
 }
-/* yes where the mask is set, else no */
+/* Selects `yes` where the mask is set, else `no`. */
 ISO_LANES_INLINE lanes lanes_select(lane_bits mask, lanes yes, lanes no)
 {
     return (lanes)(((lane_bits)yes & mask) | ((lane_bits)no & ~mask));
@@ -42,7 +42,7 @@ ISO_LANES_INLINE double lanes_sum(lanes x)
 {
     return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
 }
-/* x^n, n > 0 */
+/* Computes x^n, n > 0. */
 ISO_LANES_INLINE lanes lanes_power(lanes x, int n)
 {
     lanes product = lanes_all(1);

@@ -98,7 +98,7 @@ static bool sample_bricks(const iso_sampler *s, iso_vec3 index, double channels[
     return s->bricks || s->warp;
 }
 
-/* The eight voxels round a point and their weights. */
+/* The eight voxels around a point and their weights. */
 typedef struct stencil {
     size_t voxel[8];
     double weight[8];

@@ -72,7 +72,7 @@ typedef struct iso_cast_blocks {
     size_t count[3], blocks;
     uint8_t *octants; /* owned, both */
     uint32_t *cells;
-    double occupied; /* which part of the blocks shows */
+    double occupied; /* share of visible blocks */
 } iso_cast_blocks;
 
 /* Creates the blocks. ISO_E_MEMORY. Destroy them after a failure, too. */

@@ -59,14 +59,14 @@ CAST void fetch_cells(const iso_cast *c, const vi cell[3])
 
 /* ---- bricks of mixed resolution ---- */
 
-/* Those of a level have 2^t cells a side, so that products with a row's or a plane's nodes, 2^t + 1 and its square, are
- * shifts and sums. */
+/* Multiplies by 2^t + 1, the nodes of a row, with a shift and a sum; twice: by those of a plane. Nodes of a level have
+ * 2^t cells a side. */
 CAST vi times_row(vi x, vi t)
 {
     return x + (x << t);
 }
 
-/* The first of each of a cell's four rows of two nodes. */
+/* Finds the first node of each of a cell's four rows of two nodes. */
 CAST void mixed_rows(const iso_cast *c, const place *at, vi first[4])
 {
     const vi t = c->cells_shift - (at->voxel & ((1 << ISO_CAST_LEVEL_BITS) - 1));
@@ -77,7 +77,7 @@ CAST void mixed_rows(const iso_cast *c, const place *at, vi first[4])
     first[3] = first[1] + plane;
 }
 
-/* Positions beyond the outermost nodes are taken for the nearest ones there. */
+/* Clamps positions to the outermost nodes. */
 CAST void stay_inside(const iso_cast *c, vi cell[3], vi part[3])
 {
     for (int a = 0; a < 3; ++a) {
@@ -87,7 +87,7 @@ CAST void stay_inside(const iso_cast *c, vi cell[3], vi part[3])
     }
 }
 
-/* The first node and the level together as in iso_cast.places; -1 where the brick is left out. */
+/* Returns the first node with the level, as in iso_cast.places; -1 if the brick is left out. */
 CAST place mixed_place_of(const iso_cast *c, const points *p, vi mask)
 {
     const int shift = c->cells_shift, inner = (1 << shift) - 1;
@@ -127,7 +127,7 @@ CAST place place_of(const iso_cast *c, const points *p, vi mask)
     return at;
 }
 
-/* The voxels that hold the points: a point half a cell from a center is in the next voxel. */
+/* Returns the voxels that hold the points: a point half a cell from a center is in the next voxel. */
 CAST vi nearest_voxel(vi voxel, const points *p)
 {
     static const int offset[3] = {1, ISO_CAST_ROW, ISO_CAST_PLANE};
@@ -168,7 +168,7 @@ CAST vf filter_floats(const float *values, const place *at)
     return lerp_in_cell(v, at->part);
 }
 
-/* Four consecutive words: of two voxels, each with its code and its scalar. */
+/* Reads four consecutive words: of two voxels, each with its code and its scalar. */
 CAST word_quad row_of_voxels(const iso_cast *c, const place *at, int row)
 {
     return gather_quads(c->voxels + 2 * CELL_ROW(row), at->voxel, 2);
@@ -289,7 +289,7 @@ CAST void color_of(const iso_cast *c, const entry *e, vf color[3])
     color[2] = green_blue.second;
 }
 
-/* q of fit/extinction_scale.h */
+/* Computes q(x) of fit/extinction_scale.h. */
 CAST vf extinction_scale_at(const iso_cast *c, const place *at)
 {
     vf power;
@@ -345,7 +345,7 @@ CAST vec lattice_at(const iso_cast *c, const place *at, bool is_signed)
     return (vec){component[0], component[1], component[2]};
 }
 
-/* The directions of two neighbors along x, as floats. */
+/* Reads the directions of two neighbors along x, as floats. */
 CAST void small_directions(const iso_cast *c, vi row, vec d[2])
 {
     const word_quad q = gather_quads(c->small_nodes, row, 2);
@@ -382,7 +382,7 @@ CAST vec node_direction_at(const iso_cast *c, const place *at)
     return (vec){unit * lerp_in_cell(x, at->part), unit * lerp_in_cell(y, at->part), unit * lerp_in_cell(z, at->part)};
 }
 
-/* Directions that oppose the one that counts most are turned (code_decode.h). */
+/* Filters directions, with those flipped that oppose the one of the largest weight times length (code_decode.h). */
 CAST vec flipped_at(const iso_cast *c, const place *at)
 {
     vec d[8], pivot = {{0}, {0}, {0}}, sum = {{0}, {0}, {0}};
@@ -410,7 +410,7 @@ CAST vec flipped_at(const iso_cast *c, const place *at)
     return sum;
 }
 
-/* The two voxels of a row of a cell, filtered along x. */
+/* Filters the two voxels of a cell's row along x. */
 CAST vf filter_row(const iso_cast *c, vi voxel, vf x)
 {
     if (c->integers) {

@@ -73,7 +73,7 @@ CAST void aim(const iso_cast *c, size_t x, size_t y, ray_doubles *r)
     r->origin[a][i] = c->position[a] + moved[a][i];
 }
 
-/* Range of each ray in the box, on the kept side of the clip planes. */
+/* Finds the range of each ray in the box, on the kept side of the clip planes. */
 CAST void clip(const iso_cast *c, ray_doubles *r)
 {
     EACH_RAY(i)
@@ -171,7 +171,7 @@ CAST void add(points *p, int a, vi cell, vu part)
 }
 
 
-/* One segment on, where the mask says so. */
+/* Advances the rays of the mask by one segment. */
 CAST void advance(packet *p, vi mask)
 {
     for (int a = 0; a < 3; ++a)
@@ -179,7 +179,7 @@ CAST void advance(packet *p, vi mask)
     p->k -= mask;
 }
 
-/* n segments on: n below 2^15. */
+/* Advances by n segments: n below 2^15. */
 CAST void advance_by(packet *p, vi n)
 {
     for (int a = 0; a < 3; ++a) {
@@ -191,8 +191,8 @@ CAST void advance_by(packet *p, vi n)
     p->k += n;
 }
 
-/* The middles of segments that the box cuts at the front and at the back; returns the remaining parts of them. A number
- * just below 0 becomes a float just above -1 plus 1, and has to stay below the next whole number. */
+/* Moves places to the middles of segments that the box cuts at the front and back; returns their remaining parts. A
+ * number just below 0 becomes a float just above -1 plus 1, and must stay below the next whole number. */
 CAST vf cut(points *at, vf front, vf back, const vf step[3])
 {
     const vf shift = 0.5f * (front - back), most_part = all_float(0x1.fffffep30f);
@@ -203,7 +203,7 @@ CAST vf cut(points *at, vf front, vf back, const vf step[3])
     return 1.0f - front - back;
 }
 
-/* The middles of the segments, cut ones included, and the remaining part of each. */
+/* Returns the middles of the segments, cut ones included; *whole gets the remaining part of each. */
 CAST points middles(const packet *p, vf *whole)
 {
     points at = p->at;

@@ -94,7 +94,7 @@ CAST void begin_walk(const iso_cast *c, size_t x, size_t y, const float reach_mm
 
 /* ---- seek ---- */
 
-/* The sample of segment k of the ray `lane` of the packet, and the part of the segment inside the box. */
+/* Returns the sample of segment k of the packet's ray `lane`; *whole gets the part of the segment inside the box. */
 CAST points sample_at(const walk *w, vi lane, vi k, vf *whole)
 {
     const packet *p = &w->p;
@@ -115,7 +115,7 @@ CAST points sample_at(const walk *w, vi lane, vi k, vf *whole)
     return at;
 }
 
-/* The cells of the samples k of the rays of the mask. */
+/* Finds the cells of the samples k of the rays of the mask. */
 CAST void find_cells(const iso_cast *c, const walk *w, vi mask, vi k, vi cell[3])
 {
     const vf from_start = to_float(k);
@@ -134,7 +134,7 @@ CAST void find_cells(const iso_cast *c, const walk *w, vi mask, vi k, vi cell[3]
     }
 }
 
-/* The segment that leaves the cube of `side` blocks that begins at the block. */
+/* Returns the segment that leaves the cube of `side` blocks that begins at the block. */
 CAST vi leave_cube(const walk *w, const vi block[3], vi side, vi k)
 {
     vf last = all_float(1e9f);
@@ -163,7 +163,7 @@ CAST vi block_of(const iso_cast *c, const vi cell[3], vi mask, vi block[3])
     return (block[0] + c->block_count[0] * (block[1] + c->block_count[1] * block[2])) & mask;
 }
 
-/* Which of the cells can show something: bits of their block's words. Those of an empty block are 0. */
+/* Returns a mask of the cells that can be visible, from the bits of their block's words; 0 in an empty block. */
 CAST vi can_show(const iso_cast *c, const vi cell[3], vi block)
 {
     const vi word = GATHER(c->cells, 2 * block + ((cell[2] >> 1) & 1), 4);
@@ -262,7 +262,8 @@ CAST void look_at_spots(const iso_cast *c, walk *w)
 
 /* ---- shade ---- */
 
-/* The samples that look_at_spots() kept. The parts of a cell have 24 bits left, enough to find the nearest voxel. */
+/* Takes the samples that look_at_spots() kept. The parts of a cell have 24 bits left, enough to find the nearest
+ * voxel. */
 CAST sample take_sample(const iso_cast *c, const finds *f, int i, vi mask)
 {
     sample s;

@@ -19,7 +19,7 @@ typedef float vf __attribute__((vector_size(4 * ISO_CAST_WIDTH)));
 typedef int32_t vi __attribute__((vector_size(4 * ISO_CAST_WIDTH)));
 typedef uint32_t vu __attribute__((vector_size(4 * ISO_CAST_WIDTH)));
 
-/* Masks are -1 and 0. */
+/* Selects `yes` where the mask is -1, `no` where it is 0. */
 CAST vi select_int(vi mask, vi yes, vi no)
 {
     return (mask & yes) | (~mask & no);
@@ -178,7 +178,7 @@ CAST vi pack_lanes(vi mask, int *count)
     *count = __builtin_popcount(bits);
     return (vi)_mm512_maskz_compress_epi32(bits, (__m512i)lane_numbers());
 }
-/* The upper halves of the products. */
+/* Returns the upper halves of the products. */
 CAST vu multiply_high(vu a, vu b)
 {
     const __m512i x = (__m512i)a, y = (__m512i)b;
@@ -299,7 +299,7 @@ CAST vf gather_floats(const float *base, vi at)
     return (vf)GATHER(base, at, 4);
 }
 
-/* The two factors of 2^t, t in [-126, 127]: a power of 2, and the remaining factor less 1. */
+/* Splits 2^t, t in [-126, 127], into two factors: a power of 2, and the remaining factor less 1, which is returned. */
 CAST vf power_less_one(vf t, vf *power)
 {
     const vf whole = round_down(t + 0.5f), f = t - whole;
@@ -316,7 +316,7 @@ CAST vf power_less_one(vf t, vf *power)
     return sum * f;
 }
 
-/* 1 - exp(-x) for x >= 0, with a float's digits for small x, too. */
+/* Computes 1 - exp(-x) for x >= 0, with a float's digits for small x, too. */
 CAST vf opacity_of(vf x)
 {
     vf power;
@@ -324,7 +324,7 @@ CAST vf opacity_of(vf x)
     return (1.0f - power) - power * rest;
 }
 
-/* x^y for x in [0, 1] and y > 0; 0 below 1e-30. */
+/* Computes x^y for x in [0, 1] and y > 0; 0 below 1e-30. */
 CAST vf power_of(vf x, float y)
 {
     const vi tiny = x < 1e-30f, bits = (vi)x;

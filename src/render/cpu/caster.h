@@ -46,7 +46,7 @@ const char *iso_cpu_width_name(iso_cpu_width width);
 /* True if 31 bits can count the voxels of such a level's bricks: 1200^3 voxels fit. */
 bool iso_cpu_takes(const iso_geometry *g);
 
-/* A level and a view, ready to be drawn as often as one likes. */
+/* A level and a view, ready to be drawn any number of times. */
 typedef struct iso_cpu_scene iso_cpu_scene;
 
 /* Creates a scene; level and view must outlive it. ISO_E_USAGE: a region of interest. ISO_E_RANGE: a step of 0 or less,
