@@ -97,7 +97,7 @@ soname := libisoshade.so.$(version_major)
 # No shared library with sanitizers: their runtime belongs to the program.
 shared := $(if $(filter sanitize,$(config)),,$(build)/$(soname))
 # Loaded when mpirun starts the program; skipped if MPI is not installed.
-mpi_library := $(if $(shell pkg-config --exists ompi-c && echo yes),$(build)/isoshade_mpi.so)
+mpi_library := $(if $(shell pkg-config --exists ompi-c 2>/dev/null && echo yes),$(build)/isoshade_mpi.so)
 # Reads ITK's formats; skipped if ITK is not installed. The names of ITK's files contain its version.
 itk := $(notdir $(lastword $(sort $(wildcard /usr/include/ITK-*))))
 itk_program := $(if $(itk),$(build)/isoshade-itk)
@@ -105,8 +105,8 @@ itk_parts := Common IOImageBase IOPNG IOJPEG IOTIFF
 # Reads HDF5, netCDF, MINC and OME-Zarr.
 array_pkgs := hdf5-serial netcdf blosc libzstd jansson zlib
 # HDF5's high-level library has its own pkg-config file since HDF5 2; earlier it is next to the main library.
-hdf5_hl := $(or $(shell pkg-config --silence-errors --libs hdf5_serial_hl),-lhdf5_hl)
-arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) && echo yes),$(build)/isoshade-arrays)
+hdf5_hl := $(or $(shell pkg-config --libs hdf5_serial_hl 2>/dev/null),-lhdf5_hl)
+arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) 2>/dev/null && echo yes),$(build)/isoshade-arrays)
 vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb)
 reader_programs := $(itk_program) $(arrays_program) $(vdb_program)
 beside := $(openvdb_library) $(mpi_library) $(reader_programs)

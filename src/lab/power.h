@@ -100,6 +100,9 @@ typedef struct iso_power_random_options {
 iso_status iso_power_random(const iso_power_random_options *opt, const iso_cli *cli, iso_error *err);
 /* True if a row of any section of a report differs, failed or was refused; text: the row's name. */
 bool iso_power_is_alarm(const json_t *report, char *text, size_t size);
+/* True if all such rows are levels whose pictures alone are behind the simple way's: what is stored, the bound, the
+ * extinction scale and the scene's limits hold. */
+bool iso_power_is_finding(const json_t *report);
 /* Returns the largest rate consistent with these alarms at 95 % confidence (Clopper and Pearson). */
 double iso_power_rate_bound(size_t alarms, size_t tested);
 

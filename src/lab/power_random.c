@@ -19,8 +19,8 @@
 #include "base/process.h"
 #include "base/random.h"
 #include "base/temporary.h"
+#include "base/words.h"
 #include "lab/power.h"
-#include "report/levels.h"
 #include "report/rows.h"
 #include "tf/presets.h"
 #include "volume/synthetic.h"
@@ -180,6 +180,12 @@ static void validate_words(iso_random *r, const char *with, words *w)
 
 /* ---- validate's answer ---- */
 
+static bool is_flagged(const json_t *row)
+{
+    return json_object_get(row, "verdict") &&
+           iso_verdict_doubt(iso_row_verdict(row)) >= iso_verdict_doubt(ISO_VERDICT_REFUSED);
+}
+
 /* True if any row reports a problem; the first such row goes to text. */
 bool iso_power_is_alarm(const json_t *report, char *text, size_t size)
 {
@@ -188,8 +194,7 @@ bool iso_power_is_alarm(const json_t *report, char *text, size_t size)
     size_t i;
     json_object_foreach((json_t *)report, section, rows) json_array_foreach(rows, i, row)
     {
-        const iso_verdict verdict = iso_row_verdict(row);
-        if (!json_object_get(row, "verdict") || iso_verdict_doubt(verdict) < iso_verdict_doubt(ISO_VERDICT_REFUSED))
+        if (!is_flagged(row))
             continue;
         const char *name = iso_row_text(row, "b")[0] ? iso_row_text(row, "b") : iso_row_text(row, "check");
         snprintf(text, size, "%s %s, level %lld", section, name,
@@ -197,6 +202,31 @@ bool iso_power_is_alarm(const json_t *report, char *text, size_t size)
         return true;
     }
     return false;
+}
+
+/* True if the part of a level's row is there and not held. */
+static bool is_unheld(const json_t *row, const char *part)
+{
+    return json_is_false(json_object_get(json_object_get(row, part), "held"));
+}
+
+bool iso_power_is_finding(const json_t *report)
+{
+    const char *section;
+    json_t *rows, *row, *figure;
+    size_t i, k, found = 0;
+    json_object_foreach((json_t *)report, section, rows) json_array_foreach(rows, i, row)
+    {
+        if (!is_flagged(row))
+            continue;
+        if (strcmp(section, "levels") != 0 || !json_is_false(json_object_get(row, "simple_held")) ||
+            is_unheld(row, "stored") || is_unheld(row, "bound") || is_unheld(row, "extinction_scale"))
+            return false;
+        json_array_foreach(json_object_get(row, "figures"), k,
+                           figure) if (json_is_false(json_object_get(figure, "held"))) return false;
+        ++found;
+    }
+    return found > 0;
 }
 
 static iso_status run_words(const words *w, const char *folder, int *exit_code, iso_error *err)
@@ -239,12 +269,12 @@ typedef struct outcome {
 } outcome;
 
 /* Judges the levels by another sample: the volume is turned, so that all views and lights differ, and 20 views of 64
- * pixels are drawn. *holds: True if a level is worse there, too. */
+ * pixels are drawn. *holds: True if pictures alone put a level behind the simple way there, too. */
 static iso_status ask_again(const char *folder, const words *made, const words *validated, bool *holds, iso_error *err)
 {
     words *make = malloc(2 * sizeof *make), *validate = make + 1;
     json_t *report = NULL;
-    char *result = iso_path_join(folder, "report/report.json");
+    char *result = iso_path_join(folder, "again/report.json");
     int code = 0;
     iso_status status = make && result ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "isoshade-lab power: out of memory");
     if (status == ISO_OK) {
@@ -253,11 +283,13 @@ static iso_status ask_again(const char *folder, const words *made, const words *
         add_option(make, "--rotate", "2,1,-3,77"); /* the last of two options counts */
         add_option(validate, "--level-views", "20");
         add_option(validate, "--level-size", "64");
+        add_option(validate, "-o", "again");
         status = run_words(make, folder, &code, err);
     }
     TRY(status, run_words(validate, folder, &code, err));
-    TRY(status, iso_json_load(result, &report, err));
-    *holds = status == ISO_OK && iso_levels_summarize(report).differed > 0;
+    if (code == ISO_E_DIFFERS)
+        TRY(status, iso_json_load(result, &report, err));
+    *holds = report && iso_power_is_finding(report);
     json_decref(report);
     free(result);
     free(make);
@@ -305,7 +337,7 @@ static iso_status run_scene(const iso_power_random_options *o, const char *base,
         out->is_open = code != ISO_OK;
         if (iso_power_is_alarm(report, what, sizeof what))
             out->alarm = describe(number, make, validate, scene, report, what);
-        if (out->alarm && strncmp(what, "levels ", 7) == 0)
+        if (out->alarm && iso_power_is_finding(report))
             status = ask_again(folder, make, validate, &out->is_finding, err);
     }
     json_decref(report);
@@ -382,7 +414,7 @@ static void print_sums(const iso_power_random_options *o, const sums *s)
         free(scene);
     }
     printf("%zu random scenes by %s, seed %d: %zu false alarm%s (a rate below %.2g %%, at 95 %% confidence)\n",
-           s->valid, o->with, o->seed, s->alarms, s->alarms == 1 ? "" : "s",
+           s->valid, o->with, o->seed, s->alarms, iso_words_plural(s->alarms),
            100 * iso_power_rate_bound(s->alarms, s->valid));
     printf("in %zu a level is worse than the simple way, in other views as well\n", s->findings);
     printf("in %zu of them something was not compared; %zu more show too little and were refused\n", s->open,
@@ -422,5 +454,6 @@ iso_status iso_power_random(const iso_power_random_options *o, const iso_cli *cl
     json_decref(s.list);
     return status != ISO_OK || s.alarms == 0
                ? status
-               : iso_fail(err, ISO_E_DIFFERS, "isoshade-lab power: %zu of %zu right scenes were flagged", s.alarms, s.valid);
+               : iso_fail(err, ISO_E_DIFFERS, "isoshade-lab power: %zu of %zu right scenes were flagged", s.alarms,
+                          s.valid);
 }

@@ -238,11 +238,6 @@ static size_t count_counting(const json_t *list)
     return count;
 }
 
-static const char *plural(size_t count)
-{
-    return count == 1 ? "" : "s";
-}
-
 /* Adds the number of facts that differ, and missing pictures. */
 static void add_fact_count(const json_t *difference, size_t counting, char *sentence, size_t size)
 {
@@ -251,7 +246,7 @@ static void add_fact_count(const json_t *difference, size_t counting, char *sent
     json_array_foreach(facts, i, fact) machine += strncmp(iso_row_text(fact, "fact"), "machine", 7) == 0;
     const size_t count = json_array_size(facts) - machine;
     if (count > 0)
-        iso_words_append(sentence, size, " %zu version%s or option%s differ%s%s.", count, plural(count), plural(count),
+        iso_words_append(sentence, size, " %zu version%s or option%s differ%s%s.", count, iso_words_plural(count), iso_words_plural(count),
                          count == 1 ? "s" : "", counting ? "" : " (not counted, by request)");
     if (json_object_get(difference, "pictures_missing"))
         iso_words_append(sentence, size, " %s", iso_row_text(difference, "pictures_missing"));
@@ -267,13 +262,13 @@ void iso_difference_conclude(json_t *difference)
                  facts = count_counting(json_object_get(difference, "facts"));
     char sentence[1024] = "";
     if (json_array_size(rows) + differing == 0)
-        iso_words_append(sentence, sizeof sentence, "No difference in %zu row%s and %zu picture%s.", all, plural(all),
-                         shown, plural(shown));
+        iso_words_append(sentence, sizeof sentence, "No difference in %zu row%s and %zu picture%s.", all, iso_words_plural(all),
+                         shown, iso_words_plural(shown));
     else
         iso_words_append(sentence, sizeof sentence,
                          "The reports differ: %zu of %zu row%s changed, %zu appeared and %zu disappeared; %zu of %zu "
                          "picture%s differ%s beyond tolerance.",
-                         changed, all, plural(all), appeared, gone, differing, shown, plural(shown),
+                         changed, all, iso_words_plural(all), appeared, gone, differing, shown, iso_words_plural(shown),
                          differing == 1 ? "s" : "");
     add_fact_count(difference, facts, sentence, sizeof sentence);
     json_object_set_new(difference, "changed_count", json_integer((json_int_t)changed));

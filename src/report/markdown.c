@@ -201,7 +201,7 @@ static void put_refusals(FILE *f, const json_t *agreement)
     {
         fputs("- ", f);
         iso_markdown_put_text(f, key);
-        fprintf(f, " (%lld row%s)\n", (long long)json_integer_value(rows), json_integer_value(rows) == 1 ? "" : "s");
+        fprintf(f, " (%lld row%s)\n", (long long)json_integer_value(rows), iso_words_plural((size_t)json_integer_value(rows)));
     }
     json_decref(reasons);
 }

@@ -42,12 +42,7 @@ static void add_unanswered(iso_report_summary *s, json_t *unanswered)
                      first ? first : "", first_scene ? first_scene : "");
     if (s->unanswered > 1)
         iso_words_append(s->sentence, sizeof s->sentence, " (and in %zu more case%s)", s->unanswered - 1,
-                         s->unanswered == 2 ? "" : "s");
-}
-
-static const char *plural(size_t count)
-{
-    return count == 1 ? "" : "s";
+                         iso_words_plural(s->unanswered - 1));
 }
 
 static void write_sentence(iso_report_summary *s, json_t *unanswered)
@@ -67,10 +62,10 @@ static void write_sentence(iso_report_summary *s, json_t *unanswered)
         iso_words_append(
             s->sentence, sizeof s->sentence,
             "%zu comparison%s agree%s; %zu could not be made: a renderer is missing, failed, or did not pass its calibration",
-            s->agreed, plural(s->agreed), s->agreed == 1 ? "s" : "", s->refused);
+            s->agreed, iso_words_plural(s->agreed), s->agreed == 1 ? "s" : "", s->refused);
     else if (s->differed == 0 && s->unanswered > 0) {
         iso_words_append(s->sentence, sizeof s->sentence, "%zu comparison%s agree%s, but ", s->agreed,
-                         plural(s->agreed), s->agreed == 1 ? "s" : "");
+                         iso_words_plural(s->agreed), s->agreed == 1 ? "s" : "");
         add_unanswered(s, unanswered);
     } else if (s->differed == 0)
         iso_words_append(s->sentence, sizeof s->sentence,
@@ -79,7 +74,7 @@ static void write_sentence(iso_report_summary *s, json_t *unanswered)
     else {
         iso_words_append(s->sentence, sizeof s->sentence,
                          "The renderers do not all agree: %zu of %zu comparison%s differ%s", s->differed, judged,
-                         plural(judged), s->differed == 1 ? "s" : "");
+                         iso_words_plural(judged), s->differed == 1 ? "s" : "");
         if (s->refused > 0)
             iso_words_append(s->sentence, sizeof s->sentence, ", %zu %s refused", s->refused,
                              s->refused == 1 ? "was" : "were");

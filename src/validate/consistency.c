@@ -305,15 +305,14 @@ static bool is_open(const iso_validation *v, const iso_measured *all, size_t lev
                           iso_measured_is_behind(own, simple, v->consistency_views));
 }
 
-static const iso_method stored = {"stored", ISO_DIRECTION_MOMENTS,
-                                  ISO_FROM_CODES}; /* at level 0 all filters are the same */
+const iso_method iso_method_stored = {"stored", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES};
 
 static iso_status render_finest(iso_validation *v, levels_run *run, const char *what, iso_error *err)
 {
     iso_status status = ISO_OK;
     begin_part(v, what, 0);
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK && may_draw(v, run); ++i)
-        status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &stored}, i, &run->finest[i],
+        status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &iso_method_stored}, i, &run->finest[i],
                                            err);
     return status;
 }

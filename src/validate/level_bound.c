@@ -47,11 +47,10 @@ static iso_status bound_view(const iso_validation *v, size_t level, bool adapted
 /* Draws level 0 and the level in view i, and measures the RMSE. */
 static iso_status measure_view(iso_validation *v, const iso_measured_level *own, size_t i, double *rmse, iso_error *err)
 {
-    static const iso_method stored = {.name = "level 0", .source = ISO_FROM_CODES};
     iso_image fine = {0}, coarse = {0};
     iso_metrics metrics = {0};
-    iso_status status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &stored}, i, &fine,
-                                                  err);
+    iso_status status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &iso_method_stored}, i,
+                                                  &fine, err);
     TRY(status, iso_validate_render_level(v, v->pyramid, own, i, &coarse, err));
     TRY(status, iso_metrics_measure(&fine, &coarse, &metrics, err));
     *rmse = metrics.rmse;
@@ -68,8 +67,8 @@ static iso_status measure_finely(iso_validation *v, const iso_measured_level *ow
     iso_scene finer = *scene;
     iso_status status = ISO_OK;
     v->scene = &finer;
-    for (double before = INFINITY;
-         status == ISO_OK && fabs(*rmse - before) > step_change && finer.step_voxels > finest_step_voxels;) {
+    for (double before = INFINITY; status == ISO_OK && !iso_validate_is_out_of_time(v) &&
+                                   fabs(*rmse - before) > step_change && finer.step_voxels > finest_step_voxels;) {
         before = *rmse;
         finer.step_voxels /= 4;
         status = measure_view(v, own, i, rmse, err);
@@ -95,6 +94,8 @@ iso_status iso_validate_bound_level(iso_validation *v, const iso_measured_level 
             status = bound_view(v, own->level, own->use == ISO_USE_ADAPTED, i, &bound_rmse, err);
         if (status == ISO_OK && rmse > bound_rmse)
             status = measure_finely(v, own, i, &rmse, err);
+        if (rmse > bound_rmse && iso_validate_is_out_of_time(v)) /* its steps may be too long */
+            bound_rmse = INFINITY;
         bound.rmse += rmse / (double)views;
         bound.bound += bound_rmse / (double)views;
         const double above = rmse - bound_rmse;

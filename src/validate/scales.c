@@ -50,8 +50,7 @@ static iso_status compare_with_made(const iso_validation *v, const iso_pyramid *
 /* Sets *effect if view i differs from the same view without a scale, which is a scale of 1 everywhere. */
 static iso_status has_effect(iso_validation *v, size_t level, size_t i, bool *effect, iso_error *err)
 {
-    const iso_method stored = {"stored", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES};
-    const iso_measured_level shown = {.level = level, .method = &stored, .use = ISO_USE_SCALED};
+    const iso_measured_level shown = {.level = level, .method = &iso_method_stored, .use = ISO_USE_SCALED};
     uint8_t *bytes = v->level_tfs[level].extinction_scale;
     iso_image with = {0}, without = {0};
     iso_status status = iso_validate_render_level(v, v->pyramid, &shown, i, &with, err);

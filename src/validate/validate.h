@@ -118,6 +118,7 @@ typedef struct iso_method {
     iso_direction_filter filter;
     iso_direction_source source;
 } iso_method;
+extern const iso_method iso_method_stored; /* the pyramid's own directions; at level 0 those of all filters are equal */
 extern const iso_method iso_methods[];
 extern const size_t iso_method_count;
 /* Builds level 0's scalar again with another direction filter. */

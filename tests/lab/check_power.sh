@@ -20,6 +20,10 @@ expect the_table_is_printed 0 power --repetitions 2 --size 14
 check with_the_confidence_of_its_rates grep -q 'clean scenes, gl lock-step: 0 of 2 flagged (a rate below 78 %, at 95 % confidence)' out
 check and_nothing_wrong test "$(grep -c WRONG out)" = 0
 
+# A constant with grain: a level is behind the simple way, and stays so when the volume is turned. No false alarm.
+expect a_finding_is_no_false_alarm 0 power --random 1 --seed 1 --json
+check it_is_counted grep -q '"worse_levels": 1' out
+
 check the_sensitivity_has_a_chart power --sensitivity --repetitions 1 --size 10 -o sensitivity
 check as_svg grep -q '</svg>' sensitivity/sensitivity.svg
 # Eleven deviations by calibration, lock-step and limit.

@@ -209,10 +209,11 @@ static void rates_are_bounded_as_tables_say(void **state)
 static void an_alarm_is_found_in_any_section(void **state)
 {
     (void)state;
-    const char *const alarms[] = {"{\"agreement\": [{\"verdict\": \"agree\"}, {\"b\": \"gl\", \"verdict\": \"differ\"}]}",
-                                  "{\"levels\": [{\"level\": 2, \"verdict\": \"differ\"}]}",
-                                  "{\"calibration\": [{\"check\": \"slab\", \"verdict\": \"fail\"}]}",
-                                  "{\"made_up\": [{\"verdict\": \"no word\"}]}"};
+    const char *const alarms[] = {
+        "{\"agreement\": [{\"verdict\": \"agree\"}, {\"b\": \"gl\", \"verdict\": \"differ\"}]}",
+        "{\"levels\": [{\"level\": 2, \"verdict\": \"differ\"}]}",
+        "{\"calibration\": [{\"check\": \"slab\", \"verdict\": \"fail\"}]}",
+        "{\"made_up\": [{\"verdict\": \"no word\"}]}"};
     char text[200];
     for (size_t i = 0; i < sizeof alarms / sizeof *alarms; ++i) {
         json_t *report = json_loads(alarms[i], 0, NULL);
@@ -220,9 +221,37 @@ static void an_alarm_is_found_in_any_section(void **state)
         json_decref(report);
     }
     json_t *report = json_loads("{\"agreement\": [{\"verdict\": \"agree\"}, {\"verdict\": \"not compared\"}],"
-                                " \"consistency\": [{\"level\": 1}]}", 0, NULL);
+                                " \"consistency\": [{\"level\": 1}]}",
+                                0, NULL);
     assert_false(iso_power_is_alarm(report, text, sizeof text));
     json_decref(report);
+}
+
+/* Only pictures that are behind the simple way's may be a finding; anything else that is flagged stays a false alarm. */
+static void a_finding_is_of_pictures_alone(void **state)
+{
+    (void)state;
+    static const struct {
+        bool is_finding;
+        const char *more; /* keys of the level's row, or sections */
+    } cases[] = {{true, ", \"simple_held\": false, \"bound\": {\"held\": true}, \"figures\": [{\"held\": true}]}]"},
+                 {false, ", \"simple_held\": true}]"},
+                 {false, ", \"simple_held\": false, \"bound\": {\"held\": false}}]"},
+                 {false, ", \"simple_held\": false, \"stored\": {\"held\": false}}]"},
+                 {false, ", \"simple_held\": false, \"extinction_scale\": {\"held\": false}}]"},
+                 {false, ", \"simple_held\": false, \"figures\": [{\"held\": false}]}]"},
+                 {false, ", \"simple_held\": false}], \"agreement\": [{\"verdict\": \"differ\"}]"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char text[400];
+        snprintf(text, sizeof text, "{\"levels\": [{\"level\": 1, \"verdict\": \"differ\"%s}", cases[i].more);
+        json_t *report = json_loads(text, 0, NULL);
+        assert_non_null(report);
+        assert_true(iso_power_is_finding(report) == cases[i].is_finding);
+        json_decref(report);
+    }
+    json_t *clean = json_loads("{\"levels\": [{\"verdict\": \"agree\", \"simple_held\": false}]}", 0, NULL);
+    assert_false(iso_power_is_finding(clean));
+    json_decref(clean);
 }
 
 static void a_pixel_that_is_no_number_is_rejected(void **state)
@@ -255,6 +284,7 @@ int main(void)
         cmocka_unit_test(a_pixel_that_is_no_number_is_rejected),
         cmocka_unit_test(rates_are_bounded_as_tables_say),
         cmocka_unit_test(an_alarm_is_found_in_any_section),
+        cmocka_unit_test(a_finding_is_of_pictures_alone),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);
 }
