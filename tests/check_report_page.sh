@@ -4,10 +4,14 @@
 . "$(dirname "$0")/lib.sh"
 cd "$top" || exit 1
 # A step of opacity 0.9999 in a scene declared smooth, whose limits floats exceed, so that the page has a failed case.
-mkdir "$dir/strict"
+mkdir "$dir/strict" "$dir/elsewhere"
 sed 's/"tf": "sharp"/"tf": "smooth"/; s/"opacity": 0.7/"opacity": 0.9999/' refscenes/suite/step.scene.json >"$dir/strict/strict.scene.json"
-expect a_report_with_a_failed_case_is_exit_1 1 "$ISOSHADE" validate --suite "$dir/strict" --quick --size 12 --with gl,povray --quiet \
-    -o "$dir/report"
+cd "$dir" || exit 1
+expect a_report_with_a_failed_case_is_exit_1 1 "$ISOSHADE" validate --suite strict --quick --size 12 --with gl,povray --quiet -o report
+commands() { PATH=$(dirname "$ISOSHADE"):$PATH python3 "$top/tests/report_commands.py" "$@"; }
+check commands_of_the_report_run_where_it_was_made commands report
+expect and_not_in_another_folder 1 commands report "$dir/elsewhere"
+cd "$top" || exit 1
 
 browse() { # page, options: the browser keeps to a folder of its own
     local page=$1

@@ -37,6 +37,11 @@ const char *iso_provenance_name(const char *path)
     return kept_now == ISO_PROVENANCE_PATHS ? path : last_name(path);
 }
 
+const char *iso_provenance_path(const char *path)
+{
+    return path && path[0] != '/' && kept_now == ISO_PROVENANCE_NAMES ? path : iso_provenance_name(path);
+}
+
 const char *iso_provenance_title(const char *path)
 {
     return path && kept_now != ISO_PROVENANCE_NONE ? last_name(path) : "a volume";
@@ -53,47 +58,46 @@ char *iso_provenance_scene(const char *path, size_t number)
     return strndup(path, length > end && strcmp(path + length - end, ending) == 0 ? length - end : length);
 }
 
-static bool is_quotient(const char *word)
+/* Returns the absolute path within a part of a word, as in "/a/b", "name=/a/b" and "-o/a/b"; or the part's end. */
+static const char *absolute_in(const char *part)
 {
-    char *end;
-    iso_words_read_quotient(word, &end);
-    return end != word && !*end;
+    const char *slash = part[0] == '-' && part[1] && part[2] == '/' ? part + 2 : part[0] == '/' ? part : NULL;
+    for (const char *c = part; !slash && *c; ++c)
+        if (strchr("=:", c[0]) && c[1] == '/')
+            slash = c + 1;
+    return slash ? slash : part + strlen(part);
 }
 
-/* Shortens each part of a list, "dir/a.json,dir/b.json" or "16/255,1/255", to its last name, in place. False: it is
- * not a list, but may be one name with a comma in it. */
-static bool shorten_list(char *list)
+/* True if each part of a list of paths is absolute; otherwise "/a/b, c/d" is one path with a comma in its name. */
+static bool all_absolute(const char *list)
 {
-    char copy[4096], *rest = copy, *to = list;
-    if (!strchr(list, ',') || snprintf(copy, sizeof copy, "%s", list) >= (int)sizeof copy)
-        return false;
-    for (char *part; (part = strsep(&rest, ","));)
-        if (!is_quotient(part) && !strchr(last_name(part), '.'))
+    for (; list; list = strchr(list, ',') ? strchr(list, ',') + 1 : NULL)
+        if (*list != '/')
             return false;
-    snprintf(copy, sizeof copy, "%s", list);
-    rest = copy;
-    for (char *part; (part = strsep(&rest, ","));) {
-        const char *kept = is_quotient(part) ? part : last_name(part);
-        const size_t n = strlen(kept);
-        memmove(to, kept, n);
-        to += n;
-        *to++ = rest ? ',' : 0;
-    }
     return true;
 }
 
 void iso_provenance_put_word(FILE *f, const char *word)
 {
-    const char *equals = word[0] == '-' ? strchr(word, '=') : NULL, *value = equals ? equals + 1 : word;
-    char text[4096], names[4096];
-    if (kept_now == ISO_PROVENANCE_PATHS || !strchr(value, '/') || is_quotient(value)) {
+    char copy[4096], text[4096], *rest = copy, *to = text;
+    if (kept_now == ISO_PROVENANCE_PATHS || !strchr(word, '/')) {
         iso_words_put_quoted(f, word);
         return;
     }
-    if (snprintf(names, sizeof names, "%s", value) >= (int)sizeof names || !shorten_list(names))
-        snprintf(names, sizeof names, "%s", last_name(value));
-    const int n = snprintf(text, sizeof text, "%.*s%s", (int)(value - word), word, names);
-    iso_words_put_quoted(f, n < (int)sizeof text ? text : "...");
+    if (snprintf(copy, sizeof copy, "%s", word) >= (int)sizeof copy) {
+        iso_words_put_quoted(f, "...");
+        return;
+    }
+    const bool is_one = *absolute_in(word) && !all_absolute(absolute_in(word));
+    for (char *part; (part = is_one ? rest : strsep(&rest, ","));) {
+        const char *absolute = absolute_in(part);
+        to = stpncpy(to, part, (size_t)(absolute - part));
+        to = stpcpy(to, iso_provenance_name(absolute));
+        if (is_one || !rest)
+            break;
+        *to++ = ',';
+    }
+    iso_words_put_quoted(f, text);
 }
 
 /* Returns the end of a word: a space outside of quotes, or the line's end. */

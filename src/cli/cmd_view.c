@@ -131,10 +131,29 @@ static iso_status check(const view_arguments *a, iso_error *err)
     return status;
 }
 
+/* Returns the volume's file and the options that read it, as words of a command line. NULL: out of memory. */
+static char *input_line(const char *path, const iso_volume_input *input)
+{
+    char *options = iso_volume_input_line(input), *names = options ? iso_provenance_line(options) : NULL, *line = NULL;
+    size_t size = 0;
+    FILE *f = names ? open_memstream(&line, &size) : NULL;
+    if (f) {
+        if (iso_provenance_kept() == ISO_PROVENANCE_NONE)
+            iso_words_put_quoted(f, iso_provenance_title(path));
+        else
+            iso_provenance_put_word(f, path);
+        fputs(names, f);
+        fclose(f);
+    }
+    free(options);
+    free(names);
+    return line;
+}
+
 static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const char *path = cli->arguments[0];
-    char *typed = iso_volume_input_line(&a->input), *input = typed ? iso_provenance_line(typed) : NULL;
+    char *input = input_line(path, &a->input);
     const bool is_pyramid = iso_pyramid_is_one(path);
     const iso_cli_stage stages[] = {{"pyramid", 1}, {"pack", 3}};
     iso_progress progress = iso_cli_progress(cli);
@@ -174,7 +193,6 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
     free(input);
-    free(typed);
     return status;
 }
 

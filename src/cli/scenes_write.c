@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/provenance.h"
 #include "base/words.h"
 #include "cli/made_volume.h"
 #include "renderers/pictures.h"
@@ -162,15 +163,15 @@ static char *validate_line(const iso_scenes_write *a)
     fputs("isoshade validate ", f);
     if (a->suite) {
         fputs("--suite ", f);
-        iso_words_put_quoted(f, iso_path_base(a->suite));
+        iso_provenance_put_word(f, a->suite);
     } else {
-        iso_words_put_quoted(f, iso_path_base(a->cli->arguments[0]));
+        iso_provenance_put_word(f, a->cli->arguments[0]);
         fputs(" --scene ", f);
         if (has_own_scene(&a->look)) {
-            iso_words_put_quoted(f, iso_path_base(a->dir));
+            iso_provenance_put_word(f, a->dir);
             fputs("/scene.scene.json", f);
         } else {
-            iso_words_put_quoted(f, iso_path_base(a->look.scene));
+            iso_provenance_put_word(f, a->look.scene);
         }
     }
     if (a->levels > 0)
@@ -178,7 +179,7 @@ static char *validate_line(const iso_scenes_write *a)
     if (a->look.size)
         fprintf(f, " --size %s", a->look.size);
     fputs(" --images NAME=", f);
-    iso_words_put_quoted(f, iso_path_base(a->dir));
+    iso_provenance_put_word(f, a->dir);
     fputs(" -o report", f);
     fclose(f);
     return line;

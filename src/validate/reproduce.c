@@ -63,7 +63,7 @@ char *iso_validate_reproduce(const iso_validation *v, size_t level, const iso_re
     size_t size = 0;
     snprintf(image, sizeof image, "%s-level-%zu.exr", renderer->name, level);
     FILE *f = open_memstream(&text, &size);
-    if (!f || asprintf(&path, "%s/images/%s.exr", iso_provenance_name(iso_report_path(v->report)), image_a) < 0)
+    if (!f || asprintf(&path, "%s/images/%s.exr", iso_provenance_path(iso_report_path(v->report)), image_a) < 0)
         path = NULL;
     if (f) {
         put_render(f, v, level, renderer, options, image);

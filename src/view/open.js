@@ -38,7 +38,7 @@ const replaceVolume = (data, state, level, name) => {
     const laid = tf => laidOnRange(tf, data.value_range, data.mean_spacing_mm), presets = data.presets.map(p => ({...p, tf: laid(p.tf)}));
     state.tf = laid(state.tf);
     // isoshade may treat integers as labels, which are not interpolated.
-    Object.assign(data, {title: name, input: ' --no-labels', levels: [level], codes: [], presets, geometry: level, geometry0: level, value_range: [level.min, level.max], mean_spacing_mm: spacing});
+    Object.assign(data, {title: name, input: quoted(name) + ' --no-labels', levels: [level], codes: [], presets, geometry: level, geometry0: level, value_range: [level.min, level.max], mean_spacing_mm: spacing});
     Object.assign(state, {level: 0, code: null, adapted: false, compare: 'none', clips: [], roi: null, tfName: 'scene', edited: null, b: {level: 0, code: null, adapted: false}});
     state.sceneAspect = Math.min(1, state.sceneAspect);
     state.camera = lookingFrom(state.camera, level, viewpoints[0][1], viewpoints[0][2], state.sceneAspect);

@@ -35,7 +35,7 @@ const sceneJson = (data, state, camera, width, height) => ({
 });
 const quoted = s => /^[\w.,/:=+-]+$/.test(s) ? s : `'${s.replace(/'/g, "'\\''")}'`;
 const commandOf = (data, state) => {
-    const {level, code, adapted} = state, words = ['isoshade render', quoted(data.title) + data.input, '--scene', 'scene.json', '--with gl'];
+    const {level, code, adapted} = state, words = ['isoshade render', data.input, '--scene', 'scene.json', '--with gl'];
     const plan = data.levels.find(l => l.isPlan && l.level === level);
     if (plan) return [...words, `--plan-error ${plan.predicted_rmse ?? 1 / 255} --brick ${plan.brick_voxels} --brick-levels ${plan.level_count}`].join(' ') + ' -o picture.png';
     if (level) words.push(`--level ${level}`);

@@ -32,7 +32,7 @@ typedef struct iso_viewer {
     const iso_pyramid *pyramid;
     const iso_scene *scene;
     const char *title;       /* name of the volume */
-    const char *input;       /* options that read its file, as on a command line: " --frame 3"; NULL: none */
+    const char *input;       /* its file and the options that read it, as on a command line: "a.nii --frame 3" */
     const char *folder;      /* of the pyramid on disk, which keeps joint histograms; or NULL */
     size_t first, last;      /* finest and coarsest level of the page */
     size_t code_count;       /* codes of the page; those other than the pyramid's need its floats */
