@@ -162,7 +162,8 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_scene scene = {0};
     iso_subject_look look;
     iso_viewer v = {.pyramid = &pyramid, .scene = &scene, .floats = a->floats, .adapted = a->adapted, .errors = a->errors,
-                    .threads = cli->threads, .title = iso_provenance_title(path), .input = input, .folder = is_pyramid ? path : NULL};
+                    .threads = cli->threads, .title = iso_provenance_title(path), .input = input,
+                    .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
     iso_view_plan plan = {.page = {.name = NULL}};
     iso_status status = check(a, err);
