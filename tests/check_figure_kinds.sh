@@ -173,10 +173,10 @@ refuse more_sides_than_there_is_room 5 'at most 8 times' "$ISOSHADE" figure v.nr
 refuse levels_of_one_transfer_function 2 'goes with --adapt' "$ISOSHADE" figure v.nrrd --kind tf --levels 3 -o f -q
 refuse a_map_that_is_none 2 'color map' "$ISOSHADE" figure v.nrrd --map jet -o f
 refuse an_inset_beyond_the_picture 5 'parts of the picture' "$ISOSHADE" figure v.nrrd --zoom 0.9,0,0.5,0.5 -o f
-refuse a_zoom_that_is_none 2 'wanted X or X,Y,W,H' "$ISOSHADE" figure v.nrrd --zoom 1,2 -o f
+refuse a_zoom_that_is_none 2 'must be X or X,Y,W,H' "$ISOSHADE" figure v.nrrd --zoom 1,2 -o f
 refuse a_form_that_is_none 2 'none of pdf' "$ISOSHADE" figure v.nrrd --formats gif -o f
 refuse a_case_that_is_none 2 'the atlas has no' "$ISOSHADE" figure --kind failure --case x -o f
-refuse a_background_that_is_none 2 'wanted white, black or' "$ISOSHADE" figure v.nrrd --background paper -o f
+refuse a_background_that_is_none 2 'must be white, black or' "$ISOSHADE" figure v.nrrd --background paper -o f
 refuse a_background_beyond_white 5 'between 0 and 1' "$ISOSHADE" figure v.nrrd --background 0,0,2 -o f
 refuse no_volume 2 'needs a volume' "$ISOSHADE" figure --kind tf -o f
 check nothing_is_left test ! -e f

@@ -53,6 +53,6 @@ done
 expect a_far_volume_is_described 0 "$ISOSHADE" info far.nrrd
 check it_is_around_its_center grep -q 'corner *51999, -31001, 7999.5 mm' out
 check its_grain_is_there grep -Eq 'range *0\.[1-4][0-9]* to 0\.[6-9]' out
-refuse a_center_without_z 2 'wanted X,Y,Z in mm' "$ISOSHADE" make constant --size 4 --center 1,2 -q -o no.nrrd
+refuse a_center_without_z 2 'must be X,Y,Z in mm' "$ISOSHADE" make constant --size 4 --center 1,2 -q -o no.nrrd
 refuse grain_above_the_range 2 'must be 0 to 1' "$ISOSHADE" make constant --size 4 --grain 1.5 -q -o no.nrrd
 exit $failed

@@ -18,7 +18,7 @@ check and_the_finer_steps grep -q 'marschner-lobb-level-0/step-0.125.exr ' els/R
 check and_the_line_that_compares grep -q 'isoshade validate v.nrrd --scene marschner-lobb.scene.json --levels 2 --size 10 --images NAME=els' els/README.txt
 has_keys the_index els/pictures.json schema command tier steps pictures
 refuse a_sheet_is_no_request 2 '-o and --write exclude each other' "${write[@]}" --write two -o sheet.png
-refuse another_tier_is_refused 2 'wanted samples, limit or "8 bits"' "${write[@]}" --write two --tier exact
+refuse another_tier_is_refused 2 'must be samples, limit or "8 bits"' "${write[@]}" --write two --tier exact
 refuse a_limit_needs_two_steps 2 'a limit needs at least 2' "${write[@]}" --steps 1 --tier limit --write two
 refuse levels_are_of_requests 2 'need --write' "$ISOSHADE" scenes v.nrrd --levels 1 -o sheet.png
 
@@ -94,7 +94,7 @@ echo '{"schema": "isoshade.pictures/1", "tier": "limit"}' >alone/pictures.json
 refuse a_limit_without_steps_is_refused 4 'pictures at two or more steps' "${validate[@]}" --images outside=alone -o no
 refuse a_name_that_is_taken 2 'is taken' "${validate[@]}" --images gl=els -o no
 refuse a_folder_that_is_not_there 3 'there is no folder nowhere' "${validate[@]}" --images outside=nowhere -o no
-refuse words_without_a_folder 2 'wanted NAME=DIR' "${validate[@]}" --images outside -o no
+refuse words_without_a_folder 2 'must be NAME=DIR' "${validate[@]}" --images outside -o no
 
 # A suite: scenes for which a request has no words are left out by name.
 expect a_suite_is_written 0 "$ISOSHADE" scenes --suite "$top/refscenes/suite" --size 8 --steps 0 --write suite

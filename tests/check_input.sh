@@ -69,7 +69,7 @@ mkdir empty
 refuse an_empty_folder 4 'empty: a folder that holds no slices of a volume' "$ISOSHADE" info empty
 refuse a_device 3 'is neither a regular file nor a folder' "$ISOSHADE" info /dev/null
 refuse no_argument 2 'usage: isoshade info VOLUME' "$ISOSHADE" info
-refuse an_empty_number 2 '--levels is empty, wanted a number' "$ISOSHADE" build v.nrrd --levels '' -o x.iso
+refuse an_empty_number 2 '--levels is empty, must be a number' "$ISOSHADE" build v.nrrd --levels '' -o x.iso
 refuse an_empty_number_behind_an_equals_sign 2 '--gauss-sigma is empty' "$ISOSHADE" build v.nrrd --gauss-sigma= -o x.iso
 refuse an_empty_number_of_every_command 2 '--threads is empty' "$ISOSHADE" info v.nrrd --threads ''
 check options_stand_anywhere_in_any_environment env POSIXLY_CORRECT=1 "$ISOSHADE" make ramp --size 3 -q -o anywhere.nrrd
@@ -85,11 +85,11 @@ refuse make_flat_matrix 5 'edge is 0 mm' "$ISOSHADE" make ramp --size 3 --rotate
 # What an option that is not given is held by is no value of it.
 tf=$top/refscenes/shells.tf.json
 refuse zoom_of_0 2 '--zoom is 0, must be 0.01 to 1000' "$ISOSHADE" scenes v.nrrd --zoom 0 -o x.png
-refuse zoom_of_a_word 2 '--zoom is "near", wanted a number' "$ISOSHADE" render v.nrrd --zoom near -o x.png
+refuse zoom_of_a_word 2 '--zoom is "near", must be a number' "$ISOSHADE" render v.nrrd --zoom near -o x.png
 refuse export_step_of_0 2 '--step is 0, must be 0.001 to 16' "$ISOSHADE" export v.nrrd --to povray --step 0 -o x
-refuse an_infinite_step 2 '--step is -inf, wanted a finite number' "$ISOSHADE" render v.nrrd --step=-inf -o x.png
-refuse an_infinite_limit 2 '--max-rmse is -inf, wanted a finite number' "$ISOSHADE" compare a.exr b.exr --max-rmse=-inf
-refuse an_infinite_time 2 '--timeout is -inf, wanted a finite number' "$ISOSHADE" info v.nrrd --timeout -inf
+refuse an_infinite_step 2 '--step is -inf, must be a finite number' "$ISOSHADE" render v.nrrd --step=-inf -o x.png
+refuse an_infinite_limit 2 '--max-rmse is -inf, must be a finite number' "$ISOSHADE" compare a.exr b.exr --max-rmse=-inf
+refuse an_infinite_time 2 '--timeout is -inf, must be a finite number' "$ISOSHADE" info v.nrrd --timeout -inf
 refuse a_cache_of_0_bytes 2 '--cache-bytes is 0, must be 1 to 1e+15' "$ISOSHADE" render v.nrrd --with cpu --cache-bytes 0 -o x.png
 # 0 is a value, not an option that is not given.
 for option in "render --page-side" "render --intervals" "render --planes" "render --samples" "render --seeds" \

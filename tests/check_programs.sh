@@ -26,7 +26,7 @@ refuse a_program_that_writes_nothing 8 "wrote no picture" with_povray no_pass
 fake half_a_picture <<<"printf 'P6\n8 8\n65535\nabc' >pass1.ppm"
 refuse half_a_picture 8 "pass1.ppm" with_povray half_a_picture
 fake another_size <<<"{ printf 'P6\n4 8\n65535\n'; head -c 192 /dev/zero; } >pass1.ppm"
-refuse a_picture_of_another_size 8 "wanted 8 x 8" with_povray another_size
+refuse a_picture_of_another_size 8 "instead of 8 x 8" with_povray another_size
 
 # A machine with much other work: POV-Ray's threads do not start in time, once.
 fake late <<<"[ -e tried ] || { touch tried; echo 'Timed out waiting for worker thread startup'; exit 1; }; exec $povray \"\$@\""

@@ -67,7 +67,7 @@ fi
 
 check a_2d_tf_renders "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d deviation -o tf_2d.exr -q
 refuse tf_2d_without_adapt 2 "go with --adapt" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --tf-2d deviation -o z.exr -q
-refuse unknown_second_value 2 "wanted deviation or gradient" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d depth -o z.exr -q
+refuse unknown_second_value 2 "must be deviation or gradient" "$ISOSHADE" render shells.iso --level 1 --size 48 --scene own.scene.json --adapt --tf-2d depth -o z.exr -q
 refuse bits_without_adapt 2 'go with --adapt' "$ISOSHADE" render shells.iso --level 1 --size 8 --scene own.scene.json --bits 9 -o z.exr -q
 # Two blocks, each with its cases; two figures. What is adapted has to be another table: the paper's is not the original.
 few="--views 1 --size 32 --levels 2 --tfs soft -q"
@@ -93,7 +93,7 @@ expect scale_costs 0 "$LAB" extinction-scale shells.iso --levels 2 --size 32 --r
 holds scales_bring_opacities_nearer "$(json_number out rms_opacity_scaled) < $(json_number out rms_opacity_unscaled)"
 check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --size 48 --scene "$scene" --adapt --tf-2d gradient --roi 8,8,8,30,30,30 -o roi.exr -q
 refuse roi_without_a_coarse_level 2 'needs a coarser level' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene "$scene" --roi 8,8,8,30,30,30 -o z.exr -q
-refuse roi_of_five_numbers 2 'wanted six numbers' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,30 -o z.exr -q
+refuse roi_of_five_numbers 2 'must be six numbers' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,30 -o z.exr -q
 refuse roi_outside 5 'must ascend within 0 to 44' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,45,30 -o z.exr -q
 refuse roi_band_without_roi 2 'need --roi' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi-band 3 -o z.exr -q
 refuse roi_for_vdb 2 'cannot be used with --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q

@@ -291,7 +291,7 @@ static iso_status load_picture(const char *path, const iso_view *view, iso_image
         return iso_fail(err, ISO_E_PROGRAM, "blender: %s", why.text);
     if (picture->width == view->width && picture->height == view->height)
         return ISO_OK;
-    return iso_fail(err, ISO_E_PROGRAM, "blender: the picture is %zu x %zu, wanted %zu x %zu", picture->width,
+    return iso_fail(err, ISO_E_PROGRAM, "blender: the picture is %zu x %zu instead of %zu x %zu", picture->width,
                     picture->height, view->width, view->height);
 }
 

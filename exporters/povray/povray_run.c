@@ -196,7 +196,7 @@ static iso_status load_pass(const render_job *job, size_t frame, iso_image *imag
         return iso_fail(err, ISO_E_PROGRAM, "povray: %s", why.text);
     if (image->width == view->width && image->height == view->height)
         return ISO_OK;
-    iso_fail(err, ISO_E_PROGRAM, "povray: the image has %zu x %zu pixels, wanted %zu x %zu", image->width,
+    iso_fail(err, ISO_E_PROGRAM, "povray: the image has %zu x %zu pixels instead of %zu x %zu", image->width,
              image->height, view->width, view->height);
     iso_image_destroy(image);
     return ISO_E_PROGRAM;

@@ -41,7 +41,7 @@ handle convert(const openvdb::GridBase::Ptr &grid)
         return to_nanovdb(*vectors);
     }
     throw std::runtime_error("grid \"" + grid->getName() + "\" has values of type " + grid->valueType() +
-                             ", wanted float or vec3s");
+                             ", must be float or vec3s");
 }
 
 /* Reads the grids of a file that this process has just written: any error is due to the disk. OpenVDB holds one grid at

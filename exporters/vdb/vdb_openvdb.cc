@@ -260,7 +260,7 @@ static int read_grid(const char *path, const char *name, int channels, const siz
         const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(base);
         const auto vectors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(base);
         if (channels == 1 ? !scalars : !vectors) {
-            std::snprintf(message->text, sizeof message->text, "grid \"%s\" has values of type %s, wanted %s", name,
+            std::snprintf(message->text, sizeof message->text, "grid \"%s\" has values of type %s, must be %s", name,
                           base->valueType().c_str(), channels == 1 ? "float" : "vec3s");
             return static_cast<int>(ISO_OPENVDB_NO_GRID);
         }

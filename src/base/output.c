@@ -80,7 +80,7 @@ iso_status iso_output_begin(iso_output *out, const char *path, iso_error *err)
 {
     if (iso_path_is_dir(path)) {
         *out = (iso_output){0};
-        return iso_fail(err, ISO_E_IO, "%s: is a directory, wanted a file name", path);
+        return iso_fail(err, ISO_E_IO, "%s: is a directory, must be a file", path);
     }
     iso_status status = reserve(out, path, err);
     if (status != ISO_OK)

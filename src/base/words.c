@@ -104,7 +104,7 @@ static int split_three(const char *text, double out[3])
 iso_status iso_words_parse_numbers(const char *text, const char *option, double out[3], iso_error *err)
 {
     if (split_three(text, out) != 0 || !isfinite(out[0]) || !isfinite(out[1]) || !isfinite(out[2]))
-        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted one number or three such as 1x1x2.5", option, text);
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", must be one number or three such as 1x1x2.5", option, text);
     return ISO_OK;
 }
 
@@ -112,7 +112,7 @@ iso_status iso_words_parse_sizes(const char *text, const char *option, size_t ou
 {
     double values[3];
     if (split_three(text, values) != 0)
-        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted one size or three such as 40x56x33", option, text);
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", must be one size or three such as 40x56x33", option, text);
     for (int a = 0; a < 3; ++a) {
         if (!(values[a] >= 1 && values[a] <= 1048576) || values[a] != floor(values[a]))
             return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", each size must be a whole number, 1 to 1048576", option,
@@ -139,7 +139,7 @@ iso_status iso_words_parse_error(const char *option, const char *text, double *e
     char *end;
     *error = iso_words_read_quotient(text, &end);
     if (end == text || *end || !(*error > 0 && *error <= 1))
-        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted an error above 0 and at most 1, such as 1/255", option,
+        return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", must be an error above 0 and at most 1, such as 1/255", option,
                         text);
     return ISO_OK;
 }

@@ -297,7 +297,7 @@ static iso_status choose_width(cast_options *opt, iso_error *err)
             opt->wide = names[i].width;
             return ISO_OK;
         }
-    return iso_fail(err, ISO_E_USAGE, "--width \"%s\": wanted avx512, avx2, baseline or one", opt->width);
+    return iso_fail(err, ISO_E_USAGE, "--width is \"%s\", must be avx512, avx2, baseline or one", opt->width);
 }
 
 static iso_status bench(const iso_cli *cli, cast_options *opt, iso_error *err)

@@ -155,7 +155,7 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
     TRY(status, iso_words_check_range("--runs", opt->runs, 1, 1000, err));
     TRY(status, iso_words_check_range("--step", opt->step_voxels, 1e-3, 100, err));
     if (status == ISO_OK && opt->tf && strcmp(opt->tf, "dense") != 0 && strcmp(opt->tf, "sparse") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--tf \"%s\": wanted dense or sparse", opt->tf);
+        status = iso_fail(err, ISO_E_USAGE, "--tf is \"%s\", must be dense or sparse", opt->tf);
     if (status == ISO_OK && (opt->transition || opt->picture) && !(opt->bricks && opt->transition))
         status = iso_fail(err, ISO_E_USAGE, "--transition needs --bricks, and -o needs --transition");
     TRY(status, iso_gl_create(&gl, NULL, err));

@@ -49,7 +49,7 @@ static iso_status parse_numbers(const number_list *list, const char *text, doubl
         double value = iso_words_read_quotient(at, &end);
         if (end == at || !(value >= list->lo && value <= list->hi) || *count == ISO_CHART_MAX_LIST ||
             (*end && *end != ','))
-            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", wanted up to %d %s", list->option, text,
+            return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", must be up to %d %s", list->option, text,
                             ISO_CHART_MAX_LIST, list->wanted);
         values[(*count)++] = value;
         if (!*end)
@@ -100,7 +100,7 @@ static iso_status take_quadrature(const char *word, bool *flags, iso_error *err)
 {
     bool midpoint = strcmp(word, "midpoint") == 0;
     if (!midpoint && strcmp(word, "preintegrated") != 0)
-        return iso_fail(err, ISO_E_USAGE, "--quadratures has \"%s\", wanted midpoint or preintegrated", word);
+        return iso_fail(err, ISO_E_USAGE, "--quadratures has \"%s\", must be midpoint or preintegrated", word);
     flags[!midpoint] = true;
     return ISO_OK;
 }
@@ -114,7 +114,7 @@ static iso_status take_tf(const char *word, bool *flags, iso_error *err)
             flags[i] = true;
             return ISO_OK;
         }
-    return iso_fail(err, ISO_E_USAGE, "--tfs has \"%s\", wanted original, adapted or tf-2d", word);
+    return iso_fail(err, ISO_E_USAGE, "--tfs has \"%s\", must be original, adapted or tf-2d", word);
 }
 
 /* Parses "a,b,c" and sets the flag of each word. */

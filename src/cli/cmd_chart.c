@@ -27,7 +27,7 @@ static iso_status check(iso_chart_arguments *a, iso_error *err)
     if (status == ISO_OK && a->bytes_text) {
         a->bytes = strcmp(a->bytes_text, "stored") == 0 ? ISO_CHART_STORED : ISO_CHART_DEVICE;
         if (a->bytes == ISO_CHART_DEVICE && strcmp(a->bytes_text, "device") != 0)
-            status = iso_fail(err, ISO_E_USAGE, "--bytes is \"%s\", wanted device or stored", a->bytes_text);
+            status = iso_fail(err, ISO_E_USAGE, "--bytes is \"%s\", must be device or stored", a->bytes_text);
     }
     return status;
 }

@@ -27,7 +27,7 @@ static iso_status parse_zoom(char *text, iso_figure_job *job, iso_error *err)
         job->look.zoom = text;
         return iso_cli_zoom_parse(text, &(double){0}, err);
     }
-    return count == 4 ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--zoom is \"%s\", wanted X or X,Y,W,H", text);
+    return count == 4 ? ISO_OK : iso_fail(err, ISO_E_USAGE, "--zoom is \"%s\", must be X or X,Y,W,H", text);
 }
 
 /* Reads --background: a name, or three parts of linear light. */
@@ -40,7 +40,7 @@ static iso_status parse_background(const char *text, iso_figure_job *job, iso_er
     if (!strcmp(text, "white") || !strcmp(text, "black"))
         return ISO_OK;
     if (sscanf(text, "%lf,%lf,%lf %c", &c[0], &c[1], &c[2], &after) != 3)
-        return iso_fail(err, ISO_E_USAGE, "--background is \"%s\", wanted white, black or R,G,B", text);
+        return iso_fail(err, ISO_E_USAGE, "--background is \"%s\", must be white, black or R,G,B", text);
     for (int i = 0; i < 3; ++i)
         if (!(c[i] >= 0 && c[i] <= 1))
             return iso_fail(err, ISO_E_RANGE, "--background is \"%s\", each part must be between 0 and 1", text);

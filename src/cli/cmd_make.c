@@ -49,7 +49,7 @@ static iso_status parse_rotation(const char *text, iso_mat3 *matrix, iso_error *
     }
     if (*at || (count != 4 && count != 9))
         return iso_fail(err, ISO_E_USAGE,
-                        "--rotate is \"%s\", wanted X,Y,Z,DEGREES or the 9 numbers of a direction matrix", text);
+                        "--rotate is \"%s\", must be X,Y,Z,DEGREES or the 9 numbers of a direction matrix", text);
     if (count == 4) {
         if (iso_norm(iso_v3(v[0], v[1], v[2])) == 0)
             return iso_fail(err, ISO_E_USAGE, "--rotate is \"%s\", the axis must not be zero", text);
@@ -67,7 +67,7 @@ static iso_status parse_center(const char *text, iso_vec3 *center, iso_error *er
     int end = -1;
     if (sscanf(text, "%lf,%lf,%lf%n", &center->x, &center->y, &center->z, &end) != 3 || text[end] ||
         !(iso_norm(*center) <= ISO_MOST_PLACE_MM))
-        return iso_fail(err, ISO_E_USAGE, "--center is \"%s\", wanted X,Y,Z in mm", text);
+        return iso_fail(err, ISO_E_USAGE, "--center is \"%s\", must be X,Y,Z in mm", text);
     return ISO_OK;
 }
 
@@ -114,7 +114,7 @@ static iso_status parse_range(const char *text, iso_type type, iso_field *field,
     for (int i = 0; i < 2; ++i)
         good = good && field->range[i] >= least && field->range[i] <= most;
     if (!good)
-        return iso_fail(err, ISO_E_USAGE, "--range is \"%s\", wanted LO,HI, each %g to %g", text, least, most);
+        return iso_fail(err, ISO_E_USAGE, "--range is \"%s\", must be LO,HI, each %g to %g", text, least, most);
     field->has_range = true;
     return ISO_OK;
 }

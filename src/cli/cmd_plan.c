@@ -185,7 +185,7 @@ static iso_status check(const plan_arguments *a, iso_error *err)
     TRY(status, iso_words_check_range("--levels", a->levels, 1, ISO_BRICK_MAX_LEVELS, err));
     TRY(status, iso_words_check_range("--views", a->views, 1, 360, err));
     if (status == ISO_OK && a->faces && strcmp(a->faces, "own") != 0 && strcmp(a->faces, "baked") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--faces is \"%s\", wanted baked or own", a->faces);
+        status = iso_fail(err, ISO_E_USAGE, "--faces is \"%s\", must be baked or own", a->faces);
     if (status == ISO_OK && a->image)
         status = iso_image_check_name("--image", a->image, err);
     if (status == ISO_OK && a->full_image)

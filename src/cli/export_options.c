@@ -21,7 +21,7 @@ static iso_status check_plan(const iso_export_arguments *a, iso_error *err)
     if (!a->look.scene)
         return iso_fail(err, ISO_E_USAGE, "--plan needs its --scene");
     if (!iso_export_wants_merged(a) && strcmp(a->grids, "levels") != 0)
-        return iso_fail(err, ISO_E_USAGE, "--grids is \"%s\", wanted merged or levels", a->grids);
+        return iso_fail(err, ISO_E_USAGE, "--grids is \"%s\", must be merged or levels", a->grids);
     if (a->level != 0 || a->level_count != 1 || a->adapted.wanted || a->adapted.extinction_scale || a->isosurface ||
         a->roi.box)
         return iso_fail(

@@ -77,7 +77,7 @@ static iso_status take_quadrature(const char *word, const iso_renderer_info *ren
             *quadrature = quadratures[i].value;
             return ISO_OK;
         }
-    return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", wanted %s", word,
+    return iso_fail(err, ISO_E_USAGE, "--quadrature is \"%s\", must be %s", word,
                     iso_render_list_quadratures(renderer, false, wanted));
 }
 

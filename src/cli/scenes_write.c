@@ -192,7 +192,7 @@ static iso_status check(const iso_scenes_write *a, iso_error *err)
     for (size_t i = 0; a->tier && i < sizeof tiers / sizeof *tiers; ++i)
         known = known || strcmp(a->tier, tiers[i]) == 0;
     if (!known)
-        return iso_fail(err, ISO_E_USAGE, "--tier is \"%s\", wanted samples, limit or \"8 bits\"", a->tier);
+        return iso_fail(err, ISO_E_USAGE, "--tier is \"%s\", must be samples, limit or \"8 bits\"", a->tier);
     if (a->tier && strcmp(a->tier, "limit") == 0 && a->steps >= 0 && a->steps < 2)
         return iso_fail(err, ISO_E_USAGE, "--steps is %d, a limit needs at least 2", a->steps);
     if (a->tier && strcmp(a->tier, "8 bits") == 0 && a->steps > 0)

@@ -79,12 +79,12 @@ static iso_status measure(const iso_image *a, const iso_image *b, bool visual, i
         return iso_fail(err, ISO_E_RANGE, "an image is empty (%zux%zu and %zux%zu pixels)", a->width,
                         a->height, b->width, b->height);
     if (a->width != b->width || a->height != b->height)
-        return iso_fail(err, ISO_E_RANGE, "the images have %zux%zu and %zux%zu pixels, wanted the same size",
+        return iso_fail(err, ISO_E_RANGE, "the images have %zux%zu and %zux%zu pixels, must be of one size",
                         a->width, a->height, b->width, b->height);
     if (a->origin[0] != b->origin[0] || a->origin[1] != b->origin[1])
         return iso_fail(
             err, ISO_E_RANGE,
-            "the images begin at column %d, row %d and at column %d, row %d (their display windows), wanted the same place",
+            "the images begin at column %d, row %d and at column %d, row %d (their display windows), must begin alike",
             a->origin[0], a->origin[1], b->origin[0], b->origin[1]);
     m->nonfinite_count = count_nonfinite(a, b);
     if (m->nonfinite_count > 0)
@@ -158,7 +158,7 @@ iso_status iso_image_difference(const iso_image *a, const iso_image *b, double s
 {
     if (a->width != b->width || a->height != b->height)
         return iso_fail(err, ISO_E_RANGE,
-                        "difference: the images have %zux%zu and %zux%zu pixels, wanted the same size", a->width,
+                        "difference: the images have %zux%zu and %zux%zu pixels, must be of one size", a->width,
                         a->height, b->width, b->height);
     iso_status status = iso_image_create(out, a->width, a->height, err);
     if (status != ISO_OK)

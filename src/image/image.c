@@ -134,7 +134,7 @@ iso_status iso_ppm_decode(const char *path, const char *data, size_t size, iso_i
         return iso_fail(err, ISO_E_FORMAT, "%s: not a binary PPM (P6)", path);
     ++at; /* one white space ends the header */
     if (maximum != 65535)
-        return iso_fail(err, ISO_E_FORMAT, "%s: largest value is %zu, wanted 65535 (16 bits)", path, maximum);
+        return iso_fail(err, ISO_E_FORMAT, "%s: largest value is %zu, must be 65535 (16 bits)", path, maximum);
     if (width == 0 || height == 0 || width > 1000000 || height > 1000000 || (size_t)(end - at) < width * height * 6)
         return iso_fail(err, ISO_E_FORMAT, "%s: holds %zu bytes of pixels, %zu x %zu need %zu", path,
                         (size_t)(end - at), width, height, width * height * 6);

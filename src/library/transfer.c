@@ -61,7 +61,7 @@ static iso_status check_points(const iso_tf_point *points, size_t count, double 
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = check_point(points, i, err);
     if (status == ISO_OK && !(points[count - 1].value > points[0].value))
-        status = iso_fail(err, ISO_E_RANGE, "all points have the value %g, wanted a range", points[0].value);
+        status = iso_fail(err, ISO_E_RANGE, "all points have the value %g, must span a range", points[0].value);
     return status;
 }
 

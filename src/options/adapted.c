@@ -34,7 +34,7 @@ iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value
     else if (strcmp(a->tf_2d, "gradient") == 0)
         *second = ISO_SECOND_VALUE_GRADIENT;
     else
-        return iso_fail(err, ISO_E_USAGE, "--tf-2d is \"%s\", wanted deviation or gradient", a->tf_2d);
+        return iso_fail(err, ISO_E_USAGE, "--tf-2d is \"%s\", must be deviation or gradient", a->tf_2d);
     return ISO_OK;
 }
 

@@ -196,10 +196,10 @@ static iso_status check_number(const struct poptOption *o, const char *text, iso
     const char *option = o->longName;
     char *end;
     if (!*text)
-        return iso_fail(err, ISO_E_USAGE, "--%s is empty, wanted a number", option);
+        return iso_fail(err, ISO_E_USAGE, "--%s is empty, must be a number", option);
     if (o->val == ISO_CLI_NOT_ZERO && strtod(text, &end) == 0 && !*end)
         return iso_fail(err, ISO_E_USAGE, "--%s is %s, must be at least 1", option, text);
-    return isinf(strtod(text, NULL)) ? iso_fail(err, ISO_E_USAGE, "--%s is %s, wanted a finite number", option, text)
+    return isinf(strtod(text, NULL)) ? iso_fail(err, ISO_E_USAGE, "--%s is %s, must be a finite number", option, text)
                                      : ISO_OK;
 }
 

@@ -34,7 +34,7 @@ iso_status iso_cli_zoom_parse(const char *text, double *zoom, iso_error *err)
     char *end;
     *zoom = strtod(text, &end);
     if (end == text || *end)
-        return iso_fail(err, ISO_E_USAGE, "--zoom is \"%s\", wanted a number", text);
+        return iso_fail(err, ISO_E_USAGE, "--zoom is \"%s\", must be a number", text);
     return iso_words_check_range("--zoom", *zoom, 0.01, 1000, err);
 }
 

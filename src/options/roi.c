@@ -18,7 +18,7 @@ static iso_status parse_box(const char *text, double lo[3], double hi[3], iso_er
         (i < 3 ? lo : hi)[i % 3] = strtod(at, &end);
         if (end == at || *end != (i < 5 ? ',' : '\0'))
             return iso_fail(err, ISO_E_USAGE,
-                            "--roi is \"%s\", wanted six numbers: x0,y0,z0,x1,y1,z1 in voxels of level 0", text);
+                            "--roi is \"%s\", must be six numbers: x0,y0,z0,x1,y1,z1 in voxels of level 0", text);
         at = end + 1;
     }
     return ISO_OK;

@@ -28,17 +28,17 @@ iso_status iso_cli_transfer_request(const iso_cli_transfer *a, iso_tf_request *q
     int numbers = 0;
     *q = (iso_tf_request){.name = a->name, .has_opacity = a->opacity, .has_range = a->range};
     if (a->unit_distance && read_pair(a->unit_distance, ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT, unit) != 1)
-        return iso_fail(err, ISO_E_USAGE, "--unit-distance is \"%s\", wanted millimeters, %g to %g", a->unit_distance,
+        return iso_fail(err, ISO_E_USAGE, "--unit-distance is \"%s\", must be millimeters, %g to %g", a->unit_distance,
                         ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT);
     q->unit_mm = unit[0];
     if (a->opacity && (numbers = read_pair(a->opacity, 0, 1, q->opacity)) == 0)
-        return iso_fail(err, ISO_E_USAGE, "--opacity is \"%s\", wanted one or two numbers of 0 to 1", a->opacity);
+        return iso_fail(err, ISO_E_USAGE, "--opacity is \"%s\", must be one or two numbers of 0 to 1", a->opacity);
     if (numbers == 1)
         q->opacity[1] = q->opacity[0];
     q->fit = a->range && strcmp(a->range, "fit") == 0;
     if (a->range && !q->fit &&
         (read_pair(a->range, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE, q->range) != 2 || !(q->range[1] > q->range[0])))
-        return iso_fail(err, ISO_E_USAGE, "--range is \"%s\", wanted \"fit\" or two rising numbers LO,HI", a->range);
+        return iso_fail(err, ISO_E_USAGE, "--range is \"%s\", must be \"fit\" or two rising numbers LO,HI", a->range);
     return ISO_OK;
 }
 

@@ -228,7 +228,7 @@ iso_status iso_pictures_register(const char *name_and_dir, const iso_renderer_in
 {
     const char *equals = strchr(name_and_dir, '=');
     if (!equals || equals == name_and_dir || !equals[1])
-        return iso_fail(err, ISO_E_USAGE, "--images \"%s\": wanted NAME=DIR", name_and_dir);
+        return iso_fail(err, ISO_E_USAGE, "--images is \"%s\", must be NAME=DIR", name_and_dir);
     pictures *p = calloc(1, sizeof *p);
     char *name = strndup(name_and_dir, (size_t)(equals - name_and_dir)),
          *index = iso_path_join(equals + 1, ISO_PICTURES_INDEX);

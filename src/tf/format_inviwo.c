@@ -58,7 +58,7 @@ static iso_status load_inviwo(const iso_tf_file *file, iso_tf *tf, iso_error *er
         return status;
     const xmlNode *root = xmlDocGetRootElement(doc);
     if (!iso_xml_is(root, "InviwoTreeData") && !iso_xml_is(root, "InviwoWorkspace"))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: is <%.40s>, wanted <InviwoTreeData> or <InviwoWorkspace>", file->path,
+        status = iso_fail(err, ISO_E_FORMAT, "%s: is <%.40s>, must be <InviwoTreeData> or <InviwoWorkspace>", file->path,
                           (const char *)root->name);
     TRY(status, read_points(file, root, &curves, err));
     xmlFreeDoc(doc);

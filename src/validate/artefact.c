@@ -104,7 +104,7 @@ iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a,
         status = out->failure = export_and_open(a, here, there, &out->picture, progress, &failed);
         if (status == ISO_OK &&
             (out->picture.width != out->expected.width || out->picture.height != out->expected.height))
-            snprintf(out->why, sizeof out->why, "the picture has %zu x %zu pixels, wanted %zu x %zu",
+            snprintf(out->why, sizeof out->why, "the picture has %zu x %zu pixels instead of %zu x %zu",
                      out->picture.width, out->picture.height, out->expected.width, out->expected.height);
         else if (status == ISO_OK)
             out->value = iso_metrics_rmse_of_colors(&out->expected, &out->picture, /* pictures for people are opaque */
