@@ -98,7 +98,18 @@ def write(name, text):
     (folder / name).write_text("\n".join(lines) + "\n")
 
 
+def names_page(program):
+    """Returns the lists of `isoshade list`. Formats have pages of their own, with more columns."""
+    head, *lists = re.split(r"(?m)^(?=## )", printed(program, "list", "--markdown"))
+    pages = {"volume formats": "formats-read", "transfer-function formats": "tf-formats"}
+    title_of = lambda one: one.split("\n", 1)[0][3:]
+    if missing := pages.keys() - map(title_of, lists):
+        sys.exit(f"isoshade list has no {', '.join(missing)}")
+    links = ", ".join(f"[{title}]({page}.md)" for title, page in pages.items())
+    return head + f"On other pages: {links}.\n\n" + "".join(one for one in lists if title_of(one) not in pages)
+
+
 program, top, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
-write("names.md", printed(program, "list", "--markdown"))
+write("names.md", names_page(program))
 write("commands.md", commands_page(program))
 write("library.md", library_page(top / "src/isoshade.h"))
