@@ -134,4 +134,24 @@ iso_cast_paged_tile iso_cast_paged_tile_1, iso_cast_paged_tile_4, iso_cast_paged
 typedef void iso_cast_tile(const iso_cast *c, size_t x, size_t y, float *rgba);
 iso_cast_tile iso_cast_tile_1, iso_cast_tile_4, iso_cast_tile_8, iso_cast_tile_16;
 
+/* A field whose pictures have derivatives (adjoint.h), its tile, and the gradient. */
+typedef struct iso_cast_field {
+    int32_t size[3], stride[3];
+    const float *voxels, *octaves;
+} iso_cast_field;
+typedef struct iso_cast_tile_at {
+    size_t x, y;
+    uint32_t seed;
+    float *rgba;           /* ISO_CAST_RAYS pixels */
+    const float *by_pixel; /* derivatives of the sum by them */
+} iso_cast_tile_at;
+typedef struct iso_cast_gradient {
+    float *voxels, *octaves, *table; /* table: extinction first */
+} iso_cast_gradient;
+
+/* Draws the tile, pixels outside the picture, too; or, if there is a gradient, adds to it. */
+typedef void iso_cast_adjoint(const iso_cast *c, const iso_cast_field *f, const iso_cast_tile_at *t,
+                              const iso_cast_gradient *g);
+iso_cast_adjoint iso_cast_adjoint_1, iso_cast_adjoint_4, iso_cast_adjoint_8, iso_cast_adjoint_16;
+
 #endif

@@ -6,4 +6,5 @@
 #define ISO_CAST_WIDTH 8
 #include "render/cpu/cast_tile.h"
 #include "render/cpu/cast_paged.h"
+#include "render/cpu/cast_adjoint.h"
 #endif

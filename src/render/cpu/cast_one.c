@@ -3,3 +3,4 @@
 #define ISO_CAST_WIDTH 1
 #include "render/cpu/cast_tile.h"
 #include "render/cpu/cast_paged.h"
+#include "render/cpu/cast_adjoint.h"

@@ -38,6 +38,9 @@ typedef struct ray_doubles {
     double t0[ISO_CAST_WIDTH], t1[ISO_CAST_WIDTH];
 } ray_doubles;
 
+/* Red, green, blue, transmittance. */
+typedef float quad __attribute__((vector_size(16)));
+
 #define EACH_RAY(i) for (int i = 0; i < ISO_CAST_WIDTH; ++i)
 
 CAST void aim(const iso_cast *c, size_t x, size_t y, ray_doubles *r)
@@ -284,12 +287,10 @@ CAST sample look(const iso_cast *c, const packet *p, vi mask)
     return s;
 }
 
-CAST vf shade(const iso_cast *c, const vec *to_viewer, const sample *s, vi mask)
+/* Returns the light that a normal reflects. */
+CAST vf light_on(const iso_cast *c, const vec *to_viewer, vec n)
 {
     vf sum = all_float(c->ambient);
-    if (c->normals == ISO_CAST_UNLIT)
-        return sum;
-    const vec n = normal_at(c, &s->at, &s->place, mask);
     for (size_t i = 0; i < c->light_count; ++i) {
         const iso_cast_light *light = &c->lights[i];
         const float l[3] = {(float)light->direction[0], (float)light->direction[1], (float)light->direction[2]};
@@ -301,6 +302,13 @@ CAST vf shade(const iso_cast *c, const vec *to_viewer, const sample *s, vi mask)
         }
     }
     return sum;
+}
+
+CAST vf shade(const iso_cast *c, const vec *to_viewer, const sample *s, vi mask)
+{
+    if (c->normals == ISO_CAST_UNLIT)
+        return all_float(c->ambient);
+    return light_on(c, to_viewer, normal_at(c, &s->at, &s->place, mask));
 }
 
 /* A float sum of hundreds of terms, and what rounding left of them. A ray that waits adds nothing: even 0 could move a

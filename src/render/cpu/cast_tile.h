@@ -37,9 +37,6 @@ typedef struct finds {
     float opacity[SPOT_ROOM], light[SPOT_ROOM], color[3][SPOT_ROOM];
 } finds;
 
-/* Red, green, blue, transmittance. */
-typedef float quad __attribute__((vector_size(16)));
-
 /* A packet's rays and their results so far. */
 typedef struct walk {
     packet p; /* at segment 0 */
