@@ -49,6 +49,19 @@ static void all_doubles_come_back(void **state)
     }
 }
 
+/* Editors of Windows write a byte order mark. In the middle of a text it is a fault. */
+static void a_byte_order_mark_is_skipped(void **state)
+{
+    (void)state;
+    static const char marked[] = "\xef\xbb\xbf{\"a\": 1}", within[] = "{\xef\xbb\xbf\"a\": 1}";
+    json_t *root;
+    assert_ok(iso_json_parse("a.json", marked, sizeof marked - 1, &root, &err));
+    assert_int_equal(json_integer_value(json_object_get(root, "a")), 1);
+    json_decref(root);
+    assert_status(iso_json_parse("a.json", within, sizeof within - 1, &root, &err), ISO_E_FORMAT);
+    assert_status(iso_json_parse("a.json", marked, 3, &root, &err), ISO_E_FORMAT);
+}
+
 static void texts_stay_and_numbers_are_short(void **state)
 {
     (void)state;
@@ -65,6 +78,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_doubles_come_back),
+        cmocka_unit_test(a_byte_order_mark_is_skipped),
         cmocka_unit_test(texts_stay_and_numbers_are_short),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -16,7 +16,8 @@
 iso_status iso_json_parse(const char *path, const char *text, size_t size, json_t **root, iso_error *err)
 {
     json_error_t where;
-    *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &where);
+    const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* the byte order mark of editors */
+    *root = json_loadb(text + mark, size - mark, JSON_REJECT_DUPLICATES, &where);
     if (!*root)
         return iso_fail(err, ISO_E_FORMAT, "%s:%d:%d: not JSON: %s", path, where.line, where.column, where.text);
     if (!json_is_object(*root)) {
