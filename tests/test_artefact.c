@@ -237,7 +237,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_folder_of_povray_is_opened),
-        cmocka_unit_test(a_blend_is_opened),
+        cmocka_values_test(a_blend_is_opened),
         cmocka_unit_test(an_export_that_the_budget_ends_is_left_out),
         cmocka_unit_test(an_export_that_is_interrupted_ends_the_run),
     };

@@ -218,7 +218,7 @@ int main(void)
         cmocka_unit_test(the_reference_passes_its_calibration),
         cmocka_unit_test(the_ray_caster_passes_its_calibration),
         cmocka_unit_test(the_cpu_ray_caster_passes_its_calibration),
-        cmocka_unit_test(povray_passes_its_calibration_by_one_start),
+        cmocka_values_test(povray_passes_its_calibration_by_one_start),
         cmocka_unit_test(scenes_of_one_start_are_each_judged_by_their_own_picture),
         cmocka_unit_test(cycles_passes_its_calibration),
         cmocka_unit_test(every_planted_fault_is_caught_by_the_check_that_is_made_for_it),

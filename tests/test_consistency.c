@@ -392,8 +392,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_method_has_a_row_under_either_tf_at_every_level),
-        cmocka_unit_test(a_row_is_of_its_own_level_and_tf),
-        cmocka_unit_test(exchanged_tfs_are_seen_in_the_rows),
+        cmocka_values_test(a_row_is_of_its_own_level_and_tf),
+        cmocka_values_test(exchanged_tfs_are_seen_in_the_rows),
         cmocka_unit_test(a_refused_adaptation_is_reported_with_the_originals_figures),
         cmocka_unit_test(levels_are_judged_with_their_extinction_scales),
         cmocka_unit_test(the_scale_of_another_level_is_rejected),

@@ -260,7 +260,7 @@ static void what_it_lacks_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_levels_agree_with_the_reference),
+        cmocka_values_test(random_levels_agree_with_the_reference),
         cmocka_unit_test(a_brick_of_another_level_is_seen),
         cmocka_unit_test(views_may_be_cut_orthographic_unlit_or_from_inside),
         cmocka_unit_test(bricks_of_which_a_sliver_is_kept_are_drawn),

@@ -144,6 +144,6 @@ static void wrong_directions_of_thin_tubes_are_not_those_of_level_0(void **state
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(gross_faults_are_seen_in_pictures),
-                                       cmocka_unit_test(wrong_directions_of_thin_tubes_are_not_those_of_level_0)};
+                                       cmocka_values_test(wrong_directions_of_thin_tubes_are_not_those_of_level_0)};
     return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
 }

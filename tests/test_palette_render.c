@@ -229,7 +229,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gl_agrees_with_the_reference),
         cmocka_unit_test(a_palette_of_all_directions_is_the_float_field),
-        cmocka_unit_test(more_entries_come_closer_to_the_floats),
+        cmocka_values_test(more_entries_come_closer_to_the_floats),
         cmocka_unit_test(shade_table_is_the_shading_for_a_viewer_far_away),
         cmocka_unit_test(a_level_without_palette_is_refused),
     };

@@ -567,7 +567,7 @@ int main(int count, char **arguments)
         cmocka_unit_test(exact_lookups_leave_out_what_texture_coordinates_round),
         cmocka_unit_test(the_flipped_fetch_of_a_plate_agrees_with_the_reference),
         cmocka_unit_test(every_stored_type_and_camera_agrees_with_the_reference),
-        cmocka_unit_test(every_reference_scene_agrees_at_every_level),
+        cmocka_values_test(every_reference_scene_agrees_at_every_level),
         cmocka_unit_test(degenerate_volumes_and_cameras_agree),
         cmocka_unit_test(leaving_out_empty_bricks_changes_nothing),
         cmocka_unit_test(known_faults_are_rejected),

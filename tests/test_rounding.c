@@ -165,7 +165,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_rounded_agrees_where_exact_lookups_do),
-        cmocka_unit_test(a_fault_is_no_rounding),
+        cmocka_values_test(a_fault_is_no_rounding),
     };
     return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
 }

@@ -275,7 +275,7 @@ int main(void)
         cmocka_unit_test(the_level_around_a_region_of_interest_is_scaled),
         cmocka_unit_test(the_grid_holds_log2_of_the_scale),
         cmocka_unit_test(povray_scales_by_a_second_density),
-        cmocka_unit_test(cycles_scales_by_a_grid),
+        cmocka_values_test(cycles_scales_by_a_grid),
     };
     return cmocka_run_group_tests_name("scaled render", tests, make_folder, end_all);
 }

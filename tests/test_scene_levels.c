@@ -256,11 +256,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_nearest_is_chosen),
         cmocka_unit_test(what_is_no_clear_gain_is_not_chosen),
-        cmocka_unit_test(small_views_see_a_planted_scalar),
+        cmocka_values_test(small_views_see_a_planted_scalar),
         cmocka_unit_test(least_squares_are_those_of_the_filter),
         cmocka_unit_test(a_sharp_surface_gets_levels_of_its_own),
         cmocka_unit_test(it_is_made_again_from_level_0),
-        cmocka_unit_test(what_it_says_of_itself_is_held_to_it),
+        cmocka_values_test(what_it_says_of_itself_is_held_to_it),
         cmocka_unit_test(memory_is_estimated),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -245,7 +245,7 @@ int main(void)
         cmocka_unit_test(the_envelope_bounds_every_row),
         cmocka_unit_test(the_ray_caster_looks_up_the_same_tables),
         cmocka_unit_test(povray_looks_up_the_same_tables),
-        cmocka_unit_test(cycles_looks_up_the_same_tables),
+        cmocka_values_test(cycles_looks_up_the_same_tables),
     };
     return cmocka_run_group_tests(tests, NULL, end_renderers);
 }

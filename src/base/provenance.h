@@ -3,8 +3,8 @@
  *
  * Pictures, reports and exports are passed on. Folder names reveal their author and subject: people, patients,
  * machines. So outputs name a file by its last name alone, unless the user asks for whole paths; or they leave names
- * out. Command lines keep relative paths, so that they run in the folder in which they were made. Terminal messages, such
- * as errors, are not outputs and name files as given. */
+ * out. Command lines keep relative paths, so that they run in the folder in which they were made. Terminal messages,
+ * such as errors, are not outputs and name files as given. */
 #ifndef ISO_PROVENANCE_H
 #define ISO_PROVENANCE_H
 
@@ -23,7 +23,7 @@ iso_provenance iso_provenance_kept(void);
 /* Returns the name of a file for outputs: a part of path, or "". path may be NULL. */
 const char *iso_provenance_name(const char *path);
 
-/* Returns the path of a file for command lines: a relative path as it is, an absolute one as by iso_provenance_name(). */
+/* Returns the path of a file for command lines: a relative one as it is, an absolute one by iso_provenance_name(). */
 const char *iso_provenance_path(const char *path);
 
 /* Returns the title of the volume at path in outputs: its last name, or "a volume". */

@@ -133,7 +133,7 @@ const iso_command iso_command_chart = {
         "output scene tf view size want metric budget with steps levels filters codes resume viewer spacing threads",
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
-        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 --want 1/255 -o chart\n"
+        "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --levels 2 --with gl --codes fit,cube --steps 1,0.5 --budget 0 -o chart\n"
         "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n",
     .lists = (const iso_names *const[]){&iso_code_names, &iso_direction_filter_names, &iso_gradient_names,
                                         &iso_tf_preset_names, &iso_viewpoint_names, NULL},

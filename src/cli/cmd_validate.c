@@ -509,7 +509,7 @@ const iso_command iso_command_validate = {
     .examples =
         "  isoshade make shells --size 40x44x37 -o shells.nrrd\n"
         "  isoshade validate shells.nrrd --quick --levels 1 --size 32 --with gl -o first-report\n"
-        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 16 -o report\n"
+        "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 1 --size 16 --with cpu -o report\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --summary-md gl.md -o report-gl\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --budget 20 -o report-hurried\n"
         "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",

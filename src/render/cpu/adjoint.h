@@ -2,16 +2,16 @@
 /* adjoint.h - pictures of a field with derivatives: the gradient of any function of the pixels by each voxel's scalar,
  * direction and extinction scale, and by the entries of the transfer function.
  *
- *     value       s(x), trilinear, clamped at the edge          color c(s) and extinction sigma(s) from the view's table
+ *     value       s(x), trilinear, clamped at the edge     color c(s) and extinction sigma(s) from the view's table
  *     extinction  2^o(x) sigma(s(x))                            o: octaves, trilinear
  *     light       ka + sum over lights, of n = d / sqrt(|d|^2 + eps^2), d(x) trilinear
  *
- * Samples are those of the CPU ray caster (caster.h): with seed 0 the pictures agree up to rounding. Another seed shifts
- * the samples of each ray by up to half a segment, so that no artefact of one set of samples is learned.
+ * Samples are those of the CPU ray caster (caster.h): with seed 0 the pictures agree up to rounding. Another seed
+ * shifts the samples of each ray by up to half a segment, so that no artefact of one set of samples is learned.
  *
- * In: voxels in floats, and a tile of pixels. Out: its colors; then, from the derivatives of a function by these colors,
- * sums that are added to the gradient. The pass back needs no memory that grows with a ray's length. Results depend on
- * no thread: a tile is one thread's work. Between instruction sets they differ by rounding.
+ * In: voxels in floats, and a tile of pixels. Out: its colors; then, from the derivatives of a function by these
+ * colors, sums that are added to the gradient. The pass back needs no memory that grows with a ray's length. Results
+ * depend on no thread: a tile is one thread's work. Between instruction sets they differ by rounding.
  *
  * Paper: [weiss-2021], differentiable direct volume rendering. Test: tests/test_adjoint.c. */
 #ifndef ISO_RENDER_CPU_ADJOINT_H
@@ -39,9 +39,9 @@ typedef struct iso_adjoint_tile {
     iso_cpu_width width; /* of the packets of rays */
 } iso_adjoint_tile;
 
-/* Draws ISO_ADJOINT_PIXELS pixels of a view, row by row; those beyond its borders, too. The view has neither 2D transfer
- * function nor region of interest; its extinction scale is the field's. ISO_E_RANGE: a field of more than 2^31 voxels, an
- * unsupported width. ISO_E_MEMORY. */
+/* Draws ISO_ADJOINT_PIXELS pixels of a view, row by row; those beyond its borders, too. The view has neither 2D
+ * transfer function nor region of interest; its extinction scale is the field's. ISO_E_RANGE: a field of more than 2^31
+ * voxels, an unsupported width. ISO_E_MEMORY. */
 iso_status iso_adjoint_draw(const iso_adjoint_field *field, const iso_view *view, const iso_adjoint_tile *tile,
                             float *rgba, iso_error *err);
 
