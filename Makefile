@@ -69,7 +69,7 @@ openvdb_libs = -fopenmp -lopenvdb $(shell pkg-config --libs tbb Imath libdeflate
 
 # ---- files -----------------------------------------------------------------
 # Other programs link with the library. Folders that only commands need go into a separate archive.
-command_folders := atlas bench chart cli figure options report validate view
+command_folders := atlas bench chart cli figure options report validate
 all_c := $(filter-out src/base/mpi/%,$(wildcard src/*.c src/*/*.c src/*/*/*.c exporters/*/*.c))
 commands_c := $(filter $(command_folders:%=src/%/%),$(all_c))
 lab_c := $(filter src/lab/%,$(all_c))
@@ -84,6 +84,7 @@ lib_cc := $(wildcard src/image/*.cc)
 lib_o := $(lib_c:%.c=$(build)/%.o) $(lib_cc:%.cc=$(build)/%.o)
 commands_o := $(patsubst %.c,$(build)/%.o,$(filter-out src/cli/main.c,$(commands_c)))
 lib := $(build)/libisoshade.a
+archive := $(build)/installed/libisoshade.a
 commands := $(build)/libcommands.a
 program := $(build)/isoshade
 # Research: the papers' tables and figures, other methods, experiments. Not installed.
@@ -223,25 +224,30 @@ $(analyzed_in)/%.txt: %.c $(build)/%.o tests/analyze.sh tests/known.awk tests/an
 PREFIX ?= /usr/local
 to := $(DESTDIR)$(PREFIX)
 renderers := tests/peers/vtk.json tests/peers/render_vtk.py tests/peers/exr.py
+# Where Python searches: Debian's packages, /usr/local, and virtual environments or ~/.local.
+python_version := $(shell python3 -c 'import sys; print("python%d.%d" % sys.version_info[:2])' 2>/dev/null)
+python_dir := lib/$(if $(filter /usr,$(PREFIX)),python3/dist-packages,$(python_version)/$(if $(filter /usr/local,$(PREFIX)),dist,site)-packages)/isoshade
+python_files := $(wildcard python/isoshade/*.py python/isoshade/py.typed)
 installed := bin/isoshade lib/isoshade/isoshade_openvdb.so lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk lib/isoshade/isoshade-arrays lib/isoshade/isoshade-vdb \
 	include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
 	lib/$(soname) lib/libisoshade.so lib/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
 	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE \
 	share/doc/isoshade/COPYING \
-	share/isoshade/isoshade-blender-addon.zip $(addprefix share/isoshade/renderers/,$(notdir $(renderers)))
+	$(addprefix $(python_dir)/,$(notdir $(python_files))) share/isoshade/isoshade-blender-addon.zip $(addprefix share/isoshade/renderers/,$(notdir $(renderers)))
 
-install: all $(addon) ## install program, library, manual page and completions under PREFIX
+install: all $(addon) $(archive) ## install program, library, manual page and completions under PREFIX
 	@install -d $(addprefix $(to)/,$(sort $(dir $(installed))))
 	install -m 755 $(program) $(to)/bin/isoshade
 	install -m 644 $(openvdb_library) $(to)/lib/isoshade/
 	$(if $(mpi_library),install -m 644 $(mpi_library) $(to)/lib/isoshade/)
 	install -m 755 $(itk_program) $(arrays_program) $(vdb_program) $(to)/lib/isoshade/
 	install -m 644 src/isoshade.h $(to)/include/
-	install -m 644 $(lib) $(to)/lib/
+	install -m 644 $(archive) $(to)/lib/libisoshade.a
 	install -m 644 $(shared) $(to)/lib/libisoshade.so.$(version)
 	ln -sf libisoshade.so.$(version) $(to)/lib/$(soname)
 	ln -sf $(soname) $(to)/lib/libisoshade.so
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(version)|' -e 's|@PKGS@|$(library_pkgs) tbb|' -e 's|@LIBS@|-Wl,-u,iso_openvdb_functions $(unpackaged_libs) -lopenvdb|' \
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(version)|' \
+		-e 's|@LIBS@|$(unpackaged_libs) -lopenvdb $(shell pkg-config --libs $(library_pkgs) tbb)|' \
 		src/isoshade.pc.in >$(to)/lib/pkgconfig/isoshade.pc
 	$(program) help --man >$(to)/share/man/man1/isoshade.1
 	$(program) completion bash >$(to)/share/bash-completion/completions/isoshade
@@ -249,10 +255,12 @@ install: all $(addon) ## install program, library, manual page and completions u
 	install -m 644 LICENSE exporters/blender/COPYING $(to)/share/doc/isoshade/
 	install -m 644 $(addon) $(to)/share/isoshade/
 	install -m 644 $(renderers) $(to)/share/isoshade/renderers/
+	install -m 644 $(python_files) $(to)/$(python_dir)/
 
 uninstall: ## remove installed files
 	rm -f $(addprefix $(to)/,$(installed))
-	@rmdir $(to)/lib/isoshade $(to)/share/doc/isoshade $(to)/share/isoshade/renderers $(to)/share/isoshade 2>/dev/null || true
+	@rm -rf $(to)/$(python_dir)/__pycache__
+	@rmdir $(to)/$(python_dir) $(to)/lib/isoshade $(to)/share/doc/isoshade $(to)/share/isoshade/renderers $(to)/share/isoshade 2>/dev/null || true
 .PHONY: install uninstall
 
 format: ## format the C and C++ files by .clang-format
@@ -284,9 +292,16 @@ $(commands): $(commands_o)
 # The shared library exports only the functions of its header.
 $(build)/exports.map: src/isoshade.h Makefile
 	@mkdir -p $(@D)
-	@{ echo '{ global:'; grep -oE '\<iso_[a-z0-9_]+\(' $< | sort -u | tr '(' ';'; echo 'local: *; };'; } >$@
+	@{ echo 'ISOSHADE_$(version_major).$(call version_of,MINOR) { global:'; grep -oE '\<iso_[a-z0-9_]+\(' $< | sort -u | tr '(' ';'; echo 'local: *; };'; } >$@
 $(build)/$(soname): $(lib_o) $(build)/exports.map
 	$(call say,LD )$(CC) -shared $(flags_$(config)) -Wl,-z,relro,-z,now -fopenmp -Wl,-soname,$(soname) -Wl,--version-script=$(build)/exports.map -Wl,-z,defs -o $@ $(lib_o) $(filter-out -lpopt,$(LDLIBS))
+# The archive that is installed: one object, whose internal names are not visible to programs that link with it.
+$(archive): $(lib) $(build)/exports.map
+	@mkdir -p $(@D)
+	@{ sed -n 's/;$$//p' $(build)/exports.map | grep -o 'iso_[a-z0-9_]*'; } >$(build)/exports
+	$(call say,LD )ld -r -o $(build)/whole.o --whole-archive $(lib)
+	@objcopy --keep-global-symbols=$(build)/exports $(build)/whole.o
+	@rm -f $@ && ar rcs $@ $(build)/whole.o && rm $(build)/whole.o
 $(openvdb_library): $(openvdb_o)
 	$(call say,VDB)$(CXX) -shared $(flags_$(config)) -Wl,-z,relro,-z,now -o $@ $^ $(openvdb_libs)
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h

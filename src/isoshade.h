@@ -26,7 +26,8 @@
  *            the functions whose names end in _free; these accept NULL. No function keeps its arguments: a
  *            volume may be freed once its pyramid is built. Arrays of the caller are read or filled, and not kept.
  * Threads    Several threads may read a handle at once while none changes it. Work is spread over all
- *            processor cores, or over the number that an option sets; results do not depend on it.
+ *            processor cores, or over the number that an option sets; results do not depend on it. In a forked
+ *            child, the thread that forked has no other threads if it had any before; new threads have.
  * Units      Positions and lengths are millimeters, extinction is 1/mm, gradients are value per mm. Colors are linear
  *            light, 0 to 1. Arrays of voxels are stored x fastest, then y, then z; directions use the world's
  *            axes.
@@ -34,8 +35,9 @@
  *            defaults. Names (codes, estimators, renderers ...) are words, as on the command line; iso_choice_name()
  *            lists them.
  * Stability  Programs that were built with one version run with later ones of the same major number: handles are
- *            opaque, structs have space to grow ("reserved": zero), and statuses keep their numbers. Major number 0
- *            means that this may still change from one minor version to the next.
+ *            opaque, structs have space to grow ("reserved": zero), elements of arrays stay as they are, and
+ *            statuses keep their numbers. Major number 0 means that this may still change from one minor version
+ *            to the next.
  *
  * The header is C99 and C++. Link with `pkg-config --cflags --libs isoshade`. */
 #ifndef ISOSHADE_H
@@ -53,15 +55,19 @@ extern "C" {
 
 /* The one place of the version: the build, the manual page and the pkg-config file read it here. */
 #define ISO_VERSION_MAJOR 0
-#define ISO_VERSION_MINOR 2
+#define ISO_VERSION_MINOR 3
 #define ISO_VERSION_PATCH 0
 #define ISO_VERSION_WORD(number) #number
 #define ISO_VERSION_TEXT(major, minor, patch) \
     ISO_VERSION_WORD(major) "." ISO_VERSION_WORD(minor) "." ISO_VERSION_WORD(patch)
-#define ISO_VERSION ISO_VERSION_TEXT(ISO_VERSION_MAJOR, ISO_VERSION_MINOR, ISO_VERSION_PATCH) /* "0.2.0" */
+#define ISO_VERSION ISO_VERSION_TEXT(ISO_VERSION_MAJOR, ISO_VERSION_MINOR, ISO_VERSION_PATCH) /* "0.3.0" */
+/* For #if: ISO_VERSION_NUMBER >= 3000 from 0.3.0 on. */
+#define ISO_VERSION_NUMBER (1000000 * ISO_VERSION_MAJOR + 1000 * ISO_VERSION_MINOR + ISO_VERSION_PATCH)
 
-/* Returns the version of the running library, such as "0.2.0"; ISO_VERSION is that of the header. */
+/* Returns the version of the running library, such as "0.3.0"; ISO_VERSION is that of the header. */
 const char *iso_version(void);
+/* Returns the same as a number: 3000 for 0.3.0. */
+int iso_version_number(void);
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
@@ -77,7 +83,8 @@ const char *iso_version(void);
     X(ISO_E_MEMORY, 6, "not enough memory")                                         \
     X(ISO_E_MISSING, 7, "a needed program or device is missing")                    \
     X(ISO_E_PROGRAM, 8, "an external program or library failed")                    \
-    X(ISO_E_UNTRUSTED, 9, "a renderer failed its calibration; comparison refused")
+    X(ISO_E_UNTRUSTED, 9, "a renderer failed its calibration; comparison refused")  \
+    X(ISO_E_CANCELED, 10, "the progress function canceled the work")
 /* clang-format on */
 
 typedef enum iso_status {
@@ -94,6 +101,14 @@ typedef struct iso_error {
 /* Returns the meaning of a status, such as "a file could not be read or written". */
 const char *iso_status_text(iso_status status);
 
+/* Receives facts that a user should read about an accepted input, such as a file that is left out. From any thread. */
+typedef void (*iso_warning_callback)(void *user, const char *text);
+/* Sets the function that receives warnings; NULL, as at the start: they are dropped. Each text comes once. */
+void iso_warnings_to(iso_warning_callback warn, void *user);
+
+/* Frees texts and bytes that functions return by a char ** or unsigned char **; accepts NULL. */
+void iso_free(void *memory);
+
 /* ---- names that options take ------------------------------------------------------------------------------------- */
 
 typedef enum iso_choice {
@@ -104,7 +119,9 @@ typedef enum iso_choice {
     ISO_CHOICE_DIRECTION_FILTER, /* "moments", "naive" ... */
     ISO_CHOICE_SHADING,          /* sources of a renderer's directions: "codes", "float" ... */
     ISO_CHOICE_RENDERER,         /* "reference", "gl" ...: all renderers, installed or not */
-    ISO_CHOICE_EXPORT            /* "vdb", "nanovdb", "blender", "povray", "pbrt", "mitsuba" */
+    ISO_CHOICE_EXPORT,           /* "vdb", "nanovdb", "blender", "povray", "pbrt", "mitsuba" */
+    ISO_CHOICE_TF,               /* transfer functions that fit any volume: "auto", "ct-bone" ... */
+    ISO_CHOICE_VIEW              /* "iso", "front", "left" ... */
 } iso_choice;
 
 /* Returns name `number`, counted from 0; NULL after the last. */
@@ -112,8 +129,10 @@ const char *iso_choice_name(iso_choice what, size_t number);
 
 /* ---- long work --------------------------------------------------------------------------------------------------- */
 
-/* Receives the progress of a stage of the work, 0 to 1, from one thread at a time. */
-typedef void (*iso_progress_callback)(void *user, const char *stage, double fraction);
+/* Receives the progress of a stage of the work, 0 to 1, from one thread at a time, several times per second. Returns
+ * whether to go on. After false the call ends within a fraction of a second with ISO_E_CANCELED, and leaves nothing
+ * behind; a call that is complete by then succeeds. */
+typedef bool (*iso_progress_callback)(void *user, const char *stage, double fraction);
 
 /* ---- volumes ----------------------------------------------------------------------------------------------------- */
 
@@ -122,6 +141,7 @@ typedef struct iso_grid {
     size_t size[3];              /* voxels along x, y, z */
     double index_to_world[3][4]; /* world mm = index_to_world (i, j, k, 1); may rotate, shear and reflect */
     double box_index[3];         /* rendered part: [0, box_index]; coarse levels may overhang it; 0: size */
+    const void *reserved[4];
 } iso_grid;
 
 /* Makes a grid along the world's axes, centered at the origin. */
@@ -136,12 +156,41 @@ typedef struct iso_volume iso_volume;
  * ISO_E_MISSING: a program that reads such files (isoshade-itk, -arrays, -vdb) is not installed; ISO_E_MEMORY. */
 iso_status iso_volume_open(const char *path, iso_volume **volume, iso_error *err);
 
-/* Copies samples of a type (ISO_CHOICE_VOXEL_TYPE) in the machine's byte order. ISO_E_USAGE: an unknown type;
- * ISO_E_RANGE: a size of 0, a grid without volume, samples that are NaN or infinite; ISO_E_MEMORY. */
+/* Facts that a file lacks, or that choose one of its volumes. All zero: what the file says. */
+typedef struct iso_open_options {
+    const char *series;     /* of a folder, by number or name */
+    const char *frame;      /* time step, from 0 */
+    const char *channel;    /* number from 0, or name */
+    const char *unit;       /* of lengths: "mm", "um" ... */
+    double spacing[3];      /* in that unit; 0: the file's */
+    size_t raw_size[3];     /* of a file without a header; 0: it has one */
+    const char *raw_type;   /* of such a file: "uint8" ... */
+    size_t raw_skip_bytes;  /* before its samples */
+    bool raw_is_big_endian; /* byte order of its samples */
+    bool stored;            /* True to ignore slope and intercept */
+    int labels;             /* 1: a label map; -1: intensities; 0: by its samples */
+    const void *reserved[8];
+} iso_open_options;
+/* Opens a volume as iso_volume_open() does. ISO_E_USAGE also for options that contradict each other. */
+iso_status iso_volume_open_with(const char *path, const iso_open_options *options, iso_volume **volume, iso_error *err);
+
+/* Copies samples of a type (ISO_CHOICE_VOXEL_TYPE) in the machine's byte order, x fastest, without gaps. ISO_E_USAGE:
+ * an unknown type; ISO_E_RANGE: a size of 0, a grid without volume, samples that are NaN or infinite; ISO_E_MEMORY. */
 iso_status iso_volume_from_memory(const iso_grid *grid, const char *type, const void *samples, iso_volume **volume,
                                   iso_error *err);
+/* Copies an array whose samples are strides[0], [1], [2] bytes apart along x, y and z, which may be negative; `samples`
+ * points to voxel (0, 0, 0). Takes also "bool" (stored as uint8), "float16" (as float), "int64" and "uint64" (as
+ * double; ISO_E_RANGE: a value beyond 2^53). */
+iso_status iso_volume_from_array(const iso_grid *grid, const char *type, const void *samples,
+                                 const ptrdiff_t strides[3], iso_volume **volume, iso_error *err);
 
 iso_grid iso_volume_grid(const iso_volume *volume);
+/* Returns the type of the samples. */
+const char *iso_volume_type(const iso_volume *volume);
+/* Returns the samples, which live as long as the volume: x fastest, without gaps. */
+const void *iso_volume_samples(const iso_volume *volume);
+/* Copies the samples as floats, one per voxel. */
+void iso_volume_values(const iso_volume *volume, float *values);
 
 /* Writes an NRRD file with attached header, its samples raw or packed by gzip. ISO_E_IO. */
 iso_status iso_volume_save(const iso_volume *volume, const char *path, bool gzip, iso_error *err);
@@ -236,6 +285,15 @@ iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t lev
  * "fit" takes its range from the pyramid's level 0. ISO_E_RANGE, ISO_E_MEMORY. */
 iso_status iso_tf_evaluate(const iso_tf *tf, const iso_pyramid *pyramid, const double *values, size_t count,
                            double (*rgb_extinction)[4], iso_error *err);
+/* Suggests a TF for a pyramid: from a preset (ISO_CHOICE_TF) or a file; NULL: "auto", by its values. ISO_E_USAGE: an
+ * unknown preset; also what iso_tf_open() returns. */
+iso_status iso_tf_suggest(const iso_pyramid *pyramid, const char *name, iso_tf **tf, iso_error *err);
+/* Copies at most `most` points, and returns how many there are. */
+size_t iso_tf_points(const iso_tf *tf, iso_tf_point *points, size_t most);
+/* Returns the text of its file, to be freed by iso_free(). */
+iso_status iso_tf_text(const iso_tf *tf, char **json, iso_error *err);
+/* Makes a TF from such a text. ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_tf_from_text(const char *json, iso_tf **tf, iso_error *err);
 /* Writes NAME.tf.json. ISO_E_IO. */
 iso_status iso_tf_save(const iso_tf *tf, const char *path, iso_error *err);
 void iso_tf_free(iso_tf *tf);
@@ -248,6 +306,27 @@ typedef struct iso_scene iso_scene;
 iso_status iso_scene_open(const char *path, iso_scene **scene, iso_error *err);
 /* Makes a scene from the text of such a file. TF files that it names are relative to the current folder. */
 iso_status iso_scene_from_text(const char *json, iso_scene **scene, iso_error *err);
+/* Parts of an automatic scene. All zero: chosen for the volume. */
+typedef struct iso_look_options {
+    const char *tf;       /* preset or file; NULL: "auto" */
+    const char *view;     /* ISO_CHOICE_VIEW, or "AZ,EL" in degrees; NULL: "front" of a patient, otherwise "iso" */
+    double zoom;          /* .01 to 1000, enlarges the middle of the picture; 0: 1 */
+    size_t width, height; /* 0: 512 */
+    const void *reserved[8];
+} iso_look_options;
+/* Makes the scene of a first picture: the camera frames the visible part of the volume. ISO_E_USAGE: an unknown name;
+ * also what iso_tf_open() returns. */
+iso_status iso_scene_automatic(const iso_pyramid *pyramid, const iso_look_options *look, iso_scene **scene,
+                               iso_error *err);
+/* Replaces parts of a scene: the keys of a scene file's object, such as {"background": [1, 1, 1]}; null removes a key.
+ * After a failure the scene is unchanged. ISO_E_FORMAT, ISO_E_RANGE, ISO_E_MEMORY. */
+iso_status iso_scene_set(iso_scene *scene, const char *json, iso_error *err);
+/* Replaces the scene's TF by a copy. ISO_E_MEMORY. */
+iso_status iso_scene_set_tf(iso_scene *scene, const iso_tf *tf, iso_error *err);
+/* Returns the text of its file, to be freed by iso_free(), with the TF in it. */
+iso_status iso_scene_text(const iso_scene *scene, char **json, iso_error *err);
+/* Writes NAME.scene.json. ISO_E_IO. */
+iso_status iso_scene_save(const iso_scene *scene, const char *path, iso_error *err);
 /* Returns the scene's own TF, which lives as long as the scene. */
 const iso_tf *iso_scene_tf(const iso_scene *scene);
 void iso_scene_free(iso_scene *scene);
@@ -280,6 +359,10 @@ iso_status iso_image_save_exr(const iso_image *image, const char *path, const is
 iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err);
 /* Writes 8-bit sRGB, opaque, with colors multiplied by exposure. ISO_E_IO. */
 iso_status iso_image_save_png(const iso_image *image, const char *path, double exposure, iso_error *err);
+/* Return such a file as bytes, to be freed by iso_free(). */
+iso_status iso_image_png(const iso_image *image, double exposure, unsigned char **bytes, size_t *size,
+                         iso_error *err);
+iso_status iso_image_exr(const iso_image *image, unsigned char **bytes, size_t *size, iso_error *err);
 /* Reads PNG of 1 to 16 bits into linear light, multiplied by alpha. ISO_E_IO, ISO_E_FORMAT, ISO_E_MEMORY. */
 iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err);
 
@@ -311,15 +394,16 @@ typedef struct iso_frame_options {
     int threads;                    /* 0: all cores */
     iso_progress_callback progress; /* or NULL */
     void *progress_user;
-    const void *reserved[8];
+    bool adapt;                     /* True to adapt the TF to the level */
+    const void *reserved[7];
 } iso_frame_options;
 /* Returns the defaults: level 0 with "reference", the scene unchanged. */
 iso_frame_options iso_frame_defaults(void);
 
 /* Renders an image. ISO_E_USAGE: an unknown name, an option that the renderer does not support; ISO_E_RANGE: no such
- * level, an option outside its limits; ISO_E_MISSING: no such program or graphics device; ISO_E_PROGRAM. While
- * other programs run, SIGINT, SIGTERM and SIGHUP end them and the call fails, unless this program handles those
- * signals. */
+ * level, an option outside its limits; ISO_E_MISSING: no such program or graphics device; ISO_E_PROGRAM;
+ * ISO_E_CANCELED. While other programs run, SIGINT, SIGTERM and SIGHUP end them and the call fails, unless this program
+ * handles those signals: its progress function cancels then. */
 iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const iso_frame_options *options,
                       iso_image *image, iso_error *err);
 
@@ -334,7 +418,8 @@ typedef struct iso_export_options {
     int threads;                    /* 0: all cores */
     iso_progress_callback progress; /* or NULL */
     void *progress_user;
-    const void *reserved[8];
+    bool adapt;                     /* True to adapt the TF to each level; for targets with a scene */
+    const void *reserved[7];
 } iso_export_options;
 /* Returns the defaults: only level 0. */
 iso_export_options iso_export_defaults(void);
@@ -346,6 +431,76 @@ iso_export_options iso_export_defaults(void);
  * ISO_E_PROGRAM. */
 iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,
                       const iso_export_options *options, iso_error *err);
+
+/* ---- viewer ------------------------------------------------------------------------------------------------------ */
+
+typedef struct iso_page_options {
+    const char *title;              /* NULL: "volume" */
+    size_t most_voxels;             /* of the finest level of the page; 0: 32 million */
+    int threads;                    /* 0: all cores */
+    iso_progress_callback progress; /* or NULL */
+    void *progress_user;
+    const void *reserved[8];
+} iso_page_options;
+/* Makes an interactive page: one HTML text, to be freed by iso_free(). scene NULL: automatic. ISO_E_USAGE: a direction
+ * code that textures cannot filter; ISO_E_IO: no folder for temporary files; ISO_E_MEMORY; ISO_E_CANCELED. */
+iso_status iso_view_page(const iso_pyramid *pyramid, const iso_scene *scene, const iso_page_options *options,
+                         char **html, iso_error *err);
+
+/* ---- validation -------------------------------------------------------------------------------------------------- */
+
+/* A picture that a renderer of the caller is to draw. All pointers are valid during the call. */
+typedef struct iso_frame_request {
+    size_t width, height;
+    double step_mm;          /* along rays: samples in the middle of [k step, (k + 1) step] from the eye */
+    iso_grid grid;           /* of the level */
+    const float *values;     /* one per voxel */
+    const float *directions; /* 3 per voxel; NULL: no light is visible */
+    const char *json;        /* camera, lights, shading, TF ...: request.json (doc/reference/files-request.md) */
+    const char *scene;       /* its name: "calibration-slab" ... */
+    size_t level;
+    const void *reserved[8];
+} iso_frame_request;
+
+/* Draws a request: 4 floats per pixel, linear light over the background, color multiplied by alpha, top row first.
+ * Returns whether it was drawn; after false validation ends with ISO_E_PROGRAM. One call at a time. */
+typedef bool (*iso_render_callback)(void *user, const iso_frame_request *request, float *rgba);
+
+/* A renderer of the caller. */
+typedef struct iso_own_renderer {
+    const char *name; /* letters, digits and "-" */
+    iso_render_callback render;
+    void *user;
+} iso_own_renderer;
+
+typedef struct iso_validate_options {
+    const iso_scene *scene;            /* NULL: automatic */
+    const iso_own_renderer *renderers; /* of the caller */
+    size_t renderer_count;
+    const char *with;                  /* others by name: "gl,povray"; NULL: none */
+    const char *folder;                /* for the report, index.html and its files; NULL: the page alone is returned */
+    size_t levels;                     /* 0: 4, or 3 if quick */
+    size_t width, height;              /* 0: the scene's */
+    bool quick;                        /* True for smaller images and fewer views; the default */
+    iso_progress_callback progress;    /* or NULL */
+    void *progress_user;
+    const void *reserved[8];
+} iso_validate_options;
+/* Returns the defaults: quick, one level, the reference alone. */
+iso_validate_options iso_validate_defaults(void);
+
+/* Result of a validation; free it by iso_validation_result_destroy(). */
+typedef struct iso_validation_result {
+    bool agrees;        /* True if each renderer passed its calibrations and each comparison */
+    char summary[1024]; /* one line: the result, or the first failure */
+    char *json, *html;  /* report.json and index.html */
+    const void *reserved[8];
+} iso_validation_result;
+/* Validates renderers with a volume, and its levels. Runs the program `isoshade`. ISO_E_MISSING: it is not installed;
+ * ISO_E_USAGE: an unknown renderer; ISO_E_PROGRAM: a renderer failed; ISO_E_RANGE; ISO_E_IO; ISO_E_CANCELED. */
+iso_status iso_validate(const iso_volume *volume, const iso_validate_options *options, iso_validation_result *verdict,
+                        iso_error *err);
+void iso_validation_result_destroy(iso_validation_result *verdict);
 
 #ifdef __cplusplus
 }

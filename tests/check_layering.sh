@@ -32,7 +32,7 @@ media:      $shared render vdb bake
 targets:    $shared render vdb povray paraview blender compare plan bake media
 report:     base image compare
 view:       $shared
-library:    $shared render vdb povray blender renderers compare plan bake media targets
+library:    $shared render vdb povray blender renderers compare plan bake media targets view
 validate:   $shared render renderers compare bake targets report
 chart:      $shared render renderers compare plan report
 options:    $shared

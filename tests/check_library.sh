@@ -17,7 +17,9 @@ check header_is_cplusplus g++ -x c++ -std=c++11 -Wall -Wextra -Wpedantic -Werror
 
 # ---- what the shared library exports is what the header declares ----
 declared() { gcc -E -P -I"$(dirname "$1")" "$1" | tr '\n' ' ' | grep -oE '\biso_[a-z0-9_]+ ?\(' | tr -d ' (' | sort -u; }
-exported() { nm -D --defined-only "$prefix/lib/libisoshade.so" | awk '{print $3}' | sort; }
+exported() {
+    nm -D --defined-only "$prefix/lib/libisoshade.so" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' | sort
+}
 exports_agree() { diff <(declared "$1") <(exported); }
 check exports_are_the_header exports_agree "$prefix/include/isoshade.h"
 [ "$(exported | wc -l)" -gt 30 ] && ok exports_are_many || not_ok exports_are_many "$(exported | wc -l) functions"
@@ -70,4 +72,45 @@ END
 check missing_links gcc $warnings missing.c -o missing $(pkg-config --cflags --libs isoshade)
 expect errors_are_codes 0 env LD_LIBRARY_PATH="$prefix/lib" ./missing
 [ -s out ] || [ -s err ] && not_ok nothing_is_printed "$(cat out err)" || ok nothing_is_printed
+# A program in C++17 has its renderer judged, by the program that is installed next to the library: black pictures fail.
+cat >judge.cc <<'END'
+#include <isoshade.h>
+#include <cstring>
+#include <vector>
+static bool draw(void *user, const iso_frame_request *request, float *)
+{
+    ++*static_cast<int *>(user);
+    return request->values && request->width > 0 && request->step_mm > 0 && std::strstr(request->json, "camera");
+}
+int main()
+{
+    int drawn = 0;
+    const size_t size[3] = {9, 8, 7};
+    const double spacing_mm[3] = {1, 1, 1};
+    const ptrdiff_t strides[3] = {1, 9, 72};
+    std::vector<unsigned char> samples(9 * 8 * 7);
+    samples[4 + 9 * (4 + 8 * 3)] = 255;
+    const iso_grid grid = iso_grid_axis_aligned(size, spacing_mm);
+    iso_volume *volume = nullptr;
+    iso_error error{};
+    const iso_own_renderer own{"black", draw, &drawn};
+    iso_validate_options options = iso_validate_defaults();
+    options.renderers = &own;
+    options.renderer_count = 1;
+    options.width = options.height = 12;
+    iso_validation_result result;
+    if (iso_volume_from_array(&grid, "uint8", samples.data(), strides, &volume, &error) != ISO_OK)
+        return 2;
+    const iso_status status = iso_validate(volume, &options, &result, &error);
+    const bool good = status == ISO_OK && !result.agrees && result.summary[0] && std::strstr(result.json, "black") &&
+                      std::strstr(result.html, "<html");
+    iso_validation_result_destroy(&result);
+    iso_volume_free(volume);
+    return good && drawn >= 8 ? 0 : 1;
+}
+END
+check judge_links g++ -std=c++17 $warnings judge.cc -o judge $(pkg-config --cflags --libs isoshade)
+expect renderers_of_a_program_are_judged 0 env -u ISOSHADE_ISOSHADE LD_LIBRARY_PATH="$prefix/lib" ./judge
+nm "$prefix/lib/libisoshade.a" 2>/dev/null | awk '$2 ~ /^[TDBR]$/ { print $3 }' | sort -u >visible
+[ "$(cat visible)" = "$(exported)" ] && ok internal_names_are_hidden || not_ok internal_names_are_hidden "$(wc -l <visible) names"
 exit $failed

@@ -133,20 +133,21 @@ static inline double largest_difference(const iso_image *a, const iso_image *b, 
     return most;
 }
 
-static inline void progress_rises_to_one(void *user, const char *stage, double fraction)
+static inline bool progress_rises_to_one(void *user, const char *stage, double fraction)
 {
     double *last = user;
     if (strstr(stage, "rendering")) {
         assert_true(fraction >= *last && fraction <= 1);
         *last = fraction;
     }
+    return true;
 }
 
 static inline void render_povray(const iso_pyramid *p, size_t level, const iso_view *view,
                                  const iso_povray_options *opt, iso_image *image)
 {
     double last = 0;
-    const iso_progress progress = {progress_rises_to_one, &last};
+    const iso_progress progress = {.report = progress_rises_to_one, .user = &last};
     assert_ok(iso_povray_render(p, level, view, opt, image, &progress, &err));
     assert_within(last, 1, 0);
 }

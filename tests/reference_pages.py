@@ -13,6 +13,9 @@ import textwrap
 
 OPTION = re.compile(r"^  (?:(-\w), |    )(--[\w-]+(?:[= ]\S+)?)(?:\s{2,}(\S.*))?$")
 
+# Ends the part of a comment that the page has: a sentence, or its main clause.
+END = re.compile(r"\. (?=[A-Z])| \(|[:;] |, (?:which|so|and r|as|or|applying|x f|whose|to be)\b")
+
 
 def printed(*words):
     return subprocess.run(words, check=True, capture_output=True, text=True).stdout
@@ -84,7 +87,7 @@ def library_page(header):
         rows = []
         for comment, code in re.findall(r"(?:/\*((?:(?!\*/).)*)\*/\n)?((?:const )?\w+ \**iso_\w+\([^;]*\));", body, re.S):
             sentence = re.sub(r"\s*\n \* ?", " ", comment).strip()
-            sentence = re.match(r"(?:(?!\. [A-Z]).)*\.?", sentence, re.S).group(0)
+            sentence = END.split(sentence)[0].removesuffix(".")
             rows.append((re.search(r"iso_\w+(?=\()", code).group(0), sentence.replace("*", "\\*")))
         if rows:
             out += [f"## {name.capitalize()}", ""] + [f"- `{f}()`: {s}".removesuffix(": ") for f, s in rows] + [""]

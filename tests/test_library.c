@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* The library's interface: what its header promises, by that header alone. Errors come back as a status and a sentence,
  * and leave nothing behind (the sanitizers see to that). */
+#define _GNU_SOURCE
+#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "isoshade.h"
 #include "tests/folder.h"
@@ -68,6 +72,8 @@ static void versions_agree(void **state)
     snprintf(text, sizeof text, "%d.%d.%d", ISO_VERSION_MAJOR, ISO_VERSION_MINOR, ISO_VERSION_PATCH);
     assert_string_equal(ISO_VERSION, text);
     assert_string_equal(iso_version(), text);
+    assert_int_equal(iso_version_number(), ISO_VERSION_NUMBER);
+    assert_int_equal(ISO_VERSION_NUMBER / 1000 % 1000, ISO_VERSION_MINOR);
 }
 
 static void statuses_have_texts(void **state)
@@ -93,7 +99,9 @@ static void choices_are_listed(void **state)
                  {ISO_CHOICE_DIRECTION_FILTER, build.direction_filter},
                  {ISO_CHOICE_SHADING, frame.shading},
                  {ISO_CHOICE_RENDERER, frame.renderer},
-                 {ISO_CHOICE_EXPORT, "povray"}};
+                 {ISO_CHOICE_EXPORT, "povray"},
+                 {ISO_CHOICE_TF, "ct-bone"},
+                 {ISO_CHOICE_VIEW, "front"}};
     for (size_t l = 0; l < sizeof lists / sizeof *lists; ++l) {
         bool found = false;
         size_t i = 0;
@@ -351,11 +359,12 @@ static void a_povray_scene_is_exported(void **state)
     iso_pyramid_free(pyramid);
 }
 
-static void progress_is_told(void *user, const char *stage, double fraction)
+static bool progress_is_told(void *user, const char *stage, double fraction)
 {
     assert_non_null(stage);
     assert_true(fraction >= 0 && fraction <= 1);
     ++*(int *)user;
+    return true;
 }
 
 static void work_reports_its_progress(void **state)
@@ -371,6 +380,250 @@ static void work_reports_its_progress(void **state)
     assert_true(calls > 0);
     iso_pyramid_free(pyramid);
     iso_volume_free(volume);
+}
+
+/* Goes on for a number of reports, then cancels. No report may follow. */
+typedef struct patience {
+    int left, late;
+} patience;
+
+static bool cancel_in_the_end(void *user, const char *stage, double fraction)
+{
+    patience *p = user;
+    (void)stage;
+    (void)fraction;
+    p->late += p->left < 0;
+    return p->left-- > 0;
+}
+
+static size_t file_count(void)
+{
+    struct dirent **names = NULL;
+    const int count = scandir(folder, &names, NULL, NULL);
+    for (int i = 0; i < count; ++i)
+        free(names[i]);
+    free(names);
+    return count > 0 ? (size_t)count : 0;
+}
+
+static void canceled_work_leaves_nothing(void **state)
+{
+    (void)state;
+    iso_volume *volume = ramp();
+    iso_pyramid *pyramid = ramp_pyramid(false), *other = pyramid;
+    iso_scene *scene = a_scene();
+    char path[512], *html = path;
+    snprintf(path, sizeof path, "%s/canceled", folder);
+    const size_t files = file_count();
+    iso_error err = {""};
+    for (int after = 0; after < 3; ++after) {
+        patience p = {.left = after};
+        iso_build_options build = iso_build_defaults();
+        build.progress = cancel_in_the_end;
+        build.progress_user = &p;
+        assert_int_equal(iso_build(volume, &build, &other, &err), after < 1 ? ISO_E_CANCELED : ISO_OK);
+        assert_true(p.late == 0 && (after > 0) == (other != NULL)); /* it reports its slab, then its end */
+        iso_pyramid_free(other);
+
+        iso_frame_options frame = iso_frame_defaults();
+        iso_image image;
+        p = (patience){.left = after};
+        frame.progress = cancel_in_the_end;
+        frame.progress_user = &p;
+        assert_int_equal(iso_render(pyramid, scene, &frame, &image, &err), ISO_E_CANCELED);
+        assert_true(p.late == 0 && !image.rgba && strstr(err.text, "canceled"));
+
+        iso_export_options export = iso_export_defaults();
+        p = (patience){.left = after % 2};
+        export.progress = cancel_in_the_end;
+        export.progress_user = &p;
+        assert_int_equal(iso_export(pyramid, NULL, "vdb", path, &export, &err), ISO_E_CANCELED);
+        p = (patience){.left = after % 2};
+        assert_int_equal(iso_export(pyramid, scene, "povray", path, &export, &err), ISO_E_CANCELED);
+        assert_int_equal(p.late, 0);
+    }
+    patience p = {.left = 0};
+    const iso_page_options page = {.progress = cancel_in_the_end, .progress_user = &p};
+    assert_int_equal(iso_view_page(pyramid, scene, &page, &html, &err), ISO_E_CANCELED);
+    assert_null(html);
+    assert_int_equal(file_count(), files);
+    iso_scene_free(scene);
+    iso_pyramid_free(pyramid);
+    iso_volume_free(volume);
+}
+
+/* The parent has threads, which a child does not inherit: without care it waits for them, until the alarm. */
+static void a_forked_child_works_on(void **state)
+{
+    (void)state;
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_scene *scene = a_scene();
+    iso_frame_options o = iso_frame_defaults();
+    iso_image image, other;
+    iso_metrics m;
+    int result;
+    o.threads = 4;
+    assert_ok(iso_render(pyramid, scene, &o, &image, &err));
+    const pid_t child = fork();
+    if (child == 0) {
+        alarm(60);
+        _exit(iso_render(pyramid, scene, &o, &other, NULL) != ISO_OK ||
+              iso_metrics_measure(&image, &other, &m, NULL) != ISO_OK || !(m.max_abs <= 0));
+    }
+    assert_true(child > 0 && waitpid(child, &result, 0) == child);
+    assert_true(WIFEXITED(result) && WEXITSTATUS(result) == 0);
+    iso_image_destroy(&image);
+    iso_scene_free(scene);
+    iso_pyramid_free(pyramid);
+}
+
+/* Sample (x, y, z) of an array of 3 x 2 x 2 is x + 10 y + 100 z, in each type that arrays have. */
+static void arrays_of_any_type_and_order_are_taken(void **state)
+{
+    (void)state;
+    static const int16_t backward[] = {112, 111, 110, 102, 101, 100, 12, 11, 10, 2, 1, 0}; /* last to first */
+    static const int64_t spread[] = {0, 100, 10, 110, 1, 101, 11, 111, 2, 102, 12, 112};   /* z fastest, then y */
+    static const uint16_t halves[] = {0x0000, 0x3c00, 0x4000, 0x4900, 0x4980, 0x4a00,
+                                      0x5640, 0x5650, 0x5660, 0x56e0, 0x56f0, 0x5700}; /* 0, 1, 2, 10 ... 112 */
+    const iso_grid grid = iso_grid_axis_aligned((size_t[3]){3, 2, 2}, (double[3]){1, 1, 1});
+    const struct {
+        const char *type, *stored;
+        const void *first;
+        ptrdiff_t strides[3];
+    } arrays[] = {{"int16", "int16", backward + 11, {-2, -6, -12}},
+                  {"int64", "double", spread, {32, 16, 8}},
+                  {"uint64", "double", spread, {32, 16, 8}},
+                  {"float16", "float", halves, {2, 6, 12}}};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) {
+        iso_volume *volume;
+        float values[12];
+        assert_ok(iso_volume_from_array(&grid, arrays[i].type, arrays[i].first, arrays[i].strides, &volume, &err));
+        assert_string_equal(iso_volume_type(volume), arrays[i].stored);
+        iso_volume_values(volume, values);
+        for (int v = 0; v < 12; ++v)
+            assert_within((double)values[v], v % 3 + 10 * (v / 3 % 2) + 100 * (v / 6), 0);
+        iso_volume_free(volume);
+    }
+    const uint8_t flags[12] = {0, 1, 2, 0};
+    iso_volume *volume;
+    assert_ok(iso_volume_from_memory(&grid, "bool", flags, &volume, &err));
+    const uint8_t *samples = iso_volume_samples(volume);
+    assert_true(samples[0] == 0 && samples[1] == 1 && samples[2] == 1 && samples[3] == 0);
+    iso_volume_free(volume);
+}
+
+static void a_raw_file_is_opened_by_its_options(void **state)
+{
+    (void)state;
+    char path[512];
+    iso_volume *volume;
+    float values[6];
+    snprintf(path, sizeof path, "%s/plain.bin", folder);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite("head\0\1\0\2\0\3\0\4\0\5\0\6", 1, 16, file), 16);
+    fclose(file);
+    const iso_open_options o = {.raw_size = {3, 2, 1},
+                                .raw_type = "uint16",
+                                .raw_skip_bytes = 4,
+                                .raw_is_big_endian = true,
+                                .unit = "cm",
+                                .spacing = {1, 2, 3},
+                                .labels = -1};
+    assert_ok(iso_volume_open_with(path, &o, &volume, &err));
+    iso_volume_values(volume, values);
+    for (int i = 0; i < 6; ++i)
+        assert_within((double)values[i], i + 1, 0);
+    const iso_grid grid = iso_volume_grid(volume);
+    double spacing_mm[3];
+    iso_grid_spacing_mm(&grid, spacing_mm);
+    assert_within(spacing_mm[1], 20, 1e-12);
+    iso_volume_free(volume);
+}
+
+static void a_scene_is_made_changed_and_written(void **state)
+{
+    (void)state;
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_scene *scene, *again;
+    iso_tf *tf, *other;
+    iso_tf_point points[64];
+    char *text, *text2;
+    const iso_look_options look = {.tf = "simulation", .view = "left", .width = 20, .height = 30};
+    assert_ok(iso_scene_automatic(pyramid, &look, &scene, &err));
+    assert_ok(iso_scene_set(scene, "{\"background\": [0, 1, 0.5]}", &err));
+    assert_ok(iso_tf_suggest(pyramid, NULL, &tf, &err));
+    assert_ok(iso_scene_set_tf(scene, tf, &err));
+    const size_t count = iso_tf_points(iso_scene_tf(scene), points, 64);
+    assert_true(count >= 2 && count <= 8 && iso_tf_points(tf, points, 0) == count);
+    assert_true(points[0].value < points[count - 1].value);
+    assert_ok(iso_scene_text(scene, &text, &err));
+    assert_non_null(strstr(text, "\"width\": 20"));
+    assert_ok(iso_scene_from_text(text, &again, &err));
+    assert_ok(iso_scene_text(again, &text2, &err));
+    assert_string_equal(text, text2);
+    iso_free(text2);
+    assert_ok(iso_tf_text(tf, &text2, &err));
+    assert_ok(iso_tf_from_text(text2, &other, &err));
+    assert_int_equal(iso_tf_points(other, points, 64), count);
+    assert_int_equal(iso_scene_set(scene, "{\"lamp\": 1}", NULL), ISO_E_FORMAT);
+    iso_free(text2);
+    assert_ok(iso_scene_text(scene, &text2, &err)); /* unchanged by the failure */
+    assert_string_equal(text, text2);
+    iso_free(text);
+    iso_free(text2);
+    iso_tf_free(tf);
+    iso_tf_free(other);
+    iso_scene_free(scene);
+    iso_scene_free(again);
+    iso_pyramid_free(pyramid);
+}
+
+static void assert_holds(const char *path, const unsigned char *bytes, size_t size)
+{
+    unsigned char read[65536];
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(read, 1, sizeof read, file), size);
+    assert_memory_equal(read, bytes, size);
+    fclose(file);
+}
+
+static void images_in_memory_are_those_of_files(void **state)
+{
+    (void)state;
+    iso_image image;
+    unsigned char *bytes;
+    size_t size;
+    char path[512];
+    assert_ok(iso_image_create(&image, 7, 5, &err));
+    for (size_t i = 0; i < 4 * 7 * 5; ++i)
+        image.rgba[i] = (float)i / 140;
+    snprintf(path, sizeof path, "%s/m.png", folder);
+    assert_ok(iso_image_save_png(&image, path, 1.5, &err));
+    assert_ok(iso_image_png(&image, 1.5, &bytes, &size, &err));
+    assert_holds(path, bytes, size);
+    iso_free(bytes);
+    snprintf(path, sizeof path, "%s/m.exr", folder);
+    assert_ok(iso_image_save_exr(&image, path, NULL, &err));
+    assert_ok(iso_image_exr(&image, &bytes, &size, &err));
+    assert_holds(path, bytes, size);
+    iso_free(bytes);
+    iso_image_destroy(&image);
+    assert_int_equal(iso_image_png(&image, 1, &bytes, &size, NULL), ISO_E_RANGE);
+    assert_null(bytes);
+}
+
+static void a_page_is_one_text(void **state)
+{
+    (void)state;
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    char *html;
+    assert_ok(iso_view_page(pyramid, NULL, &(iso_page_options){.title = "a ramp"}, &html, &err));
+    assert_true(strncmp(html, "<!DOCTYPE html>", 15) == 0 || strncmp(html, "<!doctype html>", 15) == 0);
+    assert_non_null(strstr(html, "a ramp"));
+    iso_free(html);
+    iso_pyramid_free(pyramid);
 }
 
 /* ---- errors -------------------------------------------------------------------- */
@@ -414,7 +667,7 @@ static void bad_volumes_are_refused(void **state)
     iso_grid grid = iso_grid_axis_aligned((size_t[3]){2, 1, 1}, (double[3]){1, 1, 1});
     assert_fails(iso_volume_from_memory(&grid, "float", samples, &volume, &err), ISO_E_RANGE, "(1, 0, 0)");
     assert_null(volume);
-    assert_fails(iso_volume_from_memory(&grid, "float16", samples, &volume, &err), ISO_E_USAGE, "float16");
+    assert_fails(iso_volume_from_memory(&grid, "float8", samples, &volume, &err), ISO_E_USAGE, "float8");
     grid.size[1] = 0;
     assert_fails(iso_volume_from_memory(&grid, "uint8", samples, &volume, &err), ISO_E_RANGE, "0");
     grid.size[0] = grid.size[1] = grid.size[2] = (size_t)1 << 31; /* a product of 2^93 */
@@ -625,6 +878,13 @@ int main(void)
         cmocka_unit_test(a_vdb_is_exported),
         cmocka_unit_test(a_povray_scene_is_exported),
         cmocka_unit_test(work_reports_its_progress),
+        cmocka_unit_test(canceled_work_leaves_nothing),
+        cmocka_unit_test(a_forked_child_works_on),
+        cmocka_unit_test(arrays_of_any_type_and_order_are_taken),
+        cmocka_unit_test(a_raw_file_is_opened_by_its_options),
+        cmocka_unit_test(a_scene_is_made_changed_and_written),
+        cmocka_unit_test(images_in_memory_are_those_of_files),
+        cmocka_unit_test(a_page_is_one_text),
         cmocka_unit_test(missing_files_are_named),
         cmocka_unit_test(bad_volumes_are_refused),
         cmocka_unit_test(bad_options_are_refused),

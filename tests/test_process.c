@@ -14,10 +14,32 @@
 #include <unistd.h>
 
 #include "base/process.h"
+#include "base/progress.h"
 #include "base/sandbox.h"
 #include "base/unfinished.h"
 #include "folder.h"
 #include "test.h"
+
+static bool go_on_twice(void *user, const char *stage, double fraction)
+{
+    (void)stage;
+    (void)fraction;
+    return ++*(int *)user < 3;
+}
+
+/* Without the request the program would run for an hour. */
+static void a_canceled_call_ends_its_program(void **state)
+{
+    (void)state;
+    const char *argv[] = {"/bin/sleep", "3600", NULL};
+    int calls = 0;
+    iso_error err = {""};
+    iso_call call;
+    iso_call_begin(&call, go_on_twice, &calls);
+    const iso_status status = iso_process_run(argv, NULL, &err);
+    assert_int_equal(iso_call_end(&call, status, &err), ISO_E_CANCELED);
+    assert_int_equal(calls, 3);
+}
 
 static void an_exit_code_is_reported_with_the_line_that_speaks_of_an_error(void **state)
 {
@@ -414,6 +436,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_signal_that_ends_the_process_says_how_to_go_on),
+        cmocka_unit_test(a_canceled_call_ends_its_program),
         cmocka_unit_test(an_exit_code_is_reported_with_the_line_that_speaks_of_an_error),
         cmocka_unit_test(a_program_that_takes_too_long_is_ended),
         cmocka_unit_test(one_that_hangs_in_silence_is_ended_too),

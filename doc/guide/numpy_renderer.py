@@ -67,7 +67,8 @@ def write_exr(name, rgba):  # rows of floats, not compressed: the channels A, B,
         f.write(head + b'\0' + places.tobytes())
         f.writelines(struct.pack('<2i', y, 16 * w) + row.tobytes() for y, row in enumerate(rows))
 
-r = json.load(open(sys.argv[1]))
-grids = [read_nrrd(about, r['volume']['size']) for about in (r['volume'], r['directions']) if about]
-for frame in r['frames']:
-    write_exr(frame['file'], render(r, np.concatenate(grids, 3), frame['step_mm']))
+if __name__ == '__main__':
+    r = json.load(open(sys.argv[1]))
+    grids = [read_nrrd(about, r['volume']['size']) for about in (r['volume'], r['directions']) if about]
+    for frame in r['frames']:
+        write_exr(frame['file'], render(r, np.concatenate(grids, 3), frame['step_mm']))

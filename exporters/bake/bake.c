@@ -280,17 +280,19 @@ static bool bake_blocks(iso_baked *b, const iso_sampler *sampler, const iso_prog
         float block[BLOCK_FLOATS];
         const block_place place = place_of_block(b, i);
         start_block(block);
-        if (!failed && may_show(b, &place) && fill_block(b, sampler, &place, block))
+        if (!failed && !iso_progress_poll(progress) && may_show(b, &place) && fill_block(b, sampler, &place, block))
             failed |= !(b->block[i] = copy_block(block));
         if (i % 256 == 0) {
 #pragma omp critical(iso_bake_progress)
             iso_progress_report(progress, "baking", (double)(done += 256) / (double)(count + 256));
         }
     }
+    failed = failed || iso_progress_poll(progress);
 #pragma omp parallel for schedule(dynamic, 16) num_threads(threads) reduction(|| : failed)
     for (size_t i = 0; i < count; ++i) {
         float block[BLOCK_FLOATS];
         const block_place place = place_of_block(b, i);
+        failed |= iso_progress_poll(progress);
         if (failed || (!b->block[i] && !has_neighbor(b, i)))
             continue;
         if (b->block[i]) {

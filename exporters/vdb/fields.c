@@ -137,7 +137,8 @@ iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const 
         status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
     for (size_t i = 0; i < f->count && status == ISO_OK; ++i) {
         iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(f->count + 1));
-        status = add(&to, f, i, err);
+        status = iso_progress_check(progress, err);
+        TRY(status, add(&to, f, i, err));
     }
     TRY(status, note(&to, f, err));
     iso_vdb_message message = {""};

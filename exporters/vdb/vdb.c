@@ -175,9 +175,11 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
                   what->pyramid ? &what->pyramid->levels[what->first].geometry : &what->lattices[0].geometry, err));
     for (size_t i = 0; i < what->count && status == ISO_OK; ++i) {
         iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(2 * what->count));
-        status = add(&job, what, i, &grids[i], err);
+        status = iso_progress_check(progress, err);
+        TRY(status, add(&job, what, i, &grids[i], err));
     }
     iso_progress_report(progress, "OpenVDB grids", 0.5);
+    TRY(status, iso_progress_check(progress, err));
     TRY(status, write(&job, out.temp_path, err));
     openvdb->destroy(job.file);
     for (size_t i = 0; grids && i < what->count; ++i)

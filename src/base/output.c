@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/inputs.h"
 #include "base/manifest.h"
+#include "base/progress.h"
 #include "base/temporary.h"
 #include "base/unfinished.h"
 
@@ -435,7 +436,8 @@ iso_status iso_output_commit(iso_output *out, iso_error *err)
 {
     /* A file inside of a folder that is not finished itself is flushed with that folder. */
     const bool is_final = !iso_temporary_holds(out->final_path);
-    const iso_status status = out->is_folder ? commit_dir(out, err) : commit_file(out, is_final, err);
+    iso_status status = iso_progress_check(iso_progress_current(), err);
+    TRY(status, out->is_folder ? commit_dir(out, err) : commit_file(out, is_final, err));
     if (status == ISO_OK)
         release_lock(out); /* others may replace it while the old one is removed */
     if (status == ISO_OK && is_final)

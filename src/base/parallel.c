@@ -2,12 +2,35 @@
 #include "base/parallel.h"
 
 #include <omp.h>
+#include <pthread.h>
 #include <sys/resource.h>
 #include <time.h>
 
+/* OpenMP keeps threads for each thread that begins a parallel loop. A forked child has only the thread that forked,
+ * which would wait for the others forever. */
+static _Thread_local bool has_team, lost_team;
+static pthread_once_t watches_forks = PTHREAD_ONCE_INIT;
+
+static void note_fork(void)
+{
+    lost_team = has_team;
+}
+
+static void watch_forks(void)
+{
+    pthread_atfork(NULL, NULL, note_fork);
+}
+
 int iso_threads(int wanted)
 {
-    return wanted > 0 ? wanted : omp_get_max_threads();
+    const int count = wanted > 0 ? wanted : omp_get_max_threads();
+    if (lost_team)
+        return 1;
+    if (count > 1 && !has_team) {
+        pthread_once(&watches_forks, watch_forks);
+        has_team = true;
+    }
+    return count;
 }
 
 int iso_thread_index(void)

@@ -7,7 +7,8 @@
 
 #include <stdbool.h>
 
-/* Returns the number of threads: `wanted`, or as many as OpenMP offers (all cores, or OMP_NUM_THREADS) if it is 0. */
+/* Returns the number of threads: `wanted`, or as many as OpenMP offers (all cores, or OMP_NUM_THREADS) if it is 0.
+ * Returns 1 in the thread of a forked child whose parent had several threads: they are not there. */
 int iso_threads(int wanted);
 
 /* Returns the number of the calling thread within its parallel region, from 0. */

@@ -21,6 +21,7 @@
 #include "base/file.h"
 #include "base/supervisor.h"
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "base/temporary.h"
 #include "base/unfinished.h"
 #include "base/words.h"
@@ -166,7 +167,14 @@ static bool has_ended(pid_t pid)
     return waitid(P_PID, (id_t)pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == pid;
 }
 
-typedef enum drain_end { DRAIN_CLOSED, DRAIN_TIMED_OUT, DRAIN_STOPPED, DRAIN_WAITS, DRAIN_UNREADABLE } drain_end;
+typedef enum drain_end {
+    DRAIN_CLOSED,
+    DRAIN_TIMED_OUT,
+    DRAIN_STOPPED,
+    DRAIN_CANCELED,
+    DRAIN_WAITS,
+    DRAIN_UNREADABLE
+} drain_end;
 
 /* Reads until the child closes its output, or prints the line that is waited for. talking: a child of its own may hold
  * the output while it waits for a line, so that its end counts too.
@@ -176,9 +184,11 @@ static drain_end drain(int fd, pid_t talking, line_log *log, double deadline)
 {
     for (char buffer[4096];;) {
         struct pollfd p = {.fd = fd, .events = POLLIN};
-        int ready = poll(&p, 1, 200);
+        int ready = poll(&p, 1, iso_progress_current() ? 50 : 200);
         if (stop_signal)
             return DRAIN_STOPPED;
+        if (iso_progress_poll(iso_progress_current()))
+            return DRAIN_CANCELED;
         if (iso_clock_seconds() > deadline)
             return DRAIN_TIMED_OUT;
         if (ready < 0 && errno != EINTR)
@@ -293,6 +303,8 @@ static int reap(iso_process *p, double deadline, drain_end *end, struct rusage *
     while (*end == DRAIN_CLOSED && !has_ended(p->pid)) {
         if (stop_signal)
             *end = DRAIN_STOPPED;
+        else if (iso_progress_poll(iso_progress_current()))
+            *end = DRAIN_CANCELED;
         else if (iso_clock_seconds() > deadline)
             *end = DRAIN_TIMED_OUT;
         else
@@ -361,6 +373,8 @@ static iso_status listen_to(iso_process *p, const char *until, const iso_process
     note_outcome(options, end, result, &used, start);
     if (end == DRAIN_STOPPED)
         return iso_fail(err, ISO_E_PROGRAM, "%s: stopped by signal %d", p->name, stop_signal);
+    if (end == DRAIN_CANCELED)
+        return iso_fail(err, ISO_E_CANCELED, "%s: canceled", p->name);
     if (end == DRAIN_UNREADABLE)
         return iso_fail(err, ISO_E_IO, "%s: its output cannot be read: %s", p->name, strerror(cause));
     if (end == DRAIN_TIMED_OUT)

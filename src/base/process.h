@@ -47,6 +47,7 @@ void iso_process_set_deadline(double clock_seconds);
 /* Runs argv (argv[0] is a path, the list ends with NULL) and waits. Output is captured. On a non-zero exit, a signal or
  * a timeout the status is ISO_E_PROGRAM. The message names the program, the cause and the last lines of the output that
  * look like an error. Unreadable output ends the program, and is ISO_E_IO.
+ * A canceled call (progress.h) ends the program, too: ISO_E_CANCELED.
  * SIGINT, SIGTERM and SIGHUP end the program and are such a failure, so that callers clean up. Neither the program
  * nor a process that it started outlives the call, or this process (supervisor.h). Each thread may run one; a signal
  * ends all. */

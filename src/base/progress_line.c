@@ -142,7 +142,7 @@ static void go_on(iso_progress_line *line, const char *name, double fraction)
     snprintf(line->name, sizeof line->name, "%s", name);
 }
 
-static void report(void *user, const char *stage, double fraction)
+static bool report(void *user, const char *stage, double fraction)
 {
     iso_progress_line *line = user;
     pthread_mutex_lock(&line->lock);
@@ -154,6 +154,7 @@ static void report(void *user, const char *stage, double fraction)
         wipe(line);
     draw(line);
     pthread_mutex_unlock(&line->lock);
+    return true;
 }
 
 iso_progress iso_progress_of_line(iso_progress_line *line)

@@ -175,6 +175,7 @@ static void put_environment(FILE *f)
           ".TP\n.B ISOSHADE_GL_DEVICE\nDevice of the OpenGL ray caster, as for \\-\\-gl\\-device.\n"
           ".TP\n.B ISOSHADE_CYCLES_DEVICE\nDevice of Cycles, as for \\-\\-cycles\\-device.\n"
           ".TP\n.B ISOSHADE_SANDBOX\noff: other programs run with all rights of the user, as with \\-\\-no\\-sandbox.\n"
+          ".TP\n.B ISOSHADE_LIBRARY\nFile of the library that the Python package loads.\n"
           ".TP\n.B TMPDIR\nFolder for temporary files.\n",
           f);
 }

@@ -50,6 +50,18 @@ iso_status iso_image_save_exr(const iso_image *image, const char *path, const is
     return status;
 }
 
+iso_status iso_image_exr(const iso_image *image, unsigned char **bytes, size_t *size, iso_error *err)
+{
+    char *data = NULL;
+    *bytes = NULL;
+    *size = 0;
+    const iso_status status = image->rgba ? iso_exr_encode("EXR", image, NULL, &data, size, err)
+                                          : iso_fail(err, ISO_E_RANGE, "EXR: the image is empty");
+    if (status == ISO_OK)
+        *bytes = (unsigned char *)data;
+    return status;
+}
+
 iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, iso_error *err)
 {
     char *data;

@@ -89,6 +89,32 @@ iso_status iso_image_save_png(const iso_image *image, const char *path, double e
     return status;
 }
 
+iso_status iso_image_png(const iso_image *image, double exposure, unsigned char **bytes, size_t *size, iso_error *err)
+{
+    uint8_t *rgb = image->rgba ? srgb_pixels(image, exposure) : NULL;
+    png_image png = {.version = PNG_IMAGE_VERSION,
+                     .width = (png_uint_32)image->width,
+                     .height = (png_uint_32)image->height,
+                     .format = PNG_FORMAT_RGB};
+    png_alloc_size_t most = rgb ? PNG_IMAGE_PNG_SIZE_MAX(png) : 0, used = most;
+    unsigned char *data = rgb ? malloc(most) : NULL;
+    *bytes = NULL;
+    *size = 0;
+    iso_status status = !image->rgba ? iso_fail(err, ISO_E_RANGE, "PNG: the image is empty")
+                        : !data      ? iso_fail(err, ISO_E_MEMORY, "PNG: out of memory")
+                                     : ISO_OK;
+    if (status == ISO_OK && !png_image_write_to_memory(&png, data, &used, 0, rgb, 0, NULL))
+        status = iso_fail(err, ISO_E_PROGRAM, "PNG: %s", png.message);
+    free(rgb);
+    if (status != ISO_OK) {
+        free(data);
+        return status;
+    }
+    *bytes = data;
+    *size = used;
+    return ISO_OK;
+}
+
 static bool has_ending(const char *path, const char *ending)
 {
     const size_t length = strlen(path), bytes = strlen(ending);

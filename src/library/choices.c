@@ -2,7 +2,9 @@
 /* choices.c - the words that options of the library's interface take, from the tables of their modules. */
 #include "library/shared.h"
 #include "renderers/renderers.h"
+#include "scene/viewpoint.h"
 #include "targets/targets.h"
+#include "tf/presets.h"
 
 static const char *name_of_row(const iso_names *names, size_t row)
 {
@@ -36,6 +38,8 @@ const char *iso_choice_name(iso_choice what, size_t number)
     case ISO_CHOICE_SHADING: return shading(number);
     case ISO_CHOICE_RENDERER: return renderer(number);
     case ISO_CHOICE_EXPORT: return name_of_row(&iso_export_target_names, number);
+    case ISO_CHOICE_TF: return name_of_row(&iso_tf_preset_names, number);
+    case ISO_CHOICE_VIEW: return name_of_row(&iso_viewpoint_names, number);
     }
     return NULL;
 }

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* export.c - export of the library's interface, by the table of targets. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "library/shared.h"
 #include "targets/targets.h"
 
@@ -11,19 +8,25 @@ iso_export_options iso_export_defaults(void)
     return (iso_export_options){.level_count = 1};
 }
 
-/* Copies the job's view, which all levels share, with a table of its own. */
+/* Scene and options, for the views of levels. */
+typedef struct look {
+    const iso_scene *scene;
+    const iso_export_options *given;
+} look;
+
+/* Resolves the scene for a level: a view with a table of its own. */
 static iso_status view_of_level(const iso_export_job *job, size_t level, iso_view *view, iso_error *err)
 {
-    (void)level;
-    const size_t bytes = 4 * job->view->tf.count * sizeof *job->view->tf.entries;
-    *view = *job->view;
-    view->tf.entries = malloc(bytes);
-    if (!view->tf.entries) {
-        *view = (iso_view){0};
-        return iso_fail(err, ISO_E_MEMORY, "export: out of memory");
-    }
-    memcpy(view->tf.entries, job->view->tf.entries, bytes);
-    return ISO_OK;
+    const look *l = job->user;
+    const iso_export_options *o = l->given;
+    iso_tf *adapted = NULL;
+    *view = (iso_view){0};
+    iso_status status = ISO_OK;
+    if (o->adapt)
+        status = iso_tf_adapt(o->tf ? o->tf : &l->scene->tf, job->pyramid, level, &adapted, err);
+    TRY(status, iso_scene_view(l->scene, job->pyramid, adapted ? adapted : o->tf, o->width, o->height, view, err));
+    iso_tf_free(adapted);
+    return status;
 }
 
 static iso_status check_levels(const iso_pyramid *p, const iso_export_options *o, iso_error *err)
@@ -47,6 +50,8 @@ static iso_status check_options(const iso_export_target *t, const iso_scene *sce
         return iso_fail(err, ISO_E_USAGE, "export to %s takes one level, not %zu", t->name, o->level_count);
     if (o->half_float && !iso_export_takes(t, ISO_EXPORT_HALF))
         return iso_fail(err, ISO_E_USAGE, "export to %s has no half floats", t->name);
+    if (o->adapt && !(iso_export_takes(t, ISO_EXPORT_SCENE) && iso_export_takes(t, ISO_EXPORT_ADAPT)))
+        return iso_fail(err, ISO_E_USAGE, "export to %s adapts no transfer function", t->name);
     return ISO_OK;
 }
 
@@ -54,7 +59,8 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
                       const iso_export_options *options, iso_error *err)
 {
     const iso_export_options given = options ? *options : iso_export_defaults();
-    const iso_progress progress = iso_progress_of(given.progress, given.progress_user);
+    const look l = {scene, &given};
+    iso_call call;
     iso_view view = {0};
     size_t row = 0;
     iso_status status = iso_names_find(&iso_export_target_names, target, &row, err);
@@ -68,13 +74,15 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
                                 .view = &view,
                                 .half_float = given.half_float,
                                 .threads = given.threads,
-                                .progress = &progress,
+                                .progress = &call.progress,
+                                .user = &l,
                                 .view_of_level = view_of_level};
+    iso_call_begin(&call, given.progress, given.progress_user);
     status = check_options(t, scene, &given, err);
     TRY(status, check_levels(pyramid, &given, err));
     if (status == ISO_OK && iso_export_takes(t, ISO_EXPORT_SCENE))
         status = iso_scene_view(scene, pyramid, given.tf, given.width, given.height, &view, err);
     TRY(status, t->write(&job, err));
     iso_view_destroy(&view);
-    return status;
+    return iso_call_end(&call, status, err);
 }

@@ -37,7 +37,6 @@ static iso_status take_build_options(const iso_build_options *given, iso_pyramid
 iso_status iso_build(const iso_volume *volume, const iso_build_options *options, iso_pyramid **pyramid, iso_error *err)
 {
     const iso_build_options given = options ? *options : iso_build_defaults();
-    const iso_progress progress = iso_progress_of(given.progress, given.progress_user);
     iso_pyramid_options o;
     *pyramid = NULL;
     iso_status status = take_build_options(&given, &o, err);
@@ -46,7 +45,10 @@ iso_status iso_build(const iso_volume *volume, const iso_build_options *options,
     iso_pyramid *p = calloc(1, sizeof *p);
     if (!p)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    status = iso_pyramid_build(volume, "memory", &o, p, &progress, err);
+    iso_call call;
+    iso_call_begin(&call, given.progress, given.progress_user);
+    status = iso_pyramid_build(volume, "memory", &o, p, &call.progress, err);
+    status = iso_call_end(&call, status, err);
     if (status == ISO_OK)
         *pyramid = p;
     else

@@ -1,24 +1,33 @@
 /* SPDX-License-Identifier: MIT */
 /* scenes.c - scenes of the library's interface. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "library/shared.h"
+#include "scene/subject.h"
 
 /* Where messages and the names of files start from, for a scene that has no file. */
 static const char no_file[] = "the scene";
 
-static iso_status parse(const char *text, json_t **root, iso_error *err)
+iso_status iso_json_of_text(const char *text, const char *what, json_t **root, iso_error *err)
 {
     json_error_t where;
     *root = json_loads(text, JSON_REJECT_DUPLICATES, &where);
     if (!*root)
-        return iso_fail(err, ISO_E_FORMAT, "%s:%d:%d: not JSON: %s", no_file, where.line, where.column, where.text);
+        return iso_fail(err, ISO_E_FORMAT, "%s:%d:%d: not JSON: %s", what, where.line, where.column, where.text);
     if (json_is_object(*root))
         return ISO_OK;
     json_decref(*root);
     *root = NULL;
-    return iso_fail(err, ISO_E_FORMAT, "%s: holds no JSON object", no_file);
+    return iso_fail(err, ISO_E_FORMAT, "%s: holds no JSON object", what);
+}
+
+iso_status iso_text_of_json(json_t *root, char **text, iso_error *err)
+{
+    *text = root ? iso_json_text(root, JSON_INDENT(2)) : NULL;
+    json_decref(root);
+    return *text ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
 }
 
 static iso_status scene_or_nothing(iso_status status, iso_scene **scene)
@@ -44,10 +53,105 @@ iso_status iso_scene_from_text(const char *json, iso_scene **scene, iso_error *e
     *scene = calloc(1, sizeof **scene);
     if (!*scene)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    iso_status status = parse(json, &root, err);
+    iso_status status = iso_json_of_text(json, no_file, &root, err);
     TRY(status, iso_scene_from_json(root, no_file, *scene, err));
     json_decref(root);
     return scene_or_nothing(status, scene);
+}
+
+iso_status iso_scene_automatic(const iso_pyramid *pyramid, const iso_look_options *look, iso_scene **scene,
+                               iso_error *err)
+{
+    static const iso_look_options none;
+    const iso_look_options *o = look ? look : &none;
+    char size[64];
+    snprintf(size, sizeof size, "%zux%zu", o->width ? o->width : (size_t)ISO_SUBJECT_PIXELS,
+             o->height ? o->height : (size_t)ISO_SUBJECT_PIXELS);
+    const iso_subject_look wanted = {.tf = o->tf, .view = o->view, .zoom = o->zoom, .size = size};
+    *scene = calloc(1, sizeof **scene);
+    if (!*scene)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = iso_subject_check_look(&wanted, err);
+    TRY(status, iso_subject_make_scene(&wanted, pyramid, *scene, err));
+    return scene_or_nothing(status, scene);
+}
+
+json_t *iso_json_of_scene(const iso_scene *scene)
+{
+    const struct {
+        const char *key;
+        const iso_scene_level_limits *limits;
+    } levels[] = {{"ssim_dissimilarity", &scene->levels.ssim_dissimilarity},
+                  {"flip", &scene->levels.flip},
+                  {"rmse", &scene->levels.rmse}};
+    json_t *root = iso_scene_to_json(scene), *list = json_object();
+    for (size_t i = 0; i < sizeof levels / sizeof *levels; ++i)
+        if (levels[i].limits->count > 0)
+            json_object_set_new(list, levels[i].key,
+                                iso_json_numbers(levels[i].limits->limits, levels[i].limits->count));
+    if (root && json_object_size(list) > 0)
+        json_object_set(root, "levels", list);
+    json_decref(list);
+    return root;
+}
+
+/* Replaces keys of an object by those of another; null removes a key. */
+static void change(json_t *object, json_t *by)
+{
+    const char *key;
+    json_t *value;
+    json_object_foreach (by, key, value)
+        if (json_is_null(value))
+            json_object_del(object, key);
+        else
+            json_object_set(object, key, value);
+}
+
+iso_status iso_scene_set(iso_scene *scene, const char *json, iso_error *err)
+{
+    json_t *by = NULL;
+    iso_scene changed = {0};
+    iso_status status = iso_json_of_text(json, no_file, &by, err);
+    if (status != ISO_OK)
+        return status;
+    json_t *root = iso_json_of_scene(scene);
+    if (!root)
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (root)
+        change(root, by);
+    TRY(status, iso_scene_from_json(root, no_file, &changed, err));
+    if (status == ISO_OK) {
+        iso_scene_destroy(scene);
+        *scene = changed;
+    }
+    json_decref(root);
+    json_decref(by);
+    return status;
+}
+
+iso_status iso_scene_set_tf(iso_scene *scene, const iso_tf *tf, iso_error *err)
+{
+    iso_tf copy;
+    const iso_status status = iso_tf_copy(tf, &copy, err);
+    if (status != ISO_OK)
+        return status;
+    iso_tf_destroy(&scene->tf);
+    scene->tf = copy;
+    return ISO_OK;
+}
+
+iso_status iso_scene_text(const iso_scene *scene, char **json, iso_error *err)
+{
+    return iso_text_of_json(iso_json_of_scene(scene), json, err);
+}
+
+iso_status iso_scene_save(const iso_scene *scene, const char *path, iso_error *err)
+{
+    json_t *root = iso_json_of_scene(scene);
+    const iso_status status = root ? iso_scene_save_json(root, path, err)
+                                   : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    json_decref(root);
+    return status;
 }
 
 const iso_tf *iso_scene_tf(const iso_scene *scene)

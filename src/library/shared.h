@@ -6,6 +6,7 @@
 #ifndef ISO_LIBRARY_SHARED_H
 #define ISO_LIBRARY_SHARED_H
 
+#include "base/json.h"
 #include "base/progress.h"
 #include "isoshade.h"
 #include "pyramid/pyramid.h"
@@ -15,11 +16,13 @@
 iso_grid iso_grid_of_geometry(const iso_geometry *g);
 iso_geometry iso_geometry_of_grid(const iso_grid *grid);
 
-/* Returns the progress of a function's options. */
-static inline iso_progress iso_progress_of(iso_progress_callback report, void *user)
-{
-    return (iso_progress){.report = report, .user = user};
-}
+/* Parses an object from memory. what: its name in messages. */
+iso_status iso_json_of_text(const char *text, const char *what, json_t **root, iso_error *err);
+/* Writes an object as a text, to be freed, and releases it. root NULL: out of memory. */
+iso_status iso_text_of_json(json_t *root, char **text, iso_error *err);
+
+/* Returns a new object in the form of a scene file, with the limits of its levels, without "suite". */
+json_t *iso_json_of_scene(const iso_scene *scene);
 
 /* Resolves the scene for the pyramid, with the TF and image size of the options (NULL, 0: the scene's). */
 iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const iso_tf *tf, size_t width, size_t height,

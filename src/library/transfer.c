@@ -6,6 +6,7 @@
 
 #include "library/shared.h"
 #include "tf/adapt.h"
+#include "tf/presets.h"
 
 /* Moves `from` into a new handle; *tf is NULL on failure. */
 static iso_status keep(iso_status status, iso_tf *from, iso_tf **tf, iso_error *err)
@@ -112,6 +113,38 @@ iso_status iso_tf_evaluate(const iso_tf *tf, const iso_pyramid *pyramid, const d
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         iso_tf_lookup(&table, values[i], rgb_extinction[i]);
     iso_tf_table_destroy(&table);
+    return status;
+}
+
+iso_status iso_tf_suggest(const iso_pyramid *pyramid, const char *name, iso_tf **tf, iso_error *err)
+{
+    const iso_tf_request request = {0};
+    iso_tf made;
+    return keep(iso_tf_of_level(name, &request, NULL, &pyramid->levels[0], 0, &made, err), &made, tf, err);
+}
+
+size_t iso_tf_points(const iso_tf *tf, iso_tf_point *points, size_t most)
+{
+    for (size_t i = 0; i < tf->point_count && i < most; ++i)
+        points[i] = tf->points[i];
+    return tf->point_count;
+}
+
+iso_status iso_tf_text(const iso_tf *tf, char **json, iso_error *err)
+{
+    return iso_text_of_json(iso_tf_to_json(tf), json, err);
+}
+
+iso_status iso_tf_from_text(const char *json, iso_tf **tf, iso_error *err)
+{
+    json_t *root = NULL;
+    iso_tf made;
+    *tf = NULL;
+    iso_status status = iso_json_of_text(json, "the transfer function", &root, err);
+    if (status != ISO_OK)
+        return status;
+    status = keep(iso_tf_from_json(root, "the transfer function", &made, err), &made, tf, err);
+    json_decref(root);
     return status;
 }
 

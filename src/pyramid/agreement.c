@@ -70,7 +70,8 @@ iso_status iso_agreement_choose_for(const iso_planes *planes, const iso_geometry
     const size_t nz = g->size[2], slab = status == ISO_OK ? iso_cascade_step(cascade) * 4 : 1;
     for (size_t z = 0; z < nz && status == ISO_OK; z += slab) {
         iso_progress_report(progress, "directions", (double)z / (double)nz);
-        status = iso_cascade_feed(cascade, planes, z, z + slab < nz ? z + slab : nz, nothing, err);
+        status = iso_progress_check(progress, err);
+        TRY(status, iso_cascade_feed(cascade, planes, z, z + slab < nz ? z + slab : nz, nothing, err));
     }
     if (status == ISO_OK)
         iso_cascade_choose(cascade, &opt->choice);

@@ -218,7 +218,8 @@ static iso_status build_levels(const iso_volume *v, double scale, bool narrow, i
     const size_t slab = status == ISO_OK ? iso_cascade_step(cascade) * 4 : 1;
     for (size_t z = 0; z < nz && status == ISO_OK; z += slab) {
         iso_progress_report(progress, "pyramid", (double)z / (double)nz);
-        status = iso_cascade_feed(cascade, &planes, z, z + slab < nz ? z + slab : nz, out, err);
+        status = iso_progress_check(progress, err);
+        TRY(status, iso_cascade_feed(cascade, &planes, z, z + slab < nz ? z + slab : nz, out, err));
     }
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k)
         iso_cascade_range(cascade, k, &p->levels[k].min, &p->levels[k].max);

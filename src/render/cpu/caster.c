@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "brick/occupancy.h"
 #include "render/cpu/cast.h"
 #include "render/cpu/cast_bricks.h"
@@ -419,9 +420,11 @@ void iso_cpu_draw(const iso_cpu_scene *s, iso_image *image)
 {
     const size_t columns = (s->cast.width + ISO_CAST_TILE - 1) / ISO_CAST_TILE,
                  rows = (s->cast.height + ISO_CAST_TILE - 1) / ISO_CAST_TILE;
+    const iso_progress *progress = iso_progress_current();
 #pragma omp parallel for schedule(dynamic) num_threads(s->threads)
     for (size_t i = 0; i < columns * rows; ++i)
-        s->tile(&s->cast, i % columns * ISO_CAST_TILE, i / columns * ISO_CAST_TILE, image->rgba);
+        if (!iso_progress_poll(progress))
+            s->tile(&s->cast, i % columns * ISO_CAST_TILE, i / columns * ISO_CAST_TILE, image->rgba);
 }
 
 size_t iso_cpu_draw_repeatedly(const iso_cpu_scene *s, iso_image *image, size_t most, double enough,

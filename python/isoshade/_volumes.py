@@ -1,0 +1,285 @@
+# SPDX-License-Identifier: MIT
+"""Volumes and pyramids."""
+import ctypes
+import html
+import os
+from ctypes import POINTER, byref, c_double, c_size_t, c_ssize_t
+from typing import Callable, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _native as native
+from ._images import Image
+from ._scenes import Scene, Tf, scene_for
+
+Progress = Union[None, bool, Callable[[str, float], None]]
+
+_NAMES = {"float32": "float", "float64": "double"}
+_TARGETS = {".blend": "blender", ".vdb": "vdb", ".nvdb": "nanovdb"}
+
+
+def _view(pointer, dtype, shape, owner):
+    """Returns a read-only array over memory of the library, which keeps its owner alive."""
+    memory = (ctypes.c_ubyte * (int(np.prod(shape)) * np.dtype(dtype).itemsize)).from_address(
+        ctypes.cast(pointer, ctypes.c_void_p).value)
+    memory._owner = owner
+    array = np.frombuffer(memory, dtype).reshape(shape)
+    array.flags.writeable = False
+    return array
+
+
+def _matrix(grid):
+    return np.array([list(row) for row in grid.index_to_world])
+
+
+def _spacing(grid):
+    spacing = (c_double * 3)()
+    native.lib.iso_grid_spacing_mm(byref(grid), spacing)
+    return tuple(spacing)
+
+
+def _grid(size, spacing, index_to_world):
+    """Returns a grid of size (x, y, z): centered at the origin, or by a matrix."""
+    grid = native.lib.iso_grid_axis_aligned((c_size_t * 3)(*size), (c_double * 3)(*spacing))
+    if index_to_world is not None:
+        matrix = np.asarray(index_to_world, float)
+        if matrix.shape not in ((3, 4), (4, 4)):
+            raise ValueError(f"index_to_world has shape {matrix.shape}, must be (3, 4) or (4, 4)")
+        for row in range(3):
+            grid.index_to_world[row][:] = matrix[row]
+    return grid
+
+
+def _spacing_of_coordinates(array):
+    """Returns spacing (x, y, z) of an xarray.DataArray with evenly spaced coordinates, else None."""
+    steps = [np.diff(array.coords[d].values) if d in array.coords and array.sizes[d] > 1 else np.array([1.0])
+             for d in reversed(array.dims)]
+    if any(s.dtype.kind not in "fiu" or not np.allclose(s, s[0], rtol=1e-3) or s[0] <= 0 for s in steps):
+        return None
+    return tuple(float(s[0]) for s in steps)
+
+
+def _restore(array, matrix):
+    return Volume(array, index_to_world=matrix)
+
+
+class Volume(native.Handle):
+    """A grid of numbers.
+
+    array: shape (nz, ny, nx), indexed [z, y, x]: any integer, bool or float type, any strides; or an xarray.DataArray,
+        whose coordinates give the spacing. It is copied. Values must be finite.
+    spacing: voxel edges (x, y, z) in mm; the volume is centered at the origin.
+    index_to_world: (3, 4) matrix from continuous index (x, y, z, 1), voxel centers at i + 1/2, to mm; replaces spacing.
+    """
+
+    _free = "iso_volume_free"
+
+    def __init__(self, array, spacing: Optional[Sequence[float]] = None, *, index_to_world=None):
+        if spacing is None and hasattr(array, "dims") and hasattr(array, "coords"):
+            spacing = _spacing_of_coordinates(array)
+        array = np.asarray(array)
+        if array.ndim != 3:
+            raise ValueError(f"array has {array.ndim} dimensions, must have 3: z, y, x")
+        if not array.dtype.isnative:
+            array = array.astype(array.dtype.newbyteorder("="))
+        grid = _grid(array.shape[::-1], spacing or (1, 1, 1), index_to_world)
+        made = self._made_by("iso_volume_from_array", byref(grid),
+                             native.text(_NAMES.get(array.dtype.name, array.dtype.name)), array.ctypes.data,
+                             (c_ssize_t * 3)(*array.strides[::-1]))
+        super().__init__(made._pointer)
+        made._pointer = None
+
+    @property
+    def _grid(self):
+        return native.lib.iso_volume_grid(self._pointer)
+
+    @property
+    def shape(self) -> Tuple[int, int, int]:
+        """Voxels along z, y, x."""
+        return tuple(self._grid.size)[::-1]
+
+    @property
+    def spacing(self) -> Tuple[float, float, float]:
+        """Voxel edges along x, y, z in mm."""
+        return _spacing(self._grid)
+
+    @property
+    def index_to_world(self) -> np.ndarray:
+        """Matrix (3, 4) from a continuous index (x, y, z, 1) to mm."""
+        return _matrix(self._grid)
+
+    @property
+    def array(self) -> np.ndarray:
+        """The samples, shape (nz, ny, nx): read-only, without a copy."""
+        name = native.lib.iso_volume_type(self._pointer).decode()
+        dtype = {v: k for k, v in _NAMES.items()}.get(name, name)
+        return _view(native.lib.iso_volume_samples(self._pointer), dtype, self.shape, self)
+
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self.array, dtype) if copy or dtype else self.array
+
+    def __reduce__(self):
+        return _restore, (np.array(self.array), self.index_to_world)
+
+    def __repr__(self):
+        grid = self._grid
+        size, spacing = " x ".join(map(str, grid.size)), " x ".join(f"{s:.4g}" for s in _spacing(grid))
+        return f"Volume of {size} voxels, {spacing} mm, {native.lib.iso_volume_type(self._pointer).decode()}"
+
+    def to_xarray(self):
+        """Returns an xarray.DataArray with coordinates in mm, for volumes along the world's axes. Needs xarray."""
+        import xarray
+        m, n = self.index_to_world, self._grid.size
+        if not np.allclose(m[:, :3], np.diag(np.diag(m[:, :3]))):
+            raise ValueError("the volume is turned against the world's axes, so that it has no coordinates per axis")
+        coords = {d: m[a, a] * (np.arange(n[a]) + 0.5) + m[a, 3] for a, d in enumerate("xyz")}
+        return xarray.DataArray(self.array, dims=("z", "y", "x"), coords={d: coords[d] for d in "zyx"},
+                                attrs={"units": "mm"})
+
+    def save(self, path, gzip: bool = False) -> None:
+        """Writes an NRRD file."""
+        native.call("iso_volume_save", self._pointer, native.text(path), gzip)
+
+    def build(self, levels: int = 4, *, code: Optional[str] = None, estimator: Optional[str] = None,
+              scalar_filter: Optional[str] = None, direction_filter: Optional[str] = None, keep_float: bool = False,
+              keep_magnitude: bool = False, threads: int = 0, progress: Progress = None) -> "Pyramid":
+        """Builds a pyramid of at most `levels` levels. progress: True for a bar (tqdm), or f(stage, fraction)."""
+        o = native.lib.iso_build_defaults()
+        o.levels, o.keep_float, o.keep_magnitude, o.threads = levels, keep_float, keep_magnitude, threads
+        for name, value in (("code", code), ("estimator", estimator), ("scalar_filter", scalar_filter),
+                            ("direction_filter", direction_filter)):
+            if value is not None:
+                setattr(o, name, native.text(value))
+        return Pyramid._made_by("iso_build", self._pointer, byref(o), options=o, progress=progress)
+
+    def render(self, **options) -> Image:
+        """Renders the volume; Pyramid.render() has the options."""
+        return self.build(1, progress=options.get("progress")).render(**options)
+
+    def _repr_html_(self):
+        return self.build()._repr_html_()
+
+
+class Level:
+    """A level of a pyramid. Arrays are read-only and without a copy.
+
+    values: shape (nz, ny, nx). directions: (nz, ny, nx, 3), decoded, of length 0 (undefined) to 1. spacing in mm.
+    """
+
+    def __init__(self, pyramid, number):
+        view = native.LevelView()
+        native.call("iso_pyramid_level", pyramid._pointer, number, byref(view))
+        self.index_to_world, self.spacing = _matrix(view.grid), _spacing(view.grid)
+        self.shape = tuple(view.grid.size)[::-1]
+        self.values = _view(view.values, np.float32, self.shape, pyramid)
+        self._pyramid, self._number = pyramid, number
+
+    @property
+    def directions(self) -> np.ndarray:
+        """Shading directions in world axes; each call decodes them."""
+        directions = np.empty(self.shape + (3,), np.float32)
+        native.call("iso_pyramid_directions", self._pyramid._pointer, self._number, directions.ctypes.data)
+        return directions
+
+
+class Pyramid(native.Handle):
+    """A volume at several levels, made by Volume.build() or open("NAME.iso")."""
+
+    _free = "iso_pyramid_free"
+
+    def __init__(self, *_):
+        raise TypeError("Volume.build() and open() make pyramids")
+
+    def __len__(self):
+        return native.lib.iso_pyramid_level_count(self._pointer)
+
+    def __getitem__(self, number: int) -> Level:
+        if not -len(self) <= number < len(self):
+            raise IndexError(f"level {number} of {len(self)} levels")
+        return Level(self, number % len(self))
+
+    def __repr__(self):
+        size = " x ".join(map(str, self[0].shape[::-1]))
+        return f"Pyramid of {len(self)} levels, the finest {size} voxels"
+
+    def __reduce__(self):
+        raise TypeError("a pyramid is not pickled; pickle its volume, or save it")
+
+    def save(self, folder) -> None:
+        """Writes a folder NAME.iso."""
+        native.call("iso_pyramid_save", self._pointer, native.text(folder))
+
+    def suggest(self, name: Optional[str] = None) -> Tf:
+        """Suggests a transfer function: by a preset's name, or by the values."""
+        return Tf._made_by("iso_tf_suggest", self._pointer, native.text(name))
+
+    def scene(self, tf=None, view: Optional[str] = None, zoom: float = 0, size=None) -> Scene:
+        """Makes the scene of a first picture. size: pixels, one number or (width, height)."""
+        return scene_for(self, None, tf, view, zoom, size)
+
+    def render(self, *, scene=None, tf=None, view: Optional[str] = None, zoom: float = 0, size=None, level: int = 0,
+               adapt: bool = True, renderer: str = "cpu", shading: Optional[str] = None, step: float = 0,
+               samples: int = 0, seed: int = 0, threads: int = 0, progress: Progress = None) -> Image:
+        """Renders a level: float32, shape (height, width, 4), linear light, color multiplied by alpha.
+
+        scene: a Scene or a file; None: automatic. tf: a Tf, a preset or a file. view: a name, or "AZ,EL" in degrees.
+        size: pixels, one number or (width, height). adapt: adapts the transfer function to coarse levels.
+        renderer: "cpu", "gl", "reference" (exact and slow) ... step: along rays, in voxels; 0: the renderer's own.
+        """
+        made = scene_for(self, scene, tf, view, zoom, size)
+        o, image = native.lib.iso_frame_defaults(), native.ImageStruct()
+        o.renderer, o.level, o.adapt, o.threads = native.text(renderer), level, adapt and level > 0, threads
+        o.step_voxels, o.samples, o.seed = step, samples, seed
+        if shading:
+            o.shading = native.text(shading)
+        native.call_long("iso_render", self._pointer, made._pointer, byref(o), byref(image), options=o,
+                         progress=progress)
+        return Image._taken(image)
+
+    def export(self, path, *, to: Optional[str] = None, scene=None, tf=None, view: Optional[str] = None, size=None,
+               level: int = 0, levels: int = 1, adapt: bool = False, half: bool = False, threads: int = 0,
+               progress: Progress = None) -> None:
+        """Exports levels for another program. to: the target, by default by the name's ending (.vdb, .blend, .nvdb)."""
+        target = to or _TARGETS.get(os.path.splitext(os.fspath(path))[1])
+        if not target:
+            raise ValueError(f"{path}: no target has this ending; name one by to=: {', '.join(native.choices(7))}")
+        needs_scene = target not in ("vdb", "nanovdb")
+        made = scene_for(self, scene, tf, view, 0, size) if needs_scene else None
+        o = native.lib.iso_export_defaults()
+        o.level, o.level_count, o.half_float, o.adapt, o.threads = level, levels, half, adapt, threads
+        native.call_long("iso_export", self._pointer, made and made._pointer, native.text(target), native.text(path),
+                         byref(o), options=o, progress=progress)
+
+    def page(self, *, scene=None, tf=None, view: Optional[str] = None, title: Optional[str] = None,
+             most_voxels: int = 0, progress: Progress = None) -> str:
+        """Returns an interactive page as HTML. most_voxels: of its finest level; 0: 32 million."""
+        made = scene_for(self, scene, tf, view, 0, None)
+        o, page = native.PageOptions(), ctypes.c_void_p()
+        o.title, o.most_voxels = native.text(title), most_voxels
+        native.call_long("iso_view_page", self._pointer, made._pointer, byref(o), byref(page), options=o,
+                         progress=progress)
+        return native.take_text(page)
+
+    def _repr_html_(self):
+        page = html.escape(self.page(most_voxels=4_000_000))
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 36em; border: 0"></iframe>'
+
+
+def open(path, *, series=None, frame=None, channel=None, spacing: Optional[Sequence[float]] = None,
+         unit: Optional[str] = None, stored: bool = False, labels: Optional[bool] = None,
+         raw_size: Optional[Sequence[int]] = None, raw_type: Optional[str] = None, raw_skip_bytes: int = 0,
+         raw_is_big_endian: bool = False) -> Union[Volume, Pyramid]:
+    """Opens a volume file or a folder of slices, or a pyramid NAME.iso.
+
+    series, frame, channel: which volume of several. spacing (x, y, z) and unit replace the file's. raw_*: layout of a
+    file without a header.
+    """
+    if os.path.isfile(os.path.join(path, "pyramid.json")):
+        return Pyramid._made_by("iso_pyramid_open", native.text(path))
+    o = native.OpenOptions()
+    o.series, o.frame, o.channel, o.unit = map(native.text, (series, frame, channel, unit))
+    o.spacing[:] = spacing or (0, 0, 0)
+    o.raw_size[:] = raw_size or (0, 0, 0)
+    o.raw_type, o.raw_skip_bytes, o.raw_is_big_endian = native.text(raw_type), raw_skip_bytes, raw_is_big_endian
+    o.stored, o.labels = stored, 0 if labels is None else 1 if labels else -1
+    return Volume._made_by("iso_volume_open_with", native.text(path), byref(o))
