@@ -254,7 +254,49 @@ works("back_at_level_0", buttons.level, level=0)
 scene.isoshade.with_cycles, scene.isoshade.size = False, 16
 works("the_scene_is_certified", buttons.certify)
 tell("the_verdict_is_shown", "renderers agree" in scene.isoshade.verdict and scene.isoshade.agrees, scene.isoshade.verdict)
+
+
+def own_rmse():
+    """Of the file's picture, from the verdict."""
+    words = scene.isoshade.verdict.split("by RMSE ")
+    return float(words[1].split()[0].rstrip(".")) if len(words) > 1 else math.inf
+
+
+tell("this_files_picture_is_the_references", own_rmse() < 1 / 255, scene.isoshade.verdict)
+tell("its_filter_is_named", "filter width 1.5 by 0.0" in scene.isoshade.verdict, scene.isoshade.verdict)
 works("the_report_can_be_opened", buttons.open_report)
+# Scaled, with other things in the scene, and seen by another view transform: the certificate is of this scene.
+camera = scene.camera
+kept = frame.matrix_world.copy(), camera.matrix_world.copy(), camera.data.clip_start, camera.data.ortho_scale
+around = bpy.data.objects.new("around", None)
+cube = bpy.data.objects.new("my cube", bpy.data.meshes.new("my cube"))
+cube.data.from_pydata([(-9, -9, 9), (9, -9, 9), (9, 9, 9)], [], [(0, 1, 2)])
+for thing in (around, cube):
+    scene.collection.objects.link(thing)
+frame.parent = camera.parent = around
+around.scale = [0.01] * 3
+camera.data.clip_start, camera.data.ortho_scale = 0.01 * camera.data.clip_start, 0.01 * camera.data.ortho_scale
+scene.view_settings.view_transform = 'Filmic'
+works("a_scaled_scene_is_certified", buttons.certify)
+said = scene.isoshade.verdict
+tell("its_picture_is_the_references", own_rmse() < 1 / 255 and scene.isoshade.agrees, said)
+tell("what_is_left_out_is_named", "Left out: my cube." in said, said)
+tell("and_the_view_transform", "view transform Filmic by 0." in said, said)
+tell("no_copy_of_the_file_is_left", not [name for name in os.listdir(scene.isoshade.report.replace("/index.html", "_of_file")) if "blend" in name])
+shown = volume.shown_object(frame)
+shown.location.x += 2.0
+press(buttons.certify)
+tell("a_grid_that_was_moved_is_named", f"{shown.name} was moved" in scene.isoshade.verdict and not scene.isoshade.agrees, scene.isoshade.verdict)
+shown.location.x -= 2.0
+shown.active_material.driver_remove("cycles.volume_step_rate")
+shown.active_material.cycles.volume_step_rate = 1
+press(buttons.certify)
+tell("a_step_that_stays_behind_is_named", "step rate of its material" in scene.isoshade.verdict and not scene.isoshade.agrees, scene.isoshade.verdict)
+shown.active_material.cycles.volume_step_rate = 0.01
+frame.parent = camera.parent = None
+frame.matrix_world, camera.matrix_world, camera.data.clip_start, camera.data.ortho_scale = kept
+shown.active_material.cycles.volume_step_rate = 1
+scene.view_settings.view_transform = 'Standard'
 tell("it_is_a_page", os.path.isfile(scene.isoshade.report))
 about = volume.scene_json(bpy.context, frame)
 with open(os.path.join(folder, "scene.scene.json"), "w", encoding="utf-8") as file:

@@ -8,7 +8,7 @@ import numpy
 scene = bpy.context.scene
 cycles = scene.cycles
 frame = bpy.data.objects["slab"]
-look = frame.children[0].data.materials[0].node_tree
+look = frame.children[0].active_material.node_tree
 inputs = look.nodes["isoshade"].inputs
 sun = bpy.data.objects["isoshade light 1"].data
 world = scene.world.node_tree.nodes
@@ -47,12 +47,12 @@ def light_world(color, strength):
 
 
 # ---- as an artist finds it
-case("it_opens_as_asked_for", frame["physical"] == 1 and inputs["Physical"].default_value == 1, frame["physical"])
+case("it_opens_as_asked_for", frame["physical"] == 1 and frame.children[0]["isoshade_physical"] == 1, frame["physical"])
 case("edges_are_filtered", cycles.filter_width == 1.5 and cycles.samples >= 64 and cycles.volume_bounces > 0)
 case("a_sun_of_pi_is_as_bright_as_1", near(sun.energy, math.pi / 2, SINGLE), sun.energy)
 exec(bpy.data.texts["isoshade agreement"].as_string())
 bpy.context.view_layer.update()
-case("the_text_sets_what_agreement_needs", frame["physical"] == 0 and inputs["Physical"].default_value == 0 and
+case("the_text_sets_what_agreement_needs", frame["physical"] == 0 and frame.children[0]["isoshade_physical"] == 0 and
      (cycles.samples, cycles.max_bounces, cycles.use_adaptive_sampling) == (1, 0, False) and cycles.filter_width < 0.02)
 cycles.use_adaptive_sampling = False
 

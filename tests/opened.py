@@ -48,7 +48,7 @@ tell("who_leaves_the_camera_turns_round_the_volume", all(abs(view.region_3d.view
 tell("eevee_draws_the_volume_anew", not hasattr(scene.eevee, "use_volume_custom_range") or not scene.eevee.use_taa_reprojection)
 
 # Sockets by name: one more before them moves no driver to another.
-tree = volumes[0].data.materials[0].node_tree
+tree = volumes[0].active_material.node_tree
 node = tree.nodes["isoshade"]
 group = node.node_tree
 modern = hasattr(group, "interface")
@@ -122,6 +122,6 @@ volumes = [thing for thing in things if thing.type == 'VOLUME']
 sun = next(thing for thing in things if thing.type == 'LIGHT')
 sun.data.energy = 0.375
 bpy.context.view_layer.update()
-strength = volumes[0].data.materials[0].node_tree.nodes["isoshade"].inputs["Intensity 1"].default_value
+strength = volumes[0].active_material.node_tree.nodes["isoshade"].inputs["Intensity 1"].default_value
 tell("it_can_be_appended_whole", len(volumes) == 2 and {'MESH', 'LIGHT', 'CAMERA', 'VOLUME'} <= {thing.type for thing in things} and
      abs(strength - 0.375 * share) < 1e-6)

@@ -354,7 +354,7 @@ static const char user_script[] =
     "render('level_1.exr')\n"
     /* everything turned and scaled alike: the same picture, if normals and opacity follow the object */
     "volumes = [thing for thing in frame.children if thing.type == 'VOLUME']\n"
-    "look = volumes[0].data.materials[0].node_tree.nodes[0]\n"
+    "look = volumes[0].active_material.node_tree.nodes[0]\n"
     "turn = Matrix.Rotation(0.7, 4, (1, 2, 3)) @ Matrix.Scale(0.25, 4)\n"
     "frame.matrix_world = turn\n"
     "camera = scene.camera\n"

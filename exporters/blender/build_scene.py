@@ -31,12 +31,14 @@ def play(volume, count):
 
 
 def add_levels(about, shift, frame, look, collection):
+    drive_rate(look, frame)
     levels = about["levels"]
     several = len({level["level"] for level in levels}) > 1
     if several:
         frame["level"] = levels[0]["level"]
         frame.id_properties_ui("level").update(min=levels[0]["level"], max=levels[-1]["level"],
                                                description="Visible level of the pyramid")
+        frame.property_overridable_library_set('["level"]', True)
     for level in levels:
         name = f"{about['name']} level {level['level']}" if several else about["name"]
         roi = level.get("roi", {"lo": [0, 0, 0], "hi": [1, 1, 1], "band": [1, 1, 1], "side": [1, 0, 0]})
@@ -45,15 +47,17 @@ def add_levels(about, shift, frame, look, collection):
             play(thing.data, about["sequence"])
         thing.parent = frame
         thing.location = [-shift * h for h in level["voxel_diagonal"]]
-        thing.data.render.step_size = level["step"]
-        thing.data.materials.append(look)
+        give_material(thing, look)
         thing["isoshade_level"] = level["level"]
         tables = about["tf"]["tables"]
         thing["isoshade_table"] = table_properties(tables[level["table"]])
         thing["isoshade_ramp"] = float(tables[level["table"]]["ramp"])
         thing["isoshade_row"] = float(sum(table["rows"] for table in tables[:level["table"]]))
         thing["isoshade_last_row"] = float(tables[level["table"]]["rows"] - 1)
-        thing["isoshade_step"] = float(level["step"])
+        thing["isoshade_offset"] = [float(v) for v in thing.location]
+        thing["isoshade_physical"] = 0.0
+        thing.data.render.step_size = level["step"]
+        drive_step(thing, look)
         for key, value in level.get("labels", {}).items():
             thing[f"isoshade_labels_{key}"] = [float(v) for v in value]
         for key, value in roi.items() if "roi" in level or several else ():
@@ -68,6 +72,7 @@ def add_switch(frame):
     """Adds the property "show", for volumes that share a scene."""
     frame["show"] = 1
     frame.id_properties_ui("show").update(min=0, max=1, description="0: hidden, 1: shown")
+    frame.property_overridable_library_set('["show"]', True)
 
 
 def add_volume(about, shift, parent, camera):
@@ -76,7 +81,7 @@ def add_volume(about, shift, parent, camera):
     parent.children.link(collection)
     frame = frame_object(about, collection)
     add_switch(frame)
-    look = material(about, frame)
+    look = material(about)
     add_levels(about, shift, frame, look, collection)
     light_handles(about, look, collection)
     missing_signs(about, frame, camera, collection)
@@ -95,12 +100,12 @@ def build(about, shift):
     note_scene(about, frame)
     if "more" in about:
         add_switch(frame)
-    look = material(about, frame)
+    look = material(about)
     add_levels(about, shift, frame, look, collection)
     scene.camera = camera_object(about["camera"], collection)
     if "save" in about:
         light_handles(about, look, collection)
-        choose_material(about, frame, look)
+        choose_material(about, frame)
         light_world(about, scene.world)
         missing_signs(about, frame, scene.camera, collection)
         for other in about.get("more", ()):

@@ -26,6 +26,12 @@ def sun_object(number, light, about, collection):
     return thing
 
 
+def kind_of(block):
+    """Returns the kind of data of a driver's variable."""
+    kinds = {bpy.types.Light: 'LIGHT', bpy.types.Volume: 'VOLUME', bpy.types.Material: 'MATERIAL'}
+    return next((name for kind, name in kinds.items() if isinstance(block, kind)), 'OBJECT')
+
+
 def drive(owner, path, index, expression, variables):
     """Adds a driver. Expressions use only arithmetic, sin and cos: Blender evaluates these even if a file may not run
     Python."""
@@ -41,12 +47,27 @@ def drive(owner, path, index, expression, variables):
             target.transform_type = kind
             target.rotation_mode = 'XYZ'
             target.transform_space = 'WORLD_SPACE'
+        elif kind == 'SCALE_AVG':
+            variable.type = 'TRANSFORMS'
+            target.id = thing
+            target.transform_type = kind
+            target.transform_space = 'WORLD_SPACE'
         else:
-            if not isinstance(thing, bpy.types.Object):
-                target.id_type = 'LIGHT'
+            target.id_type = kind_of(thing)
             target.id = thing
             target.data_path = kind
     curve.driver.expression = expression
+
+
+def drive_rate(look, frame):
+    """Makes the ray's step follow the frame's scale: Cycles multiplies a volume's step by its material's rate."""
+    drive(look, "cycles.volume_step_rate", None, "fabs(scale)", {"scale": (frame, 'SCALE_AVG')})
+
+
+def drive_step(thing, look):
+    """Notes the ray's step in the world for the material, as Cycles will use it."""
+    thing["isoshade_step"] = thing.data.render.step_size
+    drive(thing, '["isoshade_step"]', None, "step * rate", {"step": (thing.data, "render.step_size"), "rate": (look, "cycles.volume_step_rate")})
 
 
 def light_handles(about, look, collection):
@@ -75,9 +96,8 @@ shadows, lit by all lamps and the world. The text "isoshade agreement" makes the
 packed. Use Ramp = 1 uses the ColorRamps in "isoshade ramp" instead, which you can edit. Their alpha is the opacity of a
 length, as in a transfer function's file. As exported they differ from the exact map by up to:
 {ramps}
-A millimeter is {units:g} Blender unit(s).{unit} Cycles uses a step of {step:.4g} units; a longer step is faster, a shorter one
-more exact (change both the volume's render step and its property isoshade_step). For pictures with an alpha channel
-turn on Film > Transparent. Cycles renders on the {device} (Render > Device). Made by Blender {blender}, which shifts voxels by {shift}
+A millimeter is {units:g} Blender unit(s).{unit} Cycles uses a step of {step:.4g} units, times the scale of the box; a longer step is
+faster, a shorter one more exact (Volume data > Render > Step Size). For pictures with an alpha channel turn on Film > Transparent. Cycles renders on the {device} (Render > Device). Made by Blender {blender}, which shifts voxels by {shift}
 of a voxel; the volume objects are shifted back. Other versions of Blender may differ: export again with the one that you
 use.
 """

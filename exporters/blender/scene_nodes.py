@@ -261,18 +261,21 @@ def where_positive(group, factor, volume, label):
     return group.node('ShaderNodeMixShader', label, {"Fac": part, "Shader_001": volume}).outputs["Shader"]
 
 
-def isoshade_group(about, frame):
+def isoshade_group(about):
     lights = len(about["lights"])
     inputs = [('NodeSocketFloat', "Density Scale", 1.0), ('NodeSocketFloat', "Use Ramp", 0.0),
               ('NodeSocketFloat', "Ambient", 0.3), ('NodeSocketFloat', "Diffuse", 0.7),
               ('NodeSocketFloat', "Specular", 0.0), ('NodeSocketFloat', "Power", 20.0),
-              ('NodeSocketFloat', "Physical", 0.0), ('NodeSocketFloat', "Anisotropy", 0.0)]
-    group = Group("isoshade", inputs + light_inputs(lights), [('NodeSocketShader', "Volume")])
+              ('NodeSocketFloat', "Anisotropy", 0.0)]
+    group = Group("isoshade", inputs + light_inputs(lights), [('NodeSocketShader', "Volume"), ('NodeSocketShader', "Preview")])
     direction = group.attribute("direction", 'GEOMETRY', "gradient", "Vector")
     table = group.attribute("table of the level", 'OBJECT', "isoshade_table", "Vector")
     row = group.attribute("row of the level", 'OBJECT', "isoshade_row", "Fac")
-    step = group.attribute("ray step of the level", 'OBJECT', "isoshade_step", "Fac")
-    position = group.node('ShaderNodeTexCoord', "position in the frame", {}, object=frame).outputs["Object"]
+    world_step = group.attribute("ray step in the world", 'OBJECT', "isoshade_step", "Fac")
+    physical = group.attribute("material of the volume", 'OBJECT', "isoshade_physical", "Fac")
+    # The object's own coordinates, so that copies, instances and moving volumes each have theirs.
+    position = group.vector('ADD', group.node('ShaderNodeTexCoord', "", {}).outputs["Object"],
+                            group.attribute("offset of the grid", 'OBJECT', "isoshade_offset", "Vector"), label="position in the frame")
     scalar = group.attribute("scalar", 'GEOMETRY', "density", "Fac")
     if "labels" in about:
         tiles = {name: group.attribute(f"labels' {name}", 'OBJECT', f"isoshade_labels_{name}", "Vector")
@@ -285,24 +288,18 @@ def isoshade_group(about, frame):
     # Length of a world unit along the ray in the object's units: extinction follows the object's scale.
     travel = group.transform('VECTOR', incoming, 'WORLD', 'OBJECT')
     ray = group.vector('NORMALIZE', travel)
+    stretch = group.vector('LENGTH', travel)
+    step = group.math('MULTIPLY', world_step, stretch, label="ray step in own units")
 
     where = row
     if any(table["rows"] > 1 for table in about["tf"]["tables"]):
         part = group.attribute("second value, 0 to 1", 'GEOMETRY', "second_value", "Fac")
         last = group.attribute("last row of the 2D transfer function", 'OBJECT', "isoshade_last_row", "Fac")
         where = group.math('MULTIPLY_ADD', part, last, where, label="row of the 2D transfer function")
-    exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar,
-                       Table=table, Row=where)
+    exact = group.call(transfer_function_group(about["tf"]), Scalar=scalar, Table=table, Row=where)
     which = group.attribute("ramp of the level", 'OBJECT', "isoshade_ramp", "Fac")
     ramp = group.call(ramp_group(about["tf"]["ramps"]), Scalar=scalar, Ramp=which)
     use_ramp = group.given["Use Ramp"]
-    color = group.mix_color(use_ramp, exact["Color"], ramp["Color"])
-    extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], exact["Extinction"]),
-                            exact["Extinction"])
-    if about.get("extinction_scale"):
-        octaves = group.attribute("log2 of the extinction's scale", 'GEOMETRY', "log2_extinction_scale", "Fac")
-        scale = group.math('POWER', 2.0, octaves, label="the extinction's scale")
-        extinction = group.math('MULTIPLY', extinction, scale)
     inside = group.call(box_group(about["world_to_box"], about["clip_planes"]), Position=position, Ray=ray,
                         Step=step)["Inside"]
     if any("roi" in level for level in about["levels"]):
@@ -313,22 +310,36 @@ def isoshade_group(about, frame):
         constant, factor, _ = group.split(box["side"], "constant and factor")
         share = group.math('MULTIPLY_ADD', weight, factor, constant, label="this level's share")
         inside = group.math('MULTIPLY', inside, share)
-    seen = group.math('MULTIPLY', inside, group.vector('LENGTH', travel), label="own units, inside")
-    sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, seen), group.given["Density Scale"], label="sigma")
+    seen = group.math('MULTIPLY', inside, stretch, label="own units, inside")
     names = ["Ambient", "Diffuse", "Specular", "Power"] + [label for _, label, _ in light_inputs(lights)]
     shade = group.call(shade_group(lights, about["eps"]), Direction=direction,
                        **{name: group.given[name] for name in names})["Shade"]
-    volume = group.call(physical_group(), Color=color, Shade=shade, Extinction=sigma, Physical=group.given["Physical"],
-                        Anisotropy=group.given["Anisotropy"])["Volume"]
-    volume = where_positive(group, sigma, volume, "where something is seen")
-    return group.finish(Volume=volume)
+    scale = 1.0
+    if about.get("extinction_scale"):
+        octaves = group.attribute("log2 of the extinction's scale", 'GEOMETRY', "log2_extinction_scale", "Fac")
+        scale = group.math('POWER', 2.0, octaves, label="the extinction's scale")
+    both = physical_group()
+
+    def volume(table_color, table_extinction):
+        color = group.mix_color(use_ramp, table_color, ramp["Color"])
+        extinction = group.math('MULTIPLY_ADD', use_ramp, group.math('SUBTRACT', ramp["Extinction"], table_extinction),
+                                table_extinction)
+        if about.get("extinction_scale"):
+            extinction = group.math('MULTIPLY', extinction, scale)
+        sigma = group.math('MULTIPLY', group.math('MULTIPLY', extinction, seen), group.given["Density Scale"], label="sigma")
+        shader = group.call(both, Color=color, Shade=shade, Extinction=sigma, Physical=physical,
+                            Anisotropy=group.given["Anisotropy"])["Volume"]
+        return where_positive(group, sigma, shader, "where something is seen")
+
+    return group.finish(Volume=volume(exact["Color"], exact["Extinction"]),
+                        Preview=volume(exact["Preview Color"], exact["Preview Extinction"]))
 
 
-def material(about, frame):
+def material(about):
     result = bpy.data.materials.new(about["name"])
     tree = tree_of(result)
     node = tree.nodes.new('ShaderNodeGroup')
-    node.node_tree = isoshade_group(about, frame)
+    node.node_tree = isoshade_group(about)
     node.name = node.label = "isoshade"
     node.width = 240
     shading = about["shading"]
@@ -337,7 +348,9 @@ def material(about, frame):
     for i, light in enumerate(about["lights"]):
         node.inputs[f"Light {i + 1}"].default_value = light["direction"]
         node.inputs[f"Intensity {i + 1}"].default_value = light["intensity"]
-    output = tree.nodes.new('ShaderNodeOutputMaterial')
-    output.location = (320, 0)
-    tree.links.new(node.outputs["Volume"], output.inputs["Volume"])
+    for row, (name, target) in enumerate((("Volume", 'ALL'), ("Preview", 'EEVEE'))):
+        output = tree.nodes.new('ShaderNodeOutputMaterial')
+        output.target = target
+        output.location = (320, -160 * row)
+        tree.links.new(node.outputs[name], output.inputs["Volume"])
     return result

@@ -23,6 +23,14 @@ def volume_object(name, path, collection):
     return thing
 
 
+def give_material(thing, look):
+    """Links a material to the object, not to its data: the material depends on the suns, and a library override of data
+    that depend on objects loses the folder of its grids."""
+    thing.data.materials.append(None)
+    thing.material_slots[0].link = 'OBJECT'
+    thing.material_slots[0].material = look
+
+
 def frame_object(about, collection):
     """Adds a wire box around the volume: it shows the extent and moves everything."""
     mesh = bpy.data.meshes.new(about["name"])
@@ -124,7 +132,6 @@ def render_frames(scene, frames):
         set_samples(scene.cycles, frame)
         for thing in volumes:
             thing.data.render.step_size = frame["step"]
-            thing["isoshade_step"] = float(frame["step"])
             thing.update_tag()
         render(scene, frame["path"])
         print(f"isoshade: progress {0.3 + 0.7 * (number + 1) / len(frames):.3f} Blender", flush=True)

@@ -40,12 +40,15 @@ def physical_group():
     return group.finish(Volume=add(add(emission, absorption), scatter))
 
 
-def choose_material(about, frame, look):
-    """Links the material to the property "physical" of the volume's box, by a driver without an expression."""
+def choose_material(about, frame):
+    """Links the volumes to the property "physical" of their box, by drivers without an expression."""
     frame["physical"] = 1 if about["physical"] else 0
     frame.id_properties_ui("physical").update(
         min=0, max=1, description="0: the exact material, for agreement. 1: the physical one, lit by lamps and world")
-    drive_by(look.node_tree, 'nodes["isoshade"].inputs["Physical"].default_value', None, frame, '["physical"]')
+    frame.property_overridable_library_set('["physical"]', True)
+    for thing in frame.children:
+        if "isoshade_physical" in thing:
+            drive_by(thing, '["isoshade_physical"]', None, frame, '["physical"]')
 
 
 def drive_by(owner, path, index, source, source_path):
@@ -54,8 +57,7 @@ def drive_by(owner, path, index, source, source_path):
     curve.driver.type = 'AVERAGE'
     variable = curve.driver.variables.new()
     target = variable.targets[0]
-    if not isinstance(source, bpy.types.Object):
-        target.id_type = 'LIGHT'
+    target.id_type = kind_of(source)
     target.id = source
     target.data_path = source_path
 

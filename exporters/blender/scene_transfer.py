@@ -40,11 +40,26 @@ def table_properties(table):
     return [table["lo"], last / (table["hi"] - table["lo"]), float(last)]
 
 
+def preview_lookup(group, image, entry, y):
+    """Interpolates two unfiltered texels: EEVEE filters an image by its distance to the neighboring sample, which blurs the
+    whole table."""
+    width = image.size[0]
+    lower = group.math('FLOOR', entry, label="entry below")
+    texels = [group.node('ShaderNodeTexImage', "", {"Vector": group.join(group.math('MULTIPLY_ADD', lower, 1 / width, (0.5 + i) / width), y)},
+                         image=image, interpolation='Closest', extension='EXTEND', projection='FLAT').outputs for i in (0, 1)]
+    part = group.math('SUBTRACT', entry, lower)
+    color = group.mix_color(part, texels[0]["Color"], texels[1]["Color"])
+    extinction = group.math('MULTIPLY_ADD', part, group.math('SUBTRACT', texels[1]["Alpha"], texels[0]["Alpha"]), texels[0]["Alpha"])
+    return color, extinction
+
+
 def transfer_function_group(tf):
-    """Scalar to color and extinction per unit: entry (s - lo) (N - 1) / (hi - lo), at the texels' centers."""
+    """Scalar to color and extinction per unit: entry (s - lo) (N - 1) / (hi - lo), at the texels' centers; and the same for
+    EEVEE."""
     group = Group("isoshade transfer function", [('NodeSocketFloat', "Scalar", 0.0), ('NodeSocketVector', "Table", (0, 1, 1)),
                                                  ('NodeSocketFloat', "Row", 0.0)],
-                  [('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction")])
+                  [(kind, start + name) for start in ("", "Preview ")
+                   for kind, name in (('NodeSocketColor', "Color"), ('NodeSocketFloat', "Extinction"))])
     image = color_table(tf)
     width, rows = image.size
     first, scale, last = group.split(group.given["Table"], "first value, entries per value, last entry")
@@ -56,7 +71,8 @@ def transfer_function_group(tf):
     where = group.join(x, y)
     texel = group.node('ShaderNodeTexImage', "", {"Vector": where}, image=image, interpolation='Linear', extension='EXTEND',
                        projection='FLAT').outputs
-    return group.finish(Color=texel["Color"], Extinction=texel["Alpha"])
+    color, extinction = preview_lookup(group, image, entry, y)
+    return group.finish(**{"Color": texel["Color"], "Extinction": texel["Alpha"], "Preview Color": color, "Preview Extinction": extinction})
 
 
 def set_stops(color_ramp, ramp):

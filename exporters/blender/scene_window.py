@@ -89,7 +89,8 @@ def missing_signs(about, frame, camera, collection):
         sign.modifiers.new("isoshade missing file", 'NODES').node_group = sign_group(thing, words, size, about.get("sequence", 0), paint)
         if thing.animation_data:
             for curve in thing.animation_data.drivers:
-                copy_driver(curve, sign)
+                if curve.data_path in ("hide_render", "hide_viewport"):
+                    copy_driver(curve, sign)
 
 
 def copy_driver(curve, owner):

@@ -5,11 +5,13 @@
     program.py    the program isoshade as a child process; independent of Blender
     volume.py     the objects of `isoshade export --to blender` in the open file
     operators.py  the buttons
+    certify.py    the button that certifies the scene
+    own_picture.py  the picture of a copy of the file, in a Blender of its own
     panel.py      the panel in the sidebar of the 3D view"""
 import bpy
 from bpy.props import BoolProperty, IntProperty, PointerProperty, StringProperty
 
-from . import operators, panel
+from . import certify, operators, panel
 
 # For Blender before 4.2; later ones read blender_manifest.toml.
 bl_info = {
@@ -49,7 +51,7 @@ class IsoshadeScene(bpy.types.PropertyGroup):
     report: StringProperty(subtype='FILE_PATH')
 
 
-classes = (IsoshadePreferences, IsoshadeState, IsoshadeScene, *operators.classes, *panel.classes)
+classes = (IsoshadePreferences, IsoshadeState, IsoshadeScene, *operators.classes, *certify.classes, *panel.classes)
 
 
 def menu(self, _context):

@@ -46,16 +46,18 @@ def poll():
     global running
     if running is None:
         return None
-    if not running.ended():
-        for window in bpy.context.window_manager.windows:
-            for area in window.screen.areas:
-                if area.type == 'VIEW_3D':
-                    area.tag_redraw()
-        return 0.25
-    job, running = running, None
+    job = running
     try:
+        if not job.ended():
+            for window in bpy.context.window_manager.windows:
+                for area in window.screen.areas:
+                    if area.type == 'VIEW_3D':
+                        area.tag_redraw()
+            return 0.25
+        running = None
         tell(job.finish(job), 'CHECKMARK')
     except Refused as error:
+        running = None
         tell(str(error), 'ERROR')
         pop_up(str(error), 'ERROR')
     return None
@@ -79,12 +81,12 @@ class Button:
             self.report({level}, said)
         return {'FINISHED'}
 
-    def run(self, context, what, command, finish):
-        """Starts a command; in background mode waits for it and returns the result of finish()."""
+    def run(self, context, what, commands, finish):
+        """Starts commands; in background mode waits for them and returns the result of finish()."""
         global running
         if running is not None:
             raise Refused(f"{running.what} runs; wait for it or cancel it")
-        job = program.Job(what, command, bpy.app.binary_path, finish)
+        job = program.Job(what, commands, bpy.app.binary_path, finish)
         if bpy.app.background:
             job.wait()
             return job.finish(job)
@@ -182,7 +184,7 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
             bpy.context.view_layer.objects.active = frame
             return f"{frame.name}: {len(volume.level_numbers(frame))} levels from {os.path.basename(source)}; the grids are next to {target}"
 
-        return self.run(context, f"Importing {os.path.basename(source)}", command, finish)
+        return self.run(context, f"Importing {os.path.basename(source)}", [command], finish)
 
 
 class ISOSHADE_OT_level(Button, bpy.types.Operator):
@@ -321,7 +323,7 @@ class ISOSHADE_OT_adapt(Button, bpy.types.Operator):
                 shutil.rmtree(folder, ignore_errors=True)
 
         try:
-            return self.run(context, f"Adapting {len(levels) - 1} levels", command, finish)
+            return self.run(context, f"Adapting {len(levels) - 1} levels", [command], finish)
         except Refused:
             shutil.rmtree(folder, ignore_errors=True)
             raise
@@ -404,84 +406,5 @@ class ISOSHADE_OT_load(Button, bpy.types.Operator, ImportHelper):
         return f"{os.path.basename(path)}: {len(points)} points, for all levels"
 
 
-# ---- certifying ------------------------------------------------------------------------------------------------
-
-
-def report_folder(context):
-    if bpy.data.filepath:
-        return os.path.splitext(bpy.data.filepath)[0] + "_report"
-    return os.path.join(tempfile.mkdtemp(prefix="isoshade-"), "report")
-
-
-def read_report(folder, code, complaint):
-    """Returns the verdict as a word and as a sentence, and True if it is good."""
-    path = os.path.join(folder, "report.json")
-    try:
-        report = json.loads(pathlib.Path(path).read_text(encoding="utf-8"))
-        verdict, sentence = str(report["verdict"]), str(report["sentence"])
-        levels = str(report.get("levels_sentence", "")).split(". ")[0].rstrip(".")
-        sentence += f" {levels}." if levels else ""
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        raise Refused(complaint) from None
-    return verdict, sentence, code == 0 and verdict == "agree"
-
-
-class ISOSHADE_OT_certify(Button, bpy.types.Operator):
-    """Run isoshade validate on this scene as it is: camera, lights, shading and the shown transfer function"""
-    bl_idname, bl_label = "isoshade.certify", "Certify This Scene"
-
-    def work(self, context):
-        frame = volume.need_frame(context)
-        options = context.scene.isoshade
-        renderers = [name for name in ("gl", "cycles", "povray") if getattr(options, "with_" + name)]
-        if not renderers:
-            raise Refused("Choose a renderer to compare with the reference")
-        context.view_layer.update()
-        about = volume.scene_json(context, frame)
-        source = volume.volume_path(frame, context.scene)
-        folder = report_folder(context)
-        path = folder + ".scene.json"
-        try:
-            pathlib.Path(path).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise Refused(f"{path}: {error.strerror}") from None
-        image = about["image"]
-        share = min(1, options.size / max(image["width"], image["height"]))
-        size = "x".join(str(max(int(image[key] * share + 0.5), 1)) for key in ("width", "height"))
-        levels = max(volume.level_numbers(frame)) + 1
-        command = [isoshade(context), "validate", source, "--scene", path, "--levels", str(levels), "--size", size, "--with",
-                   ",".join(renderers), "-q", "-o", folder] + (["--quick"] if options.quick else [])
-        scene_name = context.scene.name
-        look = volume.look_of(volume.shown_object(frame))[0]
-        of = "Of the exact material: " if "Physical" in look.inputs and look.inputs["Physical"].default_value > 0 else ""
-
-        def finish(job):
-            scene = bpy.data.scenes.get(scene_name)
-            if job.code() not in (0, 1, 7, 9):
-                raise Refused(job.complaint())
-            verdict, sentence, good = read_report(folder, job.code(), job.complaint())
-            sentence = of + sentence
-            if scene:
-                scene.isoshade.verdict, scene.isoshade.agrees = sentence, good
-                scene.isoshade.report = os.path.join(folder, "index.html")
-            return f"Certified: {verdict}" if good else f"Careful: {sentence}"
-
-        context.scene.isoshade.verdict = ""
-        return self.run(context, "Certifying", command, finish)
-
-
-class ISOSHADE_OT_report(Button, bpy.types.Operator):
-    """Open the report in the browser"""
-    bl_idname, bl_label = "isoshade.open_report", "Open Report"
-
-    def work(self, context):
-        path = context.scene.isoshade.report
-        if not os.path.isfile(path) or os.path.basename(path) != "index.html":
-            raise Refused("There is no report of this scene: certify it")
-        if not bpy.app.background:
-            bpy.ops.wm.url_open(url=pathlib.Path(path).as_uri())
-        return f"The report is {path}"
-
-
 classes = (ISOSHADE_OT_cancel, ISOSHADE_OT_import, ISOSHADE_OT_level, ISOSHADE_OT_check_files, ISOSHADE_OT_show, ISOSHADE_OT_bake, ISOSHADE_OT_range,
-           ISOSHADE_OT_adapt, ISOSHADE_OT_save, ISOSHADE_OT_load, ISOSHADE_OT_certify, ISOSHADE_OT_report)
+           ISOSHADE_OT_adapt, ISOSHADE_OT_save, ISOSHADE_OT_load)

@@ -35,26 +35,37 @@ def argument(path):
 
 
 class Job:
-    """A running command. finish(job) is called when it has ended and returns the message to show."""
+    """Running commands, one after another until one fails. finish(job) is called after the last one and returns the message
+    to show."""
 
-    def __init__(self, what, command, blender, finish):
+    def __init__(self, what, commands, blender, finish):
         self.what, self.finish, self.started = what, finish, time.monotonic()
         self.out, self.err = tempfile.TemporaryFile(), tempfile.TemporaryFile()
-        environment = dict(os.environ, ISOSHADE_BLENDER=blender)
+        self.environment = dict(os.environ, ISOSHADE_BLENDER=blender)
+        self.commands = list(commands)
+        self.start()
+
+    def start(self):
+        command = self.commands.pop(0)
         try:
             # A new session, so that its child processes end with it.
             self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self.out, stderr=self.err,
-                                            env=environment, start_new_session=True)
+                                            env=self.environment, start_new_session=True)
         except (OSError, ValueError) as error:
             raise Refused(f"{command[0]} cannot be started: {error}") from None
 
     def ended(self):
+        if self.process.poll() == 0 and self.commands:
+            self.start()
         return self.process.poll() is not None
 
     def wait(self):
         self.process.wait()
+        while not self.ended():
+            self.process.wait()
 
     def cancel(self):
+        self.commands.clear()
         if not self.ended():
             try:
                 os.killpg(self.process.pid, signal.SIGTERM)

@@ -99,7 +99,7 @@ def groups_of(tree, depth=0):
 
 def look_of(thing):
     """Returns the group node of a volume's material, and all groups in it."""
-    material = thing.data.materials[0] if thing.data.materials else None
+    material = thing.active_material
     node = material.node_tree.nodes.get("isoshade") if material and material.node_tree else None
     if not node or node.type != 'GROUP' or not node.node_tree:
         raise Refused(f'{thing.name}: its material has no group "isoshade"')
@@ -480,7 +480,7 @@ def scene_json(context, frame):
     tf["unit_distance_mm"] /= tables.number(look.inputs["Density Scale"].default_value, "Density Scale", 1e-6, 1e6)
     share = scene.render.resolution_percentage / 100
     voxel = voxel_units(thing)
-    step = thing.get("isoshade_step", 0)
+    step = thing.data.render.step_size
     about = {"schema": "isoshade.scene/1",
              "image": {"width": max(int(scene.render.resolution_x * share), 1), "height": max(int(scene.render.resolution_y * share), 1)},
              "camera": camera_json(scene, frame), "lights": lights,

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders a copy of an open file as it stands, the volume alone, and compares the picture with the reference. Settings
+that differ from the validated ones are reset one after another, and the change of each is measured.
+
+    blender -b COPY.blend --disable-autoexec -P own_picture.py -- PLAN.json
+PLAN.json: scene, frame, image (width, height), reference (an .exr), folder. Writes FOLDER/result.json."""
+import json
+import math
+import os
+import sys
+
+import bpy
+import numpy
+
+# Settings of Cycles: name, validated value, words. They are reset in this order.
+SETTINGS = (
+    ("film_exposure", 1.0, "film exposure"),
+    ("volume_step_rate", 1.0, "step rate of the scene"),
+    ("volume_max_steps", 65536, "most steps"),
+    ("volume_biased", True, "unbiased volumes"),
+    ("use_denoising", False, "denoising"),
+    ("sample_clamp_direct", 0.0, "direct clamp"),
+    ("use_adaptive_sampling", False, "adaptive sampling"),
+    ("filter_width", 0.01, "filter width"),
+)
+# What the reference cannot draw is turned off, and named.
+OFF = (("render", "use_motion_blur", "motion blur"), ("render", "use_border", "render region"),
+       ("render", "use_compositing", "compositor"), ("render", "use_sequencer", "sequencer"))
+SEEN = ("view_transform", "Standard"), ("look", "None"), ("exposure", 0.0), ("gamma", 1.0), ("use_curve_mapping", False)
+
+
+def keep_alone(scene, frame):
+    """Leaves one volume for the render. Returns the names of the other objects that would be seen."""
+    layer = scene.view_layers.new("isoshade")
+    for other in scene.view_layers:
+        other.use = other == layer
+    others = [thing for thing in scene.objects if thing.parent != frame and not thing.hide_render]
+    for thing in others:
+        thing.driver_remove("hide_render")
+        thing.hide_render = True
+    return sorted(thing.name for thing in others if thing.type not in ('CAMERA', 'EMPTY', 'LIGHT') or thing.instance_collection)
+
+
+def turn_off(scene):
+    """Turns off what the reference has not. Returns its names."""
+    found = []
+    for part, key, words in OFF:
+        owner = getattr(scene, part)
+        is_used = getattr(owner, key) and (key != "use_compositing" or scene.use_nodes) and (
+            key != "use_sequencer" or scene.sequence_editor and len(scene.sequence_editor.sequences_all) > 0)
+        setattr(owner, key, False)
+        found += [words] if is_used else []
+    if scene.render.engine != 'CYCLES':
+        found.append(f"the engine {scene.render.engine}, replaced by Cycles")
+        scene.render.engine = 'CYCLES'
+    if scene.camera.data.dof.use_dof:
+        found.append("depth of field")
+        scene.camera.data.dof.use_dof = False
+    world = scene.world.node_tree if scene.world else None
+    for node in world.nodes if world else ():
+        if node.bl_idname == 'ShaderNodeOutputWorld' and node.inputs["Volume"].is_linked:
+            found.append("fog of the world")
+            world.links.remove(node.inputs["Volume"].links[0])
+        if node.bl_idname == 'ShaderNodeBackground' and node.inputs["Color"].is_linked:
+            found.append("picture of the world")
+            scene.render.film_transparent = True
+    return list(dict.fromkeys(found))
+
+
+def load(path):
+    image = bpy.data.images.load(path)
+    pixels = numpy.array(image.pixels[:]).reshape(image.size[1], image.size[0], 4)[:, :, :3]
+    bpy.data.images.remove(image)
+    return pixels
+
+
+def apart(a, b):
+    return math.sqrt(((a - b) ** 2).mean())
+
+
+def render(scene, path):
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_mode, settings.color_depth = 'OPEN_EXR', 'RGBA', '32'
+    scene.render.filepath = path
+    bpy.ops.render.render(scene=scene.name, write_still=True)
+    return load(path)
+
+
+def shown_colors(scene, folder):
+    """Returns the last picture as its colors are shown, from 0 to 1."""
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_mode, settings.color_depth = 'PNG', 'RGB', '16'
+    path = os.path.join(folder, "shown.png")
+    bpy.data.images["Render Result"].save_render(path, scene=scene)
+    image = bpy.data.images.load(path)
+    image.colorspace_settings.name = 'Non-Color'
+    pixels = numpy.array(image.pixels[:])
+    bpy.data.images.remove(image)
+    os.remove(path)
+    return pixels
+
+
+def color_management(scene, folder):
+    """Returns the change of the shown colors by the scene's color management, with its words; None: there is none."""
+    view = scene.view_settings
+    words = [f"{key.replace('_', ' ')} {getattr(view, key)}" for key, standard in SEEN if getattr(view, key) != standard]
+    if not words:
+        return None
+    have = shown_colors(scene, folder)
+    for key, standard in SEEN:
+        setattr(view, key, standard)
+    return {"what": ", ".join(words), "rmse": apart(have, shown_colors(scene, folder))}
+
+
+def measure(scene, plan):
+    folder = plan["folder"]
+    reference = load(plan["reference"])
+    picture = render(scene, os.path.join(folder, "as-it-stands.exr"))
+    result = {"as_it_stands": apart(picture, reference), "settings": []}
+    view = color_management(scene, folder)
+    cycles = scene.cycles
+    for key, wanted, words in SETTINGS:
+        have = getattr(cycles, key, wanted)
+        if abs(have - wanted) < 1e-4:
+            continue
+        setattr(cycles, key, wanted)
+        if key == "filter_width":
+            cycles.pixel_filter_type, cycles.samples = 'BLACKMAN_HARRIS', min(cycles.samples, 4)
+        changed = render(scene, os.path.join(folder, "reset.exr"))
+        words += f" {have:g}" if isinstance(have, float) else "" if isinstance(have, bool) else f" {have}"
+        result["settings"].append({"what": words, "rmse": apart(changed, picture)})
+        picture = changed
+    off = abs(picture - reference).max(axis=2)
+    row, column = numpy.unravel_index(off.argmax(), off.shape)
+    return {**result, "rmse": apart(picture, reference), "max": float(off.max()), "column": int(column),
+            "row": int(off.shape[0] - 1 - row), "view": view}
+
+
+def main():
+    with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
+        plan = json.load(file)
+    scene = bpy.data.scenes[plan["scene"]]
+    scene.render.resolution_x, scene.render.resolution_y = plan["image"]
+    scene.render.resolution_percentage = 100
+    scene.render.use_overwrite, scene.render.use_file_extension, scene.render.use_multiview = True, True, False
+    objects = keep_alone(scene, bpy.data.objects[plan["frame"]])
+    features = turn_off(scene)
+    result = {**measure(scene, plan), "objects": objects, "features": features}
+    with open(os.path.join(plan["folder"], "result.json"), "w", encoding="utf-8") as file:
+        json.dump(result, file, indent=1)
+
+
+main()
