@@ -103,6 +103,33 @@ for file in nrrd nii.gz; do # the camera is in millimeters: the page and the pro
     check "a_${kind}_file_is_opened" "$ISOSHADE" compare "opened-$kind.exr" "opened-$kind.page.exr" --max-rmse 5e-5 --max-abs 1e-3
 done
 
+# ---- what is saved: pictures as the program draws them, also in bands; the page; links; steps of editing ----
+"$ISOSHADE" make shells --size 34x33x32 -q -o v.nrrd
+mkdir -p saved
+expect the_page_was_edited_and_saved 0 python3 "$top/tests/view_page.py" saved v.html saved
+for name in nothing_to_undo undo_goes_back redo_comes_again nothing_to_redo the_saved_page_is_as_it_was_left \
+    saved_again_it_is_the_same the_link_shows_the_same refused_no_text refused_empty refused_no_camera refused_nine_lights; do
+    check "$name" grep -qx "$name true" out
+done
+check nothing_threw test "$(grep -c '^exceptions.* 0$' out)" = 3
+check the_saved_page_draws_the_same "$ISOSHADE" compare saved/edited.page.exr saved/again.page.exr
+python_with numpy,png
+# Floats in another order round to the next byte in a few pixels.
+same_picture() { # PNG PNG
+    "$python" -c 'import sys, numpy, png
+a, b = (numpy.vstack([numpy.frombuffer(r, "u1") for r in png.Reader(p).asRGBA8()[2]]).astype(int) for p in sys.argv[1:])
+off = abs(a - b)
+sys.exit(int(a.shape != b.shape or off.max() > 1 or (off > 0).mean() > 1e-3))' "$@"
+}
+for name in screen print; do
+    size=$(file saved/$name.png | sed -E 's/.* ([0-9]+) x ([0-9]+),.*/\1x\2/')
+    drawn=(--size "$size" --with gl --code fit -q)
+    "$ISOSHADE" render v.nrrd $as --scene saved/edited.scene.json "${drawn[@]}" -o saved/$name.gl.png >/dev/null
+    check "the_picture_of_the_${name}_is_as_the_program_draws_it" same_picture saved/$name.png saved/$name.gl.png
+done
+"$ISOSHADE" render v.nrrd $as --scene "$top/refscenes/shells.scene.json" "${drawn[@]}" -o saved/unedited.png >/dev/null
+notice an_edit_that_is_lost_is_noticed same_picture saved/print.png saved/unedited.png
+
 # ---- as a renderer: directions as vectors, a clip plane, a turned grid; and a fault that its limits have to notice ----
 sed 's/"image"/"clip_planes": [{"normal": [1, 1, 0], "at": 0.4}], &/' "$suite/left-handed.scene.json" >clipped.scene.json
 "$ISOSHADE" render left-handed.nrrd --scene clipped.scene.json --size 45x33 --with webgl --renderers "$top/tests/peers/viewer.json" -q -o webgl.exr >/dev/null

@@ -4,6 +4,7 @@ page saves, and a line a finding.
 
 view_page.py pictures FOLDER       FOLDER/NAME.html -> FOLDER/NAME.page.exr, of SIZE pixels as FOLDER/NAME.size says
 view_page.py hands PAGE FOLDER     orbit, drag a point of the transfer function, save, use every control
+view_page.py saved PAGE FOLDER     saves pictures and the page after edits, opens the page and a link, undoes the edits
 view_page.py times PAGE SIZE       milliseconds until the first picture, and of a picture of SIZE pixels
 view_page.py link REPORT PAGE       follows the link of a row of level 1
 view_page.py shot PAGE FILE.jpg    a screenshot for the documentation
@@ -13,6 +14,7 @@ import glob
 import json
 import os
 import sys
+import zlib
 from array import array
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "peers"))
@@ -165,6 +167,83 @@ def hands(path, folder):
         say("exceptions", sum(e["method"] == "Runtime.exceptionThrown" for e in page.events))
 
 
+def link_of(state):
+    """The state in a link: JSON, deflated, in base64 for addresses."""
+    text = state if isinstance(state, str) else json.dumps(state)
+    return base64.urlsafe_b64encode(zlib.compress(text.encode())).decode().rstrip("=")
+
+
+def saved(path, folder):
+    state, files = "JSON.stringify(isoshade.state)", os.path.join
+    catch = """window.saved = {};
+        const inBase64 = blob => new Promise(done => {
+            const reader = new FileReader();
+            reader.onload = () => done(reader.result.split(',')[1]);
+            reader.readAsDataURL(blob);
+        });
+        HTMLAnchorElement.prototype.click = function () {
+            window.saved[this.download] = fetch(this.href).then(r => r.blob()).then(inBase64);
+        }"""
+
+    def press(page, button, name, path):
+        page.evaluate(f"document.getElementById('{button}').click()")
+        page.wait(f"window.saved['{name}']")
+        with open(path, "wb") as f:
+            f.write(base64.b64decode(page.evaluate(f"saved['{name}']")))
+        page.evaluate(f"delete saved['{name}']")
+
+    with Chromium(size=(900, 560)) as page:
+        load(page, path)
+        page.evaluate(catch)
+        before = page.evaluate(state)
+        say("nothing_to_undo", page.evaluate("document.getElementById('undo').disabled"))
+        page.evaluate("(e => { e.value = 0.37; e.dispatchEvent(new Event('change')); })(document.querySelector('[data-field=opacity]'))")
+        page.evaluate("isoshade.frames.settled().then(() => isoshade.edits.note())")
+        page.evaluate("[...document.querySelectorAll('#views button')].find(b => b.textContent === 'left').click()")
+        page.evaluate("isoshade.state.lights[0].intensity = 0.2; isoshade.frames.ask()")
+        page.evaluate("isoshade.frames.settled().then(() => isoshade.edits.note())")
+        after = page.evaluate(state)
+        page.evaluate("document.getElementById('undo').click()")
+        once = page.evaluate(state)
+        page.evaluate("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'z', ctrlKey: true}))")
+        say("undo_goes_back", before != once != after and page.evaluate(state) == before)
+        for _ in range(2):
+            page.evaluate("document.getElementById('redo').click()")
+        say("redo_comes_again", page.evaluate(state) == after)
+        say("nothing_to_redo", page.evaluate("document.getElementById('redo').disabled"))
+        page.evaluate("isoshade.frames.settled()")
+        page.wait("location.hash.startsWith('#state=')")
+        width = page.evaluate("isoshade.frames.size()[0]")
+        press(page, "save-picture", "v.png", files(folder, "screen.png"))
+        press(page, "save-scene", "scene.json", files(folder, "edited.scene.json"))
+        page.evaluate(f"document.getElementById('save-width').value = {3 * width}")
+        press(page, "save-picture", "v.png", files(folder, "print.png"))
+        press(page, "save-page", "v.html", files(folder, "edited.html"))
+        take(page, files(folder, "edited.page.exr"), 91, 60)
+        link = page.evaluate("location.href")
+        say("exceptions_in_the_page", sum(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+    with Chromium(size=(900, 560)) as page:
+        load(page, files(folder, "edited.html"))
+        page.evaluate(catch)
+        say("the_saved_page_is_as_it_was_left", page.evaluate(state) == after)
+        take(page, files(folder, "again.page.exr"), 91, 60)
+        press(page, "save-page", "v.html", files(folder, "again.html"))
+        with open(files(folder, "edited.html"), "rb") as a, open(files(folder, "again.html"), "rb") as b:
+            say("saved_again_it_is_the_same", a.read() == b.read())
+        say("exceptions_in_the_saved_page", sum(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+        load(page, link)
+        say("the_link_shows_the_same", page.evaluate(state) == after)
+        whole = json.loads(after)
+        forged = {"no_text": "x", "empty": link_of("{}"), "no_camera": link_of({**whole, "camera": None}),
+                  "nine_lights": link_of({**whole, "lights": 9 * whole["lights"]})}
+        for name, text in forged.items():
+            page.evaluate(f"location.hash = 'state={text}'")
+            page.wait("!document.getElementById('message').hidden")
+            say(f"refused_{name}", page.evaluate(state) == after)
+            page.evaluate("document.getElementById('close-message').click()")
+        say("exceptions_after_forged_links", sum(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+
+
 def drop(page, path):
     """A file, on the panel beside the picture."""
     x, y = middle(page, "aside")
@@ -299,4 +378,5 @@ if __name__ == "__main__":
     if sys.argv[1] == "times":
         times(sys.argv[2], int(sys.argv[3]))
     else:
-        {"pictures": pictures, "hands": hands, "shots": shots, "shot": shot, "link": link}[sys.argv[1]](*sys.argv[2:])
+        commands = {"pictures": pictures, "hands": hands, "saved": saved, "shots": shots, "shot": shot, "link": link}
+        commands[sys.argv[1]](*sys.argv[2:])

@@ -22,9 +22,11 @@ const numbersOf = (packed, d) => {
     return numbers;
 };
 
-// Reads an array's element and drops its text, which would otherwise stay in memory.
+// Reads an array's element and drops its text, which would otherwise stay in memory; the browser may keep the blob on
+// disk until the page is saved.
 const readArray = async d => {
     const element = document.getElementById(d.array), packed = await inflate(fromBase64(element.textContent));
+    d.text = new Blob([element.textContent]);
     element.remove();
     if (packed.length !== d.count * d.components * d.bytes) throw new Error(`${d.array}: ${packed.length} bytes, expected ${d.count * d.components * d.bytes}`);
     const numbers = numbersOf(packed, d);

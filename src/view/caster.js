@@ -55,6 +55,7 @@ const makeCaster = (context, data) => {
         const axes = axesOf(q.camera), {width, height} = q, half = q.camera.half, clips = q.clips.map(c => clipInIndex(c, data.geometry0, g));
         program.mat3('to_index', inverse(g.index_to_world));
         program.vec2('image_size', [width, height]);
+        program.vec2('first_pixel', [0, q.firstRow ?? 0]);
         program.vec2('half_image', [half * width / height, half]);
         program.int('orthographic', q.camera.orthographic);
         for (const name of ['forward', 'right', 'up']) program.vec3(name, axes[name]);
@@ -98,7 +99,8 @@ const makeCaster = (context, data) => {
     };
     const bind = (unit, kind, texture) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(kind, texture); };
 
-    // Draws rows [from, to) of the target and waits for them. Returns the milliseconds.
+    // Draws rows [from, to) of the target and waits for them. Returns the milliseconds. With q.height the target holds
+    // only a part of a picture of this height, from q.firstRow.
     const draw = (q, target, from = 0, to = target.height) => {
         const {level} = q, scalar = scalarOf(level), code = q.code ? codeOf(level, q.code) : null, table = tableOf(level, q.tf, q.adapted, q.table);
         const vectors = q.vectors ? level.vectorTexture ??= uploadVectors(context, level) : null;
@@ -112,7 +114,7 @@ const makeCaster = (context, data) => {
             PAGES: 1, FILTERED_BY_HAND: scalar.byHand || (vectors && !context.floatFilter) ? 1 : undefined,
         });
         program.use();
-        setCamera(program, {...q, width: target.width, height: target.height}, level);
+        setCamera(program, {...q, width: target.width, height: q.height ?? target.height}, level);
         setField(program, level, scalar, code, table);
         bind(0, gl.TEXTURE_3D, scalar.texture);
         bind(1, gl.TEXTURE_2D, table.texture);

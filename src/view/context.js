@@ -45,9 +45,10 @@ const makeContext = canvas => {
     };
 
     // A picture in linear light; 8 bits only if the browser has no float targets.
-    context.target = (width, height) => {
+    context.target = (width, height, {bytes = false} = {}) => {
         const texture = gl.createTexture(), frame = gl.createFramebuffer();
-        const forms = [[gl.RGBA32F, gl.FLOAT, context.floatTarget], [gl.RGBA16F, gl.HALF_FLOAT, true], [gl.RGBA8, gl.UNSIGNED_BYTE, true]];
+        const floats = [[gl.RGBA32F, gl.FLOAT, context.floatTarget], [gl.RGBA16F, gl.HALF_FLOAT, true]];
+        const forms = [...(bytes ? [] : floats), [gl.RGBA8, gl.UNSIGNED_BYTE, true]];
         for (const [format, type, may] of forms) {
             if (!may) continue;
             gl.activeTexture(gl.TEXTURE8);

@@ -41,7 +41,7 @@ const refill = (parent, ...children) => {
     (same[Math.min(nth, same.length - 1)] ?? after[Math.min(at, after.length - 1)])?.focus();
 };
 
-const makeControls = (data, state, frames, editor) => {
+const makeControls = (data, state, frames, editor, page) => {
     const $ = id => document.getElementById(id), changed = moving => frames.ask(Boolean(moving));
     const levels = data.levels.map(l => l.level).sort((a, b) => a - b), sizeOf = n => data.levels.find(l => l.level === n).size.join(' × ');
     const whole = data.levels.filter(l => !l.isPlan).map(l => l.level).sort((a, b) => a - b), nameOf = n => n === planLevel ? `0 in planned bricks: ${sizeOf(n)}` : `${n}: ${sizeOf(n)}`;
@@ -202,16 +202,32 @@ const makeControls = (data, state, frames, editor) => {
 
     const pictureSize = () => { const box = document.getElementById('picture').getBoundingClientRect(); return [Math.round(box.width), Math.round(box.height)]; };
     const sceneNow = () => { const [w, h] = pictureSize(); return sceneJson(data, state, frames.camera(w / h), w, h); };
-    $('save-scene').onclick = () => saveText('scene.json', textOf(sceneNow()));
-    $('save-tf').onclick = () => saveText('tf.json', textOf(tfJson(data, state)));
+    $('save-scene').onclick = () => saveJson('scene.json', sceneNow());
+    $('save-tf').onclick = () => saveJson('tf.json', tfJson(data, state));
+    // Only arrays as `isoshade view` packed them are written again.
+    $('save-page').disabled = data.levels.some(l => !l.scalar.text);
+    $('save-page').onclick = () => saveBlob(`${baseName(data)}.html`, page(data, state));
+    if (!$('save-width').value) $('save-width').value = frames.size()[0];
+    $('save-picture').onclick = async () => {
+        const width = clamp(Math.round(Number($('save-width').value)) || frames.size()[0], 16, 16384);
+        $('save-width').value = width;
+        const told = part => { $('status').textContent = `saving the picture: ${Math.round(100 * part)} %`; };
+        try {
+            saveBlob(`${baseName(data)}.png`, await pictureBlob(frames, width, told));
+        } catch (problem) { say(problem.message); }
+        frames.ask();
+    };
     const showCommand = () => { $('command').textContent = commandOf(data, state); };
     // If the browser forbids the clipboard, selects the text.
-    $('copy').onclick = async () => {
-        const copied = await navigator.clipboard?.writeText($('command').textContent).then(() => true, () => false);
-        if (!copied) getSelection().selectAllChildren($('command'));
-        $('copy').textContent = copied ? 'copied' : 'selected';
-        setTimeout(() => { $('copy').textContent = 'copy'; }, 1500);
-    };
+    const copying = (button, text, shown) => { button.onclick = async () => {
+        const label = button.textContent;
+        const copied = await navigator.clipboard?.writeText(text()).then(() => true, () => false);
+        if (!copied && shown) getSelection().selectAllChildren(shown);
+        button.textContent = copied ? 'copied' : shown ? 'selected' : 'copy the address instead';
+        setTimeout(() => { button.textContent = label; }, 1500);
+    }; };
+    copying($('copy'), () => $('command').textContent, $('command'));
+    copying($('copy-link'), () => location.href);
 
     for (const draw of [drawWhat, drawLights, drawShading, drawClips, drawRoi, drawCompare, drawProjection, showPreset, showCommand]) draw();
     return {sceneNow, tfNow: () => tfJson(data, state), showCommand, showPreset, drawWhat, drawStep};

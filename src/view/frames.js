@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: MIT
 // frames.js - schedules pictures: few pixels while something moves, all of them in bands afterwards, so that the page
 // responds even if a whole picture takes a second.
+// Turns rows of RGBA bytes upside down.
+const topFirst = (bytes, width, rows) => {
+    const turned = new Uint8ClampedArray(bytes.length), row = 4 * width;
+    for (let y = 0; y < rows; ++y) turned.set(bytes.subarray((rows - 1 - y) * row, (rows - y) * row), y * row);
+    return turned;
+};
+
 const makeFrames = (context, caster, data, state, canvas, told) => {
     const {gl} = context, bandMs = 45, movingMs = 60;
     const display = context.program(['display.glsl']), targets = new Map();
@@ -20,10 +27,9 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
         const dots = Math.min(window.devicePixelRatio || 1, 2), box = canvas.getBoundingClientRect();
         return [Math.max(1, Math.round(box.width * dots)), Math.max(1, Math.round(box.height * dots))];
     };
-    const show = (a, b) => {
-        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-        const [width, height] = size();
-        if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
+    // Converts one or two pictures to display colors.
+    const present = (frame, a, b, width, height) => {
+        gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
         gl.viewport(0, 0, width, height);
         display.use();
         for (const [unit, texture] of [[9, a.texture], [10, (b || a).texture]]) { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, texture); }
@@ -34,6 +40,11 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
         display.float('amplified', state.amplified);
         display.vec2('screen', [width, height]);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
+    };
+    const show = (a, b) => {
+        const [width, height] = size();
+        if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
+        present(null, a, b, width, height);
         shown = {a, b};
     };
     const pause = () => new Promise(done => setTimeout(done, 0));
@@ -92,5 +103,23 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
         target.free();
         return {rgba, ms};
     };
-    return {ask, reshow, settled, measure, size, camera};
+    // A picture of any size, with A and B as on the screen, in bands: take(bytes, first row, rows), bytes in RGBA, from
+    // the top row.
+    const bands = async (width, height, take) => {
+        const sides = state.compare === 'none' ? ['a'] : ['a', 'b'], view = camera(width / height), before = asked;
+        for (let from = 0; from < height;) {
+            const rows = Math.min(height - from, clamp(Math.round(bandMs / Math.max(perPixel * width, 1e-9)), 8, 1024));
+            const part = {camera: view, height, firstRow: from};
+            const targets = sides.map(() => context.target(width, rows));
+            const out = context.target(width, rows, {bytes: true});
+            sides.forEach((side, i) => caster.draw({...requestOf(data, state, side), ...part}, targets[i]));
+            present(out.frame, targets[0], targets[1], width, rows);
+            take(topFirst(context.read(out), width, rows), from, rows);
+            for (const target of [...targets, out]) target.free();
+            from += rows;
+            await pause();
+            if (asked !== before) throw new Error('the picture changed while it was saved; save it again');
+        }
+    };
+    return {ask, reshow, settled, measure, bands, size, camera};
 };

@@ -6,6 +6,7 @@ const say = text => {
     message.hidden = !text;
 };
 const start = async () => {
+    const page = keepPage();
     const $ = id => document.getElementById(id), data = JSON.parse($('data').textContent), canvas = $('picture');
     $('close-message').onclick = () => { say(''); canvas.focus(); };
     // Levels come coarsest first; level 0's geometry is that of the volume even if its voxels are left out.
@@ -17,7 +18,7 @@ const start = async () => {
     const state = makeState(data), caster = makeCaster(context, data);
     const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : []), ...(l.layout ? [l.layout] : [])]).reduce((sum, d) => sum + d.packed, 0);
     const pageBytes = packed() * 4 / 3 + 16e4; // base64; the page itself
-    let controls = null, outline = null;
+    let controls = null, outline = null, edits = null, noted = 0;
     const status = told => {
         if (told instanceof Error) { say(told.message); document.documentElement.dataset.failed = told.message; throw told; }
         const wait = data.levels.filter(l => !l.numbers).length;
@@ -28,6 +29,8 @@ const start = async () => {
         if (!document.documentElement.dataset.first) document.documentElement.dataset.first = Math.round(performance.now());
         outline?.();
         controls?.showCommand();
+        clearTimeout(noted);
+        noted = setTimeout(() => edits?.note(), 300); // after a drag, not during it
     };
     const frames = makeFrames(context, caster, data, state, canvas, status);
     outline = makeOutline($('outline'), data, state, frames);
@@ -44,10 +47,25 @@ const start = async () => {
     // Selects the finest level; until it is read, the finest one so far is drawn.
     state.level = state.b.level = data.levels[data.levels.length - 1].level;
     if (data.levels.length > 1) state.b.level = data.levels[data.levels.length - 2].level;
-    // "#level=1&adapted&code=none&step=0.5": options in links of reports and charts.
-    const follow = () => {
+    const showState = () => {
+        if (!controls) return;
+        window.isoshade.controls = controls = makeControls(data, state, frames, editor, page);
+        editor.take(state.tf, state.tfName);
+    };
+    const take = kept => {
+        try { restore(state, kept); } catch (problem) { say(problem.message); return; }
+        showState();
+    };
+    if ($('state')) take(JSON.parse($('state').textContent));
+    // "#level=1&adapted&code=none&step=0.5": options in links of reports and charts. "#state=...": the whole state.
+    const follow = async () => {
         const asked = new URLSearchParams(location.hash.slice(1)), level = Number(asked.get('level') ?? NaN);
         if (!location.hash) return;
+        if (asked.has('state')) {
+            const kept = await textOfLink(asked.get('state')).then(JSON.parse).catch(() => null);
+            if (JSON.stringify(kept) !== JSON.stringify(state)) take(kept);
+            return;
+        }
         if (data.levels.some(l => l.level === level)) state.level = level;
         else if (level === 0 && data.plan) state.level = planLevel;
         state.adapted = asked.has('adapted');
@@ -57,22 +75,24 @@ const start = async () => {
         controls?.drawStep();
         if (controls) frames.ask();
     };
-    follow();
+    await follow();
     addEventListener('hashchange', follow);
-    controls = makeControls(data, state, frames, editor);
+    controls = makeControls(data, state, frames, editor, page);
+    edits = makeHistory(data, state, showState);
     editor.count(data.levels[0]);
     makeOrbit(canvas, state, frames);
     new ResizeObserver(() => frames.ask()).observe(canvas);
-    window.isoshade = {data, state, frames, editor, controls, context, caster}; // for tests and `validate`
+    window.isoshade = {data, state, frames, editor, controls, context, caster, edits, page}; // for tests and `validate`
     acceptFiles(canvas.parentElement, $('open'), async file => {
         const level = await openFile(file, context.most), old = data.levels;
         await frames.settled();
         caster.forget(old);
         replaceVolume(data, state, level, file.name);
         $('title').textContent = document.title = file.name;
-        controls = makeControls(data, state, frames, editor);
+        controls = makeControls(data, state, frames, editor, page);
+        edits = makeHistory(data, state, showState);
         editor.count(level);
-        window.isoshade.controls = controls;
+        Object.assign(window.isoshade, {controls, edits});
         frames.ask();
     });
     frames.ask(true); // few pixels first, for an immediate picture
@@ -86,6 +106,7 @@ const start = async () => {
         await frames.settled();
     }
     editor.count(data.levels.findLast(l => !l.isPlan));
+    $('save-page').disabled = false;
     document.documentElement.dataset.ready = 'yes';
 };
 start().catch(problem => { say(`This page could not be shown: ${problem.message}`); document.documentElement.dataset.failed = problem.message; throw problem; });

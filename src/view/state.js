@@ -48,11 +48,3 @@ const commandOf = (data, state) => {
     return words.join(' ') + ' -o picture.png';
 };
 
-const saveText = (name, text) => {
-    const link = document.createElement('a');
-    link.href = URL.createObjectURL(new Blob([text], {type: 'application/json'}));
-    link.download = name;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-};
-const textOf = json => JSON.stringify(json, null, 2) + '\n';

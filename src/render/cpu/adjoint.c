@@ -82,7 +82,8 @@ iso_status iso_adjoint_differentiate(const iso_adjoint_field *field, const iso_v
         status = iso_fail(err, ISO_E_MEMORY, "adjoint: no memory for %zu entries", view->tf.count);
     const iso_cast_gradient g = {gradient->voxels, gradient->octaves, table};
     if (status == ISO_OK)
-        p.run(&p.cast, &p.field, &(iso_cast_tile_at){tile->x, tile->y, tile->seed, (float *)(uintptr_t)rgba, by_pixel}, &g);
+        p.run(&p.cast, &p.field,
+              &(iso_cast_tile_at){tile->x, tile->y, tile->seed, (float *)(uintptr_t)rgba, by_pixel}, &g);
     if (status == ISO_OK && table)
         add_table(view, p.cast.step_mm, table, gradient->table);
     free(p.entries);

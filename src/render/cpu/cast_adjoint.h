@@ -265,8 +265,8 @@ CAST rest begin_rest(const iso_cast_tile_at *t, size_t x, size_t y)
     return r;
 }
 
-CAST void differentiate_packet(const iso_cast *c, const iso_cast_field *f, const iso_cast_tile_at *t, size_t x, size_t y,
-                               const iso_cast_gradient *g)
+CAST void differentiate_packet(const iso_cast *c, const iso_cast_field *f, const iso_cast_tile_at *t, size_t x,
+                               size_t y, const iso_cast_gradient *g)
 {
     packet p = begin(c, t->x + x, t->y + y);
     const vf phase = phases(t->seed, t->x + x, t->y + y);

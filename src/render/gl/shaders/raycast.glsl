@@ -26,7 +26,7 @@
 // In WebGL2 es.glsl stands before this file: doubles are floats there, and the rests that they leave are 0.
 #include "variants.h"
 
-uniform dvec2 image_size;
+uniform dvec2 image_size, first_pixel; // first_pixel: where the target's is in the picture
 uniform bool orthographic;
 uniform dvec2 half_image;          // tan of the half angles, or mm when orthographic
 uniform dvec3 forward, right, up;  // of the camera, world
@@ -110,7 +110,8 @@ struct Ray {
 Ray pixel_ray()
 {
     // Row 0 is the top of the image and the first row of the target.
-    dvec2 p = (2.0 * dvec2(gl_FragCoord.xy) - image_size) / image_size * dvec2(half_image.x, -half_image.y);
+    dvec2 twice = 2.0 * (dvec2(gl_FragCoord.xy) + first_pixel);
+    dvec2 p = (twice - image_size) / image_size * dvec2(half_image.x, -half_image.y);
     dvec3 offset = p.x * right + p.y * up;
     dvec3 world = orthographic ? forward : (forward + offset) / sqrt(1.0 + dot(p, p));
     dvec3 origin = orthographic ? position_index + to_index * offset : position_index;
