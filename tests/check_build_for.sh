@@ -7,9 +7,9 @@ scene=$top/refscenes/marschner-lobb.scene.json
 "$ISOSHADE" make marschner-lobb --size 33x28x31 --spacing 1x1x1.5 -q -o v.nrrd
 "$ISOSHADE" build v.nrrd -q --levels 3 -o plain.iso >/dev/null
 
-expect levels_are_made_for_a_scene 0 "$ISOSHADE" build v.nrrd --for "$scene" --levels 3 -o v.iso
+expect levels_are_made_for_a_scene 0 "$ISOSHADE" build v.nrrd --for "$scene" --effort none --levels 3 -o v.iso
 check each_level_says_what_was_chosen_and_why grep -q '^level 1: [a-z-]*.*, 1 - SSIM [0-9.]* (' out
-expect as_data 0 "$ISOSHADE" build v.nrrd --for "$scene" --levels 3 --threads 1 -o w.iso --json
+expect as_data 0 "$ISOSHADE" build v.nrrd --for "$scene" --effort none --levels 3 --threads 1 -o w.iso --json
 has_keys data out made_for candidates ssim_dissimilarity rmse adapted_tf seconds_of_levels
 check threads_change_no_byte diff -r v.iso w.iso
 
@@ -24,6 +24,34 @@ check by_level_and_values grep -q 'level 1: .* by its values' err
 expect a_validation_finds_it_too 1 "$ISOSHADE" validate bad.iso --scene "$scene" --quick --with gl --size 24 -q -o bad
 expect it_validates 0 "$ISOSHADE" validate v.iso --scene "$scene" --quick --with gl,povray --size 24 -q -o report
 expect it_is_exported_as_any_pyramid 0 "$ISOSHADE" export v.iso --to povray --scene "$scene" --level 1 -o pov -q
+
+# Optimized levels: chosen, described, verified, and taken by every command.
+expect levels_are_optimized 0 "$ISOSHADE" build v.nrrd --for "$scene" --effort fast --levels 2 --threads 2 -o o.iso --json
+check data_say_how python3 -c 'import json
+level = json.load(open("out"))["made_for"]["levels"][0]
+o = level["optimized"]
+assert level["scalar"] == "optimized" and o["seed"] == 2 and o["views"] == 32 and o["steps"] == 200, level
+assert o["error"] < o["error_first"], o
+assert o["after"]["ssim_dissimilarity"] < o["before"]["ssim_dissimilarity"], o'
+expect they_are_verified 0 "$ISOSHADE" info o.iso --verify
+check by_their_checksum grep -q 'level 1: .* it is not remade' out
+cp -r o.iso bad2.iso
+printf 'x' | dd of=bad2.iso/level_1_dir.nrrd bs=1 seek=900 conv=notrunc 2>/dev/null
+refuse a_changed_byte_is_found 4 'checksum' "$ISOSHADE" info bad2.iso --verify
+"$ISOSHADE" build v.nrrd -q --levels 2 -o two.iso >/dev/null
+for pyramid in two o; do
+    "$ISOSHADE" render $pyramid.iso --scene "$scene" --size 64 --with cpu --level 1 -q -o $pyramid.exr >/dev/null
+done
+"$ISOSHADE" render o.iso --scene "$scene" --size 64 --with cpu --level 1 --adapt --extinction-scale -q -o adapted.exr >/dev/null
+"$ISOSHADE" render o.iso --scene "$scene" --size 64 --with cpu -q -o finest.exr >/dev/null
+check adapting_leaves_them_as_they_are "$ISOSHADE" compare o.exr adapted.exr --max-abs 1e-9 -q
+dissimilarity() { "$ISOSHADE" compare finest.exr "$1" --json | python3 -c 'import json, sys; print(1 - json.load(sys.stdin)["ssim"])'; }
+check they_are_nearer_than_plain_levels awk "BEGIN {exit !($(dissimilarity o.exr) < 0.8 * $(dissimilarity two.exr))}"
+expect they_validate 0 "$ISOSHADE" validate o.iso --scene "$scene" --quick --with gl --size 24 -q -o optimized
+expect they_are_charted 0 "$ISOSHADE" chart o.iso --scene "$scene" --with gl --steps 1 --quadratures midpoint --plans none --size 24 --budget 0 -q -o chart
+expect they_are_exported 0 "$ISOSHADE" export o.iso --to povray --scene "$scene" --level 1 -o pov2 -q
+expect they_are_viewed 0 "$ISOSHADE" view o.iso --scene "$scene" -q -o o.html
+refuse effort_needs_a_scene 2 "--effort needs --for" "$ISOSHADE" build v.nrrd --effort fast -o x.iso
 
 refuse a_pyramid_is_no_volume 2 "v.iso: a pyramid" "$ISOSHADE" build v.iso --for "$scene" -o x.iso
 refuse too_little_memory_is_said_with_what_is_needed 6 "MB, --memory is 0.5" \

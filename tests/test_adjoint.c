@@ -50,8 +50,12 @@ static void make_view(problem *p, bool orthographic)
     const double radius = iso_geometry_box_radius_mm(&p->geometry);
     const iso_vec3 right = iso_normalize(iso_cross(forward, iso_v3(0, 0, 1)));
     *v = (iso_view){.width = 45, .height = 37, .step_voxels = 0.7};
-    v->camera = (iso_camera){orthographic, iso_madd(center, forward, -3 * radius), forward, right,
-                             iso_cross(right, forward), orthographic ? 0.9 * radius : 0.35};
+    v->camera = (iso_camera){orthographic,
+                             iso_madd(center, forward, -3 * radius),
+                             forward,
+                             right,
+                             iso_cross(right, forward),
+                             orthographic ? 0.9 * radius : 0.35};
     v->shading = (iso_shading){0.2, 0.5, 0.3, 9};
     v->light_count = 2;
     v->lights[0] = (iso_light){iso_normalize(iso_v3(-1, 0.4, 0.8)), false, 0.7};
@@ -121,8 +125,8 @@ static double light_at(const problem *p, iso_vec3 index, iso_vec3 towards_viewer
     for (size_t i = 0; i < p->view.light_count; ++i) {
         const iso_light *light = &p->view.lights[i];
         const iso_vec3 h = iso_normalize(iso_add(light->direction, towards_viewer));
-        sum += light->intensity * (m->diffuse * fabs(iso_dot(n, light->direction)) +
-                                   m->specular * pow(fabs(iso_dot(n, h)), m->power));
+        sum += light->intensity *
+               (m->diffuse * fabs(iso_dot(n, light->direction)) + m->specular * pow(fabs(iso_dot(n, h)), m->power));
     }
     return sum;
 }
@@ -241,7 +245,8 @@ static void gradients_are_finite_differences(void **state)
             p->tile.width = widths[w];
             gradient *g = differentiate(p);
             const double d = farthest(g, truth);
-            print_message("%s, %s: %.2g\n", iso_cpu_width_name(widths[w]), orthographic ? "orthographic" : "perspective", d);
+            print_message("%s, %s: %.2g\n", iso_cpu_width_name(widths[w]),
+                          orthographic ? "orthographic" : "perspective", d);
             assert_at_most(d, GRADIENT);
             free(g);
         }
@@ -262,8 +267,12 @@ static void pictures_are_the_casters(void **state)
         scalar[i] = p->voxels[4 * i];
         memcpy(directions + 3 * i, p->voxels + 4 * i + 1, 3 * sizeof(float));
     }
-    const iso_level level = {.geometry = p->geometry, .stored_type = ISO_F32, .scalar = scalar,
-                             .directions = directions, .min = 0, .max = 1};
+    const iso_level level = {.geometry = p->geometry,
+                             .stored_type = ISO_F32,
+                             .scalar = scalar,
+                             .directions = directions,
+                             .min = 0,
+                             .max = 1};
     iso_cpu_options opt = iso_cpu_defaults();
     iso_image image;
     opt.source = ISO_FROM_FLOAT;

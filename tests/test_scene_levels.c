@@ -126,13 +126,16 @@ static void small_views_see_a_planted_scalar(void **state)
     assert_ok(iso_level_scalars_make(&(iso_level_scalar_input){&p.levels[0], &view.tf, 2, 2}, bad, good, NULL, &err));
     for (size_t i = 0; i < count; ++i)
         bad[i] = p.levels[2].scalar[i] + 0.3f * ((float)noise_at(i) - 0.5f);
-    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[]){p.levels[2].scalar, bad, good}, 2, c, &err));
+    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[ISO_LEVEL_SCALAR_COUNT]){p.levels[2].scalar, bad, good}, 2,
+                                    c, &err));
     assert_true(c[ISO_LEVEL_LEAST_SQUARES].ssim_dissimilarity > c[ISO_LEVEL_AS_BUILT].ssim_dissimilarity);
     assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_FITTED);
-    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[]){p.levels[2].scalar, NULL, bad}, 2, c, &err));
+    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[ISO_LEVEL_SCALAR_COUNT]){p.levels[2].scalar, NULL, bad}, 2,
+                                    c, &err));
     assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
     assert_false(c[ISO_LEVEL_LEAST_SQUARES].tried);
-    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[]){bad, p.levels[2].scalar, NULL}, 2, c, &err));
+    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[ISO_LEVEL_SCALAR_COUNT]){bad, p.levels[2].scalar, NULL}, 2,
+                                    c, &err));
     assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_LEAST_SQUARES);
     free(good);
     free(bad);
@@ -169,7 +172,7 @@ static iso_pyramid stored_ball(iso_scene_level levels[32])
     iso_pyramid p = ball_pyramid(40), loaded;
     const iso_scene scene = surface_scene();
     char *dir = iso_path_join(folder, "ball.iso");
-    assert_ok(iso_scene_levels_make(&p, 1, &scene, 2, levels, NULL, &err));
+    assert_ok(iso_scene_levels_make(&p, 1, &scene, NULL, 2, levels, NULL, &err));
     assert_ok(iso_pyramid_save(&p, dir, &err));
     iso_pyramid_destroy(&p);
     assert_ok(iso_pyramid_load(dir, &loaded, &err));
@@ -248,7 +251,7 @@ static void memory_is_estimated(void **state)
     const size_t size[3] = {100, 100, 100};
     const iso_geometry g = iso_geometry_axis_aligned(size, (const double[]){1, 1, 1});
     /* A byte of the volume; floats and codes of the pyramid; lattice directions while level 0 is drawn. */
-    assert_within((double)iso_scene_levels_bytes(&g, ISO_U8) / 1e6, 1 + 8 + 12, 0.5);
+    assert_within((double)iso_scene_levels_bytes(&g, ISO_U8, ISO_EFFORT_NONE) / 1e6, 1 + 8 + 12, 0.5);
 }
 
 int main(void)

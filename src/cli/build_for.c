@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include "cli/build_for.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,15 +11,15 @@
 #include "plan/scene_levels.h"
 #include "scene/scene.h"
 
-iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input, double memory_mb,
-                                iso_error *err)
+iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input,
+                                iso_effort effort, double memory_mb, iso_error *err)
 {
     iso_volume_source *source = NULL;
     iso_status status = iso_volume_input_open(volume, input, &source, err);
     if (status != ISO_OK)
         return status;
     const iso_volume *v = iso_source_volume(source);
-    const double needed = (double)iso_scene_levels_bytes(&v->geometry, v->type) / 1048576;
+    const double needed = (double)iso_scene_levels_bytes(&v->geometry, v->type, effort) / 1048576;
     if (needed > memory_mb)
         status = iso_fail(err, ISO_E_MEMORY, "%s: %s works in memory and needs %.0f MB, --memory is %g", volume, option,
                           needed, memory_mb);
@@ -82,6 +84,34 @@ static iso_status warn(const iso_build_for *b, const iso_pyramid *p, const iso_s
     return status;
 }
 
+/* ---- Ctrl-C ends optimizing, and keeps the levels so far ---- */
+
+static volatile sig_atomic_t stop;
+
+static void note_signal(int number)
+{
+    (void)number;
+    stop = 1;
+}
+
+static iso_status make_levels(const iso_build_for *b, iso_pyramid *p, const iso_scene *scene, iso_scene_level *levels,
+                              const iso_progress *progress, iso_error *err)
+{
+    const iso_optimize_options opt = {.effort = b->effort, .seed = 1, .stop = &stop};
+    struct sigaction own = {.sa_handler = note_signal, .sa_flags = SA_RESTART | SA_RESETHAND}, before;
+    if (b->effort == ISO_EFFORT_NONE)
+        return iso_scene_levels_make(p, 1, scene, NULL, b->cli->threads, levels, progress, err);
+    sigemptyset(&own.sa_mask);
+    sigaction(SIGINT, &own, &before);
+    const iso_status status = iso_scene_levels_make(p, 1, scene, &opt, b->cli->threads, levels, progress, err);
+    sigaction(SIGINT, &before, NULL);
+    if (stop && !b->cli->quiet) {
+        iso_progress_line_hide(b->cli->progress);
+        fprintf(stderr, "isoshade build: interrupted: the levels are the best so far\n");
+    }
+    return status;
+}
+
 iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *opt, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(b->cli);
@@ -90,13 +120,13 @@ iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *
     iso_pyramid p = {0};
     iso_scene_level levels[32];
     iso_cli_expect(b->cli, (const iso_cli_stage[]){{"pyramid", 1}, {"levels for the scene", 4}}, 2);
-    iso_status status = iso_cli_check_memory("--for", b->volume, b->input, b->memory_mb, err);
+    iso_status status = iso_cli_check_memory("--for", b->volume, b->input, b->effort, b->memory_mb, err);
     TRY(status, iso_volume_input_load(b->volume, b->input, &volume, err));
     TRY(status, iso_pyramid_build(&volume, b->volume, opt, &p, &progress, err));
     iso_volume_destroy(&volume);
     TRY(status, iso_subject_make_scene(b->look, &p, &scene, err));
     TRY(status, warn(b, &p, &scene, err));
-    TRY(status, iso_scene_levels_make(&p, 1, &scene, b->cli->threads, levels, &progress, err));
+    TRY(status, make_levels(b, &p, &scene, levels, &progress, err));
     TRY(status, iso_pyramid_save(&p, b->output, err));
     if (status == ISO_OK)
         print(b, &p, levels);

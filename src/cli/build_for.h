@@ -5,6 +5,7 @@
 #define ISO_CLI_BUILD_FOR_H
 
 #include "options/cli.h"
+#include "plan/optimize.h"
 #include "pyramid/pyramid.h"
 #include "scene/subject.h"
 #include "volume/input.h"
@@ -18,6 +19,7 @@ typedef struct iso_build_for {
     const iso_subject_look *look;
     const char *volume, *output;
     double memory_mb;
+    iso_effort effort; /* of optimized levels */
 } iso_build_for;
 
 /* Builds the pyramid in memory. ISO_E_MEMORY, with the size, if it needs more than memory_mb. */
@@ -25,8 +27,8 @@ iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *
 
 /* Estimates the memory before reading. ISO_E_MEMORY if levels that `option` makes in memory need more than
  * memory_mb. */
-iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input, double memory_mb,
-                                iso_error *err);
+iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input,
+                                iso_effort effort, double memory_mb, iso_error *err);
 
 /* Writes "level 2: fitted, 1 - SSIM .041 (as-built .063, least-squares .049)", for people. Returns text. */
 struct iso_scene_level;

@@ -19,7 +19,7 @@
 #include "volume/frames_all.h"
 
 typedef struct build_options {
-    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames; /* scene: --for */
+    char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames, *effort; /* scene: --for */
     iso_cli_look look; /* only its transfer function */
     int is_auto;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
@@ -268,7 +268,10 @@ static iso_status build_for(const build_job *job, iso_error *err)
     iso_cli_look asked = in->look;
     iso_subject_look look;
     asked.scene = strcmp(in->scene, ISO_BUILD_FOR_FIRST) == 0 ? NULL : in->scene;
-    const iso_build_for with = {cli, job->input, &look, path, output, in->memory_mb};
+    size_t effort = ISO_EFFORT_NORMAL;
+    if (status == ISO_OK && in->effort)
+        status = iso_names_find(&iso_effort_names, in->effort, &effort, err);
+    const iso_build_for with = {cli, job->input, &look, path, output, in->memory_mb, (iso_effort)effort};
     TRY(status, iso_cli_look_check(&asked, cli->threads, &look, err));
     TRY(status, choose_filter(job, &opt, err));
     TRY(status, iso_cli_build_for(&with, &opt, err));
@@ -305,6 +308,8 @@ static iso_status build_any(const build_job *job, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "--auto excludes --for, --scalar-filter and --direction-filter");
     if (in->scene)
         return build_for(job, err);
+    if (in->effort)
+        return iso_fail(err, ISO_E_USAGE, "--effort needs --for");
     if (!iso_cli_look_is_empty(&in->look))
         return iso_fail(err, ISO_E_USAGE, "--tf needs --for %s", ISO_BUILD_FOR_FIRST);
     return build(job, err);
@@ -342,6 +347,8 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
         {"code", 0, POPT_ARG_STRING, &in.code, 0, "direction code of the list below (fit)", "NAME"},
         {"for", 0, POPT_ARG_STRING, &in.scene, 0,
          "make coarse levels for this scene, or for the volume's first picture", "SCENE|first"},
+        {"effort", 0, POPT_ARG_STRING, &in.effort, 0, "--for: time for optimized levels (normal)",
+         "none|fast|normal|best"},
         {"frames", 0, POPT_ARG_STRING, &in.frames, 0, "build a pyramid of each time step, with one range of values",
          "all"},
         {"auto", 0, POPT_ARG_NONE, &in.is_auto, 0, "damped scalars and auto directions, for --adapt --extinction-scale",
@@ -379,6 +386,7 @@ static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const 
     free(in.code);
     free(in.scene);
     free(in.frames);
+    free(in.effort);
     return status;
 }
 
@@ -414,13 +422,15 @@ const iso_command iso_command_build = {
         "squared gradient; slabs then keep eight times the planes of scalars (doc/method/least-squares-levels.md).\n"
         "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
         "files together; each rank takes --memory, and --resume works with any number of ranks.\n"
-        "With --for each coarse level stores the scalar that shows this scene most like level 0: as built, by least squares,\n"
-        "or fitted to the scene's transfer function; twelve small pictures of each decide. Such levels are made in memory, and\n"
-        "suit other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) do not need them.\n"
+        "With --for each coarse level is the one that shows this scene most like level 0: as built, by least squares,\n"
+        "fitted to the scene's transfer function, or optimized by rendering. Pictures of each decide. Ctrl-C ends\n"
+        "optimizing and keeps the best so far. Such levels are made in memory, and suit other scenes less well\n"
+        "(doc/method/scene-levels.md). Bricks (isoshade plan) do not need them. --effort none keeps levels that\n"
+        "info --verify can make again from level 0.\n"
         "With --auto scalars are damped and directions as with --direction-filter auto. Show such levels with --adapt\n"
         "--extinction-scale: over many volumes this is nearest to level 0, for one more byte per voxel (doc/results/auto.md).",
     .common =
-        "output levels for auto scalar-filter direction-filter estimator code memory resume spacing frame channel "
+        "output levels for effort auto scalar-filter direction-filter estimator code memory resume spacing frame channel "
         "threads",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"

@@ -385,7 +385,7 @@ iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const 
 {
     iso_extinction_scaler *s = NULL;
     *bytes = NULL;
-    if (level == 0)
+    if (level == 0 || p->levels[level].is_optimized)
         return ISO_OK;
     iso_status status = iso_extinction_scaler_create(&p->levels[0], &p->levels[level], level, threads, &s, err);
     if (status == ISO_OK && !(*bytes = malloc(iso_geometry_voxel_count(&p->levels[level].geometry))))

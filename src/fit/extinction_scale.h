@@ -69,7 +69,8 @@ typedef struct iso_extinction_scale_cost {
 iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_table *original, const iso_tf_table *own,
                                        uint8_t *bytes, iso_extinction_scale_cost *cost, iso_error *err);
 
-/* Does all of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0, which needs none. */
+/* Does all of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0 and optimized
+ * levels, which need none. */
 iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const iso_tf_table *original,
                                       const iso_tf_table *own, int threads, uint8_t **bytes, iso_error *err);
 

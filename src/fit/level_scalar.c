@@ -13,6 +13,7 @@ static const struct {
     [ISO_LEVEL_AS_BUILT] = {"as-built", "by the pyramid's scalar filter"},
     [ISO_LEVEL_LEAST_SQUARES] = {"least-squares", "closest to level 0 under trilinear interpolation"},
     [ISO_LEVEL_FITTED] = {"fitted", "closest to level 0 after the transfer function"},
+    [ISO_LEVEL_OPTIMIZED] = {"optimized", "closest to level 0 in pictures, with its directions"},
 };
 const iso_names iso_level_scalar_names = ISO_NAMES_OF_ROWS("level scalar", kinds_of_scalar);
 
@@ -168,7 +169,7 @@ iso_status iso_fit_verify(const iso_pyramid *p, int threads, iso_level_check *ch
         if (!made[0] || !made[1])
             status = iso_fail(err, ISO_E_MEMORY, "no memory to make level %zu again", k);
         iso_progress_report(progress, "levels", (double)k / (double)p->level_count);
-        if (status == ISO_OK && kinds[k] != ISO_LEVEL_AS_BUILT) {
+        if (status == ISO_OK && kinds[k] != ISO_LEVEL_AS_BUILT && kinds[k] != ISO_LEVEL_OPTIMIZED) {
             const bool fitted = kinds[k] == ISO_LEVEL_FITTED;
             status = iso_level_scalars_make(&(iso_level_scalar_input){&p->levels[0], &tf, k, threads}, made[0],
                                             fitted ? made[1] : NULL, NULL, err);

@@ -19,6 +19,7 @@ typedef enum iso_level_scalar {
     ISO_LEVEL_AS_BUILT, /* by the pyramid's scalar filter */
     ISO_LEVEL_LEAST_SQUARES,
     ISO_LEVEL_FITTED,
+    ISO_LEVEL_OPTIMIZED, /* by plan/optimize.h, with its directions: not made again from level 0 */
     ISO_LEVEL_SCALAR_COUNT
 } iso_level_scalar;
 extern const iso_names iso_level_scalar_names;

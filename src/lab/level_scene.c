@@ -29,6 +29,7 @@ static iso_status show(const iso_level_subject *s, float *scalar, iso_level_show
 iso_scene iso_level_bench_scene(iso_tf tf)
 {
     return (iso_scene){.path = (char *)"bench",
+                       .orthographic = true,
                        .light_count = 1,
                        .lights = {{.direction = {0.3, 0.5, 0.8}, .in_camera_space = true, .intensity = 1}},
                        .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
@@ -36,32 +37,56 @@ iso_scene iso_level_bench_scene(iso_tf tf)
                        .tf = tf};
 }
 
-iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+/* Shows the level that small pictures select, among them an optimized one unless there is no effort. */
+static iso_status make_for_scene(const iso_level_subject *s, iso_effort effort, iso_level_shown *shown, iso_error *err)
 {
     const size_t count = iso_geometry_voxel_count(&shown->level.geometry);
+    const iso_optimize_options opt = {.effort = effort, .seed = 1};
     iso_pyramid with = *s->pyramid;
     iso_level levels[32];
     iso_tf tf = {0};
     float *scalar = malloc(count * sizeof *scalar);
-    iso_status status = scalar ? iso_tf_from_table(s->tf, &tf, err)
-                               : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", count);
+    uint8_t *codes = malloc(3 * count);
+    iso_status status = scalar && codes ? iso_tf_from_table(s->tf, &tf, err)
+                                        : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", count);
     const iso_scene scene = iso_level_bench_scene(tf);
     if (status == ISO_OK) {
         memcpy(scalar, shown->level.scalar, count * sizeof *scalar);
         memcpy(levels, with.levels, with.level_count * sizeof *levels);
+        memcpy(codes, shown->level.codes, 3 * count);
         levels[s->level].scalar = scalar;
+        levels[s->level].codes = codes;
+        levels[s->level].directions = NULL;
         with.levels = levels;
         with.level_count = s->level + 1;
         with.made_for = NULL;
-        status = iso_scene_levels_make(&with, s->level, &scene, s->threads, NULL, NULL, err);
-        scalar = levels[s->level].scalar; /* replaced if the first one was not the best */
+        status = iso_scene_levels_make(&with, s->level, &scene, &opt, s->threads, NULL, NULL, err);
+        scalar = levels[s->level].scalar; /* both are replaced if the first ones were not the best */
+        codes = levels[s->level].codes;
+        shown->level.is_optimized = levels[s->level].is_optimized;
         json_decref(with.made_for);
     }
     iso_tf_destroy(&tf);
+    shown->bytes = shown->level.codes = codes;
     if (status == ISO_OK)
         return show(s, scalar, shown, err);
     free(scalar);
     return status;
+}
+
+iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_for_scene(s, ISO_EFFORT_NONE, shown, err);
+}
+
+iso_status iso_level_make_optimized_fast(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_for_scene(s, ISO_EFFORT_FAST, shown, err);
+}
+
+iso_status iso_level_make_optimized(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_for_scene(s, ISO_EFFORT_NORMAL, shown, err);
 }
 
 iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)

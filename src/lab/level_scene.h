@@ -11,6 +11,9 @@ iso_scene iso_level_bench_scene(iso_tf tf);
 
 /* Shows the scalar that small pictures select (plan/scene_levels.h), under the benchmark's light. */
 iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+/* The same, with an optimized level (plan/optimize.h) among the candidates, by two efforts. */
+iso_status iso_level_make_optimized_fast(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+iso_status iso_level_make_optimized(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 /* Shows the fitted scalar without that selection. */
 iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 

@@ -2,7 +2,8 @@
 /* scene_levels.h - the scalars of coarse levels that show one scene best.
  *
  * Each coarse level has candidates (fit/level_scalar.h): the pyramid's filter, least squares, and from level
- * ISO_SCENE_FITTED_FROM on the scalar that is fitted to the scene's transfer function. They are judged by small
+ * ISO_SCENE_FITTED_FROM on the scalar that is fitted to the scene's transfer function. A last candidate is optimized
+ * from the best of them (optimize.h), and has to pass level_gate.h, too. They are judged by small
  * pictures with the scene's lights, shading, clip planes and ray step, along the twelve lines of small_views.h,
  * rendered by the reference's midpoint sums. Each candidate is shown under the transfer function of --adapt (adapt.h).
  * The candidate whose pictures are nearest to those of level 0 is taken.
@@ -16,6 +17,8 @@
 #define ISO_SCENE_LEVELS_H
 
 #include "fit/level_scalar.h"
+#include "plan/level_gate.h"
+#include "plan/optimize.h"
 #include "scene/scene.h"
 #include "tf/small_views.h"
 
@@ -33,6 +36,12 @@ typedef struct iso_scene_level {
     iso_level_scalar chosen;
     iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT];
     iso_fit_report fit;
+    struct iso_scene_level_optimized {
+        bool tried;
+        size_t views, pixels, steps;
+        double error_first, error;
+        iso_level_gate gate;
+    } optimized;
     double seconds; /* with looking */
 } iso_scene_level;
 
@@ -49,12 +58,14 @@ iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_s
                                  iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT], iso_error *err);
 
 /* Replaces the scalars of levels first to p->level_count - 1 by those chosen, with their ranges, and sets p->made_for.
- * levels: as many as p has, or NULL. ISO_E_RANGE: the transfer function shows nothing that a fit could improve;
+ * Optimized levels have other directions, too. optimize: NULL: no such candidate; level k takes its seed + k. levels:
+ * as many as p has, or NULL. ISO_E_RANGE: the transfer function shows nothing that a fit could improve.
  * ISO_E_MEMORY. */
-iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene, int threads,
-                                 iso_scene_level *levels, const iso_progress *progress, iso_error *err);
+iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene,
+                                 const iso_optimize_options *optimize, int threads, iso_scene_level *levels,
+                                 const iso_progress *progress, iso_error *err);
 
 /* Returns the bytes that a build for a scene needs, with the volume of `type` and the pyramid. */
-size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type);
+size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type, iso_effort effort);
 
 #endif

@@ -121,6 +121,8 @@ typedef struct iso_level {
     const json_t *segments;    /* borrowed: the pyramid's */
     bool made_for_scene;       /* True if the scalar is not from the pyramid's filter; iso_pyramid.made_for describes
                                 * it */
+    bool is_optimized;         /* True if the directions are not either: found for one scene (plan/optimize.h). It is
+                                * shown as it is, neither adapted nor scaled */
     /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or one index per voxel. */
     const iso_palette *palette;
     const uint16_t *palette_index;

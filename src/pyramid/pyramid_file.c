@@ -275,6 +275,8 @@ static void mark_levels(iso_pyramid *p)
         const char *scalar = json_string_value(json_object_get(entry, "scalar"));
         if (level > 0 && (size_t)level < p->level_count && scalar && strcmp(scalar, "as-built") != 0)
             p->levels[level].made_for_scene = true;
+        if (level > 0 && (size_t)level < p->level_count && scalar && strcmp(scalar, "optimized") == 0)
+            p->levels[level].is_optimized = true;
     }
 }
 

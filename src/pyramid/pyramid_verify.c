@@ -74,6 +74,8 @@ static const char *difference(const iso_level *l, const iso_cascade_out *o, size
 {
     if (o->scalar && !l->made_for_scene && memcmp(l->scalar + at, o->scalar + made, sizeof(float)) != 0)
         return "values";
+    if (l->is_optimized)
+        return NULL; /* its checksums were compared when it was loaded */
     if (memcmp(l->codes + 3 * at, o->codes + 3 * made, 3) != 0)
         return "directions";
     if (o->directions && memcmp(l->directions + 3 * at, o->directions + 3 * made, 3 * sizeof(float)) != 0)
@@ -170,7 +172,8 @@ iso_status iso_pyramid_verify(const iso_pyramid *p, int threads, iso_level_check
     opt.threads = threads;
     opt.level_count = p->level_count;
     for (size_t k = 0; k < p->level_count; ++k)
-        checks[k] = (iso_level_check){.voxels = iso_geometry_voxel_count(&p->levels[k].geometry)};
+        checks[k] = (iso_level_check){.voxels = iso_geometry_voxel_count(&p->levels[k].geometry),
+                                      .is_not_remade = p->levels[k].is_optimized};
     r.level_count = iso_cascade_level_count(&p->levels[0].geometry, &opt);
     if (r.level_count != p->level_count)
         return iso_fail(err, ISO_E_FORMAT, "the pyramid has %zu levels, a volume of its size at most %zu",
@@ -191,7 +194,10 @@ iso_status iso_pyramid_verify(const iso_pyramid *p, int threads, iso_level_check
 
 const char *iso_level_check_text(const iso_level_check *check, size_t level, char *text, size_t size)
 {
-    if (!check->what)
+    if (!check->what && check->is_not_remade)
+        snprintf(text, size, "level %zu: all %zu voxels have the checksum of the optimized level; it is not remade",
+                 level, check->voxels);
+    else if (!check->what)
         snprintf(text, size, "level %zu: all %zu voxels are made from level 0", level, check->voxels);
     else if (strcmp(check->what, "geometry") == 0 || strcmp(check->what, "range") == 0 ||
              strcmp(check->what, "direction filter") == 0)

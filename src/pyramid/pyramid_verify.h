@@ -5,7 +5,7 @@
  * threads, slabs nor ranks change a byte. So all levels are made again from the values of level 0, by the pyramid's own
  * options, and compared bit by bit. Compared are values, directions (level 0's too), kept floats and magnitudes, and
  * each level's geometry and range. Values and range of levels that were made for a scene (pyramid.h) are left out:
- * fit/level_scalar.h has them. */
+ * fit/level_scalar.h has them; of optimized levels directions, too, which nothing makes again. */
 #ifndef ISO_PYRAMID_VERIFY_H
 #define ISO_PYRAMID_VERIFY_H
 
@@ -13,6 +13,7 @@
 
 typedef struct iso_level_check {
     size_t voxels, differing; /* differing: voxels of which any stored quantity differs */
+    bool is_not_remade;       /* True for an optimized level */
     size_t first[3];          /* the first voxel that differs, and the first thing that does there: */
     const char *
         what; /* "values", "directions", ...; "geometry", "range", "direction filter" of the whole level; NULL: nothing */

@@ -48,7 +48,7 @@ typedef struct spot {
     vi entry;
     vf entry_part, is_between; /* is_between: 0 if the value is beyond the table, otherwise 1 */
     vf value[4], slope[4];     /* depth of a whole segment and color, and their change to the next entry */
-    vf whole, depth; /* whole: part of the segment that the box keeps */
+    vf whole, depth;           /* whole: part of the segment that the box keeps */
 } spot;
 
 /* Finds the entry of a value, and what it holds. */
@@ -174,8 +174,8 @@ CAST vec light_slope(const iso_cast *c, const vec *to_viewer, vec n)
         const vf length = most(root(h.x * h.x + h.y * h.y + h.z * h.z), all_float(1e-30f));
         const vf along = (n.x * h.x + n.y * h.y + n.z * h.z) / length, size = most(absolute(along), all_float(1e-30f));
         /* d |x|^p / dx = p |x|^p / x */
-        const vf slope = light->specular * c->power * power_of(size, c->power) /
-                         select_float(along < 0, -size, size) / length;
+        const vf slope = light->specular * c->power * power_of(size, c->power) / select_float(along < 0, -size, size) /
+                         length;
         sum = (vec){sum.x + slope * h.x, sum.y + slope * h.y, sum.z + slope * h.z};
     }
     return sum;
