@@ -10,8 +10,8 @@ python_with numpy,vtk
 tests_of_formats="nrrd: nrrd matrix_nrrd
 nifti: nifti matrix_nifti
 itk: dicom dicom_rescaled dicom_tilted_gantry dicom_mixed_series dicom_damaged dicom_of_a_length dicom_of_another_vr
-itk: dicom_left_out dicom_forms dicom_values dicom_faults dicom_multiframe dicom_spacings
-itk: png_stack missing_number tiff_and_jpeg_stacks
+itk: dicom_left_out dicom_uneven dicom_forms dicom_values dicom_faults dicom_multiframe dicom_spacings
+itk: png_stack pictures_of_colors missing_number tiff_and_jpeg_stacks
 metaimage: metaimage
 vtk: vtk_legacy
 vti: vti matrix_vti

@@ -247,7 +247,12 @@ def dicom_left_out():
     for k, name in enumerate(names):
         shutil.copyfile(f"folder/{name}", f"cd/IMAGES/SERIES/S{k}")
     dcmtk("dcmmkdir", "+D", "cd/DICOMDIR", "+id", "cd", "+r", "+I")
-    refused("cd", 4, "give the folder that holds them: cd/IMAGES/SERIES")
+    same("cd", phantom(), unit="mm")  # the folders below stand for it
+    refused("cd/DICOMDIR", 4, "give the folder")
+    os.remove("cd/DICOMDIR")
+    same("cd", phantom(), unit="mm")
+    dicom_series("cd/IMAGES/OTHER", phantom() + 1, uid="1.2.3.5")
+    refused("cd", 2, "holds 2 series, --series must be one of: 1 \"phantom\" (7 files), 2 \"phantom\" (7 files)")
     # a multi-frame file for each time
     shutil.rmtree("times", ignore_errors=True)
     os.makedirs("times")
@@ -282,6 +287,38 @@ def dicom_left_out():
     with open("preamble.dcm", "r+b") as file:
         file.write(b"II*\0\x08\0\0\0")
     same("preamble.dcm", values, unit="mm")
+
+
+@case
+def dicom_uneven():
+    """A missing slice: interpolated, or the rest taken for even; and distances that differ."""
+    values = stored(np.dtype("i2"))
+    shutil.rmtree("gap", ignore_errors=True)
+    dicom_series("gap", values, leave_out=(5,))
+    refused("gap", 4, "mm on average; --resample interpolates, --force-spacing takes the average")
+    refused("gap", 2, "--resample and --force-spacing: one or the other", ["--resample", "--force-spacing"])
+    wanted = values.copy()
+    wanted[5] = np.rint((values[4].astype(float) + values[6]) / 2)
+    expect(read_samples("gap", ["--resample"]).shape == wanted.shape, "not 7 slices")
+    expect(np.array_equal(read_samples("gap", ["--resample"]), wanted), "other values than between the neighbors")
+    expect(not np.array_equal(wanted, values), "the interpolated slice is not to be seen")  # the test's power
+    got = run("info", "gap", "--resample")
+    expect("gap: 1 of 7 slices are interpolated" in got.stderr, got.stderr)
+    rest = np.delete(values, 5, 0)
+    expect(np.array_equal(read_samples("gap", ["--force-spacing"]), rest), "--force-spacing")
+    uneven = STEPS.copy()
+    shutil.rmtree("far", ignore_errors=True)
+    os.makedirs("far")
+    for k, at in enumerate([0, 1, 2.5, 400]):
+        dicom_slice(f"far/{k}.dcm", values[k], FIRST + uneven[:, 2] * at, "1.2.3.4", k + 1)
+    refused("far", 4, "--resample would make 401 slices of 4, must be at most 64", ["--resample"])
+    # of one series, in two directions
+    shutil.rmtree("two", ignore_errors=True)
+    dicom_series("two", values)
+    for k in range(3):
+        dicom_slice(f"two/turned{k}.dcm", values[k], FIRST + STEPS[:, 1] * k, "1.2.3.4", 50 + k, steps=STEPS[:, [0, 2, 1]])
+    got = run("info", "two")
+    expect("(7 files, " in got.stderr and "(3 files, " in got.stderr, got.stderr)
 
 
 # ---- planted ----

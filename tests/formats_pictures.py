@@ -2,10 +2,12 @@
 """Stacks of pictures, VTK's files, TIFF, MRC. Cases of formats_in.py."""
 import os
 import re
+import struct
 
 import numpy as np
 
-from phantom import FIRST, SIZE, SPACING, STEPS, case, cut, phantom, refused, same, vtk_image, vtk_write
+from phantom import (FIRST, SIZE, SPACING, STEPS, case, cut, expect, phantom, refused, run, same, vtk_colors, vtk_image,
+                     vtk_write)
 
 
 @case
@@ -22,6 +24,65 @@ def png_stack():
     refused("png", 4, "slice10.png", ["--spacing", "1"])
     vtk_write(vtk.vtkPNGWriter(), vtk_image(values[:1, 1:].copy()), "png/slice10.png")
     refused("png", 4, "slices of different sizes", ["--spacing", "1"])
+
+
+def write_bitmap(path, pixels, palette):
+    """8 bits, rows from the bottom, each of a multiple of 4 bytes: VTK writes 24 bits only."""
+    height, width = pixels.shape
+    room = -width % 4
+    data = b"".join(row.tobytes() + b"\0" * room for row in pixels[::-1])
+    colors = b"".join(bytes((c[2], c[1], c[0], 0)) for c in palette)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<2sIII", b"BM", 54 + len(colors) + len(data), 0, 54 + len(colors)) +
+                   struct.pack("<IiiHHIIiiII", 40, width, height, 1, 8, 0, 0, 0, 0, len(palette), 0) + colors + data)
+
+
+@case
+def pictures_of_colors():
+    """Colors, palettes and bitmaps; files that are no slices beside them, as scanners write."""
+    import png
+    import vtk
+    red = phantom(np.uint8)
+    colors = np.stack([red, red // 2 + 1, 255 - red, red // 4], -1)
+    gray = [(255 - i,) * 3 for i in range(256)]
+    folders = {"rgb": colors[..., :3], "bmp24": colors[..., :3], "rgba": colors, "palette": None, "grays": None, "bmp8": None}
+    for folder in folders:
+        os.makedirs(f"of_{folder}", exist_ok=True)
+    for k, pixels in enumerate(red):
+        name = f"slice{k + 8}"
+        rows = pixels.tolist()
+        for folder, writer, ending, n in (("rgb", vtk.vtkPNGWriter(), "png", 3), ("rgba", vtk.vtkPNGWriter(), "png", 4),
+                                          ("bmp24", vtk.vtkBMPWriter(), "bmp", 3)):
+            vtk_write(writer, vtk_colors(np.ascontiguousarray(colors[k, ::-1, :, :n])), f"of_{folder}/{name}.{ending}")
+        with open(f"of_palette/{name}.png", "wb") as file:
+            png.Writer(*pixels.shape[::-1], palette=[(i, 255 - i, i // 2) for i in range(256)]).write(file, rows)
+        with open(f"of_grays/{name}.png", "wb") as file:
+            png.Writer(*pixels.shape[::-1], palette=gray).write(file, rows)
+        write_bitmap(f"of_bmp8/{name}.bmp", pixels, gray)
+    say = ["--spacing", "0.75x0.5x2.5"]
+    for folder in "rgb", "rgba", "bmp24":
+        refused(f"of_{folder}", 2, "--channel chooses one of them: 0 red, 1 green, 2 blue")
+        for c, name in enumerate(("red", "green", "blue")):
+            same(f"of_{folder}", colors[..., c], np.diag(SPACING), None, False, [*say, "--channel", name])
+        weighed = (colors[..., :3] @ [0.2126, 0.7152, 0.0722]).astype(np.float32)
+        same(f"of_{folder}", weighed, np.diag(SPACING), None, False, [*say, "--channel", "luminance"])
+    same("of_palette", 255 - red, np.diag(SPACING), None, False, [*say, "--channel", "green"])
+    for folder in "grays", "bmp8":
+        same(f"of_{folder}", 255 - red, np.diag(SPACING), None, False, say)
+    cut("of_bmp8/slice9.bmp", "short")
+    os.replace("short", "of_bmp8/slice9.bmp")
+    refused("of_bmp8", 4, "slice9.bmp: truncated", say)
+    # what a scanner puts beside its slices
+    for name in "a__rec.log", "Thumbs.db", "README.txt", "notes 12.csv":
+        with open(f"of_grays/{name}", "w", encoding="ascii") as file:
+            file.write("MM of no slice")
+    same("of_grays", 255 - red, np.diag(SPACING), None, False, say)
+    write_bitmap("of_grays/a__rec_spr.bmp", red[0], gray)
+    vtk_write(vtk.vtkPNGWriter(), vtk_image(red[:1, :5].copy()), "of_grays/overview.png")
+    got = run("info", "of_grays", *say)
+    expect(got.returncode == 0 and "11 x 13 x 7" in got.stdout and "of_grays/overview.png is left out" in got.stderr, got.stderr)
+    os.remove("of_grays/slice10.png")
+    refused("of_grays", 4, "number 10 is missing between slice9.png and slice11.png", say)
 
 
 @case

@@ -144,6 +144,15 @@ def vtk_image(values, steps=None, first=None):
     return image
 
 
+def vtk_colors(pixels):
+    """pixels [y, x, components]."""
+    from vtk.util import numpy_support
+    image = vtk_image(pixels[None, ..., 0])
+    array = numpy_support.numpy_to_vtk(pixels.reshape(-1, pixels.shape[-1]), deep=True)
+    image.GetPointData().SetScalars(array)
+    return image
+
+
 def vtk_write(writer, image, path):
     writer.SetInputData(image)
     writer.SetFileName(path)

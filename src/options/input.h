@@ -26,6 +26,8 @@
     {"series", 0, POPT_ARG_STRING, &(in)->series, 0, "series of a folder, by number or name", "N|NAME"}, \
     {"frame", 0, POPT_ARG_STRING, &(in)->frame, 0, "time step, numbered file or segment layer, from 0; layers also by name", "K"}, \
     {"channel", 0, POPT_ARG_STRING, &(in)->channel, 0, "channel of a voxel, from 0, or its name (colors: luminance)", "K|NAME"}, \
+    {"resample", 0, POPT_ARG_NONE, &(in)->resample, 0, "interpolate unevenly spaced or missing slices", NULL}, \
+    {"force-spacing", 0, POPT_ARG_NONE, &(in)->force_spacing, 0, "take such slices for evenly spaced", NULL}, \
     {"stored", 0, POPT_ARG_NONE, &(in)->stored, 0, "ignore the file's slope and intercept", NULL}, \
     {"labels", 0, POPT_ARG_NONE, &(in)->labels, 0, "read the volume as a label map", NULL}, \
     {"no-labels", 0, POPT_ARG_NONE, &(in)->no_labels, 0, "read the volume as intensities, which are interpolated", NULL}, \

@@ -151,7 +151,7 @@ static void take_geometry(const iso_child_header *h, const double mm[3], iso_vol
 
 static iso_status start_reader(iso_volume_source *source, const iso_child_program *p, const char *part, iso_error *err)
 {
-    char *program = iso_helper_find(p->name), frame[24], channel[24];
+    char *program = iso_helper_find(p->name), frame[24], channel[24], uneven[24];
     child *r = malloc(sizeof *r);
     source->reader = r;
     source->read_planes = read_planes;
@@ -160,7 +160,8 @@ static iso_status start_reader(iso_volume_source *source, const iso_child_progra
         *r = (child){.program = p, .process.output = -1};
     snprintf(frame, sizeof frame, "%zu", source->choice.frame);
     snprintf(channel, sizeof channel, "%zu", source->choice.channel);
-    const char *const words[] = {program, source->path, part ? part : "", frame, channel, NULL};
+    snprintf(uneven, sizeof uneven, "%d", (int)source->hints.uneven);
+    const char *const words[] = {program, source->path, part ? part : "", frame, channel, uneven, NULL};
     iso_status status = !r         ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path)
                         : !program ? iso_fail(err, ISO_E_MISSING,
                                               "%s: files of this kind are read by %s, which is missing (built without "
@@ -192,11 +193,15 @@ static iso_status choose(iso_volume_source *source, const iso_child_program *p, 
     iso_extra_axes axes = {.frame = {h->frames, false, 1}, .channel = {h->channels, false, h->frames ? h->frames : 1}};
     axes.frame_step = isfinite(h->frame_step) ? h->frame_step : 0; /* 0: not given */
     snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", h->frame_unit);
+    axes.is_color = axes.gives_luminance = h->is_color;
     for (size_t c = 0; c < ISO_NAMED_CHANNELS && c < h->channels; ++c)
         snprintf(axes.channel_name[c], sizeof axes.channel_name[c], "%s", h->channel_name[c]);
     iso_status status = iso_source_choose(source, &axes, err);
     source->choice.volume_count = source->choice.inside_count = 1;
     source->choice.volume_at = source->choice.inside_at = 0;
+    if (source->choice.luminance)
+        source->choice.channel = h->channels;
+    source->choice.luminance = false; /* the program weighs the colors */
     if (status != ISO_OK || (source->choice.frame == 0 && source->choice.channel == 0))
         return status;
     close_reader(source);

@@ -4,7 +4,7 @@
  * answer is good.
  * They are separate programs, since libraries of many formats may crash on a damaged file, which then ends only that
  * program. They are started as
- * PROGRAM PATH PART FRAME CHANNEL: "" for an unnamed part, and numbers from 0. */
+ * PROGRAM PATH PART FRAME CHANNEL UNEVEN: "" for an unnamed part, numbers from 0, and one of iso_uneven. */
 #ifndef ISO_VOLUME_CHILD_STREAM_H
 #define ISO_VOLUME_CHILD_STREAM_H
 
@@ -42,6 +42,7 @@ typedef struct iso_child_header {
     size_t fill_count;       /* values that stand for none, and which */
     double fill[3];
     size_t frames, channels; /* that the file has, of which one each is given; 0 or 1: there is one */
+    bool is_color; /* red, green, blue, and alpha if there are four; channel number `channels` is their luminance */
     char channel_name[ISO_CHILD_CHANNELS][48];
     double frame_step; /* distance of frames; 0: not given */
     char frame_unit[16];

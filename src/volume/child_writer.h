@@ -59,6 +59,7 @@ public:
 struct Wanted {
     std::string part; /* "": the only one */
     size_t frame = 0, channel = 0;
+    size_t uneven = ISO_UNEVEN_REFUSE;
 };
 
 struct ChildProgram {
@@ -259,16 +260,17 @@ inline int write_volume(const ChildProgram &program, const char *path, const Wan
     return answer.status;
 }
 
-/* Runs PROGRAM PATH PART FRAME CHANNEL, which only isoshade starts. Redirects what libraries print: the output carries
- * samples. */
+/* Runs PROGRAM PATH PART FRAME CHANNEL UNEVEN, which only isoshade starts. Redirects what libraries print: the output
+ * carries samples. */
 inline int run_child(const ChildProgram &program, int argc, char **argv)
 {
     FILE *out = fdopen(dup(STDOUT_FILENO), "wb");
-    if (argc != 5 || !out || !freopen("/dev/null", "w", stdout))
+    if (argc != 6 || !out || !freopen("/dev/null", "w", stdout))
         return ISO_E_USAGE;
     limit_memory(memory_for(argv[1]));
     late_output = fileno(out);
-    return write_volume(program, argv[1], {argv[2], std::stoul(argv[3]), std::stoul(argv[4])}, out);
+    return write_volume(program, argv[1], {argv[2], std::stoul(argv[3]), std::stoul(argv[4]), std::stoul(argv[5])},
+                        out);
 }
 
 #endif

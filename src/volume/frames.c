@@ -119,8 +119,8 @@ static iso_status choose_channel(const char *path, const iso_volume_hints *hints
             return ISO_OK;
         }
     choice->channel = 0;
-    choice->luminance = hints->channel && axes->is_color && axes->channel.inside && count >= 3 &&
-                        strcmp(hints->channel, "luminance") == 0;
+    choice->luminance = hints->channel && axes->is_color && count >= 3 &&
+                        (axes->channel.inside || axes->gives_luminance) && strcmp(hints->channel, "luminance") == 0;
     if (choice->luminance || (!hints->channel && count == 1))
         return ISO_OK;
     list_channels(axes, list, sizeof list);

@@ -25,6 +25,7 @@ typedef struct iso_extra_axes {
     double frame_step;           /* of time, or of the axis' quantity; 0: not given */
     char frame_unit[16];         /* "" if not given */
     bool is_color;               /* True for red, green, blue, and alpha if there are four */
+    bool gives_luminance;        /* True if the reader weighs the colors itself */
     char channel_name[ISO_NAMED_CHANNELS][ISO_CHANNEL_NAME_BYTES];
 } iso_extra_axes;
 
@@ -59,9 +60,5 @@ typedef struct iso_frame_file {
 /* Finds the files of `path`, if it has a place for numbers, as "name_%04d.nrrd", and is not a file itself; or if it
  * is a list of files. ISO_E_USAGE as above. */
 iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err);
-
-/* Fails with ISO_E_FORMAT if the names of a folder's files differ in one number and a number of the sequence is
- * missing. */
-iso_status iso_frames_check_numbers(const char *folder, iso_error *err);
 
 #endif

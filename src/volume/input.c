@@ -36,6 +36,10 @@ char *iso_volume_input_line(const iso_volume_input *in)
         fprintf(f, " --raw-skip %ld", in->raw_skip_bytes);
     if (in->stored)
         fputs(" --stored", f);
+    if (in->resample)
+        fputs(" --resample", f);
+    if (in->force_spacing)
+        fputs(" --force-spacing", f);
     if (in->labels)
         fputs(" --labels", f);
     if (in->no_labels)
@@ -64,6 +68,9 @@ static iso_status parse_spacing(const char *option, const char *text, double uni
 static iso_status parse_hints(const iso_volume_input *in, iso_volume_hints *hints, double *unit_mm, iso_error *err)
 {
     *hints = (iso_volume_hints){.series = in->series, .frame = in->frame, .channel = in->channel};
+    hints->uneven = in->resample ? ISO_UNEVEN_RESAMPLE : in->force_spacing ? ISO_UNEVEN_FORCE : ISO_UNEVEN_REFUSE;
+    if (in->resample && in->force_spacing)
+        return iso_fail(err, ISO_E_USAGE, "--resample and --force-spacing: one or the other");
     *unit_mm = 1;
     iso_status status = in->unit ? iso_unit_parse("--unit", in->unit, unit_mm, &hints->unit, err) : ISO_OK;
     if (status == ISO_OK && in->spacing)

@@ -50,9 +50,30 @@ static bool holds_files(const char *path)
     return found;
 }
 
+/* True if a folder below, of at most `depth` levels, holds a DICOM file; looks at no more than *left entries. */
+static bool holds_dicom_below(const char *path, int depth, int *left)
+{
+    DIR *dir = opendir(path);
+    bool found = false;
+    for (const struct dirent *entry; dir && !found && *left > 0 && (entry = readdir(dir));) {
+        char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(path, entry->d_name);
+        --*left;
+        found = file && (iso_path_is_dir(file)    ? depth > 0 && holds_dicom_below(file, depth - 1, left)
+                         : iso_path_is_file(file) ? has_known_start(file, 1)
+                                                  : false);
+        free(file);
+    }
+    if (dir)
+        closedir(dir);
+    return found;
+}
+
 static bool can_read(const char *path)
 {
-    return iso_path_is_dir(path) ? holds_files(path) : has_known_start(path, sizeof starts / sizeof *starts);
+    enum { DEPTH = 6, ENTRIES = 20000 };
+    int left = ENTRIES;
+    return iso_path_is_dir(path) ? holds_files(path) || holds_dicom_below(path, DEPTH, &left)
+                                 : has_known_start(path, sizeof starts / sizeof *starts);
 }
 
 /* Notes the files of a folder that ITK reads: of a series the DICOM files, of pictures all. */
@@ -60,31 +81,31 @@ static iso_status note_slices(const char *folder, bool is_series, iso_error *err
 {
     DIR *dir = opendir(folder);
     iso_status status = ISO_OK;
+    size_t noted = 0;
     for (const struct dirent *entry; dir && status == ISO_OK && (entry = readdir(dir));) {
         char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(folder, entry->d_name);
         if (file && iso_path_is_file(file) && (!is_series || has_known_start(file, 1)))
-            status = iso_inputs_note(file, err);
+            status = iso_inputs_note(file, err), ++noted;
         free(file);
     }
     if (dir)
         closedir(dir);
-    return status;
+    return status == ISO_OK && noted == 0 ? iso_inputs_note_folder(folder, err) : status; /* slices are below */
 }
 
 static iso_status open_itk(iso_volume_source *source, iso_error *err)
 {
     static const iso_child_program itk = {"isoshade-itk", "ITK", "libinsighttoolkit5-dev"};
-    iso_status status = iso_child_open(source, &itk, source->hints.series, err);
+    const iso_status status = iso_child_open(source, &itk, source->hints.series, err);
     const bool is_series = source->header.notes.world_is_ras;
     if (status != ISO_OK || !iso_path_is_dir(source->path))
         return status;
-    status = is_series ? ISO_OK : iso_frames_check_numbers(source->path, err); /* DICOM has its slices' positions */
-    return status == ISO_OK ? note_slices(source->path, is_series, err) : status;
+    return note_slices(source->path, is_series, err);
 }
 
 const iso_volume_format iso_volume_format_itk = {
     .name = "itk",
-    .title = "DICOM, PNG and JPEG",
+    .title = "DICOM, PNG, JPEG and BMP",
     .summary = "by ITK, if it is installed: a folder of a DICOM series or of pictures, slice by slice; "
                "multi-frame DICOM at once",
     .suffixes = ".dcm",

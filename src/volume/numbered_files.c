@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* numbered_files.c - frames in files of their own, whose names have a number or are listed. */
 #define _GNU_SOURCE
-#include <ctype.h>
 #include <dirent.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -146,74 +144,6 @@ iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, 
         status = iso_fail(err, ISO_E_IO, "%s: no file has a number in this place", path);
     found->count = files.count;
     TRY(status, choose_file(path, hints, numbered_at, &files, found, err));
-    free_files(&files);
-    return status;
-}
-
-static bool is_shown(const char *folder, const struct dirent *entry)
-{
-    char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(folder, entry->d_name);
-    const bool is_file = file && iso_path_is_file(file);
-    free(file);
-    return is_file;
-}
-
-/* Finds all files of a folder, sorted, if their names differ from `first` only in the digits at `place`; none
- * otherwise. */
-static bool take_numbered(const char *folder, const char *first, size_t place, numbered_files *files)
-{
-    const char *after = first + place + strspn(first + place, "0123456789");
-    DIR *dir = opendir(folder);
-    bool fits = true, well = true;
-    unsigned long long number;
-    for (const struct dirent *entry; dir && fits && well && (entry = readdir(dir));) {
-        if (!is_shown(folder, entry))
-            continue;
-        fits = has_number(entry->d_name, first, place, after, &number);
-        well = !fits || add_file(files, ".", entry->d_name, number);
-    }
-    if (dir)
-        closedir(dir);
-    if (!fits || !well) {
-        free_files(files);
-        *files = (numbered_files){0};
-    } else if (files->count > 1)
-        qsort(files->file, files->count, sizeof *files->file, by_number);
-    return well;
-}
-
-static iso_status check_row(const char *folder, const numbered_files *files, iso_error *err)
-{
-    unsigned long long step = 0;
-    for (size_t i = 1; i < files->count; ++i) {
-        const unsigned long long gap = files->file[i].number - files->file[i - 1].number;
-        step = step == 0 || gap < step ? gap : step;
-    }
-    for (size_t i = 1; i < files->count; ++i)
-        if (files->file[i].number - files->file[i - 1].number != step)
-            return iso_fail(
-                err, ISO_E_FORMAT,
-                "%s: number %llu is missing between %s and %s; put that slice there, or number the files evenly",
-                folder, files->file[i - 1].number + step, files->file[i - 1].name, files->file[i].name);
-    return ISO_OK;
-}
-
-iso_status iso_frames_check_numbers(const char *folder, iso_error *err)
-{
-    char first[NAME_MAX + 1] = "";
-    numbered_files files = {0};
-    bool well = true;
-    DIR *dir = opendir(folder);
-    for (const struct dirent *entry; dir && !*first && (entry = readdir(dir));)
-        if (is_shown(folder, entry))
-            snprintf(first, sizeof first, "%s", entry->d_name);
-    if (dir)
-        closedir(dir);
-    for (size_t at = strlen(first); at-- > 0 && well && files.count == 0;) /* of several numbers the one that differs */
-        if (isdigit((unsigned char)first[at]) && (at == 0 || !isdigit((unsigned char)first[at - 1])))
-            well = take_numbered(folder, first, at, &files);
-    const iso_status status = well ? check_row(folder, &files, err)
-                                   : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
     free_files(&files);
     return status;
 }

@@ -35,6 +35,7 @@ typedef struct iso_volume_hints {
     double spacing_mm[3]; /* 0: the file's. Axes keep their directions, and the box its center */
     const char *series;   /* of a folder that holds several: its number from 1, or its name; NULL: the only one */
     const char *frame;    /* which time step, from 0; NULL: the only one */
+    iso_uneven uneven;
     const char *channel;  /* which number of a voxel: from 0, its name, or "luminance" of colors; NULL: the only one */
 } iso_volume_hints;
 iso_status iso_source_open_with(const char *path, const iso_volume_hints *hints, iso_volume_source **source,

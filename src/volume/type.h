@@ -27,6 +27,13 @@ typedef enum iso_type {
 #undef ISO_TYPE_ENUM
 } iso_type;
 
+/* What becomes of slices that are not equally far apart, or of which some are missing. */
+typedef enum iso_uneven {
+    ISO_UNEVEN_REFUSE,
+    ISO_UNEVEN_RESAMPLE, /* linear interpolation at the smallest distance of two */
+    ISO_UNEVEN_FORCE     /* all are taken for equally far apart */
+} iso_uneven;
+
 const char *iso_type_name(iso_type type);
 size_t iso_type_bytes(iso_type type);
 /* Finds a type by its name. ISO_E_USAGE lists the names. */

@@ -144,7 +144,8 @@ extern "C" iso_status iso_child_start(iso_child_process *process, const char *co
     reading_thread = pthread_self();
     if (sigsetjmp(left, 0) == 0) {
         is_reading = true;
-        write_volume(child_program, words[1], {words[2], std::stoul(words[3]), std::stoul(words[4])}, out);
+        write_volume(child_program, words[1],
+                     {words[2], std::stoul(words[3]), std::stoul(words[4]), std::stoul(words[5])}, out);
     }
     is_reading = false;
     limit_milliseconds(0);

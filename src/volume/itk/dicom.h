@@ -49,5 +49,7 @@ size_t stored_frame_bytes(const DicomFile &file);
 iso_type type_of_values(const std::vector<DicomFile> &files);
 /* Converts a stored frame to values of that type. */
 void values_of_frame(const DicomFile &file, size_t frame, const char *stored, iso_type type, char *out);
+/* Replaces the first slice by (1 - weight) of it and weight of the second; integers are rounded. */
+void blend(iso_type type, double weight, const char *second, size_t count, char *first);
 
 #endif

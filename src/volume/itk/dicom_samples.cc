@@ -172,6 +172,16 @@ template <typename T> void convert(const DicomFile &file, const DicomFrame &fram
     }
 }
 
+template <typename T> void blend_as(double weight, const char *second, size_t count, char *first)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const double value = (1 - weight) * static_cast<double>(sample_at<T>(first, i)) +
+                             weight * static_cast<double>(sample_at<T>(second, i));
+        const T given = static_cast<T>(std::numeric_limits<T>::is_integer ? std::nearbyint(value) : value);
+        memcpy(first + i * sizeof given, &given, sizeof given);
+    }
+}
+
 } // namespace
 
 bool is_whole_deflated(const std::string &path)
@@ -260,5 +270,19 @@ void values_of_frame(const DicomFile &file, size_t frame, const char *stored, is
     case ISO_I32: return convert<int32_t>(file, f, stored, out);
     case ISO_F32: return convert<float>(file, f, stored, out);
     case ISO_F64: return convert<double>(file, f, stored, out);
+    }
+}
+
+void blend(iso_type type, double weight, const char *second, size_t count, char *first)
+{
+    switch (type) {
+    case ISO_U8: return blend_as<uint8_t>(weight, second, count, first);
+    case ISO_I8: return blend_as<int8_t>(weight, second, count, first);
+    case ISO_U16: return blend_as<uint16_t>(weight, second, count, first);
+    case ISO_I16: return blend_as<int16_t>(weight, second, count, first);
+    case ISO_U32: return blend_as<uint32_t>(weight, second, count, first);
+    case ISO_I32: return blend_as<int32_t>(weight, second, count, first);
+    case ISO_F32: return blend_as<float>(weight, second, count, first);
+    case ISO_F64: return blend_as<double>(weight, second, count, first);
     }
 }

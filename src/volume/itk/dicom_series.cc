@@ -5,7 +5,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <set>
+
+#include "volume/itk/pictures.h"
 
 bool comes_before(const std::string &a, const std::string &b)
 {
@@ -46,24 +47,16 @@ std::vector<std::string> files_in(const std::string &folder)
     return files;
 }
 
-/* A CD has an index, and the slices in folders below. */
-[[noreturn]] void fail_of_index(const std::string &folder)
+/* Returns the DICOM files of all folders below, such as those of a CD. */
+std::vector<std::string> files_below(const std::string &folder)
 {
-    std::set<std::string> below;
+    std::vector<std::string> files;
     for (const auto &entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied))
         if (entry.is_regular_file() && entry.path().parent_path() != fs::path(folder) &&
             has_mark_of_dicom(entry.path().string()))
-            below.insert(entry.path().parent_path().string());
-    std::string list;
-    size_t listed = 0;
-    for (const auto &name : below)
-        if (++listed <= 4)
-            list += (listed > 1 ? ", " : "") + name;
-    fail(ISO_E_FORMAT,
-         folder + ": holds an index of DICOM files (DICOMDIR) and no slices; " +
-             (below.empty() ? "there are none below it"
-                            : "give the folder that holds them: " + list +
-                                  (below.size() > 4 ? " and " + std::to_string(below.size() - 4) + " more" : "")));
+            files.push_back(entry.path().string());
+    std::sort(files.begin(), files.end(), comes_before);
+    return files;
 }
 
 bool near(const Vector &a, const Vector &b)
@@ -106,18 +99,14 @@ void enter(std::vector<DicomSeries> &all, const DicomFile &file)
     own->files.push_back(file);
 }
 
-std::vector<DicomSeries> series_in(const std::string &folder)
+std::vector<DicomSeries> series_in(const std::vector<std::string> &files)
 {
     std::vector<DicomSeries> all;
-    bool has_index = false;
-    for (const auto &path : files_in(folder)) {
+    for (const auto &path : files) {
         DicomFile file;
         if (read_dicom(path, file))
             enter(all, file);
-        has_index = has_index || fs::path(path).filename() == "DICOMDIR";
     }
-    if (all.empty() && has_index)
-        fail_of_index(folder);
     std::sort(all.begin(), all.end(), [](const auto &a, const auto &b) {
         return a.name != b.name ? comes_before(a.name, b.name) : comes_before(a.files[0].path, b.files[0].path);
     });
@@ -145,13 +134,51 @@ const DicomSeries *only_volume(const std::vector<DicomSeries> &all)
     return found;
 }
 
+/* Returns the properties in which series of one name may differ. */
+std::vector<std::string> properties_of(const DicomSeries &series)
+{
+    const DicomFile &file = series.files[0];
+    const Vector &u = file.frames[0].u, &v = file.frames[0].v;
+    const auto key = [&](const char *tag) {
+        for (size_t i = 0; i < plane_keys.size(); ++i)
+            if (std::string(plane_keys[i].tag) == tag)
+                return file.frames[0].plane.keys[i];
+        return std::string();
+    };
+    const double normal[3] = {std::fabs(u[1] * v[2] - u[2] * v[1]), std::fabs(u[2] * v[0] - u[0] * v[2]),
+                              std::fabs(u[0] * v[1] - u[1] * v[0])};
+    static const char *const planes[] = {"sagittal", "coronal", "axial"};
+    char spacing[64];
+    snprintf(spacing, sizeof spacing, "%.4g x %.4g mm", std::hypot(u[0], u[1], u[2]), std::hypot(v[0], v[1], v[2]));
+    const std::string echo = key("0018|0081"), time = key("0008|0032");
+    return {std::to_string(file.columns) + " x " + std::to_string(file.rows), spacing,
+            planes[std::max_element(normal, normal + 3) - normal], echo.empty() ? "" : "echo at " + echo + " ms",
+            time.empty() ? "" : "at " + time};
+}
+
+/* Returns what tells a series apart from others of its name, each after a comma. */
+std::string difference_of(const std::vector<DicomSeries> &all, const DicomSeries &series)
+{
+    const auto own = properties_of(series);
+    std::vector<bool> differs(own.size());
+    for (const auto &other : all) {
+        const auto theirs = properties_of(other);
+        for (size_t i = 0; other.name == series.name && i < own.size(); ++i)
+            differs[i] = differs[i] || theirs[i] != own[i];
+    }
+    std::string text;
+    for (size_t i = 0; i < own.size(); ++i)
+        text += differs[i] && !own[i].empty() ? ", " + own[i] : "";
+    return text;
+}
+
 [[noreturn]] void fail_to_choose(const std::vector<DicomSeries> &all, const char *wanted, const std::string &folder)
 {
     constexpr size_t listed = 16;
     std::string list;
     for (size_t i = 0; i < std::min(all.size(), listed); ++i)
         list += (i ? ", " : "") + std::to_string(i + 1) + " \"" + all[i].name + "\" (" +
-                std::to_string(all[i].files.size()) + " files)";
+                std::to_string(all[i].files.size()) + " files" + difference_of(all, all[i]) + ")";
     if (all.size() > listed)
         list += ", and " + std::to_string(all.size() - listed) + " more";
     fail(ISO_E_USAGE, folder + ": " +
@@ -164,7 +191,9 @@ const DicomSeries *only_volume(const std::vector<DicomSeries> &all)
 
 DicomSeries choose_series(const std::string &folder, const char *wanted)
 {
-    const std::vector<DicomSeries> all = series_in(folder);
+    std::vector<DicomSeries> all = series_in(files_in(folder));
+    if (all.empty() && !holds_pictures(folder))
+        all = series_in(files_below(folder));
     if (all.empty())
         return {};
     for (size_t i = 0; wanted && i < all.size(); ++i)

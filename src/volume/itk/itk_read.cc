@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "volume/itk/dicom_series.h"
+#include "volume/itk/pictures.h"
 
 namespace {
 
@@ -19,7 +20,7 @@ namespace {
 
 class DicomReader : public PlaneReader {
 public:
-    DicomReader(const DicomSeries &series, const std::string &shown, size_t frame) : files_(series.files)
+    DicomReader(const DicomSeries &series, const std::string &shown, const Wanted &wanted) : files_(series.files)
     {
         std::vector<Plane> planes;
         const DicomFile &first = files_[0];
@@ -31,18 +32,42 @@ public:
             }
         if (planes.size() < 2)
             fail(ISO_E_FORMAT, first.path + ": is one slice; a volume is the folder of its slices");
-        const Stack stack = stack_of(planes, first.frames[0].u, first.frames[0].v, frame, shown);
+        const Stack stack = stack_of(planes, first.frames[0].u, first.frames[0].v, wanted, shown);
         if (stack.planes.size() < 2)
             fail(ISO_E_FORMAT, shown + ": one slice, " + std::to_string(stack.frames) + " times; a volume has more");
         order_ = stack.planes;
+        slices_ = stack.slices;
         take_size();
         take_stack(stack, planes[order_[0]].first);
         take_words(series);
+        take_made(stack, shown);
     }
 
-    void read_plane(char *out, size_t) override
+    void read_plane(char *out, size_t bytes) override
     {
-        const auto [f, k] = from_[order_[next_++]];
+        const size_t k = next_++;
+        if (slices_.empty())
+            return read_stored(order_[k], out);
+        const Between &between = slices_[k];
+        if (between.weight == 0 || between.weight == 1)
+            return read_stored(order_[between.weight == 0 ? between.first : between.second], out);
+        std::vector<char> second(bytes);
+        read_stored(order_[between.first], out);
+        read_stored(order_[between.second], second.data());
+        blend(header.type, between.weight, second.data(), bytes / bytes_of(header.type), out);
+    }
+
+private:
+    std::vector<DicomFile> files_;
+    std::vector<std::pair<size_t, size_t>> from_; /* of each plane, its file and the frame of that */
+    std::vector<size_t> order_;                   /* of the planes that are wanted */
+    std::vector<char> stored_;                    /* of the file held_ */
+    std::vector<Between> slices_;                 /* empty: each plane is a slice */
+    size_t held_ = 0, next_ = 0;
+
+    void read_stored(size_t plane, char *out)
+    {
+        const auto [f, k] = from_[plane];
         const DicomFile &file = files_[f];
         if (stored_.empty() || held_ != f) {
             stored_ = {};
@@ -51,13 +76,6 @@ public:
         }
         values_of_frame(file, k, stored_.data() + k * stored_frame_bytes(file), header.type, out);
     }
-
-private:
-    std::vector<DicomFile> files_;
-    std::vector<std::pair<size_t, size_t>> from_; /* of each plane, its file and the frame of that */
-    std::vector<size_t> order_;                   /* of the planes that are wanted */
-    std::vector<char> stored_;                    /* of the file held_ */
-    size_t held_ = 0, next_ = 0;
 
     /* Orders slices without positions by their numbers, at the distance of --spacing. */
     void place_by_number(const std::string &shown)
@@ -86,7 +104,7 @@ private:
     {
         header.size[0] = files_[0].columns;
         header.size[1] = files_[0].rows;
-        header.size[2] = order_.size();
+        header.size[2] = slices_.empty() ? order_.size() : slices_.size();
         header.type = type_of_values(files_);
     }
 
@@ -117,58 +135,14 @@ private:
                                  first.warning;
         snprintf(header.warning, sizeof header.warning, "%s", both.c_str());
     }
-};
 
-/* ---- pictures ---- */
-
-class PictureReader : public PlaneReader {
-public:
-    explicit PictureReader(const std::string &folder)
+    void take_made(const Stack &stack, const std::string &shown)
     {
-        open_pictures(folder);
-    }
-
-    void read_plane(char *out, size_t plane) override
-    {
-        /* The reader again: it holds its file open, and thousands of them are too many. */
-        read_samples(open_slice(slices_[next_].path), out, plane);
-        ++next_;
-    }
-
-private:
-    std::vector<Slice> slices_;
-    size_t next_ = 0;
-
-    void open_pictures(const std::string &folder)
-    {
-        std::vector<std::string> files;
-        for (const auto &entry : std::filesystem::directory_iterator(folder)) {
-            const std::string path = entry.path().string();
-            if (entry.is_regular_file() && entry.path().filename().string()[0] != '.')
-                files.push_back(path);
-        }
-        if (files.empty())
-            fail(ISO_E_FORMAT, folder + ": holds no regular file, which a slice is");
-        std::sort(files.begin(), files.end(), comes_before);
-        for (const auto &file : files)
-            slices_.push_back(open_slice(file));
-        for (const auto &s : slices_)
-            if (s.size[2] != 1)
-                fail(ISO_E_FORMAT, folder + ": holds volumes, not slices: " + s.path);
-        for (const auto &s : slices_)
-            if (s.type != slices_[0].type)
-                fail(ISO_E_FORMAT, folder + ": slices of different types: " + slices_[0].path + ", " + s.path);
-        for (const auto &s : slices_)
-            if (s.size != slices_[0].size)
-                fail(ISO_E_FORMAT, folder + ": slices of different sizes: " + slices_[0].path + ", " + s.path);
-        header.size[0] = slices_[0].size[0];
-        header.size[1] = slices_[0].size[1];
-        header.size[2] = slices_.size();
-        header.type = slices_[0].type;
-        header.world = ISO_CHILD_CENTERED;
-        for (int a = 0; a < 3; ++a)
-            header.step[a][a] = 1;
-        snprintf(header.unspaced, sizeof header.unspaced, "of its voxels, as pictures do not");
+        const std::string made = shown + ": " + std::to_string(stack.made) + " of " +
+                                 std::to_string(stack.slices.size()) + " slices are interpolated; " + header.warning;
+        if (stack.made > 0)
+            snprintf(header.warning, sizeof header.warning, "%s",
+                     header.warning[0] ? made.c_str() : made.substr(0, made.size() - 2).c_str());
     }
 };
 
@@ -182,11 +156,13 @@ void be_silent()
     gdcm::Trace::DebugOff();
 }
 
-std::unique_ptr<PlaneReader> open_file(const std::string &path, size_t frame)
+std::unique_ptr<PlaneReader> open_file(const std::string &path, const Wanted &wanted)
 {
     DicomFile file;
     if (read_dicom(path, file))
-        return std::make_unique<DicomReader>(DicomSeries{"", {file}, ""}, path, frame);
+        return std::make_unique<DicomReader>(DicomSeries{"", {file}, ""}, path, wanted);
+    if (std::filesystem::path(path).filename() == "DICOMDIR")
+        fail(ISO_E_FORMAT, path + ": the index of a folder; give the folder, which stands for all below it");
     if (has_mark_of_dicom(path))
         fail(ISO_E_FORMAT, path + ": a DICOM file without an image");
     open_slice(path);
@@ -197,13 +173,13 @@ std::unique_ptr<PlaneReader> open_reader(const std::string &path, const Wanted &
 {
     be_silent();
     if (!std::filesystem::is_directory(path))
-        return open_file(path, wanted.frame);
+        return open_file(path, wanted);
     const DicomSeries series = choose_series(path, wanted.part.empty() ? nullptr : wanted.part.c_str());
     if (!series.files.empty())
-        return std::make_unique<DicomReader>(series, path, wanted.frame);
+        return std::make_unique<DicomReader>(series, path, wanted);
     if (!wanted.part.empty())
         fail(ISO_E_USAGE, path + ": holds no series, --series chooses among those of a folder of DICOM slices");
-    return std::make_unique<PictureReader>(path);
+    return open_pictures(path, wanted.channel);
 }
 
 } // namespace

@@ -27,7 +27,7 @@ itk::ImageIOBase::Pointer reader_of(const std::string &path)
 iso_type type_of(const itk::ImageIOBase &io, const std::string &path)
 {
     using Type = itk::IOComponentEnum;
-    if (io.GetNumberOfComponents() != 1)
+    if (io.GetNumberOfComponents() < 1 || io.GetNumberOfComponents() > 4)
         fail(ISO_E_FORMAT, path + ": " + std::to_string(io.GetNumberOfComponents()) +
                                " components per voxel, not supported in this format");
     switch (io.GetComponentType()) {
@@ -107,6 +107,7 @@ Slice open_slice(const std::string &path)
         if (s.io->GetDimensions(a) != 1)
             fail(ISO_E_FORMAT, path + ": " + std::to_string(axes) + " axes, not supported in this format");
     s.type = type_of(*s.io, path);
+    s.stored = s.io->GetNumberOfComponents();
     for (unsigned a = 0; a < 3 && a < axes; ++a)
         s.size[a] = s.io->GetDimensions(a);
     return s;

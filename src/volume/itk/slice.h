@@ -20,6 +20,7 @@ struct Slice {
     itk::ImageIOBase::Pointer io;
     iso_type type = ISO_U8;
     std::array<size_t, 3> size{1, 1, 1};
+    size_t stored = 1; /* components of a pixel in the file */
 };
 
 /* Reads the header; throws Failure, or an exception of ITK. */

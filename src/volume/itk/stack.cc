@@ -154,26 +154,89 @@ void take_frame_step(const std::vector<Plane> &planes, const std::vector<size_t>
     }
 }
 
-/* Checks for a missing slice. */
-void check_steps(const std::vector<Plane> &planes, const Stack &stack, double same, const std::string &shown)
+/* Returns the vector from a plane of the stack to another. */
+Vector from_to(const std::vector<Plane> &planes, const Stack &stack, size_t a, size_t b)
 {
-    const Vector &mean = stack.step;
-    const double length = std::hypot(mean[0], mean[1], mean[2]);
+    Vector off;
+    for (size_t r = 0; r < 3; ++r)
+        off[r] = planes[stack.planes[b]].first[r] - planes[stack.planes[a]].first[r];
+    return off;
+}
+
+double length_of(const Vector &v)
+{
+    return std::hypot(v[0], v[1], v[2]);
+}
+
+/* Returns the place of each plane along the line from the first to the last, on which they have to be. */
+std::vector<double> places_along(const std::vector<Plane> &planes, const Stack &stack, double same,
+                                 const std::string &shown)
+{
+    const size_t count = stack.planes.size();
+    const Vector all = from_to(planes, stack, 0, count - 1);
+    const double length = length_of(all), most = 0.02 * length / static_cast<double>(count - 1) + same;
+    std::vector<double> at;
+    for (size_t i = 0; i < count; ++i) {
+        const Vector off = from_to(planes, stack, 0, i);
+        const double along = (off[0] * all[0] + off[1] * all[1] + off[2] * all[2]) / length;
+        const double beside = std::sqrt(std::max(0., length_of(off) * length_of(off) - along * along));
+        if (!(beside <= most))
+            fail(ISO_E_FORMAT, shown + ": " + planes[stack.planes[i]].name + " is " + number(beside) +
+                                   " mm off the line through the other slices");
+        at.push_back(along);
+    }
+    return at;
+}
+
+/* Puts slices at the smallest distance of two planes. */
+void resample(const std::vector<Plane> &planes, double same, const std::string &shown, Stack &stack)
+{
+    constexpr double most_times = 16;
+    const std::vector<double> at = places_along(planes, stack, same, shown);
+    const double count = static_cast<double>(at.size()), length = at.back();
+    double least = INFINITY;
+    for (size_t i = 1; i < at.size(); ++i)
+        least = std::min(least, at[i] - at[i - 1]);
+    const double steps = std::round(length / least);
+    if (!(steps < most_times * count))
+        fail(ISO_E_FORMAT, shown + ": --resample would make " + number(steps + 1) + " slices of " + number(count) +
+                               ", must be at most " + number(most_times * count) + "; the smallest distance is " +
+                               number(least) + " mm");
+    const double step = length / steps;
+    for (size_t k = 0, i = 0; k <= static_cast<size_t>(steps); ++k) {
+        const double place = step * static_cast<double>(k);
+        while (i + 2 < at.size() && at[i + 1] <= place)
+            ++i;
+        const double gap = at[i + 1] - at[i], exact = std::clamp((place - at[i]) / gap, 0., 1.);
+        const double weight = exact * gap <= same ? 0 : (1 - exact) * gap <= same ? 1 : exact;
+        stack.made += weight > 0 && weight < 1;
+        stack.slices.push_back({i, i + 1, weight});
+    }
+    const Vector all = from_to(planes, stack, 0, at.size() - 1);
+    for (size_t r = 0; r < 3; ++r)
+        stack.step[r] = all[r] / steps;
+}
+
+/* Checks for a missing slice. */
+void check_steps(const std::vector<Plane> &planes, double same, size_t uneven, const std::string &shown, Stack &stack)
+{
+    const Vector mean = stack.step;
+    const double length = length_of(mean);
     double widest = 0, off_by = 0;
     std::string behind;
     for (size_t i = 1; i < stack.planes.size(); ++i) {
-        const Plane &plane = planes[stack.planes[i]];
-        Vector off;
-        for (size_t r = 0; r < 3; ++r)
-            off[r] = plane.first[r] - planes[stack.planes[i - 1]].first[r];
+        const Vector off = from_to(planes, stack, i - 1, i);
         off_by = std::max(off_by, std::hypot(off[0] - mean[0], off[1] - mean[1], off[2] - mean[2]));
-        const double step = std::hypot(off[0], off[1], off[2]);
-        if (step > widest)
-            widest = step, behind = plane.name;
+        if (length_of(off) > widest)
+            widest = length_of(off), behind = planes[stack.planes[i]].name;
     }
-    if (!(off_by <= 0.02 * length + same))
-        fail(ISO_E_FORMAT, shown + ": slices are not equally far apart (one is missing?): " + number(widest) +
-                               " mm before " + behind + ", " + number(length) + " mm on average");
+    if (off_by <= 0.02 * length + same || uneven == ISO_UNEVEN_FORCE)
+        return;
+    if (uneven == ISO_UNEVEN_RESAMPLE)
+        return resample(planes, same, shown, stack);
+    fail(ISO_E_FORMAT, shown + ": slices are not equally far apart (one is missing?): " + number(widest) +
+                           " mm before " + behind + ", " + number(length) +
+                           " mm on average; --resample interpolates, --force-spacing takes the average");
 }
 
 /* Puts the step along the normal if rounding explains the difference: one unit in the last digit of the places per
@@ -195,7 +258,7 @@ void straighten(const std::vector<Plane> &planes, const Vector &n, double pixel,
 
 } // namespace
 
-Stack stack_of(const std::vector<Plane> &planes, const Vector &u, const Vector &v, size_t frame,
+Stack stack_of(const std::vector<Plane> &planes, const Vector &u, const Vector &v, const Wanted &wanted,
                const std::string &shown)
 {
     const Vector n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
@@ -209,7 +272,7 @@ Stack stack_of(const std::vector<Plane> &planes, const Vector &u, const Vector &
     for (const auto &place : places)
         if (place.size() != stack.frames)
             fail_at_one_place(planes, places, shown);
-    if (frame >= stack.frames)
+    if (wanted.frame >= stack.frames)
         fail(ISO_E_RANGE, shown + ": has no such frame");
     if (stack.frames > 1) {
         const size_t key = choose_key(planes, places, shown);
@@ -222,11 +285,11 @@ Stack stack_of(const std::vector<Plane> &planes, const Vector &u, const Vector &
             stack.frame_step = repetition / 1000, stack.frame_unit = "s";
     }
     for (const auto &place : places)
-        stack.planes.push_back(place[frame]);
+        stack.planes.push_back(place[wanted.frame]);
     const Vector &first = planes[stack.planes.front()].first, &last = planes[stack.planes.back()].first;
     for (size_t r = 0; r < 3 && places.size() > 1; ++r)
         stack.step[r] = (last[r] - first[r]) / static_cast<double>(places.size() - 1);
-    check_steps(planes, stack, same, shown);
+    check_steps(planes, same, wanted.uneven, shown, stack);
     straighten(planes, normal, pixel, stack);
     return stack;
 }

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: MIT */
+#include "volume/itk/pictures.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "volume/itk/bmp.h"
+#include "volume/itk/dicom_series.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/* Kinds of pictures, by their first bytes, or by their names: a damaged slice is an error, not left out. */
+const struct Kind {
+    const char *name, *starts[2], *endings[2];
+    size_t bytes;
+} kinds[] = {
+    {"PNG", {"\x89PNG", "\x89PNG"}, {".png", ".png"}, 4},
+    {"JPEG", {"\xff\xd8\xff", "\xff\xd8\xff"}, {".jpg", ".jpeg"}, 3},
+    {"TIFF", {"II*\0", "MM\0*"}, {".tif", ".tiff"}, 4},
+    {"BMP", {"BM", "BM"}, {".bmp", ".bmp"}, 2},
+};
+constexpr size_t bmp = 3;
+
+std::string lower(std::string text)
+{
+    for (char &c : text)
+        c = static_cast<char>(tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+/* Returns the kind of a file; NULL: no picture. */
+const Kind *kind_of(const fs::path &path)
+{
+    char head[4] = "";
+    const std::string ending = lower(path.extension().string());
+    for (const auto &kind : kinds)
+        if (ending == kind.endings[0] || ending == kind.endings[1])
+            return &kind;
+    std::ifstream(path, std::ios::binary).read(head, sizeof head);
+    for (const auto &kind : kinds)
+        for (const char *start : kind.starts)
+            if ((kind.bytes > 2 || ending.empty()) && memcmp(head, start, kind.bytes) == 0)
+                return &kind;
+    return nullptr;
+}
+
+/* Returns the file's name, each number in it replaced by one sign. */
+std::string pattern_of(const std::string &path)
+{
+    std::string text;
+    for (const char c : fs::path(path).filename().string())
+        if (!isdigit(static_cast<unsigned char>(c)))
+            text += c;
+        else if (text.empty() || text.back() != '#')
+            text += '#';
+    return text;
+}
+
+/* Returns the value that most files have; of equally many the first. */
+template <typename Value, typename Of> Value most_frequent(const std::vector<std::string> &files, Of of)
+{
+    std::map<Value, size_t> counts;
+    Value found{};
+    size_t most = 0;
+    for (const auto &file : files)
+        ++counts[of(file)];
+    for (const auto &file : files)
+        if (counts[of(file)] > most)
+            most = counts[of(file)], found = of(file);
+    return found;
+}
+
+std::vector<std::string> slices_in(const std::string &folder, std::string &warning)
+{
+    std::vector<std::string> pictures, chosen;
+    size_t files = 0;
+    for (const auto &entry : fs::directory_iterator(folder)) {
+        if (!entry.is_regular_file() || entry.path().filename().string()[0] == '.')
+            continue;
+        ++files;
+        if (kind_of(entry.path()))
+            pictures.push_back(entry.path().string());
+    }
+    if (pictures.empty())
+        fail(ISO_E_FORMAT, folder + (files == 0 ? ": holds no regular file, which a slice is"
+                                                : ": none of its " + std::to_string(files) +
+                                                      " files is a slice: DICOM, PNG, JPEG, TIFF or BMP"));
+    std::sort(pictures.begin(), pictures.end(), comes_before);
+    const Kind *kind = most_frequent<const Kind *>(pictures, [](const auto &f) { return kind_of(f); });
+    for (const auto &file : pictures)
+        if (kind_of(file) == kind)
+            chosen.push_back(file);
+        else if (warning.empty())
+            warning = file + " is left out: most slices are " + kind->name;
+    return chosen;
+}
+
+/* Returns where the names differ, if it is one number of each: its first digit in the first name. npos otherwise. */
+size_t place_of_number(const std::vector<std::string> &names)
+{
+    for (size_t at = names[0].size(); at-- > 0;) {
+        const auto is_digit = [&](const std::string &name, size_t i) {
+            return i < name.size() && isdigit(static_cast<unsigned char>(name[i]));
+        };
+        if (!is_digit(names[0], at) || (at > 0 && is_digit(names[0], at - 1)))
+            continue;
+        const auto after = [&](const std::string &name) { return name.find_first_not_of("0123456789", at); };
+        const std::string before = names[0].substr(0, at),
+                          rest = names[0].substr(std::min(after(names[0]), names[0].size()));
+        if (std::all_of(names.begin(), names.end(), [&](const std::string &name) {
+                return name.compare(0, at, before) == 0 && is_digit(name, at) &&
+                       name.substr(std::min(after(name), name.size())) == rest;
+            }))
+            return at;
+    }
+    return std::string::npos;
+}
+
+/* Refuses a gap in the numbers of the names, which are in their order. */
+void check_numbers(const std::string &folder, const std::vector<std::string> &names)
+{
+    const size_t at = place_of_number(names);
+    if (at == std::string::npos)
+        return;
+    const auto number = [&](size_t i) { return strtoull(names[i].c_str() + at, nullptr, 10); };
+    unsigned long long step = 0;
+    for (size_t i = 1; i < names.size(); ++i)
+        step = step == 0 ? number(i) - number(i - 1) : std::min(step, number(i) - number(i - 1));
+    for (size_t i = 1; i < names.size(); ++i)
+        if (number(i) - number(i - 1) != step)
+            fail(ISO_E_FORMAT, folder + ": number " + std::to_string(number(i - 1) + step) + " is missing between " +
+                                   names[i - 1] + " and " + names[i] +
+                                   "; put that slice there, or number the files evenly");
+}
+
+/* True for a PNG file of colors by a palette that are all gray. */
+bool is_gray_by_palette(const std::string &path)
+{
+    constexpr size_t color_type = 25, chunks = 33; /* bytes from the file's start */
+    std::ifstream file(path, std::ios::binary);
+    std::string head(chunks, 0), data;
+    if (!file.read(&head[0], chunks) || head.compare(0, 4, "\x89PNG") != 0 || head[color_type] != 3)
+        return false;
+    unsigned char start[8];
+    while (file.read(reinterpret_cast<char *>(start), sizeof start)) {
+        const uint32_t length = static_cast<uint32_t>(start[0]) << 24 | start[1] << 16 | start[2] << 8 | start[3];
+        if (memcmp(start + 4, "PLTE", 4) != 0) {
+            file.seekg(static_cast<std::streamoff>(length) + 4, std::ios::cur);
+            continue;
+        }
+        data.resize(std::min<size_t>(length, 768));
+        bool is_gray = static_cast<bool>(file.read(&data[0], static_cast<std::streamsize>(data.size())));
+        for (size_t i = 0; i + 2 < data.size(); i += 3)
+            is_gray = is_gray && data[i] == data[i + 1] && data[i] == data[i + 2];
+        return is_gray;
+    }
+    return false;
+}
+
+/* A picture, and the components of its pixels that are given: one if all are gray. */
+struct Picture : Slice {
+    Bitmap bitmap; /* of a BMP file, which has no reader of ITK */
+    size_t components = 1;
+};
+
+Picture open_picture(const std::string &path)
+{
+    Picture p;
+    if (kind_of(path) == &kinds[bmp]) {
+        p.bitmap = open_bitmap(path);
+        p.path = path;
+        p.size = {p.bitmap.width, p.bitmap.height, 1};
+        p.stored = p.components = p.bitmap.components;
+        return p;
+    }
+    static_cast<Slice &>(p) = open_slice(path);
+    p.components = is_gray_by_palette(path) ? 1 : p.stored;
+    return p;
+}
+
+template <typename T> void pick_as(const Picture &s, const char *samples, size_t channel, char *out)
+{
+    const size_t count = s.size[0] * s.size[1], n = s.stored;
+    for (size_t i = 0; i < count; ++i) {
+        T at[4];
+        memcpy(at, samples + i * n * sizeof(T), n * sizeof(T));
+        /* [itu-bt709], of the values as they are stored */
+        const float luminance = static_cast<float>(0.2126 * static_cast<double>(at[0]) +
+                                                   0.7152 * static_cast<double>(at[1]) +
+                                                   0.0722 * static_cast<double>(at[2]));
+        if (channel < n)
+            memcpy(out + i * sizeof(T), &at[channel], sizeof(T));
+        else
+            memcpy(out + i * sizeof luminance, &luminance, sizeof luminance);
+    }
+}
+
+void pick(const Picture &s, const char *samples, size_t channel, char *out)
+{
+    switch (bytes_of(s.type)) {
+    case 1: return pick_as<uint8_t>(s, samples, channel, out);
+    case 2: return pick_as<uint16_t>(s, samples, channel, out);
+    default: return pick_as<float>(s, samples, channel, out);
+    }
+}
+
+class PictureReader : public PlaneReader {
+public:
+    PictureReader(const std::string &folder, size_t channel) : channel_(channel)
+    {
+        std::string warning;
+        for (const auto &file : slices_in(folder, warning))
+            slices_.push_back(open_picture(file));
+        leave_out_overviews(warning);
+        check(folder);
+        std::vector<std::string> names;
+        for (const auto &slice : slices_)
+            names.push_back(fs::path(slice.path).filename().string());
+        check_numbers(folder, names);
+        const Picture &first = slices_[0];
+        header.size[0] = first.size[0];
+        header.size[1] = first.size[1];
+        header.size[2] = slices_.size();
+        header.type = channel < first.components ? first.type : ISO_F32;
+        header.channels = first.components;
+        header.is_color = first.components >= 3;
+        header.world = ISO_CHILD_CENTERED;
+        for (int a = 0; a < 3; ++a)
+            header.step[a][a] = 1;
+        snprintf(header.unspaced, sizeof header.unspaced, "of its voxels, as pictures do not");
+        snprintf(header.warning, sizeof header.warning, "%s", warning.c_str());
+    }
+
+    void read_plane(char *out, size_t plane) override
+    {
+        /* The reader again: it holds its file open, and thousands of them are too many. */
+        const Picture picture = open_picture(slices_[next_++].path);
+        std::vector<char> all(
+            picture.stored == 1 ? 0 : picture.size[0] * picture.size[1] * picture.stored * bytes_of(picture.type));
+        char *to = picture.stored == 1 ? out : all.data();
+        if (!picture.bitmap.path.empty())
+            read_bitmap(picture.bitmap, to);
+        else
+            read_samples(picture, to, picture.stored == 1 ? plane : all.size());
+        if (picture.stored > 1)
+            pick(picture, to, channel_, out);
+    }
+
+private:
+    std::vector<Picture> slices_;
+    size_t next_ = 0, channel_;
+
+    /* A scanner's overview has a name and a size of its own. */
+    void leave_out_overviews(std::string &warning)
+    {
+        std::vector<std::string> paths;
+        for (const auto &s : slices_)
+            paths.push_back(s.path);
+        const std::string pattern = most_frequent<std::string>(paths, pattern_of);
+        const auto usual = std::find_if(slices_.begin(), slices_.end(),
+                                        [&](const Picture &s) { return pattern_of(s.path) == pattern; });
+        const std::array<size_t, 3> size = usual->size;
+        for (size_t i = slices_.size(); i-- > 0;)
+            if (pattern_of(slices_[i].path) != pattern && slices_[i].size != size) {
+                warning = slices_[i].path + " is left out: of another name and size than the slices";
+                slices_.erase(slices_.begin() + static_cast<long>(i));
+            }
+    }
+
+    void check(const std::string &folder) const
+    {
+        const Picture &first = slices_[0];
+        for (const auto &s : slices_)
+            if (s.size[2] != 1)
+                fail(ISO_E_FORMAT, folder + ": holds volumes, not slices: " + s.path);
+        for (const auto &s : slices_)
+            if (s.type != first.type || s.components != first.components)
+                fail(ISO_E_FORMAT, folder + ": slices of different types: " + first.path + ", " + s.path);
+        for (const auto &s : slices_)
+            if (s.size != first.size)
+                fail(ISO_E_FORMAT, folder + ": slices of different sizes: " + first.path + ", " + s.path);
+        if (channel_ > (first.components >= 3 ? first.components : first.components - 1))
+            fail(ISO_E_RANGE, folder + ": has no such channel");
+    }
+};
+
+} // namespace
+
+bool holds_pictures(const std::string &folder)
+{
+    for (const auto &entry : fs::directory_iterator(folder))
+        if (entry.is_regular_file() && entry.path().filename().string()[0] != '.' && kind_of(entry.path()))
+            return true;
+    return false;
+}
+
+std::unique_ptr<PlaneReader> open_pictures(const std::string &folder, size_t channel)
+{
+    return std::make_unique<PictureReader>(folder, channel);
+}
