@@ -18,7 +18,7 @@ endif
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev zlib1g-dev \
 	libdeflate-dev libarchive-dev libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libnanovdb-dev libnanovdb-tools libboost-dev libcmocka-dev \
-	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev \
+	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev liblz4-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
 	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel \
 	python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev cppcheck valgrind strace \
@@ -104,7 +104,7 @@ itk := $(notdir $(lastword $(sort $(wildcard /usr/include/ITK-*))))
 itk_program := $(if $(itk),$(build)/isoshade-itk)
 itk_parts := Common IOImageBase IOPNG IOJPEG IOTIFF
 # Reads HDF5, netCDF, MINC and OME-Zarr.
-array_pkgs := hdf5-serial netcdf blosc libzstd jansson zlib
+array_pkgs := hdf5-serial netcdf blosc liblz4 libzstd jansson zlib
 # HDF5's high-level library has its own pkg-config file since HDF5 2; earlier it is next to the main library.
 hdf5_hl := $(or $(shell pkg-config --libs hdf5_serial_hl 2>/dev/null),-lhdf5_hl)
 arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) 2>/dev/null && echo yes),$(build)/isoshade-arrays)

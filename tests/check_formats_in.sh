@@ -23,7 +23,7 @@ npy: matrix_npy
 gipl: gipl
 hdf5: hdf5 hdf5_without_end damaged_bytes imaris minc
 netcdf: netcdf netcdf_headers numbers
-zarr: ome_zarr matrix_zarr
+zarr: ome_zarr matrix_zarr matrix_zarr3
 vdb: openvdb openvdb_of_isoshade
 raw: raw"
 "$ISOSHADE" list --json >list.json

@@ -281,6 +281,22 @@ def minc():
                         *steps, "-input", "minc.raw", "scaled.mnc", "7", "13", "11"], check=True, stdout=subprocess.DEVNULL)
         got = load("scaled.mnc")[0]
         expect(np.abs(got - values).max() < 0.1 and got.dtype == np.float32, f"values off by {np.abs(got - values).max()}")
+        # Frames and vectors, of which each slice has a scale of its own.
+        both = np.stack([values, 3 * values + 7])
+        both.tofile("minc4.raw")
+        subprocess.run(["rawtominc", "-clobber", *version, "-signed", "-short", "-oshort", "-osigned", "-scan_range", *steps,
+                        "-input", "minc4.raw", "times.mnc", "2", "7", "13", "11"], check=True, stdout=subprocess.DEVNULL)
+        refused("times.mnc", 2, "has 2 frames")
+        for k in range(2):
+            got = load("times.mnc", ["--frame", str(k)])[0]
+            expect(np.abs(got - both[k]).max() < 0.2, f"frame {k}: off by {np.abs(got - both[k]).max()}")
+        expect(np.abs(got - both[0]).max() > 1, "the frames are one")  # the test's power
+        np.ascontiguousarray(np.moveaxis(both, 0, -1)).tofile("minc4.raw")
+        subprocess.run(["rawtominc", "-clobber", *version, "-signed", "-short", "-oshort", "-osigned", "-range", "-32768", "32767",
+                        "-real_range", "-32768", "32767", *steps, "-vector", "2", "-input", "minc4.raw", "vector.mnc", "7", "13",
+                        "11"], check=True, stdout=subprocess.DEVNULL)
+        refused("vector.mnc", 2, "has 2 channels a voxel")
+        same("vector.mnc", both[1], options=["--channel", "1"], tolerance=1e-4)
 
 
 def zarr_group(path):
@@ -344,10 +360,18 @@ def ome_zarr():
     group.attrs["omero"] = {"channels": [{"label": "DAPI"}, {"label": "GFP"}]}
     refused("colors.zarr", 2, "has 2 channels a voxel; --channel chooses one of them: 0 DAPI, 1 GFP", ["--frame", "2"])
     same("colors.zarr", values + 5, np.diag(SPACING) / 1000, np.zeros(3), False, ["--frame", "2", "--channel", "gfp"])
-    os.makedirs("new.zarr", exist_ok=True)
+    os.makedirs("new.zarr/0", exist_ok=True)  # OME-Zarr 0.5, which is of Zarr 3
     with open("new.zarr/zarr.json", "w", encoding="ascii") as file:
-        file.write('{"zarr_format": 3}')
-    refused("new.zarr", 4, "is of Zarr 3 (OME-Zarr 0.5), which is not read")
+        json.dump({"zarr_format": 3, "node_type": "group", "attributes": {"ome": {
+            "version": "0.5", "multiscales": [{"axes": axes[1:], "datasets": [{"path": "0", "coordinateTransformations": [
+                {"type": s["type"], s["type"]: s[s["type"]][1:]} for s in scale]}]}]}}}, file)
+    with open("new.zarr/0/zarr.json", "w", encoding="ascii") as file:
+        json.dump({"zarr_format": 3, "node_type": "array", "shape": values.shape, "data_type": "uint16", "fill_value": 0,
+                   "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": values.shape}},
+                   "chunk_key_encoding": {"name": "v2"}, "codecs": [{"name": "bytes", "configuration": {"endian": "little"}}],
+                   "attributes": {}}, file)
+    values.astype("<u2").tofile("new.zarr/0/0.0.0")
+    same("new.zarr", values, np.diag(SPACING) / 1000, FIRST / 1000, False, unit="um")
     for dtype in np.float16, np.float32, np.int8, bool:
         stored = (phantom(np.int16) % 100).astype(dtype)
         zarr_array(zarr_group("types.zarr"), "0", stored)

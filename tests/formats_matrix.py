@@ -336,15 +336,98 @@ def matrix_zarr():
     os.remove("m.zarr/1.0.1")
     got = run("info", "m.zarr", *SAY)
     expect(got.returncode == 5 and "6 of 60 voxels have the fill value -9999" in got.stderr, got.stderr)
-    for codec in numcodecs.LZ4(), numcodecs.BZ2():
-        array(values, codec)
-        refused("m.zarr", 4, f'packed by "{codec.codec_id}", must be blosc, gzip, zlib, zstd or nothing', SAY)
+    array(values, numcodecs.LZ4())
+    check("m.zarr", values, None, SAY, "lz4")
+    array(values, numcodecs.BZ2())
+    refused("m.zarr", 4, 'packed by "bz2", must be blosc, gzip, lz4, zlib, zstd or nothing', SAY)
+    for dtype in ("<i2", ">u4", "|u1", "<f8", "<i8") if not new else ():
+        shutil.rmtree("m.zarr", ignore_errors=True)
+        made = zarr.open_array("m.zarr", mode="w", shape=values.shape, chunks=(2, 3, 2), dtype=dtype, fill_value=0,
+                               filters=[numcodecs.Delta(dtype)], compressor=numcodecs.LZ4())
+        made[...] = values_of(dtype[1:])
+        check("m.zarr", values_of(dtype[1:]), None, SAY, f"delta {dtype}")
+    shutil.rmtree("m.zarr", ignore_errors=True)
     array(values, None)
     with open("m.zarr/.zarray", encoding="utf-8") as file:
         about = json.load(file)
-    with open("m.zarr/.zarray", "w", encoding="utf-8") as file:
-        json.dump({**about, "filters": [{"id": "delta", "dtype": "<i2"}]}, file)
-    refused("m.zarr", 4, 'filtered by "delta", which is not read', SAY)
+    for filters, why in (([{"id": "quantize"}], 'filtered by "quantize", must be delta or nothing'),
+                         ([{"id": "delta", "dtype": "<i4"}], 'filtered by delta of the types "<i4" and ""')):
+        with open("m.zarr/.zarray", "w", encoding="utf-8") as file:
+            json.dump({**about, "filters": filters}, file)
+        refused("m.zarr", 4, why, SAY)
+
+
+def write_zarr3(values, codecs, pack, chunk=(2, 3, 2), shard=None, v2_keys=False, **more):
+    """By the specification of Zarr 3: a file per chunk, or per shard with an index at its end."""
+    names = {"b": "bool", "u": "uint", "i": "int", "f": "float"}
+    name = names[values.dtype.kind] + ("" if values.dtype.kind == "b" else str(8 * values.dtype.itemsize))
+    shutil.rmtree("m3.zarr", ignore_errors=True)
+    os.makedirs("m3.zarr")
+    outer = shard or chunk
+    if shard:
+        codecs = [{"name": "sharding_indexed", "configuration": {
+            "chunk_shape": chunk, "codecs": codecs, "index_location": more.get("index", "end"),
+            "index_codecs": [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "crc32c"}]}}]
+    about = {"zarr_format": 3, "node_type": "array", "shape": values.shape, "data_type": name, "fill_value": 0,
+             "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": outer}},
+             "chunk_key_encoding": {"name": "v2" if v2_keys else "default"}, "codecs": codecs, "attributes": {}}
+    with open("m3.zarr/zarr.json", "w", encoding="utf-8") as file:
+        json.dump({**about, "dimension_names": ["z", "y", "x"]}, file)
+
+    def piece(at, of):
+        full = np.zeros(of, values.dtype)
+        part = values[tuple(slice(i * n, (i + 1) * n) for i, n in zip(at, of))]
+        full[tuple(slice(0, n) for n in part.shape)] = part
+        return full
+
+    for at in itertools.product(*(range(-(-n // c)) for n, c in zip(values.shape, outer))):
+        block = piece(at, outer)
+        if shard:
+            body, index = b"", b""
+            start = 16 * int(np.prod([s // c for s, c in zip(shard, chunk)])) + 4 if more.get("index") == "start" else 0
+            for inner in itertools.product(*(range(s // c) for s, c in zip(shard, chunk))):
+                part = block[tuple(slice(i * c, (i + 1) * c) for i, c in zip(inner, chunk))]
+                packed = pack(part) if part.any() else b""
+                index += struct.pack("<QQ", start + len(body), len(packed)) if packed else b"\xff" * 16
+                body += packed
+            data = index + b"\0" * 4 + body if start else body + index + b"\0" * 4
+        else:
+            data = pack(block)
+        path = "m3.zarr/" + (".".join(map(str, at)) if v2_keys else "c/" + "/".join(map(str, at)))
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "wb") as file:
+            file.write(data)
+
+
+@case
+def matrix_zarr3():
+    import numcodecs
+    little, big = ({"name": "bytes", "configuration": {"endian": e}} for e in ("little", "big"))
+    blosc = numcodecs.Blosc("zstd", shuffle=1)
+    packers = [([], bytes), ([{"name": "gzip"}], numcodecs.GZip().encode), ([{"name": "zstd"}], numcodecs.Zstd().encode),
+               ([{"name": "blosc"}], blosc.encode), ([{"name": "crc32c"}], lambda b: b + b"\0" * 4)]
+    forms = [{}, {"shard": (4, 6, 4)}, {"v2_keys": True}, {"shard": (4, 3, 6), "index": "start"}]
+    for dtype, (codecs, encode), form, order in zip((*TYPES, "f2") * 2, itertools.cycle(packers), itertools.cycle(forms),
+                                                    itertools.cycle((little, big, little))):
+        values = values_of(dtype)
+
+        def pack(block, to="<" if order is little else ">", encode=encode):
+            return bytes(encode(block.astype(block.dtype.newbyteorder(to)).tobytes()))
+        write_zarr3(values, [order, *codecs], pack, **form)
+        check("m3.zarr", values, None, SAY, f"{dtype} {codecs} {form}")
+    write_zarr3(values_of("i2"), [{"name": "transpose", "configuration": {"order": [2, 1, 0]}}, little],
+                lambda block: block.T.tobytes())
+    check("m3.zarr", values_of("i2"), None, SAY, "transposed")
+    write_zarr3(values_of("i2"), [{"name": "transpose", "configuration": {"order": [0, 2, 1]}}, little], bytes)
+    refused("m3.zarr", 4, "a transposition that is not a reversal of all axes", SAY)
+    write_zarr3(values_of("i2"), [little, {"name": "bz2"}], lambda block: block.tobytes())
+    refused("m3.zarr", 4, 'packed by "bz2", must be', SAY)
+    write_zarr3(values_of("i2"), [little], lambda block: block.tobytes(), shard=(4, 6, 4))
+    with open("m3.zarr/c/0/0/0", "r+b") as file:  # an index beyond the file's end
+        file.seek(-20, 2)
+        file.write(struct.pack("<Q", 1 << 60))
+    got = run("build", "m3.zarr", *SAY, "-q", "-o", "matrix.iso")
+    expect(got.returncode == 4 and "damaged: a chunk at byte" in got.stderr, got.stderr)
 
 
 # ---- MRC by mrcfile ----

@@ -12,7 +12,7 @@
 static iso_status open_arrays(iso_volume_source *source, iso_error *err)
 {
     static const iso_child_program arrays = {"isoshade-arrays", "HDF5 or netCDF",
-                                             "libhdf5-dev, libnetcdf-dev, libblosc-dev and libzstd-dev"};
+                                             "libhdf5-dev, libnetcdf-dev, libblosc-dev, liblz4-dev and libzstd-dev"};
     const iso_status status = iso_path_is_dir(source->path) ? iso_inputs_note_folder(source->path, err) : ISO_OK;
     return status == ISO_OK ? iso_child_open(source, &arrays, source->part, err) : status;
 }
@@ -64,10 +64,10 @@ const iso_volume_format iso_volume_format_netcdf = {
 
 const iso_volume_format iso_volume_format_zarr = {
     .name = "zarr",
-    .title = "OME-Zarr 0.4 and Zarr 2",
-    .summary = "a folder, its largest level or FOLDER:ARRAY; blosc, gzip, zlib and zstd, chunk by chunk",
+    .title = "OME-Zarr and Zarr 2 and 3",
+    .summary = "a folder, its largest level or FOLDER:ARRAY; shards, blosc, gzip, lz4, zlib and zstd, chunk by chunk",
     .suffixes = ".ome.zarr .zarr",
-    .starts = "a folder with .zattrs or .zarray",
+    .starts = "a folder with .zattrs, .zarray or zarr.json",
     .takes_part = true,
     .probe_path = is_zarr,
     .open = open_arrays,

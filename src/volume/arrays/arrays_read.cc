@@ -84,7 +84,8 @@ struct Axes {
 
 bool is_channel(const std::string &name)
 {
-    return name == "c" || name == "channel" || name == "channels" || name == "band" || name == "component";
+    return name == "c" || name == "channel" || name == "channels" || name == "band" || name == "component" ||
+           name == "vector_dimension";
 }
 
 /* Finds the axes of space. Axes of one sample are left out until three remain; with more, x, y and z have to be
@@ -141,7 +142,7 @@ public:
         place(*store_, array_, axes_.space, shown_, header);
         if (header.frames > 1)
             take_frame_step(*store_, array_, axes_.frame < 0 ? 0 : static_cast<size_t>(axes_.frame), header);
-        scales_ = take_scale(*store_, array_, header.size[2], shown_, header);
+        scales_ = take_scale(*store_, array_, header.size[2], wanted.frame, shown_, header);
         if (!scales_.slope.empty())
             header.type = ISO_F32;
         header.is_whole = array_.is_whole && scales_.slope.empty();

@@ -9,9 +9,9 @@ int world_axis_of(const std::string &name, const std::string &letter)
     static const struct {
         int axis;
         const char *name;
-    } known[] = {{0, "x"},      {0, "lon"},      {0, "longitude"}, {0, "easting"}, {1, "y"},
-                 {1, "lat"},    {1, "latitude"}, {1, "northing"},  {2, "z"},       {2, "depth"},
-                 {2, "height"}, {2, "altitude"}, {2, "lev"},       {2, "level"}};
+    } known[] = {{0, "xspace"},  {1, "yspace"}, {2, "zspace"},   {0, "x"},        {0, "lon"},      {0, "longitude"},
+                 {0, "easting"}, {1, "y"},      {1, "lat"},      {1, "latitude"}, {1, "northing"}, {2, "z"},
+                 {2, "depth"},   {2, "height"}, {2, "altitude"}, {2, "lev"},      {2, "level"}};
     if (letter == "X" || letter == "Y" || letter == "Z")
         return letter[0] - 'X';
     std::string low;
@@ -188,12 +188,24 @@ void type_range(iso_type type, double range[2])
     range[1] = std::ldexp(1, is_signed ? bits - 1 : bits) - 1;
 }
 
-SliceScales minc_scale(Store &store, const Array &array, size_t planes, const std::string &path,
+/* Keeps the scales of a frame, of a file that has them for each slice of each frame, or for each frame. */
+void take_frame(std::vector<double> &scales, size_t planes, size_t frame, const iso_child_header &header)
+{
+    const size_t frames = std::max<size_t>(header.frames, 1);
+    const size_t count = scales.size() == frames * planes ? planes : scales.size() == frames ? 1 : 0;
+    if (frames > 1 && count > 0)
+        scales = {scales.begin() + static_cast<long>(frame * count),
+                  scales.begin() + static_cast<long>((frame + 1) * count)};
+}
+
+SliceScales minc_scale(Store &store, const Array &array, size_t planes, size_t frame, const std::string &path,
                        iso_child_header &header)
 {
     const std::string folder = array.name.substr(0, array.name.find_last_of('/') + 1);
-    const auto least = store.values(folder + "image-min"), most = store.values(folder + "image-max");
+    auto least = store.values(folder + "image-min"), most = store.values(folder + "image-max");
     SliceScales scales;
+    take_frame(least, planes, frame, header);
+    take_frame(most, planes, frame, header);
     if (array.type == ISO_F32 || array.type == ISO_F64 || least.empty() || least.size() != most.size())
         return scales;
     double range[2];
@@ -225,12 +237,14 @@ SliceScales minc_scale(Store &store, const Array &array, size_t planes, const st
 
 } // namespace
 
-SliceScales take_scale(Store &store, const Array &array, size_t planes, const std::string &path,
+SliceScales take_scale(Store &store, const Array &array, size_t planes, size_t frame, const std::string &path,
                        iso_child_header &header)
 {
     const std::string leaf = array.name.substr(array.name.find_last_of('/') + 1);
-    if (leaf == "image" && !array.axes.back().empty() && array.axes.back().find("space") != std::string::npos)
-        return minc_scale(store, array, planes, path, header);
+    const bool is_minc = std::any_of(array.axes.begin(), array.axes.end(),
+                                     [](const std::string &axis) { return axis == "xspace"; });
+    if (leaf == "image" && is_minc)
+        return minc_scale(store, array, planes, frame, path, header);
     const auto slope = store.numbers(array.name, "scale_factor"), offset = store.numbers(array.name, "add_offset");
     if (slope.size() == 1 && slope[0] != 0)
         header.slope = slope[0];

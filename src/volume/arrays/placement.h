@@ -18,7 +18,7 @@ struct SliceScales {
     std::vector<double> slope, intercept; /* empty, or of each plane */
 };
 /* A scale that is the same everywhere goes into the header. */
-SliceScales take_scale(Store &store, const Array &array, size_t planes, const std::string &path,
+SliceScales take_scale(Store &store, const Array &array, size_t planes, size_t frame, const std::string &path,
                        iso_child_header &header);
 
 #endif

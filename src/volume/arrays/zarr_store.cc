@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* zarr_store.cc - Zarr 2: one folder per array. Its `.zarray` describes how the chunks are packed, one file each;
- * attributes stand in `.zattrs`. OME-Zarr 0.4 adds axes and scales in the attributes of the folder above
- * [moore-2023]. */
+/* zarr_store.cc - Zarr 2 and 3: one folder per array. Its `.zarray` describes how the chunks are packed, one file each;
+ * attributes stand in `.zattrs`. Zarr 3 has both in `zarr.json`, and may put many chunks into one file, a shard.
+ * OME-Zarr 0.4 and 0.5 add axes and scales in the attributes of the folder above [moore-2023]. */
 #include <blosc.h>
 #include <jansson.h>
+#include <lz4.h>
 #include <zlib.h>
 #include <zstd.h>
 
@@ -66,14 +67,54 @@ std::string word(const json_t *object, const char *key)
     return text ? text : "";
 }
 
+bool is_of_version_3(const std::string &folder)
+{
+    return fs::exists(folder + "/zarr.json");
+}
+
+/* True if the folder is an array, of either version. */
+bool is_array(const std::string &folder)
+{
+    return is_of_version_3(folder) ? word(Json(folder + "/zarr.json"), "node_type") == "array"
+                                   : fs::exists(folder + "/.zarray");
+}
+
+/* The attributes of a folder. */
+class Attributes {
+public:
+    explicit Attributes(const std::string &folder)
+        : is_3_(is_of_version_3(folder)), file_(folder + (is_3_ ? "/zarr.json" : "/.zattrs"))
+    {
+    }
+    operator const json_t *() const
+    {
+        return is_3_ ? json_object_get(file_, "attributes") : static_cast<const json_t *>(file_);
+    }
+    /* Returns those of OME, which version 0.5 puts into an object of their own. */
+    const json_t *ome() const
+    {
+        const json_t *own = json_object_get(*this, "ome");
+        return own ? own : static_cast<const json_t *>(*this);
+    }
+
+private:
+    bool is_3_;
+    Json file_;
+};
+
 /* How an array's chunks are stored. */
 struct Layout {
     std::vector<size_t> size, chunk;
     std::string kind; /* of numpy: "<u2" without its byte order */
     size_t bytes = 0; /* of a sample */
     bool swapped = false, fortran = false;
-    std::string codec, separator = ".";
+    std::string codec, separator = ".", prefix; /* before the chunk's numbers */
     double fill = 0;
+    std::vector<std::string> deltas; /* the types of numpy of filters: sums of differences */
+    size_t ending = 0;               /* bytes of a checksum after the packed bytes */
+    std::vector<size_t> shard;       /* chunks per shard, along each axis; empty: a file per chunk */
+    bool index_first = false;        /* a shard's index is before its chunks; false: after them */
+    size_t index_ending = 0;
 };
 
 template <typename T> void put_number(double value, char *out)
@@ -88,8 +129,6 @@ public:
     {
         while (folder_.size() > 1 && folder_.back() == '/')
             folder_.pop_back();
-        if (fs::exists(folder_ + "/zarr.json"))
-            fail(ISO_E_FORMAT, folder_ + ": is of Zarr 3 (OME-Zarr 0.5), which is not read; Zarr 2 (OME-Zarr 0.4) is");
     }
 
     std::vector<Array> arrays() override
@@ -102,13 +141,13 @@ public:
 
     std::vector<double> numbers(const std::string &array, const std::string &attribute) override
     {
-        const Json attributes(path_of(array) + "/.zattrs");
+        const Attributes attributes(path_of(array));
         return numbers_of(json_object_get(attributes, attribute.c_str()));
     }
 
     std::string text(const std::string &array, const std::string &attribute) override
     {
-        const Json attributes(path_of(array) + "/.zattrs");
+        const Attributes attributes(path_of(array));
         return word(attributes, attribute.c_str());
     }
 
@@ -116,7 +155,7 @@ public:
     {
         const size_t at = array.name.find_last_of('/');
         const std::string name = (at == std::string::npos ? "" : array.name.substr(0, at + 1)) + array.axes[axis];
-        return !array.axes[axis].empty() && fs::exists(path_of(name) + "/.zarray") ? name : "";
+        return !array.axes[axis].empty() && is_array(path_of(name)) ? name : "";
     }
 
     std::vector<double> values(const std::string &name) override
@@ -175,8 +214,8 @@ public:
 
     std::string main_array(size_t, size_t) override
     {
-        const Json attributes(folder_ + "/.zattrs");
-        const json_t *all = json_object_get(attributes, "multiscales");
+        const Attributes attributes(folder_);
+        const json_t *all = json_object_get(attributes.ome(), "multiscales");
         if (json_array_size(all) > 1)
             fail(ISO_E_FORMAT,
                  folder_ + ": holds " + std::to_string(json_array_size(all)) + " multiscale images, must be one");
@@ -189,7 +228,7 @@ public:
         std::vector<std::string> names;
         if (!image.attributes)
             return names;
-        const json_t *channels = json_object_get(json_object_get(*image.attributes, "omero"), "channels");
+        const json_t *channels = json_object_get(json_object_get(image.attributes->ome(), "omero"), "channels");
         for (size_t c = 0; c < json_array_size(channels); ++c)
             names.push_back(word(json_array_get(channels, c), "label"));
         return names;
@@ -235,7 +274,7 @@ public:
 private:
     /* Of a multiscale image: all of it, and the level that an array is. */
     struct Image {
-        std::shared_ptr<Json> attributes;
+        std::shared_ptr<Attributes> attributes;
         const json_t *image = nullptr, *level = nullptr;
     };
 
@@ -280,8 +319,8 @@ private:
         const std::string group = at == std::string::npos ? "" : array.substr(0, at);
         if (array.empty())
             return image;
-        image.attributes = std::make_shared<Json>(path_of(group) + "/.zattrs");
-        const json_t *all = json_object_get(*image.attributes, "multiscales");
+        image.attributes = std::make_shared<Attributes>(path_of(group));
+        const json_t *all = json_object_get(image.attributes->ome(), "multiscales");
         for (size_t i = 0; i < json_array_size(all); ++i) {
             const json_t *datasets = json_object_get(json_array_get(all, i), "datasets");
             for (size_t k = 0; k < json_array_size(datasets); ++k)
@@ -317,7 +356,7 @@ private:
     /* Folders that have an array; those of its chunks are not looked through. */
     void collect(const std::string &name, int depth, std::vector<Array> &all)
     {
-        if (fs::exists(path_of(name) + "/.zarray")) {
+        if (is_array(path_of(name))) {
             all.push_back(describe(name));
             return;
         }
@@ -330,14 +369,132 @@ private:
 
     static bool take_codec(const json_t *meta, Layout &l, std::string &refused)
     {
-        static const char *const known[] = {"", "zlib", "gzip", "zstd", "blosc"};
-        const json_t *compressor = json_object_get(meta, "compressor"), *filters = json_object_get(meta, "filters");
-        l.codec = word(compressor, "id");
-        if (json_array_size(filters) > 0)
-            refused = "filtered by \"" + word(json_array_get(filters, 0), "id") + "\", which is not read";
-        else if (std::find(std::begin(known), std::end(known), l.codec) == std::end(known))
-            refused = "packed by \"" + l.codec + "\", must be blosc, gzip, zlib, zstd or nothing";
+        const json_t *filters = json_object_get(meta, "filters");
+        for (size_t i = 0; i < json_array_size(filters) && refused.empty(); ++i) {
+            const json_t *filter = json_array_get(filters, i);
+            const std::string id = word(filter, "id"), type = word(filter, "dtype"), stored = word(filter, "astype");
+            if (id != "delta")
+                refused = "filtered by \"" + id + "\", must be delta or nothing";
+            else if (type.size() != 3 || type.substr(1) != l.kind || (!stored.empty() && stored != type) ||
+                     l.kind == "f2")
+                refused = "filtered by delta of the types \"" + type + "\" and \"" + stored +
+                          "\", must be that of the array";
+            l.deltas.push_back(type);
+        }
+        return refused.empty() && take_packer(word(json_object_get(meta, "compressor"), "id"), l, refused);
+    }
+
+    static bool take_packer(const std::string &name, Layout &l, std::string &refused)
+    {
+        static const char *const known[] = {"", "zlib", "gzip", "zstd", "blosc", "lz4"};
+        l.codec = name;
+        if (std::find(std::begin(known), std::end(known), l.codec) == std::end(known))
+            refused = "packed by \"" + l.codec + "\", must be blosc, gzip, lz4, zlib, zstd or nothing";
         return refused.empty();
+    }
+
+    /* ---- Zarr 3 ---- */
+
+    static std::vector<size_t> sizes_in(const json_t *object, const char *key)
+    {
+        std::vector<size_t> sizes;
+        for (const double n : numbers_of(json_object_get(object, key)))
+            sizes.push_back(n >= 0 && n < 9e15 ? static_cast<size_t>(n) : 0);
+        return sizes;
+    }
+
+    /* Reads the name of a codec or type: a text, or an object with a name. */
+    static std::string name_of(const json_t *value)
+    {
+        return json_is_string(value) ? json_string_value(value) : word(value, "name");
+    }
+
+    /* Applies the codecs, whose order is that of writing: an array's order and bytes, then packers of bytes. */
+    static bool take_codecs(const json_t *codecs, Layout &l, std::string &refused)
+    {
+        for (size_t i = 0; i < json_array_size(codecs) && refused.empty(); ++i) {
+            const json_t *codec = json_array_get(codecs, i), *about = json_object_get(codec, "configuration");
+            const std::string name = name_of(codec);
+            if (name == "bytes")
+                l.swapped = word(about, "endian") == "big" && l.bytes > 1;
+            else if (name == "crc32c")
+                l.ending += 4;
+            else if (name == "transpose")
+                take_order(about, l, refused);
+            else if (name == "sharding_indexed")
+                take_shards(about, l, refused);
+            else if (!l.codec.empty())
+                refused = "packed by \"" + l.codec + "\" and \"" + name + "\", must be one";
+            else
+                take_packer(name, l, refused);
+        }
+        return refused.empty();
+    }
+
+    static void take_order(const json_t *about, Layout &l, std::string &refused)
+    {
+        const auto order = sizes_in(about, "order");
+        bool is_plain = order.size() == l.size.size(), is_reversed = is_plain;
+        for (size_t a = 0; a < order.size(); ++a) {
+            is_plain = is_plain && order[a] == a;
+            is_reversed = is_reversed && order[a] == order.size() - 1 - a;
+        }
+        l.fortran = is_reversed && !is_plain;
+        if (!is_plain && !is_reversed)
+            refused = "a transposition that is not a reversal of all axes, which is not read";
+    }
+
+    static void take_shards(const json_t *about, Layout &l, std::string &refused)
+    {
+        const std::vector<size_t> inner = sizes_in(about, "chunk_shape"), outer = l.chunk;
+        const json_t *index = json_object_get(about, "index_codecs");
+        if (!l.shard.empty() || inner.size() != outer.size() || std::count(inner.begin(), inner.end(), 0)) {
+            refused = "\"chunk_shape\" of its shards does not fit";
+            return;
+        }
+        for (size_t a = 0; a < inner.size(); ++a) {
+            l.shard.push_back(outer[a] / inner[a]);
+            if (outer[a] % inner[a] != 0)
+                refused = "a shard that its chunks do not fill";
+        }
+        l.chunk = inner;
+        l.index_first = word(about, "index_location") == "start";
+        for (size_t i = 0; i < json_array_size(index); ++i) {
+            const std::string name = name_of(json_array_get(index, i));
+            if (name == "crc32c")
+                l.index_ending = 4;
+            else if (name != "bytes" ||
+                     word(json_object_get(json_array_get(index, i), "configuration"), "endian") == "big")
+                refused = "an index of shards by \"" + name + "\", must be bytes, little-endian, and crc32c";
+        }
+        if (refused.empty())
+            take_codecs(json_object_get(about, "codecs"), l, refused);
+    }
+
+    static bool take_meta_3(const json_t *meta, Layout &l, iso_type &type, std::string &refused)
+    {
+        static const struct {
+            const char *name, *kind;
+        } names[] = {{"bool", "|b1"},  {"uint8", "|u1"},   {"int8", "|i1"},    {"uint16", "<u2"},
+                     {"int16", "<i2"}, {"uint32", "<u4"},  {"int32", "<i4"},   {"uint64", "<u8"},
+                     {"int64", "<i8"}, {"float16", "<f2"}, {"float32", "<f4"}, {"float64", "<f8"}};
+        const std::string name = name_of(json_object_get(meta, "data_type"));
+        std::string kind = name;
+        for (const auto &n : names)
+            kind = name == n.name ? n.kind : kind;
+        const json_t *grid = json_object_get(meta, "chunk_grid"), *keys = json_object_get(meta, "chunk_key_encoding");
+        const bool is_default = word(keys, "name") != "v2";
+        l.size = sizes_in(meta, "shape");
+        l.chunk = sizes_in(json_object_get(grid, "configuration"), "chunk_shape");
+        l.separator = word(json_object_get(keys, "configuration"), "separator");
+        l.separator = l.separator.empty() ? (is_default ? "/" : ".") : l.separator;
+        l.prefix = is_default ? "c" : "";
+        if (word(grid, "name") != "regular")
+            refused = "a grid of chunks \"" + word(grid, "name") + "\", must be regular";
+        else if (l.size.size() != l.chunk.size() || std::count(l.chunk.begin(), l.chunk.end(), 0))
+            refused = "\"shape\" and \"chunk_shape\" of zarr.json do not fit";
+        return refused.empty() && take_type(kind, l, type, refused) &&
+               take_codecs(json_object_get(meta, "codecs"), l, refused);
     }
 
     static bool take_type(const std::string &dtype, Layout &l, iso_type &type, std::string &refused)
@@ -382,13 +539,14 @@ private:
 
     Array describe(const std::string &name)
     {
-        const std::string path = path_of(name) + "/.zarray";
-        const Json meta(path), attributes(path_of(name) + "/.zattrs");
+        const bool is_3 = is_of_version_3(path_of(name));
+        const Json meta(path_of(name) + (is_3 ? "/zarr.json" : "/.zarray"));
+        const Attributes attributes(path_of(name));
         Array array;
         Layout l;
         array.name = name;
-        if (json_integer_value(json_object_get(meta, "zarr_format")) != 2)
-            array.refused = "\"zarr_format\" of .zarray must be 2";
+        if (json_integer_value(json_object_get(meta, "zarr_format")) != (is_3 ? 3 : 2))
+            array.refused = is_3 ? "\"zarr_format\" of zarr.json must be 3" : "\"zarr_format\" of .zarray must be 2";
         const json_t *fill = json_object_get(meta, "fill_value");
         const std::string special = json_is_string(fill) ? json_string_value(fill) : "";
         l.fill = special == "NaN"         ? std::numeric_limits<double>::quiet_NaN()
@@ -399,21 +557,28 @@ private:
         l.fortran = word(meta, "order") == "F";
         if (!word(meta, "dimension_separator").empty())
             l.separator = word(meta, "dimension_separator");
-        if (take_sizes(meta, l, array.refused) && take_type(word(meta, "dtype"), l, array.type, array.refused) &&
-            take_codec(meta, l, array.refused))
+        if (is_3)
+            take_meta_3(meta, l, array.type, array.refused);
+        else if (take_sizes(meta, l, array.refused) && take_type(word(meta, "dtype"), l, array.type, array.refused) &&
+                 take_codec(meta, l, array.refused))
+            check_chunks(l, array.refused);
+        if (is_3 && array.refused.empty())
             check_chunks(l, array.refused);
         array.size = l.size; /* also of refused arrays, whose name and cause the message has */
         array.is_whole = l.kind == "i8" || l.kind == "u8";
         for (size_t a = 0; a < l.size.size(); ++a)
-            array.axes.push_back(axis_name(name, attributes, a));
+            array.axes.push_back(axis_name(name,
+                                           is_3 ? json_object_get(meta, "dimension_names")
+                                                : json_object_get(attributes, "_ARRAY_DIMENSIONS"),
+                                           a));
         array.chunk = l.chunk;
         layouts_[name] = l;
         return array;
     }
 
-    std::string axis_name(const std::string &name, const json_t *attributes, size_t axis) const
+    std::string axis_name(const std::string &name, const json_t *names, size_t axis) const
     {
-        const char *text = json_string_value(json_array_get(json_object_get(attributes, "_ARRAY_DIMENSIONS"), axis));
+        const char *text = json_string_value(json_array_get(names, axis));
         if (text)
             return text;
         const Image image = image_of(name);
@@ -482,20 +647,98 @@ private:
                                std::to_string(static_cast<size_t>(bytes)) + " bytes");
     }
 
-    /* Loads a chunk's samples as stored; none if the chunk was never written. */
-    std::vector<char> load_chunk(const Array &array, const Layout &l, const std::vector<size_t> &at) const
+    /* Reads bytes of a file; all of it if `bytes` is 0. */
+    static std::string bytes_in(const std::string &path, size_t at, size_t bytes)
     {
-        std::string name;
-        for (const size_t i : at)
-            name += (name.empty() ? "" : l.separator) + std::to_string(i);
-        const std::string path = path_of(array.name) + "/" + (name.empty() ? "0" : name);
-        if (!has_file(path))
-            return {};
         std::ifstream file(path, std::ios::binary);
-        const std::string packed((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-        if (chunk_bytes(l) > MOST_OF_A_BYTE * static_cast<double>(packed.size()))
+        if (bytes == 0)
+            return {std::istreambuf_iterator<char>(file), {}};
+        std::string data(bytes, 0);
+        file.seekg(static_cast<std::streamoff>(at));
+        if (!file.read(&data[0], static_cast<std::streamsize>(bytes)))
+            fail(ISO_E_FORMAT, path + ": truncated: no " + std::to_string(bytes) + " bytes at " + std::to_string(at));
+        return data;
+    }
+
+    /* Returns the packed bytes of chunk number k of a shard; none if it was never written. */
+    static std::string chunk_in_shard(const std::string &path, const Layout &l, size_t k)
+    {
+        size_t chunks = 1;
+        for (const size_t n : l.shard)
+            chunks *= n;
+        const size_t all = static_cast<size_t>(fs::file_size(path)), index = 16 * chunks + l.index_ending;
+        uint64_t entry[2];
+        if (index > all)
+            fail(ISO_E_FORMAT, path + ": truncated: " + std::to_string(all) + " bytes, the index of its shard has " +
+                                   std::to_string(index));
+        const std::string data = bytes_in(path, (l.index_first ? 0 : all - index) + 16 * k, sizeof entry);
+        memcpy(entry, data.data(), sizeof entry);
+        if (entry[0] == UINT64_MAX && entry[1] == UINT64_MAX)
+            return "";
+        if (entry[1] == 0 || entry[0] > all || entry[1] > all - entry[0])
+            fail(ISO_E_FORMAT,
+                 path + ": damaged: a chunk at byte " + std::to_string(entry[0]) + " of " + std::to_string(all));
+        return bytes_in(path, entry[0], entry[1]);
+    }
+
+    /* Returns the packed bytes of a chunk, and its file; none if it was never written. */
+    std::string packed_chunk(const Array &array, const Layout &l, const std::vector<size_t> &at,
+                             std::string &path) const
+    {
+        std::string name = l.prefix;
+        size_t k = 0;
+        for (size_t a = 0; a < at.size(); ++a) {
+            const size_t per = l.shard.empty() ? 1 : l.shard[a];
+            name += (name.empty() ? "" : l.separator) + std::to_string(at[a] / per);
+            k = k * per + at[a] % per;
+        }
+        path = path_of(array.name) + "/" + (name.empty() ? "0" : name);
+        if (!has_file(path))
+            return "";
+        const std::string packed = l.shard.empty() ? bytes_in(path, 0, 0) : chunk_in_shard(path, l, k);
+        if (l.shard.empty() && packed.empty())
             fail_to_unpack(path, chunk_bytes(l));
-        std::vector<char> out(static_cast<size_t>(chunk_bytes(l)));
+        return packed;
+    }
+
+    template <typename T> static void add_up(std::vector<char> &samples, bool is_swapped)
+    {
+        T sum{};
+        for (size_t at = 0; at + sizeof sum <= samples.size(); at += sizeof sum) {
+            T value;
+            char *here = samples.data() + at;
+            if (is_swapped)
+                std::reverse(here, here + sizeof value);
+            memcpy(&value, here, sizeof value);
+            sum = static_cast<T>(sum + value);
+            memcpy(here, &sum, sizeof sum);
+            if (is_swapped)
+                std::reverse(here, here + sizeof sum);
+        }
+    }
+
+    /* Sums the differences that a filter stored; unsigned sums are those of signed numbers. */
+    static void undo_delta(const std::string &type, std::vector<char> &samples)
+    {
+        const bool is_swapped = type[0] == '>' && type[2] != '1';
+        const std::string kind = type.substr(1);
+        if (kind == "f4")
+            add_up<float>(samples, is_swapped);
+        else if (kind == "f8")
+            add_up<double>(samples, is_swapped);
+        else if (kind[1] == '1')
+            add_up<uint8_t>(samples, false);
+        else if (kind[1] == '2')
+            add_up<uint16_t>(samples, is_swapped);
+        else if (kind[1] == '4')
+            add_up<uint32_t>(samples, is_swapped);
+        else
+            add_up<uint64_t>(samples, is_swapped);
+    }
+
+    /* Unpacks into `out`; returns the bytes that the packer gave, 0 if it failed. */
+    static size_t unpack(const Layout &l, const std::string &packed, std::vector<char> &out)
+    {
         size_t size = 0, told = 0;
         if (l.codec.empty() && packed.size() == out.size()) {
             memcpy(out.data(), packed.data(), size = packed.size());
@@ -504,13 +747,32 @@ private:
         } else if (l.codec == "zstd") {
             const size_t code = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
             size = ZSTD_isError(code) ? 0 : code;
+        } else if (l.codec == "lz4" && packed.size() > 4) { /* after the size, which numcodecs puts first */
+            const int code = LZ4_decompress_safe(packed.data() + 4, out.data(), static_cast<int>(packed.size() - 4),
+                                                 static_cast<int>(out.size()));
+            size = code > 0 ? static_cast<size_t>(code) : 0;
         } else if (l.codec == "blosc" && blosc_cbuffer_validate(packed.data(), packed.size(), &told) == 0 &&
                    told == out.size()) {
             const int code = blosc_decompress_ctx(packed.data(), out.data(), out.size(), 1);
             size = code > 0 ? static_cast<size_t>(code) : 0;
         }
-        if (size != out.size())
+        return size;
+    }
+
+    /* Loads a chunk's samples as stored; none if the chunk was never written. */
+    std::vector<char> load_chunk(const Array &array, const Layout &l, const std::vector<size_t> &at) const
+    {
+        std::string path, packed = packed_chunk(array, l, at, path);
+        if (packed.empty())
+            return {};
+        packed.resize(packed.size() - std::min(packed.size(), l.ending));
+        if (chunk_bytes(l) > MOST_OF_A_BYTE * static_cast<double>(packed.size()))
             fail_to_unpack(path, chunk_bytes(l));
+        std::vector<char> out(static_cast<size_t>(chunk_bytes(l)));
+        if (unpack(l, packed, out) != out.size())
+            fail_to_unpack(path, chunk_bytes(l));
+        for (size_t i = l.deltas.size(); i-- > 0;)
+            undo_delta(l.deltas[i], out);
         return out;
     }
 
