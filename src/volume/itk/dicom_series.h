@@ -14,9 +14,9 @@ struct DicomSeries {
 /* Compares names, with runs of digits as numbers: "a9" is before "a10". */
 bool comes_before(const std::string &a, const std::string &b);
 
-/* Takes the series of this name or number; NULL: the only one that is more than one slice. A folder without images, such
- * as a CD's, stands for all folders below. Without files if there is no image of DICOM. Throws Failure if there are
- * several, or if a file is damaged. */
+/* Takes the series of this name or number; NULL: the only one that is more than one slice. A folder without images,
+ * such as a CD's, stands for all folders below. Without files if there is no image of DICOM. Throws Failure if there
+ * are several, or if a file is damaged. */
 DicomSeries choose_series(const std::string &folder, const char *wanted);
 
 #endif
