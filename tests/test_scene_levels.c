@@ -68,7 +68,7 @@ static void set(iso_level_candidate *c, double ssim_dissimilarity, double rmse)
 static void the_nearest_is_chosen(void **state)
 {
     (void)state;
-    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT];
+    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT] = {{0}};
     set(&c[ISO_LEVEL_AS_BUILT], 0.10, 0.05);
     set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05);
     set(&c[ISO_LEVEL_FITTED], 0.06, 0.05);
@@ -110,7 +110,7 @@ static void small_views_see_a_planted_scalar(void **state)
     const size_t count = iso_geometry_voxel_count(&p.levels[2].geometry);
     float *good = malloc(count * sizeof *good), *bad = malloc(count * sizeof *bad);
     iso_view view;
-    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT];
+    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT] = {{0}};
     assert_ok(iso_scene_resolve(&(iso_scene){.path = scene.path,
                                              .width = 8,
                                              .height = 8,
