@@ -51,7 +51,7 @@ typedef struct png_job {
     char profile[80];    /* name of a color profile that is not sRGB's */
 } png_job;
 
-/* Takes the chunk cICP, which libpng 1.6 has no function for: primaries 1, transfer 13 and full range are sRGB. */
+/* Takes the chunk cICP, also from a libpng that knows it (1.6.45): primaries 1, transfer 13 and full range are sRGB. */
 static int take_unknown(png_structp png, png_unknown_chunkp chunk)
 {
     static const png_byte srgb[4] = {1, 13, 0, 1};
@@ -94,6 +94,7 @@ static bool decode(png_job *job, png_source *source)
     png_set_read_fn(job->png, source, read_bytes);
     png_set_crc_action(job->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT); /* ancillary chunks define the colors */
     png_set_read_user_chunk_fn(job->png, job, take_unknown);
+    png_set_keep_unknown_chunks(job->png, PNG_HANDLE_CHUNK_ALWAYS, (png_const_bytep) "cICP", 1);
     png_read_info(job->png, job->info);
     job->width = png_get_image_width(job->png, job->info);
     job->height = png_get_image_height(job->png, job->info);
