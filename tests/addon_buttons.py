@@ -11,6 +11,8 @@ import sys
 
 import bpy
 import numpy
+from bpy_extras.object_utils import world_to_camera_view
+from mathutils import Vector
 
 zip_path, program_path, source, look, tf_path, folder = sys.argv[sys.argv.index("--") + 1:]
 
@@ -307,6 +309,32 @@ refused("a_stretched_volume_is_not", "is stretched or mirrored", buttons.certify
 ramp.tree["isoshade_ramps"] = "__import__('os').system('true')"
 refused("notes_that_cannot_be_read", "cannot be read", buttons.bake)
 works("cancelling_nothing_does_nothing", buttons.cancel)
+# Into the default scene of Blender, with its cube, camera, lamp and view transform.
+bpy.context.window.scene = own = bpy.data.scenes["Scene"]
+own.cycles.volume_max_steps = 8
+said = press(buttons.import_volume, filepath=source, levels=1, folder=folder, into='HERE')
+here = volume.find_frame(bpy.context)
+said += bpy.context.window_manager.isoshade.said
+tell("it_comes_into_the_default_scene", here.name in own.objects and here.name != frame.name, said)
+longest = max(high - low for low, high in zip(here.bound_box[0], here.bound_box[6]))
+tell("in_meters", abs(max(here.dimensions) / (0.001 * longest) - 1) < 1e-4, list(here.dimensions))
+tell("with_words_on_the_view_transform", f"view transform {own.view_settings.view_transform}" in said, said)
+tell("on_the_engine", "only Cycles" in said, said)
+tell("and_on_steps", "Max Steps 8 makes" in said, said)
+inside = [world_to_camera_view(own, own.camera, here.matrix_world @ Vector(corner)) for corner in here.bound_box]
+tell("it_is_in_frame", all(0 <= v.x <= 1 and 0 <= v.y <= 1 and v.z > 0 for v in inside), inside)
+own.render.engine, own.cycles.volume_max_steps, own.cycles.samples, own.cycles.use_denoising = 'CYCLES', 1024, 1, False
+own.render.resolution_x = own.render.resolution_y = 16
+own.render.image_settings.file_format, own.render.image_settings.color_depth = 'OPEN_EXR', '32'
+shown = volume.shown_object(here)
+seen = picture(own, 0, "here.exr")
+shown.hide_render = True
+tell("it_is_visible", abs(picture(own, 0, "gone.exr") - seen).max() > 0.1, abs(picture(own, 0, "gone.exr") - seen).max())
+for unit, size in (('CM', 0.1 * longest), ('FIT', 1.0)):
+    press(buttons.import_volume, filepath=source, levels=1, look=look, folder=folder, into='HERE', unit=unit, frame_it=False)
+    got = max(bpy.context.view_layer.objects.active.dimensions)
+    tell(f"or_in_{unit}", abs(got / size - 1) < 1e-4, got)
+bpy.context.window.scene = scene
 collections = len(scene.collection.children)
 second = operators.take_over(os.path.join(folder, "s.blend"), 'HERE', bpy.context)
 grids = [thing.data.filepath for thing in volume.levels_of(second)]

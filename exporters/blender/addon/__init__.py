@@ -4,6 +4,7 @@
     tables.py     transfer functions as points, stops of a ramp, tables and files; independent of Blender
     program.py    the program isoshade as a child process; independent of Blender
     volume.py     the objects of `isoshade export --to blender` in the open file
+    place.py      an imported volume in a person's own scene
     operators.py  the buttons
     certify.py    the button that certifies the scene
     own_picture.py  the picture of a copy of the file, in a Blender of its own
@@ -18,7 +19,7 @@ bl_info = {
     "name": "isoshade",
     "description": "Scalar volumes that render as validated: import, levels, transfer functions",
     "author": "isoshade",
-    "version": (0, 2, 0),
+    "version": (0, 3, 0),
     "blender": (3, 4, 0),
     "location": "3D View > Sidebar > isoshade",
     "category": "Import-Export",

@@ -11,7 +11,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from . import program, tables, volume
+from . import place, program, tables, volume
 from .tables import Refused
 
 running = None  # the running command
@@ -108,8 +108,9 @@ class ISOSHADE_OT_cancel(bpy.types.Operator):
 # ---- volumes ---------------------------------------------------------------------------------------------------
 
 
-def take_over(path, into, context):
-    """Appends the contents of an exported .blend to the open file; the grids stay in place. Returns the frame."""
+def take_over(path, into, context, unit='MM'):
+    """Appends the contents of an exported .blend to the open file, in its units; the grids stay in place. Returns the
+    frame."""
     before = set(bpy.data.objects)
     with bpy.data.libraries.load(path, link=False) as (there, here):
         if into == 'SCENE':
@@ -124,6 +125,7 @@ def take_over(path, into, context):
         context.window.scene = here.scenes[0]
     else:
         context.scene.collection.children.link(here.collections[0])
+        place.resize(frames[0], new, unit)
         cameras = [thing for thing in new if thing.type == 'CAMERA']
         if context.scene.camera is None and cameras:
             context.scene.camera = cameras[0]
@@ -146,9 +148,13 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
     folder: StringProperty(name="Folder", description="For the grids and their .blend; empty: that of the open .blend, or of the volume", subtype='DIR_PATH')
     into: EnumProperty(name="Into", items=(('SCENE', "A scene of its own", "With its camera and the validated render settings"),
                                            ('HERE', "This scene", "Add volume and lights to the open scene, and keep its settings")))
+    unit: EnumProperty(name="Size", description="In this scene: what a unit of Blender is", items=place.UNITS, default='M')
+    frame_it: BoolProperty(name="Frame it", description="In this scene: look at the volume, with its own camera", default=True)
 
     def draw(self, _context):
         for name in ("levels", "adapt", "all_voxels", "transfer", "look", "folder", "into"):
+            self.layout.prop(self, name)
+        for name in ("unit", "frame_it") if self.into == 'HERE' else ():
             self.layout.prop(self, name)
 
     def output(self):
@@ -168,7 +174,7 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
         source = os.path.abspath(bpy.path.abspath(self.filepath))
         if not os.path.exists(source):
             raise Refused(f"{source}: does not exist")
-        target, into = self.output(), self.into
+        target, into, unit, frame_it = self.output(), self.into, self.unit, self.frame_it
         path = isoshade(context)
         command = [path, "export", source, "--to", "blender", "--levels", str(self.levels), "-q", "-o", target]
         command += ["--dense"] if self.all_voxels and program.has_option(path, "export", "--dense") else []
@@ -179,9 +185,15 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
         def finish(job):
             if job.code() != 0:
                 raise Refused(job.complaint())
-            frame = take_over(target, into, bpy.context)
+            frame = take_over(target, into, bpy.context, unit)
             frame["isoshade_volume"] = source
             bpy.context.view_layer.objects.active = frame
+            if into == 'HERE':
+                if frame_it:
+                    place.frame_it(frame, bpy.context)
+                careful = place.cautions(frame, bpy.context)
+                if careful:
+                    return f"Careful: {frame.name} is imported, but {'; '.join(careful)}"
             return f"{frame.name}: {len(volume.level_numbers(frame))} levels from {os.path.basename(source)}; the grids are next to {target}"
 
         return self.run(context, f"Importing {os.path.basename(source)}", [command], finish)

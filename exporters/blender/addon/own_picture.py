@@ -47,7 +47,7 @@ def turn_off(scene):
     for part, key, words in OFF:
         owner = getattr(scene, part)
         is_used = getattr(owner, key) and (key != "use_compositing" or scene.use_nodes) and (
-            key != "use_sequencer" or scene.sequence_editor and len(scene.sequence_editor.sequences_all) > 0)
+            key != "use_sequencer" or scene.sequence_editor)
         setattr(owner, key, False)
         found += [words] if is_used else []
     if scene.render.engine != 'CYCLES':
