@@ -14,6 +14,7 @@ import textwrap
 OPTION = re.compile(r"^  (?:(-\w), |    )(--[\w-]+(?:[= ]\S+)?)(?:\s{2,}(\S.*))?$")
 
 # Ends the part of a comment that the page has: a sentence, or its main clause.
+EVERYWHERE = ("--json", "--quiet", "--help", "--threads", "--timeout", "--no-sandbox", "--full-paths", "--no-provenance")
 END = re.compile(r"\. (?=[A-Z])| \(|[:;] |, (?:which|so|and r|as|or|applying|x f|whose|to be)\b")
 
 
@@ -65,7 +66,8 @@ def commands_page(program):
     shared = [row for row in count if count[row] >= 3]
     out = ["# Commands", "", "Made by `make reference` from `isoshade COMMAND --help`. `isoshade COMMAND --help=all` explains rarer "
            "options,", "and each help text ends with examples. [Names](names.md) lists the values of options.", "",
-           "## Shared options", "", "These options have the same effect in all commands that list them.", ""]
+           "## Shared options", "", "These options have the same effect in all commands that have them. Lists of commands leave out those",
+           "of running and output.", ""]
     bullets(sorted(shared, key=lambda row: row[0].lstrip("`-")), out)
     for name, summary in (m.groups() for m in listed if m):
         usage = " ".join(" ".join(parts[name]["usage"]).split())
@@ -75,7 +77,7 @@ def commands_page(program):
             bullets(own, out)
         words = [re.search(r"--[\w-]+", row[0]).group(0) for row in of_command[name] if row in shared]
         if words:
-            out += ["Shared: " + " ".join(f"`{word}`" for word in words if word not in ("--json", "--quiet", "--help")) + ".", ""]
+            out += ["Shared: " + " ".join(f"`{word}`" for word in words if word not in EVERYWHERE) + ".", ""]
     return "\n".join(out).replace("Shared: .\n\n", "")
 
 
