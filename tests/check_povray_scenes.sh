@@ -95,12 +95,19 @@ camera { orthographic location <0, 0, 50> direction -z right x*0.1 up y*0.1 }
 light_source { <0, 0, 1e5> rgb 1 parallel point_at 0 }
 object { Iso_Volume transform { Iso_To_World } scale Iso_Scale }
 #ifdef (Floor) plane { z, -20 pigment { rgb Floor } finish { ambient 0 diffuse 1 } } #end
+#declare Around = sphere { 0, 100 pigment { rgb 0 } finish { ambient 0 diffuse 0 } }
+#ifdef (Hollow) #if (Hollow) Iso_Around_Volume (Around) #else object { Around } #end #end
 #if (version != 3.7) #error "the version did not come back" #end
 POV
 own() { draw slab own.pov "$1" +W1 +H1 "${@:2}"; }
 # color * (1 - T) of the slab, and T of what the floor sends back, which the lamp reaches by T: T = 1/2
 own shadow Declare=Floor=0.5
 check a_shadow_on_the_floor alike shadow 0.525,0.325,0.225
+# Emission alone, color * (1 - T), in a black sphere; a solid one hides it.
+own around Declare=Hollow=1
+check it_is_seen_in_a_hollow_sphere alike around 0.4,0.2,0.1
+own solid Declare=Hollow=0
+check and_not_in_a_solid_one alike solid 0,0,0
 own unshadowed Declare=Floor=0.5 Declare=Iso_Shadows=0
 check no_shadow_when_it_is_off alike unshadowed 0.65,0.45,0.35
 # color * sigma * integral of exp(-2 sigma t): color / 2 * (1 - T^2), by a rule of second order

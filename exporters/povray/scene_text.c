@@ -222,7 +222,10 @@ static void write_media(FILE *f, const iso_povray_scene *s)
     iso_povray_write_clips(f, s);
     fprintf(f, "    pigment { rgbt 1 } finish { ambient 0 diffuse 0 } hollow\n"
                "    #if (!Iso_Shadows) no_shadow #end\n"
-               "    interior { Iso_Interior } }\n");
+               "    interior { Iso_Interior } }\n\n"
+               "// POV-Ray draws no medium inside a solid object: a box or sky sphere around the volume needs\n"
+               "// \"hollow\". Iso_Around_Volume (Thing) is the object Thing with it.\n"
+               "#macro Iso_Around_Volume (Thing) object { Thing hollow } #end\n");
 }
 
 /* Writes the media of a layer. */
