@@ -66,7 +66,8 @@ expect an_edited_program_is_drawn_with_again 9 again --resume
 
 # ---- programs that fail ----
 "$python" - <<'END'
-script = open('numpy_renderer.py').read().split('r = json.load')[0]
+script = open('numpy_renderer.py').read()
+__name__ = 'example'
 exec(script)
 write_exr('right.exr', np.zeros((32, 32, 4)))
 write_exr('wide.exr', np.zeros((32, 33, 4)))

@@ -236,9 +236,18 @@ class Validation(unittest.TestCase):
         self.assertIn("<html", report.html)
         self.assertTrue(pathlib.Path("right/index.html").is_file())
 
-    def test_a_wrong_one_does_not(self):
-        report = iso.validate(self.VOLUME, renderers={"mine": self.renderer(lambda g: np.roll(g, 1, 2))}, size=16)
+    def test_the_mistake_of_a_wrong_one_is_named(self):
+        right = self.renderer()
+        wrong = {"mirror": (self.renderer(lambda grid: grid[:, :, ::-1]), ["mirrored along x"]),
+                 "rows": (lambda r: right(r)[::-1], ["the first row were the bottom one"]),
+                 "both": (lambda r: (right(r) * right(r)[..., 3:] ** [1, 1, 1, 0])[::-1],
+                          ["the first row were the bottom one", "multiplied by alpha twice"])}
+        report = iso.validate(self.VOLUME, renderers={name: f for name, (f, _) in wrong.items()}, size=16)
         self.assertFalse(report.agrees)
+        for name, (_, words) in wrong.items():
+            for word in words:
+                self.assertIn(word, report.json["mistakes"][name])
+        self.assertRegex(report.summary, "^mirror draws as if the volume were mirrored along x")
 
     def test_its_exception_is_raised(self):
         with self.assertRaises(ZeroDivisionError):

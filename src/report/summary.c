@@ -45,6 +45,15 @@ static void add_unanswered(iso_report_summary *s, json_t *unanswered)
                          iso_words_plural(s->unanswered - 1));
 }
 
+/* Begins with the mistakes that explain failed calibrations. */
+static void add_mistakes(iso_report_summary *s, json_t *mistakes)
+{
+    const char *renderer;
+    json_t *text;
+    json_object_foreach (mistakes, renderer, text)
+        iso_words_append(s->sentence, sizeof s->sentence, "%s draws %s. ", renderer, json_string_value(text));
+}
+
 static void write_sentence(iso_report_summary *s, json_t *unanswered)
 {
     const size_t judged = s->agreed + s->differed + s->refused, asked = judged + s->not_compared;
@@ -104,6 +113,7 @@ iso_report_summary iso_report_summarize(const iso_report *r)
     /* If nothing agreed, something differs, was refused, or is unanswered. */
     s.good = s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0 && s.unanswered == 0;
     s.holds = s.good && iso_sections_hold(iso_report_json(r));
+    add_mistakes(&s, json_object_get(iso_report_json(r), "mistakes"));
     write_sentence(&s, unanswered);
     json_decref(unanswered);
     return s;

@@ -400,6 +400,30 @@ static void judge(iso_calibration_stage *s, const iso_renderer_info *which, int 
     out->passed = out->value <= out->limit; /* NaN does not pass */
 }
 
+iso_status iso_calibration_prepare(int check, iso_calibration_stage *s, iso_error *err)
+{
+    return checks[check].prepare(s, err);
+}
+
+iso_status iso_calibration_picture(iso_renderers *r, const iso_renderer_info *which, int check, iso_image *image,
+                                   iso_error *err)
+{
+    iso_calibration_stage s = {0};
+    char scene[64];
+    *image = (iso_image){0};
+    if (lacking(which, check))
+        return ISO_OK;
+    snprintf(scene, sizeof scene, "calibration-%s", iso_calibration_name(check));
+    iso_status status = checks[check].prepare(&s, err);
+    r->scene = scene;
+    TRY(status, iso_calibration_render(&s, 1, r, which, NULL, err));
+    r->scene = NULL;
+    *image = s.got;
+    s.got = (iso_image){0};
+    iso_calibration_stage_clear(&s);
+    return status == ISO_E_MISSING ? ISO_OK : status;
+}
+
 iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,
                                iso_calibration *out, iso_error *err)
 {

@@ -24,6 +24,7 @@
 #include "renderers/renderers.h"
 
 enum { ISO_CALIBRATION_COUNT = 7 };
+struct iso_calibration_stage; /* calibration_stage.h */
 
 typedef struct iso_calibration {
     const char *check;
@@ -46,6 +47,12 @@ iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const
 /* Returns the place of a check in the list above. */
 int iso_calibration_number(const char *check);
 const char *iso_calibration_name(int check);
+
+/* Draws the picture of a check. It stays empty if the renderer lacks a feature for it, or has no such picture. */
+iso_status iso_calibration_picture(iso_renderers *r, const iso_renderer_info *which, int check, iso_image *image,
+                                   iso_error *err);
+/* Makes the volume and view of a check. */
+iso_status iso_calibration_prepare(int check, struct iso_calibration_stage *stage, iso_error *err);
 
 /* Runs one check alone, by its place. */
 iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,

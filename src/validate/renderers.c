@@ -9,6 +9,7 @@
 #include "renderers/picture_store.h"
 #include "renderers/pictures.h"
 #include "validate/calibrate.h"
+#include "validate/mistakes.h"
 #include "validate/validate.h"
 
 /* Results of one renderer. */
@@ -150,6 +151,20 @@ static iso_status add_check(iso_validation *v, const fitness *f, const iso_calib
     return iso_report_add_calibration(v->report, &row, err);
 }
 
+/* Writes the mistake that explains the failed calibrations into the report's "mistakes". */
+static iso_status name_mistakes(iso_validation *v, const iso_renderer_info *which, iso_error *err)
+{
+    iso_mistakes m;
+    char text[400];
+    const iso_status status = iso_mistakes_find(&v->renderers, which, v->threads, &m, err);
+    if (status != ISO_OK || m.count == 0)
+        return status;
+    snprintf(text, sizeof text, "as if %s%s%s (explains %.3g %% of the difference)", m.names[0],
+             m.count > 1 ? ", and " : "", m.count > 1 ? m.names[1] : "", 100 * m.explained);
+    iso_report_put(v->report, "mistakes", which->name, json_string(text));
+    return ISO_OK;
+}
+
 static iso_status add_to_report(iso_validation *v, const fitness *f, iso_error *err)
 {
     iso_refusal *refusal = &v->refused[iso_renderer_index(f->which)];
@@ -158,6 +173,8 @@ static iso_status add_to_report(iso_validation *v, const fitness *f, iso_error *
     snprintf(refusal->why, sizeof refusal->why, "%s", f->why);
     for (size_t i = 0; i < f->check_count && status == ISO_OK; ++i)
         status = add_check(v, f, &f->checks[i], refusal, err);
+    if (status == ISO_OK && f->failure == ISO_OK && refusal->status == ISO_E_UNTRUSTED)
+        status = name_mistakes(v, f->which, err);
     const bool answered = f->failure != ISO_OK && f->failure != ISO_E_MISSING && f->version[0];
     const iso_report_calibration absent = {.renderer = f->which->name,
                                            .check = answered ? f->checks[f->check_count].check : "answers",
