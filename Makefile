@@ -18,9 +18,9 @@ endif
 packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev zlib1g-dev \
 	libdeflate-dev libarchive-dev libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
 	libegl1 libgl1-mesa-dri libopenvdb-dev libnanovdb-dev libnanovdb-tools libboost-dev libcmocka-dev \
-	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev liblz4-dev libzstd-dev \
+	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev liblz4-dev liblzma-dev libzstd-dev \
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
-	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel \
+	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel python3-astropy \
 	python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev cppcheck valgrind strace \
 	python3-openimageio openimageio-tools python3-png
 
@@ -63,7 +63,7 @@ pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
 missing = $(error Debian packages are missing; install them with `make setup`)
 CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(if $(pkg_libs),$(pkg_cflags),$(missing))
 CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
-unpackaged_libs := -lteem -lniftiio -lznz -larchive
+unpackaged_libs := -lteem -lniftiio -lznz -larchive -llz4 -llzma
 LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
 openvdb_libs = -fopenmp -lopenvdb $(shell pkg-config --libs tbb Imath libdeflate)
 

@@ -14,14 +14,22 @@ itk: dicom_left_out dicom_uneven dicom_forms dicom_values dicom_faults dicom_mul
 itk: png_stack pictures_of_colors missing_number tiff_and_jpeg_stacks
 metaimage: metaimage
 vtk: vtk_legacy
-vti: vti matrix_vti
+vti: vti matrix_vti vti_packers
+pvti: parallel_image
+mgh: mgh
+fits: fits
+dx: opendx
+vasp: vasp
+mif: mrtrix
+afni: afni
 tiff: tiff tiff_imagej tiff_ome matrix_tiff
 mrc: mrc matrix_mrc matrix_packed
 cube: cube
 xsf: xsf
 npy: matrix_npy
+npz: npz
 gipl: gipl
-hdf5: hdf5 hdf5_without_end damaged_bytes imaris minc
+hdf5: vtkhdf hdf5 hdf5_without_end damaged_bytes imaris minc
 netcdf: netcdf netcdf_headers numbers
 zarr: ome_zarr matrix_zarr matrix_zarr3
 vdb: openvdb openvdb_of_isoshade

@@ -12,6 +12,7 @@ import formats_dicom  # noqa: F401
 import formats_pictures  # noqa: F401
 import formats_arrays  # noqa: F401
 import formats_matrix  # noqa: F401
+import formats_science  # noqa: F401
 from phantom import CASES, main
 
 sys.exit(main(CASES))

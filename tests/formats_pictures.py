@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Stacks of pictures, VTK's files, TIFF, MRC. Cases of formats_in.py."""
+import itertools
 import os
 import re
 import struct
 
 import numpy as np
 
-from phantom import (FIRST, SIZE, SPACING, STEPS, case, cut, expect, phantom, refused, run, same, vtk_colors, vtk_image,
-                     vtk_write)
+from phantom import (FIRST, SIZE, SPACING, STEPS, case, cut, expect, phantom, refused, run, same, vtk_array, vtk_colors,
+                     vtk_image, vtk_write)
 
 
 @case
@@ -136,11 +137,29 @@ def vtk_legacy():
             cut("legacy.vtk", "cut.vtk")
             refused("cut.vtk", 4, "truncated")
     same("legacy.vtk", wanted, np.diag(SPACING) * 1e-6, np.array([1, 2, 3]) * 1e-6, False, ["--unit", "nm"], "nm")
-    writer = vtk.vtkRectilinearGridWriter()
-    writer.SetInputData(vtk.vtkRectilinearGrid())
-    writer.SetFileName("grid.vtk")
-    writer.Write()
-    refused("grid.vtk", 4, "a dataset of VTK's kind RECTILINEAR_GRID, must be STRUCTURED_POINTS")
+    for text, dtype in itertools.product((False, True), (np.int16, np.float32)):
+        values = np.round(phantom(dtype))
+        grid = vtk.vtkRectilinearGrid()
+        grid.SetDimensions(values.shape[::-1])
+        for a, name in enumerate("XYZ"):
+            at = (1 + a + SPACING[a] * np.arange(values.shape[2 - a])).astype(np.float64 if a else np.float32)
+            if text and dtype == np.float32 and a == 2:
+                at[3] += 1
+            getattr(grid, f"Set{name}Coordinates")(vtk_array(at))
+        scalars = vtk_array(values.ravel())
+        scalars.SetName("s")
+        grid.GetPointData().SetScalars(scalars)
+        writer = vtk.vtkRectilinearGridWriter()
+        (writer.SetFileTypeToASCII if text else writer.SetFileTypeToBinary)()
+        vtk_write(writer, grid, "grid.vtk")
+        if not (text and dtype == np.float32):
+            same("grid.vtk", values, np.diag(SPACING), [1, 2, 3], False)
+    refused("grid.vtk", 4, "the steps of its z axis are 1.5 to 3.5, must be equal within 1 %")
+    same("grid.vtk", values, np.diag(SPACING), [1, 2, 3], False, ["--force-spacing"])
+    cut("grid.vtk", "cut.vtk", 0.02)
+    refused("cut.vtk", 4, "cut.vtk: ")
+    vtk_write(vtk.vtkUnstructuredGridWriter(), vtk.vtkUnstructuredGrid(), "grid.vtk")
+    refused("grid.vtk", 4, "a dataset of VTK's kind UNSTRUCTURED_GRID, must be STRUCTURED_POINTS or RECTILINEAR_GRID")
     eight = "1 2 3 4 5 6 7 8"
     for numbers, why in ((f"{eight}\nSCALARS t float\n{eight}", None),
                          (f"{eight} 9 10", "too long: more follows the 8 numbers"),

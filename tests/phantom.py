@@ -144,6 +144,11 @@ def vtk_image(values, steps=None, first=None):
     return image
 
 
+def vtk_array(numbers):
+    from vtk.util import numpy_support
+    return numpy_support.numpy_to_vtk(numbers, deep=True)
+
+
 def vtk_colors(pixels):
     """pixels [y, x, components]."""
     from vtk.util import numpy_support

@@ -23,11 +23,19 @@
     X(xsf)                        \
     X(gipl)                       \
     X(npy)                        \
+    X(npz)                        \
+    X(fits)                       \
+    X(mif)                        \
+    X(pvti)                       \
     X(hdf5)                       \
     X(netcdf)                     \
     X(zarr)                       \
     X(vdb)                        \
     X(itk)                        \
+    X(afni)                       \
+    X(dx)                         \
+    X(vasp)                       \
+    X(mgh)                        \
     X(raw)
 /* clang-format on */
 

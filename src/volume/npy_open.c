@@ -2,12 +2,13 @@
 /* npy_open.c - arrays that numpy.save() wrote: a Python dictionary of type, order and shape, then the samples [NEP 1].
  *
  * Axes: (z, y, x) in C order, (x, y, z) in Fortran order, so that x runs fastest; a slowest fourth axis is time. The
- * format has no spacing: --spacing gives it. */
+ * format has no spacing: --spacing gives it. An .npz is a zip archive of arrays, FILE:NAME; one is unpacked. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "volume/stream_kernel.h"
 
 enum { MAGIC_BYTES = 6, START_BYTES = 12, MOST_HEADER = 65536, MOST_AXES = 4 };
@@ -45,8 +46,8 @@ static iso_status read_header(const char *path, npy *n, iso_error *err)
     const iso_status status = iso_source_check_read(f, path, ISO_OK, err);
     fclose(f);
     if (status == ISO_OK && (got == 0 || got != length))
-        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: a NumPy header of %zu bytes, must be 1 to %d and in the file", path,
-                        length, MOST_HEADER);
+        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: a NumPy header of %zu bytes, must be 1 to %d and in the file",
+                        path, length, MOST_HEADER);
     return status;
 }
 
@@ -90,7 +91,8 @@ static iso_status take_type(const npy *n, iso_volume_source *source, iso_error *
                 return ISO_OK;
             }
     }
-    return iso_fail(err, ISO_E_FORMAT, "%s: its type is %.*s, must be a bool, integer or float of 16 to 64 bits; numpy's "
+    return iso_fail(err, ISO_E_FORMAT,
+                    "%s: its type is %.*s, must be a bool, integer or float of 16 to 64 bits; numpy's "
                     "astype() converts it",
                     source->path, value ? (int)strcspn(value, ",}\n") : 7, value ? value : "missing");
 }
@@ -147,8 +149,8 @@ static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
         return status;
     *g = iso_geometry_axis_aligned(n->axes, (double[]){1, 1, 1});
     status = iso_source_check_geometry(source, err);
-    const iso_extra_axes extra = {
-        .frame = {.count = n->axis_count > 3 ? n->axes[3] : 1, .stride = 1}, .channel = {.count = 1, .stride = 1}};
+    const iso_extra_axes extra = {.frame = {.count = n->axis_count > 3 ? n->axes[3] : 1, .stride = 1},
+                                  .channel = {.count = 1, .stride = 1}};
     TRY(status, iso_source_choose(source, &extra, err));
     return status == ISO_OK ? iso_source_take_file(source, source->path, n->samples_at, err) : status;
 }
@@ -156,8 +158,8 @@ static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
 static iso_status open_npy(iso_volume_source *source, iso_error *err)
 {
     npy *n = calloc(1, sizeof *n);
-    const iso_status status =
-        n ? open_array(source, n, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    const iso_status status = n ? open_array(source, n, err)
+                                : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
     free(n);
     return status;
 }
@@ -170,4 +172,38 @@ const iso_volume_format iso_volume_format_npy = {
     .starts = "\"\\x93NUMPY\"",
     .probe = starts_like_npy,
     .open = open_npy,
+};
+
+/* True for a zip archive whose first member is an array. */
+static bool starts_like_npz(const unsigned char *head, size_t size)
+{
+    enum { LENGTH = 26, NAME = 30 };
+    const size_t length = size > NAME ? head[LENGTH] + 256u * head[LENGTH + 1] : 0;
+    return length > 4 && length <= size - NAME && memcmp(head, "PK\3\4", 4) == 0 &&
+           memcmp(head + NAME + length - 4, ".npy", 4) == 0;
+}
+
+static iso_status open_npz(iso_volume_source *source, iso_error *err)
+{
+    char *const own = source->path;
+    iso_status status = iso_unpack_member(own, source->part, ".npy", &source->unpacked, err);
+    if (status != ISO_OK)
+        return status;
+    source->path = source->unpacked.path;
+    status = open_npy(source, err);
+    source->path = own;
+    if (status != ISO_OK)
+        iso_output_rename_in(source->unpacked.path, own, err);
+    return status;
+}
+
+const iso_volume_format iso_volume_format_npz = {
+    .name = "npz",
+    .title = "NumPy archive",
+    .summary = "numpy.savez(), packed or not, FILE:NAME; unpacked into a copy",
+    .suffixes = ".npz",
+    .starts = "a zip archive whose first file ends with .npy",
+    .takes_part = true,
+    .probe = starts_like_npz,
+    .open = open_npz,
 };

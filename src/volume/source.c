@@ -351,7 +351,6 @@ static const struct {
     {"\x70\0\0\0", 4, "LIF of Leica", "bioformats2raw converts it to OME-Zarr"},
     {"%PDF", 4, "PDF", "export its pictures"},
     {"\xff\x4f\xff\x51", 4, "JPEG 2000", "opj_decompress makes TIFF of it"},
-    {"SIMPLE  =", 9, "FITS", "a program of astronomy saves it as NRRD or NIfTI"},
 };
 
 static iso_status refuse_unknown(const iso_volume_source *s, const file_head *head, iso_error *err)

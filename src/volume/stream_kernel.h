@@ -84,6 +84,7 @@ iso_status iso_source_check_read_gz(gzFile gz, const char *path, iso_status stat
 typedef struct iso_text_layout {
     bool z_fastest;    /* z runs fastest, x slowest */
     bool words_follow; /* True if a word that is not a number may follow; false: nothing may */
+    bool anything_follows;
 } iso_text_layout;
 /* Reads all samples from the file's position, and leaves it after the last; the caller checks for a read error. */
 iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_layout layout, iso_error *err);

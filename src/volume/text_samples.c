@@ -106,5 +106,5 @@ iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_lay
             return iso_fail(err, ISO_E_FORMAT, "%s: sample %zu is %g, which no %s can be", source->path, i, value,
                             iso_type_name(source->header.type));
     }
-    return check_end(source, f, count, layout.words_follow, err);
+    return layout.anything_follows ? ISO_OK : check_end(source, f, count, layout.words_follow, err);
 }

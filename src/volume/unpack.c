@@ -13,9 +13,10 @@
 #include <sys/statvfs.h>
 
 #include "base/file.h"
+#include "base/words.h"
 #include "volume/stream_kernel.h"
 
-enum { MOST_MAGIC = 6, BLOCK_BYTES = 1 << 18 };
+enum { MOST_MAGIC = 6, BLOCK_BYTES = 1 << 18, MOST_MEMBERS = 10000 };
 
 static const struct {
     const char *ending;
@@ -63,7 +64,8 @@ static char *plain_name(const char *path)
 static double most_bytes(const char *folder, double packed)
 {
     struct statvfs disk;
-    const double room = statvfs(folder, &disk) == 0 ? (double)disk.f_bavail * (double)disk.f_frsize / 2 : (double)INFINITY;
+    const double room = statvfs(folder, &disk) == 0 ? (double)disk.f_bavail * (double)disk.f_frsize / 2
+                                                    : (double)INFINITY;
     return fmin(room, ISO_SOURCE_DEFLATE_MOST * packed);
 }
 
@@ -111,7 +113,8 @@ static bool begin(struct archive *a, const char *path, int filter)
 {
     struct archive_entry *entry;
     return archive_read_support_format_raw(a) == ARCHIVE_OK && archive_read_append_filter(a, filter) == ARCHIVE_OK &&
-           archive_read_open_filename(a, path, BLOCK_BYTES) == ARCHIVE_OK && archive_read_next_header(a, &entry) == ARCHIVE_OK;
+           archive_read_open_filename(a, path, BLOCK_BYTES) == ARCHIVE_OK &&
+           archive_read_next_header(a, &entry) == ARCHIVE_OK;
 }
 
 static iso_status unpack_to(const char *path, const iso_unpacked *file, iso_error *err)
@@ -122,7 +125,8 @@ static iso_status unpack_to(const char *path, const iso_unpacked *file, iso_erro
     FILE *out = fopen(file->path, "wb");
     iso_status status = read_packer(path, &packer, err);
     if (status == ISO_OK && (!a || !out || stat(path, &st) != 0))
-        status = iso_fail(err, a ? iso_errno_status() : ISO_E_MEMORY, "%s: cannot be unpacked: %s", path, strerror(errno));
+        status = iso_fail(err, a ? iso_errno_status() : ISO_E_MEMORY, "%s: cannot be unpacked: %s", path,
+                          strerror(errno));
     if (status == ISO_OK && !begin(a, path, packers[packer].filter))
         status = fail_damaged(a, path, err);
     TRY(status, copy(a, path, out, most_bytes(file->folder, (double)st.st_size), err));
@@ -142,8 +146,87 @@ iso_status iso_unpack(const char *path, iso_unpacked *file, iso_error *err)
     char *name = plain_name(path);
     file->path = name ? iso_path_join(file->folder, name) : NULL;
     free(name);
-    const iso_status status =
-        file->path ? unpack_to(path, file, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    const iso_status status = file->path ? unpack_to(path, file, err)
+                                         : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (status != ISO_OK)
+        iso_unpacked_remove(file);
+    return status;
+}
+
+/* True if the member has that name, with the ending or without it; NULL: if it ends with it. */
+static bool is_wanted(const char *member, const char *name, const char *ending)
+{
+    const size_t length = name ? strlen(name) : 0;
+    if (!name)
+        return iso_path_ends_with(member, ending);
+    return strncmp(member, name, length) == 0 && (member[length] == 0 || strcmp(member + length, ending) == 0);
+}
+
+/* Counts the members that are wanted, and lists those that could be. ISO_E_FORMAT: the archive is damaged. */
+static iso_status list_members(const char *path, const char *name, const char *ending, size_t *count, char *list,
+                               size_t size, iso_error *err)
+{
+    struct archive *a = archive_read_new();
+    struct archive_entry *entry;
+    int code = a && archive_read_support_format_zip(a) == ARCHIVE_OK ? archive_read_open_filename(a, path, BLOCK_BYTES)
+                                                                     : ARCHIVE_FATAL;
+    *count = 0;
+    for (size_t members = 0; code == ARCHIVE_OK && members < MOST_MEMBERS; ++members) {
+        code = archive_read_next_header(a, &entry);
+        const char *member = code == ARCHIVE_OK ? archive_entry_pathname(entry) : NULL;
+        *count += member && is_wanted(member, name, ending);
+        if (member && iso_path_ends_with(member, ending))
+            iso_words_append(list, size, "%s%.*s", *list ? ", " : "", (int)(strlen(member) - strlen(ending)), member);
+    }
+    const iso_status status = code == ARCHIVE_EOF || code == ARCHIVE_OK ? ISO_OK : fail_damaged(a, path, err);
+    archive_read_free(a);
+    return status;
+}
+
+/* Unpacks the first member that is wanted. */
+static iso_status unpack_member(const char *path, const char *name, const char *ending, const iso_unpacked *file,
+                                iso_error *err)
+{
+    struct archive *a = archive_read_new();
+    struct archive_entry *entry;
+    struct stat st;
+    FILE *out = fopen(file->path, "wb");
+    if (!a || !out || stat(path, &st) != 0) {
+        archive_read_free(a);
+        if (out)
+            fclose(out);
+        return iso_fail(err, iso_errno_status(), "%s: cannot be unpacked: %s", path, strerror(errno));
+    }
+    int code = archive_read_support_format_zip(a);
+    code = code == ARCHIVE_OK ? archive_read_open_filename(a, path, BLOCK_BYTES) : code;
+    bool found = false;
+    while (code == ARCHIVE_OK && !found && (code = archive_read_next_header(a, &entry)) == ARCHIVE_OK)
+        found = archive_entry_pathname(entry) && is_wanted(archive_entry_pathname(entry), name, ending);
+    iso_status status = found ? copy(a, path, out, most_bytes(file->folder, (double)st.st_size), err)
+                              : fail_damaged(a, path, err);
+    if (fclose(out) != 0 && status == ISO_OK)
+        status = iso_fail(err, iso_errno_status(), "%s: cannot be unpacked into the temporary folder: %s", path,
+                          strerror(errno));
+    archive_read_free(a);
+    return status;
+}
+
+iso_status iso_unpack_member(const char *path, const char *name, const char *ending, iso_unpacked *file, iso_error *err)
+{
+    size_t count;
+    char list[320] = "";
+    iso_status status = list_members(path, name, ending, &count, list, sizeof list, err);
+    if (status == ISO_OK && count != 1)
+        status = iso_fail(err, ISO_E_USAGE, "%s: %s, FILE:NAME must be one of: %s", path,
+                          name ? "has no such array" : "holds several arrays", list);
+    if (status != ISO_OK)
+        return status;
+    *file = (iso_unpacked){.folder = iso_make_temp_dir()};
+    if (!file->folder)
+        return iso_temp_dir_fail(err);
+    file->path = iso_path_join(file->folder, "member");
+    status = file->path ? unpack_member(path, name, ending, file, err)
+                        : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status != ISO_OK)
         iso_unpacked_remove(file);
     return status;

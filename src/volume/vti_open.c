@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* vti_open.c - VTK's XML image data (.vti): one piece; its samples appended raw or in base64, inline in base64 or as
- * text; packed by zlib or not. Samples that are appended raw and not packed are read plane by plane, others at once. */
+ * text; packed by zlib, LZ4 or LZMA, or not. Samples that are appended raw and not packed are read plane by plane, others at once. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
+#include <lz4.h>
+#include <lzma.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,6 +13,46 @@
 #include "volume/stream_kernel.h"
 
 enum { HEAD_BYTES = 1 << 16, WORD_BYTES = 256 };
+
+/* Unpacks a block into *room bytes and sets *room to their number; false: it is damaged. */
+typedef bool unpack_block(const unsigned char *packed, size_t size, unsigned char *out, size_t *room);
+
+static bool unpack_zlib(const unsigned char *packed, size_t size, unsigned char *out, size_t *room)
+{
+    uLongf bytes = (uLongf)*room;
+    const bool well = uncompress(out, &bytes, packed, (uLong)size) == Z_OK;
+    *room = (size_t)bytes;
+    return well;
+}
+
+static bool unpack_lz4(const unsigned char *packed, size_t size, unsigned char *out, size_t *room)
+{
+    const int most = *room < LZ4_MAX_INPUT_SIZE ? (int)*room : LZ4_MAX_INPUT_SIZE;
+    const int bytes = size < LZ4_MAX_INPUT_SIZE
+                          ? LZ4_decompress_safe((const char *)packed, (char *)out, (int)size, most)
+                          : -1;
+    *room = bytes > 0 ? (size_t)bytes : 0;
+    return bytes >= 0;
+}
+
+static bool unpack_lzma(const unsigned char *packed, size_t size, unsigned char *out, size_t *room)
+{
+    uint64_t memory = (uint64_t)256 << 20;
+    size_t from = 0, to = 0;
+    const bool well = lzma_stream_buffer_decode(&memory, 0, NULL, packed, &from, size, out, &to, *room) == LZMA_OK;
+    *room = to;
+    return well;
+}
+
+/* VTK's packers, and the most bytes that they pack into one. */
+static const struct {
+    const char *name;
+    unpack_block *unpack;
+    double most;
+} packers[] = {{"vtkZLibDataCompressor", unpack_zlib, ISO_SOURCE_DEFLATE_MOST},
+               {"vtkLZ4DataCompressor", unpack_lz4, 255},
+               {"vtkLZMADataCompressor", unpack_lzma, 1 << 13}};
+enum { PACKERS = sizeof packers / sizeof *packers };
 
 typedef struct vti {
     char *text; /* the file's beginning, or all of it */
@@ -21,6 +63,7 @@ typedef struct vti {
     double origin[3], spacing[3], direction[9]; /* rows of a matrix whose columns are the axes' directions */
     size_t offset, length_bytes;
     bool big_endian, packed, of_cells;
+    size_t packer; /* row of packers, if packed */
     iso_extra_axes axes;
 } vti;
 
@@ -99,9 +142,36 @@ static void take_channels(vti *v, const char *array, size_t count)
     }
 }
 
-static iso_status parse(vti *v, const char *path, iso_error *err)
+static iso_status take_packer(const char *file, const char *path, vti *v, iso_error *err)
+{
+    char word[WORD_BYTES];
+    v->packed = attribute(file, "compressor", word, sizeof word);
+    while (v->packed && v->packer < PACKERS && strcmp(word, packers[v->packer].name) != 0)
+        ++v->packer;
+    return v->packer < PACKERS
+               ? ISO_OK
+               : iso_fail(err, ISO_E_FORMAT, "%s: packed by %s, must be VTK's ZLib, LZ4 or LZMA", path, word);
+}
+
+/* Takes the extent of the samples: of the whole, or of a piece of a .pvti. */
+static iso_status take_extent(const char *image, const char *tag, bool is_piece, const char *path, vti *v,
+                              iso_error *err)
 {
     char word[WORD_BYTES], piece[WORD_BYTES];
+    const bool has_own = attribute(tag, "Extent", piece, sizeof piece);
+    if (!attribute(image, "WholeExtent", word, sizeof word))
+        *word = 0;
+    if (has_own && strcmp(piece, word) != 0 && !is_piece)
+        return iso_fail(err, ISO_E_FORMAT, "%s: its first piece is not the whole, which is not read", path);
+    if (sscanf(has_own && is_piece ? piece : word, "%ld %ld %ld %ld %ld %ld", &v->extent[0], &v->extent[1],
+               &v->extent[2], &v->extent[3], &v->extent[4], &v->extent[5]) != 6)
+        return iso_fail(err, ISO_E_FORMAT, "%s: no WholeExtent of six numbers", path);
+    return ISO_OK;
+}
+
+static iso_status parse(vti *v, const char *path, bool is_piece, iso_error *err)
+{
+    char word[WORD_BYTES];
     double list[9];
     const char *file = strstr(v->text, "<VTKFile"), *image = strstr(v->text, "<ImageData");
     const char *data = image ? strstr(image, "<PointData") : NULL, *tag = strstr(v->text, "<Piece");
@@ -113,12 +183,10 @@ static iso_status parse(vti *v, const char *path, iso_error *err)
     }
     if (!file || !image || !tag || !array)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no image data with an array in it", path);
-    if (!attribute(image, "WholeExtent", word, sizeof word) ||
-        sscanf(word, "%ld %ld %ld %ld %ld %ld", &v->extent[0], &v->extent[1], &v->extent[2], &v->extent[3],
-               &v->extent[4], &v->extent[5]) != 6)
-        return iso_fail(err, ISO_E_FORMAT, "%s: no WholeExtent of six numbers", path);
-    if (attribute(tag, "Extent", piece, sizeof piece) && strcmp(piece, word) != 0)
-        return iso_fail(err, ISO_E_FORMAT, "%s: its first piece is not the whole, which is not read", path);
+    iso_status status = take_extent(image, tag, is_piece, path, v, err);
+    TRY(status, take_packer(file, path, v, err));
+    if (status != ISO_OK)
+        return status;
     for (int a = 0; a < 9; ++a)
         v->direction[a] = a % 4 == 0;
     for (int a = 0; a < 3; ++a)
@@ -133,11 +201,6 @@ static iso_status parse(vti *v, const char *path, iso_error *err)
     v->big_endian = strcmp(word, "BigEndian") == 0;
     attribute(file, "header_type", word, sizeof word);
     v->length_bytes = strcmp(word, "UInt64") == 0 ? 8 : 4;
-    if (attribute(file, "compressor", word, sizeof word)) {
-        v->packed = true;
-        if (strcmp(word, "vtkZLibDataCompressor") != 0)
-            return iso_fail(err, ISO_E_FORMAT, "%s: packed by %s, must be vtkZLibDataCompressor", path, word);
-    }
     if (attribute(array, "NumberOfComponents", word, sizeof word) && atoi(word) > 1)
         take_channels(v, array, (size_t)atoi(word));
     attribute(array, "type", v->type, sizeof v->type);
@@ -249,8 +312,8 @@ static bool unpack(const vti *v, const unsigned char *data, size_t size, unsigne
     size_t at = (3 + (size_t)blocks) * n, done = 0;
     for (uint64_t i = 0; i < blocks; ++i) {
         const uint64_t packed = number_at(v, data + (3 + i) * n);
-        uLongf room = (uLongf)(bytes - done);
-        if (packed > size - at || uncompress(out + done, &room, data + at, (uLong)packed) != Z_OK)
+        size_t room = bytes - done;
+        if (packed > size - at || !packers[v->packer].unpack(data + at, (size_t)packed, out + done, &room))
             return false;
         done += room;
         at += (size_t)packed;
@@ -264,7 +327,7 @@ static iso_status take_bytes(const vti *v, iso_volume_source *source, const unsi
 {
     const size_t bytes = iso_source_bytes(source), n = v->length_bytes;
     const iso_status status = iso_source_check_packed(source, source->path, (double)size,
-                                                      v->packed ? ISO_SOURCE_DEFLATE_MOST : 1, err);
+                                                      v->packed ? packers[v->packer].most : 1, err);
     if (status != ISO_OK)
         return status;
     source->preloaded = malloc(bytes);
@@ -342,7 +405,7 @@ static iso_status open_vti(iso_volume_source *source, iso_error *err)
 {
     vti v = {0};
     iso_status status = read_text(source->path, &v, err);
-    TRY(status, parse(&v, source->path, err));
+    TRY(status, parse(&v, source->path, source->hints.is_piece, err));
     if (status == ISO_OK && !take_type(v.type, source))
         status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
                           v.type);
@@ -361,7 +424,8 @@ static bool starts_like_vti(const unsigned char *head, size_t size)
 const iso_volume_format iso_volume_format_vti = {
     .name = "vti",
     .title = "VTK XML",
-    .summary = "image data of one piece: appended raw plane by plane, base64, text and packed by zlib at once",
+    .summary =
+        "image data of one piece: appended raw plane by plane, base64, text and packed by zlib, LZ4 or LZMA at once",
     .suffixes = ".vti .pvd .series .vti.series",
     .starts = "\"<VTKFile\"",
     .probe = starts_like_vti,

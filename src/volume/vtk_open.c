@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* vtk_open.c - VTK's legacy files: lines of words, then samples, big-endian or as text. */
+/* vtk_open.c - VTK's legacy files: lines of words, then samples, big-endian or as text. The coordinates of a rectilinear
+ * grid have to be evenly spaced within 1 %, or are taken for that by --force-spacing. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,11 +17,58 @@ typedef struct vtk_header {
     bool is_text, of_cells, is_color, found;
     int components;
     char dataset[64], type[64];
+    char damaged[24];         /* "", or the coordinates that cannot be read */
+    double least[3], most[3]; /* steps of the coordinates of a rectilinear grid; 0: not given */
 } vtk_header;
 
 static bool starts_like_vtk(const unsigned char *head, size_t size)
 {
     return size >= 14 && memcmp(head, "# vtk DataFile", 14) == 0;
+}
+
+/* Reads a coordinate: as text, or big-endian of 4 or 8 bytes. */
+static bool read_coordinate(FILE *f, bool is_text, bool is_double, double *value)
+{
+    unsigned char bytes[8];
+    const size_t count = is_double ? 8 : 4;
+    if (is_text)
+        return fscanf(f, "%lf", value) == 1;
+    if (fread(bytes, 1, count, f) != count)
+        return false;
+    uint64_t bits = 0;
+    for (size_t i = 0; i < count; ++i)
+        bits = bits << 8 | bytes[i];
+    const uint32_t half = (uint32_t)bits;
+    float single;
+    memcpy(&single, &half, sizeof single);
+    if (is_double)
+        memcpy(value, &bits, sizeof bits);
+    else
+        *value = (double)single;
+    return isfinite(*value);
+}
+
+/* Reads "X_COORDINATES 7 float" and the numbers after it: the first is the origin, their mean step the spacing. */
+static void take_coordinates(FILE *f, vtk_header *h, const char *line)
+{
+    enum { MOST = 1 << 24 };
+    const int axis = line[0] - 'X';
+    size_t count = 0;
+    char type[16] = "";
+    double value = 0, before = 0;
+    sscanf(line, "%*s %18zu %15s", &count, type);
+    const bool is_double = strcmp(type, "double") == 0;
+    bool well = (is_double || strcmp(type, "float") == 0) && count >= 1 && count <= MOST;
+    h->least[axis] = (double)INFINITY, h->most[axis] = -(double)INFINITY;
+    for (size_t i = 0; i < count && well; ++i, before = value) {
+        well = read_coordinate(f, h->is_text, is_double, &value);
+        h->origin[axis] = i == 0 ? value : h->origin[axis];
+        h->least[axis] = i > 0 ? fmin(h->least[axis], value - before) : h->least[axis];
+        h->most[axis] = i > 0 ? fmax(h->most[axis], value - before) : h->most[axis];
+    }
+    if (!well)
+        snprintf(h->damaged, sizeof h->damaged, "%c_COORDINATES", line[0]);
+    h->spacing[axis] = count > 1 ? (value - h->origin[axis]) / (double)(count - 1) : 1;
 }
 
 /* Reads one line before the samples. found: samples follow the line, or the line LOOKUP_TABLE. */
@@ -58,8 +107,15 @@ static iso_status read_header(FILE *f, const char *path, vtk_header *h, iso_erro
             h->is_text = strncmp(line, "ASCII", 5) == 0;
         else if (i > 2)
             take(h, line);
-        if (h->dataset[0] && strcmp(h->dataset, "STRUCTURED_POINTS") != 0)
-            return iso_fail(err, ISO_E_FORMAT, "%s: a dataset of VTK's kind %s, must be STRUCTURED_POINTS", path,
+        if (i > 2 && line[0] >= 'X' && line[0] <= 'Z' && strncmp(line + 1, "_COORDINATES ", 13) == 0)
+            take_coordinates(f, h, line);
+        if (h->damaged[0])
+            return iso_fail(err, ISO_E_FORMAT, "%s: %s are truncated, not finite, or no float or double", path,
+                            h->damaged);
+        if (h->dataset[0] && strcmp(h->dataset, "STRUCTURED_POINTS") != 0 &&
+            strcmp(h->dataset, "RECTILINEAR_GRID") != 0)
+            return iso_fail(err, ISO_E_FORMAT,
+                            "%s: a dataset of VTK's kind %s, must be STRUCTURED_POINTS or RECTILINEAR_GRID", path,
                             h->dataset);
     }
     if (!h->found)
@@ -102,6 +158,19 @@ static bool take_type(const char *name, iso_volume_source *source)
     return false;
 }
 
+/* Refuses coordinates whose steps differ by more than 1 %. */
+static iso_status check_even(const vtk_header *h, const iso_volume_source *source, iso_error *err)
+{
+    for (int a = 0; a < 3 && source->hints.uneven != ISO_UNEVEN_FORCE; ++a)
+        if (h->most[a] > h->least[a] && !(h->most[a] - h->least[a] <= 0.01 * fabs(h->spacing[a])))
+            return iso_fail(
+                err, ISO_E_FORMAT,
+                "%s: the steps of its %c axis are %g to %g, must be equal within 1 %%; resample it in VTK, or "
+                "--force-spacing takes the average",
+                source->path, 'x' + a, h->least[a], h->most[a]);
+    return ISO_OK;
+}
+
 /* Takes the geometry. Points stand at ORIGIN and every SPACING from there; cells lie between them. */
 static iso_status take_geometry(const vtk_header *h, iso_volume_source *source, iso_error *err)
 {
@@ -133,6 +202,7 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
     if (status == ISO_OK && !take_type(h.type, source))
         status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
                           h.type);
+    TRY(status, check_even(&h, source, err));
     TRY(status, take_geometry(&h, source, err));
     /* Bytes are always written as colors: three or four of them count as such. */
     const iso_extra_axes axes = {.channel = {.count = (size_t)h.components, .inside = true, .stride = 1},
@@ -152,7 +222,7 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
 const iso_volume_format iso_volume_format_vtk = {
     .name = "vtk",
     .title = "VTK legacy",
-    .summary = "structured points, of points or cells; binary plane by plane, text at once",
+    .summary = "structured points and even rectilinear grids, of points or cells; binary plane by plane, text at once",
     .suffixes = ".vtk",
     .starts = "\"# vtk DataFile\"",
     .probe = starts_like_vtk,

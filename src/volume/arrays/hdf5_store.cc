@@ -204,8 +204,32 @@ public:
         return names;
     }
 
+    /* VTK's image data: points at Origin and steps of Spacing along the columns of Direction; cells between them. */
+    bool place_vtkhdf(const Array &array, iso_child_header &header)
+    {
+        auto origin = numbers("VTKHDF", "Origin"), spacing = numbers("VTKHDF", "Spacing"),
+             direction = numbers("VTKHDF", "Direction");
+        const auto extent = numbers("VTKHDF", "WholeExtent");
+        const double half = array.name.rfind("VTKHDF/CellData/", 0) == 0 ? 0.5 : 0;
+        if (origin.size() != 3 || spacing.size() != 3 || extent.size() != 6)
+            return false;
+        if (direction.size() != 9)
+            direction = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+        header.world = ISO_CHILD_OWN;
+        for (size_t r = 0; r < 3; ++r) {
+            header.first[r] = origin[r];
+            for (size_t a = 0; a < 3; ++a) {
+                header.step[a][r] = direction[3 * r + a] * spacing[a];
+                header.first[r] += header.step[a][r] * (extent[2 * a] + half);
+            }
+        }
+        return true;
+    }
+
     bool place(const Array &array, const size_t (&space)[3], iso_child_header &header) override
     {
+        if (array.name.rfind("VTKHDF/", 0) == 0 && text("VTKHDF", "Type") == "ImageData")
+            return place_vtkhdf(array, header);
         if (array.name.rfind("DataSet/ResolutionLevel ", 0) != 0 || !is_imaris())
             return false;
         const std::string unit = text("DataSetInfo/Image", "Unit");

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+/* pvti_open.c - VTK's parallel image data: a .pvti that names pieces, .vti files beside it. Pieces may overlap; together
+ * they fill the whole. All are read at once. */
+#define _GNU_SOURCE
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "volume/reader.h"
+
+enum { MOST_BYTES = 16 << 20, MOST_PIECES = 1 << 16, NAME_BYTES = 1024 };
+
+typedef struct pvti {
+    long extent[6];
+    size_t size[3]; /* samples: cells if `of_cells` */
+    bool of_cells;
+    unsigned char *is_filled; /* of each sample */
+} pvti;
+
+/* Finds the text of an attribute within the tag at `tag`; false: it has none. */
+static bool attribute(const char *tag, const char *name, char *out, size_t size)
+{
+    const char *end = strchr(tag, '>'), *at = strstr(tag, name);
+    const size_t length = strlen(name);
+    if (!at || !end || at > end || at[length] != '"')
+        return false;
+    snprintf(out, size, "%.*s", (int)strcspn(at + length + 1, "\""), at + length + 1);
+    return true;
+}
+
+static bool read_extent(const char *tag, const char *name, long e[6])
+{
+    char word[NAME_BYTES];
+    return attribute(tag, name, word, sizeof word) &&
+           sscanf(word, "%18ld %18ld %18ld %18ld %18ld %18ld", &e[0], &e[1], &e[2], &e[3], &e[4], &e[5]) == 6 &&
+           e[0] <= e[1] && e[2] <= e[3] && e[4] <= e[5];
+}
+
+/* Opens a piece; its grid gives directions and spacing, which all share. */
+static iso_status open_piece(const iso_volume_source *whole, const char *name, iso_volume_source **piece,
+                             iso_error *err)
+{
+    char *path = NULL;
+    const char *base = iso_path_base(whole->path);
+    iso_volume_hints hints = whole->hints;
+    hints.is_piece = true;
+    *piece = NULL;
+    if (*name == '/' || strstr(name, "..") || !iso_path_ends_with(name, ".vti"))
+        return iso_fail(err, ISO_E_FORMAT, "%s: its piece is \"%.200s\", must be a .vti in its folder or below",
+                        whole->path, name);
+    if (asprintf(&path, "%.*s%s", (int)(base - whole->path), whole->path, name) < 0)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", whole->path);
+    const iso_status status = iso_source_open_with(path, &hints, piece, err);
+    free(path);
+    return status;
+}
+
+/* Copies a row of samples and marks them. */
+static void put_row(const pvti *p, const char *row, size_t count, size_t to, size_t sample, char *out)
+{
+    memcpy(out + to * sample, row, count * sample);
+    memset(p->is_filled + to, 1, count);
+}
+
+static iso_status put_piece(pvti *p, iso_volume_source *whole, iso_volume_source *piece, const long e[6],
+                            iso_error *err)
+{
+    const iso_volume *v = iso_source_volume(piece);
+    const size_t *n = v->geometry.size, sample = iso_type_bytes(v->type);
+    size_t at[3];
+    for (int a = 0; a < 3; ++a) {
+        const long samples = e[2 * a + 1] - e[2 * a] + (p->of_cells ? 0 : 1);
+        at[a] = (size_t)(e[2 * a] - p->extent[2 * a]);
+        if (e[2 * a] < p->extent[2 * a] || e[2 * a + 1] > p->extent[2 * a + 1] || n[a] != (size_t)samples)
+            return iso_fail(err, ISO_E_FORMAT, "%s: %s has %zu samples along axis %d, must be %ld within %ld to %ld",
+                            whole->path, piece->path, n[a], a + 1, samples, p->extent[2 * a], p->extent[2 * a + 1]);
+    }
+    if (v->type != whole->header.type)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %s is of type %s, the first piece of %s", whole->path, piece->path,
+                        iso_type_name(v->type), iso_type_name(whole->header.type));
+    char *plane = malloc(n[0] * n[1] * sample);
+    iso_status status = plane ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", whole->path);
+    for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
+        status = iso_source_read(piece, 1, plane, err);
+        for (size_t y = 0; y < n[1] && status == ISO_OK; ++y)
+            put_row(p, plane + y * n[0] * sample, n[0], ((at[2] + z) * p->size[1] + at[1] + y) * p->size[0] + at[0],
+                    sample, whole->preloaded);
+    }
+    free(plane);
+    return status;
+}
+
+/* Takes the whole's grid from a piece that begins at extent `e`, and memory for its samples, at most as many bytes as
+ * `packed` bytes of pieces may hold. */
+static iso_status begin(pvti *p, iso_volume_source *whole, const iso_volume_source *piece, const long e[6],
+                        double packed, iso_error *err)
+{
+    const iso_volume *v = iso_source_volume(piece);
+    iso_geometry *g = &whole->header.geometry;
+    iso_vec3 back = iso_v3(0, 0, 0);
+    p->of_cells = v->geometry.size[0] == (size_t)(e[1] - e[0]) && v->geometry.size[1] == (size_t)(e[3] - e[2]);
+    for (int a = 0; a < 3; ++a) {
+        const double points = (double)p->extent[2 * a + 1] - (double)p->extent[2 * a] + (p->of_cells ? 0 : 1);
+        p->size[a] = points >= 1 && points < 1e12 ? (size_t)points : 0;
+        back = iso_madd(back, iso_column(v->geometry.index_to_world, a), (double)(p->extent[2 * a] - e[2 * a]));
+    }
+    *g = iso_geometry_axis_aligned(p->size, (double[]){1, 1, 1});
+    g->index_to_world = v->geometry.index_to_world;
+    g->origin_mm = iso_add(v->geometry.origin_mm, back);
+    whole->header.type = v->type;
+    whole->header.notes = v->notes;
+    iso_status status = iso_source_check_geometry(whole, err);
+    TRY(status, iso_source_check_packed(whole, whole->path, packed, ISO_SOURCE_DEFLATE_MOST, err));
+    if (status != ISO_OK)
+        return status;
+    whole->preloaded = malloc(iso_source_bytes(whole));
+    p->is_filled = calloc(iso_geometry_voxel_count(g), 1);
+    return whole->preloaded && p->is_filled ? ISO_OK
+                                            : iso_fail(err, ISO_E_MEMORY, "%s: no memory for its samples", whole->path);
+}
+
+/* Returns the bytes of all pieces. */
+static double bytes_of_pieces(const char *text, const char *path)
+{
+    char name[NAME_BYTES], *file = NULL;
+    double bytes = 0;
+    struct stat st;
+    for (const char *tag = text; (tag = strstr(tag, "<Piece ")); ++tag)
+        if (attribute(tag, "Source=", name, sizeof name) &&
+            asprintf(&file, "%.*s%s", (int)(iso_path_base(path) - path), path, name) >= 0) {
+            bytes += stat(file, &st) == 0 ? (double)st.st_size : 0;
+            free(file);
+        }
+    return bytes;
+}
+
+static iso_status read_pieces(pvti *p, const char *text, iso_volume_source *whole, iso_error *err)
+{
+    const double packed = bytes_of_pieces(text, whole->path);
+    char name[NAME_BYTES];
+    long e[6];
+    size_t pieces = 0;
+    iso_status status = ISO_OK;
+    for (const char *tag = text; status == ISO_OK && (tag = strstr(tag, "<Piece ")); ++tag) {
+        iso_volume_source *piece;
+        if (++pieces > MOST_PIECES || !read_extent(tag, " Extent=", e) || !attribute(tag, "Source=", name, sizeof name))
+            return iso_fail(err, ISO_E_FORMAT, "%s: damaged: piece %zu has no extent and source, or is one of too many",
+                            whole->path, pieces);
+        status = open_piece(whole, name, &piece, err);
+        if (status == ISO_OK && pieces == 1)
+            status = begin(p, whole, piece, e, packed, err);
+        TRY(status, put_piece(p, whole, piece, e, err));
+        iso_source_close(piece);
+    }
+    if (status == ISO_OK && pieces == 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without pieces", whole->path);
+    for (size_t i = 0; status == ISO_OK && i < iso_geometry_voxel_count(&whole->header.geometry); ++i)
+        if (!p->is_filled[i])
+            return iso_fail(err, ISO_E_FORMAT, "%s: its %zu pieces do not fill the whole: sample %zu is in none",
+                            whole->path, pieces, i);
+    return status;
+}
+
+static iso_status open_pvti(iso_volume_source *source, iso_error *err)
+{
+    pvti p = {0};
+    char *text = NULL;
+    size_t size;
+    struct stat st;
+    if (stat(source->path, &st) == 0 && st.st_size > MOST_BYTES)
+        return iso_fail(err, ISO_E_FORMAT, "%s: a list of %.0f bytes, must be at most %d", source->path,
+                        (double)st.st_size, MOST_BYTES);
+    iso_status status = iso_file_read(source->path, &text, &size, err);
+    const char *image = status == ISO_OK ? strstr(text, "<PImageData") : NULL;
+    if (status == ISO_OK && (!image || !read_extent(image, "WholeExtent=", p.extent)))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no PImageData with a WholeExtent", source->path);
+    TRY(status, read_pieces(&p, text, source, err));
+    free(p.is_filled);
+    free(text);
+    return status;
+}
+
+static bool starts_like_pvti(const unsigned char *head, size_t size)
+{
+    return memmem(head, size, "<VTKFile", 8) && memmem(head, size, "\"PImageData\"", 12);
+}
+
+const iso_volume_format iso_volume_format_pvti = {
+    .name = "pvti",
+    .title = "VTK XML, parallel",
+    .summary = "image data in several .vti files, at once",
+    .suffixes = ".pvti",
+    .starts = "\"<VTKFile\"",
+    .probe = starts_like_pvti,
+    .open = open_pvti,
+};

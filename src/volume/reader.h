@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* reader.h - functions that readers of short headers share; private to src/volume. */
+#ifndef ISO_VOLUME_READER_H
+#define ISO_VOLUME_READER_H
+
+#include "volume/stream_kernel.h"
+
+/* Reads the first bytes of a file, at most `bytes`, and ends them with a 0: `head` has room for one more. ISO_E_IO. */
+iso_status iso_reader_head(const char *path, char *head, size_t bytes, size_t *got, iso_error *err);
+
+/* Sets the grid: step[a] leads from the center of a sample to the next along axis a, `first` is the center of the first
+ * one, both in `unit`, which --unit overrides. Checks it by iso_source_check_geometry(). */
+iso_status iso_reader_place(iso_volume_source *source, const size_t size[3], double step[3][3], const double first[3],
+                            const char *unit, iso_error *err);
+
+/* Returns a big-endian number of 1 to 8 bytes; a big-endian float. */
+uint64_t iso_reader_number(const unsigned char *at, size_t bytes);
+double iso_reader_float(const unsigned char *at);
+
+/* Returns the text after the line's key and sign, such as "dim:", without spaces; NULL: no line starts with it. */
+const char *iso_reader_value(const char *text, const char *key);
+
+/* Reads numbers between spaces or commas; returns their count, at most `most`. */
+size_t iso_reader_numbers(const char *text, double *out, size_t most);
+
+#endif
