@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* afni_open.c - AFNI datasets: a .HEAD of attributes as text, and a .BRIK beside it, or a .BRIK.gz. Sub-bricks are
+/* afni_open.c - AFNI datasets: a .HEAD of attributes as text, and a .BRIK next to it, or a .BRIK.gz. Sub-bricks are
  * frames. The file's world is that of DICOM, left, posterior, superior. */
 #define _GNU_SOURCE
 #include <ctype.h>
@@ -130,7 +130,7 @@ static iso_status choose_frame(const char *head, size_t frames, iso_volume_sourc
     return status;
 }
 
-/* Opens the .BRIK beside the header, or the packed one. */
+/* Opens the .BRIK next to the header, or the packed one. */
 static iso_status take_samples(iso_volume_source *source, iso_error *err)
 {
     struct stat st;

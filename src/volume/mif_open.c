@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* mif_open.c - MRtrix images: lines of text, then the samples at the byte that "file: . BYTE" names; or in the file that
- * a .mih names. The world is right, anterior, superior.
+/* mif_open.c - MRtrix images: lines of text, then the samples at the byte that "file: . BYTE" names; or in the file
+ * that a .mih names. The world is right, anterior, superior.
  *
  * "layout" has the order of the axes in the file, 0 the fastest, and a minus for each that runs backward. */
 #define _GNU_SOURCE
@@ -147,7 +147,7 @@ static iso_status take_type(const char *text, iso_volume_source *source, iso_err
                     source->path, (int)length, name ? name : "");
 }
 
-/* Opens the samples: in this file, or in one beside it. */
+/* Opens the samples: in this file, or in one next to it. */
 static iso_status take_samples(const char *text, iso_volume_source *source, iso_error *err)
 {
     const char *file = iso_reader_value(text, "file:");

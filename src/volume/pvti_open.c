@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* pvti_open.c - VTK's parallel image data: a .pvti that names pieces, .vti files beside it. Pieces may overlap; together
- * they fill the whole. All are read at once. */
+/* pvti_open.c - VTK's parallel image data: a .pvti that names pieces, .vti files next to it. Pieces may overlap;
+ * together they fill the whole. All are read at once. */
 #define _GNU_SOURCE
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 
 #include "volume/stream_kernel.h"
 
-/* Reads the first bytes of a file, at most `bytes`, and ends them with a 0: `head` has room for one more. ISO_E_IO. */
+/* Reads the first bytes of a file, at most `bytes`, and ends them with a 0: `head` is a byte longer. ISO_E_IO. */
 iso_status iso_reader_head(const char *path, char *head, size_t bytes, size_t *got, iso_error *err);
 
 /* Sets the grid: step[a] leads from the center of a sample to the next along axis a, `first` is the center of the first

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* vti_open.c - VTK's XML image data (.vti): one piece; its samples appended raw or in base64, inline in base64 or as
- * text; packed by zlib, LZ4 or LZMA, or not. Samples that are appended raw and not packed are read plane by plane, others at once. */
+ * text; packed by zlib, LZ4 or LZMA, or not. Samples that are appended raw and not packed are read plane by plane,
+ * others at once. */
 #define _GNU_SOURCE
 #include <ctype.h>
 #include <errno.h>
@@ -14,33 +15,33 @@
 
 enum { HEAD_BYTES = 1 << 16, WORD_BYTES = 256 };
 
-/* Unpacks a block into *room bytes and sets *room to their number; false: it is damaged. */
-typedef bool unpack_block(const unsigned char *packed, size_t size, unsigned char *out, size_t *room);
+/* Unpacks a block into at most *given bytes, and returns their number there; false: it is damaged. */
+typedef bool unpack_block(const unsigned char *packed, size_t size, unsigned char *out, size_t *given);
 
-static bool unpack_zlib(const unsigned char *packed, size_t size, unsigned char *out, size_t *room)
+static bool unpack_zlib(const unsigned char *packed, size_t size, unsigned char *out, size_t *given)
 {
-    uLongf bytes = (uLongf)*room;
+    uLongf bytes = (uLongf)*given;
     const bool well = uncompress(out, &bytes, packed, (uLong)size) == Z_OK;
-    *room = (size_t)bytes;
+    *given = (size_t)bytes;
     return well;
 }
 
-static bool unpack_lz4(const unsigned char *packed, size_t size, unsigned char *out, size_t *room)
+static bool unpack_lz4(const unsigned char *packed, size_t size, unsigned char *out, size_t *given)
 {
-    const int most = *room < LZ4_MAX_INPUT_SIZE ? (int)*room : LZ4_MAX_INPUT_SIZE;
+    const int most = *given < LZ4_MAX_INPUT_SIZE ? (int)*given : LZ4_MAX_INPUT_SIZE;
     const int bytes = size < LZ4_MAX_INPUT_SIZE
                           ? LZ4_decompress_safe((const char *)packed, (char *)out, (int)size, most)
                           : -1;
-    *room = bytes > 0 ? (size_t)bytes : 0;
+    *given = bytes > 0 ? (size_t)bytes : 0;
     return bytes >= 0;
 }
 
-static bool unpack_lzma(const unsigned char *packed, size_t size, unsigned char *out, size_t *room)
+static bool unpack_lzma(const unsigned char *packed, size_t size, unsigned char *out, size_t *given)
 {
     uint64_t memory = (uint64_t)256 << 20;
     size_t from = 0, to = 0;
-    const bool well = lzma_stream_buffer_decode(&memory, 0, NULL, packed, &from, size, out, &to, *room) == LZMA_OK;
-    *room = to;
+    const bool well = lzma_stream_buffer_decode(&memory, 0, NULL, packed, &from, size, out, &to, *given) == LZMA_OK;
+    *given = to;
     return well;
 }
 

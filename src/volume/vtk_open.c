@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* vtk_open.c - VTK's legacy files: lines of words, then samples, big-endian or as text. The coordinates of a rectilinear
- * grid have to be evenly spaced within 1 %, or are taken for that by --force-spacing. */
+/* vtk_open.c - VTK's legacy files: lines of words, then samples, big-endian or as text. The coordinates of a
+ * rectilinear grid have to be evenly spaced within 1 %, or are taken for that by --force-spacing. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
