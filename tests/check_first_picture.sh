@@ -102,7 +102,7 @@ for command in "build --for first" "palette -o p.csv"; do
     expect "${1}_${2#--}_tf_first" 2 "$ISOSHADE" $1 nothing.nrrd --tf bone "${@:2}"
     check "${1}_${2#--}_tf_said" grep -q 'unknown transfer function preset "bone"' err
 done
-expect levels_for_a_first_picture 0 "$ISOSHADE" build v.nrrd --for first --tf simulation --levels 2 -q -o for.iso
+expect levels_for_a_first_picture 0 "$ISOSHADE" build v.nrrd --for first --tf simulation --effort none --levels 2 -q -o for.iso
 check whose_pyramid_says_so grep -q '"scene": "first"' for.iso/pyramid.json
 expect palette_of_a_preset 0 "$ISOSHADE" palette v.nrrd --tf auto --entries 8 -q -o p.csv
 expect chart_of_a_first_picture 0 "$ISOSHADE" chart v.nrrd --tf simulation --view top --zoom 1.5 --size 16 --levels 1 --with gl --codes fit --steps 1 --want 1 --budget 0 -q -o chart

@@ -35,7 +35,7 @@ outputs() {
     : >failures
     run build "$plant/s.nrrd" -o "$dir/made/s.iso" --levels 2
     run build "$plant/in" -o "$dir/made/d.iso"
-    run build "$plant/s.nrrd" -o "$dir/made/for.iso" --levels 2 --for "$plant/itsscene.scene.json"
+    run build "$plant/s.nrrd" -o "$dir/made/for.iso" --levels 2 --effort fast --for "$plant/itsscene.scene.json"
     run render "$plant/s.nrrd" $S --with gl --size 8 -o "$dir/made/p.exr" --png "$dir/made/p.png"
     run export "$plant/s.nrrd" $S --to vdb -o "$dir/made/e.vdb"
     run export "$plant/s.nrrd" $S --to vdb --bake density,Cd -o "$dir/made/baked.vdb"

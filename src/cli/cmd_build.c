@@ -436,7 +436,7 @@ const iso_command iso_command_build = {
                 "  isoshade build v.nrrd -o v.iso --levels 4\n"
                 "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"
                 "  isoshade build v.nrrd -o ls.iso --scalar-filter least-squares\n"
-                "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --levels 3\n"
+                "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --effort fast\n"
                 "  isoshade build v.nrrd -o auto.iso --auto --levels 3\n",
     .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
                                         &iso_code_names, &iso_tf_preset_names, NULL},

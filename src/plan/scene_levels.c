@@ -234,6 +234,8 @@ static iso_status optimize_level(iso_pyramid *p, size_t level, const iso_scene *
     own.seed += level;
     own.threads = threads;
     iso_status status = iso_optimize_level(p, level, scene, &own, &o, progress, err);
+    if (status == ISO_E_RANGE) /* it shows nothing, or its code is not linear: the other candidates stay */
+        return ISO_OK;
     made->optimized = (struct iso_scene_level_optimized){true,          o.views, o.pixels,          o.steps,
                                                          o.error_first, o.error, {.accepts = false}};
     TRY(status, compare(p, level, scene, l, &o, threads, made, err));
