@@ -304,7 +304,7 @@ class _Watch:
 
 def _call_in_thread(watch, name, arguments):
     """Calls in another thread, because Python handles signals only while its main thread runs Python code."""
-    outcome = []
+    outcome, done = [], threading.Event()
 
     def work():
         try:
@@ -312,13 +312,15 @@ def _call_in_thread(watch, name, arguments):
             outcome.append(None)
         except BaseException as failure:
             outcome.append(failure)
+        finally:
+            done.set()
 
     thread = threading.Thread(target=work, name=name)
     thread.start()
     interrupt = None
-    while thread.is_alive():
+    while not done.is_set():  # not thread.join(): interrupted, it takes a running thread for an ended one
         try:
-            thread.join(0.05)
+            done.wait(0.05)
         except BaseException as failure:
             interrupt = interrupt or failure
             watch.canceled.set()
