@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* bmp.h - Windows bitmaps that are not packed: indices of 8 bits into a palette, or colors of 24 and 32 bits.
  *
- * ITK 5.2 reads rows of an odd width wrongly. */
+ * A palette that is gray throughout gives gray values, not colors: such are the slices of micro-CT scanners. */
 #ifndef ISO_VOLUME_ITK_BMP_H
 #define ISO_VOLUME_ITK_BMP_H
 
