@@ -111,7 +111,9 @@ arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) 2>/dev/null && 
 vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb)
 reader_programs := $(itk_program) $(arrays_program) $(vdb_program)
 beside := $(openvdb_library) $(mpi_library) $(reader_programs)
-test_c := $(wildcard tests/test_*.c tests/lab/test_*.c)
+# The lab reads no untrusted input, and its tests compute for long: the sanitizers leave it out.
+with_lab := $(if $(filter sanitize,$(config)),,lab)
+test_c := $(wildcard tests/test_*.c $(with_lab:%=tests/%/test_*.c))
 # Programs of tests/lab go to the same folder as other tests: they find libraries by their path from the program.
 lab_tests := $(patsubst tests/lab/%.c,$(build)/tests/%,$(filter tests/lab/%,$(test_c)))
 tests := $(patsubst tests/%.c,$(build)/tests/%,$(filter-out tests/lab/%,$(test_c))) $(lab_tests)
@@ -168,7 +170,7 @@ addon: $(addon) ## pack the Blender add-on as a zip
 .PHONY: addon
 
 # Fuzzing programs with a reader linked in are only for speed: under sanitizers, readers run as programs.
-tests: $(tests) $(lab_program) $(fuzz) $(if $(filter release,$(config)),$(fuzz_programs)) $(openvdb_library) ## build the test programs
+tests: $(tests) $(if $(with_lab),$(lab_program)) $(fuzz) $(if $(filter release,$(config)),$(fuzz_programs)) $(openvdb_library) ## build the test programs
 .PHONY: tests
 # FIGURES="hero sheet" draws only these, FIGURES=quick all that take minutes; refscenes/figures.sh has the names.
 figures: $(needs_setup) ## redraw the pictures of the documentation

@@ -26,6 +26,7 @@ STANDS_FOR = [
     (r" \.\.\.$", ""),
     (r"v\.nrrd v\.nrrd( v\.nrrd)+", "v.nrrd v.nrrd"),  # several are two
     (r"v\.nrrd,v\.nrrd(,v\.nrrd)+", "v.nrrd,v.nrrd"),
+    (r"(isoshade-lab palette) v\.nrrd v\.nrrd", r"\1 v.nrrd"),
 ]
 
 # The last of an option that is given twice counts: what makes a command small, by its first words.
@@ -46,6 +47,7 @@ SMALL = [
     ("isoshade-lab encode", "--count 200 --size 12"),
     ("isoshade-lab gradient", "--size 32"),
     ("isoshade-lab palette", "--steps 4 --seeds 1"),
+    ("isoshade-lab fit", "--levels 2"),
     ("isoshade-lab seams", "--layouts 2"),
     ("isoshade-lab ghosts", "--levels 2"),
     ("isoshade-lab extinction-scale", "--size 16 --levels 2 --runs 1"),

@@ -18,7 +18,7 @@ check "lock-step images agree" "$ISOSHADE" compare a.exr b.exr --max-abs 2e-5
 check "a picture for people is written beside the image" render v.nrrd --scene "$scenes/shells.scene.json" --size 24 -o p.exr --png p.png
 [ "$(head -c 4 p.png | tail -c 3)" = PNG ] && ok "it is a PNG" || not_ok "it is a PNG" "wrong magic"
 
-check "a small volume is validated" "$ISOSHADE" validate v.nrrd --scene "$scenes/shells.scene.json" --quick --levels 1 --size 20 -q -o report
+check "a small volume is validated" "$ISOSHADE" validate v.nrrd --scene "$scenes/shells.scene.json" --quick --levels 1 --size 20 --with gl,povray -q -o report
 has_keys "report.json has" report/report.json agreement consistency calibration versions machine
 [ -s report/index.html ] && ! grep -qE '(src|href)="https?:' report/index.html && ok "index.html needs no network" || not_ok "index.html needs no network" "it names addresses"
 ISOSHADE_BLENDER=/nonexistent/blender "$ISOSHADE" validate v.nrrd --scene "$scenes/shells.scene.json" --quick --levels 1 --size 16 --with gl,cycles -q -o without >out.txt 2>err.txt

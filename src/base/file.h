@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "base/path.h"
 #include "base/status.h"
 #include "base/temporary.h"
 
@@ -74,9 +75,6 @@ void iso_output_keep(iso_output *out);
  * NUL-terminated. */
 int iso_memory_close(FILE *memory);
 
-/* Removes a directory and all in it. Missing is fine. */
-void iso_remove_tree(const char *path);
-
 /* The lock of a folder; it ends when fd is closed. */
 typedef struct iso_folder_lock {
     int fd;    /* of the folder; below 0: not locked */
@@ -89,17 +87,6 @@ typedef struct iso_folder_lock {
  * renamed or removed the folder, the folder that has the name now is locked. Waits at most two seconds for a lock of
  * another process: programs that a killed run had started may hold its lock until they end. */
 iso_folder_lock iso_folder_lock_take(const char *folder, bool make);
-
-/* Returns "dir/name", to be freed. NULL only when memory ends. */
-char *iso_path_join(const char *dir, const char *name);
-/* Returns the folder of path, "." when it has none; to be freed. */
-char *iso_path_dir(const char *path);
-/* Returns the last part of path without its folder; points into path. */
-const char *iso_path_base(const char *path);
-bool iso_path_exists(const char *path);
-bool iso_path_is_dir(const char *path);
-bool iso_path_is_file(const char *path); /* no folder, pipe or device */
-bool iso_path_ends_with(const char *path, const char *suffix);
 
 /* Opens a regular file for reading, and nothing else. *fd is -1 on failure. */
 iso_status iso_file_open(const char *path, int *fd, size_t *bytes, iso_error *err);

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/words.h"
+#include "base/control.h"
 
 const char *iso_status_text(iso_status status)
 {

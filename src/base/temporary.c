@@ -16,7 +16,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "base/file.h"
+#include "base/path.h"
 #include "base/unfinished.h"
 
 enum {

@@ -8,23 +8,11 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "base/control.h"
 #include "base/status.h"
 
 /* Prints a word of a command line, quoted for a shell if needed. */
 void iso_words_put_quoted(FILE *f, const char *word);
-
-/* Returns the length in bytes of a control character at the text's beginning, 0 if there is none: below a space,
- * delete, or U+0080 to U+009F in UTF-8, of which U+009B begins terminal commands. */
-size_t iso_words_control(const char *text);
-/* True if a text holds one. No name or word of a file needs it, and a line feed would begin a statement in texts for
- * other programs. */
-bool iso_words_has_control(const char *text);
-/* Copies a text with spaces in place of control characters, as much as fits into size bytes. */
-void iso_words_copy_line(const char *text, char *line, size_t size);
-/* Prints all of it in the same way, without a line end. */
-void iso_words_put_line(FILE *f, const char *text);
-/* Makes another program's output printable, in place: bytes outside printable ASCII become '?', tabs a space. */
-void iso_words_make_printable(char *text);
 
 /* Appends to a text in a buffer of `size` bytes; the rest is cut off. */
 void iso_words_append(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));

@@ -313,16 +313,6 @@ void iso_nodes_encode(iso_code code, float *nodes, size_t count)
     }
 }
 
-void iso_node_levels_encode(iso_node_levels *n, iso_code code)
-{
-    for (size_t l = 0; l < n->level_count; ++l) {
-        const size_t count = all_nodes(n, l);
-#pragma omp parallel for schedule(static) num_threads(iso_threads(0))
-        for (size_t first = 0; first < count; first += ENCODE_BATCH)
-            iso_nodes_encode(code, n->nodes[l] + ISO_NODE_CHANNELS * first, least(ENCODE_BATCH, count - first));
-    }
-}
-
 void iso_node_levels_destroy(iso_node_levels *n)
 {
     if (!n)

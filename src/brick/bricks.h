@@ -73,8 +73,8 @@ iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0
 /* Creates the nodes for bricks of given levels, separately for each brick. Those of bricks coarser than level 0 are
  * made at once, since finer ones take their face nodes from them; the others by iso_brick_make(). Level 0 may be narrow
  * (pyramid/narrow.h). code: directions are encoded and decoded; NULL: they are not. The samples of level 0 and
- * `levels`, one number per brick, are borrowed; fields of these nodes have the same levels. iso_node_levels_round() and
- * iso_node_levels_encode() do not accept these nodes. */
+ * `levels`, one number per brick, are borrowed; fields of these nodes have the same levels. They are not for
+ * iso_node_levels_round(). */
 iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
                                       const iso_code *code, const iso_node_options *opt, iso_error *err);
 /* Content of a brick of level 0; directions take most of the work. */
@@ -113,9 +113,6 @@ static inline int16_t iso_node_direction16(float component)
 {
     return (int16_t)lrintf(32767 * fminf(fmaxf(component, -1), 1));
 }
-/* Encodes and decodes the directions of all levels, so that files with decoded codes have no more distinct values than
- * those of a pyramid. Codes without length leave unit directions. */
-void iso_node_levels_encode(iso_node_levels *n, iso_code code);
 void iso_node_levels_destroy(iso_node_levels *n); /* accepts empty and NULL */
 
 static inline size_t iso_brick_count(const iso_node_levels *n)

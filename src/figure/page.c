@@ -106,11 +106,6 @@ FILE *iso_page_caption(iso_page *p)
     return p->files[CAPTION];
 }
 
-const char *iso_page_folder(const iso_page *p)
-{
-    return p->dir;
-}
-
 char *iso_page_file(const iso_page *p, const char *name)
 {
     return iso_path_join(p->dir, name);

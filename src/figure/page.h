@@ -43,7 +43,6 @@ size_t iso_page_dots(const iso_page *page, double mm);
 double iso_page_dots_mm(const iso_page *page, size_t dots);
 /* Returns the file of the caption. */
 FILE *iso_page_caption(iso_page *page);
-const char *iso_page_folder(const iso_page *page);
 /* Returns the path of another file in the page's folder, such as an animation, to be freed. */
 char *iso_page_file(const iso_page *page, const char *name);
 
@@ -92,9 +91,8 @@ typedef struct iso_page_color_bar {
     const char *text; /* a '|' begins a new line; or NULL */
 } iso_page_color_bar;
 void iso_page_put_color_bar(iso_page *page, const iso_page_color_bar *bar);
-/* Returns the width of the texts left of the bar; right of it. */
+/* Returns the width of the texts left of the bar. */
 double iso_page_color_bar_left_mm(const iso_page *page, const iso_page_color_bar *bar);
-double iso_page_color_bar_right_mm(const iso_page *page, const iso_page_color_bar *bar);
 
 /* Puts a bar of a round length on a picture in `box`: in the lower left corner, or in another one that shows less of
  * the volume (by opacity); black on bright pixels, white on dark ones. The caption explains it. mm_per_pixel 0:

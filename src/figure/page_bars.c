@@ -34,17 +34,6 @@ double iso_page_color_bar_left_mm(const iso_page *p, const iso_page_color_bar *b
     return (double)bar_text_lines(bar) * iso_page_line_mm(p, ISO_PAGE_NOTE) + (bar->text ? 0.3 : 0);
 }
 
-double iso_page_color_bar_right_mm(const iso_page *p, const iso_page_color_bar *bar)
-{
-    double widest = 0;
-    char text[32];
-    for (int i = 0; i < TICKS; ++i) {
-        tick_text(bar, i, text);
-        widest = fmax(widest, iso_page_text_mm(p, ISO_PAGE_NOTE, text));
-    }
-    return 1 + widest;
-}
-
 static void put_bar_text(iso_page *p, const iso_page_color_bar *bar)
 {
     const double line = iso_page_line_mm(p, ISO_PAGE_NOTE);

@@ -41,11 +41,3 @@ iso_status iso_cli_transfer_request(const iso_cli_transfer *a, iso_tf_request *q
         return iso_fail(err, ISO_E_USAGE, "--range is \"%s\", must be \"fit\" or two rising numbers LO,HI", a->range);
     return ISO_OK;
 }
-
-iso_status iso_cli_transfer_load(const iso_cli_transfer *a, const char *path, iso_tf *tf, iso_error *err)
-{
-    iso_tf_request request;
-    *tf = (iso_tf){0};
-    iso_status status = iso_cli_transfer_request(a, &request, err);
-    return status == ISO_OK ? iso_tf_load_as(path, &request, tf, err) : status;
-}

@@ -3,7 +3,7 @@
  *
  *     iso_cli_transfer transfer = {0};
  *     struct poptOption options[] = {ISO_CLI_TRANSFER_OPTIONS(&transfer), ..., POPT_TABLEEND};
- *     ... iso_cli_parse(...), iso_cli_transfer_load(&transfer, path, &tf, err) ...
+ *     ... iso_cli_parse(...), iso_cli_transfer_request(&transfer, &request, err) ...
  */
 #ifndef ISO_OPTIONS_TRANSFER_H
 #define ISO_OPTIONS_TRANSFER_H
@@ -24,8 +24,7 @@ typedef struct iso_cli_transfer {
     {"range", 0, POPT_ARG_STRING, &(a)->range, 0, "replace the file's range; fit: use the volume's range", "fit|LO,HI"}
 /* clang-format on */
 
-/* Fills a request; loads a file with it. ISO_E_USAGE names the option and its value. */
+/* Fills a request of iso_tf_load_as(). ISO_E_USAGE names the option and its value. */
 iso_status iso_cli_transfer_request(const iso_cli_transfer *a, iso_tf_request *request, iso_error *err);
-iso_status iso_cli_transfer_load(const iso_cli_transfer *a, const char *path, iso_tf *tf, iso_error *err);
 
 #endif

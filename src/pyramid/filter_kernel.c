@@ -22,11 +22,6 @@ size_t iso_state_count(iso_direction_filter f)
 
 /* ---- taps ---- */
 
-iso_taps iso_taps_mean(void)
-{
-    return (iso_taps){.count = 2, .weight = {0.5f, 0.5f}};
-}
-
 iso_taps iso_taps_gauss(size_t radius, double sigma)
 {
     iso_taps taps = {.count = 2 * radius};

@@ -26,7 +26,6 @@ typedef struct iso_taps {
     size_t count;
     float weight[ISO_FILTER_MAX_TAPS];
 } iso_taps;
-iso_taps iso_taps_mean(void);
 iso_taps iso_taps_gauss(size_t radius, double sigma);
 
 /* Returns the fine voxel of tap t of coarse voxel i; the edge voxel is repeated. */

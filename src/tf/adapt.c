@@ -33,11 +33,6 @@ void iso_adapter_destroy(iso_adapter *a)
     free(a);
 }
 
-size_t iso_adapter_entry_count(const iso_adapter *a)
-{
-    return a->s.count;
-}
-
 /* Returns the default width. Flat: chosen from 1.5, 1.6, 1.75, 2 and 3, as the least SSIM dissimilarity among those
  * with no case worse than the original TF on six of seven volumes. Each left-out volume gave the same choice and no
  * worse case. */

@@ -73,8 +73,6 @@ iso_status iso_adapter_create(const iso_joint *joint, const iso_adapt_options *o
                               iso_error *err);
 void iso_adapter_destroy(iso_adapter *adapter); /* accepts NULL */
 
-/* Returns the number of entries in the tables that apply() fills. */
-size_t iso_adapter_entry_count(const iso_adapter *adapter);
 /* Creates *table, to be destroyed by iso_tf_table_destroy(). level0: geometry whose spacing is the length; level: the
  * level of the adapter's histogram. ISO_E_MEMORY. */
 iso_status iso_adapter_apply(const iso_adapter *adapter, const iso_tf_table *tf, const iso_geometry *level0,

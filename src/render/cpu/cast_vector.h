@@ -24,10 +24,6 @@ CAST vi select_int(vi mask, vi yes, vi no)
 {
     return (mask & yes) | (~mask & no);
 }
-CAST vu select_bits(vi mask, vu yes, vu no)
-{
-    return ((vu)mask & yes) | (~(vu)mask & no);
-}
 CAST vf select_float(vi mask, vf yes, vf no)
 {
     return (vf)select_int(mask, (vi)yes, (vi)no);

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* path.h - parts of paths; questions about them; removal. */
+#ifndef ISO_PATH_H
+#define ISO_PATH_H
+
+#include <stdbool.h>
+
+/* Returns "dir/name", to be freed. NULL only when memory ends. */
+char *iso_path_join(const char *dir, const char *name);
+/* Returns the folder of path, "." when it has none; to be freed. */
+char *iso_path_dir(const char *path);
+/* Returns the last part of path without its folder; points into path. */
+const char *iso_path_base(const char *path);
+bool iso_path_exists(const char *path);
+bool iso_path_is_dir(const char *path);
+bool iso_path_is_file(const char *path); /* no folder, pipe or device */
+bool iso_path_ends_with(const char *path, const char *suffix);
+
+/* Removes a directory and all in it. Missing is fine. */
+void iso_remove_tree(const char *path);
+
+#endif
